@@ -17,16 +17,16 @@ struct GraspRequest {
 
   std::uint32_t serial = 0;  // counts requests, from 1
   Kind kind = Kind::cancel_pick_up;
-  int object = -1;                // its number in the scene
+  int object = -1;                // the object's number in the scene
   Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
-  Pose moved = Pose::Identity();  // of the object, frame S: the transform of its points from where the scene file places them
+  Pose moved = Pose::Identity();  // where the object is, frame S: the transform of its points from where the scene file places them
 };
 
-// The reply of the slow task: for a pick_up the tool, which the step holds until its next request. Null: there is none; the log says why.
+// The reply of the slow task: to a pick_up the tool, which the step holds until its next request. Null: there is none; the log says why.
 struct GraspReply {
-  std::uint32_t serial = 0;  // of the request
+  std::uint32_t serial = 0;  // that of the request
   HeldTool* tool = nullptr;
-  HapticsSetup::Text method = {};  // as HapticsSetup has it
+  HapticsSetup::Text method = {};  // the tool as text, as in HapticsSetup::method
 };
 
 // Hash and facts of a scene in which an object was put down. They are known some time after the scene can be felt: the larger the scene,
@@ -37,7 +37,7 @@ struct PlacedScene {
   SceneFacts facts;
 };
 
-// Between the step and the slow task. RT: yes. Threads: one on each side.
+// The exchange between the step and the slow task. RT: yes. Threads: one on each side.
 struct GraspLink {
   Mailbox<GraspRequest> requests;
   Mailbox<GraspReply> replies;
@@ -51,23 +51,23 @@ struct GraspLink {
 // step's.
 class Grasp {
  public:
-  // movable: by object. buttons: a mask; each of these buttons picks up.
+  // movable: for each object of the scene, whether it is movable. buttons: a mask of the buttons that pick up.
   Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons);
 
   // Places an object at the start: X_SO moves it from where the scene file has it. Set-up only. Pre: it is in the scene, and movable.
   void place(int object, const Pose& X_SO);
 
-  // Requests that an object moves to this pose from its present one, which has the same serial. update() moves it, unless an object is
-  // being picked up, held or put down, the serial is not the object's newest, or the object is not movable: then it ignores the request,
-  // and the sender repeats it.
+  // Requests that an object moves to this pose. The serial is that of the object's present pose. The next update() moves the object; it
+  // ignores the request, which the sender then repeats, if an object is being picked up, held or put down, if the serial is not the
+  // object's newest, or if the object is not movable.
   void request_pose(const ObjectPose& pose) noexcept { requested_pose_ = pose; }
 
-  // Whether objects may leave their places at the next update(), because no hub computes forces with parts of the scene that have them
-  // there. Otherwise picking up and requested moves wait. True at the start.
+  // Whether objects may leave their places at the next update(): not while a hub computes forces with parts of the scene in which they are
+  // still there. Until they may, picking up and requested moves wait. True at the start.
   void set_may_leave(bool may_leave) noexcept { may_leave_ = may_leave; }
-  // An object is about to leave its place, has left it, or was put down and cannot be felt at its new place yet. An object that is to be
-  // picked up counts as about to leave from the slow task's reply on, or with is_early from the press of the button on, when it is not
-  // certain that it can be picked up.
+  // Whether an object is about to leave its place, has left it, or was put down and cannot be felt at its new place yet. An object that is
+  // to be picked up counts as about to leave from the slow task's reply on, or with is_early from the press of the button on, when it is
+  // not certain that it can be picked up.
   bool is_object_away(bool is_early) noexcept;
 
   enum class Change : std::uint8_t {
@@ -79,14 +79,14 @@ class Grasp {
   // To be called before the force of each sample is computed. touched: the object in contact at the sample before, -1: none.
   // visual_offset_m: of that sample, frame W.
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
-  // In place of update() at a sample without a step before it, when it is not known yet what the probe touches. Nothing is picked up or
-  // moved then. A button that is pressed in this sample counts as pressed in the next one.
+  // To be called in place of update() at a sample without a step before it, when it is not known yet what the probe touches. Nothing is
+  // picked up or moved then. A button that is pressed in this sample counts as pressed in the next one.
   void skip_sample(const DeviceState& state) noexcept;
 
   // The tool that the stylus holds; null: none.
   HeldTool* tool() const noexcept { return tool_; }
   int object() const noexcept { return request_.object; }
-  // Method of the tool that the stylus holds, as HapticsSetup has it.
+  // The tool that the stylus holds as text, as in HapticsSetup::method.
   const HapticsSetup::Text& method() const noexcept { return link_.replies.value().method; }
   // Keeps the drawn pose of the tool. To be called after each of its steps.
   void note_pose(const Pose& X_WP, const Pose& X_WS) noexcept;
@@ -95,7 +95,7 @@ class Grasp {
   bool is_waiting() const noexcept { return phase_ == Phase::waiting; }
   // An object is picked up, held or put down: no other method may come into use.
   bool is_busy() const noexcept { return phase_ != Phase::idle; }
-  // The scene of that put_down request is built: the next method starts where the stylus touches the object.
+  // The scene for the put_down request with this serial has been built: the next method starts where the stylus touches the object.
   void note_built(std::uint32_t serial) noexcept;
   // Available once after note_built or Change::returned, frame W: the point of the object at which the probe touched it when it was picked
   // up, and the direction away from its surface.
@@ -108,9 +108,9 @@ class Grasp {
   // Each scene is returned once, and stays valid until the next one. Null: there is no new one.
   const PlacedScene* take_placed() noexcept { return link_.placed.take() ? &link_.placed.value() : nullptr; }
 
-  // By object; a serial of 0: it is not movable.
+  // The poses of all objects, in the order of the scene; serial 0: the object is not movable.
   std::span<const ObjectPose> poses() const noexcept { return poses_; }
-  // Counts the changes of the poses, from 1.
+  // The serial of the newest pose: counts the changes of all poses, from 1.
   std::uint32_t pose_serial() const noexcept { return pose_serial_; }
 
  private:
@@ -136,12 +136,12 @@ class Grasp {
   bool was_down_ = true;    // a button held down since before the start picks up nothing
   GraspRequest request_;
   HeldTool* tool_ = nullptr;
-  Vec3 p_DP_ = Vec3::Zero();      // the probe on the object when it was picked up, frame of the stylus
+  Vec3 p_DP_ = Vec3::Zero();      // from the device point to the probe when the object was picked up, frame of the stylus
   Pose X_SP_ = Pose::Identity();  // the tool's pose, frame S
   bool has_resume_contact_ = false;
   std::optional<ObjectPose> requested_pose_;
-  std::vector<Pose> moved_;         // by object
-  Pose before_ = Pose::Identity();  // of the object, before it was picked up or moved
+  std::vector<Pose> moved_;         // of each object, as GraspRequest::moved
+  Pose before_ = Pose::Identity();  // the same of request_.object, before it was picked up or moved
   std::vector<ObjectPose> poses_;
   std::uint32_t pose_serial_ = 1;
 };

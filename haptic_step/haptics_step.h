@@ -26,51 +26,51 @@ struct HapticsCounts {
   std::uint64_t views_rejected = 0;  // not rigid
   std::uint64_t method_changes = 0;  // changes while running
   std::uint64_t materials_taken = 0;
-  std::uint64_t moves_taken = 0;     // of objects, by programs
-  std::uint64_t shapes_applied = 0;  // likewise
+  std::uint64_t moves_taken = 0;     // moves of objects by programs
+  std::uint64_t shapes_applied = 0;  // stages of objects that programs deform
   double max_force_n = 0.0;
   // Of a rigid tool:
   double max_torque_nm = 0.0;
   std::uint64_t haptons = 0;  // over all steps in contact (pairs of triangles that touch: a unit of the memo, section 5)
-  int most_haptons = 0;       // in one
+  int most_haptons = 0;       // in one step
 };
 
-// The haptics node without its machine: device states and view transforms go in, force commands come out.
+// What the haptics node computes, without its threads, clock and link: device states and view transforms go in, force commands come out.
 // RT: all but construction yes. Threads: one.
 class HapticsStep {
  public:
   // offset_m: distance off the surface, on the side in contact, at which a new method starts when it takes over in contact.
   explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
 
-  // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. parts: of the scene that move, as
-  // the tool was made for. Pre: outlives this.
+  // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. parts: the parts of the scene that
+  // move, the same that the tool was made for. Pre: the tool outlives this object.
   void hold(StylusTool* tool, std::vector<ToolPart> parts = {});
   bool holds_tool() const noexcept { return tool_ != nullptr; }
-  // Before the first reply: what picks up movable objects with the stylus. parts: of the scene that move; each of its tools is made for
-  // these. Pre: outlives this.
+  // Before the first reply: sets what picks up movable objects with the stylus. parts: the parts of the scene that move; each tool of
+  // `grasp` is made for these. Pre: `grasp` outlives this object.
   void set_grasp(Grasp* grasp, std::vector<ToolPart> parts = {});
   // Null: nothing is movable.
   Grasp* grasp() const noexcept { return grasp_; }
-  // Before the first reply: effects from shared libraries, added to every force whatever the method is. Pre: outlives this.
+  // Before the first reply: sets effects from shared libraries, added to every force of every method. Pre: they outlive this object.
   void use_effects(PluginEffects* effects) noexcept { effects_ = effects; }
-  // Of the scene, or from shared libraries: the force depends on more than the contact.
+  // Whether there are effects, of the scene or from shared libraries: the force then depends on more than the contact.
   bool has_effects() const noexcept { return effects_ != nullptr || touch_->has_effects(); }
-  // Of the last reply: the tool overlaps the scene since it was put there, and gives no force.
+  // Whether, in the last reply, the tool gave no force because it has overlapped the scene since it was put there.
   bool is_tool_blocked() const noexcept { return is_tool_blocked_; }
 
-  // The hub may compute the force itself, and then sends few states: a hand goes far between two of them. Its place of the probe comes when
-  // it wants forces again (DeviceState::is_resumed).
+  // Whether the hub may compute the force itself. It then sends few states, between which a hand goes far. When it wants forces
+  // again, it sends the position of its probe (DeviceState::is_resumed).
   void set_thinned(bool is_thinned) noexcept { is_thinned_ = is_thinned; }
-  // A newer state for the next reply; one still waiting is skipped. Where the hand may have gone around something since the last reply
-  // (more than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume(). So
-  // does a rigid tool, also where it was turned by more than kResumeTurnRad meanwhile.
+  // A newer state for the next reply; one still waiting is skipped. If the hand may have gone around something since the last reply (more
+  // than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume(). So does a
+  // rigid tool, also if it was turned by more than kResumeTurnRad meanwhile. With set_thinned(true) only is_resumed begins anew.
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
   bool is_running() const noexcept { return running_; }
   // How often the probe, or a rigid tool, started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
-  // Of the last reply: a point of what touches, frame S: the device point, or a vertex of the tool where the device has it; and contact.
+  // In the last reply: a point of what touches, frame S: the device point, or a vertex of the tool of hold() in the device's pose; contact.
   Vec3 p_STouching() const noexcept;
   bool has_contact() const noexcept { return output_.contact || is_tool_held_; }
 
@@ -78,41 +78,41 @@ class HapticsStep {
   // is_running().
   void announce_start() noexcept;
 
-  // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
+  // The force for the newest state, with the number of its sample; compute_ns is left to the caller. Pre: has_state().
   ForceCommand reply() noexcept;
 
-  // Moves the static scene; false if the pose is not rigid: the scene stays.
+  // Moves the static scene. False: the pose is not rigid, and the scene stays.
   bool turn_scene(const ViewTransform& view) noexcept;
 
   // Sets the scene time of the next reply, from which keyframes continue. Without this call scene time begins at 0 with the first reply and
   // advances with the samples. A gap between two samples counts as at most kMaxSceneStepNs, the time between two sessions as 0. A state
   // that has a scene time of its own (DeviceState) sets it.
   void set_scene_time(std::int64_t time_ns) noexcept { next_scene_time_ns_ = time_ns; }
-  // As long as the hub is silent to a node that computes no force (20 samples a second).
+  // The time between samples that the hub sends to a node that computes no force (20 a second).
   static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;
 
   std::int64_t scene_time_ns() const noexcept { return scene_time_ns_; }
 
-  // Moves an object from the next reply on, as TouchStep::command. Its start is the scene time of a reply.
+  // Moves an object as TouchStep::command, known from the next reply on. The move's times are scene times, in seconds.
   bool command(int object, const CommandedMove& move) noexcept;
 
-  // A program deforms an object: its next stage, as StreamedMethod::offer_at; times are scene times. Returned: what is used no more.
+  // A program deforms an object: gives it its next stage, as StreamedMethod::offer_at; times are scene times. Returned: as there.
   // Pre: programs may deform the object.
   std::unique_ptr<ShapeStage> deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns, std::int64_t end_ns) noexcept;
 
-  // Replaces the method and returns the old one; objects that programs moved stay where they are, and what was carved
-  // stays so. In contact the new one starts where the
-  // old one's probe is, on the same side of the surface, so its first step has the same contact; in free space at the device point. Where
-  // the forces of the two differ, the difference fades (ForceFade).
+  // Replaces the method and returns the old one. Objects that programs moved stay where they are, and what was carved stays
+  // carved. In contact the new method starts where the probe of the old one is, on the same side of the surface,
+  // so its first step has the same contact; in free space it starts at the device point.
+  // If the forces of the two differ, the difference fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
 
   // What the last reply carved; null: nothing.
   const MadeCarve* made_carve() const noexcept { return touch_->made_carve(); }
   // As TouchStep::repeat_carve.
   bool repeat_carve(int object, const Carve& carve) noexcept { return touch_->repeat_carve(object, carve); }
-  // As TouchStep::restore_carves: carves were undone. In contact the difference of the forces fades (ForceFade).
+  // As TouchStep::restore_carves, after carves were undone. In contact the difference of the forces fades (ForceFade).
   bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept;
-  // Takes the place of the method that is there, without a change of method: for a replay that begins anew with whole bodies.
+  // Puts `touch` in place of the present method without counting a change of method: for a replay that begins anew with whole bodies.
   void begin_anew(std::unique_ptr<TouchStep> touch) noexcept {
     touch->copy_commands(*touch_);
     touch_ = std::move(touch);
@@ -122,7 +122,7 @@ class HapticsStep {
   // The materials have changed, as ForceMethod::set_materials has them; the proxy stays. In contact the difference of the forces fades
   // (ForceFade), as after a change of method.
   void set_materials(std::span<const Material> materials) noexcept;
-  // The same with a rigid tool that was held from the start (hold): what it takes from them. Pre: holds_tool(), as StylusTool has it.
+  // The same with a rigid tool held from the start (hold). of_tool: as in StylusTool::set_materials. Pre: holds_tool(), and as there.
   void set_materials(std::span<const Material> materials, const ToolMaterials& of_tool) noexcept;
 
   // Forgets contact and time.
@@ -137,7 +137,7 @@ class HapticsStep {
   // A new hub session begins: as restart, but contact continues at the probe's position, if the device is still near (kResumeReachM).
   void resume() noexcept;
 
-  // The newest view transform taken.
+  // The last view transform that turn_scene() took.
   const ViewTransform& view() const noexcept { return view_; }
 
   const HapticsCounts& counts() const noexcept { return counts_; }
@@ -163,7 +163,7 @@ class HapticsStep {
   std::unique_ptr<TouchStep> touch_;
   StylusTool* tool_ = nullptr;
   std::vector<ToolPart> tool_parts_;
-  std::vector<Pose> X_SO_;  // of these
+  std::vector<Pose> X_SO_;  // the poses of these parts
   Grasp* grasp_ = nullptr;
   PluginEffects* effects_ = nullptr;  // null: none
   bool is_tool_blocked_ = false;
@@ -177,7 +177,7 @@ class HapticsStep {
   ForceFade fade_;                 // from the method before
   ForceFade torque_fade_;          // Nm
   std::optional<Vec3> p_WP_;       // where the probe rested when the session ended, or an object was put down
-  Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
+  Vec3 outward_W_ = Vec3::Zero();  // from the device point to there, at that time
   std::int64_t last_time_ns_ = 0;
   std::int64_t scene_time_ns_ = 0;
   std::optional<std::int64_t> next_scene_time_ns_;

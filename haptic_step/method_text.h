@@ -14,16 +14,16 @@ namespace hapton {
 // set-up only.
 std::string to_text(const MethodSettings& settings);
 
-// Error: a key that to_text does not write, a malformed value.
+// Reads such a text; the keys "effects" and "cut", which a recording adds, are ignored. Error: another unknown key, or a malformed value.
 Result<MethodSettings> parse_method_text(std::string_view text);
 
-// The same of a rigid tool, which takes the place of a method: "name=tool stiffness_n_per_m=800 ...". voxel_m: 0: no voxels.
+// A rigid tool, which takes the place of a method, as text: "name=tool stiffness_n_per_m=800 ...". voxel_m 0: the tool uses no voxels.
 std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles, double voxel_m = 0.0);
 
-// None: a method, or not written by to_text.
+// Reads the text of a tool. None: the text names a method, or to_text did not write it.
 std::optional<ToolCoupling> parse_tool_text(std::string_view text);
 
-// What stands behind "effects=" there: the effects from shared libraries that were added (PluginEffects::to_text). Empty: none.
+// What stands behind "effects=" in a method text: the effects from shared libraries that were added (PluginEffects::to_text). Empty: none.
 std::string_view effects_in(std::string_view method_text);
 
 }  // namespace hapton

@@ -25,27 +25,27 @@ namespace hapton {
 // caller sets the pace. RT: request and work yes. Threads: the step's.
 class ObjectMover {
  public:
-  static constexpr std::size_t kMaxWaiting = 16;  // objects; one is carried out every 4 ms (decision 155)
-  // Moves that begin later than now: the other half of those kept is for the past.
+  static constexpr std::size_t kMaxWaiting = 16;  // requests, each for another object; one is carried out every 4 ms (decision 155)
+  // The most moves of one object that begin later than now: the other half of the moves that CommandedMotion keeps is for the past.
   static constexpr std::int64_t kMaxAhead = CommandedMotion::kMoves / 2;
-  static constexpr std::size_t kRemembered = 128;  // for longer than a sender waits until it repeats
+  static constexpr std::size_t kRemembered = 128;  // replies; they last longer than a sender waits until it repeats
 
   // source: as in ObjectMove.
   ObjectMover(const Scene& scene, std::uint32_t source);
   ObjectMover(const ObjectMover&) = delete;
   ObjectMover& operator=(const ObjectMover&) = delete;
 
-  // To be carried out. For one object the newest counts: an earlier one that waits is rejected. Beyond kMaxWaiting it is counted and left
-  // out; its sender repeats it. One that was carried out already only gets its reply again.
+  // Keeps a request to be carried out. It replaces an earlier one for the same object that still waits, which is rejected. If kMaxWaiting
+  // wait already, it is counted and left out; its sender repeats it. A request that was carried out before only gets its reply again.
   void request(const MoveRequest& request) noexcept;
   bool has_request() const noexcept { return waiting_count_ > 0; }
-  // Moves begin so much later than the last reply: while the hub computes the force, it has to know of a move before it begins. Then no
-  // more than kMaxAhead of one object wait for their beginning, half of what CommandedMotion keeps: a newer request waits, and replaces
-  // those that wait.
+  // Moves begin this much later than the last reply: while the hub computes the force, it has to know of a move before the move begins.
+  // Moves of one object then begin at least lead_ns / kMaxAhead apart, so that at most kMaxAhead of them have not begun; a newer request
+  // waits until it may, and replaces the one that waits.
   void set_lead_ns(std::int64_t lead_ns) noexcept { lead_ns_ = lead_ns; }
 
-  // Carries out the request that has waited longest, of those that may begin. Its reply is to no request (0) if none may. Result: the
-  // object's new move, for all who draw it; none where the request was rejected or has been carried out before. Pre: has_request().
+  // Carries out the request that has waited longest of those that may begin. If none may, the reply has the request number 0. move: the
+  // object's new move, for all who draw it; none if the request was rejected or has been carried out before. Pre: has_request().
   struct Done {
     MoveReply reply;
     std::optional<ObjectMove> move;
@@ -54,18 +54,18 @@ class ObjectMover {
 
   // The newest move of each object that programs may move, in the order of the scene; serial 0: not moved yet.
   std::span<const ObjectMove> moves() const noexcept { return moves_; }
-  // Requests left out as too many waited.
+  // The number of requests left out because too many waited.
   std::uint64_t overflows() const noexcept { return overflows_; }
   std::string_view name_of(std::int32_t object) const noexcept;
 
  private:
   struct Waiting {
     MoveRequest request;
-    std::int32_t object = -1;  // of the scene; -1: none
+    std::int32_t object = -1;  // number in the scene; -1: no object, or several, have that name
   };
   struct Found {
     std::int32_t object = -1;
-    std::size_t count = 0;  // of objects with that name
+    std::size_t count = 0;  // number of objects with that name
   };
 
   Found find(const MoveRequest& request) const noexcept;

@@ -11,13 +11,13 @@ namespace hapton {
 // What has changed in a scene file that was read again, ordered by how much must be made anew.
 enum class SceneChange : std::uint8_t {
   none,
-  names,      // of objects and materials, alone: all forces are the same
+  names,      // only names of objects and materials: all forces are the same
   materials,  // stiffness, damping and friction of some objects
-  effects,    // of surfaces or of space, or names beside materials: the meshes are the same
+  effects,    // effects of surfaces or in free space, or both names and materials: the meshes are the same
   shape       // meshes, their poses, motions and number, or which of their sides are felt
 };
 
-// Compares everything that affects the forces, and the names of objects and effects. RT: no.
+// Compares what affects the forces, and the names of objects and materials; not the tool and effects from shared libraries. RT: no.
 SceneChange compare_scenes(const Scene& before, const Scene& after);
 
 // The differences between the materials of `after` and those of `before`, object by object; serial and request are 0. None: more objects

@@ -11,37 +11,37 @@
 
 namespace hapton {
 
-// Keeps the carves and undos of this process and determines which ones are sent when: new ones at once, and again what vision nodes
-// request, in datagrams of many, at most 200 a second. New ones and requested ones take turns, so that neither waits for the other.
+// Keeps the carves and undos (entries) of this process and determines when which entries are sent: new ones at once, others again if vision
+// nodes request them. A datagram has many entries; at most 200 datagrams a second are sent. New and requested entries take turns.
 //
-// A datagram may be lost: each one repeats the newest ones of the one before, and the last ones of a motion come twice more. What is
-// missing all the same, a vision node requests; one that joins late requests everything. Requests only set a place to go on from, so any
-// number of them costs no more than one. RT: yes, except construction. Threads: one.
+// A datagram may be lost. So each one repeats the newest entries of the one before, and the last entries of a motion are sent twice more. A
+// vision node requests what it still lacks; one that joins late requests everything. A request only sets the serial from which entries are
+// sent again, so many requests cost no more than one. RT: yes, except construction. Threads: one.
 class CarveSender {
  public:
   static constexpr std::size_t kMax = Sculpture::kMaxCarves;  // 44 MB
   static constexpr std::int64_t kEveryNs = 5 * kNanosecondsPerMillisecond;
-  // So most losses need no request (decision 161): new ones are sent with so many before them, the last ones twice more.
+  // Entries repeated before new ones, and times that the last ones are sent again: most losses then need no request (decision 161).
   static constexpr std::uint32_t kOverlap = 8;
   static constexpr std::int64_t kAgainNs = 50 * kNanosecondsPerMillisecond;
   static constexpr int kTimesAgain = 2;
 
-  // source: as in Carves, odd. Takes the memory for `most` carves.
+  // source: as in Carves, odd. Takes memory for `most` entries.
   explicit CarveSender(std::uint32_t source, std::size_t most = kMax);
 
-  // The next one, whose serial is newest() + 1, or 1 where other bodies have taken the place of those carved before: for vision nodes they
-  // are those of another process. Any other serial, and what there is no memory for, is left out.
+  // Adds the next entry. Its serial is newest() + 1, or 1 if other bodies have taken the place of those carved before: then the source
+  // changes, as if it were another process. An entry with another serial, or for which there is no memory, is left out.
   void note(const MadeCarve& made) noexcept;
   bool is_full() const noexcept { return carves_.size() == most_; }
   std::uint32_t source() const noexcept { return source_; }
   std::uint32_t newest() const noexcept { return static_cast<std::uint32_t>(carves_.size()); }
 
-  // Of another process: left out.
+  // Takes the report of a vision node, which tells what it has received. A report about another process is ignored.
   void accept(const CarveStatus& status) noexcept;
 
   // The datagram that is due, if any.
   std::optional<Carves> take_due(std::int64_t now_ns) noexcept;
-  // Without carves: how many there are, for whoever missed the last ones or knows another process.
+  // A message without carves that tells how many there are, for nodes that missed the last ones or know those of another process.
   Carves announce() const noexcept;
 
  private:
@@ -53,9 +53,9 @@ class CarveSender {
 
   std::uint32_t source_;
   std::size_t most_;
-  std::vector<Carves::One> carves_;   // by serial, from 1
-  std::uint32_t next_fresh_ = 1;      // serial of the first one not sent yet
-  std::uint32_t next_requested_ = 0;  // from here up to next_fresh_ they are sent again; 0: none
+  std::vector<Carves::One> carves_;   // the index is serial - 1
+  std::uint32_t next_fresh_ = 1;      // serial of the first entry that has not been sent yet
+  std::uint32_t next_requested_ = 0;  // entries from this serial to before next_fresh_ are sent again; 0: none
   bool was_fresh_ = false;
   std::int64_t next_ns_ = 0;
   std::int64_t again_ns_ = 0;

@@ -16,29 +16,29 @@
 
 namespace hapton {
 
-// Undoes carves: a slow task keeps a second copy of the bodies, carved as those in use. It puts the material of a press of the button back
-// there, however long that takes, and the loop that replies to the device then exchanges the two. So a step never waits, and a sample is
-// felt either with the material or without it. The replaced copy is brought up to date in the same way. Source: decision 192.
+// Undoes carves. A slow task keeps a second copy of the bodies, carved like the bodies in use. In this copy it puts the material of a press
+// of the button back, however long that takes; the loop that replies to the device then exchanges the two. So a step never waits, and a
+// sample is felt either with the material or without it. The task then brings the replaced copy up to date too. Source: decision 192.
 // RT: note, request and work yes. Threads: one caller.
 class CarveUndoTask {
  public:
-  // whole: the bodies in use before any carve; before: what was carved since then. Takes memory for the bodies twice.
+  // whole: the bodies in use before any carve; before: what was carved since then. Takes memory for two more copies of the bodies.
   explicit CarveUndoTask(const Sculpture& whole, std::span<const MadeCarve> before = {});
   ~CarveUndoTask();
   CarveUndoTask(const CarveUndoTask&) = delete;
   CarveUndoTask& operator=(const CarveUndoTask&) = delete;
 
-  // Each entry of the list, in order; those that work() returned as well.
+  // To be called with each new entry of the list, in order, also with those that work() returned.
   void note(const MadeCarve& made) noexcept;
-  // Requests the undo of the press that a carve with this serial belongs to. One that is undone already, or unknown, changes nothing; a
-  // later request replaces one that has not begun.
+  // Requests the undo of the press that the carve with this serial belongs to. If the carve is undone already, or unknown, nothing changes.
+  // A later request replaces one that has not begun.
   void request(std::uint32_t serial) noexcept { requests_.publish(serial); }
 
-  // After a reply: exchanges the bodies, if an undo is ready. Returns its entry of the list, for whoever keeps that.
+  // To be called after each reply: exchanges the bodies, if an undo is ready. Returns the undo as an entry, for those who keep the list.
   std::optional<MadeCarve> work(HapticsStep& step) noexcept;
 
  private:
-  // Whose the copy is: the slow task's until an undo is ready in it, then that of the caller of work().
+  // Who uses the copy: the caller of work() in the stage ready, that is, once an undo is ready in the copy; otherwise the slow task.
   enum class Stage : std::uint8_t { idle, ready, taken, behind };
   // Entries that the caller may have to add to the copy itself: as many as it makes while the task hands it over.
   static constexpr std::size_t kMaxMissing = 4;
@@ -53,16 +53,16 @@ class CarveUndoTask {
   const Sculpture whole_;
   Sculpture copy_;
   // The caller's:
-  std::array<MadeCarve, kMaxMissing> last_ = {};  // entries, by serial modulo their number
+  std::array<MadeCarve, kMaxMissing> last_ = {};  // the last entries; the index is serial % kMaxMissing
   // The task's:
   CarveList list_;
-  // Of both:
+  // Used by both:
   Mailbox<std::uint32_t> requests_;
   std::unique_ptr<Ring> noted_ = std::make_unique<Ring>();
   std::atomic<bool> has_lost_ = false;  // nothing can be undone any more
   std::atomic<Stage> stage_ = Stage::idle;
-  CarveRange undone_;         // in the copy; changes while it is the task's
-  std::uint32_t synced_ = 0;  // serial up to which the copy has all entries; likewise
+  CarveRange undone_;         // the carves undone in the copy; changes while the task uses the copy
+  std::uint32_t synced_ = 0;  // serial up to which the copy has all entries; changes likewise
   std::atomic<bool> stop_ = false;
   std::thread thread_;  // last: it uses the others
 };
