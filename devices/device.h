@@ -25,7 +25,7 @@ struct DeviceLimits {
 };
 
 // The time from zero to the maximum force, for devices of which nothing more is known: half of a quarter period at 30 Hz, the lowest
-// structural frequency of the PHANToM Model A. The mechanics do not transmit a faster rise.
+// structural frequency of the PHANToM Model A. That is faster than the mechanics transmit a force.
 inline constexpr double kForceRiseS = 0.004;
 
 // Force and torque for the motors, frame W.
@@ -77,7 +77,7 @@ class Device {
   virtual void write(const Wrench& wrench, std::int64_t now_ns) noexcept = 0;
 
   // Cuts the device: until restore(), no force is on the motors, whatever is written, and Hapton's compensation of the device's weight is
-  // off; a vendor's library may keep its own. cut() does not wait for a write() in progress. False: the device cannot do that.
+  // off; a vendor's library may keep its own. It also works while another thread is inside write(). False: the device cannot do that.
   // RT: yes, wait-free. Threads: cut() any, at any time; restore() only the owner.
   virtual bool cut() noexcept { return false; }
   virtual void restore() noexcept {}

@@ -40,7 +40,7 @@ struct System {
   double max_force_n;
   double continuous_force_n;
   double max_torque_nm;
-  Vec3 half_workspace_m;  // in W
+  Vec3 half_workspace_m;  // half the sides of the workspace, along the axes of W
 };
 const System& find_system(int type);
 

@@ -11,7 +11,7 @@ namespace hapton {
 
 struct ForceDimensionOptions {
   std::string library_file;              // empty: libdrd or libdhd by their usual names
-  double warning_before_moving_s = 3.0;  // from the warning until a device that calibrates itself moves
+  double warning_before_moving_s = 3.0;  // time between the warning and the motion of a device that calibrates itself
 };
 
 // A device of Force Dimension, or a Novint Falcon, through the Force Dimension SDK, loaded at run time. While the device is in use, a

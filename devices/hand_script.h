@@ -19,7 +19,7 @@ struct HandIntention {
   Vec3 p_WH = Vec3::Zero();        // m, frame W
   Vec3 gimbal_rad = Vec3::Zero();  // yaw about y, pitch about x, roll about the stylus
   std::optional<Quat> q_WT = {};   // on a path that has orientations: in place of gimbal_rad
-  std::uint32_t buttons = 0;       // that the hand holds down; 0 unless a path has buttons
+  std::uint32_t buttons = 0;       // buttons that the hand holds down; 0 unless a path has buttons
 };
 
 // The motion of a hand that cannot see: travel in front of the scene, approach along -z until something pushes back, press, slide,
@@ -81,7 +81,7 @@ class HandScript {
   double phase_end_s_ = 0.0;
   double tilted_s_ = 0.0;        // time of the script's tilt; stands still while the hand is led, which then holds the stylus still
   Vec3 hand_m_;                  // the intended position, moved step by step
-  Vec3 aim_m_ = Vec3::Zero();    // where travel and leave end, and where a tap lifts to
+  Vec3 aim_m_ = Vec3::Zero();    // the goal of travel and of leave, or the upper position of a tap
   Vec3 normal_ = Vec3::UnitZ();  // normal of the surface touched last
   Vec3 tangent_ = Vec3::UnitX();
   Vec3 filtered_force_n_ = Vec3::Zero();  // the force through a low-pass filter, as a hand feels it

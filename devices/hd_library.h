@@ -44,7 +44,7 @@ constexpr Enum kDeviceFault = 0x300, kDeviceAlreadyInitiated = 0x301, kCommError
 constexpr Enum kInvalidLicense = 0x600;
 
 constexpr Enum kCallbackDone = 0, kCallbackContinue = 1;
-constexpr unsigned short kHighestPriority = 65535;  // of the library's scheduler
+constexpr unsigned short kHighestPriority = 65535;  // the highest priority of a callback in the library's scheduler
 
 // "HD_COMM_ERROR (0x302)", "error 0x999".
 std::string name_of_error(Enum code);

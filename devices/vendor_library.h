@@ -16,7 +16,7 @@ struct KnownVendorLibrary {
   std::string_view device;                        // the name for --device
   std::span<const std::string_view> file_names;   // in the order in which they are tried
   std::string_view devices;                       // the devices that it drives, for people
-  std::string_view source;                        // where a person gets it
+  std::string_view source;                        // where a person gets it, with what else is needed
   std::span<const std::string_view> environment;  // variables that it reads, or that its users set
 };
 

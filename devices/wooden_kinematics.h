@@ -26,7 +26,7 @@ struct WoodenArm {
       Body{.body_diameter_m = 0.120, .length_m = 0.205, .mass_kg = 0.17, .mass_centre_m = 0.051},
       Body{.body_diameter_m = 0.120, .length_m = 0.245, .mass_kg = 0.11, .mass_centre_m = 0.091},
   };
-  Vec3 origin_m = Vec3(0.22, 0.0, 0.08);  // of the workspace, in the arm's base frame
+  Vec3 origin_m = Vec3(0.22, 0.0, 0.08);  // origin of B: the workspace's centre, from the foot of the column, along the axes of B
 };
 
 // Frame: B, the base: z up along the column's axis, x forward where all angles are zero, y by the right-hand rule; its origin is
@@ -47,7 +47,7 @@ class WoodenKinematics {
   // The derivatives of position_m with respect to the angles: a row for each coordinate, a column for each angle.
   Mat3 jacobian(const Vec3& angles_rad) const noexcept;
 
-  // Potential energy of the upper and lower arm under gravity; zero at the height of the base itself (z = -origin_m.z() in B).
+  // Potential energy of the upper and lower arm under gravity; zero at the height of the foot of the column (z = -origin_m.z() in B).
   double potential_energy_j(const Vec3& angles_rad) const noexcept;
   // Joint torques that hold the arms against gravity: the gradient of potential_energy_j.
   Vec3 gravity_torque_nm(const Vec3& angles_rad) const noexcept;

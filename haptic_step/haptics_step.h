@@ -63,14 +63,14 @@ class HapticsStep {
   void set_thinned(bool is_thinned) noexcept { is_thinned_ = is_thinned; }
   // A newer state for the next reply; one still waiting is skipped. If the hand may have gone around something since the last reply (more
   // than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume(). So does a
-  // rigid tool, also if it was turned by more than kResumeTurnRad meanwhile. With set_thinned(true) only is_resumed begins anew.
+  // rigid tool, also if it was turned by more than kResumeTurnRad meanwhile. With set_thinned(true) only state.is_resumed causes this.
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
   bool is_running() const noexcept { return running_; }
   // How often the probe, or a rigid tool, started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
-  // In the last reply: a point of what touches, frame S: the device point, or a vertex of the tool of hold() in the device's pose; contact.
+  // A point of what touches, at the last reply, frame S: the device point, or a vertex of the tool of hold() in the device's pose. Contact.
   Vec3 p_STouching() const noexcept;
   bool has_contact() const noexcept { return output_.contact || is_tool_held_; }
 
@@ -93,7 +93,7 @@ class HapticsStep {
 
   std::int64_t scene_time_ns() const noexcept { return scene_time_ns_; }
 
-  // Moves an object as TouchStep::command, known from the next reply on. The move's times are scene times, in seconds.
+  // Moves an object, as TouchStep::command; it counts from the next reply on. The times of the move are scene times.
   bool command(int object, const CommandedMove& move) noexcept;
 
   // A program deforms an object: gives it its next stage, as StreamedMethod::offer_at; times are scene times. Returned: as there.
@@ -108,9 +108,9 @@ class HapticsStep {
 
   // What the last reply carved; null: nothing.
   const MadeCarve* made_carve() const noexcept { return touch_->made_carve(); }
-  // As TouchStep::repeat_carve.
+  // Calls TouchStep::repeat_carve.
   bool repeat_carve(int object, const Carve& carve) noexcept { return touch_->repeat_carve(object, carve); }
-  // As TouchStep::restore_carves, after carves were undone. In contact the difference of the forces fades (ForceFade).
+  // Calls TouchStep::restore_carves, after carves were undone. In contact the difference of the forces fades (ForceFade).
   bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept;
   // Puts `touch` in place of the present method without counting a change of method: for a replay that begins anew with whole bodies.
   void begin_anew(std::unique_ptr<TouchStep> touch) noexcept {
@@ -172,16 +172,16 @@ class HapticsStep {
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;
   DeviceState state_;
-  TouchInput input_;               // of the last reply
-  TouchOutput output_;             // of the last reply, by the method alone
-  ForceFade fade_;                 // from the method before
-  ForceFade torque_fade_;          // Nm
+  TouchInput input_;               // the input of the last reply
+  TouchOutput output_;             // the method's output at the last reply, without fade and tool
+  ForceFade fade_;                 // fades the difference from an earlier method, N
+  ForceFade torque_fade_;          // the same for the torque, Nm
   std::optional<Vec3> p_WP_;       // where the probe rested when the session ended, or an object was put down
   Vec3 outward_W_ = Vec3::Zero();  // from the device point to there, at that time
   std::int64_t last_time_ns_ = 0;
   std::int64_t scene_time_ns_ = 0;
   std::optional<std::int64_t> next_scene_time_ns_;
-  std::uint64_t last_sample_ = 0;     // of the last reply
+  std::uint64_t last_sample_ = 0;     // the sample of the last reply
   std::uint64_t replied_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_
   std::uint32_t skipped_ = 0;
   std::uint32_t free_starts_ = 0;

@@ -76,9 +76,9 @@ class ObjectMover {
   void remember(const MoveReply& reply) noexcept;
   void remember_overtaken(const Waiting& waiting) noexcept;
 
-  std::vector<std::string> names_;                                  // by object
+  std::vector<std::string> names_;                                  // of all objects, in the order of the scene
   std::vector<std::pair<std::string_view, std::int32_t>> by_name_;  // sorted
-  std::vector<std::shared_ptr<const CommandedObject>> objects_;     // by object; null: programs may not move it
+  std::vector<std::shared_ptr<const CommandedObject>> objects_;     // in the order of the scene; null: programs may not move it
   std::vector<ObjectMove> moves_;
   std::array<Waiting, kMaxWaiting> waiting_ = {};  // the first has waited longest
   std::size_t waiting_count_ = 0;

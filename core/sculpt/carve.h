@@ -7,8 +7,8 @@ namespace hapton {
 
 // The capsule of material that a ball removes along a straight path. Frame: that of the field (the static scene S). Units: metres.
 struct Carve {
-  Vec3 from_m = Vec3::Zero();  // the ball's centre at the beginning
-  Vec3 to_m = Vec3::Zero();    // ... and at the end
+  Vec3 from_m = Vec3::Zero();  // the ball's centre at the beginning of the path
+  Vec3 to_m = Vec3::Zero();    // the ball's centre at its end
   double radius_m = 0.0;
 
   friend bool operator==(const Carve& a, const Carve& b) { return a.from_m == b.from_m && a.to_m == b.to_m && a.radius_m == b.radius_m; }
