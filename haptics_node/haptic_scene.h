@@ -13,21 +13,21 @@
 
 namespace hapton {
 
-// The scene as it is felt now, coupled, for whoever needs to know beside the step: the advice on stiffness, the watch over a hand inside a
-// body, and the parts for the hub. RT: no. Threads: any.
+// The scene as it is felt now, with its materials in series with the virtual coupling. Passes each change of it on to those that need it
+// besides the step: the stiffness adviser, the warning of a hand inside a body, and the sender of parts for the hub. RT: no. Threads: any.
 class HapticScene {
  public:
   using FindGains = std::function<LargestGains(const TouchScene&)>;
 
-  // Pre: the others outlive this, and have this scene.
+  // Pre: adviser, inside and patches outlive this, and have this scene already.
   HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideBodyWarning& inside, PatchSender& patches);
 
-  // Its materials have changed. Pre: one for each object.
+  // To be called when materials of the scene have changed. Pre: materials has one for each object.
   void tune(const std::vector<Material>& materials);
-  // Another scene is in use.
+  // To be called when another scene is in use, with the materials of its file.
   void follow(const TouchScene& scene);
-  // An object was put down; the others are as before. Of the materials only the last ones of tune() count, if there are any: some may have
-  // come while the scene was built. revision: of NewScene.
+  // To be called when an object was put down; the others are as before. The materials of the last tune() since follow(), if any, replace
+  // those of `scene`, because they may have changed while it was built. revision: NewScene::revision.
   void place(const TouchScene& scene, std::uint32_t revision);
 
  private:
@@ -39,7 +39,7 @@ class HapticScene {
   PatchSender& patches_;
   std::mutex mutex_;
   TouchScene scene_;
-  std::vector<Material> tuned_;  // of tune(); empty: those of the scene
+  std::vector<Material> tuned_;  // materials of the last tune(); empty: those of the scene count
 };
 
 }  // namespace hapton
