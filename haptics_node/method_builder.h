@@ -17,14 +17,14 @@
 
 namespace hapton {
 
-// Makes a method for the scene, as make_method does; may replace settings.name by the full name. Threads: one at a time.
+// Makes a force method for a scene, as make_method does; may replace settings.name by the full name. Threads: one at a time.
 using MakeMethod = std::function<Result<std::unique_ptr<ForceMethod>>(MethodSettings& settings, const TouchScene& scene)>;
 Result<std::unique_ptr<ForceMethod>> make_built_in(MethodSettings& settings, const TouchScene& scene);
 
-// A method ready for use.
+// A force method, ready for use.
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
-  HapticsSetup::Text text = {};                     // as in HapticsSetup::method
+  HapticsSetup::Text text = {};                     // for HapticsSetup::method
   std::uint32_t request_id = 0;                     // as in Settings::method_request; 0: not requested by name
   std::shared_ptr<const NewScene> scene = nullptr;  // the new scene that it was made for; null: the scene in use
 };
@@ -39,7 +39,7 @@ struct RejectedMethod {
 // builds nor frees anything. Its thread is also the slow task of the method in use: it builds what that method's steps request
 // (ForceMethod::prepare). A method that cannot be built is logged and reported, and the current one stays in use. A method that replaces
 // another one in contact is built completely, not on approach. RT: request, take, take_rejection, retire and idle_polls yes; the rest
-// set-up only. Threads: one caller, and another one of rebuild_for.
+// set-up only. Threads: one caller; rebuild_for from another one.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -53,11 +53,11 @@ class MethodBuilder {
   void request(const MethodName& name, std::uint32_t request_id = 0) noexcept { requests_.publish({name, request_id}); }
 
   // Builds the method in use for another scene, or keeps it if the meshes are the same (NewScene::keeps_shape); later methods are built for
-  // that scene, too. Returns when take() can return it. Error, one line: it cannot be built; the present scene stays in use. Threads: any
-  // but the caller of take, one at a time. RT: no.
+  // that scene, too. Waits until take() can return the result. Error, one line: the method cannot be built; the present scene stays in use.
+  // Threads: any except the caller of take, one at a time. RT: no.
   Result<void> rebuild_for(std::shared_ptr<const NewScene> scene);
 
-  // How often the slow task found nothing to do. Once it has risen by two, everything requested before is built.
+  // How often the slow task found nothing to do. Once this number has risen by two, everything requested before is built.
   std::uint64_t idle_polls() const noexcept { return idle_polls_.load(std::memory_order_acquire); }
 
   // The newest method that is built and not yet taken; null: there is none.
@@ -66,7 +66,7 @@ class MethodBuilder {
   // The newest rejection that is not yet taken; null: there is none. The pointer is valid until the next call.
   const RejectedMethod* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
-  // Frees an object of take() that now holds the replaced method, in the thread of the builder.
+  // Frees, in the builder's thread, an object that take() has returned and that now holds the replaced method.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
 
  private:
@@ -93,7 +93,7 @@ class MethodBuilder {
   std::atomic<BuiltMethod*> retired_ = nullptr;
   std::atomic<std::uint64_t> idle_polls_ = 0;
   std::mutex scene_mutex_;
-  std::shared_ptr<const NewScene> next_scene_;  // requested and not begun; null: none
+  std::shared_ptr<const NewScene> next_scene_;  // requested, and its build has not begun; null: none
   std::promise<Result<void>> scene_built_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

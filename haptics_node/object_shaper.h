@@ -18,63 +18,63 @@
 
 namespace hapton {
 
-// Deforms the objects with `deformed_by = "program"` as programs request. A shape comes in parts; once it is whole, a task of its own makes
-// it ready; then its vertices are sent on, and then it is announced from which scene time on the surface moves there: after the last reply,
-// so that nothing that was felt changes, and not before the surface has arrived at the shape before. No vertex is faster than
-// kMaxSurfaceSpeed. Source: decision 201.
+// Deforms the objects with `deformed_by = "program"` as programs request. A shape arrives in parts. Once it is complete, a slow task makes
+// it ready. Then its vertices are sent to the hub, and then the scene time is announced at which the surface begins to move to it: later
+// than the last reply, so that no force already sent becomes wrong, and not before the surface has reached the shape before. No vertex is
+// faster than kMaxSurfaceSpeed. Source: decision 201.
 //
-// A flood costs little: a part is copied, and a shape takes its place only after the one before. RT: all but the construction. Threads:
-// one.
+// A flood of requests costs little: each part is only copied, and each shape waits for the one before. RT: accept, set_pace, take_due and
+// the getters yes; work no; the rest set-up only. Threads: one, except work.
 class ObjectShaper {
  public:
-  // The present motion ends no later than this when the next one is sent on.
+  // The vertices of the next shape are sent once the present motion ends within this time.
   static constexpr std::int64_t kAheadNs = 20'000'000;
-  // A program that is silent for so long may be replaced by another one.
+  // Once a program has sent no shape for this time, another program may deform the object.
   static constexpr std::int64_t kSilentNs = 1'000'000'000;
-  // The time that the hub gets to make a shape ready: twice what it took lately, within these. The first is 15 us a vertex of large meshes
-  // (decision 191), and as much to spare; the other the same at an eighth of the speed.
+  // The hub is given twice the time that it took lately to make a shape ready, but at least and at most these times for each vertex. The
+  // smaller one is twice the 15 us per vertex measured on large meshes (decision 191); the larger one is for a hub an eighth as fast.
   static constexpr std::int64_t kMinStageNsPerVertex = 30'000;
   static constexpr std::int64_t kMaxStageNsPerVertex = 240'000;
-  // Between two replies that reject parts.
+  // Shortest time between two replies that reject parts.
   static constexpr std::int64_t kRejectEveryNs = 100'000'000;
 
-  // source: as in ObjectShape. Pre: the method of the step was made for the scene, and lives as long as this.
+  // source: ObjectShape::source of this process. Pre: the method of the step was made for the scene, and outlives this.
   ObjectShaper(const Scene& scene, const TouchStep& touch, std::uint32_t source);
   ~ObjectShaper();
   ObjectShaper(const ObjectShaper&) = delete;
   ObjectShaper& operator=(const ObjectShaper&) = delete;
 
   bool has_objects() const noexcept { return !objects_.empty(); }
-  // The task, in a thread of its own from now on; without it, work() of each maker has to be called.
+  // Starts the slow task in its own thread, which calls work(). Without this, the caller must call work().
   void start();
-  bool work();
+  bool work();  // makes the newest shape of each object ready; false: there was none
 
   void accept(const ShapeRequest& part, std::int64_t now_ns) noexcept;
-  // The newest shape of an object is sent again, or some parts of one that was announced a moment ago. Of another process or shape: left
-  // out.
+  // Sends vertices of a shape again: with count 0 all from `first` on, of the object's newest shape; otherwise `count` of them, also of one
+  // that was announced shortly before. A status about another process or shape is ignored.
   void accept(const ShapeStatus& status, std::int64_t now_ns) noexcept;
 
-  // While the hub computes the force: motions begin so much later than the last reply that it knows of them before (PatchSender::
-  // find_lead_ns), and as many as can be under way wait for their start. part_ns: between two parts of shapes. 0: it does not.
+  // Delays while the hub computes the force. lead_ns (PatchSender::find_lead_ns): how much later than the last reply motions begin, so that
+  // the hub knows of them before; then several motions can wait for their start. 0: the hub does not compute the force.
   struct Pace {
     std::int64_t lead_ns = 0;
-    std::int64_t part_ns = 0;
-    std::int64_t again_ns = 0;             // that a lost part takes to be sent again: motions begin so much later while parts get lost
-    std::int64_t stage_ns_per_vertex = 0;  // that the hub took lately to make a shape ready; 0: not known
+    std::int64_t part_ns = 0;              // between two parts of shapes
+    std::int64_t again_ns = 0;             // time to send a lost part again: motions begin this much later while parts get lost
+    std::int64_t stage_ns_per_vertex = 0;  // time that the hub took lately to make a shape ready; 0: not known
   };
   void set_pace(const Pace& pace) noexcept { pace_ = pace; }
-  // The next message to the hub, if one is due. A ShapeStart has begun in the step, or waits there, before this returns it.
+  // The next message to the hub, if one is due. When this returns a ShapeStart, its motion has begun or waits in `step` already.
   std::optional<Message> take_due(HapticsStep& step, std::int64_t now_ns = 0) noexcept;
 
-  // For whoever missed it: where each object is, in their order. serial 0: at rest.
+  // Number of objects, and the newest start of each, to be sent again to those who missed it. ShapeStart::serial 0: the object is at rest.
   std::size_t count() const noexcept { return objects_.size(); }
   const ShapeStart& newest(std::size_t n) const noexcept { return objects_[n]->start; }
-  // That started last; null: none.
+  // The start announced last, of any object; null: none.
   const ShapeStart* newest() const noexcept { return newest_; }
 
   struct Counts {
-    std::uint64_t shapes = 0;      // taken
-    std::uint64_t incomplete = 0;  // not whole before the next one was, or before the one after that began
+    std::uint64_t shapes = 0;      // announced
+    std::uint64_t incomplete = 0;  // not complete before the next one was, or before the one after that began
     std::uint64_t rejected = 0;    // parts that were rejected, and shapes that the surface cannot take
   };
   const Counts& counts() const noexcept { return counts_; }
@@ -82,35 +82,35 @@ class ObjectShaper {
 
  private:
   static constexpr std::size_t kMaxAnnounced = StreamedMethod::kMaxWaiting + 1;
-  static constexpr std::size_t kMaxAgain = 32;  // parts that are to be sent again ahead
+  static constexpr std::size_t kMaxAgain = 32;  // requests to send vertices again that are kept
 
   struct Object {
     Object(std::int32_t number, const SceneObject& object, StreamedMethod& streamed, std::uint32_t source);
 
     std::string name;
-    bool is_alone = false;  // with that name
+    bool is_alone = false;  // no other object of the scene has that name
     StreamedMethod* method;
     ShapeMaker maker;
     ShapeParts parts;
-    ShapeParts parts_before;         // of the shape before, if it was not whole when the newer one began
-    std::uint32_t shape_before = 0;  // its number
+    ShapeParts parts_before;         // of the shape before, if it was not complete when the newer one began
+    std::uint32_t shape_before = 0;  // number of that shape
     std::uint32_t stream = 0;        // of the program that deforms it; 0: none yet
-    std::uint32_t shape = 0;         // whose parts come
-    bool is_given = false;           // ... are all there, and with the maker
-    std::int64_t part_ns = 0;        // the last one came
-    ShapeStart start;                // newest
-    // The newest, the last one of `start`: what parts are sent again of.
+    std::uint32_t shape = 0;         // the shape whose parts arrive
+    bool is_given = false;           // all parts of `shape` have arrived, and the maker has it
+    std::int64_t part_ns = 0;        // when the last part arrived
+    ShapeStart start;                // of the newest shape
+    // The shapes announced last, of which parts can be sent again; the last one is that of `start`.
     struct Announced {
       std::uint32_t serial = 0;  // 0: none
       std::unique_ptr<MadeShape> made = nullptr;
     };
     std::array<Announced, kMaxAnnounced> announced = {};
-    std::size_t announced_count = 0;  // so far
+    std::size_t announced_count = 0;  // since the start
     const Announced& present() const noexcept { return announced[(announced_count + kMaxAnnounced - 1) % kMaxAnnounced]; }
-    std::unique_ptr<MadeShape> next;  // being sent
+    std::unique_ptr<MadeShape> next;  // the shape that is being sent
     std::uint32_t sent_to = 0;        // of next: vertices before this one have been sent
     std::uint32_t again_from = 0;     // of present(): vertices from here on are sent again
-    ShapeReply reply;                 // last
+    ShapeReply reply;                 // to the last shape
   };
 
   Object* find(const ShapeRequest& part) noexcept;
@@ -133,17 +133,17 @@ class ObjectShaper {
   std::optional<Message> take_again(std::int64_t now_ns) noexcept;
   void run();
 
-  static constexpr std::size_t kMaxReplies = 16;  // that wait to be sent; a program repeats what gets none
+  static constexpr std::size_t kMaxReplies = 16;  // replies that wait to be sent; a program repeats a shape that gets no reply
 
   std::vector<std::unique_ptr<Object>> objects_;
   std::vector<std::string> names_;                    // of all objects of the scene
-  std::array<ShapeReply, kMaxReplies> replies_ = {};  // to be sent, a ring
+  std::array<ShapeReply, kMaxReplies> replies_ = {};  // replies to be sent: a ring buffer
   std::size_t first_reply_ = 0;
   std::size_t reply_count_ = 0;
-  Object* sending_ = nullptr;    // whose shape is being sent
+  Object* sending_ = nullptr;    // the object whose shape is being sent; null: none
   std::size_t next_object_ = 0;  // the object that is served first
   std::uint32_t serial_ = 0;
-  // Vertices of an announced shape.
+  // Vertices of an announced shape that are to be sent again.
   struct Again {
     const Object* object = nullptr;
     std::uint32_t serial = 0;

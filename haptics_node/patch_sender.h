@@ -21,17 +21,17 @@
 
 namespace hapton {
 
-// Offers the scene to the hub in parts, when it asks for them: a thread of its own parts the scene, once, and decides what goes next; the
-// reply loop sends it. Nothing is done before the hub asks.
+// Gives the hub the scene in parts, when the hub requests them: a thread of its own divides the scene, once, and decides which part is sent
+// next; the reply loop sends it. Nothing is done before the hub's first request. An epoch is one set of parts with its number.
 //
-// An object that the stylus picks up leaves its place. Before it does, the parts are withdrawn: the hub gets an epoch without any, and
-// is_withdrawn() says when it has confirmed that, so that nobody feels the object where it no longer is. Each epoch replies to one request
-// of the hub, which takes no other: what is late on the network is of no use after the hub has dropped its parts.
+// An object that the stylus picks up leaves its place. Before it does, the parts are withdrawn: the hub gets an epoch without parts, and
+// is_withdrawn() says when the hub has confirmed it, so that nobody feels the object where it no longer is. Each epoch replies to one
+// request of the hub, and the hub accepts no other epoch: parts that arrive late are ignored once the hub has dropped its parts.
 //
-// RT: all but set_scene and set_materials yes; making one and ending it is set-up only. Threads: one caller, where nothing else is said.
+// RT: all except set_scene and set_materials yes; construction and destruction set-up only. Threads: one caller, except as noted below.
 class PatchSender {
  public:
-  // What can be felt from parts of the scene alone, to the same force: a method as HapticsSetup names it.
+  // Whether the hub can compute the same force from parts of the scene alone. method_text: HapticsSetup::method.
   static bool can_offer(std::string_view method_text) noexcept;
 
   PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t scene_hash, bool is_offered, const PatchSource::Options& options = {});
@@ -39,54 +39,54 @@ class PatchSender {
   PatchSender(const PatchSender&) = delete;
   PatchSender& operator=(const PatchSender&) = delete;
 
-  // session: of the hub.
+  // session: HubClient::session() when the status arrived.
   void accept(const PatchStatus& status, std::int64_t now_ns, std::uint64_t session = 0) noexcept;
-  // Frames: W, and the scene in it, at that scene time.
+  // To be called for each device state while is_wanted(), with the view transform and the scene time of that sample.
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS, std::int64_t scene_time_ns = 0) noexcept;
-  // A move that has just been sent: it is sent again until the hub confirms it.
+  // To be called when a move has just been sent: it is sent again until the hub confirms it.
   void note_move(const ObjectMove& move, std::int64_t now_ns) noexcept;
-  // A shape of an object that programs deform was announced.
+  // To be called when a shape of an object that programs deform was announced.
   void note_shape(const ShapeStart& start) noexcept;
   double bits_per_s() const noexcept { return options_.bits_per_s; }
-  // As the hub measures it.
+  // Round trip as the hub measures it, at most 2 s.
   std::int64_t round_trip_ns() const noexcept;
-  // That the hub took lately to make a shape of a program ready, at most 1 ms; 0: not known.
+  // Time for each vertex that the hub took lately to make a program's shape ready, at most 1 ms; 0: not known.
   std::int64_t shape_ns_per_vertex() const noexcept {
     return static_cast<std::int64_t>(1e9 * std::min(static_cast<double>(shape_s_per_vertex_.load(std::memory_order_relaxed)), 1e-3));
   }
-  // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force,
-  // also because the parts are withdrawn.
+  // How much later than the last reply moves have to begin, so that the hub knows of them before they begin. 0 while the hub does not
+  // compute the force, also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
-  // Another method is in use: parts of the scene are as good as it, or not. A scene with objects that can be carved is never offered.
+  // To be called when another method is in use, with its can_offer(). A scene with objects that can be carved is never offered.
   void set_offered(bool is_offered) noexcept { is_served_.store(is_offered, std::memory_order_release); }
-  // True: the hub is to have no parts until this is called with false; then it gets those of the scene anew, and no patch begins where a
-  // reply before method_serial had the probe (ForceCommand). What was not sent before a change is never sent.
+  // True: withdraws all parts, until this is called with false; then the hub gets the parts of the scene again, and starts no patch at the
+  // probe of a reply from before method_serial (ForceCommand). Parts that were not sent before a change are never sent.
   void set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept;
-  // Since set_withdrawn(true) no hub computes forces from parts: the one of this session, in which the client is, has confirmed the epoch
-  // without any, or said that it wants none, or was sent none. False while parts are offered.
+  // True if since set_withdrawn(true) no hub computes forces from parts: the hub of `session`, which the client has joined, has confirmed
+  // the epoch without parts, or has said that it wants none, or was sent none. False while parts are not withdrawn.
   bool is_withdrawn(std::uint64_t session) const noexcept {
     return withdrawals_.load(std::memory_order_relaxed) % 2 == 1 && !(is_requested(session) && has_sent_parts_);
   }
-  // The hub of this session may have parts, or get some.
+  // Whether the hub of this session requests parts, so that it may have some.
   bool is_requested(std::uint64_t session) const noexcept { return hub_ == session && hub_wants_; }
-  // The hub says which request it takes parts for (PatchStatus::request). An older hub takes parts however late they come. Before the first
-  // status: yes.
+  // Whether the hub numbers its requests (PatchStatus::request) and accepts only parts that reply to the newest one. A hub of an earlier
+  // version accepts parts however late they arrive. True before the first status.
   bool has_numbered_requests() const noexcept { return is_numbered_; }
-  // The hub gets parts when it asks. False: it keeps to the force of this node. Threads: any.
+  // Whether the hub gets parts when it requests them; otherwise the force of this node is used. Threads: any.
   bool is_offered() const noexcept { return is_served_.load(std::memory_order_acquire) && obstacle().empty(); }
-  // Why not, whatever the method: a clause; empty: the method decides. Threads: any.
+  // Why the scene cannot be offered with any method, as a clause; empty: it depends on the method. Threads: any.
   std::string_view obstacle() const noexcept { return scene_obstacle_.load(std::memory_order_acquire); }
-  // Another scene is felt from now on: its parts are offered, as an epoch of its own. scene_hash: 0: not known. revision: of NewScene. RT:
-  // no. Threads: any.
+  // To be called when another scene is felt: its parts are offered, in an epoch of their own. scene_hash 0: not known. revision:
+  // NewScene::revision. RT: no. Threads: any.
   void set_scene(TouchScene scene, std::uint64_t scene_hash, std::uint32_t revision = 0);
-  // Of the scene. Threads: any.
+  // NewScene::revision of the scene that was set last. Threads: any.
   std::uint32_t revision() const noexcept { return revision_.load(std::memory_order_acquire); }
-  // The scene's materials have changed: the hub gets those of the objects that have others. Pre: one for each object. RT: no. Threads: any.
+  // To be called when materials of the scene have changed: the hub gets the changed ones. Pre: one for each object. RT: no. Threads: any.
   void set_materials(const std::vector<Material>& materials);
-  // The hub asked for parts a moment ago. Threads: any.
+  // Whether the hub requested parts within the last second. Threads: any.
   bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_.load(std::memory_order_relaxed); }
 
-  // The next part to send, null: none now. It stays until pop.
+  // The next part to send; null: there is none now. The part stays the next one until pop().
   const Message* front() noexcept;
   void pop() noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
@@ -100,15 +100,15 @@ class PatchSender {
   }
 
  private:
-  static constexpr std::size_t kRing = 16;  // parts that wait for the loop that replies, which sends four after each state
+  static constexpr std::size_t kRing = 16;  // parts that wait for the reply loop, which sends four after each state
   struct Status {
     PatchStatus status;
     std::int64_t time_ns = 0;
   };
   struct Part {
     Message message;
-    std::uint32_t withdrawals = 0;  // when it was made
-    bool is_offered = false;        // of an epoch that has parts
+    std::uint32_t withdrawals = 0;  // withdrawals_ when the part was made
+    bool is_offered = false;        // the part's epoch has parts of the scene
   };
   struct Hand {
     Vec3 p_WD = Vec3::Zero();
@@ -121,7 +121,7 @@ class PatchSender {
     std::array<std::int64_t, PatchBody::kMaxBodies> sent_ns = {};  // in the order of the table
   };
 
-  // The newest shapes, in no order; object below 0: none.
+  // The newest shape of each object, in any order; object below 0: an unused place.
   struct SentShapes {
     struct One {
       std::int32_t object = -1;
@@ -151,37 +151,37 @@ class PatchSender {
   std::atomic<std::int64_t> wanted_until_ns_ = 0;
   std::atomic<float> round_trip_s_ = 0.0F;
   std::atomic<float> shape_s_per_vertex_ = 0.0F;
-  SentMoves sent_;  // the caller's
+  SentMoves sent_;  // used by the caller only
   Mailbox<SentMoves> moves_;
-  SentShapes sent_shapes_;  // the caller's
+  SentShapes sent_shapes_;  // used by the caller only
   Mailbox<SentShapes> shapes_;
   Mailbox<Status> statuses_;
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;
-  std::atomic<bool> is_served_;  // what the method in use computes, parts do as well
+  std::atomic<bool> is_served_;  // can_offer() of the method in use
   std::mutex scene_mutex_;
-  std::optional<std::pair<TouchScene, std::uint64_t>> next_scene_;  // not followed yet, with its hash
-  std::vector<Material> materials_;                                 // new ones, not followed yet; empty: none
+  std::optional<std::pair<TouchScene, std::uint64_t>> next_scene_;  // the scene set last, with its hash, until the thread takes it over
+  std::vector<Material> materials_;                                 // materials set last, until the thread takes them over; empty: none
   std::atomic<std::uint32_t> revision_ = 0;
   std::atomic<std::uint32_t> withdrawals_ = 0;    // counts the changes of set_withdrawn: odd while parts are withdrawn
-  std::atomic<std::uint32_t> method_serial_ = 0;  // of set_withdrawn; set before these
-  std::atomic<std::uint64_t> empty_ = 0;          // the newest epoch without parts, and above 2^32 the withdrawals when it was made
-  std::uint64_t hub_ = 0;                         // the caller's: session of the newest status
-  bool hub_wants_ = false;                        // ... as that said
-  bool is_numbered_ = true;                       // ... as that said
-  bool has_sent_parts_ = false;                   // ... since a hub confirmed that it has none
+  std::atomic<std::uint32_t> method_serial_ = 0;  // from set_withdrawn; stored before withdrawals_
+  std::atomic<std::uint64_t> empty_ = 0;          // newest epoch without parts; its upper 32 bits: withdrawals_ when it was made
+  std::uint64_t hub_ = 0;                         // session of the newest status; this and the next three: used by the caller only
+  bool hub_wants_ = false;                        // the hub requests parts, by the newest status
+  bool is_numbered_ = true;                       // the hub numbers its requests, by the newest status
+  bool has_sent_parts_ = false;                   // parts were sent since a hub confirmed that it has none
   std::array<Part, kRing> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
 
-  // The thread's own.
+  // Used by the object's own thread only.
   std::unique_ptr<TiledScene> tiles_;
   std::unique_ptr<PatchSource> source_;
   bool was_offered_ = false;
-  bool wants_ = false;              // the hub, as its newest status says
-  bool hub_knows_effects_ = false;  // ... likewise
+  bool wants_ = false;              // the hub requests parts, by its newest status
+  bool hub_knows_effects_ = false;  // likewise: the hub can compute effects
   bool has_told_of_effects_ = false;
-  std::uint32_t request_ = 0;  // of that
+  std::uint32_t request_ = 0;  // PatchStatus::request of the newest status
   std::uint32_t source_request_ = 0;
   std::uint32_t source_withdrawals_ = 0;
   std::uint32_t epoch_ = 0;

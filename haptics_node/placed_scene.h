@@ -11,27 +11,27 @@
 
 namespace hapton {
 
-// The mesh, with its vertices and normals moved by X.
+// Returns the mesh with its vertices moved and its normals turned by X.
 TriangleMesh move_mesh(const Pose& X, const TriangleMesh& mesh);
 
-// Places an object, with all that is fixed to its surface, where X moves it from the place that it has in the scene file. as_loaded: the
-// same object at that place.
+// Moves an object, with all that is fixed to its surface, by X from its place in the scene file. as_loaded: the same object at that place;
+// frame S.
 void move_object(const Pose& X, const SceneObject& as_loaded, SceneObject& object);
 
-// The movable objects that an annotations file has at another place than the scene file, and their poses; empty if `file` is empty or does
-// not exist yet. Objects that are not movable in the scene are left out, with a line in the log. Error: whatever read_annotations rejects.
+// Reads from an annotations file which movable objects lie at another place than in the scene file, and their poses; empty if `file` is
+// empty or does not exist yet. Objects that are not movable in the scene are left out, with a line in the log. Error: as read_annotations.
 // RT: no.
 Result<std::vector<PutDown>> read_saved_poses(const std::filesystem::path& file, const Scene& scene);
 
-// The carves that the same file has, of objects that can be carved in the scene. Those of other objects are left out, with a line in the
-// log. Error: as above. RT: no.
+// Reads the carves of objects that can be carved in the scene from the same file. Those of other objects are left out, with a line in the
+// log. Error: as read_annotations. RT: no.
 Result<std::vector<CarvedPress>> read_saved_carves(const std::filesystem::path& file, const Scene& scene);
 
-// Applies these carves to the bodies of the step, before its first reply. Returns the list of what was carved, without carves that change
-// nothing.
+// Applies these carves to the bodies of the step, before its first reply. Returns the carves that were made, without those that change
+// nothing. RT: set-up only.
 std::vector<MadeCarve> apply_saved_carves(const std::vector<CarvedPress>& carved, HapticsStep& step);
 
-// The scene with these objects where they were put down. Pre: the objects are of the scene.
+// Returns the scene with these objects where they were put down. Pre: each PutDown::object is the number of an object of the scene.
 Scene place_objects(const Scene& scene, const std::vector<PutDown>& put_down);
 
 }  // namespace hapton

@@ -13,11 +13,11 @@
 
 namespace hapton {
 
-// Set once by one thread, waited for by others. Threads: any.
+// A signal that one thread sets once and others wait for. Threads: any.
 class DoneSignal {
  public:
   void set();
-  // True when it is done; false after the given time.
+  // Waits at most this long. True: the signal is set.
   bool wait_ns(std::int64_t longest_ns);
 
  private:
@@ -26,15 +26,15 @@ class DoneSignal {
   bool is_done_ = false;
 };
 
-// Joins the hub and notifies vision nodes, by SceneFacts, that the haptic scene is still being built and for how long, until it is done.
-// Sends no force. began_ns: when the build began, by `clock`. RT: no.
+// Joins the hub and notifies vision nodes, by SceneFacts, that the haptic scene is still being built and for how long it has been, until
+// `done` is set. Sends no force. began_ns: when the build began, by `clock`. RT: no.
 void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
 
-// A shorter preparation is not reported.
+// A preparation that takes no longer than this is not reported.
 inline constexpr std::int64_t kReportPreparationAfterNs = 300 * kNanosecondsPerMillisecond;
 
-// Builds a method in its own thread. If that takes longer than report_after_ns, calls `notify` once meanwhile, which must return when the
-// given signal is set. RT: set-up only.
+// Builds a method in a thread of its own and returns it. If that takes longer than report_after_ns, calls `notify` once meanwhile; `notify`
+// must return when its signal is set. RT: set-up only.
 Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
                                                       const std::function<void(DoneSignal&)>& notify,
                                                       std::int64_t report_after_ns = kReportPreparationAfterNs);
