@@ -23,34 +23,34 @@
 namespace hapton {
 
 // The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. With a method that
-// builds on approach, the first reply waits until the objects nearby are built, so resumed contact has a force from the first reply on,
-// and the same states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the
-// result of a method request, and its scene. A vision node with another scene is logged. RT: run and turn yes, except logging. Threads:
-// one.
+// builds on approach, the first reply waits until the objects nearby are built, so that resumed contact has a force from the first reply
+// on, and the same states always give the same forces. Once a second and after each change, the loop sends the hub its setup (for
+// recordings, with the reply to a method request) and the facts of its scene. A vision node that shows another scene is logged. RT: run and
+// turn yes, except logging. Threads: one.
 class ReplyLoop {
  public:
   ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
             bool builds_on_approach = false, const SceneFacts& scene = {});
 
-  // Before run: what offers the hub the scene in parts. Pre: outlives this.
+  // Before run: offers the hub the scene in parts. Pre: patches outlives this.
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
-  // Before run: who works out changes of materials. Pre: outlives this.
+  // Before run: computes changes of materials. Pre: material_task outlives this.
   void set_material_task(MaterialTask* material_task) noexcept { material_task_ = material_task; }
-  // Before run: who carries out what programs request of the objects. Without one, such requests are left out. Pre: outlives this.
+  // Before run: moves objects as programs request. Without a mover, such requests are ignored. Pre: mover outlives this.
   void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
-  // Before run: who deforms objects as programs request. Without one, such requests are left out. With one, the method stays. Pre: outlives
-  // this.
+  // Before run: deforms objects as programs request. Without a shaper, such requests are ignored; with one, requests of another method are
+  // rejected. Pre: shapes outlives this.
   void set_object_shaper(ObjectShaper* shapes) noexcept { shapes_ = shapes; }
-  // Before run: who keeps and sends what the stylus carves. Pre: outlives this.
+  // Before run: keeps and sends the carves that the stylus makes. Pre: carves outlives this.
   void set_carve_sender(CarveSender* carves) noexcept { carves_ = carves; }
-  // Before run: who undoes it on request. Pre: outlives this; there is a carve sender.
+  // Before run: undoes carves on request. Pre: undo outlives this; set_carve_sender was called.
   void set_carve_undo(CarveUndoTask* undo) noexcept { undo_ = undo; }
-  // Before run: effects from shared libraries, which the step adds. Logs each of these, and each method from a shared library, that is
-  // cut off. Pre: outlives this.
+  // Before run: the effects from shared libraries that the step adds. The loop logs each of them that is cut off, and each method from a
+  // shared library that is cut off. Pre: effects outlives this.
   void set_effects(PluginEffects* effects);
-  // Before run: gets the hub's reports about its loop. Pre: outlives this.
+  // Before run: gets the hub's LoopFacts. Pre: adviser outlives this.
   void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
-  // Before run: who notices a hand that is inside a body from the start. Pre: outlives this.
+  // Before run: warns if the hand is inside a body from the start. Pre: inside outlives this.
   void set_inside_body_warning(InsideBodyWarning* inside) noexcept { inside_ = inside; }
 
   // Before run: the longest time to spin for a device state (StateWait).
@@ -62,9 +62,9 @@ class ReplyLoop {
   // One turn: waits for a message until deadline_ns, replies to the newest state.
   void turn(std::int64_t deadline_ns);
 
-  // From a state's arrival to its reply's departure.
+  // Times from the arrival of a state until its reply is sent.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
-  // Of them the step alone: device sample to force.
+  // The part of these times that the step takes: from device sample to force.
   const LatencyHistogram& step_times() const noexcept { return step_times_; }
   const StateWait& wait() const noexcept { return wait_; }
 
@@ -125,67 +125,67 @@ class ReplyLoop {
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
-  HapticsSetup::Text method_ = {};        // without effects from shared libraries; while no object is held
-  HapticsSetup::Text effects_text_ = {};  // of these
+  HapticsSetup::Text method_ = {};        // of the probe or the scene's tool, without effects from shared libraries
+  HapticsSetup::Text effects_text_ = {};  // text of these effects
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
-  std::string_view patch_obstacle_reported_;                 // to a hub that asks; empty: none
+  std::string_view patch_obstacle_reported_;                 // logged for a hub that requests parts; empty: none
   static constexpr std::int64_t kThinnedGapNs = 40'000'000;  // the hub sends 20 states a second while it computes the force
-  std::int64_t state_ns_ = 0;                                // time of the newest state's sample
-  std::int64_t state_gap_ns_ = 0;                            // ... since the one before
-  bool is_first_reply_ = true;                               // of this session, is still to come
-  bool wants_patches_ = false;                               // the hub
+  std::int64_t state_ns_ = 0;                                // sample time of the newest state
+  std::int64_t state_gap_ns_ = 0;                            // from the sample of the state before to it
+  bool is_first_reply_ = true;                               // the first reply of this session is still to be sent
+  bool wants_patches_ = false;                               // the hub requests parts of the scene
   PluginEffects* effects_ = nullptr;
-  bool is_method_cut_off_ = false;  // as reported
+  bool is_method_cut_off_ = false;  // as logged last
   StiffnessAdviser* adviser_ = nullptr;
   InsideBodyWarning* inside_ = nullptr;
-  std::uint32_t free_starts_ = 0;  // of the step, as noted there
+  std::uint32_t free_starts_ = 0;  // HapticsStep::free_starts(), as passed to inside_
   MaterialTask* material_task_ = nullptr;
-  std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of these materials; null, or of others: those of the scene's file
+  std::unique_ptr<TunedMaterials> tuned_;  // in use while is_tuned(); otherwise the materials of the scene file are in use
   std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
-  std::uint32_t material_revision_ = 0;    // of the scene that its materials came with: objects that are put down keep theirs
-  const PlacedScene* placed_ = nullptr;    // of a scene that is not in use yet; null: none
+  std::uint32_t material_revision_ = 0;    // revision that the materials came with: a scene with an object put down keeps them
+  const PlacedScene* placed_ = nullptr;    // facts of a scene that may not be in use yet; null: none
   MaterialState materials_;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
-  std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of
-  std::uint64_t tool_shown_ = 0;      // the same of its tool (SceneFacts::tool_hash)
-  std::uint64_t tool_reported_ = 0;
+  std::uint64_t scene_reported_ = 0;  // scene_shown_ when it was logged last
+  std::uint64_t tool_shown_ = 0;      // SceneFacts::tool_hash that a vision node last reported; 0: none
+  std::uint64_t tool_reported_ = 0;   // tool_shown_ when it was logged last
   bool builds_on_approach_;
-  std::optional<std::uint64_t> idle_polls_before_;  // of the builder, at the call of announce_start
+  std::optional<std::uint64_t> idle_polls_before_;  // MethodBuilder::idle_polls() at the call of announce_start
   std::int64_t next_setup_ns_ = 0;
   std::int64_t setup_sent_ns_ = 0;
-  std::int64_t preparing_since_ns_ = 0;  // a state waits for the first reply since then; 0: none
-  std::uint64_t setup_session_ = 0;      // of the setup
-  int setup_repeats_ = 0;                // still to be sent soon
+  std::int64_t preparing_since_ns_ = 0;  // since when a state has waited for the first reply; 0: none waits
+  std::uint64_t setup_session_ = 0;      // session in which the setup was sent last
+  int setup_repeats_ = 0;                // how often the setup is still to be sent soon
   Datagram datagram_;
   LatencyHistogram compute_times_;
   LatencyHistogram step_times_;
   std::int64_t arrival_ns_ = 0;
   std::int64_t start_ns_;
   std::uint64_t session_ = 0;
-  std::uint32_t last_request_ = 0;           // of a method
-  std::uint32_t last_material_request_ = 0;  // of a material
+  std::uint32_t last_request_ = 0;           // Settings::method_request handled last
+  std::uint32_t last_material_request_ = 0;  // MaterialRequest::request handled last
   JoinState state_reported_ = JoinState::joining;
   bool absence_reported_ = false;
-  bool is_tool_blocked_ = false;   // as reported
-  std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
-  std::size_t next_pose_ = 0;      // to be sent again
+  bool is_tool_blocked_ = false;   // as logged last
+  std::uint32_t pose_serial_ = 0;  // Grasp::pose_serial(), as sent last
+  std::size_t next_pose_ = 0;      // index of the pose to be sent again next
   CarveSender* carves_ = nullptr;
   CarveUndoTask* undo_ = nullptr;
-  bool are_carves_full_ = false;  // as reported
+  bool are_carves_full_ = false;  // as logged last
   ObjectShaper* shapes_ = nullptr;
-  std::int64_t repeat_start_ns_ = 0;    // the newest start of a shape is sent again then
-  int start_repeats_ = 0;               // so often
-  std::int64_t last_shape_ns_ = 0;      // an object took a shape
-  std::int64_t shape_rejected_ns_ = 0;  // the log spoke of one
+  std::int64_t repeat_start_ns_ = 0;    // when the newest start of a shape is sent again
+  int start_repeats_ = 0;               // how often it is still sent again
+  std::int64_t last_shape_ns_ = 0;      // when a shape was announced last
+  std::int64_t shape_rejected_ns_ = 0;  // when a rejected shape was logged last
   ObjectMover* mover_ = nullptr;
-  std::uint64_t joins_ = 0;            // of the hub, after which the moves were announced
-  std::size_t next_move_ = 0;          // of mover_->moves(), to be sent again
-  std::int64_t next_move_ns_ = 0;      // no request is carried out before
-  std::int64_t repeat_move_ns_ = 0;    // the newest move is sent again then
-  int move_repeats_ = 0;               // so often
-  std::int64_t last_move_ns_ = 0;      // a request was carried out
-  std::int64_t move_rejected_ns_ = 0;  // the log spoke of one
+  std::uint64_t joins_ = 0;            // HubClient::counts().joins when all moves were sent last
+  std::size_t next_move_ = 0;          // index in mover_->moves() of the move to be sent again next
+  std::int64_t next_move_ns_ = 0;      // before this time no request is carried out
+  std::int64_t repeat_move_ns_ = 0;    // when the newest move is sent again
+  int move_repeats_ = 0;               // how often it is still sent again
+  std::int64_t last_move_ns_ = 0;      // when a request was carried out last
+  std::int64_t move_rejected_ns_ = 0;  // when a rejected request was logged last
 };
 
 }  // namespace hapton

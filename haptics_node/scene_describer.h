@@ -13,24 +13,24 @@
 
 namespace hapton {
 
-// Hash and facts of the scene.
+// Computes hash and facts of a scene. RT: no.
 PlacedScene describe_placed(const Scene& scene, std::uint32_t revision);
 
-// Describes scenes in which an object was put down, in a thread of its own: it takes the longer the larger the scene is, and what the
-// stylus picks up next does not wait for it. Scenes that are replaced before their turn are left out.
+// Describes scenes in which an object was put down, in a thread of its own: the larger the scene, the longer this takes, and picking up the
+// next object must not wait for it. A scene that is replaced before its description begins is not described.
 // Threads: describe from one thread. RT: no.
 class SceneDescriber {
  public:
   using Describe = std::function<PlacedScene(const Scene& scene, std::uint32_t revision)>;
 
-  // Publishes there, and is its only writer. Pre: placed outlives this.
+  // Publishes the descriptions in `placed`. Pre: placed outlives this and has no other writer.
   explicit SceneDescriber(Mailbox<PlacedScene>& placed, Describe describe = describe_placed);
   // Waits for the description in progress.
   ~SceneDescriber();
   SceneDescriber(const SceneDescriber&) = delete;
   SceneDescriber& operator=(const SceneDescriber&) = delete;
 
-  // Returns at once. revision: as PlacedScene has it.
+  // Requests a description, and returns at once. revision: NewScene::revision.
   void describe(const Scene& scene, std::uint32_t revision);
 
  private:

@@ -8,11 +8,11 @@
 
 namespace hapton {
 
-// The plug-ins that a scene file names as effects. A scene comes from anywhere, and a library runs its code with the rights of whoever
-// loads it: so none is loaded unless the person says so. Error: one line: there is one and it is not allowed. RT: no.
+// The plug-ins that a scene file names as effects. A scene file may come from an untrusted source, and a library runs its code with the
+// rights of the user who loads it: so they need the user's consent. Error: one line: there is a plug-in, and is_allowed is false. RT: no.
 Result<std::vector<PluginChoice>> choose_scene_plugins(const Scene& scene, const std::filesystem::path& path, bool is_allowed);
 
-// Whether both name the same plug-ins, in the same order: what was loaded at the start is what runs.
+// Whether both scenes name the same plug-ins in the same order. Plug-ins are loaded at the start only, so they cannot change later.
 bool has_same_plugins(const Scene& before, const Scene& after);
 
 }  // namespace hapton

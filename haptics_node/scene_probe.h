@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// Takes radius, method and shading from the [[probe]] of the scene file that --probe names, or from the first one, unless flags give them;
-// a line of the log says so. A scene file without probes, and a mesh file, change nothing. RT: no. Error: one line: there is no such
-// probe. What is wrong with the file itself is left to load_scene.
+// Takes radius, method and shading from the [[probe]] of the scene file that --probe names, or from the first one, unless flags give them,
+// and logs this in a line. Without --probe, a scene file without probes and a mesh file change nothing. Error: one line: there is no such
+// probe; a mesh file has none. Faults of the scene file itself are not an error here: load_scene reports them. RT: no.
 Result<void> take_scene_probe(HapticsOptions& options);
 
 }  // namespace hapton

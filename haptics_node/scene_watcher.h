@@ -15,9 +15,9 @@
 
 namespace hapton {
 
-// Polls a scene file and applies its changes while the scene is touched, without a force discontinuity: materials as MaterialTask changes
-// them, everything else by a method that MethodBuilder swaps. A file with an error is one line in the log, and the scene in use goes on.
-// Threads: poll() from one: its own after start(), otherwise the caller's. The destructor does not wait for a file that is being read.
+// Polls a scene file and applies its changes while the scene is touched, without a force discontinuity: materials by MaterialTask,
+// everything else by a new method from MethodBuilder. If the file has an error, the log says so in one line, and the scene in use stays.
+// Threads: one calls poll(): the watcher's own after start(), otherwise the caller's. The destructor does not wait while the file is read.
 // RT: no.
 class SceneWatcher {
  public:
@@ -26,13 +26,13 @@ class SceneWatcher {
     SceneLoading loading;
     double coupling_n_per_m = 0.0;
     bool has_tool = false;  // the stylus holds a rigid tool, of the scene or of the command line
-    // Called after another scene is in use: with the scene that is felt now, its materials in series with the virtual coupling.
+    // Called when another scene comes into use, with that scene, its materials in series with the virtual coupling.
     std::function<void(const TouchScene&)> on_scene = {};
     // Reads the file. Pre: it may outlive the watcher.
     std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)> read = load_scene;
   };
 
-  // scene: in use. Pre: material_task and builder outlive this.
+  // scene: the one in use. Pre: material_task and builder outlive this.
   SceneWatcher(Options options, Scene scene, MaterialTask& material_task, MethodBuilder& builder);
   ~SceneWatcher();
   SceneWatcher(const SceneWatcher&) = delete;
@@ -42,15 +42,15 @@ class SceneWatcher {
   void start();
 
   enum class Outcome : std::uint8_t {
-    unchanged,  // the file
-    waiting,    // it has just changed, and may be being written; or the watcher ends while it is read
-    rejected,   // it has an error
+    unchanged,  // the file has not changed
+    waiting,    // it has just changed, and may still be written; or the watcher ends while it is read
+    rejected,   // it has an error, or a change that needs a new start of the node; the log says which
     same,       // nothing that is felt has changed
-    materials,
-    scene
+    materials,  // only numbers of materials have changed
+    scene       // anything else has changed
   };
-  // One poll. A change counts once two polls found the same file. A file that is gone changes nothing; at the second poll the log
-  // says so.
+  // One poll. A change counts once two polls in a row have found the same file. A missing file changes nothing; the second poll
+  // that misses it logs that.
   Outcome poll();
 
  private:
@@ -60,8 +60,8 @@ class SceneWatcher {
   Outcome take_scene(Scene scene, SceneChange change);
 
   Options options_;
-  Scene base_;  // that the material_task's states differ from: what the method in use was made for
-  Scene used_;  // what was read last
+  Scene base_;  // for which the method in use was made; MaterialTask::follow gets the differences from it
+  Scene used_;  // read last of those that came into use
   MaterialTask& material_task_;
   MethodBuilder& builder_;
   FileWatch file_;

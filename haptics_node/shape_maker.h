@@ -14,29 +14,29 @@ namespace hapton {
 
 // A shape that a program wants an object to take.
 struct WantedShape {
-  std::uint32_t stream = 0;  // these as in ShapeRequest
+  std::uint32_t stream = 0;  // this and the next two: as in ShapeRequest
   std::uint32_t shape = 0;
   double over_s = 0.0;
-  std::vector<ShapePart::Displacement> displacements_m = {};  // by vertex of the mesh
+  std::vector<ShapePart::Displacement> displacements_m = {};  // one for each vertex of the mesh
 };
 
-// ... ready to be felt.
+// A wanted shape that is ready to be felt.
 struct MadeShape {
   WantedShape wanted;
   std::unique_ptr<ShapeStage> stage;
 };
 
-struct RejectedShape {
+struct RejectedShape {  // a shape that the surface cannot take, and why
   std::uint32_t stream = 0;
   std::uint32_t shape = 0;
   HapticsSetup::Text why = {};
 };
 
-// Makes shapes of one object ready, beside the loop that replies to the device: the loop passes in the newest shape, and takes the
-// finished stage when the surface may start to move towards it. Until it is taken, a newer one takes its place. A stage begins where the
-// one that was taken before ends.
+// Makes shapes of one object ready, in another thread than the loop that replies to the device: the loop passes in the newest shape, and
+// takes the finished stage when the surface may start to move to it. A finished stage that is not taken yet is replaced by a newer one.
+// Each stage begins where the stage that was taken before it ends.
 //
-// RT: draft, publish, take, give_back and take_rejection yes; the rest set-up only. Threads: these one, work() another.
+// RT: draft, publish, take, give_back and take_rejection yes; the rest set-up only. Threads: one for these five, another one for work().
 class ShapeMaker {
  public:
   // Pre: the method outlives this, and has had no stage yet.
@@ -45,18 +45,18 @@ class ShapeMaker {
   ShapeMaker(const ShapeMaker&) = delete;
   ShapeMaker& operator=(const ShapeMaker&) = delete;
 
-  // To be filled, without changing the number of displacements, and published: the newest counts.
+  // A shape to be filled in, without changing the number of displacements, and then published; a newer one replaces it.
   WantedShape& draft() noexcept { return wanted_.draft(); }
   void publish() noexcept { wanted_.publish_draft(); }
 
-  // The newest that is ready; null: none, or what was given back last still waits to be destroyed. The surface has to take it.
+  // The newest shape that is ready; null: none, or the last one given back is not destroyed yet. The surface must move to the result.
   std::unique_ptr<MadeShape> take() noexcept;
   // Returns a shape that is no longer used; work() destroys it. Pre: at most once between two calls of take() that give something.
   void give_back(std::unique_ptr<MadeShape> made) noexcept { retired_.store(made.release(), std::memory_order_release); }
-  // The newest that the surface cannot take, once; null: none.
+  // The newest shape that the surface cannot take; each is returned once. Null: there is no new one.
   const RejectedShape* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
-  // Makes the newest ready; false: there is none. Work: as ShapeStager::make.
+  // Makes the newest shape ready; false: there is none. Work: as ShapeStager::make. RT: no.
   bool work();
 
  private:
@@ -69,10 +69,10 @@ class ShapeMaker {
   Mailbox<RejectedShape> rejections_;
   std::atomic<MadeShape*> made_ = nullptr;
   std::atomic<MadeShape*> retired_ = nullptr;
-  // Of work():
-  std::vector<Vec3> base_;        // where the stage ends that was taken last
-  MadeShape* offered_ = nullptr;  // in made_, or taken since: not to be followed
-  std::vector<Vec3> offered_to_;  // where it ends
+  // Used by work() only:
+  std::vector<Vec3> base_;        // vertices where the stage taken last ends
+  MadeShape* offered_ = nullptr;  // last put into made_; not to be dereferenced, as the loop may have taken it
+  std::vector<Vec3> offered_to_;  // vertices where its stage ends
   bool is_pending_ = false;       // wanted_.value() is not ready yet
 };
 
