@@ -179,7 +179,7 @@ class ReplyLoop {
   std::int64_t last_shape_ns_ = 0;      // when a shape was announced last
   std::int64_t shape_rejected_ns_ = 0;  // when a rejected shape was logged last
   ObjectMover* mover_ = nullptr;
-  std::uint64_t joins_ = 0;            // HubClient::counts().joins when all moves were sent last
+  std::uint64_t joins_ = 0;            // HubClient::counts().joins, as handled by note_join() last
   std::size_t next_move_ = 0;          // index in mover_->moves() of the move to be sent again next
   std::int64_t next_move_ns_ = 0;      // before this time no request is carried out
   std::int64_t repeat_move_ns_ = 0;    // when the newest move is sent again

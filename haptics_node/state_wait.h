@@ -10,33 +10,33 @@
 
 namespace hapton {
 
-// Waits for the hub's next message. A sleeping thread needs 10 to 30 us to wake up when a device state arrives. As states come at a fixed
-// rate, this one wakes shortly before the next is due and then spins on the socket, where that pays (SpinTrial).
+// Waits for the hub's next message. A sleeping thread needs 10 to 30 us to wake up when a device state arrives. As states arrive at a fixed
+// rate, the waiting thread wakes shortly before the next state is due and then polls the socket without sleep, if this helps (SpinTrial).
 // Units: ns. RT: yes. Threads: one.
 class StateWait {
  public:
-  // Of each period at least this share is slept, so that a loop of real-time priority is never throttled.
+  // The thread sleeps for at least this share of each period, so that a loop of real-time priority is never throttled.
   static constexpr double kMinSleep = 0.25;
 
   StateWait(HubClient& hub, const Clock& clock) noexcept : hub_(hub), clock_(clock) {}
 
-  // The longest time to spin for a state, in addition limited to half a period; 0: it sleeps until a state arrives.
+  // Sets the longest time to spin for a state; half a period is a limit as well. 0: the thread sleeps until a state arrives.
   void set_longest_spin(std::int64_t longest_ns) noexcept {
     longest_ns_ = longest_ns;
-    wake_up_.set_margin_ns(longest_ns / 2);  // from the large side: a state that comes too early counts against spinning
+    wake_up_.set_margin_ns(longest_ns / 2);  // starts large: if a state arrives before the wake-up, SpinTrial counts that against spinning
   }
 
-  // As HubClient::receive; may return half a period after deadline_ns.
+  // As HubClient::receive, but may return up to half a period after deadline_ns.
   bool receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;
 
-  // A device state, received now.
+  // To be called for each device state that was received.
   void note(const DeviceState& state, std::int64_t arrival_ns) noexcept {
     forecast_.note(state.sample, state.sample_time_ns, arrival_ns, hub_.servo_rate_hz());
   }
 
   // Total time spent spinning.
   std::int64_t spun_ns() const noexcept { return wake_up_.spun_ns(); }
-  // Waits that spun, and those of them that ended with a message.
+  // Number of waits that spun, and of those that ended with a message.
   std::uint64_t spins() const noexcept { return spins_; }
   std::uint64_t arrivals() const noexcept { return arrivals_; }
 

@@ -16,7 +16,7 @@
 
 namespace hapton {
 
-// For the log where ToolObstacles::leaves_out.
+// The warning to log if ToolObstacles::leaves_out is true.
 inline constexpr std::string_view kToolLeavesOut =
     "two_sided = false, images and effects of surfaces but viscosity_ns_per_m are ignored: a rigid tool supports stiffness, friction, "
     "damping and viscosity";
@@ -24,39 +24,39 @@ inline constexpr std::string_view kToolLeavesOut =
 // A rigid tool that the stylus holds all the time.
 struct LiveTool {
   std::unique_ptr<StylusTool> felt = nullptr;  // null: the stylus is a probe
-  HeldTool* followed = nullptr;                // the same, if a slow task follows the device with it
+  HeldTool* followed = nullptr;                // `felt`, if it needs a ToolTask; otherwise null
   ToolCoupling coupling = {};
   std::size_t triangles = 0;
   double voxel_m = 0.0;  // 0: no voxels
 
   explicit operator bool() const noexcept { return felt != nullptr; }
-  // What the hub gets in place of a method's description: "name=tool ...", with the coupling at this stiffness (the rotational one changes
-  // in proportion).
+  // The text that the hub gets in place of a method's description: "name=tool ...", with the coupling at this stiffness (the rotational
+  // stiffness changes in proportion).
   HapticsSetup::Text describe(double stiffness_n_per_m) const;
   ToolCoupling coupling_at(double stiffness_n_per_m) const noexcept;
 };
-// Of a scene as it is felt now, coupled, with that tool. Pre: there is a tool. RT: no.
+// The largest gains of a scene with that tool. scene: in series with the virtual coupling. Pre: there is a tool. RT: no.
 LargestGains find_gains(const LiveTool& tool, const TouchScene& scene);
 
-// The rigid tool of the scene (find_tool), if there is one. The tool feels friction, damping and viscosity of the materials, with
-// --tool-voxels none of them. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one
-// line.
+// Makes the rigid tool of the scene (find_tool), if there is one. The tool feels friction, damping and viscosity of the materials, with
+// --tool-voxels none of these. Its spring is as stiff as the stiffest material, in series with --coupling. Logs what is left out. Error,
+// one line: the tool cannot be made, an option cannot be combined with it, or there is no tool and an option needs one. RT: set-up only.
 Result<LiveTool> make_live_tool(const HapticsOptions& options, const Scene& scene);
 
-// What the hub gets in place of a method's description: "name=tool ...", with the coupling.
+// The text that the hub gets in place of a method's description: "name=tool ...", with the coupling.
 HapticsSetup::Text describe_tool(const HeldTool& tool);
 
-// The slow task of a held tool in a thread of its own: follows the device, one step of the pose after the other. RT: none of it is on the
-// path of the force.
+// The slow task of a held tool in a thread of its own: moves the tool along with the device, one step of its pose after another. RT: no;
+// the force never waits for it.
 class ToolTask {
  public:
-  // Pre: outlives this.
+  // Pre: tool outlives this.
   explicit ToolTask(HeldTool& tool);
   ~ToolTask();
   ToolTask(const ToolTask&) = delete;
   ToolTask& operator=(const ToolTask&) = delete;
 
-  // Ends the thread; the times are complete then.
+  // Ends the thread; after that, pose_times() is complete.
   void stop() noexcept;
   const LatencyHistogram& pose_times() const noexcept { return pose_times_; }
 

@@ -7,9 +7,9 @@
 
 namespace hapton {
 
-// The right to drive a device, for one program and one hand of it: the forces of two writers would alternate on one arm. Held from take()
-// to destruction, also against another DeviceLock of the same process; the kernel ends it with the process. Advisory (flock): it stops only
-// programs that take it, too. The watchdog process, which only releases a force, takes none. RT: set-up only.
+// The right to drive a device, for one program and one hand in it: the forces of two writers would alternate on one arm. Held from take()
+// to destruction, also against another DeviceLock of the same process; the kernel releases it when the process ends. Advisory (flock): it
+// stops only programs that take it as well. The watchdog process, which only releases a force, takes no lock. RT: set-up only.
 class DeviceLock {
  public:
   DeviceLock() = default;  // holds nothing
@@ -17,8 +17,8 @@ class DeviceLock {
   DeviceLock& operator=(DeviceLock&&) = delete;
   ~DeviceLock();
 
-  // path: of the device node. Error, one line: another lock is held on it. If the node cannot be opened, the result holds nothing; that is
-  // not an error: opening the device for use will say why.
+  // path: of the device node. Error, one line: another lock is held on it. If the node cannot be opened, the result holds no lock; this is
+  // not an error, because opening the device for use will report it.
   static Result<DeviceLock> take(const std::string& path);
 
  private:

@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// The host's side of Hapton HID, version 1 (docs/hid.md). Reports have their id in front, numbers are little-endian.
+// The host's side of Hapton HID, version 1 (docs/hid.md). The first byte of a report is its id; numbers are little-endian.
 namespace hapton_hid {
 
 constexpr std::uint8_t kVersion = 1;
@@ -47,7 +47,7 @@ struct Limits {
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
-// Feature report 4, UTF-8 as far as the maker keeps to it.
+// Feature report 4. The texts should be UTF-8, but are not checked.
 struct Names {
   std::string model;
   std::string serial;
@@ -57,9 +57,9 @@ struct Names {
 // Input report 1.
 struct State {
   bool is_calibrated = false;
-  bool is_on = false;  // the motors are
+  bool is_on = false;  // the motors are on
   bool is_held = false;
-  bool has_tripped = false;  // its watchdog: the motors stay off until they are commanded off
+  bool has_tripped = false;  // the device's watchdog has: the motors stay off until they are commanded off
   bool is_hot = false;
   bool has_fault = false;
   std::uint16_t sequence = 0;
@@ -68,7 +68,7 @@ struct State {
   Quat orientation = Quat::Identity();
   std::uint32_t buttons = 0;
   std::uint16_t newest_force = 0;  // sequence of the newest force report that the device has received
-  double temperature = -1.0;       // 0 cold .. 1 too hot; below 0: not known
+  double temperature = -1.0;       // 0: cold, 1: the hottest allowed, up to 1.27; below 0: not known
 };
 
 // Output report 2.
@@ -80,7 +80,7 @@ struct Force {
   Vec3 torque_nm = Vec3::Zero();
 };
 
-// Error: not a Hapton HID device, another version, or limits that make no sense; one line without the device's name.
+// Error: not a Hapton HID device, another version, or limits that are impossible or unsafe; one line without the device's name.
 Result<Limits> decode_limits(std::span<const std::uint8_t> report);
 Result<Names> decode_names(std::span<const std::uint8_t> report);
 
