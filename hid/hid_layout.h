@@ -7,16 +7,16 @@
 
 namespace hapton {
 
-// The contents of a HID report descriptor, as far as they serve to recognise a device and to distinguish its variants.
+// The contents of a HID report descriptor that are needed to recognise a device and to distinguish its variants.
 struct HidLayout {
   struct Usage {
     std::uint16_t page = 0;
     std::uint16_t usage = 0;
     friend bool operator==(const Usage&, const Usage&) = default;
   };
-  // Bytes of a report as hidraw reads and writes it, without the id in front; 0: there is none of that kind.
+  // Sizes of a report as hidraw reads and writes it, without the byte of its id; 0: there is no report of that kind.
   struct Report {
-    std::uint8_t id = 0;  // 0: the device's reports have no numbers
+    std::uint8_t id = 0;  // 0: the device's reports have no ids
     std::size_t input_bytes = 0;
     std::size_t output_bytes = 0;
     std::size_t feature_bytes = 0;
@@ -30,7 +30,7 @@ struct HidLayout {
   const Report* find_report(std::uint8_t id) const noexcept;
 };
 
-// Reads a report descriptor; what follows a flaw is left out, so that any bytes are safe. RT: no, it allocates.
+// Reads a report descriptor. Everything after a flaw is left out; any bytes are safe as input. RT: no, it allocates.
 // Source: Device Class Definition for HID 1.11, section 6.2.2.
 HidLayout read_hid_layout(std::span<const std::uint8_t> descriptor);
 

@@ -18,8 +18,8 @@ struct HidDescription {
   std::uint16_t vid = 0;
   std::uint16_t pid = 0;
   std::uint16_t usage_page = 0;  // of its first top-level collection
-  std::uint16_t usage = 0;       // of the same
-  std::string serial;            // texts are UTF-8, empty if the device has none
+  std::uint16_t usage = 0;       // of the same collection
+  std::string serial;            // UTF-8, like maker and product; empty if the device has none
   std::string maker;
   std::string product;
   HidLayout layout;  // empty if its report descriptor cannot be read
@@ -29,7 +29,7 @@ struct HidDescription {
 enum class HidIo : std::uint8_t {
   done,
   nothing,  // no report arrived in time
-  gone,     // unplugged
+  gone,     // the device was unplugged, or the read failed
 };
 
 struct HidRead {
@@ -37,33 +37,33 @@ struct HidRead {
   std::size_t size = 0;  // bytes of the report
 };
 
-// An open HID device. The first byte of a numbered report is its number. An unnumbered report has no such byte when it is read, and a 0
-// when it is written.
-// Threads: one that reads and, at the same time, one for all other calls. RT: no; read and write are system calls that may wait.
+// An open HID device. The first byte of a numbered report is its number (id). An unnumbered report has no such byte when it is read, and
+// begins with a 0 when it is written. Threads: one for read and note_gone, at the same time another one for write and get_feature; any for
+// description. RT: no; read and write are system calls that may wait.
 class HidTransport {
  public:
-  // Buffer for a report: the largest interrupt packet of USB 2.0 (high speed, 5.7.3). No device that we know has longer reports.
+  // Size of a buffer for a report: the largest interrupt packet of USB 2.0 (high speed, 5.7.3). No device known to us has longer reports.
   static constexpr std::size_t kMaxBytes = 1024;
 
   virtual ~HidTransport() = default;
 
   virtual const HidDescription& description() const noexcept = 0;
 
-  // Reads the oldest report that was not read yet; waits for one, at most wait_ms. A longer report than `into` is cut off.
+  // Reads the oldest report that was not read yet; waits for one for at most wait_ms. A report longer than `into` is cut off.
   virtual HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept = 0;
 
-  // Call it after a read has found the device gone, once whoever drives it knows: what is noted about what is left may take a while.
+  // To be called after a read has returned `gone`, once the device's driver was told: it may take long, as it lists the other devices.
   virtual void note_gone() {}
 
-  // Sends an output report. False: not sent. Waits until the bus has taken it: up to a millisecond with some devices.
+  // Sends an output report. False: not sent. Waits until the bus has accepted it: up to a millisecond with some devices.
   virtual bool write(std::span<const std::uint8_t> report) noexcept = 0;
 
-  // Requests the feature report with the number into[0] (0: unnumbered). The report follows that byte; returns the number of bytes, the
-  // first included. Error: one line.
+  // Requests the feature report with the number into[0] (0: unnumbered) and writes it to `into`, after that byte. Returns the number of
+  // bytes, including the first. Error: one line.
   virtual Result<std::size_t> get_feature(std::span<std::uint8_t> into) = 0;
 };
 
-// Opens a device that was chosen before; called again after the device was unplugged. Error, one line: why there is none.
+// Opens a device that was chosen before; called again after the device was unplugged. Error, one line: why it cannot be opened.
 using HidOpener = std::function<Result<std::unique_ptr<HidTransport>>()>;
 
 }  // namespace hapton
