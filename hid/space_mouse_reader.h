@@ -7,23 +7,23 @@
 
 namespace hapton {
 
-// A SpaceMouse, read by a thread of its own; unplugged, it is at rest until it is back.
-// Threads: one owns it. RT: state yes; the rest is set-up only.
+// A SpaceMouse, read by a thread of its own. While it is unplugged, it counts as at rest.
+// Threads: one, for all public functions. RT: state and is_there yes; the rest set-up only.
 class SpaceMouseReader final : private HidListener {
  public:
   explicit SpaceMouseReader(HidOpener opener);
 
-  // Error: none is plugged in, or it may not be opened; one line.
+  // Opens the SpaceMouse. Error, one line: none is plugged in, or it cannot be opened.
   Result<void> open() { return port_.open(); }
-  // Instead of open(): looks for one until it is there; the log says when.
+  // In place of open(): searches for a SpaceMouse until one is plugged in; the log says when it was found.
   void start() { port_.start(); }
 
   // How the cap is held at now_ns (CLOCK_MONOTONIC).
   SpaceMouseState state(std::int64_t now_ns) noexcept;
-  // As of the last call of state().
+  // Whether it was plugged in at the last call of state().
   bool is_there() const noexcept { return newest_.value().is_there; }
 
-  // Of the device that open() opened.
+  // Description of the device that open() opened. Pre: open() succeeded.
   const HidDescription& description() const noexcept { return description_; }
 
  private:
@@ -38,10 +38,10 @@ class SpaceMouseReader final : private HidListener {
   void on_gone() noexcept override;
 
   HidDescription description_;
-  Received received_;      // of the port's thread
-  bool has_news_ = false;  // of the port's thread
+  Received received_;      // used by the port's thread
+  bool has_news_ = false;  // received_ has changed and is not published yet; likewise
   Mailbox<Received> newest_;
-  HidPort port_;  // last: its thread ends first
+  HidPort port_;  // last member, so that its thread ends before the others are destroyed
 };
 
 }  // namespace hapton

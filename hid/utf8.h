@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Wide text, one code point a character as in hidapi's strings, as UTF-8. Null: nothing. RT: no.
+// Converts wide text, with one code point in each character as in hidapi's strings, to UTF-8. Null: empty text. RT: no.
 std::string to_utf8(const wchar_t* wide);
 
 }  // namespace hapton

@@ -9,9 +9,9 @@
 
 namespace hapton {
 
-// While the session is recorded: requests from the haptics node the carves that it made before the recording began, and those that were
-// lost on the way, as a vision node does. So a recording has every carve, and its replay begins with the bodies as they were. Units: ns of
-// the hub's clock. RT: yes. Threads: the network side's.
+// While the session is recorded, requests from the haptics node the carves that it made before the recording began and those whose
+// datagrams were lost, as a vision node does. So a recording has every carve, and its replay begins with the bodies as they were. Units:
+// ns of the hub's clock. RT: yes. Threads: the network side's.
 class CarveCollector {
  public:
   // Pre: both outlive this; tap may be null.

@@ -7,26 +7,26 @@
 
 namespace hapton {
 
-// Indexing: while a button is held, the device point stands still for everybody but the safety governor, and there is no force, so that the
-// hand can be moved back to where it has room. From the release on, the device point goes on from where it stood, moved by the displacement
-// of the hand meanwhile. So the device point never jumps. The orientation always follows the hand.
+// While a button is held, the device point stands still for everybody except the safety governor, and there is no force, so that the hand
+// can be moved back to where it has room. After the release, the device point moves with the hand again, from the place where it stood: it
+// is shifted by an offset and never jumps. The orientation always follows the hand.
 //
-// The force falls linearly to zero within kOutS of the press and rises within kBackS of the release, as the governor does for any pause: a
-// stylus that is given free inside a body is not kicked. The governor comes after it, and sees where the device really is: its workspace,
-// speed and energy are those of the hardware.
+// The force falls linearly to zero within kOutS of the press and rises within kBackS of the release, as in the governor after any pause: a
+// stylus whose clutch is released inside a body is not kicked. The governor acts after the clutch, and gets the device's real position: its
+// limits of workspace, speed and energy are those of the hardware.
 //
-// Frame: W. Units: m, s. RT: all. Threads: one, but see DeviceLoop.
+// Frame: W. Units: m, s. RT: yes. Threads: one at a time (the holder of DeviceLoop's claim).
 class Clutch {
  public:
-  static constexpr double kOutS = 0.01;  // as the governor: kLongestReleaseNs, kRampNs (ramp_up.h)
-  static constexpr double kBackS = 0.1;
+  static constexpr double kOutS = 0.01;  // as in the governor: kLongestReleaseNs
+  static constexpr double kBackS = 0.1;  // as in the governor: kRampNs (ramp_up.h)
   static constexpr double kLongestS =
-      0.01;  // a longer time between two samples counts as this one: the force comes back slowly after a stall
+      0.01;  // a longer time between two samples counts as this, so that the force returns slowly after a stall
 
-  // button: a bit; 0: there is no clutch, and samples stay as they are to the last bit.
+  // button: its bit in DeviceSample::buttons; 0: there is no clutch, and samples are not changed at all.
   explicit Clutch(std::uint32_t button = 0) noexcept : button_(button) {}
 
-  // The sample as everybody else sees it. A position that is not finite stays.
+  // Returns the sample as all except the governor get it. A position that is not finite is not changed.
   DeviceSample move(const DeviceSample& sample) noexcept {
     if (button_ == 0) return sample;
     DeviceSample moved = sample;
@@ -46,9 +46,9 @@ class Clutch {
     return moved;
   }
 
-  // Of every force and torque: 1 while the button is up.
+  // Factor of every force and torque: 0 to 1; 1 again kBackS after the release of the button.
   double share() const noexcept { return share_; }
-  // From the device's own position to that of the sample.
+  // Vector from the device's own position to the position that move() returned.
   const Vec3& offset_m() const noexcept { return offset_m_; }
   bool is_held() const noexcept { return is_held_; }
 
@@ -56,7 +56,7 @@ class Clutch {
   std::uint32_t button_;
   bool is_held_ = false;
   double share_ = 1.0;
-  Vec3 p_W_ = Vec3::Zero();  // the last sample's
+  Vec3 p_W_ = Vec3::Zero();  // position that move() returned last
   Vec3 offset_m_ = Vec3::Zero();
   std::int64_t last_ns_ = 0;
 };

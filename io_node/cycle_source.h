@@ -11,15 +11,15 @@
 namespace hapton {
 
 // Cycle timing of the network side: waits for the device side's next cycle and receives datagrams meanwhile. The device side has
-// its own thread, or (tests on simulated time) runs its cycles here. While the device side works out its forces itself, nobody waits
-// for this one: it then rests over several cycles and reads them together, which saves most of its CPU time at high rates.
+// its own thread, or (tests on simulated time) runs its cycles here. While the device side computes the forces itself, it does not wait
+// for the network side, which then rests for several cycles and reads them together: that saves most of its CPU time at high rates.
 // Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class CycleSource {
  public:
-  // How long to spin for a cycle of the device side that is due: it is made on another CPU, or it displaces this thread.
+  // How long to spin for a cycle of the device side that is due: it runs on another CPU, or its thread preempts this one.
   static constexpr std::int64_t kLongestSpinNs = 50'000;
-  // Datagrams that are handled in a millisecond, at most: 1 us each, so that they take three tenths of the time; twenty times what 16 nodes
-  // send.
+  // Largest number of datagrams handled in a millisecond (but 32 in each wait are always handled): at 1 us each they take three tenths of
+  // the time. It is twenty times the number that 16 nodes send.
   static constexpr std::int64_t kDatagramsPerMs = 300;
 
   // Pre: all outlive this.
@@ -36,12 +36,12 @@ class CycleSource {
   }
   bool has_device_thread() const noexcept { return has_device_thread_; }
 
-  // last: the cycle before. rest_ns: how long after it this side may rest; below a period: until the next one. False: the next one is late,
-  // and meanwhile there is other work.
+  // Waits for a cycle. last: the newest one taken. rest_ns: how long after its tick this side may rest; not above a period: it waits only
+  // for the next cycle. False: there is no cycle yet; the caller does its other work and calls again.
   bool await(const DeviceCycle& last, double rate_hz, std::int64_t rest_ns = 0) noexcept;
 
-  // Arms the timers of the next two waits. Call it when no force is due: setting a timer costs microseconds. A rest needs none: it may end
-  // a little late.
+  // Sets the timers of the next two waits. To be called when no force is due, since setting a timer takes microseconds. A rest needs no
+  // timer, as it may end a little late.
   void prepare_next_wait(const DeviceCycle& cycle, std::int64_t rest_ns = 0) noexcept;
 
  private:

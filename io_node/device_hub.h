@@ -14,23 +14,23 @@ namespace hapton {
 
 class ServiceLiveness;
 
-// One device with its hub address, device and network side, watchdog, recorder and reports. Several hubs in one process are independent of
-// each other. RT: no, except the threads of device and network side. Threads: one caller for each hub.
+// One device with its hub: address, device side, network side, watchdog, recorder and reports. Several hubs in one process are independent
+// of each other. RT: no, except the threads of device side and network side. Threads: one caller for each hub.
 class DeviceHub {
  public:
-  // Error, one line: the device cannot be opened, the address is in use, a key or folder is missing. Pre: clock outlives it.
+  // Error, one line: the device cannot be opened, an address is in use, a key or folder is missing. Pre: clock outlives the hub.
   static Result<std::unique_ptr<DeviceHub>> open(const IoOptions& options, const Clock& clock);
   ~DeviceHub();
 
   Address address() const;
-  // "hub on 127.0.0.1:4950, device simulated, 1000 Hz, ...", preceded by its name if it has one.
+  // "hub on 127.0.0.1:4950, device simulated, 1000 Hz, ...", preceded by the name of the device if it has one.
   std::string describe() const;
   const IoOptions& options() const;
 
   // Before run(): as IoSession::set_service.
   void set_service(ServiceLiveness* service, std::size_t number) noexcept;
 
-  // Runs until IoSession::run ends, and prints a summary of the recording. Error: as there, or the recording could not be written.
+  // Runs until IoSession::run ends, and prints a summary of the recording. Error: as IoSession::run, or of watchdog or recording.
   Result<void> run(const StopSignal& stop);
 
  private:

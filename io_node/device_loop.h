@@ -21,25 +21,25 @@
 
 namespace hapton {
 
-// The handling of late cycles:
+// What happens when a cycle is late by a period or more:
 //   skip      whole periods are skipped, and the next tick is on time again
-//   catch_up  the missed cycles run at once, one after the other, up to kMaxCaughtUp of them; more are skipped
+//   catch_up  up to kMaxCaughtUp missed cycles run at once, one after the other; more are skipped
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
-// How the presence of a person is verified for the reset of a latched fault (reset_permission.h): known already, or by the dead man's
-// switch, which must still be held when the reset takes effect.
+// How the presence of a person is verified for the reset of a latched fault (reset_permission.h). known: it is known already; while_held:
+// by the dead man's switch, which must still be held when the reset takes effect.
 enum class ResetPresence : std::uint8_t { known, while_held };
 
 // One cycle of the device loop, as reported to the network side.
 struct DeviceCycle {
-  std::uint64_t number = 0;  // of the sample, from 1
+  std::uint64_t number = 0;  // number of the sample, from 1
   DeviceSample sample;
   std::int64_t tick_ns = 0;
   std::int64_t next_tick_ns = 0;
   std::int64_t next_wake_ns = 0;  // when the cycle's thread ends its sleep before next_tick_ns
   std::int64_t late_ns = 0;
-  std::uint32_t missed = 0;  // cycles skipped before it
+  std::uint32_t missed = 0;  // number of cycles skipped before this one
   MissCause cause = MissCause::none;
   std::optional<LocalForce> local;  // the force for this sample, if the device side computed it
   Wrench written;                   // on the motors at the end of the cycle, before any reply of the haptics node to this sample
@@ -76,7 +76,7 @@ struct DeviceLoopStats {
   std::uint64_t commands = 0;           // force commands governed
   std::uint64_t local_forces = 0;       // forces that the device side computed
   std::uint64_t commands_unused = 0;    // force commands that came while the device side computed the forces
-  std::uint64_t waits = 0;              // cycles that had to retry because the network side was writing a force
+  std::uint64_t waits = 0;              // attempts to run a cycle that failed because the network side was writing a force
   std::uint64_t resets_denied = 0;      // resets denied because the switch was released before they took effect
   std::uint64_t cuts = 0;               // times that a force became too old and the device was cut off (cut_if_older)
   std::uint64_t cycles_unreported = 0;  // cycles lost because the network side was kCyclesKept cycles behind
@@ -100,12 +100,12 @@ struct DeviceLoopStats {
 // they may be the same.
 class DeviceLoop {
  public:
-  // At 1 kHz the longest delay that is not a stall (kStallNs).
+  // A choice: at 1 kHz, as many cycles as the longest delay that does not count as a stall (kStallNs).
   static constexpr std::int64_t kMaxCaughtUp = 10;
-  // A cycle later than this means that the machine was stalled: no work, device access or wake-up takes that long.
+  // A cycle that is late by this much or more means that the machine was stalled: no work, device access or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
-  // Size of the queue of cycles to the network side: 0.8 s at 10 kHz. For that long it may have no CPU, or start later, without a gap in a
-  // recording.
+  // Size of the queue of cycles to the network side: 0.8 s at 10 kHz. For that time the network side may have no CPU, or not have started
+  // yet, without a gap in a recording.
   static constexpr std::size_t kCyclesKept = 8192;
 
   struct Options {
@@ -120,16 +120,16 @@ class DeviceLoop {
     double spin_share = 0.0;
   };
 
-  // Pre: both outlive this.
+  // Pre: device and clock outlive this.
   DeviceLoop(Device& device, const Clock& clock, const Options& options);
 
-  // Set up before start: the page in which the watchdog process reads the heartbeat. Pre: outlives this.
+  // Set up before start: the page in which the watchdog process reads the heartbeat. Pre: page outlives this.
   void set_heartbeat_page(HeartbeatPage* page) noexcept { heartbeat_page_ = page; }
 
-  // Set up before start: computes forces on the device side, where it can; null: never. Pre: outlives this.
+  // Set up before start: what computes forces on the device side when it can; null: none are computed here. Pre: local outlives this.
   void set_local_touch(LocalTouch* local) noexcept { local_ = local; }
 
-  // Set up before start: latches the fault that an earlier process left latched.
+  // Set up before start: latches again the fault that was latched when an earlier process ended.
   void restore_latched_fault(SafetyFault fault) noexcept { governor_.restore_latched_fault(fault); }
 
   // --- the cycle's thread
@@ -140,23 +140,23 @@ class DeviceLoop {
   // When to end a sleep before the next tick; the rest is spun.
   std::int64_t wake_ns() const noexcept { return tick_ns_ - spin_.margin_ns(period_ns()); }
   std::int64_t wake_after_next_ns() const noexcept { return wake_ns() + period_ns(); }
-  // Before the wait: whether the tick has passed already. After it: how long after wake_ns() it ended; how long any other wait of the
-  // thread overran its end.
+  // To be called before the wait for a tick: whether the tick has passed already; after that wait: how long after wake_ns() it ended; after
+  // any other wait of the thread: how long after its intended end it ended.
   void note_behind(bool is_behind) noexcept { is_behind_ = is_behind; }
   void note_wake_up(std::int64_t late_ns) noexcept { spin_.note_wake_up(late_ns); }
   void note_overslept(std::int64_t late_ns) noexcept { overslept_ns_ = late_ns > overslept_ns_ ? late_ns : overslept_ns_; }
-  // Spins to the tick and accounts for cycles missed before it.
+  // Spins until the tick, and handles the cycles missed before it (OverrunPolicy).
   void begin_cycle() noexcept;
-  // The cycle. False: the network side is writing a force; call again soon. Nothing was done, except that the device may have been cut off.
+  // Runs the cycle. False: the network side is writing a force; call again soon. Nothing was done, but the device may have been cut off.
   bool run_cycle() noexcept;
-  // hold: a cycle without a sample, which only ramps the force down. finish: writes zero to the motors at the end. False: as above.
+  // hold: a cycle without a sample: applies requests and ramps the force down. finish: at the end, writes zero force. False: as run_cycle.
   bool hold() noexcept;
   bool finish() noexcept;
   const DeviceLoopStats& collect_stats() noexcept;
 
   // --- the network side
 
-  // The next cycle not taken yet, in order; false: there is none.
+  // Takes the oldest cycle that was not taken yet; false: there is none.
   bool take_cycle(DeviceCycle& cycle) noexcept;
   bool has_cycle() const noexcept { return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire); }
   // The newest state of the device side; stays as it is until the next call.
@@ -170,20 +170,20 @@ class DeviceLoop {
   void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0, const Vec3& turn_rad = Vec3::Zero()) noexcept;
   void aim_hand(std::span<const Vec3> p_WA) noexcept;  // see Device::aim_hand; at most Device::kMaxAims points
   void reset_faults(ResetPresence presence) noexcept;
-  void set_rate_hz(double rate_hz) noexcept;  // ... whose next tick is still that of the rate before
+  void set_rate_hz(double rate_hz) noexcept;  // the next tick is still that of the rate before
   void end() noexcept;                        // the session ends: the governor's later events are not counted
-  // Requests a copy of the measurements; take_stats returns true once when it is there.
+  // Requests a copy of the measurements; take_stats() returns true once when stats_copy() has a new one.
   void request_stats() noexcept;
   bool take_stats() noexcept { return stats_copies_.take(); }
   const DeviceLoopStats& stats_copy() const noexcept { return stats_copies_.value(); }
   const DeviceLimits& limits() const noexcept { return governor_.limits(); }
 
   // --- any thread
-  // Cuts the device off (Device::cut) if the force on it replies to a sample of that age or older: for a monitor in a thread of another
-  // scheduling class, which runs when this one cannot. The force ramps up afterwards. True: it was cut off; false: no force is that old, or
-  // the device has no cut. RT: yes, wait-free.
+  // Cuts the device off (Device::cut) if the force on its motors replies to a sample of that age or older: for a monitor in a thread of
+  // another scheduling class, which runs when the cycle's thread cannot. The force ramps up afterwards. True: the device was cut off;
+  // false: no force is that old, or the device has no cut. RT: yes, wait-free.
   bool cut_if_older(std::int64_t limit_ns) noexcept;
-  // The end of the newest cycle.
+  // Time at which the newest cycle ended.
   std::int64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(std::memory_order_acquire); }
   AdaptiveSpin& spin() noexcept { return spin_; }
   // Time of the sample that the force on the motors replies to; 0: no force.
@@ -196,8 +196,8 @@ class DeviceLoop {
     WrenchCommand wanted;
     std::uint64_t number = 0;
   };
-  struct Requests {        // a serial counts the requests of its kind
-    double rate_hz = 0.0;  // 0: as it is
+  struct Requests {        // each serial counts the requests of its kind
+    double rate_hz = 0.0;  // 0: unchanged
     std::optional<Vec3> p_WH;
     std::uint32_t buttons = 0;
     Vec3 turn_rad = Vec3::Zero();
@@ -205,8 +205,8 @@ class DeviceLoop {
     std::array<Vec3, Device::kMaxAims> p_WA;
     std::size_t aim_count = 0;
     std::uint32_t aim_serial = 0;
-    std::uint32_t reset_serial = 0;          // by someone known to be present
-    std::uint32_t reset_if_held_serial = 0;  // ... if the switch is held
+    std::uint32_t reset_serial = 0;          // of resets with ResetPresence::known
+    std::uint32_t reset_if_held_serial = 0;  // of resets with ResetPresence::while_held
     std::uint32_t stats_serial = 0;
     bool ends = false;
   };
@@ -240,9 +240,9 @@ class DeviceLoop {
   DeviceLoopStats stats_;
   AdaptiveSpin spin_;
 
-  // The cycle's thread.
+  // Used by the cycle's thread.
   std::int64_t tick_ns_ = 0;
-  std::int64_t overslept_ns_ = 0;  // longest overrun of a wait since the last tick
+  std::int64_t overslept_ns_ = 0;  // by how much a wait since the last tick ended too late, at most
   bool is_behind_ = false;         // the tick had passed before the loop began to wait for it
   bool is_finished_ = false;
   DeviceCycle cycle_;
@@ -253,17 +253,17 @@ class DeviceLoop {
   std::uint32_t reset_if_held_serial_ = 0;
   std::uint32_t stats_serial_ = 0;
 
-  // Owned by the holder of the claim.
-  // Time spent in calls of the device since the last tick. Added to by the holder of the claim; read without it, for the cause of a miss.
+  // Used by the holder of the claim.
+  // Time spent in calls of the device since the last tick; also read without the claim, for the cause of a missed cycle.
   std::atomic<std::int64_t> device_ns_{0};
   Wrench written_;
   bool is_local_ = false;         // the force comes from local_
   ForceFade fade_;                // from remote force to local force and back, and from patch to patch
-  std::int64_t faded_ns_ = 0;     // time of its last step
-  std::int64_t accepted_ns_ = 0;  // the sample of the last force that the governor accepted
+  std::int64_t faded_ns_ = 0;     // time of the last step of fade_
+  std::int64_t accepted_ns_ = 0;  // sample time of the last force that the governor accepted
   std::int64_t governed_ready_ns_ = 0;
   std::int64_t governed_ns_ = -1;  // time of the last force since the last cycle; below 0: none
-  std::uint64_t number_ = 0;       // of the last command; ready_ns_, written_ns_: its times as in DeviceSide
+  std::uint64_t number_ = 0;       // DeviceSide::command of the newest command; the next two: its times, as there
   std::int64_t ready_ns_ = 0;
   std::int64_t written_ns_ = 0;
 
@@ -275,13 +275,13 @@ class DeviceLoop {
   std::atomic<DeviceStatus> status_{DeviceStatus::ready};
   std::atomic<bool> has_overrun_{false};
   std::atomic<bool> is_cut_by_process_{false};
-  bool is_cut_for_fault_ = false;  // the holder of the claim's: while a fault is latched
+  bool is_cut_for_fault_ = false;  // used by the holder of the claim: cut because a fault is latched
   std::atomic<std::uint64_t> cuts_{0};
   Mailbox<Command> commands_;
   Mailbox<DeviceSide> sides_;
   Mailbox<DeviceLoopStats> stats_copies_;
 
-  // The network side.
+  // Used by the network side.
   Requests requests_;
   Mailbox<Requests> requests_box_;
 

@@ -15,11 +15,11 @@
 
 namespace hapton {
 
-// The thread of a device loop. Its SCHED_FIFO priority is one above that of the network side's thread, so that it never
-// waits for that thread where both use one CPU. RT: start and stop set-up only; the thread itself is real-time. Threads: one.
+// The thread of a device loop. Its SCHED_FIFO priority is one above that of the network side's thread (at most 99), so that
+// it never waits for that thread if both use one CPU. RT: start and stop set-up only; the thread is real-time. Threads: one.
 class DeviceThread {
  public:
-  // Pre: both outlive this.
+  // Pre: loop and clock outlive this.
   DeviceThread(DeviceLoop& loop, const Clock& clock) : loop_(loop), clock_(clock) {}
   ~DeviceThread() { stop(); }
   DeviceThread(const DeviceThread&) = delete;
@@ -28,10 +28,10 @@ class DeviceThread {
   // Starts the cycles. network: the settings of the network side's thread. Error: real time is required and was denied, or there is no
   // timer.
   Result<void> start(const RealtimeSettings& network);
-  // Writes zero force to the motors and ends the cycles. Has no effect if the thread does not run.
+  // Ends the cycles, and then writes zero force to the motors. Has no effect if the thread does not run.
   void stop();
 
-  // The thread's id, and what the system granted it (RealtimeReport::to_lines). Pre: start() succeeded.
+  // The thread's id, and which real-time settings the system granted it (RealtimeReport::to_lines). Pre: start() succeeded.
   pid_t id() const noexcept { return id_; }
   const std::vector<std::string>& realtime_lines() const noexcept { return realtime_lines_; }
 
