@@ -336,7 +336,8 @@ TEST(APointInASlit, StaysInACornerWhoseNormalsAreInOnePlaneWithinRounding) {
       EXPECT_FALSE(method->carried_from()) << tilt;
     }
     EXPECT_LT(proxy.norm(), 1e-7) << tilt;
-    EXPECT_EQ(dynamic_cast<ProxyMethod&>(*method).swept().counters().sweeps, 0U) << tilt;
+    // Only those of a smaller sphere, once for each sample and place.
+    EXPECT_LE(dynamic_cast<ProxyMethod&>(*method).swept().counters().sweeps, 16U) << tilt;
   }
 }
 
