@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// Half-open ranges of cells along each axis; empty when any range is.
+// Half-open ranges of cells along each axis; the box is empty if any range is empty.
 struct CellBox {
   std::array<int, 3> begin = {};
   std::array<int, 3> end = {};
@@ -21,7 +21,7 @@ struct CellBox {
 struct GridOccupancy {
   std::size_t cells = 0;
   std::size_t occupied_cells = 0;
-  std::size_t entries = 0;  // triangle listings, all cells together
+  std::size_t entries = 0;  // the lengths of all lists of triangles, summed over the cells
   std::size_t max_triangles_a_cell = 0;
 
   double occupied_share() const { return cells == 0 ? 0.0 : static_cast<double>(occupied_cells) / static_cast<double>(cells); }
@@ -32,24 +32,24 @@ struct GridOccupancy {
 
 // The static world divided into equal axis-aligned cells, each with the list of the triangles that touch it, in flat arrays. The grid spans
 // the triangles' bounding box; an axis without extent has one cell. Post: a triangle is listed in every cell that contains a point of it,
-// and perhaps, by rounding, in a neighbour. Time to make one: in proportion to the listings, times a logarithm; not to the cells around a
-// triangle, of which a long thin one touches few. Source: memo 4.2.2, first step of the precalculation. RT: find_cells, triangles_in,
-// occupancy yes; make set-up only. Threads: any number of readers.
+// and perhaps, by rounding, in a neighbouring cell. Time of make: in proportion to the length of all lists, times a logarithm; not to the
+// cells in a triangle's bounding box, of which a long thin triangle touches few. Source: memo 4.2.2, first step of the precalculation. RT:
+// find_cells, triangles_in, occupancy yes; make set-up only. Threads: any number of readers.
 class UniformGrid {
  public:
-  // Of one axis. A choice: kMaxCells and kMaxEntries are what bounds the memory.
+  // Most cells along one axis; a free choice, as kMaxCells and kMaxEntries bound the memory.
   static constexpr int kMaxDivision = 1024;
   static constexpr std::size_t kMaxCells = std::size_t{1} << 26;    // 256 MiB of offsets
-  static constexpr std::size_t kMaxEntries = std::size_t{1} << 29;  // 2 GiB of listings
+  static constexpr std::size_t kMaxEntries = std::size_t{1} << 29;  // 2 GiB of list entries
 
-  // Error: a division outside 1..kMaxDivision, more cells or listings than the limits above, no triangles, too many triangles.
+  // Error: a division outside 1..kMaxDivision, more cells or list entries than the limits above, no triangles, too many triangles.
   // Pre: all corners are finite.
   static Result<UniformGrid> make(std::span<const std::array<Vec3, 3>> triangles, const std::array<int, 3>& division);
 
-  // The cells that the axis-aligned box low..high overlaps; none if it lies outside of the grid, or a number is NaN.
+  // The cells that the axis-aligned box low..high overlaps; none if the box lies outside the grid, or a coordinate is NaN.
   CellBox find_cells(const Vec3& low, const Vec3& high) const noexcept;
 
-  // The triangles of one cell, ascending.
+  // The numbers of the triangles that touch one cell, in ascending order. Pre: 0 <= x < division()[0], likewise for y and z.
   std::span<const std::uint32_t> triangles_in(int x, int y, int z) const noexcept {
     const std::size_t cell = index_of(x, y, z);
     return {ids_.data() + offsets_[cell], ids_.data() + offsets_[cell + 1]};
@@ -59,7 +59,7 @@ class UniformGrid {
   const Vec3& low() const { return low_; }
   const Vec3& high() const { return high_; }
   const GridOccupancy& occupancy() const { return occupancy_; }
-  std::size_t work() const { return work_; }  // tests of a triangle against a box that make took
+  std::size_t work() const { return work_; }  // number of triangle-box tests in make
 
  private:
   std::size_t index_of(int x, int y, int z) const noexcept { return (static_cast<std::size_t>(z) * division_[1] + y) * division_[0] + x; }

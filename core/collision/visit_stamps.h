@@ -22,7 +22,7 @@ class VisitStampsOf {
     }
   }
 
-  // True at the first call for this item since start.
+  // True at the first call for this item since start. Pre: start was called.
   bool first_visit(std::uint32_t item) noexcept {
     if (seen_[item] == stamp_) {
       return false;

@@ -17,21 +17,21 @@
 
 namespace hapton {
 
-// A bounding volume tree with nodes of eight children, whose eight boxes are tested by one run of vector instructions. Children are nodes
-// or single items (triangles). Boxes are single precision, rounded outward, relative to an origin that the caller has already subtracted,
-// so a query never misses what it touches. The builder bounds the depth, and so the stack of a query: a query can neither allocate nor
-// drop. Threads: immutable after build, any number of readers. RT: queries yes, build set-up only.
+// A bounding volume tree with eight children a node, whose eight boxes are tested by one run of vector instructions. Children are nodes or
+// single items (triangles). Boxes are single precision, rounded outward, relative to an origin that the caller has already subtracted, so a
+// query never misses what it touches. The builder bounds the depth, and so the stack of a query, which never allocates and never drops a
+// node. Threads: any number of readers while no box or number changes. RT: queries and refit yes, all else set-up only.
 class WideBvh {
  public:
   static constexpr int kWidth = 8;
-  // Splits are free down to level 26; below, runs are halved, and 13 levels of eight children hold 2^32 items.
+  // Splits follow their cost down to level 26; below, runs are halved, and 13 levels of eight children hold 2^32 items.
   static constexpr int kMaxDepth = 40;
   static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;
-  static constexpr double kFarthest = 0x1p100;  // pre: every item's box lies within this of zero
+  static constexpr double kFarthest = 0x1p100;  // pre: no coordinate of an item's box has a larger magnitude
 
-  // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i].
+  // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i]. Pre: none is empty.
   explicit WideBvh(std::span<const Box> boxes);
-  // The same with a function: item i is box_of(i), called once.
+  // The same with a function: the box of item i is box_of(i), which is called once for each item.
   WideBvh(std::size_t count, const std::function<Box(std::size_t)>& box_of);
 
   // Calls visit(item) for every item whose box overlaps the query box, and for some that nearly do. A visit that returns false ends the
@@ -40,14 +40,14 @@ class WideBvh {
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
   // Calls visit(item) for every item whose box comes within `radius` of p, and for some that nearly do, up to a distance of 2^63. A visit
-  // that returns false ends the search. This and the searches for what is nearest: nothing is near a p that is not finite or beyond a
-  // float.
+  // that returns false ends the search. For this search, visit_nearest and NearestSearch, nothing is near a p that is not finite or too
+  // large for a float.
   template <class Visit>
   void for_each_within(const Vec3& p, double radius, Visit&& visit) const;
 
-  // Every pair of items whose boxes come within `margin` of each other along each axis, once, and some that nearly do. Items are taken up
-  // to eight at a time: begin(items, lanes) gives them lane by lane, with bit i of `lanes` set if lane i is used; then visit(item, lanes)
-  // is called for each item near some of them, with those lanes.
+  // Finds every pair of items whose boxes come within `margin` of each other along each axis, once, and some that nearly do. Takes up to
+  // eight items at a time: begin(items, lanes) gives them lane by lane, with bit i of `lanes` set if lane i is used; then visit(item,
+  // lanes) is called for each item near some of them, with the bits of these.
   template <class Begin, class Visit>
   void for_each_near_pair(double margin, Begin&& begin, Visit&& visit) const;
 
@@ -79,17 +79,17 @@ class WideBvh {
     int top_ = 0;
   };
 
-  // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of the segment from p to p + motion before the
-  // time `until` of its 0..1, roughly in order; visit returns the new `until` (never larger; below zero: ends the search). Also for some
-  // boxes that nearly do. Pre: p and motion are of the size of the boxes' coordinates.
+  // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of a point that moves from p at time 0 to p +
+  // motion at time 1, before the time `until`, roughly in order; visit returns the new `until` (never larger; below zero: ends the search).
+  // Also for some boxes that nearly do. Pre: p and motion are of the size of the boxes' coordinates.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const;
 
   // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
   LargeVector<std::uint32_t> items_in_tree_order() const;
 
-  // Where the box of each item and of each node is stored, as node * kWidth + child: the path upwards, for refit. The root's is kNoParent.
-  // RT: set-up only.
+  // Where the box of each item and of each node is stored, as node * kWidth + child: the path upwards, for refit. The root has kNoParent.
+  // Pre: no box is empty. RT: set-up only.
   static constexpr std::uint32_t kNoParent = 0xFFFFFFFFU;
   struct Parents {
     std::vector<std::uint32_t> of_item;
@@ -97,11 +97,11 @@ class WideBvh {
   };
   Parents find_parents() const;
 
-  // Gives the item a new box and updates those above it; no query finds an empty box. Work: one node per level. Pre: the parents are this
-  // tree's. RT: yes.
+  // Gives the item a new box and updates those above it; no query finds an item with an empty box. Work: one node per level. Pre: `parents`
+  // are those of this tree. RT: yes.
   void refit(std::uint32_t item, const Box& box, const Parents& parents) noexcept;
 
-  // Gives every item a new box: box_of(i), called once. Linear in the items. RT: set-up only.
+  // Gives every item a new box: box_of(i), called once. Linear in the items. Pre: no box is or was empty. RT: set-up only.
   void refit_all(const std::function<Box(std::size_t)>& box_of);
 
   std::size_t node_count() const { return nodes_.size(); }
@@ -121,13 +121,13 @@ class WideBvh {
     std::array<std::uint32_t, kWidth> child;  // kItemBit set: an item; else a node
   };
 
-  // Prefetches all children of a node while the first is processed.
+  // Prefetches the whole of a node that is processed later.
   static void prefetch(const Node& node) {
     const auto* bytes = reinterpret_cast<const char*>(&node);
     for (std::size_t at = 0; at < sizeof(Node); at += 64) __builtin_prefetch(bytes + at);
   }
 
-  // Eight boxes, or one of them eight times.
+  // Eight boxes, or one box eight times.
   struct Boxes8 {
     Float8 low[3];
     Float8 high[3];
@@ -165,7 +165,7 @@ class WideBvh {
     Float8 squared(const Node& node) const;
 
     Float8 point[3];
-    Float8 error;  // of the point
+    Float8 error;  // largest rounding error of a coordinate of the point
   };
   int push_nearer(const Node& node, const PointDistance& distance_of, double bound_squared, NearestSearch::Entry* stack, int top) const;
 
@@ -177,7 +177,7 @@ class WideBvh {
 
 namespace detail {
 
-// A float not above / not below x, within two units in the last place.
+// A float not above x (round_down) or not below x (round_up), within 2^-21 of its magnitude plus 2^-125. x: fits in a float.
 inline float round_down(double x) {
   const auto f = static_cast<float>(x);
   return f - std::fabs(f) * 0x1p-22F - std::numeric_limits<float>::min();
@@ -190,7 +190,7 @@ inline float round_up(double x) {
 }  // namespace detail
 
 // The point's own rounding is below 2^-24 of its magnitude, and subtracted from every distance. The relative rounding of the subtraction,
-// square and sum is below 8 units of 2^-24.
+// square and sum is below 8 * 2^-24; kRounding takes off twice as much.
 inline WideBvh::PointDistance::PointDistance(const Vec3& p) {
   float most = 0.0F;
   for (int k = 0; k < 3; ++k) {
@@ -201,14 +201,14 @@ inline WideBvh::PointDistance::PointDistance(const Vec3& p) {
 }
 
 inline Float8 WideBvh::PointDistance::squared(const Node& node) const {
-  constexpr float kRounding = 1.0F - 16.0F / 16777216.0F;  // three squares and their sums round by less than 16 x 2^-24
+  constexpr float kRounding = 1.0F - 16.0F / 16777216.0F;  // the sum of three squares has a rounding error below 16 x 2^-24
   const Float8 zero = Float8(0.0F);
   Float8 sum = zero;
   for (int k = 0; k < 3; ++k) {
     const Float8 below = Float8::load(node.low[k].data()) - point[k];
     const Float8 above = point[k] - Float8::load(node.high[k].data());
-    // Zero comes first: max gives its second operand where one is NaN, as for a point beyond a float, which is then near no box, not even
-    // that of an unused child.
+    // Zero is the first operand: where one operand is NaN, as it can be for a point that is not finite, max gives the second one, NaN, and
+    // the point is then near no box, not even that of an unused child.
     const Float8 outside = max(zero, max(below, above) - error);
     sum = sum + outside * outside;
   }
@@ -258,7 +258,7 @@ inline unsigned WideBvh::item_lanes(const Node& node) {
   return sign_bits(as_floats(child) & used);
 }
 
-// A node comes before all below it, so a pair is found from the later of its two nodes: later nodes are skipped.
+// A node comes before all below it, so a pair is found from the later of the two nodes with its items: later nodes are skipped.
 template <class Begin, class Visit>
 void WideBvh::for_each_near_pair(double margin, Begin&& begin, Visit&& visit) const {
   std::array<std::uint32_t, kMaxStack> stack;
@@ -429,7 +429,7 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
     alignas(32) std::array<float, kWidth> time;
     store(time.data(), enter);
     const int first = top;
-    for (; mask != 0; mask &= mask - 1) {  // insertion by time: the first ends on top
+    for (; mask != 0; mask &= mask - 1) {  // insertion by time: the earliest ends on top
       const int c = std::countr_zero(mask);
       const Entry next = {node.child[c], time[c]};
       if ((next.child & kItemBit) == 0) prefetch(nodes_[next.child]);
