@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// Reads a signal that has samples at regular times at any other times: the sum of the samples around, weighted by a sinc function with a
-// Kaiser window. The spectrum of what is read is that of the samples, within 0.2 dB up to 0.9 of half the lower rate of the two; from 1.1
-// of it on, images and aliases are 40 dB lower. Read at the rate of the samples, at times of samples, it is the samples to the last bit.
-// The signal is read kHalfWidth samples of the lower rate late. Units: samples. RT: yes. Threads: one.
+// Reads a signal with samples at regular times at any other times: a sum of the samples around, weighted by a windowed sinc (Kaiser). The
+// spectrum read is that of the samples, within 0.2 dB up to 0.9 f, with f half the rate of the samples divided by the stride; from 1.1 f
+// on, images and aliases are 40 dB lower. With stride 1, read at times of samples, it is the samples to the last bit. The signal is read
+// kHalfWidth * stride samples late. Units: samples. RT: yes, but for the first object, which makes a table. Threads: one.
 // Source: Smith and Gossett (1984), A flexible sampling-rate conversion method, ICASSP.
 class BandLimitedSignal {
  public:
@@ -18,16 +18,16 @@ class BandLimitedSignal {
 
   BandLimitedSignal() noexcept;
 
-  // All samples are zero.
+  // Sets all samples to zero.
   void reset() noexcept;
   void push(double sample) noexcept;
-  // samples_per_reading: the rate of the samples over that of reading.
+  // The stride for at(), at most kMaxStride. samples_per_reading: the rate of the samples divided by that of the readings.
   static std::size_t stride_for(double samples_per_reading) noexcept;
-  // At `since_newest` after the newest sample, 0 to 1, less kHalfWidth * stride. stride: of stride_for.
+  // The signal at `since_newest` samples (0 to 1) after the newest one, less kHalfWidth * stride samples. stride: from stride_for.
   double at(double since_newest, std::size_t stride) const noexcept;
 
  private:
-  // Every sample twice, so that the last kKept always are in one piece.
+  // Every sample is stored twice, so that the last kKept are always in one piece.
   static constexpr std::size_t kKept = 256;
   static_assert(kKept >= 2 * kHalfWidth * kMaxStride);
 

@@ -8,13 +8,13 @@
 namespace hapton {
 
 // A burst of vibration when the device enters a volume: F = amplitude exp(-t / decay) sin(2 pi frequency t) direction for duration_s after
-// the entry, inside or not. An entry during a burst starts it again. With a button (EffectSwitch) it is the press inside that starts it.
-// Frame: S. Units: SI. RT: yes. Bound: amplitude_n. Passivity: active;
-// one burst gives at most amplitude_n times the path of the hand within duration_s.
+// the entry, whether the device stays inside or not. An entry during a burst starts it again. With a button (EffectSwitch), a press inside
+// starts the burst, and an entry does not. Frame: S. Units: SI. RT: yes. Bound: amplitude_n. Passivity: active; one burst gives at most
+// amplitude_n times the path of the hand within duration_s.
 struct BurstEffect {
   static constexpr Passivity kPassivity = Passivity::active;
 
-  // Between two samples. A step that begins inside has not entered.
+  // What is kept between two samples. A device that is inside at the first sample has not entered.
   struct State {
     bool has_sample = false;
     bool is_inside = false;
@@ -42,7 +42,7 @@ struct BurstEffect {
     return ring(sample, state);
   }
 
-  // Of a burst with a button.
+  // The force of a burst with a button. is_pressed: the button was pressed since the sample before.
   Vec3 force_on_press(const EffectSample& sample, bool is_pressed, State& state) const noexcept {
     if (is_pressed && volume.contains(sample.p_SD)) {
       state.has_begun = true;

@@ -13,22 +13,22 @@ namespace hapton {
 struct EffectSwitch {
   // People do not perceive 20 ms as a delay, and a step of 3 N becomes 0.15 N a millisecond (decision 141).
   static constexpr double kRampS = 0.02;
-  // What a sample counts at most, so that after a late one the force does not jump by what it would have changed meanwhile. At less than
+  // The most time that one sample counts for, so that after a late sample the force does not jump by all that the gain missed. At less than
   // 500 Hz the ramp takes longer.
   static constexpr double kMaxStepS = 2e-3;
 
-  // Between two samples. A button that is down at the first sample was not pressed.
+  // What is kept between two samples. A button that is down at the first sample was not pressed.
   struct State {
     bool was_down = true;
     bool is_on = false;
     double gain = 0.0;
-    double last_s = 0.0;   // the last sample
-    double began_s = 0.0;  // the last press
+    double last_s = 0.0;   // time of the last sample
+    double began_s = 0.0;  // time of the last press
   };
 
   std::uint32_t button = 0;  // a bit, the lowest for the first button; 0: always on
 
-  // Of the next sample. True: the button was pressed since the one before.
+  // Updates the gain for the next sample. True: the button was pressed since the sample before.
   bool update(std::uint32_t buttons, double time_s, State& state) const noexcept {
     if (button == 0) {
       state.gain = 1.0;

@@ -28,17 +28,17 @@ class EffectVolume {
     return false;
   }
 
-  // Its point nearest to p: p itself inside.
+  // The point of the volume that is nearest to p: p itself if it is inside.
   Vec3 nearest(const Vec3& p) const noexcept {
     if (contains(p)) return p;
     const Vec3 from = p - centre_;
     if (shape_ == Shape::ball) return centre_ + half_size_.x() / from.norm() * from;
     return centre_ + from.cwiseMax(-half_size_).cwiseMin(half_size_);
   }
-  // Meaningless where it acts everywhere.
+  // The centre of a ball or box; meaningless for everywhere().
   const Vec3& centre() const noexcept { return centre_; }
 
-  // All that defines it, as for_each_number visits it. Nothing: no volume has these numbers.
+  // The volume with these numbers, in the order in which for_each_number visits them. Nothing: no volume has these numbers.
   static std::optional<EffectVolume> from_numbers(const std::array<double, 7>& numbers) noexcept {
     const double shape = numbers[0];
     if (shape != 0.0 && shape != 1.0 && shape != 2.0) return std::nullopt;
@@ -47,7 +47,7 @@ class EffectVolume {
     if (!centre.allFinite() || !(half_size.array() >= 0.0).all() || !half_size.allFinite()) return std::nullopt;
     return EffectVolume(static_cast<Shape>(static_cast<int>(shape)), centre, half_size);
   }
-  // Calls visit(number) for all that defines it.
+  // Calls visit(number) for the seven numbers that define the volume.
   template <class Visit>
   void for_each_number(Visit&& visit) const {
     visit(static_cast<double>(shape_));

@@ -8,9 +8,9 @@
 namespace hapton {
 
 // Attraction by a soft ball of mass: F = -max_force c x / (1 + x^2)^(3/2) along the radius, with x = r / (sqrt(2) radius_m) and c = 3
-// sqrt(3) / 2. Largest, max_force_n, at r = radius_m; falls with the square of the distance far away; zero at the centre. Frame: S. Units:
-// SI. RT: yes. Bound: max_force_n. Passivity: conservative, as a central force that depends on the distance alone. Source: Plummer (1911),
-// On the problem of distribution in globular star clusters; the scale is ours.
+// sqrt(3) / 2. The force is largest, max_force_n, at r = radius_m, falls with the square of the distance far away, and is zero at the
+// centre. Frame: S. Units: SI. RT: yes. Bound: max_force_n. Passivity: conservative, as a central force that depends on the distance alone.
+// Source: Plummer (1911), On the problem of distribution in globular star clusters; the scale is ours.
 struct GravityWellEffect {
   static constexpr Passivity kPassivity = Passivity::conservative;
 

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// The most line spectral frequencies of a polynomial.
+// The largest number of line spectral frequencies of a polynomial.
 constexpr std::size_t kMaxLines = 32;
 
 // A polynomial C(z) = 1 + c_1 z^-1 + ... + c_p z^-p by the cosines of its line spectral frequencies w_1 < ... < w_p: C = (P + Q) / 2, where
@@ -18,7 +18,7 @@ constexpr std::size_t kMaxLines = 32;
 // spectrum pair (LSP) and speech data compression, ICASSP.
 struct LineSpectrum {
   std::span<const double> cosines;  // at most kMaxLines
-  std::span<double> coefficients;   // c_1 to c_p go there: as many
+  std::span<double> coefficients;   // receives c_1 to c_p: as many as cosines
 };
 
 // Writes the coefficients of two polynomials, which takes as long as those of one. RT: yes.

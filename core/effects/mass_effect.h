@@ -15,19 +15,19 @@ namespace hapton {
 //
 // which is -m times the acceleration behind a first-order low-pass of time constant filter_s. Differentiating positions twice would amplify
 // noise, and any delay would make the loop unstable if m exceeds the mass of the device; the damper limits both. Below the frequency
-// 1 / (2 pi filter_s) it feels like the mass, above it like the damper. In a volume the mass is at rest until the hand enters, and stays
-// behind when the hand leaves. Frame: S. Units: SI. RT: yes.
-// Bound: max_force_n, where the damper slips.
+// 1 / (2 pi filter_s) the effect feels like the mass, above it like the damper. In a volume the mass is at rest until the hand enters, and
+// stays behind when the hand leaves. Frame: S. Units: SI. RT: yes.
+// Bound: max_force_n, at which the damper slips.
 // Passivity: dissipative below max_force_n, with the velocity of SmoothVelocity: for samples at equal intervals the damper's high-pass
 // leads the velocity by 0 to 90 degrees at any frequency and the mean lags by 0 to 90 (the conjugate Fejér kernel is positive), so that
-// the sum of F . motion is never positive. With the velocity of the last interval alone it is so for any intervals and beyond the bound:
-// F . motion is then what the energy m u^2 / 2 falls by, less what the damper takes. Stable ranges, with delay: docs/loop.md.
+// the sum of F . motion is never positive. With the velocity of the last interval alone this holds for any intervals, and at the bound:
+// F . motion is then the decrease of the energy m u^2 / 2, less what the damper takes. Stable ranges, with delay: docs/loop.md.
 struct MassEffect {
   static constexpr Passivity kPassivity = Passivity::dissipative;
-  // The damper is mass / filter_s: 10 Ns/m for the default mass. A shorter filter amplifies the noise of positions.
+  // The damper is mass / filter_s: at this, 10 Ns/m for the default mass. A shorter filter would amplify the noise of positions.
   static constexpr double kMinFilterS = 0.005;
 
-  // What it remembers of the motion.
+  // What is kept between two samples.
   struct State {
     Vec3 u = Vec3::Zero();        // velocity of the mass
     Vec3 force_n = Vec3::Zero();  // of the last sample
@@ -41,7 +41,7 @@ struct MassEffect {
 
   double bound_n() const noexcept { return max_force_n; }
 
-  // A sample no later than the one before gives the same force again.
+  // The force at the next sample. One that is no later than the sample before gives the same force again.
   Vec3 force(const EffectSample& sample, State& state) const noexcept {
     const double dt_s = sample.time_s - std::exchange(state.time_s, sample.time_s);
     if (!volume.contains(sample.p_SD)) {

@@ -28,7 +28,7 @@ struct RecordedTexture {
   std::shared_ptr<const TextureModels> models = {};  // null: off
   double mass_kg = 0.05;                             // effective mass at the device point: of the device and of the hand that holds it
   double max_force_n = 2.0;
-  std::uint64_t seed = 1;  // of the noise
+  std::uint64_t seed = 1;  // seed of the noise
 
   bool is_on() const noexcept { return models != nullptr; }
   double bound_n() const noexcept { return max_force_n; }

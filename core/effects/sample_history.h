@@ -16,7 +16,7 @@ class SampleHistory {
  public:
   void reset() noexcept { *this = {}; }
 
-  // c_1 x[n-1] + c_2 x[n-2] + ...; at most kMaxLines.
+  // c_1 x[n-1] + c_2 x[n-2] + ..., for at most kMaxLines coefficients.
   double sum(std::span<const double> coefficients) const noexcept {
     // Four sums side by side, so that one does not wait for the other.
     std::array<double, 4> sums = {};
@@ -34,7 +34,7 @@ class SampleHistory {
   }
 
  private:
-  // Every sample twice, so that the last kMaxLines always are in one piece, the newest first.
+  // Every sample is stored twice, so that the last kMaxLines are always in one piece, the newest first.
   std::array<double, 2 * kMaxLines> samples_ = {};
   std::size_t newest_ = 0;
 };

@@ -8,13 +8,13 @@
 
 namespace hapton {
 
-// The velocity of a device from its samples, some of which may have no place, by the clock of whoever sends them. Another sender may have
-// another clock: where that steps back, how long the hand took to its new place is unknown, and the motion begins anew there. Units: m, s,
-// m/s. RT: yes. Threads: one.
+// The velocity of a device from its samples, which may lack a valid position, by the clock of their sender. Another sender may have another
+// clock: where the time steps back, how long the hand took to its new place is unknown, and the motion begins anew at that place. Units: m,
+// s, m/s. RT: yes. Threads: one.
 class SampledMotion {
  public:
-  // The next sample. dt_s: since the one before, of the first 0; below 0, the clock has stepped back. One that is not finite takes its time
-  // only.
+  // Adds the next sample. dt_s: time since the one before, 0 for the first; below 0: the clock has stepped back. Of a sample that is not
+  // finite only the time counts.
   void add(const Vec3& p, double dt_s) noexcept {
     if (dt_s < 0.0) *this = {};
     unmoved_s_ += std::max(dt_s, 0.0);

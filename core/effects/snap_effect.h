@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Pulls onto a point (a magnet), a line or a plane from within range_m. With q from the nearest point of the target to the device and
+// Pulls onto a point (a magnet), a line or a plane from within range_m. With q from the target's nearest point to the device and
 // u = |q| / range: F = -max_force 4 u (1 - u) q / |q| for u < 1, else zero. It is continuous, zero on the target and at the range, and
 // largest at half the range. Near the target it is a spring of 4 max_force / range. Frame: S. Units: SI. RT: yes. Bound: max_force_n.
 // Passivity: conservative, as it depends on the distance to the target alone and points along its gradient.
@@ -22,7 +22,7 @@ struct SnapEffect {
   double max_force_n = 2.0;
 
   double bound_n() const noexcept { return max_force_n; }
-  // Near the target, where it is largest.
+  // The stiffness near the target, where it is largest.
   double stiffness_n_per_m() const noexcept { return 4.0 * max_force_n / range_m; }
 
   Vec3 force(const EffectSample& sample) const noexcept {

@@ -30,12 +30,12 @@ struct PassivityOf {
 
 inline Passivity passivity_of(const SpaceEffect& effect) noexcept { return std::visit(PassivityOf(), effect); }
 
-// The largest force it can give, N.
+// The largest force that the effect can give, N.
 inline double bound_of(const SpaceEffect& effect) noexcept {
   return std::visit([](const auto& e) { return e.bound_n(); }, effect);
 }
 
-// An effect, and when it acts. An effect alone always acts.
+// An effect, and when it acts; by default always.
 struct SwitchedEffect {
   SpaceEffect effect;
   EffectSwitch on = {};

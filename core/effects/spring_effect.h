@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// A spring to a point: F = -k (p - c), no longer than max_force_n. Frame: S. Units: SI. RT: yes.
+// A spring to a point: F = -k (p - c), limited to a magnitude of max_force_n. Frame: S. Units: SI. RT: yes.
 // Bound: max_force_n. Passivity: conservative, as a central force that depends on the distance alone.
 struct SpringEffect {
   static constexpr Passivity kPassivity = Passivity::conservative;

@@ -8,24 +8,24 @@ namespace hapton {
 // stiffness between the device and a point that sticks to the surface, and slips when the spring is pulled beyond the cone:
 //   pulled = P(pulled before + motion), force = -k pulled,
 // P the projection onto the disc of radius coefficient * normal force / k in the surface. While it slips the dynamic coefficient counts,
-// until the pull is below kRestick of that disc; otherwise the static one. Frame: S. Units: SI. RT: yes.
+// until the pull is below kRestick times that radius; otherwise the static one. Frame: S. Units: SI. RT: yes.
 //
-// Bound: the static coefficient times the normal force. Passivity: dissipative. Whatever the disc, P shortens the pull to s of its length,
-// 0 <= s <= 1, so in every step pulled . motion >= |pulled|^2 / 2 - |pulled before|^2 / 2: the hand gives at least what the spring stores.
+// Bound: the static coefficient times the normal force. Passivity: dissipative if k does not grow. Whatever the disc, P shortens the pull
+// or keeps it, so in every step pulled . motion >= |pulled|^2 / 2 - |pulled before|^2 / 2: the hand gives at least what the spring stores.
 // Source: return mapping of elastic-plastic friction (Wriggers, Computational Contact Mechanics, 2006, 5.2).
 struct SpringFriction {
   static constexpr Passivity kPassivity = Passivity::dissipative;
-  static constexpr double kRestick = 0.5;  // as the friction of methods (FrictionMotion)
+  static constexpr double kRestick = 0.5;  // the same as for the friction of force methods (FrictionMotion)
   struct State {
-    Vec3 pulled = Vec3::Zero();  // the device beyond the point that sticks, along the surface
+    Vec3 pulled = Vec3::Zero();  // from the point that sticks to the device, along the surface
     bool slips = false;
   };
   struct Coefficients {
     double at_rest = 0.0;
-    double slipping = 0.0;  // at most that at rest
+    double slipping = 0.0;  // at most at_rest
   };
 
-  // motion: of the device since the sample before. normal: unit. Pre: stiffness_n_per_m > 0; the others finite.
+  // motion: that of the device since the sample before. normal: unit. Pre: stiffness_n_per_m > 0; all others finite.
   static Vec3 force(const Vec3& motion, const Vec3& normal, double stiffness_n_per_m, double normal_n, const Coefficients& coefficient,
                     State& state) noexcept {
     const Vec3 to = state.pulled + motion;

@@ -14,8 +14,8 @@ namespace hapton {
 // Frame: S. Units: m. RT: yes.
 //
 // Bound: that of f times sqrt(1 + slope^2), slope = pi height / length. Passivity: conservative on flat surfaces without friction; on
-// curved ones up to the change of the normal over the depth. Source: the lateral force of Minsky (1995) and the perturbed normal of Ho,
-// Basdogan and Srinivasan (1999); that both come from one potential is ours.
+// curved ones except for the change of the normal over the depth. Source: the lateral force of Minsky (1995) and the perturbed normal of
+// Ho, Basdogan and Srinivasan (1999); that both come from one potential is ours.
 struct SurfaceBumps {
   static constexpr Passivity kPassivity = Passivity::conservative;
   enum class Pattern : std::uint8_t { ridges, grid };
@@ -26,7 +26,7 @@ struct SurfaceBumps {
   Vec3 direction = Vec3::UnitX();  // unit, across the ridges
 
   bool is_on() const noexcept { return height_m > 0.0; }
-  // The steepest slope.
+  // The steepest slope of the bumps.
   double slope() const noexcept;
   double height_at(const Vec3& p_SP) const noexcept;
   Vec3 gradient_at(const Vec3& p_SP) const noexcept;

@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// Damping and friction of a material where the force method has neither (ForceMethod::unrendered_drag). Damping: the contact force is less
-// by b v, v the speed along the normal away from the surface, and never attractive: max(0, f - b v). Friction: SpringFriction. Units: SI.
-// RT: yes. Bound: of damping, b times the speed of the approach; of friction, the static coefficient times the contact force. Passivity:
-// dissipative.
+// Damping and friction of a material where the force method has neither (ForceMethod::unrendered_drag). Damping reduces the contact force f
+// by b v, v the speed along the normal away from the surface, but the force never attracts: max(0, f - b v). Friction: SpringFriction.
+// Units: SI. RT: yes. Bound: damping adds at most b times the speed of approach; friction adds at most the static coefficient times the
+// contact force. Passivity: dissipative.
 struct SurfaceDrag {
   static constexpr Passivity kPassivity = Passivity::dissipative;
 

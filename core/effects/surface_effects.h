@@ -30,7 +30,7 @@ struct SurfaceEffects {
   }
 };
 
-// What it remembers between two samples.
+// What the effects of one surface keep between two samples.
 struct SurfaceEffectState {
   TissueLayers::State layers;
   SurfaceSnap::State snap;
