@@ -8,11 +8,11 @@
 
 namespace hapton {
 
-// The frame F of surfaces that move together, and the motion of the device as they see it: a hand that they carry along rests. Where they
-// deform as well, follow_deformation() takes the motion of the touched point within F into account.
+// The frame F of surfaces that move together, and the motion of the device relative to them: a hand that they carry along is at rest. Where
+// they deform as well, follow_deformation() takes the motion of the touched point within F into account.
 //
-// A frame that takes the last device point along faster than kMaxMPerS has jumped. That is not a motion of the device: its velocity goes on
-// as that of the hand alone. Frame: S but for what is named F. Units: m, s, m/s. RT: yes. Threads: one.
+// A frame that takes the last device point along faster than kMaxMPerS has jumped. A jump is not a motion of the device: the velocity goes
+// on as that of the hand alone. Frame: S, except for names with F. Units: m, s, m/s. RT: yes. Threads: one.
 class SurfaceFrame {
  public:
   // Four times as fast as any surface may move (kMaxSurfaceSpeed).
@@ -20,7 +20,7 @@ class SurfaceFrame {
 
   void reset() noexcept { *this = {}; }
 
-  // The next sample, with the frame there. dt_s: since the sample before; not above zero: the same moment.
+  // Adds the next sample, with the pose of the frame. dt_s: time since the sample before; not above zero: the same moment.
   void advance(const Pose& X_SF, const Vec3& p_SD, double dt_s) noexcept {
     X_SF_ = X_SF;
     has_jumped_ = false;
@@ -37,8 +37,8 @@ class SurfaceFrame {
     last_p_FD_ = p_FD;
     has_point_ = true;
   }
-  // The touched point of the surface moved by so much within F since the sample before, and as fast before the contact. Once after
-  // advance(). One faster than kMaxMPerS has jumped.
+  // Tells that the touched point moved by moved_F within F since the sample before; the motion before the contact counts as equally fast.
+  // To be called at most once after advance(). Faster than kMaxMPerS, the point has jumped, and nothing is subtracted.
   void follow_deformation(const Vec3& moved_F, double dt_s) noexcept {
     const bool is_known = dt_s > 0.0 && moved_F.norm() <= kMaxMPerS * dt_s;
     if (is_known) {
@@ -54,7 +54,7 @@ class SurfaceFrame {
     move_last_to(to_frame(p_SD));
   }
 
-  // Goes on with the velocity that `other`, which may move otherwise, has followed to the same sample. Pre: a step at this sample.
+  // Takes over the velocity of `other`, a frame that may move otherwise, at the same sample. Pre: both have advanced to it.
   void follow(const SurfaceFrame& other) noexcept {
     if (!has_point_ || !other.has_point_) return;
     velocity_ = other.velocity_;
@@ -67,7 +67,7 @@ class SurfaceFrame {
   Mat3 axes() const noexcept { return X_SF_.linear(); }
   const Vec3& p_FD() const noexcept { return last_p_FD_; }
   const Vec3& motion() const noexcept { return motion_; }  // of the device relative to the surface, since the sample before; in F
-  const SmoothVelocity& velocity() const noexcept { return velocity_; }  // likewise
+  const SmoothVelocity& velocity() const noexcept { return velocity_; }  // likewise, smoothed; in F
   bool has_jumped() const noexcept { return has_jumped_; }               // in the last step
 
  private:
@@ -81,7 +81,7 @@ class SurfaceFrame {
   Vec3 motion_ = Vec3::Zero();
   Vec3 last_p_SD_ = Vec3::Zero();
   Vec3 last_p_FD_ = Vec3::Zero();
-  std::size_t not_followed_ = 0;  // samples
+  std::size_t not_followed_ = 0;  // samples since follow_deformation()
   bool has_point_ = false;
   bool has_jumped_ = false;
 };

@@ -12,21 +12,21 @@ namespace hapton {
 // A triangle of a surface and where it lies in the images.
 struct MappedTriangle {
   std::array<Vec3, 3> corner;               // frame S
-  std::array<Eigen::Vector2d, 3> texcoord;  // of SurfaceImage
+  std::array<Eigen::Vector2d, 3> texcoord;  // as in SurfaceImage
 };
 
-// A place of a surface in the images, and how it moves in them with a point of the surface. Frame: S. Units: 1/m.
+// Texture coordinates (u, v) of a surface point, and their gradients along the surface. Frame: S. Units of du and dv: 1/m.
 struct MapPlace {
   Eigen::Vector2d texcoord = Eigen::Vector2d::Zero();
   Vec3 du = Vec3::Zero();
   Vec3 dv = Vec3::Zero();
 };
 
-// A number of a surface by an image: from that at black to that at white.
+// A number of a surface that an image gives: from at_black to at_white, linear in the image's value.
 struct ImageMap {
   struct Value {
     double number = 0.0;
-    Vec3 gradient = Vec3::Zero();  // along the surface, 1/m
+    Vec3 gradient = Vec3::Zero();  // along the surface, per metre
   };
 
   std::shared_ptr<const SurfaceImage> image = {};  // null: off
@@ -49,18 +49,18 @@ struct MapSample {
   double viscosity_ns_per_m = 0.0;
 };
 
-// Height, stiffness, friction and viscosity by images on the surface's texture coordinates. With U(d) the energy of the material's spring
-// at the depth d, f = dU/dd its force, h the height (at most 0, as of SurfaceBumps) and s the share of the stiffness, the force becomes
+// Images on the surface's texture coordinates give height, stiffness, friction and viscosity. With U(d) the energy of the material's spring
+// at the depth d, f = dU/dd its force, h the height (at most 0, as in SurfaceBumps) and s the share of the stiffness, the force becomes
 //   s f(d + h) (n - grad h) - U(d + h) grad s,
 // the gradient of one potential, s U(d + h): going from soft to stiff costs what stiff to soft gives back. Friction is SpringFriction,
 // viscosity SurfaceViscosity. Frame: S. RT: sample yes.
 //
-// Bound: that of f, times sqrt(1 + slope^2), plus U times the gradient of s. Passivity: conservative on flat surfaces, friction
-// and viscosity dissipative; on curved ones as SurfaceBumps. Where texture coordinates have a seam, neighbouring places lie apart in the
-// images: force is continuous there if the images are.
+// Bound: that of f, times sqrt(1 + slope^2), plus U times the gradient of s. Passivity: conservative on flat surfaces, friction and
+// viscosity dissipative; on curved ones as SurfaceBumps. Where texture coordinates have a seam, neighbouring places lie apart in the
+// images: the force is continuous there if the images agree on both sides of the seam.
 struct SurfaceMaps {
   static constexpr Passivity kPassivity = Passivity::conservative;
-  // Of the height: as steep as the steepest bumps by a formula.
+  // The largest slope of the height: that of the steepest bumps by a formula.
   static constexpr double kSteepest = 1.05;
 
   std::shared_ptr<const std::vector<MappedTriangle>> triangles = {};  // not null where a map is on
@@ -73,7 +73,7 @@ struct SurfaceMaps {
   MapSample sample(const MapPlace& place) const noexcept;
 };
 
-// Texture coordinates as linear functions of the place: their gradients on a triangle. Zero where it has no area. RT: set-up only.
+// The texture coordinates of the triangle's first corner, and their gradients, zero if it has no area. RT: set-up only.
 MapPlace map_gradients(const MappedTriangle& triangle);
 
 }  // namespace hapton

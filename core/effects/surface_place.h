@@ -7,12 +7,12 @@ namespace hapton {
 // Where a surface that deforms is touched: a point of one of its triangles. Frame: that in which its mesh is at rest. Units: m.
 struct SurfacePlace {
   Vec3 p_rest = Vec3::Zero();        // the same point of the mesh at rest
-  Vec3 moved = Vec3::Zero();         // of the point, since the step before
-  Mat3 gradient = Mat3::Identity();  // times the gradient along the mesh at rest of a number on it: its gradient now
+  Vec3 moved = Vec3::Zero();         // motion of the point since the step before
+  Mat3 gradient = Mat3::Identity();  // takes the gradient along the mesh at rest of a number on it to its gradient now
 };
 
-// The SurfacePlace::gradient G of a triangle that has deformed from `rest` to `now`, corners in the same order: transposed G takes the
-// edges and the unit normal of `now` to those of `rest`. Identity where the triangle has no area now. RT: yes.
+// The SurfacePlace::gradient G of a triangle that has deformed from `rest` to `now`, with corners as columns in the same order: the
+// transpose of G takes the edges and the unit normal of `now` to those of `rest`. Identity where the triangle has no area now. RT: yes.
 inline Mat3 gradient_of_deformed(const Mat3& rest, const Mat3& now) noexcept {
   const auto basis = [](const Mat3& corners) {
     Mat3 edges;

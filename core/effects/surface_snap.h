@@ -13,8 +13,8 @@ namespace hapton {
 // spring that begins without tension and loses it where it releases.
 struct SurfaceSnap {
   static constexpr Passivity kPassivity = Passivity::dissipative;
-  // A hand that slides just above the surface comes into contact again within a few milliseconds, because the snap pulls it down. This much
-  // room lets it; farther away the plane says little about a curved surface. A choice.
+  // A hand that slides just above the surface comes into contact again within a few milliseconds, because the snap pulls it down. This
+  // reach gives it room for that; farther away the plane says little about a curved surface. A free choice.
   static constexpr double kReach = 4.0;
 
   struct State {
@@ -29,7 +29,7 @@ struct SurfaceSnap {
   bool is_on() const noexcept { return range_m > 0.0; }
   double bound_n() const noexcept { return stiffness_n_per_m * range_m; }
 
-  // While the surface is touched.
+  // To be called while the surface is touched: sets the plane that attracts.
   static void touch(const Vec3& p_SP, const Vec3& normal, State& state) noexcept {
     state = {.holds = true, .p_SP = p_SP, .normal = normal};
   }

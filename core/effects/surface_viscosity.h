@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// A film of liquid on a surface: F = -b v along the surface, v without its part along the contact normal. No longer than the contact force
-// itself, so that it begins and ends with the contact without a force discontinuity. Frame: S. Units: SI. RT: yes.
+// A film of liquid on a surface: F = -b v along the surface, v without its part along the contact normal. |F| is at most the contact force,
+// so that the effect begins and ends with the contact without a force discontinuity. Frame: S. Units: SI. RT: yes.
 // Bound: the contact force, and kMaxEffectForceN. Passivity: dissipative below the bound.
 struct SurfaceViscosity {
   static constexpr Passivity kPassivity = Passivity::dissipative;

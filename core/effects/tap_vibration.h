@@ -28,11 +28,11 @@ struct TapVibration {
   bool is_on() const noexcept { return ns_per_m > 0.0; }
   double bound_n() const noexcept { return max_force_n; }
 
-  // The contact begins. inward_m_per_s: speed of the device into the surface; one that moves outwards does not ring.
+  // Called when the contact begins. inward_m_per_s: speed of the device into the surface; one that moves outwards causes no ring.
   void begin(double inward_m_per_s, double time_s, State& state) const noexcept {
     state = {.amplitude_n = std::clamp(ns_per_m * inward_m_per_s, 0.0, max_force_n), .began_s = time_s};
   }
-  // Along the contact normal, outwards positive.
+  // The force along the contact normal, outwards positive.
   double force(double time_s, const State& state) const noexcept {
     return state.amplitude_n > 0.0 ? state.amplitude_n * decaying_sine(time_s - state.began_s, frequency_hz, decay_s) : 0.0;
   }

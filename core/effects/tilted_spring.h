@@ -4,11 +4,11 @@
 
 namespace hapton {
 
-// The force of a surface whose height h changes from place to place, at the depth p below it: f(p) (n - grad h), with dp/dx = -(n - grad
-// h). Its derivative, what the hand feels as stiffness, is
+// The force of a surface whose height h changes from place to place, at the depth p below it: f(p) (n - grad h), with
+// dp/dx = -(n - grad h). Its derivative with the opposite sign, which the hand feels as stiffness, is
 //   K = k v v' + f grad grad h + s P,   v = n - grad h,  k = df/dp,  P the projection along the surface,
-// s a spring of friction along the surface. Where bumps are short f grad grad h, sideways, is by far the largest part. On curved surfaces
-// places follow the hand faster or slower than on flat ones: K is that of flat ones. Units: SI.
+// s a spring of friction along the surface. Where bumps are short, the sideways term f grad grad h is by far the largest. On curved
+// surfaces the touched place moves faster or slower than the hand; K is that of flat surfaces. Units: SI.
 struct TiltedSpring {
   double spring_n_per_m = 0.0;    // k
   double slope_squared = 0.0;     // |grad h|^2
@@ -19,8 +19,8 @@ struct TiltedSpring {
   double largest_n_per_m() const noexcept;
 };
 
-// On bumps, wherever they are touched. pressed_n: the force f of the surface. It is at least the largest eigenvalue of K, and at most a
-// few percent more for ridges. With the damping of layers in place of their spring, it is of Ns/m. RT: yes.
+// The largest stiffness on bumps, wherever they are touched. pressed_n: the force f of the surface. The result is at least the largest
+// eigenvalue of K, and for ridges at most a few percent more. Given damping in Ns/m in place of springs, it is in Ns/m. RT: yes.
 double largest_on_bumps(const SurfaceBumps& bumps, double spring_n_per_m, double sideways_n_per_m, double pressed_n) noexcept;
 
 }  // namespace hapton

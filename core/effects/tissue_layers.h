@@ -19,22 +19,22 @@ struct TissueLayer {
 
 // Layers that a needle punctures one after the other (skin, fat, muscle, bone), along the contact normal. They replace the spring of the
 // material. The layer in front resists like a spring from its rest depth until pop_force_n; then it is punctured and its force drops. The
-// next layer begins to resist at its depth_m, or, if the needle is past it already, from there: a puncture never leaves a tension behind
-// that nobody has put in. A needle drawn back meets no spring, only drag. All layers are whole again when the contact ends. Units: SI. RT:
-// yes.
+// next layer begins to resist at its depth_m or, if the needle is deeper already, at the needle's depth: a puncture never leaves a tension
+// that nobody has put in. A needle drawn back from there meets no spring, only drag. All layers are whole again when the contact ends.
+// Units: SI. RT: yes.
 //
 // Bound: kMaxEffectForceN. Passivity: dissipative: a punctured layer keeps the energy that pressed it in, and drag takes some.
-// The force drops with each puncture by pop_force_n within one step.
+// With each puncture the force of the spring drops within one step, by pop_force_n or little more, to zero.
 // Source: the phases of Okamura, Simone and O'Leary, Force modeling for needle insertion into soft tissue (2004): stiffness before the
 // puncture, friction behind it. We leave out the cutting force.
 class TissueLayers {
  public:
   static constexpr Passivity kPassivity = Passivity::dissipative;
-  // Twice skin, fat, muscle and bone.
+  // A free choice: twice the number of skin, fat, muscle and bone.
   static constexpr std::size_t kMax = 8;
 
   struct State {
-    std::size_t punctured = 0;  // layers
+    std::size_t punctured = 0;  // number of layers
     double rest_m = 0.0;        // depth from which the next one resists
     bool has_begun = false;
   };
@@ -47,8 +47,8 @@ class TissueLayers {
   const TissueLayer& operator[](std::size_t i) const noexcept { return layers_[i]; }
   static constexpr double bound_n() noexcept { return kMaxEffectForceN; }
 
-  // The force outwards; negative: drag holds a needle that is drawn back. inward_m_per_s: speed of the needle into the body. Punctures what
-  // this depth punctures. Pre: depth_m >= 0, finite.
+  // Punctures the layers that this depth punctures, and returns the force outwards; negative: drag holds a needle that is drawn back.
+  // inward_m_per_s: speed of the needle into the body. Pre: depth_m >= 0, finite.
   double force(double depth_m, double inward_m_per_s, State& state) const noexcept;
 
  private:

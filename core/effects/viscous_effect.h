@@ -6,9 +6,9 @@
 
 namespace hapton {
 
-// A viscous volume: F = -b v, no longer than max_force_n. Frame: S. Units: SI. RT: yes.
-// Bound: max_force_n. Passivity: dissipative below max_force_n with the velocity of SmoothVelocity, where intervals differ up to 16 times,
-// and with any velocity that has the sign of the motion.
+// A viscous volume: F = -b v, limited to a magnitude of max_force_n. Frame: S. Units: SI. RT: yes.
+// Bound: max_force_n. Passivity: dissipative below max_force_n with the velocity of SmoothVelocity, if no interval is more than 16 times
+// another, and with any velocity that has the direction of the motion.
 struct ViscousEffect {
   static constexpr Passivity kPassivity = Passivity::dissipative;
 

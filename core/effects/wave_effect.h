@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// A force that varies with time, in a volume: F = amplitude w(frequency t) direction, w of period 1, |w| <= 1. Frame: S. SI. RT: yes.
-// Bound: amplitude_n. Passivity: active; its power is at most amplitude_n times the speed of the hand.
+// A force that varies with time, in a volume: F = amplitude w(frequency t) direction, w of period 1, |w| <= 1. Frame: S. Units: SI.
+// RT: yes. Bound: amplitude_n. Passivity: active; its power is at most amplitude_n times the speed of the hand.
 struct WaveEffect {
   static constexpr Passivity kPassivity = Passivity::active;
 

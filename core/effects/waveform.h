@@ -9,7 +9,7 @@ namespace hapton {
 // Functions of time with values from -1 to 1. RT: yes.
 enum class Waveform : std::uint8_t { sine, square, triangle, sawtooth };
 
-// cycles: time times frequency, >= 0. All begin at 0 but the square, which begins at 1, and the sawtooth, which begins at -1 and rises.
+// cycles: time times frequency, >= 0. Sine and triangle begin at 0, the square at 1, and the sawtooth at -1, from which it rises.
 // Zero where cycles is not finite.
 inline double waveform_at(Waveform form, double cycles) noexcept {
   if (!std::isfinite(cycles)) return 0.0;

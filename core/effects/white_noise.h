@@ -5,13 +5,13 @@
 namespace hapton {
 
 // The number `index` of a random sequence: mean 0, variance 1, no correlation between different indices, at most kMaxWhiteNoise in
-// magnitude. It depends on nothing else, so a sequence repeats bit for bit on every machine, and any part of it can be had. RT: yes.
-// Source: SplitMix64 of Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators; its four parts of 16 bits are summed,
-// which is Gaussian up to an excess kurtosis of -0.3.
-constexpr double kMaxWhiteNoise = 3.47;  // sqrt(12)
+// magnitude. It depends on seed and index alone, so a sequence repeats bit for bit on every machine, and any part of it can be computed
+// alone. RT: yes. Source: SplitMix64 of Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators; the sum of its four
+// parts of 16 bits is Gaussian up to an excess kurtosis of -0.3.
+constexpr double kMaxWhiteNoise = 3.47;  // sqrt(12), rounded up
 
 inline double white_noise(std::uint64_t seed, std::uint64_t index) noexcept {
-  constexpr double kValues = 65536.0;  // of a part
+  constexpr double kValues = 65536.0;  // number of values of a part
   std::uint64_t z = seed + (index + 1) * 0x9E3779B97F4A7C15ULL;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
