@@ -18,17 +18,17 @@ inline int edge_number(TriangleFeature edge) { return static_cast<int>(edge) - s
 inline int vertex_number(TriangleFeature vertex) { return static_cast<int>(vertex) - static_cast<int>(TriangleFeature::vertex0); }
 
 // A triangle prepared for distance queries: corners, unit normal and inward edge directions. Any triangle is allowed: needles, caps, zero
-// area, three equal corners. A triangle of exactly zero area has no face, only its edges. Pre: finite corners whose squared lengths neither
-// overflow nor vanish in double. RT: yes.
+// area, three equal corners. A triangle of exactly zero area has no face, only its edges. Pre: finite corners; the squared lengths of edges
+// that are not zero neither overflow nor underflow. RT: yes.
 struct PreparedTriangle {
   PreparedTriangle() = default;
   PreparedTriangle(const Vec3& a, const Vec3& b, const Vec3& c);
 
   std::array<Vec3, 3> corner;
-  std::array<Vec3, 3> edge;    // corner k to corner k + 1
+  std::array<Vec3, 3> edge;    // from corner k to corner (k + 1) mod 3
   std::array<Vec3, 3> inward;  // normal x edge: in the plane, away from edge k into the triangle
   Vec3 normal = Vec3::Zero();  // unit, counter-clockwise side; zero if has_face is false
-  int base = 0;                // the longest edge: the normal is exact about it, so plane distances are measured from its corner
+  int base = 0;                // number of the longest edge: the normal is most exact about it, so heights are measured from its corner
   bool has_face = false;
 };
 

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// A triangle with everything that does not depend on the query precomputed: a separation takes no root and no division over the face, one
-// of each over an edge. Same contract as separation_from_triangle. RT: yes.
+// A triangle with everything precomputed that does not depend on the query: a separation takes no square root and no division over the
+// face, one of each over an edge. Same contract as separation_from_triangle. RT: yes.
 class ContactTriangle {
  public:
   ContactTriangle() = default;
@@ -35,7 +35,7 @@ class ContactTriangle {
   // Position of a point along edge k: 0 at corner k, 1 at the next.
   double along(int k, const Vec3& p) const { return edge_[k].dot(p - corner_[k]) * inverse_squared_[k]; }
 
-  // The edge closest to a point of the face, and its distance.
+  // The edge closest to a point of the face, and the distance of the point from the edge.
   struct Boundary {
     int edge = 0;
     double distance = 0.0;
