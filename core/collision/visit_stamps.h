@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Tells whether an item has been visited in the current query. Starting a query changes the stamp, not the items, so it costs nothing.
+// Tells whether an item has been visited in the current query. The start of a query changes the stamp, not the items, so it costs nothing.
 // Stamp: unsigned; when its values are used up (VisitStamps: once in 2^32 queries), start clears the stamps of all items. RT: start and
 // first_visit yes. Threads: one.
 template <class Stamp>

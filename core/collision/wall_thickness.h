@@ -26,11 +26,11 @@ struct ThinWalls {
 // inclined more form a wedge, which has an edge and no thickness.
 constexpr double kWallCosine = 0.8660254037844386;  // 30 degrees
 
-// Finds where walls are thinner than `width`: rays from points spread over each triangle go straight through the wall behind it to the
-// first triangle that shares no vertex with it. That triangle is the other face if it faces the other way. Triangles with a side longer
-// than four times `width` are sampled more densely, up to kMaxThicknessRays points; a thinner place between the points is missed. Faces
-// nearer than a millionth of the mesh's extent count as one place, as where parts touch: rays pass through them. Units and frame: those of
-// the mesh. Pre: width > 0. Time: n log n. RT: set-up only.
+// Finds where walls are thinner than `width`: rays from points spread over each triangle go straight through the wall behind the triangle
+// to the first triangle that shares no vertex with it. That triangle is the other face if it faces the other way. Triangles with a side
+// longer than four times `width` are sampled more densely, up to kMaxThicknessRays points; a thinner place between the points is missed.
+// Faces nearer than a millionth of the mesh's extent count as one place, as where parts touch: rays pass through them. Units and frame:
+// those of the mesh. Pre: width > 0. Time: n log n. RT: set-up only.
 constexpr int kMaxThicknessRays = 64;
 ThinWalls find_thin_walls(const TriangleMesh& mesh, double width);
 

@@ -30,8 +30,8 @@ struct MassEffect {
   // What is kept between two samples.
   struct State {
     Vec3 u = Vec3::Zero();        // velocity of the mass
-    Vec3 force_n = Vec3::Zero();  // of the last sample
-    double time_s = 0.0;          // of the last sample
+    Vec3 force_n = Vec3::Zero();  // force at the last sample
+    double time_s = 0.0;          // time of the last sample
   };
 
   double mass_kg = 0.05;

@@ -18,7 +18,7 @@ class SampleHistory {
 
   // c_1 x[n-1] + c_2 x[n-2] + ..., for at most kMaxLines coefficients.
   double sum(std::span<const double> coefficients) const noexcept {
-    // Four sums side by side, so that one does not wait for the other.
+    // Four sums side by side, so that one does not wait for another.
     std::array<double, 4> sums = {};
     const double* past = samples_.data() + newest_;
     std::size_t i = 0;

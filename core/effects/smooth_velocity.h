@@ -53,7 +53,7 @@ class SmoothVelocity {
 
   std::array<Vec3, kSamples> differences_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                              Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  std::array<double, kSamples> intervals_s_ = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  // of these differences
+  std::array<double, kSamples> intervals_s_ = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  // those of differences_
   std::size_t newest_ = 0;
   Vec3 mean_ = Vec3::Zero();
   Vec3 last_ = Vec3::Zero();

@@ -10,7 +10,7 @@ namespace hapton {
 // Pulls onto a point (a magnet), a line or a plane from within range_m. With q from the target's nearest point to the device and
 // u = |q| / range: F = -max_force 4 u (1 - u) q / |q| for u < 1, else zero. It is continuous, zero on the target and at the range, and
 // largest at half the range. Near the target it is a spring of 4 max_force / range. Frame: S. Units: SI. RT: yes. Bound: max_force_n.
-// Passivity: conservative, as it depends on the distance to the target alone and points along its gradient.
+// Passivity: conservative: the force depends on the distance to the target alone and points along the gradient of this distance.
 struct SnapEffect {
   static constexpr Passivity kPassivity = Passivity::conservative;
   enum class Target : std::uint8_t { point, line, plane };

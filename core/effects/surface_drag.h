@@ -16,7 +16,7 @@ struct SurfaceDrag {
   static constexpr Passivity kPassivity = Passivity::dissipative;
 
   double damping_ns_per_m = 0.0;
-  double stiffness_n_per_m = std::numeric_limits<double>::infinity();  // of the material: no spring of friction is stiffer
+  double stiffness_n_per_m = std::numeric_limits<double>::infinity();  // of the material; friction's spring is not stiffer
   SpringFriction::Coefficients friction = {};
 
   bool has_friction() const noexcept { return friction.at_rest > 0.0; }
