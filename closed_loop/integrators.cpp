@@ -99,7 +99,8 @@ double worst_difference(std::span<const double> run, std::span<const double> ref
   double worst = 0.0;
   for (std::size_t i = 0; i < std::min(run.size(), reference.size()); ++i) {
     const double difference = std::fabs(run[i] - reference[i]);
-    if (!(difference <= worst)) worst = difference;  // NaN too
+    if (std::isnan(difference)) return difference;
+    worst = std::max(worst, difference);
   }
   return worst;
 }

@@ -48,11 +48,13 @@ void measure_hold(Rows hold, double encoder_step_m, PressMeasures& press) {
   const double band_m = std::max(kSettled * std::fabs(press.depth_m), 2.0 * encoder_step_m);
   double deepest_m = 0.0;
   press.settling_s = 0.0;
+  bool is_settled = true;
   for (const LoopRow& row : hold) {
     deepest_m = std::max(deepest_m, -row.p_WD.x());
-    if (std::fabs(row.p_WD.x() + press.depth_m) > band_m) press.settling_s = 1e-9 * static_cast<double>(row.time_ns) - press.contact_s;
+    is_settled = std::fabs(row.p_WD.x() + press.depth_m) <= band_m;
+    if (!is_settled) press.settling_s = 1e-9 * static_cast<double>(row.time_ns) - press.contact_s;
   }
-  if (press.limit_cycle_m > band_m) press.settling_s = std::numeric_limits<double>::infinity();
+  if (!is_settled || press.limit_cycle_m > band_m) press.settling_s = std::numeric_limits<double>::infinity();
   if (press.depth_m > 0.0) press.overshoot = std::max(0.0, deepest_m / press.depth_m - 1.0);
 }
 

@@ -250,7 +250,7 @@ std::vector<VelocityRow> compare_velocity(double period_s, double step_m) {
 const VelocityRow* choose_velocity(const std::vector<VelocityRow>& rows, double most_noise_m_per_s) noexcept {
   const VelocityRow* chosen = nullptr;
   for (const VelocityRow& row : rows) {
-    if (row.quality.noise_m_per_s > most_noise_m_per_s) continue;
+    if (!(row.quality.noise_m_per_s <= most_noise_m_per_s)) continue;
     if (chosen == nullptr || row.quality.lag_s < chosen->quality.lag_s) chosen = &row;
   }
   return chosen;

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr int kX = 0, kV = 1, kY = 2, kW = 3, kHand = 4, kHandSpeed = 5, kForce = 6;
-// Expected are two or three in a hundredth of the fastest period. If rounding repeats them, the mass rests until the next cell.
+// Expected are two or three in less than a hundredth of the fastest period. If rounding repeats them, the mass rests until the next cell.
 constexpr int kMaxEventsPerCell = 16;
 
 }  // namespace

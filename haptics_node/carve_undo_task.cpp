@@ -37,6 +37,11 @@ void CarveUndoTask::note(const MadeCarve& made) noexcept {
 std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
   if (stage_.load(std::memory_order_acquire) != Stage::ready) return std::nullopt;
   const std::uint32_t newest = step.touch().count_carves();
+  if (newest < synced_) {  // other bodies
+    has_lost_ = true;
+    stage_.store(Stage::idle, std::memory_order_release);
+    return std::nullopt;
+  }
   if (newest - synced_ > kMaxMissing) {
     stage_.store(Stage::behind, std::memory_order_release);
     return std::nullopt;

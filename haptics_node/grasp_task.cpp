@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-// Between two checks for an request or a sample, as ToolTask has it.
+// Between two checks for a request or a sample, as ToolTask has it.
 constexpr auto kPause = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
 constexpr double kNoticedS = 0.2;
@@ -89,7 +89,7 @@ bool GraspTask::map_next() {
   return false;
 }
 
-// Before it sends an request, the step releases the tool.
+// Before it sends a request, the step releases the tool.
 void GraspTask::carry_out(const GraspRequest& request) {
   // A newer request may have taken the place of a pick_up that was never seen.
   const bool was_replaced = request.serial != last_request_ + 1;

@@ -19,11 +19,13 @@ constexpr int kLooksBetween = 6;  // periods between two checks while the hand i
 }  // namespace
 
 Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S) {
+  Enclosure found;
   for (const TouchObject& object : scene.objects) {
     if (object.motion != nullptr || object.command_pivot || Box::of(object.mesh->vertices).distance_squared(p_S) > 0.0) continue;
-    if (compute_winding_number(*object.mesh, p_S) > kMinWinding) return {true, object.material.two_sided && !object.sculpt};
+    if (compute_winding_number(*object.mesh, p_S) > kMinWinding) found = {true, object.material.two_sided && !object.sculpt};
+    if (found.is_inside && found.two_sided) break;
   }
-  return {};
+  return found;
 }
 
 InsideBodyWarning::InsideBodyWarning(TouchScene scene) : scene_(std::move(scene)), thread_(start_thread([this] { run(); })) {}

@@ -153,9 +153,10 @@ void ReplyLoop::handle(const Message& message) noexcept {
   } else if (const auto* undo = std::get_if<CarveUndo>(&message)) {
     request_undo(*undo);
   } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
-    request_materials(*request);
+    if (!overtaken) request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // A requester repeats its request until the reply comes.
+    if (overtaken) return;
     if (settings->method_request != 0 && settings->method_request == last_request_) return;
     last_request_ = settings->method_request;
     if (is_holding() || shapes_ != nullptr) return reject_method(settings->method_request);

@@ -68,7 +68,8 @@ void HidPort::run() noexcept {
       if (ends_.load(std::memory_order_acquire)) return;
       listener_.on_gone();
       transport->note_gone();
-      log_warning("{}: unplugged; waiting for it to return", name_);
+      const bool has_failed = has_write_failed_.load(std::memory_order_acquire);
+      log_warning("{}: {}; waiting for it to return", name_, has_failed ? "it takes no reports" : "unplugged");
       reported_.clear();
     }
     await_next_look();

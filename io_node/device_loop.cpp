@@ -84,7 +84,6 @@ bool DeviceLoop::claim() noexcept {
 
 bool DeviceLoop::run_cycle() noexcept {
   if (!claim()) {
-    ++stats_.waits;
     (void)cut_if_older(kCommandTimeoutNs);
     return false;
   }

@@ -76,7 +76,6 @@ struct DeviceLoopStats {
   std::uint64_t commands = 0;           // force commands governed
   std::uint64_t local_forces = 0;       // forces that the device side computed
   std::uint64_t commands_unused = 0;    // force commands that came while the device side computed the forces
-  std::uint64_t waits = 0;              // attempts to run a cycle that failed because the network side was writing a force
   std::uint64_t resets_denied = 0;      // resets denied because the switch was released before they took effect
   std::uint64_t cuts = 0;               // times that a force became too old and the device was cut off (cut_if_older)
   std::uint64_t cycles_unreported = 0;  // cycles lost because the network side was kCyclesKept cycles behind

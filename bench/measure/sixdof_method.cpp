@@ -26,15 +26,17 @@ class ForceTask final : public SixdofMethod {
   void reset(const Pose& X_SD) override {
     held_.begin_anew();
     held_.forget_motion();
+    since_reset_ = 0;
     (void)step(X_SD);
     held_.follow();
   }
   ToolOutput step(const Pose& X_SD) override {
     ++samples_;
+    ++since_reset_;
     return held_.step({X_SD}, samples_ * kSampleNs);
   }
   void follow() override {
-    if (samples_ % every_ == 0) held_.follow();
+    if (since_reset_ % every_ == 0) held_.follow();
   }
   Placement placement(const ToolStep&) const override { return held_.tool().proxy().placement(); }
 
@@ -42,7 +44,8 @@ class ForceTask final : public SixdofMethod {
   static constexpr std::int64_t kSampleNs = 1'000'000;  // 1 kHz
 
   HeldTool held_;
-  std::int64_t samples_ = 0;
+  std::int64_t samples_ = 0;  // the clock of the held tool
+  std::int64_t since_reset_ = 0;
   std::int64_t every_;
 };
 

@@ -89,6 +89,7 @@ Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const SixdofM
   row.name = scenario.name;
   row.method = kind.name;
   const std::size_t steps = scenario.device.size();
+  ToolOutput output;
   std::vector<ToolOutput> felt(steps);
   std::vector<Placement> placements(steps);
   const TimedSteps timed = time_steps(
@@ -97,7 +98,11 @@ Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const SixdofM
         if (i == 0) method.reset(scenario.device[0]);
         if (i > 0) method.follow();
       },
-      [&](std::size_t i) { felt[i] = method.step(scenario.device[i]); }, [&](std::size_t i) { placements[i] = method.placement(**exact); });
+      [&](std::size_t i) { output = method.step(scenario.device[i]); },
+      [&](std::size_t i) {
+        felt[i] = output;
+        placements[i] = method.placement(**exact);
+      });
 
   std::vector<std::uint8_t> in_contact(steps, 0);
   double rounds = 0.0;

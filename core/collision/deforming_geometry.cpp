@@ -21,7 +21,9 @@ std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::siz
     if (keys[i].time_s > times.back()) times.push_back(0.5 * (times.back() + keys[i].time_s));
     times.push_back(keys[i].time_s);
   }
-  times.push_back(deformation.duration_s());
+  const double end_s = deformation.duration_s();
+  if (end_s > times.back()) times.push_back(0.5 * (times.back() + end_s));
+  times.push_back(end_s);
   return times;
 }
 

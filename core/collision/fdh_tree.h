@@ -203,7 +203,7 @@ Result<void> FdhTree<K>::measure(std::span<const Vec3> vertices, std::span<const
   const auto& [low, high] = triangles.empty() ? Box{Vec3::Zero(), Vec3::Zero()} : box;
   const double extent = 0.5 * (high - low).maxCoeff();
   if (!(extent < kLargestExtent) || (extent > 0.0 && extent < 1.0 / kLargestExtent)) {
-    return fail("tree: the mesh extends {:g} m; give coordinates in metres, between 1e-15 and 1e15 across", 2.0 * extent);
+    return fail("tree: the mesh extends {:g} m; give coordinates in metres, between 2e-15 and 2e15 across", 2.0 * extent);
   }
   extent_ = extent;
   centre_ = 0.5 * low + 0.5 * high;

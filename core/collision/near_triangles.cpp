@@ -134,7 +134,7 @@ bool NearTriangles::add(const Batch& batch, int count, int most) noexcept {
     }
     bound({load_points(a), load_points(b), load_points(c)}, centre_, bounds);
     for (int lane = 0; lane < lanes; ++lane) {
-      if (bounds.distance[lane] > within_ - kRounding) continue;
+      if (bounds.distance[lane] > within_) continue;
       if (count_ == most) return false;
       if (!geometry_->is_in_large_fan(batch[static_cast<std::size_t>(first + lane)]) && ++others_ > kMaxOthers) return false;
       distance_[count_] = bounds.distance[lane];

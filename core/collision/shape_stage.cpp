@@ -208,7 +208,9 @@ std::size_t StreamedGeometry::bytes() const noexcept {
     for (const WideBvh& tree : stage.trees) bytes += tree.bytes();
   };
   add(*present_.stage);
+  if (ended_.stage != nullptr) add(*ended_.stage);
   for (std::size_t n = 0; n < waiting_count_; ++n) add(*waiting_[n].stage);
+  for (std::size_t n = 0; n < used_count_; ++n) add(*used_[n]);
   return bytes;
 }
 

@@ -73,6 +73,11 @@ Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const Triang
   if (!part_of.is_empty() && !encloses(part_of, meshes)) {
     return fail("a part of a scene is not within it: give the box of the whole scene, or none");
   }
+  const auto is_finite = [](const auto& mesh) { return std::ranges::all_of(mesh->vertices, [](const Vec3& v) { return v.allFinite(); }); };
+  if (const auto bad = std::ranges::find_if_not(meshes, is_finite); bad != meshes.end()) {
+    return fail("object {} of {} has a vertex that is not finite: every coordinate must be a number", bad - meshes.begin() + 1,
+                meshes.size());
+  }
   const std::size_t most = most_triangles_of(meshes);
   const int bits = static_cast<int>(std::bit_width(most));
   if (bits <= kMaxBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};

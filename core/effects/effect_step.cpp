@@ -186,7 +186,10 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   const Vec3 normal = method_n > 0.0 ? Vec3(contact.force_n / method_n) : Vec3(to_proxy.normalized());
   // Along the normal: the contact point of method sweep lags by centimetres behind a hand that slides.
   const double depth_m = to_proxy.dot(normal);
-  if (!(depth_m > 0.0)) return contact.force_n;
+  if (!(depth_m > 0.0)) {
+    in_contact_ = !begins;  // the contact begins with its first depth
+    return contact.force_n;
+  }
 
   // The depth below the bumps, and the force there along the normal. A method's force grows in proportion to the depth.
   const MapSample map = contact.map != nullptr ? *contact.map : MapSample();

@@ -22,7 +22,7 @@ struct SurfaceEffects {
   TapVibration tap = {};
   SurfaceMaps maps = {};  // height not together with bumps, stiffness not with layers
   RecordedTexture texture = {};
-  SurfaceDrag drag = {};  // damping and friction that a method leaves out, set by TouchStep; not together with a friction map
+  SurfaceDrag drag = {};  // set by TouchStep: what a method leaves out (not together with a friction map), and the stiffness in any case
 
   bool any() const noexcept {
     return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on() || maps.is_on() ||

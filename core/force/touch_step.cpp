@@ -44,6 +44,7 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
   std::vector<SurfaceEffects> surfaces;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     surfaces.push_back(scene.objects[o].effects);
+    surfaces.back().drag.stiffness_n_per_m = scene.objects[o].material.stiffness_n_per_m;
     has_layers_ = has_layers_ || surfaces.back().layers.is_on();
     maps_.push_back(make_finder(scene, o));
   }
@@ -71,6 +72,8 @@ void TouchStep::update_drag() noexcept {
 void TouchStep::set_materials(std::span<const Material> materials) noexcept {
   method_->set_materials(materials);
   if (effects_ == nullptr) return;
+  for (std::size_t o = 0; o < std::min(materials.size(), maps_.size()); ++o)
+    effects_->set_drag(o, {.stiffness_n_per_m = materials[o].stiffness_n_per_m});
   update_drag();
   const bool used_effects = std::exchange(uses_effects_, effects_->any());
   if (!uses_effects_) held_offset_m_.reset();

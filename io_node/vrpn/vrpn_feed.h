@@ -81,15 +81,22 @@ class WatchedDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return device_->limits(); }
   DeviceSample read(std::int64_t now_ns) noexcept override {
     const DeviceSample sample = device_->read(now_ns);
-    feed_.push({sample, wrench_, device_->status(), device_->condition().motor_temperature});
+    feed_.push(
+        {sample, is_cut_.load(std::memory_order_relaxed) ? Wrench{} : wrench_, device_->status(), device_->condition().motor_temperature});
     return sample;
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
     wrench_ = wrench;
     device_->write(wrench, now_ns);
   }
-  bool cut() noexcept override { return device_->cut(); }
-  void restore() noexcept override { device_->restore(); }
+  bool cut() noexcept override {
+    is_cut_.store(true, std::memory_order_relaxed);
+    return device_->cut();
+  }
+  void restore() noexcept override {
+    is_cut_.store(false, std::memory_order_relaxed);
+    device_->restore();
+  }
   void use_heartbeat_page(HeartbeatPage& page) noexcept override { device_->use_heartbeat_page(page); }
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
@@ -102,6 +109,7 @@ class WatchedDevice final : public Device {
   std::unique_ptr<Device> device_;
   Feed& feed_;
   Wrench wrench_;
+  std::atomic<bool> is_cut_{false};
 };
 
 }  // namespace hapton::vrpn

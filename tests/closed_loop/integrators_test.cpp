@@ -132,6 +132,7 @@ TEST(Integrators, ADifferenceThatIsNoNumberCounts) {
   const std::vector<double> run = {0.0, std::nan("")};
   const std::vector<double> reference = {0.0, 0.0};
   EXPECT_FALSE(worst_difference(run, reference) < 1.0);
+  EXPECT_TRUE(std::isnan(worst_difference(std::vector<double>{std::nan(""), 0.1}, reference))) << "nor is it lost behind a number";
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "closed_loop/stability.h"
 
@@ -13,6 +15,7 @@ namespace {
 struct Pressed {
   PressMeasures measures;
   PressPath path;
+  std::vector<LoopRow> rows;
 };
 
 Pressed press(const DeviceModel& device, const HandModel& hand, double stiffness, const ForceChain::Options& link = {}) {
@@ -21,7 +24,7 @@ Pressed press(const DeviceModel& device, const HandModel& hand, double stiffness
   Pressed pressed;
   pressed.path = make_press_path(hand, {.wall_n_per_m = stiffness});
   LoopSimulation simulation(chain, {.device = device, .hand = hand, .path = pressed.path.path, .start_m = pressed.path.start_m});
-  std::vector<LoopRow> rows;
+  std::vector<LoopRow>& rows = pressed.rows;
   const bool is_bounded = simulation.run_until(pressed.path.end_ns, &rows);
   pressed.measures = measure_press(rows, pressed.path, 1'000'000, link.encoder_step_m, is_bounded);
   return pressed;
@@ -50,6 +53,15 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
   EXPECT_GT(measures.buzz_hz, 5.0);
   EXPECT_GT(measures.wall_j, 0.0);
   EXPECT_TRUE(std::isinf(measures.settling_s));
+}
+
+// In the last cycle of the hold it leaves its place, by less than a limit cycle would have to.
+TEST(Press, WhatLeavesItsPlaceAgainHasNotSettled) {
+  Pressed pressed = press(kIdeal, *find_hand_preset("stylus"), 1000.0);
+  const auto row =
+      std::find_if(pressed.rows.rbegin(), pressed.rows.rend(), [&](const LoopRow& r) { return r.time_ns < pressed.path.release_ns; });
+  row->p_WD.x() -= 1.5 * 0.05 * pressed.measures.depth_m;
+  EXPECT_TRUE(std::isinf(measure_press(pressed.rows, pressed.path, 1'000'000, 0.0, true).settling_s));
 }
 
 // The first force comes after the hand has left again: nothing has settled.

@@ -53,6 +53,13 @@ TEST(FindEnclosure, LooksAtEachBodyByItself) {
   EXPECT_TRUE(second.is_inside && !second.two_sided);
 }
 
+TEST(FindEnclosure, OfBodiesInOneAnotherOneThatIsFeltFromWithinDecides) {
+  TouchScene scene = scene_of(made::sphere(0.05, 30), {.two_sided = false});
+  scene.objects.push_back({made::shared(made::sphere(0.03, 30)), {.two_sided = true}});
+  EXPECT_TRUE(find_enclosure(scene, Vec3::Zero()).two_sided);
+  EXPECT_FALSE(find_enclosure(scene, Vec3(0.04, 0, 0)).two_sided);
+}
+
 struct InsideBodyWarningTest : testing::Test {
   static void SetUpTestSuite() { start_log("haptics_node"); }
   // Long enough for several checks.

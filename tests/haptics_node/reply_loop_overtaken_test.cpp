@@ -1,8 +1,10 @@
 // Messages that a newer one of their kind overtook on the network, and a hand that begins inside a body: on simulated time, with a hub.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
+#include <string_view>
 #include <thread>
 
 #include "haptics_node/reply_loop.h"
@@ -28,6 +30,7 @@ class ReplyLoopOvertaken : public ReplyLoopStage {
   }
   void take(const Message& message) override {
     if (const auto* got = std::get_if<ForceCommand>(&message)) force_ = *got;
+    if (const auto* got = std::get_if<HapticsSetup>(&message)) method_ = got->method;
   }
   // What is sent next comes first.
   void send_late(const Message& message) {
@@ -42,6 +45,7 @@ class ReplyLoopOvertaken : public ReplyLoopStage {
   PatchSender patches_{scene_, 0.0, 42, true};
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
   ForceCommand force_;
+  decltype(HapticsSetup::method) method_ = {};
   std::uint64_t sample_ = 0;
 };
 
@@ -65,6 +69,28 @@ TEST_F(ReplyLoopOvertaken, AStatusSaysNothingOfTheHub) {
     exchange();
     EXPECT_TRUE(patches_.is_requested(hub_.session()));
   }
+}
+
+// It would take back the newer one, and a tool may have the reply to that already.
+TEST_F(ReplyLoopOvertaken, ARequestIsNotCarriedOutAfterANewerOne) {
+  ASSERT_EQ(client_.state(), JoinState::joined);
+  const auto request = [](std::string_view method, std::uint32_t number) {
+    Settings settings{.method_request = number};
+    std::copy(method.begin(), method.end(), settings.method.begin());
+    return settings;
+  };
+  send_late(request("smooth", 1));
+  send(request("sweep", 2));
+  const auto live = [&](int most, std::uint64_t changes) {  // the builder lives in real time
+    for (int n = 0; n < most && step_.counts().method_changes < changes; ++n) {
+      exchange();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  live(6000, 1);
+  live(40, 2);
+  EXPECT_EQ(step_.counts().method_changes, 1U);
+  EXPECT_TRUE(std::string_view(method_.data()).starts_with("name=sweep")) << method_.data();
 }
 
 class ReplyLoopInside : public ReplyLoopStage {

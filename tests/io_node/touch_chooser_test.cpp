@@ -30,7 +30,9 @@ TEST(TouchChooser, GoesBackOnlyWhenItHasBeenFastForAWhile) {
   EXPECT_TRUE(chooser.wants_patch(0.006, 104 * kSecond));
   EXPECT_TRUE(chooser.wants_patch(0.001, 106 * kSecond));
   EXPECT_TRUE(chooser.wants_patch(-1.0, 120 * kSecond)) << "a new haptics node: not known again";
-  EXPECT_FALSE(chooser.wants_patch(0.001, 130 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(-1.0, 129 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(0.001, 130 * kSecond)) << "the time in which it was not known does not count";
+  EXPECT_FALSE(chooser.wants_patch(0.001, 133 * kSecond));
   EXPECT_TRUE(chooser.wants_patch(0.02, 131 * kSecond));
 }
 

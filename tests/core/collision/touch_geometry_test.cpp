@@ -55,6 +55,7 @@ TEST(TouchGeometry, APartLiesWithinTheScene) {
   const double infinity = std::numeric_limits<double>::infinity();
   const auto part = one_mesh(make_box({0.02, 0.02, 0.02}));
   EXPECT_TRUE(TouchGeometry::check(part, Box()));
+  EXPECT_FALSE(TouchGeometry::check(one_mesh({.vertices = {Vec3::Constant(infinity)}, .triangles = {{0, 0, 0}}}), Box()));
   EXPECT_TRUE(TouchGeometry::check(part, {Vec3::Constant(-0.01), Vec3::Constant(0.01)}));
   EXPECT_FALSE(TouchGeometry::check(part, {Vec3::Constant(-0.01), Vec3(0.01, 0.01, 0.00999)}));
   EXPECT_FALSE(TouchGeometry::check(part, {Vec3::Constant(-infinity), Vec3::Constant(infinity)}));

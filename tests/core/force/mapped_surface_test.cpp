@@ -10,6 +10,7 @@
 #include "core/force/touch_step.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/core/force/made_maps.h"
+#include "tests/support/made_meshes.h"
 
 namespace hapton {
 namespace {
@@ -70,6 +71,27 @@ TEST(MappedSurface, AStepSharesTheOneOfItsTrianglesAndNoOther) {
     for (std::size_t other = 1; other < steps.size(); ++other) ASSERT_EQ(steps[other].step(input).force_n, expected.force_n) << n;
   }
   EXPECT_GT(contacts, 100);
+}
+
+// A fast push into a damped surface makes its force ten times that of its spring, but the spring of friction no stiffer.
+TEST(MappedSurface, FrictionOfAnImageIsNoStifferThanTheMaterial) {
+  const TriangleMesh sheet = made::sheet(0.1, 0.0, 4);
+  TouchScene scene;
+  const Material material{.stiffness_n_per_m = 500.0, .damping_ns_per_m = 5.0};
+  scene.objects.push_back({.mesh = made::shared(sheet), .material = material});
+  SurfaceMaps maps = made_maps(sheet);
+  maps.friction = {.image = maps.height.image, .at_black = 2.0, .at_white = 2.0};
+  maps.height = {};
+  scene.objects.front().effects.maps = maps;
+  TouchStep touch(std::shared_ptr<ForceMethod>(make_method({}, scene).value().release()), scene);
+  for (const bool tuned : {false, true}) {
+    if (tuned) touch.set_materials(std::vector<Material>{{.stiffness_n_per_m = 250.0, .damping_ns_per_m = 5.0}});
+    touch.reset({.p_WD = {0.003, 0.004, 0.001}});
+    touch.step({.p_WD = {0.003, 0.004, -0.0001}});
+    const TouchOutput felt = touch.step({.p_WD = {0.00301, 0.004, -0.0002}});  // 10 um aside
+    EXPECT_GT(felt.force_n.z(), 0.5);
+    EXPECT_NEAR(felt.force_n.x(), -1e-5 * (tuned ? 250.0 : 500.0), 1e-9);
+  }
 }
 
 TEST(MappedSurface, MayHaveNoTriangles) {

@@ -37,6 +37,22 @@ TEST(VrpnFeed, EverySampleArrivesInOrderWithTheWrenchOfBefore) {
   EXPECT_EQ(samples[1].wrench.force_n, Vec3(0, 0, 1));
 }
 
+TEST(VrpnFeed, ADeviceThatWasCutHasNoForce) {
+  Feed feed;
+  feed.set_wanted(true);
+  WatchedDevice device(simulated(), feed);
+  device.write({.force_n = Vec3(0, 0, 1)}, 1'000'000);
+  device.cut();
+  device.read(2'000'000);
+  device.restore();
+  device.write({.force_n = Vec3(0, 0, 2)}, 3'000'000);
+  device.read(4'000'000);
+  const auto samples = all_of(feed);
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[0].wrench.force_n, Vec3::Zero());
+  EXPECT_EQ(samples[1].wrench.force_n, Vec3(0, 0, 2));
+}
+
 TEST(VrpnFeed, WithoutClientsItCostsNothing) {
   Feed feed;
   WatchedDevice device(simulated(), feed);
