@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// Whether a plug-in keeps to its time. Each call that takes longer than the budget counts 1, one that takes longer than kFarNs counts 6,
-// and each good call takes 0.01 away; at 10 the budget is exhausted. So 10 overruns in a row exhaust it, two calls that alone cost the hub
-// its force, or more than 1 % of overruns in the long run; a machine that stands still once does not. RT: all. Threads: one.
+// Whether a plug-in keeps to its time. Each call longer than the budget adds 1 to a count, a call longer than kFarNs adds 6, and each other
+// call subtracts 0.01, down to 0; at 10 the budget is exhausted. So 10 overruns in a row exhaust it, or two calls longer than kFarNs, or in
+// the long run more than 1 % of overruns; a machine that stands still once does not. RT: all. Threads: one.
 class CallBudget {
  public:
   static constexpr std::int64_t kDefaultNs = 100'000;  // a tenth of the period at 1 kHz
@@ -16,7 +16,7 @@ class CallBudget {
 
   explicit CallBudget(std::int64_t budget_ns = kDefaultNs) : budget_ns_(budget_ns) {}
 
-  // False from the call on that exhausts it.
+  // False for the call that exhausts the budget, and for all later ones.
   bool add(std::int64_t spent_ns) noexcept {
     const double cost = spent_ns > kFarNs ? 6.0 : spent_ns > budget_ns_ ? 1.0 : -0.01;
     overruns_ = std::max(0.0, overruns_ + cost);

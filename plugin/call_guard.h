@@ -26,7 +26,7 @@ struct CutOff {
 std::string describe(const CutOff& cut_off);
 
 class CallGuard;
-// "1000 calls, maximum 1.2 N; p50 0.1 us, p99 0.2, worst 3; CUT OFF: why", a line. RT: no.
+// "1000 calls, maximum 1.2 N; p50 0.1 us, p99 0.2, worst 3; CUT OFF: why", in one line. RT: no.
 std::string describe_calls(const CallGuard& guard);
 
 struct PluginForce {
@@ -34,15 +34,15 @@ struct PluginForce {
   Vec3 torque_nm = Vec3::Zero();
 };
 
-// Makes the calls of one plug-in: measures them, checks what they give, and cuts the plug-in off for good if it takes too long, gives a
+// Calls the step of one plug-in: measures the calls, checks their results, and cuts the plug-in off for good if it takes too long, gives a
 // force that is not finite or too strong, or throws. The force of a plug-in that is cut off fades from its last good one to zero. Frame:
 // the caller's. Units: SI. RT: all but construction and the report: no heap, lock or system call. Threads: one.
 class CallGuard {
  public:
-  // How long the last good force takes to fade after the cut; the same as ForceFade in contact.
+  // How long the last good force takes to fade after the cut; the same as ForceFade::kInContactS.
   static constexpr double kFadeS = 0.1;
 
-  // Pre: the clock outlives this.
+  // Pre: the clock outlives this object.
   CallGuard(const Clock& clock, std::int64_t budget_ns, double max_force_n, double max_torque_nm)
       : clock_(clock), budget_(budget_ns), max_force_n_(max_force_n), max_torque_nm_(max_torque_nm) {}
 
@@ -58,12 +58,12 @@ class CallGuard {
     return cut_off_ ? fade(dt_s) : last_;
   }
 
-  // For a new session: forgets the last force, so that nothing of the session before is felt.
+  // For a new session: forgets the last force, so that no force of the session before is felt.
   void forget() noexcept {
     last_ = {};
     share_ = 0.0;
   }
-  // Cuts it off for something that its caller has found.
+  // Cuts the plug-in off because of a fault that the caller has found.
   void cut(const CutOff& cut_off) noexcept;
 
   const CutOff& cut_off() const noexcept { return cut_off_; }
@@ -80,8 +80,8 @@ class CallGuard {
   double max_force_n_;
   double max_torque_nm_;
   LatencyHistogram times_;
-  PluginForce last_;    // good one
-  double share_ = 0.0;  // of it that is still felt, after the cut
+  PluginForce last_;    // the last good force
+  double share_ = 0.0;  // part of last_ that is still felt after the cut
   double most_n_ = 0.0;
   CutOff cut_off_;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 /*
- * Plug-ins of Hapton, in C: effects and methods for haptics_node, devices for io_node. This header is all that one needs
+ * Plug-ins of Hapton, in C: effects and methods for haptics_node, devices for io_node. This header is all that a plug-in needs
  * (docs/plugins.md: how to write, compile and run one).
  *
  * A plug-in is a shared library that exports one or several of these constants:
@@ -9,11 +9,11 @@
  *   hapton_method   (HAPTON_METHOD)   haptics_node --method FILE.so[:KEY=VALUE,...]
  *   hapton_device   (HAPTON_DEVICE)   io_node --device plugin:FILE.so[:KEY=VALUE,...]
  *
- * Units: m, s, N, Nm, rad. Frames: W is the world (x right, y up, z towards the person), S the scene as its file has it.
- * Quaternions: w, x, y, z. Real time: step and read are called once a sample; write when the force changes or a new one has come, by
- * either of two threads, never at once. They must not wait, use the heap, lock or print. create, open, close and destroy may. No two calls
- * of one object overlap.
- * An object is made by create or open, and given to each later call. It is opaque to Hapton.
+ * Units: m, s, N, Nm, rad. Frames: W is the world (x right, y up, z towards the person), S is the frame of the scene file.
+ * Quaternions: w, x, y, z. Real time: step and read are called once a sample; write when the force changes or a new one has come, by one
+ * of two threads. They, reset and set_materials must not wait, use the heap, lock or print; create, open, close and destroy may. No two
+ * calls of one object overlap.
+ * An object is what create or open returns. Each later call gets its pointer; Hapton does not use what it points to.
  */
 
 #include <stddef.h>
@@ -23,16 +23,16 @@
 extern "C" {
 #endif
 
-/* Raised with each change that plug-ins compiled before cannot bear. Both sides compare it, and the sizes, when the file is loaded. */
+/* Raised with each change that breaks plug-ins compiled before. Hapton compares it, and the sizes, when it loads the file. */
 #define HAPTON_PLUGIN_ABI 1u
 
-/* A parameter of the command line: FILE.so:KEY=VALUE,KEY=VALUE. Texts end with 0 and live only during the call. */
+/* A parameter of the command line: FILE.so:KEY=VALUE,KEY=VALUE. The texts end with a 0 character and are valid only during the call. */
 typedef struct hapton_parameter {
   const char* key;
   const char* value;
 } hapton_parameter;
 
-/* The parameters, and where to write why they are rejected: one line, at most why_size - 1 letters and a 0. */
+/* The parameters, and where to write why they are rejected: one line, at most why_size - 1 characters and a 0. */
 typedef struct hapton_request {
   const hapton_parameter* parameters;
   size_t parameter_count;
@@ -45,16 +45,16 @@ typedef struct hapton_request {
 /* What an effect knows of one sample. */
 typedef struct hapton_effect_input {
   uint64_t sample;             /* counts the samples of the device; some may be left out */
-  double time_s;               /* of the sample, since the first after reset */
+  double time_s;               /* time of the sample since the first one after reset */
   double dt_s;                 /* since the sample before; above 0 */
   double position_m[3];        /* device point, W */
   double orientation[4];       /* stylus in W */
-  double velocity_m_per_s[3];  /* device point, W; mean of the last 8 differences */
+  double velocity_m_per_s[3];  /* of the device point, W; mean of the last 8 differences */
   double scene_position_m[3];  /* origin of S in W: the knob box turns and moves the scene */
   double scene_orientation[4]; /* S in W */
   double contact_point_m[3];   /* where the probe is held on the surface, W; the device point in free space */
   double contact_force_n[3];   /* of the method and the effects of the scene, W */
-  uint32_t buttons;            /* a bit each, the lowest first */
+  uint32_t buttons;            /* one bit each, the first button in the lowest */
   int32_t contact;             /* 1: a surface is touched, or an effect of the scene acts; else 0 */
 } hapton_effect_input;
 
@@ -71,10 +71,10 @@ typedef struct hapton_effect_api {
   uint32_t input_size;
   uint32_t output_size;
   const char* name;                               /* for log and report */
-  double max_force_n;                             /* the largest force it ever gives, above 0, at most 100: a larger one cuts it off */
+  double max_force_n;                             /* the largest force it ever gives, above 0, at most 100; a larger force cuts it off */
   double max_torque_nm;                           /* likewise, 0 to 10 */
-  void* (*create)(const hapton_request* request); /* NULL: rejected, and why says why */
-  void (*reset)(void* effect);                    /* a session begins, or the hand comes back from elsewhere after a gap; may be NULL */
+  void* (*create)(const hapton_request* request); /* NULL: rejected, for the reason in request->why */
+  void (*reset)(void* effect);                    /* a session begins, or the hand is elsewhere after a gap in the samples; may be NULL */
   void (*step)(void* effect, const hapton_effect_input* input, hapton_effect_output* output);
   void (*destroy)(void* effect); /* may be NULL */
 } hapton_effect_api;
@@ -106,8 +106,8 @@ typedef struct hapton_method_input {
   double dt_s;                /* since the sample before; above 0 */
   double orientation[4];      /* stylus in S */
   double velocity_m_per_s[3]; /* of the hand, along the axes of S; mean of the last 8 differences */
-  double time_s;              /* of the sample, since the first after reset */
-  uint32_t buttons;           /* a bit each, the lowest first */
+  double time_s;              /* time of the sample since the first one after reset */
+  uint32_t buttons;           /* one bit each, the first button in the lowest */
   uint32_t unused;
 } hapton_method_input;
 
@@ -115,8 +115,8 @@ typedef struct hapton_method_input {
 typedef struct hapton_method_output {
   double force_n[3]; /* acts on the hand, S */
   double proxy_m[3]; /* where the probe is drawn, S */
-  int32_t contact;   /* 1: force_n counts */
-  int32_t object;    /* touched: number of the object, from 0; -1: none, or unknown */
+  int32_t contact;   /* 1: force_n is felt; 0: no force */
+  int32_t object;    /* number of the touched object, from 0; -1: none, or unknown */
 } hapton_method_output;
 
 /* A method. */
@@ -130,9 +130,9 @@ typedef struct hapton_method_api {
   const char* name;
   double max_force_n; /* as in hapton_effect_api */
   void* (*create)(const hapton_request* request, const hapton_object* objects, size_t object_count);
-  void (*reset)(void* method, const double position_m[3]); /* forget all contact; the probe is at this place, in S */
+  void (*reset)(void* method, const double position_m[3]); /* forget all contact; the probe is at this position, S */
   void (*step)(void* method, const hapton_method_input* input, hapton_method_output* output);
-  /* Materials have changed, one for each object; like step, real time. NULL: those of create stay. */
+  /* The materials have changed: one for each object. Real time, like step. NULL: the materials given to create stay. */
   void (*set_materials)(void* method, const hapton_material* materials, size_t count);
   void (*destroy)(void* method); /* may be NULL */
 } hapton_method_api;
@@ -150,10 +150,10 @@ typedef struct hapton_device_limits {
   double max_torque_slew_nm_per_s;
   double continuous_force_n; /* 0: max_force_n */
   double peak_s;             /* how long cold motors can hold max_force_n; 0: indefinitely */
-  double max_speed_m_per_s;  /* faster, and an encoder is broken; 0: unknown */
+  double max_speed_m_per_s;  /* a higher measured speed means a broken encoder; 0: unknown */
 } hapton_device_limits;
 
-/* Zero when read is called, but for orientation (1, 0, 0, 0) and is_held (1). */
+/* Zero when read is called, except orientation (1, 0, 0, 0) and is_held (1). */
 typedef struct hapton_device_sample {
   double position_m[3];  /* W */
   double orientation[4]; /* stylus in W, of length 1 */
@@ -177,9 +177,9 @@ typedef struct hapton_device_api {
   uint32_t limits_size;
   uint32_t sample_size;
   const char* name;
-  void* (*open)(const hapton_request* request, hapton_device_limits* limits); /* NULL: rejected, and why says why */
+  void* (*open)(const hapton_request* request, hapton_device_limits* limits); /* NULL: rejected, for the reason in request->why */
   int32_t (*read)(void* device, int64_t now_ns, hapton_device_sample* sample);
-  /* On the motors until the next write. Finite, within the limits. The last one before close is zero. */
+  /* Force and torque on the motors until the next write, W. Finite, within the limits. The last write before close is zero. */
   void (*write)(void* device, int64_t now_ns, const double force_n[3], const double torque_nm[3]);
   void (*close)(void* device);
 } hapton_device_api;

@@ -14,11 +14,11 @@ struct PluginChoice {
   std::string file;
   std::vector<std::pair<std::string, std::string>> parameters = {};
 
-  // As it was written.
+  // The plug-in in that form again.
   std::string to_text() const;
 };
 
-// RT: set-up only. Error: one line: no file, a parameter without a value, one that is given twice.
+// RT: set-up only. Error: one line: no file, a parameter without a value, a parameter that is given twice.
 Result<PluginChoice> parse_plugin_choice(std::string_view text);
 
 }  // namespace hapton
