@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// An effect from a shared library. RT: step and reset yes, as far as the plug-in keeps to it; the rest set-up only. Threads: one.
+// An effect from a shared library. RT: step and reset yes, if those of the plug-in are; the rest set-up only. Threads: one.
 class PluginEffect {
  public:
-  // Pre: the clock outlives it. Error: one line: the file cannot be used, or the plug-in rejects its parameters.
+  // Pre: the clock outlives the effect. Error: one line: the file cannot be used, or the plug-in rejects its parameters.
   static Result<std::unique_ptr<PluginEffect>> make(const PluginChoice& choice, const Clock& clock, std::int64_t budget_ns);
   ~PluginEffect();
   PluginEffect(const PluginEffect&) = delete;

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// One sample, and what the method and the scene made of it. Frame: W. Units: SI.
+// One sample, and what the method and the scene's effects computed for it. Frame: W. Units: SI.
 struct EffectMoment {
   std::uint64_t sample = 0;
   std::int64_t time_ns = 0;
@@ -26,26 +26,26 @@ struct EffectMoment {
 // All effects from shared libraries of a haptics node, in the order of its command line. RT: step and reset yes; the rest no. Threads: one.
 class PluginEffects {
  public:
-  // Pre: the clock outlives it. A clock that stands still grants every call any time.
+  // Pre: the clock outlives this object. With a clock that stands still, no call takes too long.
   explicit PluginEffects(const Clock& clock, std::int64_t budget_ns = CallBudget::kDefaultNs) : clock_(clock), budget_ns_(budget_ns) {}
 
-  // Error: one line: this one cannot be used, or there are more than a recording can name (kMax).
+  // Error: one line: the effect cannot be used, or there are kMax already, as many as a recording can name.
   Result<void> add(const PluginChoice& choice);
   static constexpr std::size_t kMax = 3;
   bool empty() const { return effects_.empty(); }
 
-  // The sum of all.
+  // The sum of the forces and torques of all effects.
   PluginForce step(const EffectMoment& moment) noexcept;
-  // The next sample is the first of a session, or the hand comes back from elsewhere after a gap.
+  // Call it when the next sample is the first of a session, or the hand is elsewhere after a gap in the samples.
   void reset() noexcept;
 
   // For HapticsSetup::method: " effects=NAME@HASH,NAME@HASH!cut"; empty without effects.
   std::string to_text() const;
-  // One was cut off since the last call of take_notices. RT: yes.
+  // True: an effect was cut off since the last call of take_notices. RT: yes.
   bool has_notices() const noexcept;
-  // What must be logged of those that were cut off since the last call; empty: nothing.
+  // One line for the log for each effect that was cut off since the last call.
   std::vector<std::string> take_notices();
-  // A line for each: calls, largest force, times, and whether it was cut off.
+  // One line for each effect: calls, largest force, times, and whether it was cut off.
   std::string describe() const;
 
  private:

@@ -11,23 +11,23 @@
 
 namespace hapton {
 
-// A shared library with a plug-in. It stays loaded until the process ends: its threads, if it has any, may outlive this object. RT: set-up
-// only. Threads: any.
+// A shared library with a plug-in. The library stays loaded until the process ends, because its threads, if it has any, may outlive this
+// object. RT: set-up only. Threads: any.
 class PluginFile {
  public:
   // Error: one line: no such file, not a shared library, one for another processor, one that has changed since this process loaded it, or
   // what the loader says.
   static Result<PluginFile> open(const PluginChoice& choice);
 
-  // The constants that it exports, of this version and size, with every function that is not optional and bounds in range. Error: one line
-  // that says what is missing, or what to recompile.
+  // The exported constant of that kind: of this version and size, with every function that is not optional and, of effects and methods,
+  // bounds in range. Error: one line that says what is missing, what is out of range, or what to recompile.
   Result<const hapton_effect_api*> find_effect() const;
   Result<const hapton_method_api*> find_method() const;
   Result<const hapton_device_api*> find_device() const;
 
   const PluginChoice& choice() const { return choice_; }
   const std::string& path() const { return choice_.file; }
-  // Of the file's bytes and the parameters. Not against forgery.
+  // A hash of the file's bytes and the parameters. It does not protect against forgery.
   std::uint64_t hash() const { return hash_; }
 
  private:
@@ -40,7 +40,7 @@ class PluginFile {
   std::uint64_t hash_ = 0;
 };
 
-// What create and open get, and what they report in `why`. It must outlive the call only. RT: set-up only.
+// The hapton_request for create or open, with the text that these write into `why`. It need only outlive that call. RT: set-up only.
 class PluginRequest {
  public:
   explicit PluginRequest(const PluginChoice& choice);
@@ -48,7 +48,7 @@ class PluginRequest {
   PluginRequest& operator=(const PluginRequest&) = delete;
 
   const hapton_request* get() const { return &request_; }
-  // "FILE: WHAT rejected it: why", in one line.
+  // One line: "FILE:KEY=VALUE: NAME does not start: why".
   Error rejection(const std::string& name) const;
 
  private:
@@ -58,7 +58,7 @@ class PluginRequest {
   hapton_request request_ = {};
 };
 
-// Runs code of a plug-in; false if it threw a C++ exception. RT: as the code is.
+// Runs code of a plug-in; false if it threw a C++ exception. RT: if that code is.
 template <class Call>
 bool call_plugin(Call&& call) noexcept {
   try {

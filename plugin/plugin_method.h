@@ -12,12 +12,12 @@
 
 namespace hapton {
 
-// A force method from a shared library. One that is cut off gives no force until another method takes its place; its last good force fades.
-// RT and threads: as ForceMethod, as far as the plug-in keeps to it.
+// A force method from a shared library. After it is cut off, its last good force fades, and it gives none until another method replaces it.
+// RT and threads: as ForceMethod, if the plug-in's functions are.
 class PluginMethod final : public ForceMethod {
  public:
-  // Pre: the clock outlives it; the scene is coupled as make_method does it. Error: one line: the file cannot be used, the scene has
-  // nothing to touch, or the plug-in rejects scene or parameters.
+  // Pre: the clock outlives the method; the scene is coupled (couple_scene), as make_method does it. Error: one line: the file cannot be
+  // used, an object of the scene has no mesh, or the plug-in rejects scene or parameters.
   static Result<std::unique_ptr<PluginMethod>> make(const PluginChoice& choice, const TouchScene& scene, const Clock& clock,
                                                     std::int64_t budget_ns = CallBudget::kDefaultNs);
   ~PluginMethod() override;
@@ -31,7 +31,7 @@ class PluginMethod final : public ForceMethod {
   const CallGuard& guard() const { return guard_; }
   // For HapticsSetup::method: "plugin:NAME@HASH".
   std::string full_name() const;
-  // "method NAME (FILE) is cut off: ...", for the log. Pre: it is.
+  // "method NAME (FILE) is cut off: ...", for the log. Pre: it is cut off.
   std::string notice() const;
 
  private:
@@ -42,21 +42,21 @@ class PluginMethod final : public ForceMethod {
   PluginFile file_;
   const hapton_method_api& api_;
   std::string name_;
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes_;  // which objects_ points to
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes_;  // the meshes that objects_ points to
   std::vector<hapton_object> objects_;
   std::vector<hapton_material> materials_;  // for set_materials
   void* method_ = nullptr;
   CallGuard guard_;
-  MethodOutput asked_;  // of the last call
+  MethodOutput asked_;  // result of the last call
   SmoothVelocity velocity_;
   double time_s_ = 0.0;  // since the first sample after reset
   bool has_sample_ = false;
 };
 
-// How --method and MethodSettings::name call a method from a file: "plugin", or with its full name.
+// The name of a method from a file in --method and MethodSettings::name: "plugin", or its full name.
 constexpr std::string_view kPluginMethod = "plugin";
 inline bool is_plugin_method(std::string_view name) noexcept { return name == kPluginMethod || name.starts_with("plugin:"); }
-// A word of --method that names a file: it holds ".so".
+// True: the word of --method names a file, because it contains ".so".
 inline bool names_plugin_file(std::string_view word) noexcept { return word.find(".so") != std::string_view::npos; }
 
 }  // namespace hapton

@@ -15,7 +15,7 @@ struct PythonMesh {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
-// Each adds its part to the module.
+// Each of these functions adds its part to the module.
 void bind_meshes(py::module_& module);
 void bind_touch(py::module_& module);
 void bind_tools(py::module_& module);
@@ -24,11 +24,11 @@ void bind_sessions(py::module_& module);
 void bind_fields(py::module_& module);
 void bind_live(py::module_& module);
 
-// The objects of a Mesh, or of a list of Mesh and (Mesh, Material). material: of those that have none. Error: the list has something else.
+// The objects of a Mesh, or of a list of Mesh and (Mesh, Material). material: for a Mesh without one. Error: the list has something else.
 TouchScene read_objects(const py::object& objects, const Material& material);
-// Warns of each effect that is a plug-in: Python does not run it.
+// Gives a Python warning for each effect of the scene that is a plug-in, because Python does not run it.
 void warn_of_libraries(const Scene& scene);
-// The fields of a Python list. Error: it has something else.
+// The fields of a Python list. Error: the list has something else.
 std::vector<Field> read_fields(const py::iterable& fields);
 
 }  // namespace hapton::python

@@ -10,12 +10,12 @@
 
 namespace hapton::python {
 
-// A force by three expressions of place (x, y, z, m), velocity (vx, vy, vz, m/s) and time since the fields were set (t, s), with constants
-// of one's own. muParser compiles them once. Frame: W. Bound: max_force_n; a result that is not finite is not a force. RT: force yes (no
-// heap after make). Threads: one at a time; a copy has its own variables.
+// A force by three expressions of position (x, y, z, m), velocity (vx, vy, vz, m/s) and time since the fields were set (t, s), with
+// constants that the user names. muParser compiles them once. Frame: W. Bound: max_force_n; a result that is not finite gives no force. RT:
+// force yes (no heap after make). Threads: one at a time; a copy has its own variables.
 class ExpressionField {
  public:
-  // texts: along x, y and z. Error, one line: what is wrong with which of them, or a name that a constant cannot have.
+  // texts: along x, y and z. Error, one line: what is wrong with which text, or a name or value that a constant cannot have.
   static Result<ExpressionField> make(const std::array<std::string, 3>& texts, const std::map<std::string, double>& constants,
                                       double max_force_n);
   ExpressionField(const ExpressionField& other);

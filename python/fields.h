@@ -31,7 +31,7 @@ struct WallField {
   }
 };
 
-// A channel along a line: a spring and a damper to the sides, nothing along it. Frame: W. Units: SI. RT: yes. Bound: max_force_n.
+// A channel along a line: a spring and a damper act across the line, none along it. Frame: W. Units: SI. RT: yes. Bound: max_force_n.
 struct ChannelField {
   Vec3 point = Vec3::Zero();
   Vec3 direction = Vec3::UnitX();  // unit
@@ -69,16 +69,16 @@ struct MassField {
 using Field =
     std::variant<SpringEffect, ViscousEffect, ConstantEffect, WaveEffect, WallField, ChannelField, PulseField, MassField, ExpressionField>;
 
-// The sum of fields over the samples of a device, with what it remembers of them. RT: step yes. Threads: one.
+// The sum of several fields at each sample of a device, with the time and the velocity that they need. RT: step yes. Threads: one.
 class FieldLaw {
  public:
   FieldLaw() = default;
   explicit FieldLaw(std::vector<Field> fields) : fields_(std::move(fields)) {}
 
-  // A sample that is not finite gives no force; time goes on. dt_s: as SampledMotion has it; where the clock steps back, time stands still.
+  // A sample that is not finite gives no force; time goes on. dt_s: as in SampledMotion::add; when the clock steps back, time stands still.
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept;
   const Vec3& velocity_m_per_s() const noexcept { return motion_.velocity(); }
-  // The motion so far goes on under another law, whose time begins now.
+  // Takes over the motion so far of the law before. The time of this law begins now.
   void take_motion(const FieldLaw& before) noexcept { motion_ = before.motion_; }
 
  private:

@@ -22,7 +22,7 @@
 
 namespace hapton::python {
 
-// Sits at a hub as a vision node: a thread keeps the newest probe state and asks for the next. Threads: any.
+// A client that joins a hub as a vision node: a thread keeps the newest probe state and requests the next one. Threads: any.
 class LiveClient {
  public:
   // Error, one line: as HubConnection::open, or no hub replies.
@@ -31,38 +31,38 @@ class LiveClient {
   LiveClient(const LiveClient&) = delete;
   LiveClient& operator=(const LiveClient&) = delete;
 
-  // None before the first.
+  // The newest probe state. None before the first one.
   std::optional<ProbeState> newest();
   bool is_joined() const noexcept { return is_joined_.load(std::memory_order_relaxed); }
-  // The pose of the static scene. The hub sends what the forces are computed with back, as ProbeState::view_revision. Error, one line: this
-  // client is closed.
+  // Sets the pose of the static scene and returns its revision; ProbeState::view_revision says which one the forces are computed with.
+  // Waits up to about 1 s for the first probe state. Error, one line: this client is closed.
   Result<std::uint32_t> turn_scene(const std::array<float, 12>& X_WS);
-  // Marks the recording; the number of the sample. Error, one line: nothing is recorded, too many, or no reply. Threads: any.
+  // Marks the recording and returns the number of the sample. Error, one line: as request_mark, or this client is closed. Threads: any.
   Result<std::uint64_t> mark(std::string_view text);
-  // Where an object is that programs may move, at a scene time; none given: at that of the newest state. None: there is no state yet, or as
-  // KnownMoves::find. Threads: any.
+  // Where an object that programs may move is at a scene time, by default that of the newest probe state. None: there is no state yet, or
+  // KnownMoves::find gives none. Threads: any.
   std::optional<KnownMoves::Placed> find_object(std::int32_t object, std::optional<double> scene_time_s);
   // As KnownMoves::find_named and find_name. Threads: any.
   KnownMoves::Named find_named(std::string_view name);
   std::string find_name(std::int32_t object);
-  // Those that programs may move, as far as they have been announced. Threads: any.
+  // The objects that programs may move, of those announced so far. Threads: any.
   std::vector<std::int32_t> movable_objects();
-  // What the stylus has carved, in order, as far as it has come; the newest serial that the haptics node has announced. Threads: any.
+  // The carves with serials above `after`, in order, up to the first missing one; newest: the newest serial announced. Threads: any.
   struct CarvesSoFar {
     std::vector<Carves::One> carves = {};
     std::uint32_t newest = 0;
   };
   CarvesSoFar find_carves(std::uint32_t after);
-  // Requests that an object moves; the time that the move takes, s. Error, one line: why it does not, or no reply. Threads: any.
+  // Moves an object; waits, and returns the time that the move takes, s. Error, one line: why it does not move, or no reply. Threads: any.
   Result<double> move_object(std::string_view object, const MoveTarget& target);
-  // Gives an object that programs deform its next shape, as ShapeOutbox::give. Waits: the time that the surface takes to it, s; the shape
-  // is sent again until its reply comes. Otherwise 0, at once: of shapes that wait to be sent, the newest is. Error, one line: a shape that
-  // cannot be; of one that is waited for, why the object does not take it, or no reply. Threads: any.
+  // Gives an object that programs deform its next shape, as ShapeOutbox::give. waits: sends the shape until its reply comes, and returns
+  // the time that the surface takes to it, s. Otherwise returns 0 at once; of shapes that wait, only the newest is sent. Error, one line: a
+  // shape that is not allowed; with `waits` also why the object does not take it, or no reply. Threads: any.
   Result<double> set_shape(std::string_view object, std::span<const ShapePart::Displacement> displacements_m, double over_s, bool waits);
-  // The newest rejection of a shape that was not waited for, once; empty: none since. Threads: any.
+  // The newest rejection of a shape, also of one that was waited for, since the last call; empty: there was none. Threads: any.
   std::string take_shape_rejection();
-  // Joins for a moment as a tool, and changes method, materials or rate; what is in use then, in one line. key_file: of a tool, or for all
-  // roles; empty: that of this client. Error, one line: as apply_settings. Threads: any.
+  // Joins for a moment as a tool, changes method, materials or rate, and returns what is in use then, in one line. key_file: for the
+  // role tool, or for all roles; empty: that of this client. Error, one line: as apply_settings. Threads: any.
   Result<std::string> set(const SettingsChange& change, const std::string& key_file);
   void stop();
 
@@ -78,7 +78,7 @@ class LiveClient {
 
   HubConnection::Settings settings_;
   std::unique_ptr<HubConnection> connection_;
-  std::mutex mutex_;  // of the next seven
+  std::mutex mutex_;  // for shape_rejection_ to next_view_ns_
   std::string shape_rejection_;
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};

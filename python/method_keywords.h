@@ -8,8 +8,8 @@
 
 namespace hapton::python {
 
-// Settings of a method from Python's keywords, by the names of MethodSettings. Error (TypeError): an unknown one, with those there are, or
-// a value of another type.
+// Settings of a method from Python's keywords, which have the names in MethodSettings. Error (TypeError): an unknown keyword, with a list
+// of the known ones, or a value of another type; (ValueError): not three numbers for grid_division.
 MethodSettings read_method(const std::string& name, const py::kwargs& keywords);
 
 std::vector<std::string> list_methods();

@@ -16,31 +16,31 @@ class NodeLink {
   // Error, one line: as HubConnection::open, or no hub accepts a haptics node.
   static Result<std::unique_ptr<NodeLink>> open(const std::string& hub, const std::string& key_file);
 
-  // The newest sample after the one before; none until deadline_ns.
+  // The newest sample that has come since the last call. None: none came until deadline_ns.
   std::optional<DeviceState> next(std::int64_t deadline_ns) noexcept;
-  // Replies to the sample handed out last. N, frame W; a force that is not finite is sent as none.
+  // Replies to the sample handed out last. N, frame W; a force that is not finite is sent as zero.
   void reply(const Vec3& force_n) noexcept;
-  // No force from now on: replies to the next sample, if one comes soon, with none.
+  // Ends the force: replies to the next sample with zero, if one comes within kReleasePatienceNs.
   void release() noexcept {
     if (next(clock().now_ns() + kReleasePatienceNs)) reply(Vec3::Zero());
   }
 
   const Clock& clock() const noexcept { return connection_->clock(); }
-  // False while the hub is away. It may come back: next() continues then.
+  // False while the hub is away. When it comes back, next() continues.
   bool is_joined() noexcept { return connection_->client().state() == JoinState::joined; }
   std::uint64_t replies() const noexcept { return replies_; }
   // Samples that got no reply because a newer one had come.
   std::uint64_t superseded() const noexcept { return superseded_ + skipped_; }
 
-  // Marks of the recording: any thread requests them and waits, and may do so for longer than the link lives; send_marker, of the link's
-  // own thread, sends the one that waits, again until the hub replies.
+  // Requests to mark the recording. Any thread may make one and wait for the reply, also beyond the life of the link. The link's own thread
+  // calls send_marker, which sends the request that waits, and repeats it until the hub replies.
   std::shared_ptr<Markers> markers() const noexcept { return markers_; }
   void send_marker() noexcept { markers_->send(connection_->client(), clock().now_ns()); }
-  // From a sample's arrival to its reply's departure.
+  // Times from a sample's arrival until its reply was sent.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
 
  private:
-  static constexpr std::int64_t kReleasePatienceNs = 20 * kNanosecondsPerMillisecond;  // then the force has timed out
+  static constexpr std::int64_t kReleasePatienceNs = 20 * kNanosecondsPerMillisecond;  // after this the hub has released the force
 
   explicit NodeLink(std::unique_ptr<HubConnection> connection) : connection_(std::move(connection)) {}
 

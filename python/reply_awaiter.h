@@ -14,12 +14,12 @@
 
 namespace hapton::python {
 
-// One request at a time that waits for the reply with its number, and is repeated until it comes, as a datagram may be lost. Threads: any
-// for request; send and take the one that owns the connection.
+// Sends one request at a time, and repeats it until the reply with its number comes, because a datagram may be lost. Threads: any for
+// request; the one that owns the connection for send and take.
 template <class Request, class Reply>
 class ReplyAwaiter {
  public:
-  // Blocks until the reply or the end of the time; none: no reply came.
+  // Blocks until other requests have ended, then until the reply comes or the timeout ends. None: no reply came.
   std::optional<Reply> request(const Request& request, std::chrono::seconds timeout) {
     const std::scoped_lock one_at_a_time(requesting_);
     std::unique_lock lock(mutex_);
@@ -31,7 +31,7 @@ class ReplyAwaiter {
     return reply_;
   }
 
-  // Does not wait: where another thread has the lock, the next turn sends.
+  // Does not wait: if another thread has the lock, a later call sends.
   void send(HubClient& client, std::int64_t now_ns) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock || !request_ || reply_ || now_ns < next_send_ns_) return;
@@ -50,16 +50,16 @@ class ReplyAwaiter {
 
  private:
   std::mutex requesting_;
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // for all members below
   std::condition_variable came_;
   std::optional<Request> request_;
   std::optional<Reply> reply_;
   std::int64_t next_send_ns_ = 0;
 };
 
-// Marks of a recording.
+// Requests to mark a recording.
 using Markers = ReplyAwaiter<Marker, MarkerReply>;
-// Blocks until the mark is recorded: the number of its sample. Error, one line: not a text of a marker, nothing is recorded, no reply.
+// Blocks until the mark is recorded. Returns its sample's number. Error, one line: a text that is not allowed, a rejection, or no reply.
 inline Result<std::uint64_t> request_mark(Markers& markers, std::string_view text) {
   constexpr std::chrono::seconds kPatience{2};
   const auto marker = make_marker(text);
