@@ -16,7 +16,7 @@
 namespace hapton {
 
 // One servo cycle of a recorded session with all that belongs to its sample of the device. Frame W, SI units; times since the beginning of
-// the recording. NaN: not known, as no force came for that sample.
+// the recording. NaN: not known, because no force came for that sample.
 struct CycleRow {
   double sample_t_s = 0.0;  // time when the device was read
   std::uint64_t sample = 0;
@@ -36,7 +36,7 @@ struct CycleRow {
   double round_trip_s = 0.0;                        // from the sample until its force arrived
   double late_s = 0.0;                              // how late the cycle began
   std::uint32_t missed = 0;                         // cycles left out before this one
-  std::optional<std::uint32_t> view_revision = {};  // of the scene's pose that the force was computed with; none: not known
+  std::optional<std::uint32_t> view_revision = {};  // revision of the scene's pose that the force was computed with; none: not known
   std::int64_t scene_time_ns = 0;                   // as in ForceCommand; not known where view_revision is not
   std::uint32_t carve_serial = 0;                   // likewise
   std::uint64_t lost = 0;                           // samples directly before this one that are not in the recording
@@ -44,7 +44,7 @@ struct CycleRow {
   std::vector<std::string> markers;                 // markers set while this sample was the newest
 };
 
-// A line of the table of events that `hapton session export` writes: all faults of a row together, and each of its markers.
+// A line of the table of events that `hapton session export` writes: one for all faults of a row, and one for each of its markers.
 struct CycleEvent {
   std::string_view kind;  // "fault" or "marker"
   const std::string& name;
@@ -64,8 +64,8 @@ struct CycleColumn {
 };
 std::span<const CycleColumn> cycle_columns() noexcept;
 
-// Joins the entries of a recording into rows, in the order of their samples. A row is complete once its force has come, or latest_s after
-// its cycle; it is then passed to `take` as soon as another row follows. Cycles without the device's sample (older recordings) give no row.
+// Joins the entries of a recording into rows, and passes them to `take` in the order of their samples: a row once its force has come, or
+// latest_s after its cycle, and another row follows. Cycles without the device's sample (older recordings) give no row.
 // RT: no. Threads: one.
 class CycleTable {
  public:
@@ -75,7 +75,7 @@ class CycleTable {
   CycleTable(std::int64_t start_ns, Take take, double latest_s = kLatestS)
       : start_ns_(start_ns), take_(std::move(take)), latest_s_(latest_s) {}
 
-  // datagram: of the entry, decoded; null: it has none, or it cannot be decoded.
+  // datagram: the decoded one of the entry; null: the entry has none, or one that is not to be used (for_each_entry).
   void add(const SessionEntry& entry, const Datagram* datagram);
   // Call it after the last entry: passes on the rows that still wait.
   void finish();
@@ -105,7 +105,7 @@ class CycleTable {
   Take take_;
   double latest_s_;
   std::deque<Waiting> waiting_;
-  // Forces, and when they came, whose cycle is not there yet: a cycle is recorded at its end.
+  // Forces whose cycle is still to come (a cycle is recorded at its end), with the times at which they came.
   std::deque<std::pair<ForceCommand, std::int64_t>> early_;
   std::optional<CycleSample> before_;
   std::uint64_t sample_before_ = 0;

@@ -16,7 +16,7 @@ namespace hapton {
 struct RecordedMove {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // which haptics process of the recording, from 0; each begins with its objects at rest
+  std::uint32_t process = 0;  // number of the haptics process in the recording, from 0; each begins with its objects at rest
   ObjectMove move;
 };
 
@@ -29,7 +29,7 @@ struct RecordedCarve {
   Carves::One carve;
 };
 
-// From t_s on, as above, the forces were computed with this scene and method.
+// A scene and method with which the forces were computed from t_s on. t_s as above.
 struct RecordedSetup {
   double t_s = 0.0;
   std::uint64_t sender = 0;
@@ -47,10 +47,10 @@ std::span<const ChangeColumn<RecordedMove>> move_columns() noexcept;
 std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept;
 
 // Collects from the messages of the haptics nodes in a recording: the scenes and methods that were in use, what programs moved and what the
-// stylus carved. A message that was repeated counts once, by process and serial. RT: no.
+// stylus carved. A repeated message counts once: moves and carves by process and serial, setups by content. RT: no.
 class ObjectChanges {
  public:
-  // start_ns: of the recording.
+  // start_ns: the start of the recording.
   explicit ObjectChanges(std::int64_t start_ns) : start_ns_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram);

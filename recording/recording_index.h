@@ -18,7 +18,7 @@
 
 namespace hapton {
 
-// Summary of RecordingIndex::kSpanS of a recording.
+// Summary of a part of a recording, RecordingIndex::kSpanS long.
 struct RecordingSpan {
   std::int64_t number = 0;     // the span begins number * kSpanS after the start of the recording
   std::uint32_t samples = 0;   // of the device
@@ -68,7 +68,7 @@ struct NumberedCarve {
   Carves::One carve;
 };
 
-// Entries that one message added.
+// The entries of Carves that one message added.
 struct CarveNews {
   bool starts_anew = false;  // another haptics process: all entries before are void
   std::vector<NumberedCarve> carves;
@@ -105,22 +105,22 @@ class RecordingIndex {
   // The position (SessionReader::seek) at which to begin reading in order to get the samples from that time on.
   std::uint64_t find_position(double t_s) const;
 
-  // The pose of the static scene with that revision, the newest such one until that time. If revision is none, or not found: the newest
-  // pose until that time.
+  // The newest pose of the static scene until that time that has this revision. If revision is none, or not found: the newest pose until
+  // that time, or else the first one. The identity if the recording has no pose.
   Pose find_view(std::optional<std::uint32_t> revision, double t_s) const;
   // The newest setup until that time, or else the first one; null: the recording has none.
   const HapticsSetup* find_setup(double t_s) const;
   // The newest notice until that time; null: there is none.
   const DeviceNotice* find_notice(double t_s) const;
-  // Scene::given_hash of the haptics node, the newest until that time, or else the first one; 0: not known.
+  // The newest Scene::given_hash of the haptics node until that time, or else the first one; 0: not known.
   std::uint64_t find_scene_hash(double t_s) const;
   // Poses of objects that the stylus picked up, and moves of objects by programs, in ascending order of time.
   std::span<const Timed<ObjectPose>> poses() const { return poses_; }
   std::span<const Timed<IndexedMove>> moves() const { return moves_; }
-  // In ascending order of time, without repetitions, as far as the serials show them. What was carved
-  // before the recording began is in the first one.
+  // In ascending order of time. Repeated messages are left out, but an entry that came early may be here twice (KnownCarves). What was
+  // carved before the recording began is in the first one.
   std::span<const Timed<CarveNews>> carves() const { return carves_; }
-  // Of objects that programs deform.
+  // The shapes of objects that programs deform.
   const ShapeIndex& shapes() const { return shapes_; }
 
  private:
@@ -135,14 +135,14 @@ class RecordingIndex {
     std::uint64_t position = 0;  // SessionReader::position()
   };
 
-  // What a haptics process said last of an object, by serial, which it repeats once a second.
+  // The last message about an object by a haptics process, which repeats it once a second.
   struct Said {
-    std::uint64_t process = 0;  // ObjectMove::source, or the sender; another one counts anew
+    std::uint64_t process = 0;  // ObjectMove::source, or the sender; another process has its own serials
     std::uint32_t serial = 0;
     friend bool operator==(const Said&, const Said&) = default;
   };
 
-  // False: a repetition.
+  // False: the message is a repetition.
   static bool note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said);
   void add_row(const CycleRow& row);
   void add_received(const Datagram& datagram, double t_s, std::uint64_t position);
@@ -166,7 +166,7 @@ class RecordingIndex {
   std::map<std::int32_t, Said> last_poses_;  // by object
   std::map<std::int32_t, Said> last_moves_;  // likewise
   KnownCarves known_carves_;
-  std::uint32_t carved_before_ = 0;     // serials up to this one, of the first haptics process
+  std::uint32_t carved_before_ = 0;     // carves of the first haptics process up to this serial precede the recording
   std::vector<std::uint64_t> haptics_;  // sender numbers of the haptics nodes
 };
 

@@ -17,13 +17,13 @@
 
 namespace hapton {
 
-// The samples of a recording around a moment. Only the rows near that moment are in memory: a later moment reads on, any other seeks to a
-// place shortly before it. Times as in RecordingIndex, never decreasing from one row to the next. RT: no. Threads: one.
+// The samples of a recording around a moment. Only the rows near that moment are in memory: for a moment shortly after them the file is
+// read on, otherwise from a place shortly before it. Times as in RecordingIndex, never decreasing from row to row. RT: no. Threads: one.
 class RecordingRows {
  public:
-  // How long rows are kept after their time has passed, for statistics and for single steps backwards.
+  // The shortest time for which rows are kept after their own time, for statistics and for single steps backwards.
   static constexpr double kBeforeS = 1.0;
-  // CycleTable's latest_s: a row does not wait longer for its force.
+  // latest_s of the CycleTable: a row does not wait longer for its force.
   static constexpr double kLatestS = 0.5;
 
   // Pre: the index, of the same file, outlives it. Error: see SessionReader::open.
@@ -31,7 +31,7 @@ class RecordingRows {
 
   // The newest sample until that time, or else the first of all. Null only if the file has changed. Valid until the next call.
   const CycleRow* at(double t_s);
-  // The newest sample until that time whose force came, if it is not older than most_age_s; null: there is none.
+  // The newest sample until that time whose force came, at most most_age_s old; null: there is none. Pre: most_age_s is at most kBeforeS.
   const CycleRow* replied_at(double t_s, double most_age_s);
   // Times of the first sample after t_s, and of the last one before it; none: there is none.
   std::optional<double> next_s(double t_s);

@@ -21,15 +21,15 @@ struct RecordedShape {
   std::uint64_t sender = 0;
   std::uint32_t process = 0;
   ShapeStart start;
-  // Of each vertex; in metres of the mesh, before scale and pose. Valid during the call of Take. Empty: the recording lacks a part of it.
+  // One for each vertex, in metres of the mesh, before scale and pose. Valid during the call of Take. Empty: the recording lacks a part.
   std::span<const ShapePart::Displacement> displacements_m = {};
-  // An export has one array for each object and process; this is the shape's index in it. None: it is not there, because it has no
-  // displacements, or not as many as the first shape in that array.
+  // An export has one array for each object and process; this is the shape's index in it. None: the shape is not in it, because it
+  // has no displacements, or not as many as the first shape in that array.
   std::optional<std::uint64_t> row = {};
 };
 
-// Collects shapes of objects that programs deform from messages of haptics nodes. Gives each to `take` once, in order, when it and those
-// before are complete, or without displacements if a part never comes; those of an hour do not fit into memory. RT: no. Threads: one.
+// Collects shapes of objects that programs deform from messages of haptics nodes. Passes each to `take` once, in order, when it and those
+// before are complete, or without displacements if a part never comes; an hour of shapes does not fit into memory. RT: no. Threads: one.
 class RecordingShapeCollector {
  public:
   using Take = std::function<void(const RecordedShape& shape)>;
@@ -38,11 +38,11 @@ class RecordingShapeCollector {
   explicit RecordingShapeCollector(std::int64_t start_ns) : start_ns_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram, const Take& take);
-  // To be called at the end: gives what is left to `take`.
+  // To be called at the end: passes the remaining shapes to `take`.
   void finish(const Take& take);
 
  private:
-  // Shapes of which some parts have come, but not all: of at most 8 objects, a few each.
+  // Most shapes that wait for parts, their ShapeStart or an earlier shape: of at most 8 objects, a few each.
   static constexpr std::size_t kMaxOpen = 64;
 
   struct Open {
@@ -71,7 +71,7 @@ class RecordingShapeCollector {
   std::map<std::int32_t, Rows> rows_;  // by object
 };
 
-// `row` is NaN where there is none.
+// The columns of a table of shapes. The column `row` is NaN for a shape without a row.
 std::span<const ChangeColumn<RecordedShape>> shape_columns() noexcept;
 
 }  // namespace hapton

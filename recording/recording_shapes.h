@@ -11,14 +11,14 @@
 
 namespace hapton {
 
-// Reads the vertices of shapes from a recording when they are shown: a shape of 10,000 vertices is spread over 40 ms of it. RT: no.
+// Reads the vertices of shapes from a recording when they are shown: a shape of 10,000 vertices is spread over 40 ms of the file. RT: no.
 // Threads: one.
 class RecordingShapes {
  public:
   // Error: see SessionReader::open.
   static Result<RecordingShapes> open(const std::filesystem::path& file);
 
-  // The parts of this shape that the recording has; none if it lacks them all. Pre: `shape` comes from an index of the same file.
+  // The parts of this shape that the recording has; empty if it has none. Pre: `shape` comes from an index of the same file.
   std::vector<ObjectShape> read(const IndexedShape& shape);
 
  private:

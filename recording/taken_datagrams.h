@@ -8,16 +8,16 @@
 
 namespace hapton {
 
-// Leaves out datagrams of a recording that its hub certainly dropped: those of an earlier session of the hub, with other samples of the
-// same numbers, and what only a haptics node sends from another address than that of the hub's haptics node. Others that the hub dropped
-// (duplicates, those of unknown peers) pass. Knows the haptics node by where the hub sends the device's states, so that reading may begin
-// anywhere, and entries may be missing. RT: yes. Threads: one.
+// Leaves out datagrams of a recording that its hub certainly dropped: those of an earlier session of the hub, where the same numbers mean
+// other samples, and what only a haptics node may send, from another address than that of the hub's haptics node. Other datagrams that the
+// hub dropped (duplicates, those of unknown peers) pass. The address to which the hub sends the device's samples is that of the haptics
+// node, so reading may begin anywhere, and entries may be missing. RT: yes. Threads: one.
 class TakenDatagrams {
  public:
   // session: SessionHeader::session; 0: not known.
   explicit TakenDatagrams(std::uint64_t session) noexcept : session_(session) {}
 
-  // Of the next entry, received or sent.
+  // False: the datagram is left out. entry: the next one of the recording, received or sent, with this datagram.
   bool take(const SessionEntry& entry, const Datagram& datagram) noexcept;
 
  private:
