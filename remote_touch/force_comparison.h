@@ -20,10 +20,10 @@ struct ForceRow {
 struct ForceComparison {
   double error_rms = 0.0;  // share of the zero-delay force: root of sum |F - F0|^2 / sum |F0|^2
   double error_max_n = 0.0;
-  double direction_rms_deg = 0.0;  // between the two, where both are above kMinN
+  double direction_rms_deg = 0.0;  // angle between the two forces, where both are above kMinN
   double direction_max_deg = 0.0;
   double time_offset_s = 0.0;  // mean delay of the force (effective_offset.h)
-  double value_offset = 0.0;   // what is left without that delay: share of the RMS of the zero-delay force in contact
+  double value_offset = 0.0;   // error that remains without that delay: share of the RMS of the zero-delay force in contact
   std::uint64_t falls = 0;     // number of fall-throughs
   double fall_s = 0.0;         // their total duration
   double generated_j = 0.0;    // the largest net energy that the hand had received at any time; 0 if it had always put in more

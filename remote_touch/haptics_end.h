@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// A sample of the device on its way, and the reply to one.
+// A sample of the device on its way through the network, and a reply with the sample that it replies to.
 struct SampleOnTheWay {
   std::int64_t time_ns = 0;
   Vec3 p_WD = Vec3::Zero();
@@ -21,10 +21,10 @@ struct ReplyOnTheWay {
 // The haptics node: computes the step on the whole scene, for each sample that is newer than those before. Units: SI, ns. RT: no.
 class HapticsEnd {
  public:
-  // Pre: nobody else steps the method meanwhile.
+  // Pre: nobody else steps the method while this object is in use.
   explicit HapticsEnd(std::shared_ptr<ForceMethod> method) : step_(std::move(method)) {}
 
-  // None: the sample was overtaken by a newer one.
+  // None: the sample was overtaken by a newer one, or has come before.
   std::optional<ReplyOnTheWay> reply(const SampleOnTheWay& sample) {
     if (newest_ns_ && sample.time_ns <= *newest_ns_) return std::nullopt;
     TouchInput input{.p_WD = sample.p_WD};

@@ -14,7 +14,7 @@ namespace hapton {
 class MachineStalls {
  public:
   static constexpr double kGapS = 0.2;     // mean gap between two stalls
-  static constexpr double kLongest = 5.0;  // longest stall, in mean stalls
+  static constexpr double kLongest = 5.0;  // longest stall, as a multiple of the mean one
 
   // mean_s: mean length of a stall; 0: no stalls.
   MachineStalls(double mean_s, double period_s, std::uint64_t seed)
@@ -22,7 +22,7 @@ class MachineStalls {
     next_ = mean_s > 0.0 ? draw(gap_rows_) : std::numeric_limits<double>::infinity();
   }
 
-  // How many rows are missed before the row that would be next.
+  // Number of rows that are missed in a stall before the next row. row: number of the row that would be next.
   std::size_t missed_before(std::size_t row) {
     if (static_cast<double>(row) < next_) return 0;
     const double missed = std::floor(std::min(draw(mean_rows_), kLongest * mean_rows_));

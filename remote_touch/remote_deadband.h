@@ -20,8 +20,8 @@ namespace hapton {
 class RemoteDeadband final : public RemoteTouch {
  public:
   static constexpr double kPositionM = 1e-3;        // m: scale of the position error, see above
-  static constexpr double kMinForceN = 0.1;         // the fraction is of this for smaller forces: else noise near 0 would be sent
-  static constexpr double kMinSpeed = 0.05;         // m/s: the same for slower motions
+  static constexpr double kMinForceN = 0.1;         // a smaller force counts as this one, otherwise noise near 0 would be sent
+  static constexpr double kMinSpeed = 0.05;         // m/s: a slower motion counts as this one
   static constexpr std::size_t kVelocityRows = 20;  // samples over which the velocity is a mean; otherwise encoder noise would be sent
 
   struct Options {
@@ -55,11 +55,11 @@ class RemoteDeadband final : public RemoteTouch {
   std::size_t state_bytes_;
   std::size_t force_bytes_;
 
-  // Beside the device.
+  // At the device.
   std::vector<std::pair<std::int64_t, Vec3>> recent_;  // a ring
   std::size_t samples_ = 0;
   DeadbandCoder velocity_;
-  std::optional<Motion> told_;  // sent last
+  std::optional<Motion> told_;  // the motion sent last
   PredictedSignal force_;
   std::int64_t force_sent_ns_ = -1;
 

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Remote force: the newest force received is held until a newer one arrives. Only the stage before the motors limits its age.
+// Remote force: the newest force received is held until a newer one arrives. Only the governor, if the method has one, limits its age.
 class RemoteForce final : public RemoteTouch {
  public:
   RemoteForce(std::shared_ptr<ForceMethod> method, const RemoteNetwork& network) : link_(std::move(method), network) {}

@@ -22,11 +22,11 @@ class RemoteLaw final : public ForceLaw {
 
   RemoteLaw(const RemoteMethod& method, std::unique_ptr<RemoteTouch> touch, const Device& device, std::int64_t period_ns);
 
-  // Keeps the device at a position in free space until the method has received what it needs around it, for at least least_s. Returns the
-  // seconds that this took; none: more than most_s.
+  // Keeps the device at a position in free space until the method has received what it needs around this position, for at least least_s.
+  // Returns the seconds that this took; none: more than most_s.
   std::optional<double> wait(const Vec3& p_WD, double least_s, double most_s);
 
-  // The machine stalls for this number of periods.
+  // Lets this number of periods pass without a step, as when the machine stalls.
   void skip(std::size_t periods) noexcept { now_ns_ += static_cast<std::int64_t>(periods) * period_ns_; }
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override;
   void reset(const Vec3& p_WD) noexcept override { (void)p_WD; }

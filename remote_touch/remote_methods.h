@@ -16,21 +16,21 @@ namespace hapton {
 
 // A method of touch across a network, and the stages between its force and the motors.
 struct RemoteMethod {
-  // What computes the force beside the device: the whole scene; nothing, as the force itself is sent; a plane that is sent with each reply;
-  // the last force or its extrapolation (deadband coding); a part of the scene.
+  // From what the force is computed beside the device: the whole scene; nothing, because the force itself is sent; a plane that is sent
+  // with each reply; the last force or its extrapolation (deadband coding); a part of the scene.
   enum class Scheme : std::uint8_t { whole, force, plane, deadband, patch };
 
   std::string_view name;
   std::string_view title;
   Scheme scheme = Scheme::whole;
-  Prediction prediction = Prediction::hold;  // deadband
-  bool has_governor = false;                 // io_node's, which releases a force 20 ms after its sample
-  bool is_passive = false;                   // passivity controller
+  Prediction prediction = Prediction::hold;  // used by deadband coding
+  bool has_governor = false;                 // the governor of io_node, which releases a force 20 ms after its sample
+  bool is_passive = false;                   // has the passivity controller
 };
 
 // local, remote, remote-held, remote-passive, plane, deadband, deadband-linear, patch, patch-passive. RT: yes.
 std::span<const RemoteMethod> remote_methods() noexcept;
-// Null when there is none of that name. RT: yes.
+// Null if no method has that name. RT: yes.
 const RemoteMethod* find_remote_method(std::string_view name) noexcept;
 // "local, remote, ..." for help texts. RT: set-up only.
 std::string remote_method_names();
@@ -39,13 +39,13 @@ std::string remote_method_names();
 struct RemoteScene {
   std::shared_ptr<const TriangleMesh> mesh;
   double stiffness_n_per_m = 0.0;
-  std::shared_ptr<ForceMethod> far;   // the haptics node's
-  std::shared_ptr<ForceMethod> near;  // for comparison, beside the device
+  std::shared_ptr<ForceMethod> far;   // the method of the haptics node
+  std::shared_ptr<ForceMethod> near;  // the method beside the device, for comparison
   TiledScene tiles;
 };
 Result<RemoteScene> make_remote_scene(std::shared_ptr<const TriangleMesh> mesh, const Material& material);
 
-// What the baselines are set to.
+// Settings of deadband coding, and of the methods that send parts of the scene.
 struct RemoteSettings {
   double deadband = 0.1;  // Weber's fraction
   double patch_bits_per_s = 1e6;

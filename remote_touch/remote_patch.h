@@ -13,16 +13,16 @@
 
 namespace hapton {
 
-// Patches of the scene beside the device: the parts of patch/, at the rates at which the nodes run them. The haptics node gets 20 samples a
-// second and replies to each; the hub acknowledges what has come every 100 ms, or 50 where something has; another patch takes kTriangleNs a
-// triangle to make.
+// Patches of the scene beside the device: the classes of patch/, at the rates at which the nodes run them. The haptics node gets 20 samples
+// a second and replies to each. The hub acknowledges the parts that have come every 100 ms, or after 50 ms if there are new ones. To make
+// the next patch takes kTriangleNs a triangle.
 class RemotePatch final : public RemoteTouch {
  public:
   static constexpr std::int64_t kSampleNs = 50'000'000;
   static constexpr std::int64_t kStatusNs = 100'000'000;
   static constexpr std::int64_t kSoonNs = 50'000'000;
   static constexpr std::int64_t kSendNs = 4'000'000;  // period at which the haptics node chooses what to send
-  // To make a patch, and to make the smallest one. Assumed, not measured here.
+  // Time to make a patch for each triangle, and at least. Assumed, not measured here.
   static constexpr std::int64_t kTriangleNs = 1000;
   static constexpr std::int64_t kMinMakeNs = 5'000'000;
 
@@ -30,11 +30,11 @@ class RemotePatch final : public RemoteTouch {
     PatchSource::Options source = {};
   };
 
-  // method: of the whole scene, for replies.
+  // method: with the whole scene, for the replies of the haptics node.
   RemotePatch(std::shared_ptr<ForceMethod> method, const TiledScene& tiles, const RemoteNetwork& network, const Options& options);
 
   RemoteStep step(const Vec3& p_WD, std::int64_t now_ns) override;
-  // No part was sent for longer than it takes to learn that one was lost.
+  // True: parts were sent, and then none for longer than it takes to learn that one was lost.
   bool is_ready() const override;
   RemoteTraffic traffic() const override;
 

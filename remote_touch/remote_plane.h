@@ -19,7 +19,7 @@ class RemotePlane final : public RemoteTouch {
 
  private:
   SampleLink link_;
-  Vec3 p_WQ_ = Vec3::Zero();       // on the plane
+  Vec3 p_WQ_ = Vec3::Zero();       // a point on the plane
   Vec3 outward_W_ = Vec3::Zero();  // unit; zero: no contact
   double stiffness_n_per_m_ = 0.0;
 };

@@ -40,9 +40,9 @@ struct RemoteRates {
 // The hand follows the path, whatever the force.
 struct PrescribedTouch {
   ForceComparison force;
-  RemoteRates rates;       // while it slides and rests
-  double scene_kb = 0.0;   // all parts of the scene
-  double ready_s = 0.0;    // until the scene around the hand had arrived
+  RemoteRates rates;       // while the hand slides and rests
+  double scene_kb = 0.0;   // size of all parts of the scene that were sent
+  double ready_s = 0.0;    // time until the scene around the hand had arrived
   std::size_t missed = 0;  // periods in which the machine was stalled
   std::vector<ForceRow> rows;
 };
@@ -57,19 +57,19 @@ struct ClosedLoopTouch {
   double generated_j = 0.0;    // the largest net energy that the hand had received at any time, less the heat in the device
   double path_error_m = 0.0;   // RMS distance from where the device is with zero delay, sliding and resting
   double most_force_n = 0.0;
-  std::vector<Vec3> p_WD;  // each period
+  std::vector<Vec3> p_WD;  // in each period
 };
 
 // The largest distance between two of the positions; 0: fewer than two. Time: quadratic. RT: no.
 double largest_distance(std::span<const Vec3> positions);
 
-// zero_delay: positions of the same run with method `local`; null: no path error. Error: as of run_prescribed; the hand has no stiffness.
+// zero_delay: positions of the same run with method `local`; null: no path error. Error: as run_prescribed, or the hand has no stiffness.
 Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
                                         const RemoteCase& which, const std::vector<Vec3>* zero_delay);
 
 // The largest stiffness of a flat wall (a mesh) at which a press of 1 N comes to rest within a second: with a limit cycle of at most two
 // encoder steps or 1 % of the depth, and at least 0.5 N held. 0: at no stiffness. Searches upwards to most_n_per_m. Pre: the
-// hand has a stiffness above zero. Error: as of run_prescribed.
+// hand has a stiffness above zero. Error: as run_prescribed.
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m);
 
 }  // namespace hapton

@@ -14,21 +14,21 @@ struct RemoteNetwork {
   LinkFaults down = {};  // replies
   std::uint64_t seed = 1;
 
-  // Half of the round trip each way, loss each way.
+  // The same in both directions: half of the round trip as delay, with this loss and jitter.
   static RemoteNetwork of(double round_trip_s, double loss, double jitter_s, std::uint64_t seed);
 };
 
-// What was sent so far.
+// What has been sent so far.
 struct RemoteTraffic {
   Traffic up;
-  Traffic down;   // parts of the scene among them
-  Traffic scene;  // these alone
+  Traffic down;   // replies and parts of the scene
+  Traffic scene;  // the parts of the scene alone
 
   RemoteTraffic operator+(const RemoteTraffic& more) const noexcept { return {up + more.up, down + more.down, scene + more.scene}; }
   RemoteTraffic operator-(const RemoteTraffic& before) const noexcept { return {up - before.up, down - before.down, scene - before.scene}; }
 };
 
-// The force to write, and the sample that it replies to.
+// The force to write, and the time of the sample that it replies to.
 struct RemoteStep {
   Vec3 force_n = Vec3::Zero();
   std::int64_t sample_ns = 0;
@@ -39,9 +39,9 @@ struct RemoteStep {
 class RemoteTouch {
  public:
   virtual ~RemoteTouch() = default;
-  // A sample of the device. Pre: now_ns increases by one period of the device.
+  // Takes a sample of the device. Pre: now_ns increases by a period of the device, or by several after a stall.
   virtual RemoteStep step(const Vec3& p_WD, std::int64_t now_ns) = 0;
-  // Everything that it needs near the device has arrived.
+  // True: everything that the method needs near the device has arrived.
   virtual bool is_ready() const { return true; }
   virtual RemoteTraffic traffic() const = 0;
 };

@@ -15,7 +15,7 @@ struct SlidePlan {
   std::uint64_t seed = 1;  // decides place, direction and curvature
   double speed_m_per_s = 0.1;
   double slide_s = 4.0;
-  double stroke_m = 0.15;  // length of path after which it turns back
+  double stroke_m = 0.15;  // length of path after which the hand turns back
   double depth_m = 1e-3;
   double rest_s = 0.8;
   double after_s = 0.5;  // simulated after the hand has left
@@ -42,7 +42,7 @@ struct SlidePath {
   HandPath make_hand_path(double hand_n_per_m, double surface_n_per_m, double period_s) const;
 };
 
-// A path over the surface, straight or in a wide curve; the depth is measured along a normal that is smoothed over 2 mm of it. Paths are
+// A path over the surface, straight or in a wide curve; the depth is measured along a normal that is smoothed over 2 mm of path. Paths are
 // drawn at random until approach and departure touch nothing, and the proxy of `method`, which is stepped to check this,
 // stays within two depths of the device. Error: no triangle of the mesh has an area; no such path in 1000 draws.
 Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method, const SlidePlan& plan);
