@@ -8,7 +8,7 @@
 namespace hapton {
 
 // Calls visit(entry, its decoded datagram or null) for all entries that can be read; SessionReader::problem() then says whether the file
-// was complete. Null: no datagram, an unreadable one, or left out (TakenDatagrams). Ends with the error of the first visit that has one. RT: no.
+// was complete. Null: no datagram, an unreadable one, or left out (TakenDatagrams). Ends with the first error that a visit returns. RT: no.
 template <class Visit>
 Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
   Codec codec;
