@@ -17,7 +17,7 @@ namespace hapton {
 struct TileCell {
   std::uint32_t body = 0;
   CellKey key;
-  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};  // as PatchCell has them
+  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};  // as in PatchCell
   std::vector<std::uint32_t> tiles;                                  // ascending
 };
 
@@ -54,7 +54,7 @@ struct TileBody {
 struct TiledScene {
   PatchGrid grid;
   std::vector<PatchTile> tiles;
-  std::vector<Box> tile_bounds;               // in steps of the grid
+  std::vector<Box> tile_bounds;               // bounds of each tile, in steps of the grid
   std::vector<TileBody> bodies;               // the first one stands still, and may be empty
   std::vector<TileNode> nodes;                // the root of each body comes before its other nodes
   std::vector<TileCell> cells;                // the leaves with triangles, each with no more tiles than one datagram lists

@@ -22,11 +22,11 @@ struct CutOff {
   explicit operator bool() const noexcept { return reason != Reason::none; }
 };
 
-// "it gave 1e+09 N, its limit is 2 N". RT: no.
+// Such as "it gave 1e+09 N, its limit is 2 N". RT: no.
 std::string describe(const CutOff& cut_off);
 
 class CallGuard;
-// "1000 calls, maximum 1.2 N; p50 0.1 us, p99 0.2, worst 3; CUT OFF: why", in one line. RT: no.
+// One line, such as "1000 calls, maximum 1.2 N; p50 0.1 us, p99 0.2, worst 3; CUT OFF: why". RT: no.
 std::string describe_calls(const CallGuard& guard);
 
 struct PluginForce {

@@ -49,11 +49,11 @@ typedef struct hapton_effect_input {
   double dt_s;                 /* since the sample before; above 0 */
   double position_m[3];        /* device point, W */
   double orientation[4];       /* stylus in W */
-  double velocity_m_per_s[3];  /* of the device point, W; mean of the last 8 differences */
+  double velocity_m_per_s[3];  /* velocity of the device point, W; mean of the last 8 differences */
   double scene_position_m[3];  /* origin of S in W: the knob box turns and moves the scene */
   double scene_orientation[4]; /* S in W */
   double contact_point_m[3];   /* where the probe is held on the surface, W; the device point in free space */
-  double contact_force_n[3];   /* of the method and the effects of the scene, W */
+  double contact_force_n[3];   /* force of the method and of the scene's effects, W */
   uint32_t buttons;            /* one bit each, the first button in the lowest */
   int32_t contact;             /* 1: a surface is touched, or an effect of the scene acts; else 0 */
 } hapton_effect_input;
@@ -105,7 +105,7 @@ typedef struct hapton_method_input {
   double position_m[3];       /* device point, S */
   double dt_s;                /* since the sample before; above 0 */
   double orientation[4];      /* stylus in S */
-  double velocity_m_per_s[3]; /* of the hand, along the axes of S; mean of the last 8 differences */
+  double velocity_m_per_s[3]; /* velocity of the hand, along the axes of S; mean of the last 8 differences */
   double time_s;              /* time of the sample since the first one after reset */
   uint32_t buttons;           /* one bit each, the first button in the lowest */
   uint32_t unused;

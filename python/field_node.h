@@ -76,7 +76,7 @@ class FieldNode {
 
   std::mutex mutex_;                // for next_ to compute_times_; the node's thread only tries to lock it
   std::unique_ptr<FieldLaw> next_;  // fields that were set and are not in use yet
-  std::unique_ptr<FieldLaw> old_;   // for Python's thread to free
+  std::unique_ptr<FieldLaw> old_;   // fields that were replaced, for Python's thread to free
   std::atomic<bool> is_law_waiting_{false};
   FieldNodeState state_;
   LatencyHistogram compute_times_;

@@ -42,7 +42,7 @@ class LiveClient {
   // Where an object that programs may move is at a scene time, by default that of the newest probe state. None: there is no state yet, or
   // KnownMoves::find gives none. Threads: any.
   std::optional<KnownMoves::Placed> find_object(std::int32_t object, std::optional<double> scene_time_s);
-  // As KnownMoves::find_named and find_name. Threads: any.
+  // The same as KnownMoves::find_named and KnownMoves::find_name. Threads: any.
   KnownMoves::Named find_named(std::string_view name);
   std::string find_name(std::int32_t object);
   // The objects that programs may move, of those announced so far. Threads: any.

@@ -16,7 +16,7 @@ namespace hapton {
 struct RecordedMove {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // number of the haptics process in the recording, from 0; each begins with its objects at rest
+  std::uint32_t process = 0;  // counts the haptics processes with recorded moves, from 0; each begins with its objects at rest
   ObjectMove move;
 };
 
@@ -24,7 +24,7 @@ struct RecordedMove {
 struct RecordedCarve {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // as above; each begins with whole bodies
+  std::uint32_t process = 0;  // counts those with recorded carves, from 0; each begins with whole bodies
   std::uint32_t serial = 0;
   Carves::One carve;
 };

@@ -21,7 +21,7 @@ namespace hapton {
 // Summary of a part of a recording, RecordingIndex::kSpanS long.
 struct RecordingSpan {
   std::int64_t number = 0;     // the span begins number * kSpanS after the start of the recording
-  std::uint32_t samples = 0;   // of the device
+  std::uint32_t samples = 0;   // number of samples of the device
   float written_n = 0.0F;      // largest force on the motors
   float round_trip_s = -1.0F;  // longest one; below 0: no force came
   bool is_contact = false;     // there was contact in at least one sample
@@ -100,7 +100,7 @@ class RecordingIndex {
   std::span<const RecordingSpan> spans() const { return spans_; }
   // The spans that overlap [from_s, to_s].
   std::span<const RecordingSpan> spans_between(double from_s, double to_s) const;
-  // In ascending order of time.
+  // The markers and faults, in ascending order of time.
   std::span<const RecordingMark> marks() const { return marks_; }
   // The position (SessionReader::seek) at which to begin reading in order to get the samples from that time on.
   std::uint64_t find_position(double t_s) const;
@@ -117,7 +117,7 @@ class RecordingIndex {
   // Poses of objects that the stylus picked up, and moves of objects by programs, in ascending order of time.
   std::span<const Timed<ObjectPose>> poses() const { return poses_; }
   std::span<const Timed<IndexedMove>> moves() const { return moves_; }
-  // In ascending order of time. Repeated messages are left out, but an entry that came early may be here twice (KnownCarves). What was
+  // Carves in order of time. Repeated messages are left out, but an entry that came early may be here twice (KnownCarves). What was
   // carved before the recording began is in the first one.
   std::span<const Timed<CarveNews>> carves() const { return carves_; }
   // The shapes of objects that programs deform.

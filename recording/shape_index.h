@@ -30,7 +30,7 @@ class ShapeIndex {
   void add(const ShapeStart& start, double t_s);
   void add(const ForceCommand& force);
 
-  // In ascending order of time, without repetitions. Serial 0: another haptics process begins, with all objects at rest.
+  // All shapes in ascending order of time, without repetitions. Serial 0: another haptics process begins, with all objects at rest.
   std::span<const Timed<IndexedShape>> all() const { return shapes_; }
 
   // The newest shape of an object whose motion began before that scene time, and may have ended, of those recorded until ahead_s after t_s:

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// A message and the time at which the hub received it, s from the beginning of the recording.
+// A message and the time at which the hub received or sent it, s from the beginning of the recording.
 template <class Message>
 struct Timed {
   double t_s = 0.0;

@@ -14,7 +14,7 @@ namespace hapton {
 // Counts the datagrams that were sent, including lost ones.
 struct Traffic {
   std::uint64_t packets = 0;
-  std::uint64_t bytes = 0;  // of their IP packets
+  std::uint64_t bytes = 0;  // size of their IP packets
 
   Traffic operator+(const Traffic& more) const noexcept { return {packets + more.packets, bytes + more.bytes}; }
   Traffic operator-(const Traffic& before) const noexcept { return {packets - before.packets, bytes - before.bytes}; }
