@@ -14,7 +14,7 @@
 
 namespace hapton {
 
-// A shape that a program gave to an object, and when the object moves to it. t_s and process: as in RecordedMove.
+// A shape that a program gave to an object, and when the object moves to it. t_s: as in RecordedMove; process: the same for shapes.
 struct RecordedShape {
   double t_s = 0.0;
   std::int64_t time_ns = 0;  // the same instant by the hub's clock
