@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// make_unique for what owns an asio::io_context, which throws where the system gives it no descriptor (epoll, timer, event).
-// Error: one line. RT: set-up only.
+// Like make_unique, for a class that owns an asio::io_context, whose constructor throws if the system has no descriptor left for it (epoll,
+// timer, event). Error: one line. RT: set-up only.
 template <class Owner, class... Arguments>
 Result<std::unique_ptr<Owner>> make_with_context(Arguments&&... arguments) {
   try {

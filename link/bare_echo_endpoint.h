@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// The first bytes of a datagram for a bare echo, and of its reply. An echo ignores replies: so neither two echoes that a forged sender
-// points at each other, nor an echo and another program that returns what it gets, exchange datagrams for ever.
+// The first bytes of a datagram for a bare echo, and of its reply. An echo ignores replies, so that datagrams do not go back and forth for
+// ever between two echoes that a forged sender points at each other, or between an echo and a program that returns what it gets.
 constexpr std::size_t kEchoMarkBytes = 8;
 constexpr std::array<char, kEchoMarkBytes> kEchoRequest = {'h', 'a', 'p', 'e', 'c', 'h', 'o', '?'};
 constexpr std::array<char, kEchoMarkBytes> kEchoReply = {'h', 'a', 'p', 'e', 'c', 'h', 'o', '!'};
@@ -21,7 +21,7 @@ constexpr std::array<char, kEchoMarkBytes> kEchoReply = {'h', 'a', 'p', 'e', 'c'
 // Threads: one.
 class BareEchoEndpoint {
  public:
-  // bind_address as for open_udp_endpoint. Error: one line: bad address, port in use, no permission.
+  // bind_address as for open_udp_endpoint; without a port, a free one. Error: one line: bad address, port in use, no permission.
   static Result<BareEchoEndpoint> open(std::string_view bind_address);
 
   ~BareEchoEndpoint();

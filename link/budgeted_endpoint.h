@@ -8,22 +8,22 @@
 
 namespace hapton {
 
-// An endpoint that hands out a limited number of datagrams until its budget is renewed; further calls sleep to their deadline. A loop that
-// renews it once a cycle has bounded work however much arrives, and always sleeps, so the kernel neither throttles it nor ends it by
-// LimitRTTIME. Datagrams not taken wait in the socket's buffer, and the kernel drops them when that is full. RT: as the other. Threads: as
-// the other.
+// An endpoint that hands out a limited number of datagrams until its budget is renewed; further calls of receive() sleep until their
+// deadline. A loop that renews it once a cycle has bounded work however much arrives, and always sleeps, so the kernel neither throttles it
+// nor ends it by LimitRTTIME. Datagrams not taken wait in the socket's buffer, and the kernel drops more when that is full. RT and threads:
+// as the inner endpoint.
 class BudgetedEndpoint final : public Endpoint {
  public:
-  // The shortest sleep with a spent budget, if the deadline has already passed.
+  // The shortest sleep of receive() with a spent budget, used if the deadline is nearer than this or has passed.
   static constexpr std::int64_t kShortestSleepNs = 50'000;
 
   // Pre: both outlive this.
   BudgetedEndpoint(Endpoint& inner, Clock& clock) : inner_(inner), clock_(clock) {}
 
   void renew(std::uint32_t datagrams) noexcept { left_ = datagrams; }
-  // For a loop that had no reason to wait for too long.
+  // Sleeps for kShortestSleepNs: for a loop that has found work waiting for too many cycles in a row.
   void rest() noexcept { clock_.sleep_until_ns(clock_.now_ns() + kShortestSleepNs); }
-  // Calls after the budget was spent.
+  // Number of calls of receive() with a spent budget.
   std::uint64_t spent() const noexcept { return spent_; }
 
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override { return inner_.send(to, datagram); }

@@ -11,14 +11,14 @@
 
 namespace hapton {
 
-// In every datagram; a receiver drops those of another version. The rules of change are in proto/hapton.proto.
+// The version in every datagram; a receiver drops datagrams of another version. The rules of change are in proto/hapton.proto.
 constexpr std::uint32_t kProtocolVersion = 3;
 
 // Lengths (m) and forces (N) beyond this are rejected, so that squares and products of accepted ones stay finite.
 constexpr double kMaxWireMagnitude = kMaxTranslationM;
 
-// Times beyond this, before or after zero, are rejected: sums and differences of three accepted ones fit into 64 bits. 73 years; no clock
-// that counts from start-up gets there.
+// Times beyond this, before or after zero, are rejected: sums and differences of three accepted ones fit into 64 bits. This is 73 years,
+// which no clock that counts from start-up reaches.
 constexpr std::int64_t kMaxWireTimeNs = (std::int64_t{1} << 61) - 1;
 
 enum class DecodeStatus : std::uint8_t {
@@ -26,14 +26,14 @@ enum class DecodeStatus : std::uint8_t {
   truncated,        // ends early, or is not a well-formed Envelope
   wrong_version,    // of another protocol version
   unknown_message,  // well formed, of this version, of a kind this build does not know
-  bad_value,        // not finite, out of range, a vector of the wrong length, not a rotation, two messages in one
+  bad_value,        // too long, not finite, out of range, a vector of the wrong length, not a rotation, two messages in one
   not_rigid,        // a ViewTransform that is valid except for its pose (core/math/rigid_pose.h)
 };
 
 std::string_view to_string(DecodeStatus status) noexcept;
 
-// Turns datagrams into bytes and back as proto/hapton.proto lays down. Keeps its message objects: one Codec a thread.
-// RT: encode and decode yes (no heap, lock or throw, whatever the bytes); construction set-up only.
+// Turns datagrams into bytes and back as proto/hapton.proto specifies. It keeps its message objects between calls: one Codec for each
+// thread. RT: encode and decode yes (no heap, lock or throw, whatever the bytes); construction set-up only.
 class Codec {
  public:
   Codec();
@@ -41,7 +41,7 @@ class Codec {
   Codec(Codec&&) noexcept;
   Codec& operator=(Codec&&) noexcept;
 
-  // Writes the datagram into `into` and returns its size; 0 if it does not fit. Values are not checked here: decode does that.
+  // Writes the datagram into `into` and returns its size; 0: it does not fit. It does not check values: decode does.
   std::size_t encode(const Datagram& datagram, std::span<std::byte> into) noexcept;
 
   // Reads one datagram. Post: unless ok, `datagram` is unchanged; but with not_rigid it holds the header and a ViewTransform of the
