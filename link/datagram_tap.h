@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Receives a copy of every datagram that a hub exchanges: what it sends before sealing, what it receives after
-// opening. What cannot be opened is passed on unchanged. Units: the hub's clock, ns. RT: yes. Threads: the
+// Receives a copy of every datagram that a hub exchanges: what it sends, before sealing, and what it receives, after opening. It
+// gets no datagram that could not be opened, or that the system refused to send. Units: the hub's clock, ns. RT: yes. Threads: the
 // hub's.
 class DatagramTap {
  public:

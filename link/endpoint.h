@@ -28,15 +28,15 @@ struct SocketCounts {
   std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
   std::uint64_t unknown_peers = 0;  // received, but not data from a known peer: handshakes, invalid or oversized datagrams
   std::uint64_t dropped = 0;        // dropped by the kernel: filtered during a flood, or because the socket buffer was full
-  std::uint64_t filtered = 0;       // the part of `dropped` that was filtered during a flood
+  std::uint64_t filtered = 0;       // the part of `dropped` while a filter was installed (FloodFilter)
   std::uint64_t floods = 0;         // floods that began
-  double flood_per_s = 0.0;         // datagrams a second, of the newest flood
+  double flood_per_s = 0.0;         // rate of the newest flood, datagrams a second
   Address last_unknown_sender;
   Address last_oversized;
 };
 
-// Exchanges datagrams: over UDP, or in memory for tests. RT: send and receive yes (one bounded system call each, no heap, lock, log or
-// throw). Threads: one at a time.
+// Exchanges datagrams: over UDP, or in memory for tests; other endpoints wrap one of these. RT: send and receive yes (a few bounded system
+// calls each, no heap, lock, log or throw). Threads: one at a time.
 class Endpoint {
  public:
   virtual ~Endpoint() = default;

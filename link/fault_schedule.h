@@ -19,7 +19,7 @@ struct FaultPhase {
   LinkFaults to_nodes;
 };
 
-// Phases one after the other; behind the last nothing bad happens any more, or all of it again.
+// Phases one after the other. After the last one there are no faults, or, with `repeat`, the phases begin again.
 struct FaultSchedule {
   std::vector<FaultPhase> phases;
   bool repeat = false;

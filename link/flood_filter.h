@@ -21,29 +21,29 @@ class FloodFilter {
  public:
   static constexpr std::size_t kKnown = 32;                // twice HubPeers::kCapacity
   static constexpr std::int64_t kKnownNs = 5'000'000'000;  // five times HubPeers::kPeerTimeoutNs: longer than a live node is silent
-  // A flood begins in a period with at least kFlood datagrams from unknown peers (10,000 a second: 1 % of a CPU at 1 us each). It ends
-  // after kQuietNs without such a period.
+  // A flood begins in a period with at least kFlood datagrams from unknown peers or dropped by the kernel (10,000 a second: 1 % of a CPU at
+  // 1 us each). It ends after kQuietNs without such a period.
   static constexpr std::int64_t kPeriodNs = 5'000'000;
   static constexpr std::uint64_t kFlood = 50;
   static constexpr std::int64_t kQuietNs = 2'000'000'000;  // so that a flood with gaps is one flood; a free choice
   static constexpr double kPassedPerS = 5000.0;            // 5 ms of work a second, at 1 us each; a choice
-  static constexpr std::size_t kMaxInstructions = 640;     // 16 for each known IPv6 peer and 12 around them are 524
+  static constexpr std::size_t kMaxInstructions = 640;     // at most 524 are used: 16 for each known IPv6 peer and 12 around them
 
   // What the caller has to do with the filter at its socket.
   enum class Action : std::uint8_t { none, install, remove };
 
-  // A session was agreed on: its data is expected from there.
+  // A session was agreed on: data in it is expected from this address.
   void note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept;
   void note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
-  // A datagram was received. Of an oversized one `datagram` is the part that was read.
+  // A datagram was received. If it is oversized, `datagram` is the part that was read.
   void note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept;
 
   // Whether to call end_period() now: the period is over, or a new peer has to be admitted.
   bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_ || has_news(); }
   // Whether a filter is installed: during a flood and kQuietNs beyond.
   bool is_shut() const noexcept { return is_shut_; }
-  // Evaluates the last period, or, before its end, only admits a new peer. dropped: number of datagrams that the kernel has dropped at this
-  // socket, by the filter or for lack of room; modulo 2^32.
+  // Evaluates the last period, or, before its end, only admits a new peer. Pre: is_due(now_ns). dropped: number of datagrams that the
+  // kernel has dropped at this socket, by the filter or for lack of room; modulo 2^32.
   Action end_period(std::uint32_t dropped, std::int64_t now_ns) noexcept;
   // After Action::install: the program, valid until the next end_period().
   std::span<sock_filter> program() noexcept { return std::span(program_).first(program_size_); }
@@ -69,7 +69,7 @@ class FloodFilter {
   void add_known(const Known& known) noexcept;
 
   std::array<Known, kKnown> known_ = {};
-  std::size_t last_known_ = 0;       // the one noted last, and most likely the next one
+  std::size_t last_known_ = 0;       // index of the peer noted last, most likely also the next one
   std::uint64_t known_changes_ = 0;  // how often a peer became known
   std::uint64_t built_changes_ = 0;  // known_changes_ when the program was made
   SocketCounts counts_;
@@ -78,10 +78,10 @@ class FloodFilter {
   std::int64_t due_ns_ = 0;              // end of this period
   std::int64_t period_ns_ = 0;           // beginning of this period
   std::int64_t loud_ns_ = 0;             // end of the last period with a flood
-  double rate_per_s_ = 0.0;              // datagrams from unknown peers
+  double rate_per_s_ = 0.0;              // rate of unknown and dropped datagrams; declines slowly
   double built_rate_per_s_ = 0.0;        // that rate when the program was made
   bool is_shut_ = false;
-  bool may_hasten_ = false;  // once per period: a new session is admitted at once
+  bool may_hasten_ = false;  // once per period a new session is admitted at once
   std::array<sock_filter, kMaxInstructions> program_ = {};
   std::size_t program_size_ = 0;
 };

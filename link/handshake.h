@@ -23,24 +23,24 @@ namespace hapton {
 //   node                                                          hub
 //   request(role, host, timestamp, first, no cookie)     ---->    key of the role? later than all before? then a cookie for this address
 //                                               <----    retry(timestamp, cookie)
-//   request(role, host, timestamp, first, cookie)        ---->    cookie good? then a place, and the worker replies
+//   request(role, host, timestamp, first, cookie)        ---->    cookie good? then a slot, and the worker replies
 //                                               <----    reply(timestamp, second)
 //   data sealed with the session keys           ---->    first one opened: the session lives
 //
 // Every message carries a tag under a key of the role; a message without a valid tag gets no reply. A node that receives no reply sends
 // another request, with a new timestamp and a new key pair.
 
-// The node's side of one attempt after another.
-// RT: as its worker. begin makes no system call. Threads: one.
+// The node's side of handshakes: one attempt after another until a session is agreed on.
+// RT: as its worker; begin makes no system call. Threads: one.
 class ClientHandshake {
  public:
-  // Requests whose reply may still come. One is sent every 50 ms, and one more for each retry, so this covers a round trip of 1.6 s.
+  // Newest requests whose reply is still accepted. One is sent every 50 ms, and one more for each retry: enough for a round trip of 1.6 s.
   static constexpr std::size_t kAttempts = 64;
 
   enum class Finished : std::uint8_t {
     nothing,
     request,    // the datagram is in `into`
-    agreement,  // take_channel() is a session
+    agreement,  // take_channel() returns the new session
   };
 
   // host: find_host_id(), the same for all nodes that read one CLOCK_MONOTONIC.
@@ -49,26 +49,26 @@ class ClientHandshake {
   ClientHandshake(const ClientHandshake&) = delete;
   ClientHandshake& operator=(const ClientHandshake&) = delete;
 
-  // A new handshake; the one before is forgotten.
+  // Begins a new handshake; the one before is forgotten.
   void begin() noexcept;
   bool is_pending() const noexcept { return is_pending_; }
 
-  // Starts to make a request; poll() returns it. False if the worker is busy. Pre: is_pending().
+  // Starts to make a request, which poll() returns later. False if the worker has no room. Pre: is_pending().
   bool start_request(std::int64_t now_ns) noexcept;
-  // The worker has something to do: poll() soon.
+  // The worker has a task, or a result to take: call poll() soon.
   bool is_working() const noexcept { return worker_.under_way() != 0; }
 
-  // The next result of the worker; call until there is none. Pre: into holds seal::kRequestBytes.
+  // Takes the next result of the worker; call it until there is none. Pre: into holds seal::kRequestBytes.
   Finished poll(std::span<std::byte> into) noexcept;
 
-  // True if it was valid. Pre: by kind and length a retry, or a reply.
+  // True if it was valid and, for a reply, the worker had room for it. Pre: its kind and length are those of a retry, or of a reply.
   bool read_retry(std::span<const std::byte> retry) noexcept;
   bool read_reply(std::span<const std::byte> reply) noexcept;
 
-  // When the request was sent that the newest reply replies to. Pre: there was one.
+  // Timestamp of the request that the newest valid reply replies to. Pre: there was such a reply.
   std::int64_t replied_request_ns() const noexcept { return replied_request_ns_; }
 
-  // The session that was agreed on; once.
+  // Hands over the session that was agreed on. Call it once, after Finished::agreement.
   SealedChannel take_channel() noexcept { return std::move(channel_); }
 
  private:
@@ -106,17 +106,17 @@ class HubHandshake {
   static constexpr std::int64_t kCookieTimeNs = 2'000'000'000;
 
   enum class Verdict : std::uint8_t {
-    malformed,     // of an unknown role
+    malformed,     // its role is unknown
     wrong_key,     // made without the key of that role
     replayed,      // no later than one that was seen before
     wants_cookie,  // write_retry makes the reply
-    shows_cookie,  // may have a session
+    shows_cookie,  // its cookie is valid: it may have a session
   };
 
   // A handshake that the worker has finished.
   struct Agreement {
     std::uint32_t connection = 0;
-    bool went_well = false;  // else the request was made without the key, in spite of its tag
+    bool went_well = false;  // false: the request was made without the psk, in spite of its valid tag
     std::array<std::byte, seal::kReplyBytes> reply = {};
     SealedChannel channel;
   };
@@ -126,8 +126,8 @@ class HubHandshake {
   HubHandshake(const HubHandshake&) = delete;
   HubHandshake& operator=(const HubHandshake&) = delete;
 
-  // Checks a request. One that is newer than all before is remembered, so that it is accepted once. Pre: the datagram is a request by its
-  // kind and length.
+  // Checks a request. One that is newer than all before of its role and host is remembered, so that it is accepted only once. Pre: the kind
+  // and length of the datagram are those of a request.
   Verdict check_request(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
   // Pre: check_request did not return malformed.
   static KeyRole role_of(std::span<const std::byte> request) noexcept;
@@ -136,10 +136,10 @@ class HubHandshake {
   std::size_t write_retry(std::span<const std::byte> request, const Address& to, std::int64_t now_ns,
                           std::span<std::byte> into) const noexcept;
 
-  // Starts the worker's agreement on a session with that number. False if it is busy. Pre: check_request returned shows_cookie.
+  // Starts to agree on a session with this connection number. False if the worker has no room. Pre: check_request returned shows_cookie.
   bool agree(std::span<const std::byte> request, std::uint32_t connection) noexcept;
   bool is_working() const noexcept { return worker_.under_way() != 0; }
-  // The next handshake that is finished; false when none is.
+  // Takes the next finished handshake; false if there is none.
   bool poll(Agreement& agreement) noexcept;
 
  private:
@@ -151,7 +151,7 @@ class HubHandshake {
     seal::Secret psk = {};
   };
   std::array<RoleKeys, kNodeKeyRoles> keys_ = {};
-  seal::Secret secret_;  // this hub's own, of this start
+  seal::Secret secret_;  // key of the cookies, random at each start of the hub
   HandshakeTimes times_;
   AgreementWorker worker_;
 };
