@@ -19,7 +19,7 @@ class HandshakeTimes {
   // Twice as many as the nodes of a hub (HubPeers::kCapacity).
   static constexpr std::size_t kHosts = 32;
 
-  // True, and noted, when it is later than all before. Pre: role is a node's.
+  // Returns true, and notes the time, if it is later than all before of this role and host. Pre: role is a node's.
   bool accept(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns) noexcept {
     auto& entries = entries_[static_cast<std::size_t>(role) - kFirstKeyRole];
     const auto known = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.turn != 0 && e.host == host; });
@@ -35,7 +35,7 @@ class HandshakeTimes {
   struct Entry {
     std::uint64_t host = 0;
     std::int64_t timestamp_ns = std::numeric_limits<std::int64_t>::min();
-    std::uint64_t turn = 0;  // of its newest; 0: free
+    std::uint64_t turn = 0;  // number of the newest handshake accepted from this host; 0: free
   };
   std::array<std::array<Entry, kHosts>, kNodeKeyRoles> entries_ = {};
   std::uint64_t turn_ = 0;

@@ -13,20 +13,20 @@
 namespace hapton {
 
 enum class JoinState : std::uint8_t {
-  joining,   // no hub has replied yet, or it timed out (kHubTimeoutNs)
-  rejected,  // the hub replied, but another live haptics node holds the slot; requests continue
+  joining,   // no hub has replied yet, or it has left or timed out (kHubTimeoutNs)
+  rejected,  // the hub replied that it has no slot: another haptics node holds it, or all are taken; Hello goes on
   joined,
 };
 
 struct ClientCounts {
   std::uint64_t sent = 0;
-  std::uint64_t send_failures = 0;  // the system rejected, or we have not joined
+  std::uint64_t send_failures = 0;  // messages that the system rejected, or that were given to send() while not joined
   std::uint64_t received = 0;       // messages handed to the caller
-  std::uint64_t undecodable = 0;    // see Codec
+  std::uint64_t undecodable = 0;    // datagrams that Codec rejects
   std::uint64_t wrong_version = 0;  // of these, those of another protocol version: the hub is another build
   std::uint64_t foreign = 0;        // not from the hub's address
   std::uint64_t other_session = 0;  // from an earlier session of the hub, or before this node joined
-  std::uint64_t joins = 0;          // 2 or more: the hub was restarted, or this node was rejected for a while
+  std::uint64_t joins = 0;          // 2 or more: the hub restarted, left or was silent, or this node was rejected for a while
 };
 
 // A node's connection to the hub (haptics, vision, tool). It joins by itself, sends Hello every 100 ms, joins again when the hub restarts,
@@ -34,28 +34,28 @@ struct ClientCounts {
 // construction and destruction set-up only. Threads: one.
 class HubClient {
  public:
-  // A tenth of HubPeers::kPeerTimeoutNs: nine may be lost in succession. Five without a reply: the hub is gone.
+  // A tenth of HubPeers::kPeerTimeoutNs: nine Hellos in succession may be lost. If five get no reply, the hub is gone.
   static constexpr std::int64_t kHelloPeriodNs = 100 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kHubTimeoutNs = 500 * kNanosecondsPerMillisecond;
 
   // Pre: endpoint and clock outlive the client. sender_id 0: a random one.
   HubClient(Endpoint& endpoint, const Clock& clock, NodeRole role, const Address& hub, std::uint64_t sender_id = 0);
   ~HubClient();
-  // Sends Bye now, where the end is still to come. Afterwards only counts: neither send nor receive.
+  // Sends Bye now, ahead of destruction. Afterwards only the counters may be read: call neither send nor receive.
   void leave() noexcept;
   HubClient(const HubClient&) = delete;
   HubClient& operator=(const HubClient&) = delete;
 
-  // Sends to the hub; false (and counted) while not joined or when the system rejects.
+  // Sends to the hub, even if it is silent; false (and counted) before joining, after rejection or Bye, or when the system rejects.
   bool send(const Message& message) noexcept;
 
-  // Waits until a message from the hub is there or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are handled
-  // internally. A deadline in the past only takes what has already come: call again until false to drain to the newest. Duplicates are
-  // dropped; a message that a newer one of its kind overtook is returned, and last_arrival() reports that, so that the caller can keep the
-  // newest.
+  // Waits until a message from the hub has arrived or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are
+  // handled internally. A deadline in the past only takes what has already come: call again until false to drain to the newest. Duplicates
+  // are dropped; a message that a newer one of its kind overtook is returned, and last_arrival() reports that, so that the caller can keep
+  // the newest.
   bool receive(Datagram& out, std::int64_t deadline_ns) noexcept;
 
-  // Of the message returned last.
+  // Arrival time and order of the message that receive() returned last.
   std::int64_t receive_time_ns() const noexcept { return receive_time_ns_; }
   Arrival last_arrival() const noexcept { return last_arrival_; }
 

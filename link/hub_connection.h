@@ -10,18 +10,18 @@
 
 namespace hapton {
 
-// A node's whole connection to its hub for programs of one's own: a socket, the sealing and the client that joins.
-// RT: set-up only; what client() is used for see there. Threads: one at a time.
+// A node's whole connection to its hub, for programs that users write: a socket, the sealing and the client that joins.
+// RT: set-up only; for calls of client() see HubClient. Threads: one at a time.
 class HubConnection {
  public:
   struct Settings {
     std::string hub = "127.0.0.1";  // HOST or HOST:PORT
     std::string key_file = {};      // empty: this user's shared key, for a hub on this host
-    // Key agreements in a thread of their own, so that a node that computes forces never waits for one.
+    // Whether key agreements have a thread of their own, so that a node that computes forces never waits for one.
     bool has_worker = false;
   };
 
-  // Error, one line: a bad address or key, or no socket. Whether a hub replies shows later.
+  // Error, one line: a bad address or key, or no socket. It does not wait for a hub: wait_until_joined does.
   static Result<std::unique_ptr<HubConnection>> open(NodeRole role, const Settings& settings);
   ~HubConnection();
   HubConnection(const HubConnection&) = delete;
@@ -30,7 +30,7 @@ class HubConnection {
   HubClient& client() noexcept { return *client_; }
   const Clock& clock() const noexcept { return clock_; }
 
-  // Error, one line: no hub has replied; or, after 0.2 s, it has a haptics node already. What arrives meanwhile is dropped.
+  // Error, one line: no hub has replied in time, or one has rejected this node for 0.2 s. Messages that arrive meanwhile are dropped.
   Result<void> wait_until_joined(double seconds);
 
  private:

@@ -36,7 +36,7 @@ struct PeerEvent {
     none,      // nothing arrived, or it was only counted (heartbeat, unknown peer, malformed)
     message,   // `datagram` holds a message of `peer`
     joined,    // a new peer in slot `peer`; `replaced`: it took the slot of a timed-out or restarted one, without a `left`
-    left,      // the peer in slot `peer` sent Bye or timed out; its record stays readable until another joins there
+    left,      // the peer in slot `peer` sent Bye or timed out; its record stays readable until another takes the slot
     rejected,  // a second haptics node, or no free slot
   };
   Kind kind = Kind::none;
@@ -53,19 +53,19 @@ struct HubCounts {
   std::uint64_t wrong_version = 0;    // of these, those of another protocol version
   std::uint64_t views_rejected = 0;   // of these, a peer's ViewTransform that was not rigid: it got a ViewRejected
   std::uint64_t other_session = 0;    // a message for an earlier session of the hub
-  std::uint64_t unknown_peers = 0;    // a message from a node that has not joined, or from another address than it joined from
+  std::uint64_t unknown_peers = 0;    // a message from a node that has not joined, or not from this address; an invalid Hello
   std::uint64_t wrong_role = 0;       // a message that this role does not send (a vision node's ForceCommand)
   std::uint64_t role_violations = 0;  // a Hello for a role, or a datagram of a peer, that the key it was sealed with does not allow
   std::uint64_t rejections = 0;
   std::uint64_t timeouts = 0;  // peers that timed out
 };
 
-// The hub's side of the star: who has joined, and exchanging messages with them. Any number of vision and tool nodes up to the capacity,
-// and one haptics node: a second is rejected while the first is alive; the slot is free 50 ms after its last datagram (or as
+// The hub's connections to the nodes: who has joined, and the exchange of messages with them. Any number of vision and tool nodes up to the
+// capacity, and one haptics node: a second is rejected while the first is alive; the slot is free 50 ms after its last datagram (or as
 // set_haptics_timeout_ns says), or after a Bye.
-// A peer is limited to what the key of its session allows: join as the role of that key (an operator's as a tool), and send what that role
-// sends. One slot is reserved for the haptics node, and an address (host and port) holds one slot at most, so that unknown peers cannot
-// exceed the capacity. RT: yes, but for construction. Threads: one.
+// A peer is limited to what the key of its session allows: it joins as the role of that key (an operator as a tool), and sends what that
+// role sends. One slot is reserved for the haptics node, and an address (host and port) holds at most one of the others, so that a program
+// that joins again and again takes no more than one. RT: yes, except construction. Threads: one.
 class HubPeers {
  public:
   static constexpr std::size_t kCapacity = 16;  // slot 0 is the haptics node's
@@ -76,32 +76,32 @@ class HubPeers {
 
   // Pre: endpoint and clock outlive this. session: make_random_id().
   HubPeers(Endpoint& endpoint, const Clock& clock, std::uint64_t session, double servo_rate_hz);
-  // Says Bye to everyone.
+  // Sends Bye to every peer.
   ~HubPeers();
   HubPeers(const HubPeers&) = delete;
   HubPeers& operator=(const HubPeers&) = delete;
 
-  // Waits for one datagram until the clock has reached deadline_ns and handles it. none does not mean that the deadline has come.
+  // Waits for one datagram until the clock has reached deadline_ns, and handles it. Kind::none may come before the deadline.
   PeerEvent receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;
 
   // See Endpoint::prepare_wait.
   void prepare_wait(std::int64_t deadline_ns) noexcept { endpoint_.prepare_wait(deadline_ns); }
 
-  // As receive, for given bytes. Post: `datagram` holds the decoded message, if there is one.
+  // Handles a datagram that was received elsewhere, just as receive does. Post: `datagram` holds the decoded message, if there is one.
   PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram,
                             KeyRole key_role = KeyRole::unsealed) noexcept;
 
-  // Drops one peer that has timed out; call until none. receive does so itself.
+  // Drops one peer that has timed out; call it until Kind::none. receive does so itself.
   PeerEvent drop_timed_out(std::int64_t now_ns) noexcept;
 
-  // Sends to every peer of this role; the number reached.
+  // Sends to every peer of this role; returns the number of peers reached.
   std::size_t send_to_role(NodeRole role, const Message& message) noexcept;
   bool send_to(std::size_t peer, const Message& message) noexcept;
 
-  // Gets a copy of every datagram from now on; null: none does. Pre: outlives this.
+  // The tap gets a copy of every datagram from now on; null: no tap. Pre: it outlives this.
   void set_tap(DatagramTap* tap) noexcept { tap_ = tap; }
 
-  // For a time in which the haptics node has less to send: how long it may be silent until another may take its slot.
+  // How long the haptics node may be silent until another may take its slot: longer for a time in which it has less to send.
   void set_haptics_timeout_ns(std::int64_t timeout_ns) noexcept { haptics_timeout_ns_ = timeout_ns; }
   std::int64_t haptics_timeout_ns() const noexcept { return haptics_timeout_ns_; }
 
@@ -113,7 +113,7 @@ class HubPeers {
   bool has_haptics() const noexcept { return peers_[kHapticsSlot].present; }
   std::uint64_t session() const noexcept { return session_; }
   const HubCounts& counts() const noexcept { return counts_; }
-  // All zero where nothing is sealed.
+  // All zero if the endpoint does not seal.
   SealCounts seal_counts() const noexcept { return endpoint_.seal_counts(); }
   // See Endpoint::take_flood.
   std::optional<Flood> take_flood(std::int64_t now_ns) noexcept { return endpoint_.take_flood(now_ns); }
