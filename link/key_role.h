@@ -10,12 +10,12 @@ namespace hapton {
 // wire.
 //
 //   haptics   the haptics node: forces and what they are computed with
-//   vision    a vision node: view transforms, frame acknowledgements, the hand target of a simulated device
-//   tool      a tool: settings and reports, but no reset of a latched fault
-//   operator  as a tool, and may reset latched faults
+//   vision    a vision node: view transforms, frame acknowledgements, the hand target of a simulated device, objects
+//   tool      a tool: settings, reports, materials and objects, but no reset of a latched fault
+//   operator  the rights of a tool, and the reset of latched faults
 enum class KeyRole : std::uint8_t {
   unsealed = 0,  // no key at all: in-memory endpoints of tests
-  master = 1,    // of the hub: every other key is derived from it. No handshake has this role.
+  master = 1,    // the hub's key, from which every other key is derived; no handshake has this role
   haptics = 2,
   vision = 3,
   tool = 4,
@@ -26,7 +26,7 @@ constexpr std::uint8_t kFirstKeyRole = 2;
 constexpr std::uint8_t kLastKeyRole = 5;
 constexpr std::size_t kNodeKeyRoles = kLastKeyRole - kFirstKeyRole + 1;
 
-// "master", "haptics", "vision", "tool", "operator"; "unsealed".
+// The name of a role: "master", "haptics", "vision", "tool", "operator" or "unsealed".
 constexpr std::string_view to_string(KeyRole role) noexcept {
   switch (role) {
     case KeyRole::unsealed:

@@ -34,12 +34,12 @@ struct ChannelKeys {
 // The key of a role, from the master key. The same in every protocol version: a node's key file outlives an update.
 Secret derive_role_key(const LinkKey& master, KeyRole role) noexcept;
 
-// From a role's key: the key for the tags of its handshakes, and the psk of its Noise handshakes. Different in every protocol version.
+// Derive from a role's key the key for the tags of its handshakes, and the psk of its Noise handshakes. Different in every version.
 Secret derive_handshake_key(const RoleKey& key) noexcept;
 Secret derive_psk(const RoleKey& key) noexcept;
 
 Tag compute_tag(const Secret& key, std::span<const std::uint8_t> bytes) noexcept;
-// Comparison in constant time.
+// Compares in constant time. found: kTagBytes bytes.
 bool is_tag(const Tag& expected, const std::uint8_t* found) noexcept;
 
 void wipe(Secret& secret) noexcept;

@@ -16,8 +16,8 @@ namespace hapton {
 // RT: yes. Threads: one.
 class KindOrder {
  public:
-  // Whether a newer message of this kind came before. Pre: `tracker` has just tracked this sequence number as `arrival`, newest or
-  // reordered.
+  // Returns reordered if a newer message of this kind has arrived before, else newest. Pre: `tracker` has just tracked this sequence number
+  // as `arrival`, newest or reordered.
   Arrival note(const SequenceTracker& tracker, Arrival arrival, const Message& message, std::uint64_t sequence) noexcept {
     const std::uint64_t beginnings = tracker.counts().restarts + tracker.counts().jumps;
     if (beginnings != beginnings_) {
@@ -36,7 +36,7 @@ class KindOrder {
   static constexpr std::size_t kKinds = std::variant_size_v<Message>;
 
   std::array<std::uint64_t, kKinds> newest_ = {};
-  std::bitset<kKinds> known_;  // since the sender began to count
+  std::bitset<kKinds> known_;  // kinds that have arrived since the sender began to count
   std::uint64_t beginnings_ = 0;
 };
 

@@ -14,33 +14,33 @@
 
 namespace hapton {
 
-// Where the objects are that programs move, for a program without the scene file: from what the haptics node announces. Frame: S. RT: no.
-// Threads: one.
+// Where the objects are that programs move, for a program that has no scene file: from the moves that the haptics node announces. Frame: S.
+// RT: no. Threads: one.
 class KnownMoves {
  public:
-  // More than any scene has: a broken haptics node may announce any numbers, and others are left out.
+  // More than any scene has. A broken haptics node may announce any numbers: objects beyond this many are left out.
   static constexpr std::size_t kMaxObjects = 1 << 16;
 
-  // arrival: as HubClient::last_arrival of this move.
+  // arrival: HubClient::last_arrival() of this move.
   void take(const ObjectMove& move, Arrival arrival);
 
   struct Placed {
-    Keyframe at;             // pivot, and turn about it from the object as the scene file places it; its time is the one given
-    bool is_moving = false;  // its newest move ends later
+    Keyframe at;             // pivot, and turn about it from the object as the scene file places it; its time_s is that of the query
+    bool is_moving = false;  // its newest move ends after that time
   };
-  // At a scene time. Before the first move that is known, the object is where that one began. None: not announced yet, or not an object
-  // that programs may move.
+  // The place of an object at a scene time. Before its first known move, the object is where that move begins. None: not announced yet, or
+  // not an object that programs may move.
   std::optional<Placed> find(std::int32_t object, double time_s) const;
 
-  // Announced so far, in the order of their numbers.
+  // The objects announced so far, in the order of their numbers.
   std::vector<std::int32_t> objects() const;
-  // Moves announce the name; a haptics node of an earlier build does not, but its reply to a request by name has the number.
+  // For a haptics node of an earlier build, whose moves have no name: the reply to a request by name tells the object of that name.
   void note_name(std::string_view name, std::int32_t object);
-  // Empty: not known.
+  // The name of an object; empty: not known.
   std::string_view find_name(std::int32_t object) const;
-  // Objects may share a name.
+  // The objects of one name: several may share it.
   struct Named {
-    std::optional<std::int32_t> object = {};  // the first one
+    std::optional<std::int32_t> object = {};  // the lowest number
     std::size_t count = 0;
   };
   Named find_named(std::string_view name) const;

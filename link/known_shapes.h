@@ -19,7 +19,7 @@ namespace hapton {
 class KnownShapes {
  public:
   KnownShapes() = default;
-  // totals: of each object of the scene, the vertices of its mesh; 0: programs do not deform it.
+  // totals: for each object of the scene, the number of vertices of its mesh; 0: programs do not deform it.
   explicit KnownShapes(const std::vector<std::uint32_t>& totals);
 
   // Programs deform this object of the scene, too. If it has had another number of vertices, what is known of it is dropped.
@@ -28,49 +28,49 @@ class KnownShapes {
   // Forgets all other objects.
   void keep_objects(const std::set<std::size_t>& objects);
 
-  // arrival: as HubClient::last_arrival of this message. One of another scene, or of a haptics process that was replaced, is left out.
+  // arrival: HubClient::last_arrival() of this message. Messages of another scene, or of a replaced haptics process, are left out.
   void take(const ObjectShape& shape, Arrival arrival);
   void take(const ShapeStart& start, Arrival arrival);
 
-  // Between which shapes an object is: serials, 0 at rest. Shapes that are not known whole are left out: the object is then at the next one
-  // that is.
+  // The two shapes between which an object is: serials, 0 at rest. If only one of the two is known whole, the object is at that
+  // one.
   struct Place {
     std::uint32_t before = 0;
     std::uint32_t to = 0;
     double share = 1.0;  // of the motion
     friend bool operator==(const Place&, const Place&) = default;
   };
-  // At a scene time; none: no shape is known for it, or programs do not deform it.
+  // The place at a scene time; none: neither of the two shapes is known whole, or programs do not deform the object.
   std::optional<Place> find(std::size_t object, std::int64_t scene_time_ns) const;
   // The newest start of an object, whether its shape is known or not; null: none was announced.
   const ShapeStart* newest_start(std::size_t object) const;
-  // The start of that serial, null: it is not known.
+  // The start of that serial; null: it is not known.
   const ShapeStart* find_start(std::size_t object, std::uint32_t serial) const;
-  // Of the starts after that serial whose shapes are known whole, the first that has not ended at that time, else the newest; null: none.
+  // The first start after that serial that has not ended at that time, else the newest, among shapes that are known whole; null: none.
   const ShapeStart* find_next(std::size_t object, std::uint32_t serial, std::int64_t scene_time_ns) const;
-  // By vertex of the mesh. Pre: as find() returned it, with nothing taken since.
+  // Displacements from rest (ShapePart), by vertex of the mesh. Pre: place is as find() returned it, with nothing taken since.
   std::vector<ShapePart::Displacement> displacements_m(std::size_t object, const Place& place) const;
 
-  // For the newest shape of an object, while it is not whole.
+  // A request for the missing parts of an object's newest shape, if one is due.
   std::optional<ShapeStatus> take_request(std::int64_t now_ns);
-  // For who needs each shape before it begins: the parts that are missing of those that were announced a moment ago, once for each shape.
+  // For a program that needs each shape before it begins: requests for the missing parts of recently announced shapes, once for each.
   void take_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into);
 
  private:
-  // The newest of an object: those that wait for their start (StreamedGeometry::kMaxWaiting), and a few for pictures of earlier samples.
+  // The newest of an object are kept: those that wait for their start (StreamedGeometry::kMaxWaiting), and a few for earlier pictures.
   static constexpr std::size_t kMaxStarts = 12;
   static constexpr std::size_t kMaxShapes = 16;
   static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200'000'000;
   static constexpr std::int64_t kReorderedNs = 25'000'000;  // parts sent before a start may come that much after it
-  static constexpr std::size_t kMaxRuns = 8;                // of parts that are missing, in requests ahead
+  static constexpr std::size_t kMaxRuns = 8;                // runs of missing parts of a shape, in requests ahead
 
   struct Object {
     std::uint32_t total = 0;             // vertices
     std::deque<ShapeStart> starts = {};  // the newest, by serial
     std::map<std::uint32_t, ShapeParts> shapes = {};
-    std::int64_t request_ns = 0;                          // not before; 0: not considered since its newest start
-    std::map<std::uint32_t, std::int64_t> ahead_ns = {};  // by serial: when it is requested ahead; 0: it was
+    std::int64_t request_ns = 0;                          // no request before this time; 0: not set since its newest start
+    std::map<std::uint32_t, std::int64_t> ahead_ns = {};  // by serial: when to request it ahead; 0: done
   };
 
   Object* find_object(std::int32_t object, std::uint32_t total);
@@ -82,7 +82,7 @@ class KnownShapes {
 
   MoveSource source_;
   std::uint32_t process_ = 0;
-  std::map<std::size_t, Object> objects_;  // that programs deform
+  std::map<std::size_t, Object> objects_;  // those that programs deform
 };
 
 }  // namespace hapton
