@@ -20,13 +20,13 @@ class LinkKey {
   static constexpr std::size_t kBytes = 32;
   using Bytes = std::array<std::uint8_t, kBytes>;
 
-  // Pre of every use of it: seal::start_crypto() went well; the functions below see to that.
+  // Pre of every use: seal::start_crypto() succeeded; the functions below this class that return a key call it.
   explicit LinkKey(const Bytes& bytes) : bytes_(bytes) {}
   ~LinkKey();
   LinkKey(const LinkKey&) = default;
   LinkKey& operator=(const LinkKey&) = default;
 
-  // From the system's random source. Pre: seal::start_crypto() went well.
+  // A key from the system's random source. Pre: seal::start_crypto() succeeded.
   static LinkKey make_random();
 
   const Bytes& bytes() const { return bytes_; }
@@ -41,12 +41,12 @@ class LinkKey {
 // Error: one line that says what is wrong with the file and which command fixes it. RT: set-up only.
 constexpr std::size_t kKeyFileBytes = 16 + LinkKey::kBytes;
 
-// The master key, for a hub.
+// Reads the master key, for a hub.
 Result<LinkKey> read_key_file(const std::filesystem::path& path);
-// The key of that role, for a node: the file's own, or derived if the file holds the master key. For a tool also an operator's key.
+// Reads the key of that role, for a node: the file's own, or derived from a master key in it. A tool may also have an operator's key.
 Result<RoleKey> read_role_key_file(const std::filesystem::path& path, KeyRole role);
 
-// Write a new key, mode 0600: a random master key, or a role's key derived from it. Error: the file is there already, or cannot be written.
+// Write a new key, mode 0600: a random master key, or a role's. Error: the file exists or cannot be written, or its folder is unsafe.
 Result<void> make_key_file(const std::filesystem::path& path);
 Result<void> make_role_key_file(const std::filesystem::path& path, const LinkKey& master, KeyRole role);
 
@@ -54,11 +54,11 @@ Result<void> make_role_key_file(const std::filesystem::path& path, const LinkKey
 // calls.
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
 
-// $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither XDG_RUNTIME_DIR nor HOME is set.
+// $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither XDG_RUNTIME_DIR nor HOME is an absolute path.
 Result<std::filesystem::path> find_shared_key_folder();
 
-// The key for a hub at this address (where it listens, or where a node looks for it): from the file where one was named; on loopback the
-// user's shared key; beyond loopback a file must be named. Error: see above.
+// The key for a hub at this address (where it listens, or where a node looks for it): from the named file; without one, the user's shared
+// key on loopback, and an error beyond loopback. Error: see above.
 Result<LinkKey> find_link_key(const std::string& key_file, const Address& hub);
 Result<RoleKey> find_role_key(const std::string& key_file, const Address& hub, KeyRole role);
 

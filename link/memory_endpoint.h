@@ -9,15 +9,15 @@
 
 namespace hapton {
 
-// Faults of a MemoryNetwork, for each datagram. Probabilities 0 .. 1, drawn from the seed.
+// Faults of a MemoryNetwork. Probabilities, 0 .. 1, are for each datagram; the draws follow from the seed.
 struct Impairments {
   std::uint64_t seed = 1;
   double loss = 0.0;
   double duplicate = 0.0;
   double reorder = 0.0;  // share that is held back by reorder_by_ns, so that later ones overtake it
   std::int64_t reorder_by_ns = 2'000'000;
-  std::int64_t delay_ns = 0;   // of every datagram
-  std::int64_t jitter_ns = 0;  // and up to this much more
+  std::int64_t delay_ns = 0;   // delay of every datagram
+  std::int64_t jitter_ns = 0;  // additional delay, uniform from 0 to this
 };
 
 // A network inside one process, for tests: any number of endpoints that exchange datagrams through memory, on an injected clock. Waiting
@@ -31,7 +31,7 @@ class MemoryNetwork {
   // An endpoint at this address; port 0 takes a free one. Error: the address is taken. Closing it (destruction) frees the address.
   Result<std::unique_ptr<Endpoint>> open(const Address& address);
 
-  // Changes what happens to datagrams sent from now on; the seed is not taken up again.
+  // Changes what happens to datagrams sent from now on. The draws continue: the seed in it is not used.
   void set_impairments(const Impairments& impairments);
 
   struct State;
@@ -40,7 +40,7 @@ class MemoryNetwork {
   std::shared_ptr<State> state_;
 };
 
-// 10.0.0.`host`:`port`.
+// The address 10.0.0.`host`:`port`.
 Address memory_address(std::uint8_t host, std::uint16_t port);
 
 }  // namespace hapton

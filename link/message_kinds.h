@@ -7,11 +7,11 @@
 #include "hapton.pb.h"
 #include "link/messages.h"
 
-// The table of message kinds: one line each, those that come most often first. Count, dispatch and size of what the codec sends and
-// receives come from it. Used by codec.cpp alone.
+// The table of message kinds: one line each, those that come most often first. The number of kinds, and what the codec does with each, come
+// from it. Used by codec.cpp alone.
 namespace hapton {
 
-// A kind as struct Ours (messages.h), as message Theirs of proto/hapton.proto, and how an Envelope has it.
+// One kind: its struct Ours (messages.h), its message Theirs (proto/hapton.proto), and its functions in an Envelope.
 template <class OursType, class TheirsType>
 struct MessageKind {
   using Ours = OursType;

@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// The one message of an Envelope of proto/hapton.proto, as it stands in these bytes: what a program reads with that message's own schema.
-// Empty where there is none. Post: within `envelope`. RT: yes.
+// The bytes of the one message in an Envelope of proto/hapton.proto, which a program can read with the schema of that message alone. Empty:
+// no message, an empty one, or damaged bytes. Post: within `envelope`. RT: yes.
 std::string_view find_message_payload(std::span<const std::byte> envelope) noexcept;
 
 }  // namespace hapton
