@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// The messages between the three nodes. Units SI, frame W unless named; times are the sender's CLOCK_MONOTONIC in ns.
+// The messages between the nodes. Units SI, frame W unless named; times are the sender's CLOCK_MONOTONIC in ns.
 // A node needs only the hub's address (io_node): every message goes to the hub or comes from it.
 
 enum class NodeRole : std::uint8_t { io = 1, haptics = 2, vision = 3, tool = 4 };
@@ -23,7 +23,7 @@ struct Hello {
   NodeRole role = NodeRole::tool;
 };
 
-// hub -> node. accepted is false while another live haptics node holds the slot.
+// hub -> node. accepted is false while no slot is free: another live haptics node holds it, or all are taken.
 struct Welcome {
   bool accepted = false;
   double servo_rate_hz = 0.0;
@@ -39,9 +39,9 @@ struct DeviceState {
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;
-  bool is_resumed = false;   // p_WP is set: until a new haptics node has replied, or one that is to go on from the hub's own force
-  Vec3 p_WP = Vec3::Zero();  // where the probe was: in contact, or after the hub's own force also without
-  // While the hub computes the force from parts of a scene that moves: the scene time of this sample. Below 0: haptics determines it.
+  bool is_resumed = false;   // p_WP is valid: from a join, or from the end of the hub's own force, until the first reply
+  Vec3 p_WP = Vec3::Zero();  // where haptics resumes: the probe in contact, or after the hub's own force also without contact
+  // While the hub computes the force of a scene that moves, from its parts: the scene time of this sample. Below 0: haptics determines it.
   std::int64_t scene_time_ns = -1;
 };
 
@@ -54,37 +54,37 @@ struct ObjectPush {
 
 // haptics -> hub, one for every DeviceState, at once.
 struct ForceCommand {
-  std::uint64_t echo_sample = 0;         // the DeviceState it replies to
+  std::uint64_t echo_sample = 0;         // the sample of the DeviceState that it replies to
   std::int64_t echo_sample_time_ns = 0;  // its time, unchanged: the round trip is measured on the hub's clock alone
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();
   bool contact = false;
   std::uint32_t compute_ns = 0;       // time spent between receiving and sending, haptics' clock
   std::uint32_t skipped_samples = 0;  // states superseded before a reply, since the last command
-  std::uint32_t view_revision = 0;    // of the newest ViewTransform it has applied
-  std::uint32_t method_serial = 0;    // of the method that computed it, as HapticsSetup counts
+  std::uint32_t view_revision = 0;    // revision of the newest ViewTransform applied
+  std::uint32_t method_serial = 0;    // of the method that computed this force, as in HapticsSetup
   std::uint64_t replied_before = 0;   // bit i: sample echo_sample - 1 - i got a reply as well, so that a lost reply is noticed
-  std::uint32_t material_serial = 0;  // of the materials that it was computed with, as MaterialState counts
-  std::int32_t object = -1;           // touched, of the scene's objects; -1: none, or unknown
-  // Of a rigid tool; a probe leaves both zero:
+  std::uint32_t material_serial = 0;  // of the materials that this force was computed with, as in MaterialState
+  std::int32_t object = -1;           // index of the touched object in the scene; -1: none, or unknown
+  // Only with a rigid tool; with a probe both are zero:
   Vec3 torque_nm = Vec3::Zero();    // about the device point
   Vec3 visual_turn = Vec3::Zero();  // rotation vector from the stylus to the tool as it is drawn, rad
   // The time of KeyframeMotion and CommandedMotion, which determines where moving objects were. 0: their beginning, or nothing moves.
   std::int64_t scene_time_ns = 0;
-  std::uint32_t move_serial = 0;   // of the newest move of an object that it was computed with, as ObjectMove counts
-  std::uint32_t carve_serial = 0;  // of the newest carve made before this step, as Carves count
-  std::uint32_t shape_serial = 0;  // of the newest shape of an object that it was computed with, as ShapeStart counts
-  // On `object`. None: the stylus holds no rigid tool, or programs move nothing; so its presence does not tell of contact.
+  std::uint32_t move_serial = 0;   // of the newest ObjectMove that this force was computed with
+  std::uint32_t carve_serial = 0;  // of the newest entry of Carves before this step
+  std::uint32_t shape_serial = 0;  // of the newest ShapeStart that this force was computed with
+  // The push on `object`. None: the stylus holds no rigid tool, or programs move nothing; so a push does not mean contact.
   std::optional<ObjectPush> push = {};
-  std::optional<std::uint32_t> haptons = {};  // pairs of triangles of a rigid tool in contact (memo, section 5); none: none can be held
-  // Proxy minus device point, in a scene with layers, where a needle is drawn elsewhere. None: visual_offset_m; so its presence does not
-  // tell of contact.
+  std::optional<std::uint32_t> haptons = {};  // pairs of triangles of a rigid tool in contact (memo, section 5); none: no tool can be held
+  // Proxy minus device point, in a scene with layers, where a needle is drawn elsewhere. None: the same as visual_offset_m. A value does
+  // not mean contact.
   std::optional<Vec3> held_offset_m = {};
 
   const Vec3& held_offset() const noexcept { return held_offset_m ? *held_offset_m : visual_offset_m; }
 };
 
-constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};  // replied_before of a first reply that goes on from an earlier session
+constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};  // replied_before, if the first reply goes on from an earlier session
 
 // vision -> hub -> haptics and the other vision nodes, when the knob box turned the static scene: the memo's 12 floats.
 struct ViewTransform {
@@ -97,7 +97,7 @@ struct ViewRejected {
   std::uint32_t revision = 0;
 };
 
-// Why there is no force, or not the right one; of several causes the one to fix first.
+// Why there is no force, or not the right one; if there are several causes, the one to fix first.
 enum class ProbeStatus : std::uint8_t {
   ok = 0,
   no_haptics = 1,     // no haptics node replies
@@ -105,8 +105,8 @@ enum class ProbeStatus : std::uint8_t {
   device_away = 3,    // unplugged or not responding
   calibrating = 4,    // the device's position is not valid yet
   out_of_reach = 5,   // no part of the scene lies in the device's workspace
-  too_small = 6,      // the scene is tiny in it: probably a wrong unit
-  hand_inside = 7,    // the hand has been inside a body since haptics began to feel it: felt from within, or not at all
+  too_small = 6,      // the scene is tiny in that workspace: probably a wrong unit
+  hand_inside = 7,    // the hand has been inside a body since haptics began: the body is felt from inside, or not at all
 };
 
 // hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest with a reply, or without replies the
@@ -123,7 +123,7 @@ struct ProbeState {
   float servo_rate_hz = 0.0F;  // measured, for the HUD
   float round_trip_p50_us = 0.0F;
   float round_trip_p99_us = 0.0F;
-  // Of the ViewTransform that the newest force was computed with. While no haptics node replies, of the one that the hub keeps for it.
+  // Revision of the ViewTransform that the newest force was computed with, or, without a haptics node, that the hub keeps for the next one.
   std::uint32_t view_revision = 0;
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
@@ -137,8 +137,8 @@ struct ProbeState {
   std::optional<std::uint32_t> haptons = {};  // likewise
 };
 
-// vision -> hub, after the first frame with a state was drawn, or skipped as it would look the same: which sample that is. Requests the
-// next state, and is sent again, as `unchanged`, where none comes.
+// vision -> hub, after the first frame that shows a state was drawn, or left out because it would look the same: names the sample of the
+// state. It requests the next state, and is sent again, as `unchanged`, if none comes.
 struct FrameAck {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;
@@ -154,7 +154,7 @@ struct HandTarget {
   bool active = false;  // false: the hand returns to its script
   Vec3 p_WH = Vec3::Zero();
   std::uint32_t buttons = 0;     // of the stylus, held down while active
-  Vec3 turn_rad = Vec3::Zero();  // of the stylus: yaw, pitch, roll (Device::turn_hand)
+  Vec3 turn_rad = Vec3::Zero();  // yaw, pitch, roll of the stylus (Device::turn_hand)
 };
 
 constexpr double kMinServoRateHz = 250.0;
@@ -174,14 +174,14 @@ struct Settings {
 struct HapticsSetup {
   using Text = std::array<char, 256>;  // NUL-padded, printable
 
-  std::uint32_t method_serial = 0;  // method changes while running
+  std::uint32_t method_serial = 0;  // counts changes of the method while running
   std::uint32_t view_revision = 0;
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   std::uint64_t scene_hash = 0;  // 0: not known yet, for some milliseconds after an object was put down
   Text scene = {};               // the file's path
   Text build = {};
   Text method = {};                   // "name=proxy probe_radius_m=0 ..."
-  std::uint32_t method_request = 0;   // of the Settings replied to last; 0: none
+  std::uint32_t method_request = 0;   // of the Settings that was replied to last; 0: none
   Text rejection = {};                // why that method is not used; empty: it is in use
   std::uint32_t scene_loading = 0;    // unit, sealing and fit of the scene (scene/scene_loading.h); 0: unknown
   std::uint32_t material_serial = 0;  // as in MaterialState, when this method came into use
@@ -202,7 +202,7 @@ struct MaterialChange {
   double friction_dynamic = 0.0;
 };
 
-// tool -> hub -> haptics: changes the material of one object while it is touched. The haptics node checks the values: it has the scene.
+// tool -> hub -> haptics: changes a material, also of an object that is touched. The haptics node checks the values: it has the scene.
 struct MaterialRequest {
   std::uint32_t request = 0;       // identifies the reply in MaterialState; never 0
   HapticsSetup::Text object = {};  // name; empty: all objects
@@ -214,12 +214,12 @@ struct MaterialRequest {
 struct MaterialState {
   static constexpr std::size_t kMaxObjects = 20;
   struct Object {
-    std::int32_t object = -1;  // of the scene, from 0; -1: all, before the others
+    std::int32_t object = -1;  // index in the scene, from 0; -1: all, before the others
     MaterialChange change;
   };
 
-  std::uint32_t serial = 0;           // changes while running
-  std::uint32_t request = 0;          // replied to last; 0: none
+  std::uint32_t serial = 0;           // counts changes while running
+  std::uint32_t request = 0;          // the request that was replied to last; 0: none
   HapticsSetup::Text rejection = {};  // why it changed nothing; empty: it is in use
   std::uint32_t object_count = 0;
   std::array<Object, kMaxObjects> objects = {};
@@ -238,15 +238,15 @@ struct SceneFacts {
   std::uint32_t point_count = 0;
   std::array<Point, kMaxPoints> points_m = {};  // spread over its surface
   float preparing_s = 0.0F;                     // above 0: haptics has been preparing its method for this long, and there is no force yet
-  bool is_hand_inside = false;                  // of a body since haptics began: the body gives no force, or holds the hand inside
+  bool is_hand_inside = false;                  // inside a body since haptics began: that gives no force, or holds the hand inside
   std::uint64_t tool_hash = 0;                  // SceneTool::given_hash; kNoTool: the stylus is a probe; 0: not known
 };
 
-// tool -> hub: a part of the hub's report.
+// tool -> hub: requests a part of the hub's report.
 enum class ReportDocument : std::uint8_t { json = 0, csv = 1 };
 struct ReportRequest {
   ReportDocument document = ReportDocument::json;
-  std::uint32_t revision = 0;  // 0: a fresh one, its first part
+  std::uint32_t revision = 0;  // 0: a new report, its first part
   std::uint32_t part = 0;
 };
 
@@ -256,11 +256,11 @@ struct ReportPart {
   std::uint32_t revision = 0;  // counts the hub's reports, from 1
   std::uint32_t part = 0;
   std::uint32_t parts = 0;  // of the whole document
-  std::uint16_t size = 0;   // of text that is used
+  std::uint16_t size = 0;   // bytes of text that are used
   std::array<char, 896> text = {};
 };
 
-// hub -> haptics, once a second, while the force comes from there: the loop that the scene's stiffness has to suit.
+// hub -> haptics, once a second, while haptics computes the force: facts about the loop that the scene's stiffness has to suit.
 struct LoopFacts {
   std::array<char, 16> device = {};  // NUL-padded name of the kind of device (Device::name)
   double servo_rate_hz = 0.0;
@@ -268,12 +268,12 @@ struct LoopFacts {
   float max_torque_nm = 0.0F;  // of the device; 0: no motor turns the stylus
 };
 
-// haptics -> hub -> every vision node and tool, when it has changed and once a second: an object that the stylus has picked up
-// (docs/tool.md). A point v of the object as the scene file places it is at p_m + q v: in frame T of the stylus as it is drawn where the
-// object is held, in frame S otherwise. vision -> hub -> haptics: a request to move it there from its pose of that serial.
+// haptics -> hub -> every vision node and tool, when it has changed and once a second: the pose of an object that the stylus has picked up
+// (docs/tool.md). A point v of the object as the scene file places it is at p_m + q v: in frame T of the stylus as it is drawn while the
+// object is held, in frame S otherwise. vision -> hub -> haptics: a request to move it to this pose; serial: of its present pose.
 struct ObjectPose {
   std::uint32_t serial = 0;  // counts the changes of all objects, from 1
-  std::int32_t object = 0;   // of the scene
+  std::int32_t object = 0;   // index in the scene
   bool is_held = false;
   Vec3 p_m = Vec3::Zero();
   Quat q = Quat::Identity();
@@ -281,7 +281,7 @@ struct ObjectPose {
 
 // tool, vision or haptics -> hub: something happened, at the newest sample that the hub has. It is recorded (io_node --record).
 struct Marker {
-  std::uint32_t request = 0;                              // identifies the reply, never 0; the same again: a repetition
+  std::uint32_t request = 0;                              // identifies the reply, never 0; the same number again: a repetition
   std::array<char, MarkerText::kMaxBytes + 1> text = {};  // NUL-padded, MarkerText::is_valid
 };
 
@@ -289,12 +289,12 @@ struct Marker {
 enum class MarkerStatus : std::uint8_t {
   recorded = 0,
   no_recording = 1,  // the hub was started without --record
-  too_many = 2,      // of this node, see MarkerLog
+  too_many = 2,      // too many markers of this node, see MarkerLog
   no_room = 3,       // the recording's buffer was full
 };
 struct MarkerReply {
   std::uint32_t request = 0;
-  std::uint64_t sample = 0;  // that it belongs to
+  std::uint64_t sample = 0;  // the sample that the marker belongs to
   MarkerStatus status = MarkerStatus::recorded;
 };
 
@@ -303,10 +303,10 @@ struct MarkerReply {
 struct MoveRequest {
   static constexpr double kMaxSeconds = 86'400.0;  // a day
 
-  std::uint32_t request = 0;       // identifies the reply, never 0; the same again: a repetition
-  HapticsSetup::Text object = {};  // name; empty: the object of that number
-  std::int32_t number = 0;         // of the scene, from 0
-  std::optional<Vec3> p_m = {};    // one of the two is given
+  std::uint32_t request = 0;       // identifies the reply, never 0; the same number again: a repetition
+  HapticsSetup::Text object = {};  // name; empty: the object is given by `number`
+  std::int32_t number = 0;         // index in the scene, from 0
+  std::optional<Vec3> p_m = {};    // at least one of p_m and q is given
   std::optional<Quat> q = {};
   std::optional<double> over_s = {};  // above 0, at most kMaxSeconds; none: the least time allowed
 };
@@ -315,54 +315,54 @@ struct MoveRequest {
 struct MoveReply {
   std::uint32_t request = 0;
   HapticsSetup::Text rejection = {};  // why the object does not move; empty: it does
-  std::int32_t object = 0;            // of the scene
-  double over_s = 0.0;                // more than requested: slowed to the largest speed of a surface
+  std::int32_t object = 0;            // index in the scene
+  double over_s = 0.0;                // duration; more than requested if slowed to the largest speed of a surface
   std::uint32_t serial = 0;           // of its ObjectMove
 };
 
-// haptics -> hub -> every vision node, when a program moved an object, and in turn once a second: a CommandedMove.
+// haptics -> hub -> every vision node, when a program moved an object, and once a second some of all moves in turn: a CommandedMove.
 struct ObjectMove {
-  std::uint32_t source = 0;   // of the haptics process, random, never 0
+  std::uint32_t source = 0;   // number of the haptics process, random, never 0
   std::uint32_t serial = 0;   // counts the moves of all objects, from 1; 0: not moved yet
-  std::int32_t object = 0;    // of the scene
+  std::int32_t object = 0;    // index in the scene
   std::int64_t start_ns = 0;  // scene time
   std::int64_t end_ns = 0;
-  Vec3 from_p_m = Vec3::Zero();  // of the pivot, frame S
+  Vec3 from_p_m = Vec3::Zero();  // position of the pivot, frame S
   Quat from_q = Quat::Identity();
   Vec3 to_p_m = Vec3::Zero();
   Quat to_q = Quat::Identity();
   HapticsSetup::Text name = {};  // of the object in the scene file
 };
 
-// haptics -> hub -> every vision node, when the stylus has removed material, and again on request: what was done to the bodies, entries of
-// consecutive serials, as MadeCarve (core/sculpt/carve_list.h). Frame: of the object as the scene file places it. The numbers are those
-// that forces and pictures are computed with.
+// haptics -> hub -> every vision node, when the stylus has removed material, and again on request: what was done to the bodies, in entries
+// of consecutive serials, each like a MadeCarve (core/sculpt/carve_list.h). Frame: that of the object as the scene file places it. The
+// numbers are those that forces and pictures are computed with.
 struct Carves {
   static constexpr std::size_t kMax = 32;
   static constexpr float kMaxRadiusM = 1000.0F;  // as scene files allow
   static constexpr float kMaxLengthM = 1000.0F;
   using Point = std::array<float, 3>;  // frame S, m
   struct One {
-    std::int32_t object = 0;  // of the scene
+    std::int32_t object = 0;  // index in the scene
     Point from_m = {};
     Point to_m = {};
     float radius_m = 0.0F;
     bool begins = false;  // the first carve of a press of the button
-    // Of an undo, whose object is -1: the serials of the carves that count no longer, all below its own. 0: this is a carve.
+    // For an undo, whose object is -1: first and last serial of the carves that no longer count, both below its own. 0: this is a carve.
     std::uint32_t undone_first = 0;
     std::uint32_t undone_last = 0;
 
     bool is_undo() const { return undone_first != 0; }
   };
 
-  std::uint32_t source = 0;  // of the haptics process, random, never 0: in another one the objects are whole again
-  std::uint32_t newest = 0;  // serial; they count the carves of all objects and their undos, from 1; 0: none yet
-  std::uint32_t first = 0;   // serial of the first one here; 0: there is none
+  std::uint32_t source = 0;  // number of the haptics process, random, never 0: in another process the objects are whole again
+  std::uint32_t newest = 0;  // newest serial; serials count the carves of all objects and their undos, from 1; 0: none yet
+  std::uint32_t first = 0;   // serial of the first entry here; 0: no entry
   std::uint32_t count = 0;
   std::array<One, kMax> carves = {};
 };
 
-// vision -> hub -> haptics, while some are missing: those after `complete` are sent again.
+// vision -> hub -> haptics, while entries are missing: requests those after `complete` again.
 struct CarveStatus {
   std::uint32_t source = 0;    // as in Carves
   std::uint32_t complete = 0;  // all up to this serial have been received
@@ -380,12 +380,12 @@ using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, Vie
                              MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial, CarveUndo, ShapeRequest, ShapeReply,
                              ObjectShape, ShapeStart, ShapeStatus, PatchDeformation, PatchDisplacements, PatchStream, PatchEffects>;
 
-// A part of the scene. RT: yes.
+// Whether a message is a part of the scene. RT: yes.
 inline bool is_scene_part(const Message& message) noexcept {
   return std::visit([]<class Kind>(const Kind&) { return kIsScenePart<Kind>; }, message);
 }
 
-// In front of every message.
+// The header of every message.
 struct Header {
   std::uint64_t session = 0;      // chosen by the hub at start; 0 from a node that has not been welcomed yet
   std::uint64_t sender = 0;       // random per process start: distinguishes a restart from reordering
