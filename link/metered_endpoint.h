@@ -7,13 +7,13 @@
 
 namespace hapton {
 
-// An endpoint that counts what passes through another one, and notes when.
-// RT: yes, as the other is, and two clock readings. Threads: as the other.
+// An endpoint that counts the datagrams that pass through another one, and notes when.
+// RT: as the inner endpoint, and a clock reading for each datagram. Threads: as the inner endpoint.
 class MeteredEndpoint final : public Endpoint {
  public:
   struct Counts {
     std::uint64_t datagrams_sent = 0;
-    std::uint64_t bytes_sent = 0;  // of UDP payload
+    std::uint64_t bytes_sent = 0;  // UDP payload
     std::uint64_t datagrams_received = 0;
     std::uint64_t bytes_received = 0;
   };

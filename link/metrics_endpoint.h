@@ -14,7 +14,7 @@ namespace hapton {
 // for a text that is newer than the request; otherwise it gets the last one. RT: no. Threads: any.
 class MetricsEndpoint {
  public:
-  // bind_address: a loopback address and port, port 0 takes a free one. Error: one line: not loopback, port in use, no address.
+  // bind_address: a loopback address and port, port 0 takes a free one. Error: one line: not loopback, port in use, a bad address.
   static Result<std::unique_ptr<MetricsEndpoint>> open(std::string_view bind_address);
 
   // Ends the thread and closes all connections.
@@ -25,9 +25,9 @@ class MetricsEndpoint {
   // How long a request waits for a fresh text.
   static constexpr std::int64_t kFreshNs = 500'000'000;
 
-  // True once when a request waits.
+  // True once after a request has begun to wait.
   bool take_request() noexcept;
-  // Sets the text to serve, also to waiting requests.
+  // Sets the text to serve, and replies with it to waiting requests.
   void set_text(std::string text);
 
   const Address& local_address() const;

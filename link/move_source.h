@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Which haptics process the known moves of objects, or carves, come from: the one that sent its own last. In another process serials and
+// Tells which haptics process the known moves, carves or shapes come from: the newest that has sent any. In another process serials and
 // scene time begin again, and its objects are whole and where the scene file places them. RT: yes. Threads: one.
 class MoveSource {
  public:

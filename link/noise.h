@@ -14,10 +14,10 @@ namespace hapton::noise {
 //   <- e, ee
 //
 // Both sides hold a secret (the psk); each adds a key pair of its own that lives for one handshake. A party without the psk can neither
-// make nor read a message of it, and one that learns the psk later cannot open a past session: its keys depend on both key pairs, too.
+// make nor read messages of the handshake, and one that learns the psk later cannot open a past session: its keys depend on both pairs.
 // A prologue is what both sides must agree on without sending it in the messages.
 // Source: "The Noise Protocol Framework", revision 34, sections 5, 7, 9 and 12. Tested against the vectors of the Cacophony library.
-// RT: no: X25519 takes 25 to 60 us a time. No heap, lock or throw. Threads: any.
+// RT: no: X25519 takes 25 to 60 us each time. No heap, lock or throw. Threads: any.
 constexpr std::string_view kProtocolName = "Noise_NNpsk0_25519_AESGCM_SHA256";
 
 constexpr std::size_t kKeyBytes = 32;
@@ -33,13 +33,13 @@ struct TransportKeys {
   Key responder_to_initiator = {};
 };
 
-// Seals and opens as Noise's cipher functions do: nonce n, associated data ad. into: payload + kTagBytes, and the same less kTagBytes.
+// Seal and open as Noise's cipher functions do: nonce n, associated data ad. Bytes in `into`: payload + kTagBytes, sealed - kTagBytes.
 void encrypt(const Key& key, std::uint64_t n, std::span<const std::uint8_t> ad, std::span<const std::uint8_t> payload,
              std::uint8_t* into) noexcept;
 bool decrypt(const Key& key, std::uint64_t n, std::span<const std::uint8_t> ad, std::span<const std::uint8_t> sealed,
              std::uint8_t* into) noexcept;
 
-// What both sides know of a handshake at any moment: Noise's SymmetricState and the own key pair. Wiped when it goes.
+// What one side knows of a handshake at any moment: Noise's SymmetricState and its own key pair. Wiped on destruction.
 class HandshakeState {
  public:
   HandshakeState() = default;
@@ -47,18 +47,18 @@ class HandshakeState {
   HandshakeState(const HandshakeState&) = default;
   HandshakeState& operator=(const HandshakeState&) = default;
 
-  // Starts again, on either side. own_secret: 32 random bytes of this handshake alone. Pre: seal::start_crypto() succeeded.
+  // Begins a handshake, on either side. own_secret: 32 random bytes for this handshake alone. Pre: seal::start_crypto() succeeded.
   void begin(const Key& psk, std::span<const std::uint8_t> prologue, const Key& own_secret) noexcept;
 
-  // The initiator's: "psk, e" and the payload; the reply's payload. into: payload + kMessageOverhead, and the same less that.
+  // For the initiator: writes "psk, e" and the payload; reads the reply. Bytes in `into`: payload + kMessageOverhead, message less that.
   void write_first(std::span<const std::uint8_t> payload, std::uint8_t* into) noexcept;
   bool read_second(std::span<const std::uint8_t> message, std::uint8_t* into) noexcept;
 
-  // The responder's. False: by someone without the psk, or changed, or of another prologue; then only begin may follow.
+  // For the responder. False: made without the psk, changed, or for another prologue, as in read_second; then only begin may follow.
   bool read_first(std::span<const std::uint8_t> message, std::uint8_t* into) noexcept;
   bool write_second(std::span<const std::uint8_t> payload, std::uint8_t* into) noexcept;
 
-  // Pre: both messages went through.
+  // Pre: both messages were processed successfully.
   TransportKeys split() const noexcept;
   const Key& handshake_hash() const noexcept { return hash_; }
 

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Which object of the scene a request is about, as a person or a program names it: its name, or "#N", its number from 0. Sets one of both.
-// RT: no. Error: one line that says what may be given.
+// Reads which object of the scene a request is about, as a person or a program names it: its name, or "#N", its number from 0. Sets either
+// `name` or `number`. RT: no. Error: one line that says what may be given.
 Result<void> choose_object(std::string_view object, std::array<char, 256>& name, std::int32_t& number);
 
 }  // namespace hapton

@@ -8,16 +8,16 @@
 
 namespace hapton {
 
-// Of a program that turns the scene: the revision of the newest view that another node has set. RT: yes. Threads: one.
+// For a program that turns the scene: the revision of the newest view that another node has set. RT: yes. Threads: one.
 class OthersView {
  public:
-  // A message of the hub, which repeats the view in use. A view that a newer one overtook says nothing: with the smaller revision, the
-  // program's next view would not count. own: the program's newest.
+  // Takes a message of the hub, which repeats the view in use. A view that a newer one overtook is ignored: with its smaller revision, the
+  // program's next view would have no effect. own: the program's newest view.
   void take(const Message& message, Arrival arrival, const ViewTransform& own) noexcept {
     const auto* view = std::get_if<ViewTransform>(&message);
     if (view != nullptr && arrival == Arrival::newest && view->X_WS != own.X_WS) revision_ = view->revision;
   }
-  // Another session of the hub counts anew.
+  // Call for another session of the hub, where revisions begin again.
   void forget() noexcept { revision_ = 0; }
 
   // 0: none.
