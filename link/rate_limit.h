@@ -44,7 +44,7 @@ class SourceLimit {
   };
   static constexpr std::size_t kSources = 64;
 
-  // seed: of the hash, unknown to senders, so that none can target another's bucket.
+  // seed: for the hash; unknown to senders, so that none can aim at the bucket of another.
   SourceLimit(const Rates& rates, std::uint64_t seed) : seed_(seed), all_(rates.all_per_second, rates.all_burst) {
     buckets_.fill(TokenBucket(rates.source_per_second, rates.source_burst));
   }

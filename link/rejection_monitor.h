@@ -25,26 +25,26 @@ enum class Rejection : std::uint8_t {
 };
 constexpr std::size_t kRejections = 10;
 
-// "datagrams of another protocol version": the kind of a flood.
+// Names the kind of a flood: "datagrams of another protocol version".
 std::string_view describe(Rejection rejection) noexcept;
 
 // A flood of rejected datagrams.
 struct Flood {
   Rejection rejection = Rejection::malformed;
-  Address from;                     // of the newest
+  Address from;                     // sender of the newest datagram
   bool is_from_several = false;     // from other addresses as well
   double per_second = 0.0;          // including those that the kernel filtered
   bool is_mostly_filtered = false;  // most of it was dropped in the kernel
 };
 
 // Detects floods: reports rejections above is_flood_above once a second, the most frequent kind only.
-// RT: yes; note costs a few stores and asks for no time. Threads: one.
+// RT: yes; note costs a few stores and reads no clock. Threads: one.
 class RejectionMonitor {
  public:
   static constexpr std::int64_t kEveryNs = 1'000'000'000;
 
-  // Rejections a second of this kind that are still harmless. Our nodes repeat no handshake and send 20 requests a second, so few of those
-  // are already an attack; after a restart a hub gets a second of its nodes' datagrams for the previous session.
+  // Most rejections of this kind a second that are still harmless. Our nodes repeat no handshake and send 20 requests a second, so few of
+  // those are already an attack; after a restart a hub gets for a second what its nodes send in the previous session.
   static constexpr double is_flood_above(Rejection rejection) noexcept {
     return rejection == Rejection::replayed_handshake || rejection == Rejection::too_many_handshakes ? 50.0 : 1000.0;
   }
@@ -56,10 +56,10 @@ class RejectionMonitor {
     seen.count += count;
   }
 
-  // Adds rejections that the kernel dropped at random before they were seen: they count for each kind in its noted share.
+  // Adds rejections that the kernel dropped at random, unseen: each kind gets its share of them, as among the noted ones.
   void note_filtered(std::uint64_t count) noexcept { filtered_ += count; }
 
-  // Call it at least once a second, as often as you like.
+  // Call it at least once a second; more often does no harm.
   std::optional<Flood> take(std::int64_t now_ns) noexcept;
 
  private:
