@@ -40,10 +40,10 @@ class RelayEndpoint {
  public:
   static constexpr std::size_t kMaxQueued = 16'384;
   static constexpr std::size_t kMaxClients = 64;
-  static constexpr std::size_t kMaxBytes = 2048;  // of a datagram
+  static constexpr std::size_t kMaxBytes = 2048;  // the largest datagram that is forwarded
   static constexpr std::int64_t kIdleNs = 10'000'000'000;
 
-  // Error: one line: bad address, port in use.
+  // Error, one line: bad address, port in use, or a phase of the schedule with invalid faults.
   static Result<RelayEndpoint> open(RelaySettings settings);
 
   ~RelayEndpoint();
@@ -56,7 +56,7 @@ class RelayEndpoint {
   const Address& local_address() const;
   const RelayCounts& to_hub() const;
   const RelayCounts& to_nodes() const;
-  // Nodes seen so far.
+  // The number of nodes seen so far; one that was replaced while idle and comes back counts again.
   std::uint64_t clients() const;
   // The index of the present phase in the schedule, or one past the last.
   std::size_t phase() const;

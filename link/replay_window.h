@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// Which counters of a session have been seen, counted from 1: each is accepted once, and none that is kSpan or more behind the newest.
+// Remembers which counters of a session were seen; they begin at 1. Each is accepted once; one kSpan or more behind the newest never is.
 // Check first, open the seal, then mark: a forged datagram must leave no mark. RT: yes. Threads: one.
 class ReplayWindow {
  public:

@@ -16,10 +16,10 @@ namespace hapton {
 //   lead     08 VERSION KIND 00
 //   request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub
 //   retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node
-//   reply   lead  timestamp:8  second:52  tag:16                                    hub -> node
+//   reply    lead  timestamp:8  second:52  tag:16                                    hub -> node
 //   data     lead  connection:4  counter:8  ciphertext:n  tag:16                     both directions
 //
-// The first two bytes of the lead are field 1 of an Envelope (proto/hapton.proto), by which every version recognises another one. The
+// The first two bytes of the lead are field 1 of an Envelope (proto/hapton.proto), by which every version recognises the others. The
 // cookie of a request is zero until the hub has sent one. `first` and `second` are the two messages of the Noise handshake (noise.h); its
 // prologue is the request up to `first`. Retry and reply repeat the timestamp of their request.
 namespace seal {
@@ -44,7 +44,7 @@ constexpr std::size_t kRequestCookieAt = kFirstAt + kFirstBytes;
 constexpr std::size_t kRequestTagAt = kRequestCookieAt + kCookieBytes;
 constexpr std::size_t kRequestBytes = kRequestTagAt + kTagBytes;
 
-constexpr std::size_t kTimestampAt = kLeadBytes;  // of a retry and a reply
+constexpr std::size_t kTimestampAt = kLeadBytes;  // in a retry and in a reply
 constexpr std::size_t kCookieAt = kTimestampAt + 8;
 constexpr std::size_t kRetryTagAt = kCookieAt + kCookieBytes;
 constexpr std::size_t kRetryBytes = kRetryTagAt + kTagBytes;
@@ -78,7 +78,7 @@ void store(Number number, std::uint8_t* into) noexcept {
 inline const std::uint8_t* bytes_of(std::span<const std::byte> span) noexcept { return reinterpret_cast<const std::uint8_t*>(span.data()); }
 inline std::uint8_t* bytes_of(std::span<std::byte> span) noexcept { return reinterpret_cast<std::uint8_t*>(span.data()); }
 
-// The first kLeadBytes of a datagram of this kind.
+// Writes the first kLeadBytes of a datagram of this kind.
 void write_lead(Kind kind, std::uint8_t* into) noexcept;
 
 }  // namespace seal
@@ -86,8 +86,8 @@ void write_lead(Kind kind, std::uint8_t* into) noexcept;
 enum class OpenStatus : std::uint8_t {
   opened,
   malformed,        // not a sealed datagram
-  wrong_version,    // of another protocol version
-  unknown_session,  // of another session
+  wrong_version,    // sealed with another protocol version
+  unknown_session,  // sealed in another session
   replayed,         // seen before, or too old to check
   forged,           // not from the other side of this session
 };
@@ -96,7 +96,7 @@ void count(OpenStatus status, SealCounts& counts) noexcept;
 
 // The kind that a datagram claims to be.
 struct SealedKind {
-  OpenStatus status = OpenStatus::malformed;  // opened: our version, and the length of its kind; else malformed or wrong_version
+  OpenStatus status = OpenStatus::malformed;  // opened: it has our version and the length of its kind; else malformed or wrong_version
   seal::Kind kind = seal::Kind::data;
 };
 SealedKind classify_sealed(std::span<const std::byte> datagram) noexcept;

@@ -12,9 +12,9 @@
 namespace hapton {
 
 // One side of one session: seals what goes to the other side and opens what comes from there. AES-256-GCM with a key for each
-// direction and a counter for the nonce, which is never used twice; the whole header is authenticated. A datagram opens once,
-// in this session, at its intended receiver, unchanged, or not at all. RT: yes (no heap, lock, throw or system call). Threads:
-// one.
+// direction and a counter for the nonce, which is never used twice; the whole header is authenticated. A datagram
+// can be opened only once, only in this session, only by its intended receiver, and only if it is unchanged. RT: yes (no heap,
+// lock, throw or system call). Threads: one.
 class SealedChannel {
  public:
   enum class Side : std::uint8_t { client, hub };
@@ -29,13 +29,13 @@ class SealedChannel {
   SealedChannel& operator=(SealedChannel&& other) noexcept;
 
   bool is_open() const noexcept { return is_open_; }
-  // The number that the hub gave to the session, in clear in every datagram.
+  // The number that the hub gave to the session; every datagram has it, unencrypted.
   std::uint32_t connection() const noexcept { return connection_; }
   // Datagrams sealed so far.
   std::uint64_t sealed() const noexcept { return counter_; }
 
-  // Writes the sealed datagram and returns its size in bytes, payload + seal::kOverheadBytes. 0: it does not fit, or the channel has no
-  // session.
+  // Writes the sealed datagram and returns its size in bytes, payload + seal::kOverheadBytes. 0: the payload does not fit, or the channel
+  // has no session.
   std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> into) noexcept;
 
   // Post: unless opened, `into` holds nothing of the datagram and the channel is unchanged. Pre: into and datagram do not overlap.

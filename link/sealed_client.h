@@ -15,25 +15,25 @@
 namespace hapton {
 
 // A node's sealed connection to its hub. It seals every datagram that it sends and returns only datagrams that it could open. It sets up
-// the sessions that this needs by itself, within send and receive.
+// the necessary sessions by itself, within send and receive.
 //   silence   If nothing was received from the hub for kPeerTimeoutNs plus the round trip of the handshake, a new session is requested. The
-//             old one stays in use until the hub sends in the new one. So a restarted hub is found again, and nothing is lost if the hub
-//             was only slow.
-//   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. Datagrams in the old one are accepted for
+//             old one stays in use until the hub sends in the new one. So a node finds a restarted hub again, and loses nothing if the
+//             hub was only slow.
+//   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. Datagrams in the old one stay valid for
 //             kOverlapNs after the hub has changed to the new one, so that the change neither loses nor delays any.
-// While there is no session, the newest datagrams are kept, and sent when there is one. While the hub is silent and a new session is
-// requested, each datagram is sent in both sessions, so it may arrive twice.
+// While there is no session, only the newest datagram is kept, and sent once there is one. While the hub is silent and a new session is
+// requested, each datagram is sent in the old one, and the newest of them again in the new one. In both cases the newest may arrive twice.
 // Pre: the user calls send or receive at least every 100 ms, and sends, ten times a second, a message to which the hub replies.
-// RT: yes with a worker thread, but for X25519 in the caller (0.1 ms for each request and each session) without; construction and
+// RT: yes with a worker thread; without one, X25519 runs in the caller (0.1 ms for each request and each session); construction and
 // destruction set-up only. Threads: one.
 class SealedClient final : public Endpoint {
  public:
   static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;  // two of the hub's replies are missing (Pre)
-  static constexpr std::int64_t kMaxTripNs = 2 * kNanosecondsPerSecond;             // most that the round trip adds to the timeout
+  static constexpr std::int64_t kMaxTripNs = 2 * kNanosecondsPerSecond;             // the most that the round trip adds to the timeout
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;  // as WireGuard
-  // Far from the limits of AES-256-GCM, and limits how much one key can open: half an hour at 10 kHz.
+  static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;  // the same as WireGuard's
+  // Datagrams: far below the limits of AES-256-GCM, and a bound on how much one key can open. Half an hour at 10 kHz.
   static constexpr std::uint64_t kRekeyAfter = std::uint64_t{1} << 24;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
 
@@ -49,7 +49,7 @@ class SealedClient final : public Endpoint {
   SealedClient(Endpoint& endpoint, const Clock& clock, const RoleKey& key, const Address& hub)
       : SealedClient(endpoint, clock, key, hub, Options()) {}
 
-  // To the hub only; false when it does not fit (seal::kMaxPayloadBytes) or the system rejected it. True says nothing of its arrival.
+  // False: `to` is not the hub, it does not fit (seal::kMaxPayloadBytes), or the system rejected it. True: it may still get lost.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override { endpoint_.prepare_wait(deadline_ns); }
@@ -76,7 +76,7 @@ class SealedClient final : public Endpoint {
   Options options_;
   ClientHandshake handshake_;
   SealedChannel channel_;
-  SealedChannel previous_;  // the hub uses it until it has received in the new one, and its datagrams may be late
+  SealedChannel previous_;  // the old session: the hub uses it until it has received in the new one, and its datagrams may be late
   std::int64_t previous_ends_ns_ = 0;
   SealCounts counts_;
   std::int64_t next_request_ns_ = 0;

@@ -17,27 +17,27 @@
 namespace hapton {
 
 // The hub's sealed connections to its nodes: each address that has agreed on a session has its own keys; datagrams to it are sealed with
-// them, and only datagrams that they open are handed out.
-//   junk       A sender without a key gets no reply and no slot, and costs a look at four bytes, or a hash. The same goes for a recorded
-//              handshake that is sent again: its time must be later than all others of its host and role (handshake_times.h). Each
-//              rejection is counted, and the worst flood of them is reported (take_flood).
+// them, and receive() returns only datagrams that they open.
+//   junk       A sender without a key gets no reply and no slot; its datagram costs a look at four bytes, or a hash. The same applies to
+//              a recorded handshake that is sent again: its time must be later than all others of its host and role
+//              (handshake_times.h). Each rejection is counted, and the worst flood of them is reported (take_flood).
 //   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role separately.
-//   X25519     A worker computes agreements. The caller hands over requests that have shown key, time and address, and sends the reply in
+//   X25519     A worker computes agreements. The caller passes it requests that have shown key, time and address, and sends each reply in
 //              a later call, when it is finished. A full worker drops requests; it never makes the caller wait.
-//   candidates A request from an address that got a reply lately gets no reply: that one may still be under way. The next gets one
-//              kReplyEveryNs later, the one after it twice that, and so on to kMaxReplyEveryNs: a node whose reply was lost soon has
-//              another, and one that is a second away finds its session when its first datagram arrives. While all places for candidates
-//              are taken, an address that has a reply gets no other for kReplyLivesNs.
-//   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. The old one can still be
-//              opened for kOverlapNs, unless the new one is replaced, too, so that no datagram under way is lost. Each role has slots of
-//              its own (kRolePlaces), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
-//              cannot keep another role out. When all slots are taken, the session that has been silent longest is dropped, unless it has
-//              received something within kIdleNs.
+//   candidates A request from an address that got a reply lately gets no reply, because that reply may still be under way. The next reply
+//              comes kReplyEveryNs later at the earliest, the one after it twice that, and so on to kMaxReplyEveryNs: a node whose reply
+//              was lost soon gets another, and a node that is a second away finds its session when its first datagram arrives. While all
+//              slots for candidates are taken, an address that has a reply gets no other for kReplyLivesNs.
+//   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. Datagrams of the old one
+//              are opened for another kOverlapNs, unless the new one is replaced, too, so that none under way is lost. Each role has its
+//              own slots (kRolePlaces), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
+//              cannot keep another role out. When no slot is free, the session that has been silent longest, for more than kIdleNs, is
+//              dropped; if there is none, the oldest in which nothing was opened yet; if there is none either, the request is rejected.
 // RT: yes with a worker thread; construction and destruction set-up only. Threads: one.
 class SealedHub final : public Endpoint {
  public:
   static constexpr std::size_t kPlaces = 64;  // four times HubPeers::kCapacity: old and new sessions, and nodes that come again
-  static constexpr std::array<std::size_t, kNodeKeyRoles> kRolePlaces = {8, 24, 24, 8};  // of haptics, vision, tool, operator
+  static constexpr std::array<std::size_t, kNodeKeyRoles> kRolePlaces = {8, 24, 24, 8};  // for haptics, vision, tool, operator
   static constexpr std::int64_t kIdleNs = 2 * kNanosecondsPerSecond;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
   static constexpr std::int64_t kReplyEveryNs = 100 * kNanosecondsPerMillisecond;
@@ -49,7 +49,7 @@ class SealedHub final : public Endpoint {
   // Pre: endpoint and clock outlive this.
   SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& master, AgreementWorker::Where worker = AgreementWorker::Where::caller);
 
-  // False if there is no session with that address, if it does not fit (seal::kMaxPayloadBytes), or if the system rejected it.
+  // False if there is no session with that address, if the datagram does not fit (seal::kMaxPayloadBytes), or if the system rejected it.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   // Received::role is the role of the session's key.
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
@@ -61,10 +61,10 @@ class SealedHub final : public Endpoint {
  private:
   enum class State : std::uint8_t {
     free,
-    agreeing,   // the worker has it
+    agreeing,   // the worker computes its keys
     candidate,  // replied to; nothing has been opened in it yet
     live,
-    retiring,  // replaced: received in until ends_ns
+    retiring,  // replaced: its datagrams are opened until ends_ns
   };
 
   struct Session {
@@ -73,7 +73,7 @@ class SealedHub final : public Endpoint {
     Address address;
     std::uint32_t connection = 0;
     std::int64_t last_received_ns = 0;  // before it was live: when it was requested
-    std::int64_t ends_ns = 0;           // of a retiring one
+    std::int64_t ends_ns = 0;           // end of a retiring session
     SealedChannel channel;
   };
 
@@ -100,7 +100,7 @@ class SealedHub final : public Endpoint {
   std::uint64_t oversized_noted_ = 0;
   std::uint64_t filtered_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};
-  std::array<std::uint8_t, 16> hints_ = {};  // slot that was last sent to, by the lower bits of its port
+  std::array<std::uint8_t, 16> hints_ = {};  // slot that was last sent to, by the lower bits of the port
   std::uint32_t generation_ = 0;             // the upper bits of a connection's number; the lower ones are its slot
   SealCounts counts_;
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};

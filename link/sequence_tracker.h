@@ -31,11 +31,11 @@ class SequenceTracker {
   // A larger jump (100 s at 10 kHz), in either direction, is not a loss: the sender has restarted its count.
   static constexpr std::uint64_t kMaxGap = 1'000'000;
 
-  // may_restart: the sender has joined again, so a number behind the newest means that it has restarted its count there.
+  // may_restart: the sender has joined again, so a number behind the newest means that it has restarted its count at that number.
   Arrival track(std::uint64_t sender, std::uint64_t sequence, bool may_restart = false) noexcept;
 
   const SequenceCounts& counts() const noexcept { return counts_; }
-  // 0 before the first datagram.
+  // The newest sender and its newest number: both 0 before the first datagram.
   std::uint64_t sender() const noexcept { return sender_; }
   std::uint64_t newest() const noexcept { return newest_; }
 

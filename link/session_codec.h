@@ -27,7 +27,7 @@ class SessionCodec {
   void append(const SessionHeader& header, std::string& to);
   void append(const SessionEntry& entry, std::string& to);
 
-  // Appends the message alone, without length and check: Cycle, Event and Shape of proto/session.proto.
+  // Appends the message alone, without length and CRC: Cycle, Event and Shape of proto/session.proto.
   void append_alone(const CycleNote& cycle, std::string& to);
   void append_alone(const SessionEvent& event, std::string& to);
   void append_alone(const SessionShape& shape, std::string& to);
@@ -43,7 +43,7 @@ class SessionCodec {
     std::size_t bytes = 0;  // size of the message with its length; 0 unless ok or unknown
   };
 
-  // Reads the message that begins at the front of `bytes`. Post: entry.datagram points into this codec, until its next call.
+  // Reads the message that begins at the front of `bytes`. Post: entry.datagram and the marker's text are valid until the next call.
   Read read(std::string_view bytes, SessionHeader& header);
   Read read(std::string_view bytes, SessionEntry& entry);
 

@@ -19,8 +19,8 @@ namespace hapton {
 enum class MissCause : std::uint8_t {
   none,
   late_wake_up,     // the loop was waiting in time and woke late
-  device_slow,      // reading and writing the device took most of it
-  work_long,        // the loop's own work did
+  device_slow,      // reading and writing the device took more than half a period
+  work_long,        // the loop's own work took too long
   machine_stalled,  // late by more than any work of the loop takes: the process or the machine was stopped
 };
 std::string_view to_string(MissCause cause) noexcept;
@@ -44,7 +44,7 @@ enum class SessionFault : std::uint8_t {
 };
 std::string_view to_string(SessionFault fault) noexcept;
 
-// The device as a cycle read it. Frame W; m.
+// What a cycle read from the device. Frame: W. Units: m.
 struct CycleSample {
   std::int64_t time_ns = 0;  // hub's clock
   Vec3 p_WD = Vec3::Zero();
@@ -56,16 +56,16 @@ struct CycleSample {
 struct CycleLocal {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // probe minus device point
-  std::int32_t object = -1;             // touched, of the scene's objects; -1: none, or an older recording
+  std::int32_t object = -1;             // number of the touched object in the scene; -1: none, or an older recording
 };
 
-// One cycle of the servo, when it was done. Forces: N, frame W.
+// One cycle of the servo, noted at its end. Forces: N, frame W.
 struct CycleNote {
   std::uint64_t sample = 0;
   std::int64_t late_ns = 0;
-  Vec3 written_n = Vec3::Zero();   // on the motors
+  Vec3 written_n = Vec3::Zero();   // force on the motors
   Vec3 written_nm = Vec3::Zero();  // torque on the motors
-  std::uint32_t missed = 0;        // cycles left out before it
+  std::uint32_t missed = 0;        // cycles left out before this one
   MissCause cause = MissCause::none;
   std::optional<CycleSample> device = {};  // none in older recordings
   std::optional<CycleLocal> local = {};    // none: the force is remote
@@ -78,18 +78,18 @@ struct MarkerNote {
   std::string_view text = {};  // MarkerText::is_valid; not owned
 };
 
-// What happened at a sample, for other formats.
+// What happened at a sample, for export to other file formats.
 struct SessionEvent {
   std::string_view kind;
   std::string name;
   std::uint64_t sample = 0;
 };
 
-// A shape that a program gave to an object, for other formats.
+// A shape that a program gave to an object, for export to other file formats.
 struct SessionShape {
   std::uint32_t process = 0;  // counts the haptics processes of the recording, from 0
   ShapeStart start;
-  std::span<const ShapePart::Displacement> displacements_m = {};  // by vertex; empty: the recording lacks a part of it; not owned
+  std::span<const ShapePart::Displacement> displacements_m = {};  // one for each vertex; empty: a part is not in the recording; not owned
 };
 
 // One thing that happened in a recorded session.
@@ -101,16 +101,16 @@ struct SessionEntry {
     fault,
     dropped,
     marker,
-    end,  // nothing follows; SessionReader keeps it to itself
+    end,  // the last entry; SessionReader::next() does not return it
   };
   Kind kind = Kind::received;
   std::int64_t time_ns = 0;             // hub's clock
-  Address peer;                         // of received and sent
-  std::span<const std::byte> datagram;  // of received and sent: as it is before sealing and after opening; not owned
+  Address peer;                         // set for received and sent
+  std::span<const std::byte> datagram;  // set for received and sent: as it is before sealing and after opening; not owned
   CycleNote cycle;
   SessionFault fault = SessionFault::none;
   MarkerNote marker;
-  std::uint64_t dropped = 0;  // entries that found no room since the one before
+  std::uint64_t dropped = 0;  // entries that found no room since the previous entry of this kind
 };
 
 // The header before the entries.
@@ -119,9 +119,9 @@ struct SessionHeader {
   std::int64_t start_ns = 0;
   std::int64_t start_unix_ns = 0;
   std::uint64_t session = 0;
-  std::string fault = {};  // of a flight record; empty: a whole session
+  std::string fault = {};  // why a flight record was written; empty: a whole session
   std::vector<std::pair<std::string, std::string>> settings = {};
-  bool has_end = false;  // the last entry is to be an end; older recordings have none
+  bool has_end = false;  // a complete file ends with an entry of kind `end`; older recordings have none
 };
 
 }  // namespace hapton
