@@ -15,22 +15,22 @@ namespace hapton {
 // RT: no. Threads: one.
 class SessionReader {
  public:
-  // Error, in one line: no such file or one that cannot be read, no session, another schema, a damaged header.
+  // Error, one line: no such file, it cannot be read, it is not a recorded session, another schema, or a damaged header.
   static Result<SessionReader> open(const std::filesystem::path& path);
 
   const SessionHeader& header() const { return header_; }
 
-  // The next entry, but for the end; false at the end of the readable data. Post: entry.datagram and the marker's text are valid until the
+  // Reads the next entry, not `end`; false at the end of the readable data. Post: entry.datagram and the marker's text are valid until the
   // next call.
   bool next(SessionEntry& entry);
 
-  // Where the next entry begins in the file, bytes.
+  // The byte of the file at which the next entry begins.
   std::uint64_t position() const { return buffer_offset_ + begin_; }
-  // Goes on reading there. Pre: position() was this once, of a reader of the same file. Post: problem() is empty.
+  // Continues to read at `position`. Pre: a reader of the same file has returned it from position(). Post: problem() is empty.
   void seek(std::uint64_t position);
 
   // After next returned false: empty if the file is complete, else one line that says where and how it is truncated, or why it cannot be
-  // read on. A file that ends between two entries is complete if an end is among what was read, or if its header promises none.
+  // read further. A file that ends between two entries is complete if the last entry read is an end, or if its header promises none.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -43,7 +43,7 @@ class SessionReader {
   SessionHeader header_;
   std::string buffer_;
   std::size_t begin_ = 0;            // first unread byte in the buffer
-  std::uint64_t buffer_offset_ = 0;  // of the buffer's front, in the file
+  std::uint64_t buffer_offset_ = 0;  // position of the buffer's front in the file
   std::uint64_t entries_ = 0;
   bool has_ended_ = false;
   std::string problem_;

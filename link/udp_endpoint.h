@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A UDP socket bound to `bind_address` ("0.0.0.0:4950", "[::]:4950", "127.0.0.1:0"; port 0 lets the system choose).
+// Opens a UDP socket at `bind_address` ("0.0.0.0:4950", "[::]:4950", "127.0.0.1:0"; port 0 lets the system choose).
 // An IPv6 socket also reaches IPv4 peers, unless the host forbids it. filters_floods: for a hub, whose datagrams
 // are all sealed: FloodFilter drops datagrams of unknown peers in the kernel during a flood. Receiving waits with
 // ppoll until absolute CLOCK_MONOTONIC deadlines; ICMP errors (no peer at the port) are ignored. RT: opening is

@@ -12,24 +12,24 @@
 #include "link/wire_text.h"
 
 // Fields that several messages of proto/hapton.proto have. Field: a repeated field with room for what is written, so that writing uses no
-// heap. Reading is false for a value that the contract rules out. RT: yes.
+// heap. A read function returns false for a value that the contract rules out. RT: yes.
 namespace hapton {
 
-// A magnitude, a rate, a duration. False for NaN as well.
+// Whether this is a valid magnitude, rate or duration. False for NaN as well.
 inline bool is_amount(double value) { return value >= 0.0 && value <= kMaxWireMagnitude; }
 
 inline bool is_wire_time(std::int64_t time_ns) { return time_ns >= -kMaxWireTimeNs && time_ns <= kMaxWireTimeNs; }
 
-// 0: unknown, or not to be changed. False for NaN as well.
+// Whether this is a valid servo rate; 0: unknown, or not to be changed. False for NaN as well.
 inline bool is_servo_rate(double rate_hz) { return rate_hz == 0.0 || (rate_hz >= kMinServoRateHz && rate_hz <= kMaxServoRateHz); }
 
-// The number of an object in the scene, from 0.
+// Reads the number of an object in the scene, from 0.
 inline bool read_object_number(std::uint32_t from, std::int32_t& to) {
   to = static_cast<std::int32_t>(from);
   return from <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
 }
 
-// On the wire 0 says none, so that a sender that does not know the field says just that. What no scene has is none, too.
+// On the wire 0 means no object, so that a sender that does not know the field says the same. A number too large is read as none, too.
 inline std::uint32_t write_object(std::int32_t object) { return object < 0 ? 0U : static_cast<std::uint32_t>(object) + 1U; }
 inline std::int32_t read_object(std::uint32_t touched) {
   return touched > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()) ? -1 : static_cast<std::int32_t>(touched) - 1;
@@ -58,7 +58,7 @@ bool read_vector(const Field& field, Vec3& v) {
   return is_wire_vector(v);
 }
 
-// Zero where it is absent: in the messages of a program that does not know the field.
+// Reads zero if the field is absent, as it is in the messages of a program that does not know it.
 template <class Field>
 bool read_optional_vector(const Field& field, Vec3& v) {
   v = Vec3::Zero();

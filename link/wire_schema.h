@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// proto/hapton.proto and proto/session.proto as a google.protobuf.FileDescriptorSet: what a file needs for other programs to read our
-// messages in it. RT: yes.
+// proto/hapton.proto and proto/session.proto as a google.protobuf.FileDescriptorSet: with it in a file, other programs can read our
+// messages in that file. RT: yes.
 std::string_view wire_schema() noexcept;
 
 }  // namespace hapton
