@@ -7,17 +7,17 @@
 namespace hapton {
 
 // The motion of a body by commanded moves, on the device side, which learns of each move some time after it was decided. A move that is
-// known before it begins is the move itself, to the last bit: haptics, pictures and this side have the body at one place. For one that
+// known before it begins is made exactly, to the last bit: haptics, pictures and this side have the body at one place. For one that
 // comes later, because its datagrams were lost, the body goes from where it is to the same end, at the same time, or as soon after it as
-// kMaxSurfaceSpeed allows. So the body never jumps, and is where haptics and the pictures have it at the end of the move at the latest.
-// Frame: S. Units: SI. RT: all. Threads: one.
+// kMaxSurfaceSpeed allows. So the body never jumps, and at the end of this motion it is where haptics and the pictures have it.
+// Frame: S. Units: SI. RT: yes. Threads: one.
 class AnnouncedMotion {
  public:
   AnnouncedMotion() = default;
-  // pivot_S: on the body at rest; no point of it is farther from there than radius_m.
+  // pivot_S: a point of the body at rest; no point of the body is farther from this one than radius_m.
   AnnouncedMotion(const Vec3& pivot_S, double radius_m) noexcept : motion_(pivot_S), radius_m_(radius_m) {}
 
-  // A newer move, while nothing is felt: as it is. If earlier moves are missing, the body is assumed at rest at the start of the first
+  // Takes a newer move as it is, while nothing is felt. If earlier moves are missing, the body is assumed at rest at the start of the first
   // known move. False: it is not newer.
   bool accept(const CommandedMove& move) noexcept {
     if (move.serial <= serial()) return false;
@@ -29,7 +29,7 @@ class AnnouncedMotion {
     return motion_.begin(move);
   }
 
-  // A newer move, while the body is felt. False: it is not newer. now_s: scene time of the last step.
+  // Takes a newer move while the body is felt. False: it is not newer. now_s: scene time of the last step.
   bool accept_in_contact(const CommandedMove& move, double now_s) noexcept {
     if (move.serial <= serial()) return false;
     const bool is_as_announced = now_s <= move.from.time_s && is_same_place(motion_.keyframe_at(move.from.time_s), move.from) &&
@@ -44,7 +44,7 @@ class AnnouncedMotion {
 
   Pose pose_at(double time_s) const noexcept { return motion_.pose_at(time_s); }
   std::uint32_t serial() const noexcept { return motion_.newest().serial; }
-  // Moves that did not go as announced.
+  // The number of moves that did not go as announced.
   std::uint64_t late() const noexcept { return late_; }
 
  private:

@@ -9,15 +9,15 @@
 namespace hapton {
 
 // Positions of the device through which the proxy has not followed it yet, oldest first. If the path is full, every second position is
-// removed, and later ones are kept at least as far apart from then on. So the path gets coarser, uniformly, but never shorter. The newest
-// position is always kept. Frame: S. Units: SI. RT: all. Threads: one.
+// removed, and from then on later positions are kept as far apart as those that remain. So the path gets coarser, uniformly, but never
+// shorter. The newest position is always kept. Frame: S. Units: SI. RT: yes. Threads: one.
 class DevicePath {
  public:
   static constexpr std::size_t kMax = 1024;  // a second at 1 kHz
 
   struct Place {
     Vec3 p_SD = Vec3::Zero();
-    double dt_s = 0.0;    // since the one before
+    double dt_s = 0.0;    // since the position before
     double time_s = 0.0;  // scene time
   };
 
@@ -34,7 +34,7 @@ class DevicePath {
     first_ = (first_ + 1) % kMax;
     if (--size_ == 0) clear();
   }
-  // Keeps only positions that are no older than this; the age of the newest is 0. An age of 0 or less keeps none.
+  // Keeps only positions that are younger than this; the age of the newest is 0. An age_s of 0 or less keeps none.
   void keep_newest(double age_s) noexcept {
     std::size_t kept = 0;
     for (double ago_s = 0.0; kept < size_ && ago_s < age_s; ++kept) ago_s += at(size_ - 1 - kept).dt_s;

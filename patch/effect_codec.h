@@ -13,23 +13,23 @@
 
 namespace hapton {
 
-// The effects of a scene as io_node has them. Frame: S, at rest. Units: SI.
+// The effects of a scene in the form in which io_node computes them. Frame: S, at rest. Units: SI.
 struct SceneEffectSet {
   std::vector<SwitchedEffect> space;
   std::vector<SurfaceEffects> surfaces;  // one for each object of the scene
-  std::vector<int> body_of;              // likewise: the body (PatchBody) that it belongs to, if it has effects
+  std::vector<int> body_of;              // for each object the body (PatchBody) that it belongs to, if it has effects
 
   bool any() const noexcept {
     return !space.empty() || std::any_of(surfaces.begin(), surfaces.end(), [](const SurfaceEffects& surface) { return surface.any(); });
   }
 };
 
-// Bounds of what decode_effects takes. They bound the time of a step and the memory.
+// The most that decode_effects takes. These bound the time of a step and the memory.
 constexpr std::size_t kMaxSpaceEffects = 256;
 constexpr std::size_t kMaxEffectObjects = 8192;  // as many as a scene in parts has tiles
 
-// Effects as SceneEffects of proto/hapton.proto; empty: there are none. Numbers are exact but for images, whose texels are rounded to a
-// 65,535th of their range, and for their triangles, which are rounded to floats.
+// Encodes effects as SceneEffects of proto/hapton.proto; empty: there are none. Numbers are exact, except those of images, whose texels are
+// rounded to a 65,535th of their range, and those of their triangles, which are rounded to floats.
 std::string encode_effects(const SceneEffectSet& effects);
 
 // Error: the bytes are not SceneEffects, or name something that no scene may have: a number that is not finite or not in its range, a force

@@ -11,9 +11,9 @@
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
 
-// The numbers that define each effect, in the order in which they cross the network. One function each, for both ways: NumberWriter appends
-// them, NumberReader takes them and checks their range. Each function names all members of its effect, so that it does not compile when the
-// effect gets one more.
+// The numbers that define each effect, in the order in which they cross the network. One function for each effect serves both ways:
+// NumberWriter appends the numbers, NumberReader takes them and checks their range. Each function names all members of its effect, so that
+// it does not compile when the effect gets one more.
 namespace hapton {
 
 class NumberWriter {
@@ -41,12 +41,12 @@ class NumberWriter {
   std::vector<double> numbers_;
 };
 
-// A number out of its range, or one too few, makes it fail for good; what is read then is as it was.
+// A number that is out of range or missing makes the reader fail for good; from then on what it should read keeps its value.
 class NumberReader {
  public:
   explicit NumberReader(std::span<const double> numbers) : numbers_(numbers) {}
 
-  // All were read, and each is in its range.
+  // True if all numbers were read, and each is in its range.
   bool is_done() const { return is_good_ && at_ == numbers_.size(); }
 
   void finite(double& number) { take(number, -kMax, kMax); }
@@ -215,7 +215,7 @@ void visit_numbers(Numbers& numbers, TapVibration& effect) {
   numbers.force(max_force_n);
 }
 
-// All but layers, images and recorded textures, which EffectWriter has, and the drag, which is of the material.
+// All but layers, images and recorded textures, which EffectWriter writes, and the drag, which belongs to the material.
 template <class Numbers>
 void visit_numbers(Numbers& numbers, SurfaceEffects& surface) {
   auto& [progressive, layers, bumps, viscosity, snap, tap, maps, texture, drag] = surface;
@@ -226,7 +226,7 @@ void visit_numbers(Numbers& numbers, SurfaceEffects& surface) {
   visit_numbers(numbers, tap);
 }
 
-// Those of an effect, a layer or a surface.
+// The numbers of an effect, a layer or a surface.
 template <class Effect>
 std::vector<double> numbers_of(Effect effect) {
   NumberWriter writer;
@@ -234,7 +234,7 @@ std::vector<double> numbers_of(Effect effect) {
   return writer.take();
 }
 
-// False: the numbers define none.
+// False: the numbers do not define such an effect, and some of its members may have been read.
 template <class Effect>
 bool read_numbers(std::span<const double> numbers, Effect& effect) {
   NumberReader reader(numbers);

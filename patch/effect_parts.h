@@ -11,12 +11,12 @@
 
 namespace hapton {
 
-// How many parts these bytes of effects take (PatchEffects). RT: yes.
+// How many parts (PatchEffects) so many bytes of effects take. RT: yes.
 constexpr std::uint32_t count_effect_parts(std::size_t bytes) noexcept {
   return static_cast<std::uint32_t>((bytes + PatchEffects::kMaxBytes - 1) / PatchEffects::kMaxBytes);
 }
 
-// One of these parts, without epoch and serial. Pre: there is one.
+// Makes the part of this number, without epoch and serial. Pre: part < count_effect_parts(bytes.size()).
 inline PatchEffects make_effect_part(std::string_view bytes, std::uint32_t part) noexcept {
   const std::string_view here = bytes.substr(part * PatchEffects::kMaxBytes, PatchEffects::kMaxBytes);
   PatchEffects message{.part = part, .byte_count = static_cast<std::uint32_t>(here.size())};
@@ -27,7 +27,7 @@ inline PatchEffects make_effect_part(std::string_view bytes, std::uint32_t part)
 // Collects the parts of a scene's effects, in any order. RT: no. Threads: one.
 class EffectParts {
  public:
-  // False: it does not fit: another part of that number came before, or it is not as long as its number says.
+  // False: a part of that number came before with other bytes. The length of a part is not checked: compare that of join().
   bool take(const PatchEffects& part) {
     if (part.part >= parts_.size()) parts_.resize(part.part + 1);
     std::string& own = parts_[part.part];
@@ -38,7 +38,7 @@ class EffectParts {
     return true;
   }
 
-  // All have come, of so many bytes.
+  // True if all parts of so many bytes have come.
   bool is_whole(std::size_t bytes) const {
     const std::size_t count = count_effect_parts(bytes);
     return parts_.size() >= count && std::none_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count),
@@ -51,7 +51,7 @@ class EffectParts {
   }
 
  private:
-  std::vector<std::string> parts_;  // by number; empty: has not come
+  std::vector<std::string> parts_;  // by number; empty: the part has not come
 };
 
 }  // namespace hapton

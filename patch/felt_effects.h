@@ -16,25 +16,25 @@ namespace hapton {
 class BodyPlaces {
  public:
   virtual ~BodyPlaces() = default;
-  // X_SO of a body.
+  // The pose X_SO of a body.
   virtual Pose pose(std::size_t body) const noexcept = 0;
-  // Of an object that deforms, where it was touched in the last step (ForceMethod::find_place). None: it keeps its shape.
+  // Where an object that deforms was touched in the last step (ForceMethod::find_place). None: the object keeps its shape.
   virtual std::optional<SurfacePlace> place(std::size_t body, int object) const noexcept = 0;
 };
 
-// The effects of a scene, added to the force of its patches as TouchStep adds them to that of the whole scene. Past the edge of a patch the
+// Adds the effects of a scene to the force of its patches, as TouchStep adds them to that of the whole scene. Past the edge of a patch the
 // plane of the last contact has the effects of the object touched last.
 //
-// Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
+// Frames: W and S as named. Units: SI. RT: yes, except construction. Threads: one.
 class FeltEffects {
  public:
   explicit FeltEffects(const SceneEffectSet& effects);
 
-  // output: of the patches in that step; none: it is not known what they would give, and nothing is felt.
+  // output: the result of the patches in this step; none: it is not known what they would give, and nothing is felt.
   void add(const TouchInput& input, const BodyPlaces& bodies, std::optional<PatchOutput>& output) noexcept;
   // Forgets contact and time.
   void forget() noexcept { effects_.reset(); }
-  // As EffectStep.
+  // Takes over the motion of the hand from `other`, as EffectStep does.
   void continue_hand_motion(const FeltEffects& other) noexcept;
 
  private:
@@ -42,12 +42,12 @@ class FeltEffects {
   int frame_of(int object) const noexcept;
   MapFinder* find_maps(int object) const noexcept;
 
-  std::vector<std::size_t> bodies_;  // that move and have effects, by number of their frame
-  std::vector<int> frame_of_;        // by object, that number; EffectStep::kStill: it stands still, or has no effects
+  std::vector<std::size_t> bodies_;  // those that move and have effects, by number of their frame
+  std::vector<int> frame_of_;        // by object, the number of its frame; EffectStep::kStill: it stands still, or has no effects
   EffectStep effects_;
-  std::vector<Pose> X_SF_;                        // of these bodies, at the newest sample
-  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none
-  TouchInput last_;                               // of the last step
+  std::vector<Pose> X_SF_;                        // poses of these bodies at the newest sample
+  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has no images
+  TouchInput last_;                               // input of the last step
   bool has_last_ = false;
   int touched_ = -1;  // object of the last contact within a patch
 };

@@ -11,12 +11,12 @@
 
 namespace hapton {
 
-// The newest move of each object that programs move, of one haptics process, the last few of all, and which serials have come: for a hub
-// that computes forces itself. The room is bounded: of further objects, none of whose scenes is offered in parts, nothing is kept. RT: all.
-// Threads: one.
+// Keeps the newest move of each object that programs move, the last few moves of all objects, and which serials have come, all of one
+// haptics process: for a hub that computes forces itself. The room is bounded: nothing is kept of further objects; a scene with so many
+// is not offered in parts. RT: yes. Threads: one.
 class MoveTable {
  public:
-  // False: it is known already, or older than what is known.
+  // False: it is known already, older than what is known, not valid (serial 0, no unit quaternion), or there is no room for its object.
   bool take(const ObjectMove& move) noexcept {
     if (move.source != source_) {
       *this = {};
@@ -36,24 +36,24 @@ class MoveTable {
   void clear() noexcept { *this = {}; }
 
   std::span<const ObjectMove> moves() const noexcept { return std::span(moves_).first(count_); }
-  // The last kRecent that were taken, the oldest first: visit(move).
+  // Calls visit(move) for the last kRecent moves that were taken, the oldest first.
   template <class Visit>
   void visit_recent(Visit&& visit) const {
     for (std::size_t n = recent_count_ - std::min(recent_count_, kRecent); n < recent_count_; ++n) visit(recent_[n % kRecent]);
   }
-  // Null: not moved yet, as far as known.
+  // The newest move of an object; null: none is known.
   const ObjectMove* find(std::int32_t object) const noexcept {
     for (const ObjectMove& one : moves()) {
       if (one.object == object) return &one;
     }
     return nullptr;
   }
-  // As in PatchStatus.
+  // As PatchStatus::newest_move and PatchStatus::moves_received.
   std::uint32_t newest() const noexcept { return newest_; }
   std::uint64_t received() const noexcept { return received_; }
 
  private:
-  static constexpr std::size_t kRecent = 16;  // moves that a new body is told of
+  static constexpr std::size_t kRecent = 16;  // moves that a newly announced body is given
 
   void note(std::uint32_t serial) noexcept {
     if (serial > newest_) {

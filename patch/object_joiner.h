@@ -14,7 +14,7 @@
 
 namespace hapton {
 
-// Tiles of one object joined: a vertex that several have is one.
+// Joins tiles of one object to one mesh: a vertex that several tiles have becomes one vertex. RT: no.
 class ObjectJoiner {
  public:
   explicit ObjectJoiner(const PatchGrid& grid) : grid_(grid), mesh_(std::make_shared<TriangleMesh>()) {}
