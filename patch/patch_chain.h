@@ -17,63 +17,63 @@
 
 namespace hapton {
 
-// Computes the force of a scene, in which objects may move, from patches of its bodies. Each body has a PatchTouch in its own frame, and
-// where that is follows from the scene time alone: from its keyframes, or from the moves that are announced. So a body's patches stay valid
-// while it moves, and past the edge of one the plane of the last contact moves with the body. The bodies have one proxy as in MovingMethod
+// Computes the force of a scene, in which objects may move, from patches of its bodies. Each body has a PatchTouch in its own frame, whose
+// pose follows from the scene time alone: from its keyframes, or from the moves that are announced. So a body's patches stay valid while it
+// moves, and past the edge of a patch the plane of the last contact moves with the body. The bodies share one proxy as in MovingMethod
 // (CommonProxy): the force is that of the whole scene's method at the same scene time.
 //
-// Of a scene where nothing moves it is the one PatchTouch. The scene's effects are added to the force (FeltEffects).
+// If nothing in the scene moves, only one PatchTouch computes the force. The scene's effects are added to the force (FeltEffects).
 //
-// Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
+// Frames: W and S as named. Units: SI. RT: yes, except construction. Threads: one.
 class PatchChain {
  public:
   static constexpr std::size_t kLinks = PatchBody::kMaxBodies;
 
   PatchChain();
 
-  // --- bodies. Before any are known the scene is one that stands still.
-  // Those of the patches that come: returns what they replace. They begin where the proxy was: at the last step that was felt, or as
-  // start_at() says, whichever is newer.
+  // --- bodies. Before any are known, the scene is one body that stands still.
+  // Takes the bodies of the patches that come from now on; returns those that they replace. They begin where the proxy was: at the last
+  // step that was felt, or as start_at() says, whichever is newer.
   std::unique_ptr<PatchBodies> take(std::unique_ptr<PatchBodies> bodies) noexcept;
-  // The newest moves of commanded bodies that are known.
+  // Takes the newest known moves of commanded bodies.
   void note_moves(const MoveTable& moves) noexcept;
-  // Other materials from the next step on; returns what they replace.
+  // Uses these materials from the next step on; returns those that they replace.
   std::unique_ptr<PatchMaterials> take(std::unique_ptr<PatchMaterials> materials) noexcept;
 
-  // --- each as PatchTouch has it
+  // --- these do the same as in PatchTouch: for one body where `link` is given, else for all
   std::unique_ptr<Patch> offer(std::size_t link, std::unique_ptr<Patch> patch) noexcept;
   std::unique_ptr<Patch> take_retired(std::size_t link) noexcept { return touches_[link].take_retired(); }
   bool take(std::size_t link, PatchShape& stage) noexcept { return touches_[link].take(stage); }
   void forget() noexcept;
   void set_generation(std::uint32_t generation) noexcept;
-  // time_s: scene time then.
+  // time_s: the scene time at which the proxy was there, age_s ago.
   void start_at(const Vec3& p_SP, const Vec3& outward, double age_s, double time_s) noexcept;
   bool has_arrived() const noexcept { return has_arrived_; }
   bool is_placed() const noexcept { return touches_[0].is_placed(); }
 
-  // input.time_s: the scene time of the sample. None: as PatchTouch, for any body; or where a commanded body is, is not known.
+  // input.time_s: the scene time of the sample. None: PatchTouch has none for one of the bodies, or it is not known where all bodies are.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
-  // Links in use: one for each body.
+  // The number of bodies; the links in use are one for each body.
   std::size_t body_count() const noexcept { return bodies_ != nullptr ? bodies_->bodies.size() : 1; }
   bool is_in_use(std::size_t link) const noexcept { return link < body_count(); }
-  // Calls visit(link) for each link that is or has been in use: in a scene that stands still, the one.
+  // Calls visit(link) for each link that is or has been in use: only link 0 if no scene so far has moved.
   template <class Visit>
   void for_each_link(Visit&& visit) const {
     for (std::size_t link = 0; link < most_bodies_; ++link) visit(link);
   }
-  // Where the hand is for a link, in its frame, since the last step.
+  // Where the hand was in the last step, in the frame of a link.
   PatchHandState hand_of(std::size_t link, std::int64_t time_ns, std::int64_t scene_time_ns = 0) const noexcept {
     PatchHandState hand = touches_[link].hand_at(p_OD_[link], time_ns);
     hand.scene_time_ns = scene_time_ns;
     return hand;
   }
-  // X_SO of a body at a scene time.
+  // The pose X_SO of a body at a scene time.
   Pose pose_of(std::size_t body, double time_s) const noexcept;
 
-  // Sums over the links.
+  // The counts of all links together.
   PatchTouch::Counts counts() const noexcept;
-  // Moves that did not go as announced, as they came too late.
+  // The number of moves that did not go as announced, because they came too late.
   std::uint64_t late_moves() const noexcept { return late_moves_; }
 
  private:
@@ -98,17 +98,17 @@ class PatchChain {
   std::optional<PatchOutput> step_chain(const TouchInput& input) noexcept;
 
   std::vector<PatchTouch> touches_;
-  std::array<Vec3, kLinks> p_OD_;  // the device of each link in the last step, in its frame
+  std::array<Vec3, kLinks> p_OD_;  // the device in the last step, in the frame of each link
   std::array<AnnouncedMotion, PatchBody::kMaxBodies> commanded_;
   std::unique_ptr<PatchBodies> bodies_;
   std::unique_ptr<PatchMaterials> materials_;
-  std::size_t most_bodies_ = 1;  // that there were at a time
+  std::size_t most_bodies_ = 1;  // the most bodies that there were at a time
   CommonProxy proxy_{kLinks, 1.0};
-  std::optional<Start> start_;  // none: where the proxy is, is not known
+  std::optional<Start> start_;  // none: it is not known where the proxy is
   bool are_new_ = false;        // bodies have come that have not begun at start_ yet
   std::uint32_t generation_ = 0;
   bool has_arrived_ = false;
-  std::array<bool, kLinks> has_force_ = {};  // each body, in this step
+  std::array<bool, kLinks> has_force_ = {};  // whether each body had a force in this step
   std::array<bool, kLinks> had_force_ = {};  // and in the one before
   bool has_all_ = false;                     // in this step every link had a force
   double time_s_ = 0.0;                      // of the last step

@@ -13,8 +13,8 @@ namespace hapton {
 
 using GridPoint = std::array<std::uint32_t, 3>;
 
-// The grid that tiles lie on, one for a scene: whole steps of a power of two of a metre from an origin on that grid. Every vertex of the
-// scene is rounded to it once, so that tiles join without cracks, however they arrive.
+// The grid that tiles lie on, one for a scene. A step is a power of two in metres, and the origin a whole number of steps. Every vertex of
+// the scene is rounded to the grid once, so that tiles join without cracks, however they arrive.
 //
 // The scene fills between a quarter and a half of the grid's width along its longest side, so a vertex moves by at most kLargestRounding of
 // that side: 21 nm on a scene of 100 mm, 2e-5 N at 1,000 N/m.
@@ -25,7 +25,7 @@ struct PatchGrid {
   Vec3 origin_m = Vec3::Zero();
   double step_m = 1.0;
 
-  // Centred on the box. Pre: not empty, finite.
+  // Makes a grid centred on the box. Pre: the box is finite and not empty.
   static PatchGrid around(const Box& scene) {
     const double longest = (scene.high - scene.low).maxCoeff();
     PatchGrid grid;
@@ -35,7 +35,7 @@ struct PatchGrid {
     return grid;
   }
 
-  // Of the whole grid. Every part of the scene is touched in this box's local frame, in which a contact offset is a 64th of a step.
+  // The box of the whole grid. Every part of the scene is touched in this box's local frame, in which a contact offset is a 64th of a step.
   Box box() const noexcept { return {origin_m, origin_m + Vec3::Constant(std::ldexp(step_m, kPatchGridBits))}; }
 
   // The nearest point of the grid, also for a position outside of it.
@@ -53,7 +53,7 @@ inline Vec3 to_vector(const GridPoint& g) noexcept {
   return {static_cast<double>(g[0]), static_cast<double>(g[1]), static_cast<double>(g[2])};
 }
 
-// A vertex in the form that PatchTile has it in. RT: yes.
+// Write and read a vertex in the form in which PatchTile has it. RT: yes.
 inline void write_vertex(PatchTile& tile, std::size_t vertex, const GridPoint& g) noexcept {
   std::uint8_t* byte = tile.vertices.data() + vertex * PatchTile::kVertexBytes;
   for (const std::uint32_t value : g) {
@@ -84,7 +84,7 @@ struct CellKey {
   }
   CellKey parent() const noexcept { return {level - 1, {index[0] / 2, index[1] / 2, index[2] / 2}}; }
   std::uint32_t octant() const noexcept { return (index[0] & 1U) | ((index[1] & 1U) << 1) | ((index[2] & 1U) << 2); }
-  // In steps of the grid.
+  // The bounds of the cube, in steps of the grid.
   Box bounds() const noexcept {
     const double width = std::ldexp(1.0, kPatchGridBits - static_cast<int>(level));
     const Vec3 low = width * Vec3(static_cast<double>(index[0]), static_cast<double>(index[1]), static_cast<double>(index[2]));

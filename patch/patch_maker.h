@@ -12,17 +12,17 @@
 
 namespace hapton {
 
-// Decides when the hand needs a new patch, and makes it. Its centre is where the hand will be when the patch is ready. Its radius is that
-// in which the scene is known there, but no larger than there is time for before the hand leaves the present patch. So patches grow, from a
-// small first one up to the whole scene. For a hand past the edge of its patch, the new one covers the whole path since the edge.
-// Frame: that of the body, S where it stands still. Units: SI. RT: no. Threads: one.
+// Decides when the hand needs a new patch, and makes it. Its centre is where the hand will be when the patch is ready. Its radius is the
+// one within which the scene is known there, but no larger than can be made before the hand leaves the present patch. So patches grow,
+// from a small first one up to the whole scene. If the hand is past the edge of its patch, the new one covers its path since the edge.
+// Frame: that of the body, which is S if it stands still. Units: SI. RT: no. Threads: one.
 class PatchMaker {
  public:
   static constexpr std::size_t kFewTriangles = 8192;  // triangles that a patch may have at any speed of the hand: 5 ms to make
   static constexpr std::size_t kMaxTriangles = PatchStore::kMaxTiles * PatchTile::kMaxTriangles;  // of the largest scene
   static constexpr double kFirstMakeS = 1e-6;  // time to make a patch, for each triangle, before the first measurement
 
-  // few: the value of kFewTriangles for this one. body: of the scene, in whose frame the hand is.
+  // few: the value to use for kFewTriangles. body: its number in the scene; the hand is given in its frame.
   explicit PatchMaker(std::size_t few = kFewTriangles, std::uint32_t body = 0) : few_(few), body_(body) {}
 
   // Takes the position of the hand. Pre: times of one clock, in ascending order.
@@ -35,13 +35,13 @@ class PatchMaker {
     failed_at_.reset();
     shaper_.forget();
   }
-  // Makes a patch if one is due. Null: the newest one suffices, or no part of the scene is known there.
+  // Makes a patch if one is due. Null: the newest suffices, no part of the scene is known there, or none can be made of the known parts.
   std::unique_ptr<Patch> make_if_due(const PatchStore& store, std::uint32_t generation);
 
-  // Of a body that programs deform: the next stage of the newest patch; null: there is none.
+  // Makes the next stage of the newest patch if programs deform the body; null: there is none.
   std::unique_ptr<PatchShape> make_stage_if_due(const PatchStore& store);
 
-  // Of the newest patch.
+  // These two are of the newest patch.
   std::size_t triangles() const noexcept { return triangles_; }
   double radius_m() const noexcept { return radius_m_; }
 
@@ -61,17 +61,17 @@ class PatchMaker {
   PatchHandState hand_;
   Vec3 v_SD_ = Vec3::Zero();
   bool has_hand_ = false;
-  // Of the newest patch:
+  // Down to is_path_incomplete_: of the newest patch.
   std::optional<Vec3> p_SC_;  // centre; none: there is no patch
   double radius_m_ = 0.0;
   std::size_t triangles_ = 0;
   bool is_limited_ = false;                 // there was no time for all triangles that were known
-  std::uint64_t made_from_ = 0;             // PatchStore::revision() then
-  std::int64_t made_ns_ = 0;                // PatchHandState::time_ns then
+  std::uint64_t made_from_ = 0;             // PatchStore::revision() when it was made
+  std::int64_t made_ns_ = 0;                // PatchHandState::time_ns when it was made
   bool is_path_incomplete_ = false;         // Patch::is_path_incomplete
-  std::optional<std::uint64_t> failed_at_;  // PatchStore::revision() then: of these parts none can be made
+  std::optional<std::uint64_t> failed_at_;  // PatchStore::revision() at which no patch could be made
   double widening_ = 1.0;                   // power of kWiden
-  PatchShaper shaper_;                      // of a body that programs deform
+  PatchShaper shaper_;                      // makes the stages of a body that programs deform
   double triangle_s_ = kFirstMakeS;         // mean time to make a patch, for each triangle
 };
 
