@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// Where the hand is, frame S.
+// Position and velocity of the hand, in frame S or that of a body.
 struct HandMotion {
   Vec3 p_SD = Vec3::Zero();
   Vec3 v_SD = Vec3::Zero();  // m/s
@@ -22,45 +22,45 @@ struct HandMotion {
 // Decides which part of a scene goes to the hub next, within a bandwidth: of the parts that the hub does not have, the one nearest to the
 // hand and to where it is moving. A part is sent again if the hub's status shows that it was lost, or does not confirm it for too long.
 //
-// Of a scene that moves, the bodies are announced first. Parts of each belong to its frame, so they stay valid while it moves; how near to
-// the hand they are follows from where the hand is in that frame. The moves of objects that programs move are sent by the caller as soon as
-// they are decided (note_move); here only those are sent again that the hub does not confirm.
+// If the scene moves, its bodies are announced first. The parts of a body are in its frame, so they stay valid while it moves; how near
+// they are to the hand follows from where the hand is in that frame. The caller sends the moves of objects that programs move as soon as
+// they are decided (note_move); this class sends only those that the caller has not, and again those that the hub does not confirm.
 //
 // Units: SI, ns of one clock. Time is a parameter. RT: no. Threads: one.
 class PatchSource {
  public:
   struct Options {
-    double bits_per_s = 1e6;      // of IP packets
-    double least_reach_m = 0.03;  // parts this near to the hand are sent, and those that a fast hand may come near meanwhile
+    double bits_per_s = 1e6;      // bandwidth, of IP packets
+    double least_reach_m = 0.03;  // parts this near to the hand are sent, and those that a fast hand may come near to meanwhile
     double fastest_m_per_s = 0.3;
   };
   struct Counts {
     std::uint64_t sent = 0;
-    std::uint64_t repeated = 0;  // of them
+    std::uint64_t repeated = 0;  // ... of them, sent before
     std::uint64_t held = 0;      // parts that the hub has
     std::uint64_t bytes = 0;     // of IP packets, estimated
     std::uint64_t moves_repeated = 0;
   };
 
-  // epoch: another one for each scene and start, never 0.
+  // epoch: for each scene and start one more than the last, never 0.
   PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t scene_hash, std::uint32_t epoch, const Options& options);
 
-  // Before the first take(): PatchStatus::request that this epoch replies to, and PatchBegin::method_serial.
+  // To call before the first take(). request: the PatchStatus::request that this epoch replies to. method_serial: as in PatchBegin.
   void reply_to(std::uint32_t request, std::uint32_t method_serial) noexcept {
     begin_.request = request;
     begin_.method_serial = method_serial;
   }
 
   void accept(const PatchStatus& status) noexcept;
-  // The hand, in the frame of a body.
+  // Takes the position of the hand, in the frame of a body.
   void aim(const HandMotion& hand, std::size_t body = 0) noexcept {
     if (body < hands_.size()) hands_[body] = hand;
   }
-  // The newest move of an object, sent at that time; below 0: not sent yet.
+  // Takes the newest move of an object, which was sent at sent_ns; below 0: it is not sent yet.
   void note_move(const ObjectMove& move, std::int64_t sent_ns) noexcept;
-  // The newest shape of an object that programs deform (ShapeStart).
+  // Takes the newest shape of an object that programs deform (ShapeStart::serial).
   void note_shape(std::int32_t object, std::uint32_t serial);
-  // Of all objects of the scene, as from now on. RT: no.
+  // Takes the materials that all objects of the scene have from now on. RT: no.
   void set_materials(const std::vector<Material>& materials);
 
   // The next part to send; none when the hub has all that is in reach, all is on its way, or the bandwidth is used up.
@@ -70,23 +70,23 @@ class PatchSource {
   const TiledScene& scene() const noexcept { return scene_; }
 
  private:
-  static constexpr std::size_t kSerials = 4096;  // remembered: eight times PatchStatus::kSerials
+  static constexpr std::size_t kSerials = 4096;  // serials remembered: eight times PatchStatus::kSerials
   static constexpr std::size_t kPlanned = 64;
 
   enum class State : std::uint8_t { missing, sent, held };
   struct Item {
     State state = State::missing;
-    std::uint32_t serial = 0;        // when sent last; held: the one that was confirmed
-    std::uint32_t first_serial = 0;  // when sent first with what it is now; 0: it was not
+    std::uint32_t serial = 0;        // of the last time it was sent; held: the one that was confirmed
+    std::uint32_t first_serial = 0;  // of the first time its present content was sent; 0: not sent yet
     std::int64_t sent_ns = 0;
   };
 
-  // A message of a body: some of its keyframes, or none.
+  // A PatchBody message: some keyframes of the body, or none.
   struct BodyPart {
     std::uint32_t body = 0;
     std::uint32_t first_key = 0;
   };
-  // A message of the weights of one that deforms.
+  // A PatchDeformation message: some weights of a body that deforms.
   struct WeightPart {
     std::uint32_t body = 0;
     std::uint32_t first_key = 0;
@@ -133,17 +133,17 @@ class PatchSource {
   std::vector<BodyPart> body_parts_;      // none where nothing moves
   std::vector<WeightPart> weight_parts_;  // by body
   std::vector<MoveItem> moves_;           // by object
-  std::vector<TunedObject> tuned_;        // other materials than tiles have
-  std::vector<Material> of_tiles_;        // by object
-  std::vector<Item> items_;               // the beginning, bodies, effects, cells, tiles, weights, displacements, streams, materials
+  std::vector<TunedObject> tuned_;        // objects that got another material than that of their tiles
+  std::vector<Material> of_tiles_;        // materials of the tiles, by object
+  std::vector<Item> items_;               // PatchBegin, bodies, effects, cells, tiles, weights, displacements, streams, materials
   std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
   std::uint32_t serial_ = 0;
   double round_trip_s_ = 0.0;
   double credit_bytes_ = 0.0;
   std::int64_t credited_ns_ = 0;
-  std::vector<std::size_t> planned_;  // items, the last first
+  std::vector<std::size_t> planned_;  // items in reverse order: the last one is sent first
   std::int64_t planned_ns_ = 0;
-  std::vector<std::array<Vec3, 3>> ahead_;  // by body, in steps: where the hand is and may come to
+  std::vector<std::array<Vec3, 3>> ahead_;  // by body, in steps of the grid: where the hand is and may come to
   Counts counts_;
 };
 

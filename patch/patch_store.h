@@ -23,7 +23,7 @@
 
 namespace hapton {
 
-// The material that a tile has of its object. RT: yes.
+// The material of its object that a tile carries. RT: yes.
 inline Material material_of(const PatchTile& tile) noexcept {
   return {.stiffness_n_per_m = tile.stiffness_n_per_m,
           .damping_ns_per_m = tile.damping_ns_per_m,
@@ -32,18 +32,18 @@ inline Material material_of(const PatchTile& tile) noexcept {
           .two_sided = tile.two_sided};
 }
 
-// Other numbers on the same surface. RT: yes.
+// `numbers`, with one or two sides as `surface` has. RT: yes.
 inline Material with_numbers_of(const Material& surface, Material numbers) noexcept {
   numbers.two_sided = surface.two_sided;
   return numbers;
 }
 
 // The parts of a scene that io_node has received. Within the known radius of a point no triangle of a body is missing. Parts may arrive
-// in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed. So is one that
-// announces a body which moves as no scene may: faster than kMaxSurfaceSpeed, or farther from its pivot than it says. Shapes are known of
-// no more objects than there may be bodies.
+// in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed. So is a part
+// that announces a body with a motion that no scene may have: faster than kMaxSurfaceSpeed, or farther from its pivot than announced. The
+// shapes of no more objects are kept than there may be bodies.
 //
-// Frame: that of the body, S where it stands still. Units: m. RT: no. Threads: one.
+// Frame: that of the body, which is S if it stands still. Units: m. RT: no. Threads: one.
 class PatchStore {
  public:
   static constexpr std::size_t kMaxTiles = 8192;      // bounds the memory for triangles
@@ -53,14 +53,14 @@ class PatchStore {
   // The triangles near a point, as a scene of their own, and how far from the point none is missing.
   struct Piece {
     TouchScene scene;          // no objects if no triangle is near
-    std::vector<int> objects;  // for each of its objects the number in the whole scene
+    std::vector<int> objects;  // for each object of `scene` its number in the whole scene
     double radius_m = 0.0;     // no triangle within this distance of the point is missing
     std::size_t triangles = 0;
   };
   struct Counts {
     std::uint64_t parts = 0;
     std::uint64_t repeated = 0;
-    std::uint64_t rejected = 0;  // parts of an earlier epoch, or without room
+    std::uint64_t rejected = 0;  // parts of an earlier epoch, without room, or not valid
   };
 
   // Takes a part. A part of a newer epoch (another scene, or the same one sent anew) drops all parts of the one before.
@@ -73,9 +73,9 @@ class PatchStore {
   void accept(const PatchDisplacements& displaced);
   void accept(const PatchStream& stream);
   void accept(const PatchEffects& effects);
-  // Any of these, which kIsScenePart lists. False: another message.
+  // Takes any of these parts, which kIsScenePart lists. False: it is another message.
   bool accept_part(const Message& message);
-  // What programs deform, and how: ObjectShape and ShapeStart, of whatever epoch. False: another message. arrival: as KnownShapes has it.
+  // Takes an ObjectShape or a ShapeStart, whatever the epoch. False: it is another message. arrival: as in KnownShapes.
   bool accept_shape(const Message& message, Arrival arrival);
   // Drops everything, for another sender, whose epochs start again.
   void clear();
@@ -84,31 +84,31 @@ class PatchStore {
   const PatchBegin& begin() const noexcept { return *begin_; }
   // The parts of this epoch received so far. The caller sets is_wanted and round_trip_s.
   const PatchStatus& status() const noexcept { return status_; }
-  // Another one whenever there is more than before.
+  // Changes whenever a part or a shape has been taken.
   std::uint64_t revision() const noexcept { return counts_.parts + shape_news_; }
   const Counts& counts() const noexcept { return counts_; }
 
-  // The radius around a point within which no triangle of the scene is missing here; infinity if none is missing. Of a body that deforms,
-  // all is missing until all is there, and of one that programs deform until a shape is known that it has, or had since. Pre: has_begun().
+  // The radius around a point within which no triangle of a body is missing here; infinity if none is missing. If the body deforms, it is
+  // missing until all of it is there, and if programs deform it, until a shape is known that it has, or has had since. Pre: has_begun().
   double known_radius(const Vec3& p_S, std::uint32_t body = 0) const;
 
   // The triangles around a point, up to its known radius and most_m. The radius is reduced until there are at most most_triangles, or twice
-  // as many as the tiles at the point itself have, if that is more. Of a body that deforms: the whole of it, or nothing. Pre: has_begun().
+  // as many as the tiles at the point itself have, if that is more. A body that deforms is in it as a whole, or not. Pre: has_begun().
   Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body = 0) const;
 
-  // All bodies are announced, and all effects are there. Before that nothing can be felt: something that moves may be anywhere.
+  // True if all bodies are announced, and all effects are here. Before that nothing can be felt: a body that moves may be anywhere.
   bool has_bodies() const noexcept;
   // Pre: has_bodies().
   std::unique_ptr<PatchBodies> make_bodies(std::uint32_t generation) const;
 
-  // Of a body that programs deform; null: another one.
+  // The parts of a body that programs deform; null: programs do not deform it, or parts are missing.
   const StreamedParts* find_stream(std::uint32_t body) const noexcept;
   const KnownShapes& shapes() const noexcept { return shapes_; }
-  // As KnownShapes: what is to be sent to the haptics node.
+  // As in KnownShapes: the requests to send to the haptics node.
   std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
   void take_shape_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into) { shapes_.take_requests_ahead(now_ns, into); }
 
-  // Materials that are not those of the tiles, by object, and how often they have changed.
+  // Materials that replace those of the tiles, by object, and how often they have changed.
   const std::map<std::uint32_t, Material>& materials() const noexcept { return materials_; }
   std::uint32_t material_version() const noexcept { return material_version_; }
 
@@ -118,12 +118,12 @@ class PatchStore {
     std::vector<std::uint32_t> tiles;
   };
   struct Body {
-    PatchBody head;  // of what came first
+    PatchBody head;  // the message that came first
     std::vector<Keyframe> keys;
     std::vector<bool> has_key;
     bool has_begun = false;
-    bool is_known = false;  // all of its motion
-    // Of one that deforms: what has come, and all of it once that is whole.
+    bool is_known = false;  // all of its motion is here
+    // If it deforms: what has come, and the whole body once nothing is missing.
     DeformingParts parts;
     StreamedParts stream;
     TouchObject whole;
@@ -131,7 +131,7 @@ class PatchStore {
   struct Search {
     std::uint32_t body = 0;
     Vec3 p = Vec3::Zero();  // in steps
-    double least = 0.0;     // the body is nowhere nearer
+    double least = 0.0;     // in steps; no point of the body is nearer than this
   };
 
   void drop_parts();
@@ -163,7 +163,7 @@ class PatchStore {
   PatchGrid grid_;
   std::array<Body, PatchBody::kMaxBodies> bodies_;
   EffectParts effect_parts_;
-  std::optional<SceneEffectSet> effects_;  // once all of it has come
+  std::optional<SceneEffectSet> effects_;  // none until all of them have come
   std::map<std::uint32_t, Material> materials_;
   std::map<std::uint32_t, std::uint32_t> material_serials_;
   std::uint32_t material_version_ = 0;

@@ -14,28 +14,28 @@
 
 namespace hapton {
 
-// Materials by the scene's number of the object, ascending: of those that have others than when the first parts came.
+// Materials by the scene's number of the object, ascending: of the objects that got another one since the first parts came.
 struct PatchMaterials {
   std::vector<std::pair<int, Material>> objects;
   std::uint32_t version = 0;  // counts up
 };
 
-// A piece of a body of the scene on which forces can be computed: within radius_m of the centre no triangle is missing. Frame: that of the
-// body, S where it stands still. Units: m.
+// A piece of a body of the scene on which forces can be computed: within radius_m of its centre no triangle is missing. Frame: that of
+// the body, which is S if it stands still. Units: m.
 struct Patch {
   std::unique_ptr<TouchStep> step;  // null: there is no triangle
-  std::vector<int> objects = {};    // the scene's number of each object of it
+  std::vector<int> objects = {};    // the scene's number of each object in the patch
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
-  double lift_m = 0.0;           // distance off the surface at which a proxy starts that no patch has held: above the rounding of the grid
+  double lift_m = 0.0;           // distance from the surface at which a proxy that no patch has held starts: above the rounding of the grid
   std::uint32_t generation = 0;  // of its scene
-  std::vector<Material> materials = {};  // of the objects; room for use_materials
-  std::vector<Material> shared = {};     // the same as CommonProxy has them; empty: as materials
-  std::uint32_t material_version = 0;    // PatchMaterials::version that they are of
-  bool is_shared = false;                // the step has `shared`
-  bool deforms = false;                  // as a function of the scene time; it is all of its body
-  StreamedMethod* streamed = nullptr;    // of the step, if programs deform the body
-  std::uint32_t number = 0;              // ... then as PatchShape has it
+  std::vector<Material> materials = {};  // of `objects`; use_materials() changes them here
+  std::vector<Material> shared = {};     // the same as CommonProxy needs them (shared_material); empty: as materials
+  std::uint32_t material_version = 0;    // PatchMaterials::version that these materials have
+  bool is_shared = false;                // the step uses `shared`
+  bool deforms = false;                  // as a function of the scene time; then the patch is the whole body
+  StreamedMethod* streamed = nullptr;    // the method of the step, if programs deform the body
+  std::uint32_t number = 0;              // ... then the number that PatchShape::patch names
   bool is_path_incomplete = false;       // parts of the scene between the last proxy within a patch and the hand are missing
 
   void set_materials() noexcept { step->set_materials(is_shared && !shared.empty() ? shared : materials); }
@@ -49,116 +49,116 @@ struct PatchOutput {
   bool is_handed_over = false;       // another patch, or the edge of one, began with this step: the force may differ ...
   Vec3 difference_n = Vec3::Zero();  // ... or by just this much, where the patch before could tell it for this sample too. Frame W
   bool is_beyond = false;            // past the edge of what is known
-  int object = -1;                   // touched, of the scene's objects; -1: none, or beyond
-  // Frame W: proxy minus device point, where the probe is drawn elsewhere: a needle in layers. None: visual_offset_m.
+  int object = -1;                   // number of the touched object in the scene; -1: none, or beyond
+  // Frame W: proxy minus device point, if the probe is drawn elsewhere, as a needle in layers is. None: it is visual_offset_m.
   std::optional<Vec3> held_offset_m = {};
 };
 
 // A ball around the last proxy within a patch and all positions of the device since: what a patch has to cover so that the proxy can follow
-// the device. Frame S.
+// the device. Frame: S, or that of the body.
 struct PathBall {
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
 };
 
-// Where the device is, for whoever makes the next patch. Frame S.
+// Where the device is, for the maker of the next patch. Frame: S, or that of the body.
 struct PatchHandState {
   Vec3 p_SD = Vec3::Zero();
   std::int64_t time_ns = 0;
   bool is_beyond = false;  // past the edge of its patch: the next one has to cover `path`
   PathBall path;
-  std::int64_t scene_time_ns = 0;  // of the sample
+  std::int64_t scene_time_ns = 0;  // scene time of the sample
 };
 
 // Computes the force of a scene from patches of it, one after the other. The force is that of the whole scene as long as everything that
 // the step can meet lies within the patch: device and proxy stay within |device - centre| + |proxy - device| + |motion| of its centre.
 //
-// A new patch takes over at the proxy: its step starts there and goes to the device. So the path of the proxy has no gap, and contact
+// A new patch takes over at the proxy: its step starts there and moves to the device. So the path of the proxy has no gap, and contact
 // continues with the same surface, because both patches have the same triangles on the same grid. A proxy that no patch has held is lifted
 // off the surface first, along the force. Both patches compute that sample, so that the effect of the hand's motion does not count as a
 // difference between them.
 //
 // Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
 // stiffness of the surface and damping of its own, and is at most kMaxBeyond times the last force within the patch, without the surface's
-// damping. Without contact there is no force past the edge. When a patch reaches there, the proxy follows the stored positions,
+// damping. Without contact there is no force past the edge. When a patch reaches them, the proxy follows the stored positions,
 // kMaxFollowed in each step, until it has caught up: it is then where the whole scene would have it. A patch with is_path_incomplete does
 // not wait for that: in contact it takes over from a point above the plane, higher the farther the hand went past the edge, and contact
 // continues with the surface met first from there. A hand that was free for kBeyondS past the edge starts again where it is.
 //
-// Frames: W and S as named. Units: SI. RT: all. Threads: one.
+// Frames: W and S as named; for a body that moves (PatchChain), S and its frame in their place. Units: SI. RT: yes. Threads: one.
 class PatchTouch {
  public:
-  static constexpr int kMaxFollowed = 32;           // stored positions a step: those of a second at 1 kHz within 32 steps
+  static constexpr int kMaxFollowed = 32;           // stored positions in one step: those of a second at 1 kHz in 32 steps
   static constexpr double kBeyondS = 5.0;           // s, see above
-  static constexpr double kMaxBeyond = 2.0;         // largest force past the edge, over the last one within
+  static constexpr double kMaxBeyond = 2.0;         // largest force past the edge, over the last one within the patch
   static constexpr double kBeyondDampingS = 0.005;  // damping of the plane over its stiffness
   static constexpr double kRise = 0.25;             // height above the plane over the distance along it since the edge, ...
-  static constexpr double kMinRise = 2.0;           // ... and at least this many times the last penetration within
+  static constexpr double kMinRise = 2.0;           // ... and at least this many times the last penetration within the patch
   static constexpr double kMaxRoom = 0.9;           // share of a patch's room above the hand in which a proxy may start
 
   struct Counts {
     std::uint64_t steps = 0;
     std::uint64_t contact_steps = 0;
-    std::uint64_t followed = 0;      // ... that were late: for stored positions, past the edge of the patch at that time
+    std::uint64_t followed = 0;      // ... made late, for stored positions that were past the edge of the patch at the time
     std::uint64_t handed_over = 0;   // patches that took over
     std::uint64_t beyond = 0;        // times that the hand came past the edge
-    std::uint64_t beyond_steps = 0;  // steps there
+    std::uint64_t beyond_steps = 0;  // steps past the edge
     std::uint64_t raised = 0;        // patches that took over from above the plane
     std::uint64_t begun_anew = 0;    // times that a free hand stayed past the edge for longer than kBeyondS
     std::uint64_t late_moves = 0;    // of PatchChain: moves of objects that came too late to go as announced
     std::uint64_t shapes = 0;        // stages of objects that programs deform
-    std::uint64_t late_shapes = 0;   // ... that came too late to go as announced
+    std::uint64_t late_shapes = 0;   // ... of them, those that came too late to go as announced
   };
 
-  // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and did not.
+  // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and has not.
   std::unique_ptr<Patch> offer(std::unique_ptr<Patch> patch) noexcept;
-  // The replaced patch, so that a thread that is not real-time can free it. No other patch takes over before this was called.
+  // Returns the replaced patch, so that a thread that is not real-time can free it. No other patch takes over before this is called.
   std::unique_ptr<Patch> take_retired() noexcept;
   // Forgets contact; the next step starts as start_at says, or at the device.
   void forget() noexcept;
-  // Only patches of this generation are used from now on. If it is a new one, they start where the probe was.
+  // Only patches of this generation are used from now on. If the generation is new, they start where the probe was.
   void set_generation(std::uint32_t generation) noexcept;
-  // Where the proxy of a contact was, or the free device, before the first patch, and how long ago: from there the proxy follows the
-  // positions of the device since. outward: unit, of the force; zero: free.
+  // Says where the proxy of a contact, or the free device, was before the first patch, and how long ago: from there the proxy follows the
+  // positions that the device has had since. outward: direction of the force, unit; zero: free.
   void start_at(const Vec3& p_SP, const Vec3& outward, double age_s = 0.0) noexcept;
-  // The proxy is exactly there, on this side of the surface, and goes on from there: what was before does not count.
+  // Sets the proxy to exactly p_SP, which is on its side of the surface, to continue from there: its earlier path does not count.
   void go_on_from(const Vec3& p_SP) noexcept;
-  // The next motion of the surface of a patch that is here. One that comes late goes to the same shape at the same time, or as soon after
-  // it as kMaxSurfaceSpeed allows. False: it has to wait, as its patch is not here yet or other stages wait. Otherwise it holds what is
-  // used no more, to be destroyed elsewhere.
+  // Takes the next motion of the surface of a patch that is here. One that comes late reaches the same shape at the same time, or as soon
+  // after it as kMaxSurfaceSpeed allows. False: it has to wait, because its patch is not here yet or too many stages wait. True: `stage`
+  // then holds what is no longer used, to be destroyed elsewhere.
   bool take(PatchShape& stage) noexcept;
-  // The surface has other materials from the next step on, in which is_handed_over is set.
+  // Uses other materials from the next step on, in which is_handed_over is set if the patch has one of their objects.
   void use_materials(const PatchMaterials& materials) noexcept;
-  // A patch has reached the hand since the start. Until then the force has to come from elsewhere.
+  // True once a patch has reached the hand since the start. Until then the force has to come from elsewhere.
   bool has_arrived() const noexcept { return has_arrived_; }
 
-  // Other bodies hold the proxy as well from the next step on: static friction is dynamic friction (CommonProxy).
+  // Whether other bodies hold the proxy as well from the next step on: then static friction is dynamic friction (CommonProxy).
   void set_shared(bool is_shared) noexcept;
 
-  // input.is_correction: the sample of the step before with another device point, as MethodInput has it.
+  // input.is_correction: this is the sample of the last step again, with another device point, as in MethodInput.
   // None: no patch has reached the hand since the start or the last new start; or the sample is not finite, or so far away that its
   // rounding exceeds a patch's lift (10^9 sizes of the scene): such a sample changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
-  // See ForceMethod. Frame: S.
+  // As ForceMethod::carried_from. Frame: S.
   std::optional<Vec3> carried_from() const noexcept;
 
   const Counts& counts() const noexcept { return counts_; }
   bool is_placed() const noexcept { return is_placed_; }
-  // Of the last step, frame S: the proxy, and the direction from the device to it; zero: no contact.
+  // The proxy after the last step within a patch. Frame: S, as for device() and outward().
   const Vec3& proxy() const noexcept { return p_SP_; }
-  const Vec3& device() const noexcept { return newest_p_SD_; }  // of the last step
+  const Vec3& device() const noexcept { return newest_p_SD_; }  // in the last step
   bool is_beyond() const noexcept { return is_beyond_; }
-  // Of the materials of its patch, or of the plane past its edge.
+  // The stiffness of the materials of the patch, or of the plane past its edge.
   StiffnessRange stiffness() const noexcept;
-  // No surface of the patch has dynamic friction.
+  // True if no surface of the patch has dynamic friction; false past its edge.
   bool is_frictionless() const noexcept;
-  // Of an object of the scene, N s/m, by its patch.
+  // The damping of an object of the scene, N s/m; 0 if the patch does not have the object, and past its edge.
   double damping_of(int object) const noexcept;
-  // Of an object of the scene that deforms: see ForceMethod.
+  // Where an object of the scene that deforms was touched: as ForceMethod::find_place.
   std::optional<SurfacePlace> find_place(int object) const noexcept;
-  const Vec3& outward() const noexcept { return outward_S_; }
-  // Where the hand is, for whoever makes the next patch.
+  const Vec3& outward() const noexcept { return outward_S_; }  // from the device to the proxy, unit; zero: no contact
+  // Where the hand is, for the maker of the next patch.
   PatchHandState hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
 
  private:
@@ -183,19 +183,19 @@ class PatchTouch {
   std::uint32_t generation_ = 0;
   bool is_placed_ = false;   // the proxy is known
   bool is_over_ = false;     // patch_ holds the proxy; else it has to be handed over
-  bool is_on_grid_ = false;  // it was a patch that had it last
+  bool is_on_grid_ = false;  // a patch held the proxy last
   bool has_arrived_ = false;
-  Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
-  Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
-  double stiffness_n_per_m_ = 0.0;  // ... of force and penetration
+  Vec3 p_SP_ = Vec3::Zero();        // the proxy, when it was last within a patch
+  Vec3 outward_S_ = Vec3::Zero();   // direction of its force, unit; zero: free
+  double stiffness_n_per_m_ = 0.0;  // ... stiffness: this force over the penetration
   double force_n_ = 0.0;            // ... its magnitude, without damping
-  Vec3 last_p_SD_ = Vec3::Zero();   // of the last step within, or where it ran out of work
+  Vec3 last_p_SD_ = Vec3::Zero();   // the device in the last step within a patch, or where that step ran out of work
   Vec3 newest_p_SD_ = Vec3::Zero();
   Vec3 sample_from_ = Vec3::Zero();  // the device before this sample
   bool is_shared_ = false;
   DevicePath path_;
   bool is_beyond_ = false;
-  bool is_retuned_ = false;  // other materials
+  bool is_retuned_ = false;  // there are other materials since the last step
   double beyond_s_ = 0.0;
   Counts counts_;
 };
