@@ -71,18 +71,18 @@ struct PatchHandState {
 };
 
 // Computes the force of a scene from patches of it, one after the other. The force is that of the whole scene as long as everything that
-// the step can meet lies within the patch: device and proxy stay within |device - centre| + |proxy - device| + |motion| of its centre.
+// the step can meet lies within the patch: |device - centre| + |proxy - device| + |motion| is less than the radius of the patch.
 //
 // A new patch takes over at the proxy: its step starts there and moves to the device. So the path of the proxy has no gap, and contact
 // continues with the same surface, because both patches have the same triangles on the same grid. A proxy that no patch has held is lifted
-// off the surface first, along the force. Both patches compute that sample, so that the effect of the hand's motion does not count as a
-// difference between them.
+// off the surface first, along the force. The old and the new patch compute that sample, so that the effect of the hand's motion does not
+// count as a difference between them.
 //
 // Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
 // stiffness of the surface and damping of its own, and is at most kMaxBeyond times the last force within the patch, without the surface's
-// damping. Without contact there is no force past the edge. When a patch reaches them, the proxy follows the stored positions,
-// kMaxFollowed in each step, until it has caught up: it is then where the whole scene would have it. A patch with is_path_incomplete does
-// not wait for that: in contact it takes over from a point above the plane, higher the farther the hand went past the edge, and contact
+// damping. Without contact there is no force past the edge. When a patch reaches the stored positions, the proxy follows
+// them, kMaxFollowed in each step, until it has caught up: it is then where the whole scene would have it. A patch with is_path_incomplete
+// does not wait for that: in contact it takes over from a point above the plane, the higher the farther the hand went, and contact
 // continues with the surface met first from there. A hand that was free for kBeyondS past the edge starts again where it is.
 //
 // Frames: W and S as named; for a body that moves (PatchChain), S and its frame in their place. Units: SI. RT: yes. Threads: one.
