@@ -28,8 +28,8 @@ struct ShapePart {
 // The same type as HapticsSetup::Text.
 using ShapeText = std::array<char, 256>;
 
-// tool or vision -> hub -> haptics: a part of the next shape of an object that programs deform. A shape takes effect once it is whole; a
-// part of a newer shape discards one that is not whole yet.
+// tool or vision -> hub -> haptics: a part of the next shape of an object that programs deform. A shape takes effect once it is whole; it
+// is left out if a newer one becomes whole before, or two newer ones begin.
 struct ShapeRequest {
   static constexpr double kMaxSeconds = 86'400.0;  // a day
 
