@@ -19,7 +19,7 @@ namespace hapton {
 //   reply    lead  timestamp:8  second:52  tag:16                                    hub -> node
 //   data     lead  connection:4  counter:8  ciphertext:n  tag:16                     both directions
 //
-// The first two bytes of the lead are field 1 of an Envelope (proto/hapton.proto), by which every version recognises the others. The
+// The first two bytes of the lead are field 1 of an Envelope (proto/hapton.proto), so that every version recognises the others. The
 // cookie of a request is zero until the hub has sent one. `first` and `second` are the two messages of the Noise handshake (noise.h); its
 // prologue is the request up to `first`. Retry and reply repeat the timestamp of their request.
 namespace seal {

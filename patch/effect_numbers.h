@@ -53,7 +53,7 @@ class NumberReader {
   void amount(double& number) { take(number, 0.0, kMax); }
   void positive(double& number) { take(number, std::numeric_limits<double>::min(), kMax); }
   void force(double& number_n) { take(number_n, 0.0, kMaxEffectForceN); }
-  // Infinite: there is no such force.
+  // Infinity means that there is no such force.
   void force_or_none(double& number_n) {
     take(number_n, 0.0, std::numeric_limits<double>::infinity());
     is_good_ = is_good_ && (std::isinf(number_n) || number_n <= kMaxEffectForceN);

@@ -48,7 +48,7 @@ class MoveTable {
     }
     return nullptr;
   }
-  // As PatchStatus::newest_move and PatchStatus::moves_received.
+  // The values for PatchStatus::newest_move and PatchStatus::moves_received.
   std::uint32_t newest() const noexcept { return newest_; }
   std::uint64_t received() const noexcept { return received_; }
 

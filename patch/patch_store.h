@@ -104,7 +104,7 @@ class PatchStore {
   // The parts of a body that programs deform; null: programs do not deform it, or parts are missing.
   const StreamedParts* find_stream(std::uint32_t body) const noexcept;
   const KnownShapes& shapes() const noexcept { return shapes_; }
-  // As in KnownShapes: the requests to send to the haptics node.
+  // The requests to send to the haptics node, as in KnownShapes.
   std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
   void take_shape_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into) { shapes_.take_requests_ahead(now_ns, into); }
 

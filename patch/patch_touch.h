@@ -140,7 +140,7 @@ class PatchTouch {
   // rounding exceeds a patch's lift (10^9 sizes of the scene): such a sample changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
-  // As ForceMethod::carried_from. Frame: S.
+  // The same as ForceMethod::carried_from. Frame: S.
   std::optional<Vec3> carried_from() const noexcept;
 
   const Counts& counts() const noexcept { return counts_; }
