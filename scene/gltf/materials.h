@@ -10,23 +10,23 @@
 
 namespace hapton::gltf {
 
-// Where a material's texture finds its coordinates [3.9.2], with KHR_texture_transform.
+// Where a material's texture gets its coordinates from [3.9.2], with KHR_texture_transform.
 struct TexturePlace {
-  std::size_t set = 0;  // TEXCOORD_set
-  Eigen::Affine2f place = Eigen::Affine2f::Identity();
+  std::size_t set = 0;                                  // number of the attribute, TEXCOORD_set
+  Eigen::Affine2f place = Eigen::Affine2f::Identity();  // from the values of that attribute to coordinates in the image
 };
 
-// Of a textureInfo. Error: a number that is not valid.
+// Reads the place of a texture from its textureInfo. Error: a number that is not valid.
 Result<TexturePlace> read_texture_place(const Json& info, const std::string& where);
 
-// The file's materials become those of raw.appearance: base colour and its texture (find_base_colour), alpha mode and
-// cutoff, the wrap modes of the texture's sampler; if they are wanted, normal maps. Returns where each one's texture finds its
-// coordinates. What cannot be read is a note, never an error: the shape is what matters.
+// Adds the file's materials to raw.appearance: base colour and its texture (find_base_colour), alpha mode and cutoff, the wrap modes of the
+// texture's sampler; also normal maps if `appearance` asks for them. Returns the texture place of each material, in their order. What
+// cannot be read becomes a note in `raw`, never an error, because the shape can be used without it.
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, AppearanceReading appearance,
                                          RawMesh& raw);
 
-// Colours (COLOR_0) and texture coordinates of the vertices of a primitive, which was read from this JSON. Empty:
-// nothing is said of them.
+// Material, colours (COLOR_0) and texture coordinates of the vertices of a primitive, which was read from the same `json`. `vertices` is
+// empty if the primitive has neither a material nor colours. places: as read_materials returned them.
 struct VertexAppearances {
   std::uint32_t material = TriangleAppearance::kNoMaterial;
   bool has_colours = false;
