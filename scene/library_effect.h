@@ -18,9 +18,9 @@ struct LibraryEffect {
 
   // Whether both load the same library with the same parameters, independent of their lines in the file.
   bool same_as(const LibraryEffect& other) const { return library == other.library && parameters == other.parameters; }
-  // With a library that begins at this folder, and with a slash, so that the loader looks nowhere else.
+  // The same effect with the library's path taken from this folder. It has a slash, so that the loader searches nowhere else.
   LibraryEffect located_in(const std::filesystem::path& folder) const;
-  // For users: says that reading the scene does not run it.
+  // One line for users, which says that only haptics_node --allow-plugins runs the library.
   std::string describe() const;
 };
 
