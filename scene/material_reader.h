@@ -12,26 +12,26 @@
 
 namespace hapton {
 
-// A material as a scene file or a mesh file has it.
+// A material as a scene file or a mesh file gives it.
 struct MaterialSpec {
   Material material;
   SurfaceEffects effects;
   MapSpecs maps;
-  std::size_t line = 0;  // in the scene file
-  TextureSpec texture;
+  std::size_t line = 0;  // in the scene file, set by load_scene; 0: from a mesh file
+  TextureSpec texture;   // the file of its recorded texture
 };
 
-// By name.
+// The materials by name.
 using MaterialSpecs = std::map<std::string, MaterialSpec, std::less<>>;
 
-// What the maps of all of them need of mesh files.
+// What has to be read from mesh files for the maps of all these materials.
 AppearanceReading reading_for_maps(const MaterialSpecs& materials);
 
-// [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".
+// Reads [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".
 Result<MaterialSpec> read_material(const toml::table& table, const std::string& name);
 
-// A haptic material of a mesh file: its numbers are keys of [material.NAME], and its images take the place of the keys that name one.
-// mesh: the file, for errors. Error: the place in that file, what is wrong and how to fix it.
+// Reads a haptic material of a mesh file: its numbers are keys of [material.NAME], and its images replace the keys that name an image.
+// images: MeshHaptics::maps. mesh: the file, for errors. RT: set-up only. Error: the place in that file, what is wrong and how to fix it.
 Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshAppearance& images, const std::string& mesh);
 
 }  // namespace hapton
