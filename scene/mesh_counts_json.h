@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// Counts of a mesh with the keys that `hapton info --json` has for mesh files and for the objects of a scene. Each appends to an object.
-// Lengths in metres. RT: no.
+// The counts of a mesh, with the keys that `hapton info --json` uses for mesh files and for the objects of a scene. Each function adds its
+// keys to a JSON object. Lengths in metres. RT: no.
 
 void append_boundary(nlohmann::ordered_json& json, const BoundaryEdges& edges);
 void append_flaws(nlohmann::ordered_json& json, const MeshFlaws& flaws);

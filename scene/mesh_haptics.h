@@ -11,12 +11,12 @@
 
 namespace hapton {
 
-// How a mesh file says that some of its triangles feel: a material of glTF's MPEG_haptic_material.
+// How some triangles of a mesh file feel: a material of the glTF extension MPEG_haptic_material.
 struct HapticMaterial {
   std::string name;
   std::string where;    // its place in the file, for errors
-  std::string numbers;  // a JSON object with keys of [material.NAME]; empty: none
-  // Of MeshHaptics::maps; each has its numbers.
+  std::string numbers;  // text of a JSON object with keys of [material.NAME]; empty: none
+  // Indices of its images in MeshHaptics::maps; none: that property has no image.
   std::optional<std::size_t> height = {};
   std::optional<std::size_t> stiffness = {};
   std::optional<std::size_t> friction = {};
@@ -26,22 +26,22 @@ struct HapticMaterial {
   bool says_anything() const { return has_maps() || !numbers.empty(); }
 };
 
-// How a mesh file says that its triangles feel.
+// How the triangles of a mesh file feel.
 struct MeshHaptics {
   std::vector<HapticMaterial> materials;
-  // Its images, and by triangle of the mesh: the haptic material, and the places in its images, which repeat. Without triangles if no
-  // triangle has a haptic material.
+  // The images, and for each triangle of the mesh the index of its haptic material and the coordinates in the images, which repeat. Without
+  // triangles if no triangle has a haptic material.
   MeshAppearance maps;
 
   bool any() const { return !maps.triangles.empty(); }
 };
 
-// The haptic materials that occur among these triangles, in their order; TriangleAppearance::kNoMaterial where some have none. RT: set-up
-// only.
+// The indices of the haptic materials that these triangles have, each once, in the order in which they occur;
+// TriangleAppearance::kNoMaterial stands for triangles without one. RT: set-up only.
 std::vector<std::uint32_t> list_haptic_materials(const MeshAppearance& maps);
 
-// Leaves of a mesh only the triangles of one haptic material, with their appearance (unless it has no triangles). Pre: maps has
-// as many triangles as the mesh. RT: set-up only.
+// Removes from a mesh all triangles except those of one haptic material, with their appearance (if it has triangles). Pre: maps has as many
+// triangles as the mesh. RT: set-up only.
 void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshAppearance& appearance, MeshAppearance& maps);
 
 }  // namespace hapton

@@ -19,7 +19,7 @@ namespace hapton {
 // sealed when it is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
-  BoundaryEdges borders;  // with cracks up to crack_width()
+  BoundaryEdges borders;  // boundary edges; those of gaps up to crack_width() count as cracks
   RepairReport repair;
   ClosedBodies bodies;           // how many there are, and how many are inside out
   AuthoredNormalReport normals;  // vertex normals of the file that force shading can use
@@ -31,18 +31,18 @@ double crack_width(const MeshTopology& topology);
 // RT: set-up only.
 MeshFlaws find_flaws(const TriangleMesh& mesh);
 
-// "closed" or "not closed", and every flaw with its count, as part of a line.
+// "closed" or "not closed", and each flaw that occurs with its count, as part of a line.
 std::string to_text(const MeshFlaws& flaws);
 
-// "2 of 3 closed bodies are inside out: ..."; empty when none is.
+// "2 of 3 closed bodies are inside out: ..."; empty if none is.
 std::string describe_inside_out(const ClosedBodies& bodies);
 
 // What `hapton info` reports about a mesh file.
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;         // of the welded mesh of the file
-  SealReport sealed;       // changes by sealing
+  MeshFlaws flaws;         // of the mesh of the file, with its vertices welded
+  SealReport sealed;       // what the sealing of cracks changed
   BoundaryEdges left;      // boundary edges that remain after sealing
   MeshTopology for_touch;  // topology of the sealed mesh, which is the one that is touched
 
@@ -52,7 +52,7 @@ struct MeshReport {
 // Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit);
 
-// For users, one line for each fact.
+// Text for users, one line for each fact.
 std::string to_text(const MeshReport& report);
 
 // One JSON object with a schema version.

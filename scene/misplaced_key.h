@@ -5,8 +5,8 @@
 
 namespace hapton {
 
-// TOML gives a key to the table whose header comes before it, so a key of the whole scene at the end of the file is one of the last object,
-// material or other table there. Error: one line with the line in the file, and where such a key belongs. RT: set-up only.
+// Checks that fit_m, a key of the whole scene, is in no other table: TOML gives a key to the table whose header comes before it, such as
+// the last object. Error: one line with the line in the file, and where the key belongs. RT: set-up only.
 Result<void> find_misplaced_key(const toml::table& scene);
 
 }  // namespace hapton

@@ -11,22 +11,22 @@
 
 namespace hapton {
 
-// One [[object.morph]] of a scene file: displacements of the mesh's vertices, and how much of them there is at which times. Lengths in m,
-// of the mesh, before scale and pose.
+// One [[object.morph]] of a scene file: displacements of the mesh's vertices at weight 1, and the weights at given times. Lengths in m, in
+// the frame of the mesh, before scale and pose.
 struct MorphSpec {
-  std::optional<Vec3> push_m = {};   // of the middle; of all vertices without a radius
-  std::optional<Vec3> stretch = {};  // times its size about the middle, along the mesh's axes
+  std::optional<Vec3> push_m = {};   // displacement at the centre; without a radius that of all vertices
+  std::optional<Vec3> stretch = {};  // factors of the distances from the centre, along the axes of the mesh
   Vec3 centre_m = Vec3::Zero();
-  std::optional<double> radius_m = {};  // farther from the middle nothing moves; nearer, (1 - (r / radius)^2)^2 of it
+  std::optional<double> radius_m = {};  // factor at distance r from centre_m: (1 - (r / radius)^2)^2, 0 beyond the radius; none: 1
   struct Key {
     double time_s = 0.0;
     double weight = 0.0;
   };
   std::vector<Key> keys;
-  std::size_t line = 0;
+  std::size_t line = 0;  // in the scene file
 };
 
-// The tables [[object.morph]] of the table of an object; empty: none. RT: set-up only. Error: one line with the line in the file.
+// The tables [[object.morph]] of an object's table; empty: none. RT: set-up only. Error: one line with the line in the file.
 Result<std::vector<MorphSpec>> read_morphs(const toml::table& object, const std::string& name);
 
 }  // namespace hapton

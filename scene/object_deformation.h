@@ -13,11 +13,11 @@
 
 namespace hapton {
 
-// How an object of a scene file deforms, by its morphs or its animation, of its mesh in S; null: it is rigid. in_file: its vertices in the
-// file's frame; mesh: as it is touched at rest, in S after `fit`. motion: that of the object, null if it has none. RT: no. Error: one line
-// with the line in the file: a vertex would move faster than kMaxSurfaceSpeed together with the motion (the time that would do is named),
-// the end is not the beginning of a loop, a surface that touches itself in some shape (check_shapes), morphs that move nothing; of an
-// animation, a mesh that was sealed where it deforms, or would be torn.
+// How an object of a scene file deforms, by its morphs or its animation, in S; null: it is rigid. in_file: for an animation, its vertices
+// in the file's frame; mesh: as it is touched at rest, in S after `fit`. motion: that of the object, null if it has none. RT: no. Error:
+// one line with the line in the file: a vertex would move faster than kMaxSurfaceSpeed, motion included; a loop whose last weights are not
+// its first; a surface that touches itself in some shape (check_shapes); a morph that moves no vertex; for an animation: cracks were
+// sealed, the mesh would be torn, more than kMaxTargets targets.
 Result<std::shared_ptr<const MeshDeformation>> make_deformation(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
                                                                 const std::vector<Vec3>& in_file, const TriangleMesh& mesh,
                                                                 const KeyframeMotion* motion);

@@ -17,9 +17,9 @@ namespace hapton {
 double radius_about(const Vec3& point, const TriangleMesh& mesh);
 
 // The motion of an object of a scene file in S, by its keyframes or its animation; null: static. mesh: as touched at rest, in S after
-// `fit`. RT: no. Error: one line with the line in the file: a vertex would move faster than kMaxSurfaceSpeed (the error has the shortest
-// time allowed), a loop of keyframes does not end at its first pose, or half a turn between two keyframes, whose direction is undefined.
-// An animation that loops and ends elsewhere goes back to its first pose at its mean speed, with a note.
+// `fit`. RT: no. Error: one line with the line in the file: a vertex would move faster than kMaxSurfaceSpeed (the error gives the shortest
+// time or highest animation_speed allowed), a loop does not end at its first pose and has no MotionSpec::seam_s, or a turn by half a turn
+// between keyframes, whose direction is undefined. A looping animation that ends elsewhere returns in seam_s, with a note.
 Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
                                                           const TriangleMesh& mesh, std::vector<std::string>& notes);
 
