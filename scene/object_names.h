@@ -8,16 +8,16 @@
 
 namespace hapton {
 
-// What people call an object of a scene.
+// The names of an object and of its material, for messages.
 struct ObjectName {
   std::string object;
-  std::string material;  // empty: it has the default one
+  std::string material;  // empty: the default material
 };
 
-// Of all objects, in their order. RT: no.
+// The names of all objects of a scene, in their order. RT: no.
 std::vector<ObjectName> object_names(const Scene& scene);
 
-// "hood (sheet metal)", for the object of that number, printable; empty if there is none. RT: no.
+// "hood (sheet metal)", printable: the names of the object with this number; empty if there is no such object. RT: no.
 std::string describe_object(std::span<const ObjectName> names, int object);
 
 }  // namespace hapton

@@ -23,18 +23,18 @@
 
 namespace hapton {
 
-// The table of the tool in a scene file; it has the keys of an object, a grip, and no material.
+// The table of the tool in a scene file. Its keys: a grip, and those of an object for name, mesh, pose, colour and sealing.
 inline constexpr std::string_view kToolTable = "[tool]";
 constexpr double kMaxLengthM = 1e6;
-constexpr double kMaxScale = 1e9;  // and its inverse is the smallest one
+constexpr double kMaxScale = 1e9;  // the smallest scale is the inverse of this
 
-// How a node of a mesh file deforms by an animation.
+// How a node of a mesh file deforms in an animation.
 struct AnimatedMorphs {
   MeshMorphs morphs;
   std::vector<MorphKey> keys;  // times as in the file
 };
 
-// A mesh in its pose as a scene file has it: an [[object]] or the [tool].
+// A mesh and its pose as a scene file gives them: an [[object]] or the [tool].
 struct ObjectSpec {
   std::string name;
   std::string mesh;
@@ -43,40 +43,40 @@ struct ObjectSpec {
   double scale = 1.0;
   Quat q_SM = Quat::Identity();
   Vec3 p_SM = Vec3::Zero();
-  Quat q_SF = Quat::Identity();  // by which [workspace] has turned what the file says
+  Quat q_SF = Quat::Identity();  // from the scene file's frame F to S: the turn by [workspace], which q_SM and p_SM contain already
   std::string material;
-  std::string group = {};  // that the pose is in; empty: none
+  std::string group = {};  // the group in which the pose is; empty: none
   bool seal_cracks = true;
   bool is_movable = false;
   SculptSpec sculpt = {};
   MotionSpec motion = {};
   ProgramShapeSpec program_shape = {};
   std::vector<MorphSpec> morphs = {};
-  std::vector<std::size_t> nodes = {};          // only those of a glTF file, in place of `part`; no key: split_animated sets it
-  std::optional<KeyframeMotion> animated = {};  // ... and how they move, in the file's frame
-  std::shared_ptr<const AnimatedMorphs> animated_morphs = {};  // ... and how the one of them deforms
+  std::vector<std::size_t> nodes = {};          // only these nodes of a glTF file, in place of `part`; no key: split_animated sets it
+  std::optional<KeyframeMotion> animated = {};  // how these nodes move, in the file's frame; likewise
+  std::shared_ptr<const AnimatedMorphs> animated_morphs = {};  // how the only node deforms; likewise
   std::array<double, 3> colour = {0.7, 0.7, 0.72};
-  bool has_colour = false;                            // then it replaces all colours of the mesh file
-  std::optional<std::uint32_t> haptic_material = {};  // only the triangles with this one of MeshHaptics; no key: load_scene sets it
+  bool has_colour = false;                            // if true, `colour` replaces all colours of the mesh file
+  std::optional<std::uint32_t> haptic_material = {};  // only the triangles with this haptic material; no key: load_scene sets it
   ToolGrip grip = ToolGrip::origin;
   bool deforms() const { return !morphs.empty() || animated_morphs != nullptr; }
   bool moves() const { return !motion.keyframes.empty() || animated.has_value(); }
-  // It, or its vertices.
+  // Whether a program moves the object or its vertices.
   bool moves_by_program() const { return motion.by_program || program_shape.is_on; }
 
-  std::size_t mesh_line = 0;  // in the scene file
+  std::size_t mesh_line = 0;  // lines of the keys in the scene file; without such a key that of the table
   std::size_t part_line = 0;
   std::size_t material_line = 0;
   std::size_t group_line = 0;
 };
 
-// Its name, or else its part's or its file's.
+// The object's name; if it has none, that of its part, or else that of its file.
 std::string name_of(const ObjectSpec& object);
 
-// The factor of an object's lengths, or of a group's.
+// Reads the key `scale` of an object or a group. The reader keeps the error.
 void read_scale(TableReader& reader, double& scale);
 
-// name: as in error messages; kToolTable for a tool. RT: set-up only. Error: one line with the line in the file.
+// name: the object's name in error messages; kToolTable for a tool. RT: set-up only. Error: one line with the line in the file.
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name);
 
 }  // namespace hapton

@@ -15,18 +15,18 @@
 
 namespace hapton {
 
-// A mesh in the pose that a scene file gives it. Frame: S.
+// A mesh in the pose that a scene file gives it. Frame: S; apply_fit moves `mesh`, `sealed` and `map`.
 struct PosedMesh {
   TriangleMesh mesh;
   SealReport sealed;
-  Eigen::AlignedBox3d box;       // of the mesh before sealing
-  std::uint64_t given_hash = 0;  // of that mesh and its pose
+  Eigen::AlignedBox3d box;       // box of the mesh before cracks were sealed, and before the fit
+  std::uint64_t given_hash = 0;  // hash of the mesh before sealing, and of its pose
   std::shared_ptr<const MeshAppearance> appearance;
   MapSource map = {};              // if there are maps
-  std::vector<Vec3> in_file = {};  // of one that deforms by an animation: the vertices before the pose
+  std::vector<Vec3> in_file = {};  // if an animation deforms it: the vertices in the file's frame, before the pose
 };
 
-// folder: of the scene file. notes: gets lines for the log. Error: as MeshCache::load. RT: set-up only.
+// folder: that of the scene file. notes: receives lines for the log. Error: as MeshCache::load. RT: set-up only.
 Result<PosedMesh> make_posed_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshCache& cache,
                                   std::vector<std::string>& notes);
 
