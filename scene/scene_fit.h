@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// Scales and shifts a scene so that it fits. Frame: S. RT: no.
+// The scale and the shift that fit a scene into a box. Frame: S. RT: no.
 struct SceneFit {
   Vec3 centre = Vec3::Zero();
   double scale = 1.0;
@@ -22,17 +22,17 @@ struct SceneFit {
   void apply(TriangleMesh& mesh, SealReport& sealed) const;
 };
 
-// The lengths of a report on cracks, scaled with its mesh.
+// Scales the lengths in a report on cracks, as its mesh was scaled.
 void scale_widths(SealReport& sealed, double scale);
 
-// A note on the scale, unless it is 1 as far as its four digits say: "fit_m: scene scaled by 0.1". by: the key or table
-// that gives it. RT: no.
+// Adds a note on the scale, unless its first four digits are those of 1: "fit_m: scene scaled by 0.1". by: the key or table that gives the
+// scale. RT: no.
 void note_scale(std::string_view by, const SceneFit& fit, std::vector<std::string>& notes);
 
-// Of a mesh file alone, which is box before the fit: its length, its scale unless that is 1, and how to leave it as it is. RT: no.
+// Text for a fitted mesh file, `box` before the fit: its length, the scale unless it is 1, and how to switch the fit off. RT: no.
 std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box, const SceneFit& fit);
 
-// The largest scale, and the translation, that fit the box into one of size_m around the origin. Error: the box is a point.
+// The largest scale, and the shift, that fit the box into one of size_m around the origin. Error: a box that is a point or too far away.
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m);
 
 }  // namespace hapton

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Which keys of a scene file make a surface or an effect as stiff as it is: "its stiffness_n_per_m". RT: yes.
+// The keys of a scene file that give a surface or an effect its stiffness, as part of a message: "its stiffness_n_per_m". RT: yes.
 std::string_view scene_key_of(StiffCause cause) noexcept;
 
 }  // namespace hapton

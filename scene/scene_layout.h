@@ -15,19 +15,19 @@
 
 namespace hapton {
 
-// How a scene file is laid out, as written there: load_scene makes plain objects of it, in which it cannot be seen any more.
+// The parts of a scene file that are no longer visible in what load_scene makes of it, which are plain objects.
 struct SceneLayout {
-  std::optional<Vec3> fit_m;  // none: there is no such key
+  std::optional<Vec3> fit_m;  // none: the file has no such key
   std::optional<Similarity> workspace;
   std::vector<GroupSpec> groups;
   std::vector<GroupSpec> instances;
   std::vector<ProbeSpec> probes;
-  // Findings of `hapton check` that an object accepts (scene/accepted_findings.h), by SceneObject::line; an instance has that of its
-  // object.
+  // The findings of `hapton check` that an object accepts (scene/accepted_findings.h). Key: SceneObject::line; an instance has the line of
+  // its object.
   std::map<std::size_t, std::vector<std::string>> accepted;
 };
 
-// RT: set-up only. Error: the file cannot be read, or what these tables have is rejected by load_scene too: one line.
+// Reads the layout. RT: set-up only. Error, one line: the file cannot be read, or has values in these tables that load_scene rejects too.
 Result<SceneLayout> read_layout(const std::filesystem::path& scene_file);
 
 }  // namespace hapton
