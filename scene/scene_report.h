@@ -13,21 +13,21 @@ namespace hapton {
 
 struct SceneLayout;
 
-// What `hapton info` reports about a scene file: the meshes as posed and as they are touched, in metres, frame S.
+// What `hapton info` reports about a scene file: the meshes in their poses, as they are touched; metres, frame S.
 struct SceneReport {
   std::string path;
   Scene scene;
-  std::vector<MeshFlaws> flaws;  // one an object
-  std::shared_ptr<const SceneLayout> layout;
+  std::vector<MeshFlaws> flaws;               // one for each object
+  std::shared_ptr<const SceneLayout> layout;  // how the scene file is laid out
 };
 
 // Error: whatever load_scene rejects. RT: set-up only.
 Result<SceneReport> make_scene_report(const std::filesystem::path& path);
 
-// One line for each object of which a closed body is inside out. RT: set-up only.
+// One line for each object that has a closed body which is inside out. RT: set-up only.
 std::vector<std::string> find_inside_out(const Scene& scene);
 
-// For people, two lines an object, then a line for each of the other tables.
+// Text for users: two lines for each object, then a line for each of the other tables.
 std::string to_text(const SceneReport& report);
 
 // One JSON object with a schema version.

@@ -16,15 +16,15 @@ struct SculptSpec {
   std::optional<double> voxel_mm = {};
   std::optional<double> tool_radius_mm = {};
   int carve_button = 1;
-  std::size_t line = 0;
+  std::size_t line = 0;  // of the key sculpt in the scene file
 };
 
-// The keys sculpt, voxel_mm, tool_radius_mm and carve_button of the table of an object. RT: set-up only. Error: one line with the line in
-// the file: values out of range, keys without 'sculpt = true', keys of objects that move or deform beside it.
+// Reads the keys sculpt, voxel_mm, tool_radius_mm and carve_button of an object's table. RT: set-up only. Error: one line with the line in
+// the file: values out of range, these keys without 'sculpt = true', a key that moves or deforms the object.
 Result<SculptSpec> read_sculpt(const toml::table& object, const std::string& name);
 
-// With the defaults that follow from the size of the mesh. mesh: as touched, frame S. Pre: spec.is_on. RT: set-up only. Error: one line
-// without the line in the file: a mesh that is not closed, too many voxels, a tool too small for them.
+// The settings, with defaults that follow from the size of the mesh. mesh: as touched, frame S. Pre: spec.is_on. RT: set-up only. Error:
+// one line without the line in the file: a mesh that is not closed, too many voxels, a tool radius too small or too large for the voxels.
 Result<SculptSettings> make_sculpt(const SculptSpec& spec, const std::string& name, const TriangleMesh& mesh);
 
 }  // namespace hapton

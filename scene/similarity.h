@@ -5,21 +5,21 @@
 
 namespace hapton {
 
-// What a pose and a scale do to points: p + q * (scale * point). RT: yes.
+// The transform by a pose and a scale: a point p' becomes p + q * (scale * p'). RT: yes.
 struct Similarity {
   double scale = 1.0;
   Quat q = Quat::Identity();
   Vec3 p = Vec3::Zero();
 
   Vec3 apply(const Vec3& point) const { return p + q * (scale * point); }
-  // inner first.
+  // The transform that applies `inner` first, then this one.
   Similarity then(const Similarity& inner) const { return {scale * inner.scale, q * inner.q, apply(inner.p)}; }
   Similarity inverse() const { return {1.0 / scale, q.conjugate(), q.conjugate() * (-p / scale)}; }
 };
 
-Similarity pose_of(const ObjectSpec& object);
+Similarity pose_of(const ObjectSpec& object);  // from the object's mesh to S
 
-// Moves an object with its keyframes: all of its poses X become by * X. RT: set-up only.
+// Moves an object and its keyframes: every pose X of it becomes by * X. RT: set-up only.
 void move_by(const Similarity& by, ObjectSpec& object);
 
 }  // namespace hapton

@@ -8,7 +8,7 @@
 namespace hapton {
 
 // At most `most` points on the surfaces that can be touched, spread evenly over all objects as seen from the front (along z), or over the
-// whole surface if the scene is edge-on from there. The same scene gives the same points. Frame S, metres. RT: set-up only.
+// whole surface if the scene is seen edge-on from the front. The same scene gives the same points. Frame S, metres. RT: set-up only.
 std::vector<Vec3> find_surface_points(const TouchScene& scene, std::size_t most);
 
 }  // namespace hapton

@@ -38,8 +38,8 @@ inline Result<toml::table> parse_toml(std::string_view text) {
   return fail("line {}: {}", parsed.error().source().begin.line, what);
 }
 
-// Reads typed values out of one table; the first error stays and the rest is skipped. An error is one line: the line in the file, the key
-// and the table, what is wrong with the value and which ones are allowed. RT: set-up only.
+// Reads typed values from one table, which must outlive it. The first error is kept, and later values are not read. An error is one line:
+// the line in the file, the key and the table, what is wrong with the value and which ones are allowed. RT: set-up only.
 class TableReader {
  public:
   TableReader(const toml::table& table, std::string where) : table_(table), where_(std::move(where)) {}
@@ -54,7 +54,7 @@ class TableReader {
     }
   }
 
-  const std::string& where() const { return where_; }  // "[[object]] 2"
+  const std::string& where() const { return where_; }  // the table as errors name it: "[[object]] 2"
   bool has(std::string_view key) const { return table_.contains(key); }
 
   void read(std::string_view key, std::string& value) {
@@ -66,7 +66,7 @@ class TableReader {
     }
   }
 
-  // A text that logs, terminals and messages show as it is.
+  // A text without control characters, which logs, terminals and messages show unchanged.
   void read_name(std::string_view key, std::string& value) {
     read(key, value);
     const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
@@ -106,7 +106,7 @@ class TableReader {
     value = Vec3(numbers[0], numbers[1], numbers[2]);
   }
 
-  // A direction of any length except zero; normalised.
+  // A direction of any length except zero, normalised.
   void read_direction(std::string_view key, Vec3& value) {
     if (!has(key)) return;
     Vec3 given = Vec3::Zero();
@@ -116,7 +116,7 @@ class TableReader {
     value = given.normalized();
   }
 
-  // One of the names; returns its index.
+  // One of the names; sets `value` to its index.
   void read_choice(std::string_view key, std::span<const std::string_view> names, std::size_t& value) {
     std::string name;
     read(key, name);

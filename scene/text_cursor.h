@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Reads text word by word and knows its line. Carriage returns count as blanks. RT: set-up only.
+// Reads text word by word and counts its lines. Carriage returns count as blanks. RT: set-up only.
 class TextCursor {
  public:
   explicit TextCursor(std::string_view text, std::size_t first_line = 1)
@@ -17,9 +17,9 @@ class TextCursor {
   std::size_t line() const { return line_; }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
 
-  // The next word of this line; empty at its end. A backslash at the end of a line joins the next line to it.
+  // The next word in this line; empty at the end of the line. A backslash at the end of a line joins the next line to it.
   std::string_view word_in_line();
-  // The next word of the text, over line ends; empty at the end of the text.
+  // The next word of the text, in this line or a later one; empty at the end of the text.
   std::string_view word();
   // The rest of this line, without leading and trailing blanks.
   std::string_view rest_of_line();
@@ -33,8 +33,8 @@ class TextCursor {
   std::size_t line_;
 };
 
-// The whole word as a number, with a point whatever the locale. False if it is not a number; values too small for a double become zero, too
-// large ones infinite.
+// Reads the whole word as a number, with a decimal point in every locale. False if it is not a number; values too small for a double become
+// zero, too large ones infinite.
 bool parse_number(std::string_view word, double& value);
 bool parse_integer(std::string_view word, std::int64_t& value);
 

@@ -28,7 +28,7 @@ struct TouchMesh {
   std::vector<std::string> notes;  // what was sealed, skipped or is suspicious, one line each
   bool has_haptics = false;        // some triangles have a material of MPEG_haptic_material (glTF)
   Eigen::AlignedBox3d box = {};    // of the mesh before sealing, which may move its outermost vertices
-  MeshAppearance appearance;       // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
+  MeshAppearance appearance;       // without triangles if not requested, or if the mesh was sealed, which changes its triangles
 };
 
 // Error: whatever load_mesh_file rejects. RT: set-up only.

@@ -6,14 +6,14 @@
 
 namespace hapton {
 
-// The length a mesh file's numbers are in.
+// The unit of the numbers in a mesh file.
 enum class Unit { m, cm, mm, in };
 
-// m, cm, mm or in; anything else is an error that says so. RT: set-up only.
+// Reads m, cm, mm or in. Error: anything else. RT: set-up only.
 Result<Unit> parse_unit(std::string_view text);
 
-// A length in metres: a number with its unit behind it ("0.1mm", "5 cm"); a number alone is in metres. RT: set-up only.
-// Error: not a length, negative or not finite.
+// A length in metres: a number and its unit ("0.1mm", "5 cm"); a number without a unit is in metres. RT: set-up only. Error: not a length,
+// negative or not finite.
 Result<double> parse_length(std::string_view text);
 
 double metres_per(Unit unit);
