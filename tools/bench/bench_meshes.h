@@ -10,25 +10,25 @@
 
 namespace hapton {
 
-// A mesh that a benchmark works on, its longest side 100 mm.
+// A mesh for a benchmark; its longest side is 100 mm.
 struct BenchMesh {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
-// which: a file of the mesh folder, a file anywhere, or "bumpy:20000", a bumpy sphere of at least this many triangles.
+// which: a file in the mesh folder, a file anywhere, or "bumpy:20000", a bumpy sphere of at least this many triangles.
 Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesystem::path& mesh_folder);
 
-// The folder of the project's meshes: ./meshes if it exists, otherwise that of the source tree.
+// The folder of the project's meshes: ./meshes if it exists, otherwise the folder meshes of the source tree.
 std::filesystem::path find_mesh_folder();
 
-// The names of all mesh files in the folder, sorted; empty if there is none.
+// The names of all mesh files in the folder, sorted; empty if there are none.
 std::vector<std::string> find_mesh_files(const std::filesystem::path& folder);
 
 // Creates the folder and tries to write there, so that a long measurement does not fail at its end. Error: one line with the path.
 Result<void> check_writable(const std::filesystem::path& folder);
 
-// Prints "  12.3 s  what" on stderr: the progress of a long measurement.
+// Prints "   12.3 s  what" on stderr: the progress of a long measurement.
 void print_progress(double seconds, const std::string& what);
 
 }  // namespace hapton

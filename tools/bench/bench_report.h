@@ -12,9 +12,9 @@
 
 namespace hapton {
 
-// Measures, with progress on stderr, prints the report's text and writes it to FOLDER/NAME.txt, .csv and .json; an empty folder: nowhere,
-// one that cannot be written to is reported before anything is measured. measure(progress) gives a report with to_text, to_csv and to_json.
-// RT: no.
+// Measures, with progress on stderr, prints the report's text and writes the report to FOLDER/NAME.txt, .csv and .json. With an empty
+// folder no files are written; a folder that cannot be written to is an error before anything is measured. measure(progress) returns a
+// report that to_text, to_csv and to_json accept. RT: no.
 template <class Measure>
 Result<void> measure_and_report(const std::string& folder, const std::string& name, Measure&& measure) {
   if (!folder.empty()) {

@@ -14,15 +14,15 @@ namespace hapton {
 
 struct EvaluationSettings {
   MethodSettings method;
-  int substeps = MethodSettings{}.reference_substeps;            // of the reference, to begin with
-  int substep_limit = MethodSettings{}.reference_substep_limit;  // where it stops doubling them
+  int substeps = MethodSettings{}.reference_substeps;            // sub-steps of the reference in its first pass over a step
+  int substep_limit = MethodSettings{}.reference_substep_limit;  // the reference does not double its sub-steps beyond this
   unsigned threads = 1;
 };
 
-// A method's output along a trajectory, and its comparison with the reference.
+// The output of a method along a trajectory, compared with the reference.
 struct Evaluation {
   ForceError error;
-  double shading = 0.0;  // of the method's force; the reference is never shaded, so what shading turns is part of the error
+  double shading = 0.0;  // of the method's force; the reference is never shaded, so the difference by shading is part of the error
   std::vector<ForceSample> method, reference;
 };
 
@@ -31,10 +31,10 @@ struct Evaluation {
 Result<std::vector<ForceSample>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
                                             unsigned threads);
 
-// Runs the method and the reference. The scene's first material gives the stiffness, its extent all lengths.
+// Runs the method and the reference. Stiffness: that of the scene's first material; extent: the longest side of the largest object.
 Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
 
-// For people.
+// Text for users.
 std::string to_text(const Evaluation& evaluation);
 
 // One JSON object.

@@ -7,15 +7,15 @@
 namespace hapton {
 
 struct PapersNodesSettings {
-  std::filesystem::path out;    // for the nodes' logs and reports
-  std::filesystem::path scene;  // the memo's car
-  int frames = 200;             // drawn for each stereo rate
-  double seconds = 10.0;        // of the whole system, for round trip and system latency
+  std::filesystem::path out;    // folder of the nodes' logs and reports
+  std::filesystem::path scene;  // scene file of the memo's car
+  int frames = 200;             // frames to draw for each stereo rate
+  double seconds = 10.0;        // duration of the run of the whole system that measures round trip and system latency
 };
 
-// Fills in the memo's rows that need running nodes: stereo rates from vision_node --bench-frames with --cull-open and with --no-cull, round
-// trip and system latency from a run of all three nodes. Where a node is not built or nothing can be drawn, its row stays without a value
-// and says why. RT: set-up only.
+// Fills in the memo's rows that need running nodes: stereo rates from vision_node --bench-frames, once with --cull-open and once with
+// --no-cull; round trip and system latency from a run of all three nodes. If a node is not built or nothing can be drawn, its row has no
+// value and gives the reason. RT: no.
 void measure_paper_nodes(const PapersNodesSettings& settings, PapersReport& report);
 
 }  // namespace hapton

@@ -14,19 +14,19 @@
 
 namespace hapton {
 
-// Method `proxy` on a scene that is felt by patches, as io_node feels one that haptics_node has sent: parted into tiles, stored, made into
-// patches. Here all tiles are there from the start, a patch has few triangles, and the next one is there as soon as it is due. For tests of
-// the patches themselves. Material damping, probe radius and friction as in tiles. RT: no. Threads: one.
+// Method `proxy` on patches, as io_node computes forces on a scene that haptics_node has sent: divided into tiles, stored, made into
+// patches. Here all tiles are stored from the start, a patch has few triangles, and each patch is ready as soon as it is due. For tests of
+// patches. Damping of the material, probe radius and friction are those of the tiles. RT: no. Threads: one.
 class PatchMethod final : public ForceMethod {
  public:
-  static constexpr std::size_t kTriangles = 128;  // of a patch, where the hand does not jump
+  static constexpr std::size_t kTriangles = 128;  // of a patch, while the hand does not jump
 
   PatchMethod(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   std::optional<Vec3> carried_from() const noexcept override { return touch_.carried_from(); }
-  // Nothing: in tiles another material is another scene.
+  // Does nothing: with another material a scene has other tiles.
   void set_materials(std::span<const Material> materials) noexcept override { (void)materials; }
   std::string describe() const override;
 
@@ -41,7 +41,7 @@ class PatchMethod final : public ForceMethod {
   std::int64_t now_ns_ = 0;
 };
 
-// The body as haptics_node has it, cracks sealed, on the grid that its tiles have, so that both are the same surface.
+// The body as haptics_node has it, cracks sealed, with its vertices on the grid of its tiles, so that both are the same surface.
 StressBody on_patch_grid(StressBody body);
 
 }  // namespace hapton

@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// What `hapton bench remote` measures: every method over every mesh, seed, speed, round trip and loss.
+// What `hapton bench remote` measures: every method with every mesh, seed, speed, round trip and loss.
 struct RemoteGrid {
   std::vector<const RemoteMethod*> methods;
   std::vector<std::string> meshes;
@@ -19,18 +19,18 @@ struct RemoteGrid {
   std::vector<double> speeds_m_per_s;
   std::vector<double> round_trips_s;
   std::vector<double> losses;
-  double jitter_s = 0.0;
-  double stall_s = 0.0;
-  std::uint64_t seed = 1;  // the first; of the path and the network
-  std::size_t seeds = 1;
+  double jitter_s = 0.0;   // largest random extra delay of a datagram, each way
+  double stall_s = 0.0;    // mean length of the stalls of the device's machine (machine_stalls.h)
+  std::uint64_t seed = 1;  // the first seed, of the path and of the network
+  std::size_t seeds = 1;   // number of seeds
   double stiffness_n_per_m = 1000.0;
   std::string device_name;
   RemoteDevice device;
   RemoteSettings settings;
-  bool has_walls = true;  // find the largest stiffness too
+  bool has_walls = true;  // whether the largest stiffness of a wall is measured as well
 };
 
-// Which run of the grid.
+// Identifies a run of the grid.
 struct RemoteKey {
   const RemoteMethod* method = nullptr;
   std::string mesh;
@@ -40,14 +40,14 @@ struct RemoteKey {
   double loss = 0.0;
 };
 
-// The mesh in the middle of the workspace, of the grid's stiffness.
+// The mesh, with its centre at that of the workspace and the stiffness of the grid.
 Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh);
-// By seeds, speeds, round trips, then losses; the path is the same for all losses. The key has no method. Stops at an error.
+// Order: seeds, speeds, round trips, losses; a path serves all losses. The key that `use` gets has no method. Stops at the first error.
 using UseRemotePath = std::function<Result<void>(const SlidePath&, const RemoteKey&)>;
 Result<void> for_each_remote_path(const RemoteGrid& grid, const RemoteScene& scene, const std::string& mesh, const UseRemotePath& use);
 // Pre: the key has a method.
 RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteKey& key);
-// "mesh, seed 1, 100 mm/s, 30 ms, loss 10 %", with the method where there is one.
+// "mesh, seed 1, 100 mm/s, 30 ms, loss 10 %"; with the method after the mesh if the key has one.
 std::string describe(const RemoteKey& key);
 
 struct RemoteRow : RemoteKey {
@@ -55,27 +55,27 @@ struct RemoteRow : RemoteKey {
   ClosedLoopTouch loop;
 };
 
-// The largest stiffness of a wall.
+// The largest stiffness of a wall, for one method, round trip and loss.
 struct RemoteWall {
   const RemoteMethod* method = nullptr;
   double round_trip_s = 0.0;
   double loss = 0.0;
-  double rest_stiffness_n_per_m = 0.0;
-  double stable_n_per_m = 0.0;  // limit of linear theory for a force that is late by the round trip and never lost
+  double rest_stiffness_n_per_m = 0.0;  // at which a press comes to rest (find_rest_stiffness_of)
+  double stable_n_per_m = 0.0;          // limit of the linear theory, for a force that is late by the round trip and never lost
 };
 
 struct RemoteResults {
-  std::vector<RemoteRow> rows;  // without their traces
+  std::vector<RemoteRow> rows;  // PrescribedTouch::rows and ClosedLoopTouch::p_WD are empty
   std::vector<RemoteWall> walls;
 };
 
-constexpr double kMaxWallNPerM = 20'000.0;  // the stiffest wall tried; a limit above it is reported as "> 20000"
-constexpr double kRemotePeriodS = 1e-3;     // of the device
+constexpr double kMaxWallNPerM = 20'000.0;  // the stiffest wall tried; this result is reported as "> 20000"
+constexpr double kRemotePeriodS = 1e-3;     // period of the device
 
 Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress);
 
-// One cell with all methods, period by period: the first mesh, seed, speed, round trip and loss of the grid. CSV with a comment that says
-// what it is.
+// Runs all methods for one case and writes every period: the first mesh, seed, speed, round trip and loss of the grid. CSV, with a comment
+// line that describes the case.
 Result<std::string> trace_remote(const RemoteGrid& grid);
 
 }  // namespace hapton

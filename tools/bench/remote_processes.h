@@ -10,23 +10,23 @@
 
 namespace hapton {
 
-// One case of the grid (method, mesh, seed, speed, round trip, loss), measured with the real programs and in simulated time.
+// One case of the grid with its method, measured with the real programs and in simulated time.
 struct RemoteProcessRow : RemoteKey {
   RecordedTouch real;
   PrescribedTouch simulated;  // its `rows` are empty
 };
 
-// Whether the programs implement the method: remote, remote-passive, patch and patch-passive. In the programs all of them have the
-// governor, in the simulation only remote has. RT: yes.
+// Whether the programs implement the method: remote, remote-passive, patch and patch-passive. With the programs all of these have the
+// governor; in the simulation only remote has it. RT: yes.
 bool is_implemented_by_programs(const RemoteMethod& method) noexcept;
 
-// Runs hub, relay and haptics node of this build on this host for every case of the grid at 1 kHz. The hand follows a trajectory whatever
-// the force (io_node --device replay). Needs an otherwise idle machine with two CPUs. progress: called with one line after each case.
-// Error, one line: a program failed, or no program implements a method. RT: no.
+// Runs hub, relay and haptics node of this build on this host for every case of the grid at 1 kHz. The hand follows a trajectory, whatever
+// the force (io_node --device replay). Needs a machine with two CPUs that does nothing else. progress: called with one line after each
+// case. Error, one line: a program failed, or the programs do not implement one of the methods. RT: no.
 Result<std::vector<RemoteProcessRow>> measure_remote_processes(const RemoteGrid& grid,
                                                                const std::function<void(const std::string&)>& progress);
 
-// The results as a table, CSV and JSON. RT: no.
+// The results as a table, as CSV and as JSON. RT: no.
 std::string processes_to_text(const RemoteGrid& grid, const std::vector<RemoteProcessRow>& rows);
 std::string processes_to_csv(const std::vector<RemoteProcessRow>& rows);
 // Schema hapton.bench.remote_processes/1.

@@ -10,10 +10,10 @@
 namespace hapton {
 
 // The gnuplot script that draws time against force error of a rigid tool, both logarithmic: a panel for each scenario whose force is known,
-// a mark for each method, into the file `picture` of the folder it runs in. RT: set-up only.
+// a mark for each method. gnuplot writes the file `picture` in its working folder. RT: set-up only.
 std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::string& picture);
 
-// Draws folder/sixdof.png. Error: one line: nothing to draw, no gnuplot, or gnuplot's message.
+// Draws folder/sixdof.png and returns its path. Error, one line: nothing to draw, no gnuplot, or gnuplot's message.
 Result<std::filesystem::path> draw_sixdof_plot(const std::filesystem::path& folder, const std::vector<SixdofRow>& rows);
 
 }  // namespace hapton
