@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// The whole scene beside the device: zero delay, and what all others are compared with.
+// Touch with the whole scene at the device: no network and no delay. All other methods are compared with this one.
 class WholeScene final : public RemoteTouch {
  public:
   explicit WholeScene(std::shared_ptr<ForceMethod> method) : haptics_(std::move(method)) {}

@@ -8,8 +8,8 @@ namespace hapton {
 
 // How long before a deadline a loop ends its sleep and spins, so that it is on time although wake-ups are late. The margin adapts to every
 // wake-up: it grows by kShareOnTime kStepNs if the wake-up was later than the margin, and otherwise shrinks by (1 - kShareOnTime) kStepNs,
-// so it converges to the lateness that one wake-up in a hundred exceeds. It never exceeds a share of the period. Source: stochastic
-// approximation of a quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit, limit and spun_ns any.
+// so it converges to the lateness that one wake-up in a hundred exceeds. margin_ns() is at most a share of the period. Source: stochastic
+// approximation of a quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: that of the loop; set_limit, limit, spun_ns from any.
 class AdaptiveSpin {
  public:
   static constexpr double kShareOnTime = 0.99;  // share of the wake-ups that are on time
@@ -23,7 +23,7 @@ class AdaptiveSpin {
   void set_limit(double share) noexcept { limit_.store(share, std::memory_order_relaxed); }
   double limit() const noexcept { return limit_.load(std::memory_order_relaxed); }
 
-  // How long before the deadline to wake.
+  // How long before the deadline the sleep is to end.
   std::int64_t margin_ns(std::int64_t period_ns) const noexcept {
     return std::min(static_cast<std::int64_t>(margin_), static_cast<std::int64_t>(limit() * static_cast<double>(period_ns)));
   }

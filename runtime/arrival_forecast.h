@@ -7,16 +7,16 @@
 
 namespace hapton {
 
-// The earliest time at which the next sample of a periodic sender may arrive: its last tick, plus a period, plus the shortest delay among
-// at least the last kDelays samples and fewer than 2 kDelays. A sample is taken at its tick or later; one that is late by less than half a
-// period does not move the ticks, unless kDelays before it in a row were late. The two clocks may differ by any offset, which is part of
-// that delay (minimum filter, as for clock offsets: Mills 1991). Units: ns. RT: yes. Threads: one.
+// The earliest time at which the next sample of a periodic sender may arrive: its last tick, plus a period, plus the shortest delay of the
+// newest samples (at least kDelays of them, fewer than 2 kDelays). A sample is taken at its tick or later; one that is late by less than
+// half a period does not move the ticks, unless the kDelays samples before it were all late. The two clocks may differ by any offset: it is
+// part of that delay (minimum filter, as for clock offsets: Mills 1991). Units: ns. RT: yes. Threads: one.
 class ArrivalForecast {
  public:
   static constexpr std::uint32_t kDelays = 32;
 
-  // sample: its number; sample_ns: its time by the sender's clock; arrival_ns: by the receiver's. rate_hz: of the samples; 0: unknown.
-  // Pre: all as a decoder accepts them (link/codec.h: kMaxWireTimeNs).
+  // sample: its number. sample_ns: its time by the sender's clock. arrival_ns: its arrival by the receiver's clock. rate_hz: rate of the
+  // samples; 0: unknown. Pre: the values are such as a decoder accepts (link/codec.h: kMaxWireTimeNs).
   void note(std::uint64_t sample, std::int64_t sample_ns, std::int64_t arrival_ns, double rate_hz) noexcept {
     period_ns_ = rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0;
     is_in_sequence_ = sample == sample_ + 1;
@@ -32,7 +32,7 @@ class ArrivalForecast {
     delays_ = 0;
   }
 
-  // By the receiver's clock. None: the newest sample is not the successor of the one before, the rate is unknown, or too few have come.
+  // The forecast, receiver's clock. None: the newest sample does not follow the one before, the rate is unknown, or too few have arrived.
   std::optional<std::int64_t> find_next_ns() const noexcept {
     if (!is_in_sequence_ || shortest_before_ns_ == kNone || period_ns_ == 0) return std::nullopt;
     return tick_ns_ + period_ns_ + std::min(shortest_before_ns_, shortest_ns_);
@@ -47,8 +47,8 @@ class ArrivalForecast {
   std::int64_t period_ns_ = 0;
   std::int64_t shortest_ns_ = kNone;         // shortest delay in this block of kDelays samples
   std::int64_t shortest_before_ns_ = kNone;  // the same, in the block before
-  std::uint32_t delays_ = 0;                 // counted in this block
-  std::uint32_t late_samples_ = 0;           // in a row
+  std::uint32_t delays_ = 0;                 // delays in this block
+  std::uint32_t late_samples_ = 0;           // late samples in a row
   bool is_in_sequence_ = false;
 };
 

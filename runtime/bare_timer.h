@@ -20,10 +20,10 @@ struct BareTimer {
   void merge(const BareTimer& other) noexcept;
 };
 
-// Runs such a loop on the calling thread. Pre: rate_hz and seconds finite, above 0.
+// Runs such a loop on the calling thread. Pre: rate_hz above 0, at most 1e9 (the period is whole ns); seconds finite, above 0.
 BareTimer run_bare_timer(Clock& clock, double rate_hz, double seconds) noexcept;
 
-// Runs it in a thread of its own with these settings, and waits for the result. RT: set-up only. Error: see enter_realtime.
+// Runs such a loop in a new thread with these settings, and waits for the result. RT: set-up only. Pre: as above. Error: as enter_realtime.
 Result<BareTimer> measure_bare_timer(const RealtimeSettings& settings, double rate_hz, double seconds);
 
 }  // namespace hapton

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A queue of records of any length from a real-time thread to another one. A record that does not fit is dropped and counted: the
+// A queue of records of any length from a real-time thread to another thread. A record that does not fit is dropped and counted: the
 // writer never waits. RT: push yes, wait-free; construction set-up only (it allocates and touches all memory). Threads: one pushes, one
 // drains.
 class ByteRing {
@@ -23,7 +23,7 @@ class ByteRing {
     const std::size_t size = head.size() + body.size();
     const std::size_t end = end_.load(std::memory_order_relaxed);
     const std::size_t to_wrap = bytes_.size() - place(end);
-    // A record is contiguous: one that does not fit before the end of the memory is written at its begin.
+    // A record is contiguous: one that does not fit before the end of the memory is written at the beginning of the memory.
     const std::size_t skipped = kPrefix + size <= to_wrap ? 0 : to_wrap;
     const std::size_t taken = skipped + padded(kPrefix + size);
     if (end + taken - begin_seen_ > bytes_.size()) begin_seen_ = begin_.load(std::memory_order_acquire);
@@ -40,7 +40,7 @@ class ByteRing {
     return true;
   }
 
-  // Calls visit(span) for every record and frees its memory. Returns the number of records. The span is valid during the call.
+  // Calls visit(span) for every record and frees its memory. Returns the number of records. A span is valid during its call only.
   template <class Visit>
   std::size_t drain(Visit&& visit) {
     std::size_t count = 0;

@@ -16,7 +16,7 @@ class Clock {
 
   virtual std::int64_t now_ns() const noexcept = 0;
 
-  // Returns at or after absolute time deadline_ns; at once when it has passed.
+  // Returns at or after the absolute time deadline_ns; at once when this time has passed.
   virtual void sleep_until_ns(std::int64_t deadline_ns) noexcept = 0;
 };
 
@@ -34,7 +34,7 @@ class SimulatedClock final : public Clock {
 
   std::int64_t now_ns() const noexcept override { return now_.load(std::memory_order_acquire); }
 
-  // Advances time to deadline_ns and returns at once; never backwards.
+  // Advances time to deadline_ns, never backwards, and returns at once.
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override;
 
   // Pre: duration_ns >= 0.

@@ -14,7 +14,7 @@ struct CounterDescription {
 // Every counter of io_node's report. RT: yes.
 std::span<const CounterDescription> counter_descriptions();
 
-// Empty for any other name.
+// The text for the counter of this name; empty if io_node's report has no such counter.
 std::string_view describe_counter(std::string_view name);
 
 }  // namespace hapton
