@@ -9,21 +9,21 @@ namespace hapton {
 // Notices that a file was saved: by its time and size, whenever it is asked to check. RT: no. Threads: one.
 class FileWatch {
  public:
-  // The file as it is now is known.
+  // Takes the present state of the file as known: only later changes are reported.
   explicit FileWatch(std::filesystem::path path);
 
   enum class State : std::uint8_t {
     unchanged,
-    waiting,  // it has just changed, and may be being written
-    changed,  // it has changed and was the same for two checks; reported until accept()
+    waiting,  // the file has just changed, and may not be completely written yet
+    changed,  // the file has changed and was the same for two checks; reported until accept()
     gone      // there was no file for two checks; reported once, as editors remove a file for a moment
   };
   State check();
 
-  // The file as the last check found it is known from now on. Pre: that check was `changed`.
+  // Takes the state that the last check found as known. Pre: that check returned `changed`.
   void accept();
 
-  // There was no file for two checks, and none since.
+  // At least the last two checks found no file.
   bool is_gone() const { return checks_without_file_ >= 2; }
 
  private:
@@ -37,7 +37,7 @@ class FileWatch {
 
   std::filesystem::path path_;
   Stamp known_;
-  std::optional<Stamp> seen_;  // changed at the check before
+  std::optional<Stamp> seen_;  // the file at the last check, if it had changed
   int checks_without_file_ = 0;
 };
 

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Values of one size from one thread to another, in order. A full ring rejects values: the writer never
+// A queue of values of one type from one thread to another, in order. A full ring rejects values: the writer never
 // waits. A slot is overwritten with a default value when it is read, so no secret remains. Pre: Item is
 // copyable, and its default value contains no secret. RT: push and pop yes, wait-free. Threads: one pushes,
 // one pops.

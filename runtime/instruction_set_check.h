@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// The CPU features, of those that some x86 CPUs lack, that a program may need.
+// The CPU features that a program may need and that some x86 CPUs lack.
 struct CpuNeeds {
   bool avx2 = false;
   bool fma = false;
@@ -10,7 +10,7 @@ struct CpuNeeds {
   bool avx512 = false;
 };
 
-// What the including file was compiled for (-march).
+// The features that the including file was compiled for (-march).
 constexpr CpuNeeds compiled_cpu_needs() {
   CpuNeeds needs;
 #ifdef __AVX2__
@@ -28,14 +28,14 @@ constexpr CpuNeeds compiled_cpu_needs() {
   return needs;
 }
 
-// Which of them this CPU has.
+// The features that this CPU has.
 CpuNeeds read_cpu();
 
 // The name of the first needed feature that is not available; nullptr: none is missing.
 const char* find_missing(CpuNeeds needed, CpuNeeds available);
 
-// First line of every main: if this CPU lacks an instruction set that the program was built for, prints one line and exits with 1.
-// Otherwise the program would crash later at an illegal instruction. Uses none of those instructions itself.
+// Called at the beginning of every main: if this CPU lacks an instruction set that the program was built for, prints one line and exits
+// with 1. Otherwise the program would crash later at an illegal instruction. The check itself uses none of those instructions.
 void exit_unless_cpu_has(CpuNeeds needs, const char* program);
 
 inline void check_cpu(const char* program) { exit_unless_cpu_has(compiled_cpu_needs(), program); }

@@ -28,8 +28,8 @@ constexpr std::int64_t lower_ns(std::size_t bucket) noexcept {
 
 }  // namespace histogram_layout
 
-// Counts durations in logarithmic buckets: 64 to an octave, so a bucket is at most 1/64 (1.6 %) wide and a quantile within 0.8 %.
-// Units: nanoseconds, 1 ns .. 100 s; what lies outside counts in the end bucket (max and mean stay exact).
+// Counts durations in logarithmic buckets: 64 to an octave, so a bucket is at most 1/64 (1.6 %) wide and a quantile accurate to 0.8 %.
+// Units: nanoseconds, 1 ns .. 100 s; a duration outside counts in the first or last bucket (max, min and mean stay exact).
 // RT: record, merge and the readers yes. Threads: one writer; share by copy.
 // Source: the bucket layout of HdrHistogram (G. Tene): an exponent, then a linear sub-bucket.
 class LatencyHistogram {

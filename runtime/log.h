@@ -9,7 +9,7 @@ namespace hapton {
 
 enum class LogLevel { debug, info, warning, error };
 
-// Lines for people on stderr, all in one style: "12:34:56.789 io_node  warning  text". Colour on a terminal only.
+// Starts the log: lines for people on stderr, all in one style: "12:34:56.789 io_node  warning  text". Colour on a terminal only.
 // RT: no, never in a loop that must keep time. Threads: any, after start_log.
 void start_log(std::string_view program, LogLevel lowest = LogLevel::info);
 

@@ -9,9 +9,9 @@
 
 namespace hapton {
 
-// The name under which a file is written until it is complete: NAME.PID.part, beside it. keep() renames it; without that it is removed at
-// the end, and an earlier file stays. A symbolic link stays, too: the file that it leads to is replaced. What is not a regular file, such
-// as a pipe, and everything in /dev is written directly. RT: no.
+// The name under which a file is written until it is complete: NAME.PID.part, in the same folder. keep() renames it; without keep() it is
+// removed by the destructor, and an earlier file stays. A symbolic link stays, too: the file that it leads to is replaced. A file that is
+// not regular, such as a pipe, and every path directly in /dev or /dev/fd is written directly, without a part. RT: no.
 class PartPath {
  public:
   PartPath() = default;
@@ -22,18 +22,18 @@ class PartPath {
 
   // The path to write to.
   const std::filesystem::path& part() const noexcept { return part_; }
-  // The file that keep() replaces: as given, or what a symbolic link leads to.
+  // The file that keep() replaces: path(), or what a symbolic link at path() leads to.
   const std::filesystem::path& target() const noexcept { return target_; }
-  // As given: the name for messages.
+  // The path as given, for messages.
   const std::filesystem::path& path() const noexcept { return path_; }
-  // Gives the part its final name. Pre: it is closed. Error: one line with its name; the part is removed.
+  // Gives the part its final name. Pre: the part is closed. Error: one line with its final name; the part is removed.
   Result<void> keep();
 
  private:
   void discard() noexcept;
 
   std::filesystem::path path_;
-  std::filesystem::path target_;  // the same, or what the symbolic link leads to
+  std::filesystem::path target_;  // path_, or what the symbolic link there leads to
   std::filesystem::path part_;
   bool is_pending_ = false;  // the part is to be removed
 };
@@ -45,12 +45,12 @@ class PartFile {
   // Error: one line with the path and the reason.
   static Result<PartFile> open(const std::filesystem::path& path);
 
-  // To be written with stdio. Pre: not closed.
+  // The stream to write to with stdio. Pre: not closed.
   std::FILE* get() const noexcept { return file_.get(); }
-  // Notes a failure, with the errno of now.
+  // Notes a failure, with the present errno.
   void check(bool is_written) noexcept;
   bool is_good() const noexcept { return error_ == 0; }
-  // Ends the writing; keep() names the file. Error: one line with the path and the reason; nothing is left of it.
+  // Ends the writing; keep() then gives the file its name. Error: one line with the path and the reason; the part is removed.
   Result<void> close();
   // Pre: close() succeeded.
   Result<void> keep() { return path_.keep(); }

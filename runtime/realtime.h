@@ -19,7 +19,7 @@ enum class RealtimeMode : std::uint8_t {
 // "off", "try" or "require", as on the command line.
 Result<RealtimeMode> parse_realtime_mode(std::string_view text);
 
-constexpr int kMaxRealtimePriority = 99;  // of SCHED_FIFO in Linux
+constexpr int kMaxRealtimePriority = 99;  // the highest of SCHED_FIFO in Linux
 
 struct RealtimeSettings {
   RealtimeMode mode = RealtimeMode::attempt;
@@ -34,31 +34,31 @@ struct RealtimeItem {
   std::string name;       // "priority", "CPU", "memory lock", "timer slack", "wake-up latency"
   std::string requested;  // "SCHED_FIFO 80"
   bool obtained = false;
-  std::string reason;  // why it was denied, the system's text; empty if obtained
+  std::string reason;  // why it was denied, in the system's words; empty if obtained
   std::string remedy;  // how to obtain it, one line
 };
 
 struct RealtimeReport {
   std::vector<RealtimeItem> items;
-  // The share of a CPU's time that the kernel gives real-time threads before it throttles them; empty without a priority, or if
-  // unknown.
+  // The share of a CPU's time that the kernel gives real-time threads before it throttles them; empty if no priority was obtained, or the
+  // share is unknown.
   std::optional<double> allowed_share;
 
   bool complete() const;  // every item was obtained
   // "real time: priority SCHED_FIFO 80: granted; CPU 1: granted; memory lock all: denied (reason; remedy) …" in one line.
   std::string to_text() const;
-  // The same for a log: granted and denied items in the first line, then a line for each rejection with its remedy.
+  // The same text for a log: granted and denied items in the first line, then a line for each rejection with its remedy.
   std::vector<std::string> to_lines() const;
 };
 
 // Makes the calling thread as close to real time as the system permits: timer slack 1 ns in every mode, the rest as requested. Call it from
-// the real-time thread, after its memory has been allocated. The report has each return code. Error, one line with the remedy: something
-// was denied in mode `require`, or the settings are impossible. RT: set-up only. Threads: acts on the caller; the memory lock and the
-// wake-up latency act on the process.
+// the real-time thread, after its memory has been allocated. The report has the result of each request. Error, one line with the remedy:
+// something was denied in mode `require`, or the priority is out of range. RT: set-up only. Threads: acts on the caller; the memory lock
+// and the wake-up latency act on the process.
 Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings);
 
-// The CPU to pin programs to that reply to each other in turn, so that a datagram wakes no other CPU: the last one that this process may
-// use; -1 if there is only one. RT: set-up only.
+// The CPU for programs that reply to each other in turn: if all are pinned to it, a datagram wakes no other CPU. It is the last one that
+// this process may use; -1 if there is only one. RT: set-up only.
 int find_shared_cpu();
 
 }  // namespace hapton

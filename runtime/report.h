@@ -11,17 +11,17 @@
 
 namespace hapton {
 
-// In report.json as "schema"; a reader rejects unknown ones. New fields may be added within a version.
+// The value of "schema" in report.json; a reader rejects any other. New fields may be added within a version.
 constexpr const char* kReportSchema = "hapton.report/4";
 
-// The machine of a measurement.
+// The machine on which a measurement was made.
 struct MachineInfo {
   std::string host;
   std::string cpu;
   int cpu_count = 0;
   std::string kernel;
   std::string compiler;
-  std::string build;  // "release, -march x86-64-v3, AVX2 FMA": compiler target
+  std::string build;  // "release AVX2 FMA": kind of build, instruction sets
 };
 
 // RT: no.
@@ -29,11 +29,11 @@ MachineInfo read_machine_info();
 
 // The latencies between two points of the system.
 struct LatencyHop {
-  std::string name;  // "force_round_trip": lower_snake, it becomes a key
+  std::string name;  // "force_round_trip": lower case with underscores, because it becomes a key
   LatencyHistogram histogram;
 };
 
-// A node that is there, and what came from it and went to it.
+// A node that has joined, and the datagrams that came from it and went to it.
 struct ReportNode {
   std::string role;
   std::string address;
@@ -50,7 +50,7 @@ struct ReportNode {
 struct LatencyReport {
   std::string program;
   MachineInfo machine;
-  double seconds = 0.0;  // how long was measured
+  double seconds = 0.0;  // duration of the measurement
   std::map<std::string, double> rates_hz;
   std::map<std::string, std::int64_t> counters;
   std::map<std::string, double> ratios;      // "round_trip_over_echo_p50"
@@ -63,7 +63,7 @@ struct LatencyReport {
 // max, mean in us.
 std::string to_json(const LatencyReport& report);
 
-// Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.
+// Rows hop,lower_ns,upper_ns,count: each row is a bucket [lower, upper) of a hop.
 std::string to_csv(const LatencyReport& report);
 
 // Writes report.json and latency.csv into `folder`, which is created if necessary. Each file appears complete or not at all: it is written
