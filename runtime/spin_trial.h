@@ -5,12 +5,12 @@
 
 namespace hapton {
 
-// Decides whether spinning for a datagram saves anything. It does not if the sender needs the CPU on which this thread spins, or sends
-// later than the spinning lasts: then the datagram comes after its end. Of each kWaits waits, half must end with the datagram; otherwise
-// the next waits do not spin, kFirstPause of them, and twice as many after each further failure. RT: yes. Threads: one.
+// Decides whether spinning for a datagram saves anything. It saves nothing if the sender needs the CPU on which this thread spins, or sends
+// so late that the datagram comes after the end of the spinning. Of each kWaits waits that spin, half must end with the datagram; otherwise
+// the next kFirstPause waits do not spin, and twice as many as the last time after each further failure. RT: yes. Threads: one.
 class SpinTrial {
  public:
-  static constexpr std::uint32_t kWaits = 6;               // of a trial; a free choice
+  static constexpr std::uint32_t kWaits = 6;               // waits of a trial; a free choice
   static constexpr std::uint32_t kFirstPause = 512;        // half a second at 1 kHz: a trial that fails costs a hundredth of the waits
   static constexpr std::uint32_t kLongestPause = 1 << 20;  // waits: 17 minutes at 1 kHz; a free choice
 
@@ -21,7 +21,7 @@ class SpinTrial {
     return false;
   }
 
-  // Called after each wait that did spin. arrived: the datagram came before its end.
+  // Called after each wait that did spin. arrived: the datagram came before the end of the spinning.
   void note(bool arrived) noexcept {
     arrivals_ += arrived ? 1 : 0;
     if (++waits_ < kWaits) return;
@@ -37,7 +37,7 @@ class SpinTrial {
  private:
   std::uint32_t waits_ = 0;
   std::uint32_t arrivals_ = 0;
-  std::uint32_t paused_ = 0;  // waits that are still not to spin
+  std::uint32_t paused_ = 0;  // further waits that must not spin
   std::uint32_t pause_ = kFirstPause;
 };
 

@@ -11,7 +11,7 @@ namespace hapton {
 [[noreturn]] void end_without_thread(const std::system_error& rejection);
 
 // Starts a thread; all our threads are started here. If the system denies it (the user's limit of processes, the unit's TasksMax, no
-// memory), end_without_thread ends the program, which cannot work without it. RT: set-up only, while no force is out.
+// memory), end_without_thread ends the program, which cannot work without the thread. RT: set-up only, while no force is on the motors.
 template <class Run>
 std::thread start_thread(Run&& run) {
   try {

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// The folder for files that a program writes on its own: $STATE_DIRECTORY (set by systemd), else $XDG_STATE_HOME/hapton, else
+// The folder for files that a program writes without being told where: $STATE_DIRECTORY (set by systemd), else $XDG_STATE_HOME/hapton, else
 // ~/.local/state/hapton; empty if there is none. Not created here. RT: set-up only.
 std::filesystem::path find_state_folder();
 

@@ -15,7 +15,7 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
 
   bool stop_requested() const noexcept;
-  // The same request from inside the program.
+  // The same request from inside the program; the next SIGINT or SIGTERM then kills the process.
   void request_stop() noexcept;
   // How many SIGUSR1 have come: report when it has increased.
   std::uint32_t report_requests() const noexcept;

@@ -12,14 +12,14 @@
 
 namespace hapton {
 
-// For a thread that calls what takes seconds and cannot be interrupted, as the readers of meshes, and yet has to end at once when it is
-// stopped: the call runs in a thread of its own, which nobody waits for then. RT: no. Threads: call() and sleep() from one, stop() from
-// any.
+// For a thread that calls functions which take seconds and cannot be interrupted, such as the readers of meshes, and that has to end at
+// once when it is stopped: each call runs in a thread of its own, for which nobody waits after stop(). RT: no. Threads: call() and sleep()
+// from one, stop() from any.
 class StoppableCalls {
  public:
-  // What the function returns; none: stop() came first, and the result is dropped when it is there. Pre: the function owns, or shares, all
-  // that it uses, since it may outlive this, and runs on while the program ends: it uses no static object that has a destructor. It throws
-  // nothing.
+  // The value that the function returns; none: stop() came first, and the value will be dropped. Pre: the function owns, or shares,
+  // all that it uses, since it may outlive this object, and run on while the program ends: it uses no static object that has a destructor.
+  // It throws nothing.
   template <class Function, class Value = std::invoke_result_t<Function>>
   std::optional<Value> call(Function function) {
     const auto result = std::make_shared<std::optional<Value>>();
@@ -36,13 +36,13 @@ class StoppableCalls {
     return std::move(*result);
   }
 
-  // False: it was stopped.
+  // Sleeps for `time`. False: stop() ended the sleep, or came before it.
   bool sleep(std::chrono::milliseconds time) {
     std::unique_lock lock(state_->mutex);
     return !state_->changed.wait_for(lock, time, [&] { return state_->is_stopped; });
   }
 
-  // Ends the calls and the sleep of now, and all later ones.
+  // Ends the present call or sleep at once, and all later ones.
   void stop() {
     const std::lock_guard lock(state_->mutex);
     state_->is_stopped = true;
@@ -54,7 +54,7 @@ class StoppableCalls {
   }
 
  private:
-  // Shared with threads that may outlive this.
+  // Shared with threads that may outlive this object.
   struct State {
     std::mutex mutex;
     std::condition_variable changed;

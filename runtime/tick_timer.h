@@ -7,7 +7,7 @@
 namespace hapton {
 
 // A timer that is set at one moment and waited for at another: a loop sets the next wake-up before the work that must not be delayed, and
-// then only blocks. Units: ns of CLOCK_MONOTONIC. RT: yes, a system call each; open set-up only. Threads: one.
+// then only blocks. Units: ns of CLOCK_MONOTONIC. RT: yes, each call is one system call; open is for set-up only. Threads: one.
 class TickTimer {
  public:
   TickTimer() = default;
@@ -20,7 +20,7 @@ class TickTimer {
 
   // Pre: open; time_ns > 0. A time that has passed ends the next wait at once.
   void set(std::int64_t time_ns) noexcept;
-  // Blocks until the time set last; at once when that has been waited for or nothing was set.
+  // Blocks until the time set last; returns at once if that time has been waited for already, or none was set.
   void wait() noexcept;
 
  private:

@@ -26,7 +26,7 @@ class TomlReader {
   // The top-level table of a file. Error: it cannot be read, is larger than 1 MiB, or is not TOML.
   static Result<TomlReader> open(const std::filesystem::path& path);
 
-  // Any other key is an error that lists the known ones.
+  // Declares the known keys: any other key is an error that lists them.
   void allow(std::initializer_list<std::string_view> known);
   void require(std::string_view key);
   bool has(std::string_view key) const;

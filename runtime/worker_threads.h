@@ -26,7 +26,7 @@ class WorkerThreads final : public WorkerTeam {
   void run_each(Function function, const void* context) noexcept override;
   void serve(int worker) noexcept;
 
-  Function function_ = nullptr;  // of the call whose number is calls_
+  Function function_ = nullptr;  // the function of the call whose number is calls_
   const void* context_ = nullptr;
   std::atomic<std::uint32_t> calls_ = 0;
   std::atomic<int> busy_ = 0;  // workers that have not finished
@@ -34,7 +34,7 @@ class WorkerThreads final : public WorkerTeam {
   std::vector<std::thread> threads_;
 };
 
-// Null if the team is only the calling thread. Pre: as WorkerThreads.
+// A team of `size` threads; null if it would be only the calling thread. Pre: as WorkerThreads.
 std::unique_ptr<WorkerTeam> make_worker_team(int size);
 
 }  // namespace hapton

@@ -13,8 +13,8 @@ namespace hapton {
 Result<void> check_writable_folder(const std::filesystem::path& folder);
 Result<void> check_writable_file(const std::filesystem::path& file);
 
-// Whether two names are those of one file, so that what is written last would replace the other; also by links, and where there is none
-// yet. A device or a pipe takes both, and empty names are none. RT: no.
+// Whether two names lead to the same file, also through links and if it does not exist yet, so that the output written last would replace
+// the other. False if one is a device or a pipe, which takes both outputs, or an empty name, which names no output. RT: no.
 bool is_same_output(const std::filesystem::path& a, const std::filesystem::path& b);
 
 // An output of a command, and the flag that names it.
