@@ -7,12 +7,12 @@
 
 namespace hapton {
 
-// The dead man's switch: what must be held for force. A device that senses a hand must report it as held (one that cannot always reports
-// held). A button can be required as well; no requirement can be removed.
+// The dead man's switch: what must be held for force. A device that senses a hand must report that it is held (a device without such a
+// sensor always reports so). A button can be required as well; no requirement can be removed.
 // RT: yes.
 class DeadMansSwitch {
  public:
-  // Counted from 1; a number that no button has changes nothing.
+  // Buttons are counted from 1 to 32; any other number changes nothing.
   void require_button(int button) noexcept { buttons_ |= button_bit(button); }
   bool is_held(const DeviceSample& sample) const noexcept { return sample.is_held && (sample.buttons & buttons_) == buttons_; }
   std::uint32_t required_buttons() const noexcept { return buttons_; }

@@ -11,7 +11,7 @@ class FaultDebouncer {
   static constexpr int kMax = 5;
   static constexpr std::int64_t kForgetNs = 100'000'000;
 
-  // One more error; true: it trips. Pre: now_ns never decreases.
+  // Counts one more error; true: the counter trips. Pre: now_ns never decreases.
   bool note(std::int64_t now_ns) noexcept {
     const std::int64_t forgotten = (now_ns - since_ns_) / kForgetNs;
     count_ = forgotten >= count_ ? 0 : count_ - static_cast<int>(forgotten);

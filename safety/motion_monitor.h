@@ -7,14 +7,14 @@
 namespace hapton {
 
 // Checks whether the device's samples are plausible for a hand, and filters its velocity.
-// Invalid pose: not finite, farther out than 1e6 m, or a rotation not of unit length; it is ignored. Jump: kJumpM farther than max_speed
-// allows, as when an encoder loses count; on a device with torque also kJumpRad more than kFastestTurnRadPerS allows. After a gap of kGapNs
-// or more the hand may be anywhere, and nothing counts as a jump.
+// Invalid pose: not finite, farther out than 1e6 m, or a quaternion not of unit length; it is ignored. Jump: kJumpM farther than max_speed
+// allows, for example because an encoder lost count; on a device with torque also kJumpRad more than kFastestTurnRadPerS allows. After a
+// gap of kGapNs or more the hand may be anywhere, and nothing counts as a jump.
 // Units m, s, rad; frame W. RT: yes.
 class MotionMonitor {
  public:
-  // The distance that a hand at 3 m/s moves in 1.7 ms, so time stamps may be off by that. A smaller loss of encoder counts is not detected
-  // and shifts all walls.
+  // The distance that a hand at 3 m/s moves in 1.7 ms, so time stamps may be wrong by that time. A smaller loss of encoder counts is not
+  // detected and shifts all walls.
   static constexpr double kJumpM = 0.005;
   // Choices: 16 encoder counts of the gimbals of a Model A (1/512 turn); eight turns a second.
   static constexpr double kJumpRad = 0.2;
@@ -26,20 +26,20 @@ class MotionMonitor {
 
   enum class Verdict : std::uint8_t { fine, invalid_pose, jump };
 
-  // Checks a sample and updates position, velocity and motion from it; an invalid pose or a jump is not used. time_ns: time of the sample.
-  // Pre: it never decreases. has_torque: check rotations, too.
+  // Checks a sample and updates position, velocity and motion. An invalid pose only sets the motion to zero; a jump sets the position, and
+  // velocity and motion to zero. time_ns: time of the sample. Pre: time_ns never decreases. has_torque: check rotations, too.
   Verdict update(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s, bool has_torque) noexcept;
   // Restarts with the next sample; the motion up to it does not count.
   void forget() noexcept { has_begun_ = false; }
 
-  // A valid sample younger than kCommandTimeoutNs exists.
+  // A valid sample younger than kCommandTimeoutNs exists; one that jumped counts.
   bool is_current(std::int64_t now_ns) const noexcept { return has_begun_ && now_ns - time_ns_ < kCommandTimeoutNs; }
   const Vec3& p_WD() const noexcept { return p_WD_; }
   const Vec3& velocity_m_per_s() const noexcept { return velocity_m_per_s_; }
   double speed_m_per_s() const noexcept { return speed_m_per_s_; }
   // Motion between the newest two valid samples, m; zero after a jump or an invalid pose.
   const Vec3& moved_m() const noexcept { return moved_m_; }
-  // The same of the orientation, as a rotation vector, rad; zero without torque.
+  // The rotation between the same samples: its axis times 2 sin(angle / 2), so nearly the rotation vector, rad; zero without torque.
   const Vec3& turned_rad() const noexcept { return turned_rad_; }
 
  private:
