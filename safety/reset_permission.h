@@ -16,7 +16,7 @@ enum class ResetDecision : std::uint8_t {
 // A reset lets the force come back, so two things must hold. The right: the session's key is an operator's. Presence: a person is at the
 // device, which is known when the request comes from the hub's own host (loopback addresses cannot come from a network), or while the dead
 // man's switch that the device was started with is held.
-// key_role unsealed is that of in-memory endpoints; no sealed session has it. RT: yes.
+// KeyRole::unsealed is the role of in-memory endpoints; no sealed session has it. RT: yes.
 constexpr ResetDecision check_reset(KeyRole key_role, bool is_from_this_host, bool is_switch_held) noexcept {
   if (key_role != KeyRole::operator_role && key_role != KeyRole::unsealed) return ResetDecision::no_right;
   return is_from_this_host || is_switch_held ? ResetDecision::granted : ResetDecision::no_person;

@@ -5,14 +5,14 @@
 
 namespace hapton {
 
-// A latched fault: no force until a person resets it. The first one is kept until then.
+// A latched fault: no force until a person resets it. The first fault stays latched until then, and later ones are not.
 enum class SafetyFault : std::uint8_t {
   none,
   not_finite,  // repeated forces that are not finite
   torque,      // repeated torques that are not finite
-  speed,       // the device is faster than any hand
+  speed,       // the device is faster than max_speed
   position,    // repeated invalid poses
-  jump,        // the position jumped: an encoder may have lost count
+  jump,        // the position or orientation jumped: an encoder may have lost count
   thermal,     // the motors are too hot
   device,      // the device has stopped replying
 };
@@ -26,12 +26,12 @@ std::string_view describe(SafetyFault fault) noexcept;
 // What the governor does now: the first that applies, from the top.
 enum class GovernorState : std::uint8_t {
   latched,          // a fault holds the force at zero until it is reset
-  away,             // the device is not there
-  calibrating,      // the device is not ready
-  pose_timeout,     // pose timeout: no valid sample of the device for 20 ms
-  switch_released,  // the dead man's switch
+  away,             // the device is unplugged or does not respond
+  calibrating,      // the position of the device is not valid yet
+  pose_timeout,     // no valid sample of the device for 20 ms
+  switch_released,  // the dead man's switch is not held
   no_command,       // no force command within the command timeout
-  ramping,          // the force ramps up
+  ramping,          // the force is ramping up
   live,
 };
 std::string_view to_string(GovernorState state) noexcept;

@@ -18,7 +18,7 @@
 
 namespace hapton {
 
-// What a governor has done.
+// What a governor has done, in numbers.
 struct GovernorCounters {
   std::uint64_t accepted = 0;
   std::uint64_t not_finite = 0;        // forces and torques
@@ -27,20 +27,20 @@ struct GovernorCounters {
   std::uint64_t command_timeouts = 0;  // command timeouts after an accepted force
   std::uint64_t clamped = 0;           // accepted forces above the limit
   std::uint64_t slewed = 0;            // accepted forces limited in rate
-  std::uint64_t bad_samples = 0;       // of the device: invalid poses
+  std::uint64_t bad_samples = 0;       // samples of the device with an invalid pose
   std::uint64_t stopped = 0;           // accepted forces limited by the workspace
   std::uint64_t braked = 0;            // ... by the speed limit
   std::uint64_t damped = 0;            // ... by the energy budget
   std::uint64_t kept_passive = 0;      // ... by the passivity controller
   std::uint64_t cooled = 0;            // ... by the thermal budget
   std::uint64_t releases = 0;          // times the dead man's switch was released
-  std::uint64_t latched = 0;           // faults
+  std::uint64_t latched = 0;           // faults that were latched
   std::uint64_t resets = 0;
-  std::uint64_t resets_rejected = 0;  // their cause persisted
+  std::uint64_t resets_rejected = 0;  // resets of a fault whose cause persisted
   std::array<std::uint64_t, kSafetyFaults> faults = {};
 };
 
-// A governor at one moment, for people and programs.
+// The state of a governor at one moment, for people and programs.
 struct GovernorStats {
   GovernorCounters counters;
   GovernorState state = GovernorState::no_command;
@@ -50,12 +50,12 @@ struct GovernorStats {
   double energy_most_j = 0.0;      // at this energy the force limit is zero
   double passivity_given_j = 0.0;  // see PassivityController; 0 where it is off
 
-  // Of the energy budget; below 0: the device has taken more than it gave.
+  // Used share of the energy budget; below 0: the device has taken more than it gave.
   double energy_share() const noexcept { return energy_most_j > 0.0 ? energy_spent_j / energy_most_j : 0.0; }
 };
 
 // Limits every wrench before it reaches the motors of one device, whatever the other nodes send and whatever the device reports. Its
-// stages, in this order, each a type of its own:
+// stages, in this order, most of them a type of their own:
 //
 //   filter      finite, fresh, not timed out: which command is valid (CommandFilter)
 //   gate        latched fault, device away or calibrating, no valid sample for 20 ms, dead man's switch: no force
@@ -69,9 +69,9 @@ struct GovernorStats {
 //   slew        the output follows at the rate limit, within the magnitude limit
 //
 // So the output is always finite, within max_force and max_torque, within their slews, and within the thermal and the energy budget; zero
-// after 20 ms without a force. Nothing switches a stage off: limits can only be tightened, buttons only be required.
-// Pure: time is a parameter, no clock is read. Times are clamped to >= 0; a decreasing time counts as no time passed.
-// RT: all but making one. Threads: one.
+// after 20 ms without a force. Limits that are tightened hold as soon as the device's own slew permits: releases use it. Nothing switches a
+// stage off: limits can only be tightened, buttons only be required. Time is a parameter, no clock is read: times are clamped to >= 0; a
+// decreasing time counts as no time passed. RT: all but construction. Threads: one.
 class SafetyGovernor {
  public:
   explicit SafetyGovernor(const DeviceLimits& device);
@@ -79,13 +79,13 @@ class SafetyGovernor {
   void tighten(const DeviceLimits& limits) noexcept { limits_.tighten(limits); }
   void forbid_force() noexcept { limits_.forbid_force(); }
   void forbid_torque() noexcept { limits_.forbid_torque(); }
-  // From now on. Without it only a source that gives more than the energy budget is limited.
+  // Enables the passivity stage from now on. Without it only a source that gives more than the energy budget is limited.
   void keep_passive(const PassivityController::Mechanics& device) noexcept { passivity_.emplace(device); }
   void require_button(int button) noexcept { dead_mans_switch_.require_button(button); }
 
   // The device as it was just read, at sample.time_ns.
   void observe(const DeviceSample& sample, DeviceStatus status) noexcept;
-  // What the device says of its motors: 0 cold .. 1 too hot; below 0: it does not say.
+  // The temperature of the motors as the device reports it: 0 cold .. 1 too hot; below 0: not reported.
   void observe_temperature(double temperature) noexcept;
 
   // The wrench to write now: in reply to `wanted`, or without a new command. Write it unchanged.
@@ -104,7 +104,7 @@ class SafetyGovernor {
     if (fault == SafetyFault::thermal) thermal_.assume_hot(limits_.device());
   }
 
-  // A person says that the cause of the latched fault is fixed. False: it is still there, and so is the fault. The force ramps up.
+  // A person says that the cause of the latched fault is gone. False: it is not, and the fault stays latched. True: the force may ramp up.
   bool reset_faults() noexcept;
   // A dead man's switch is required, and held: a person is at the device. A disconnected device repeats its last sample, which proves
   // nothing.
@@ -120,7 +120,7 @@ class SafetyGovernor {
   const DeviceLimits& limits() const noexcept { return limits_.now(); }
   const DeviceLimits& device_limits() const noexcept { return limits_.device(); }
   const GovernorCounters& counters() const noexcept { return counters_; }
-  // Where no force is allowed, of the device's own continuous force.
+  // Load of the motors by limits(); where these allow no force, by the device's own continuous force.
   double thermal_load() const noexcept { return thermal_.load(limits().max_force_n > 0.0 ? limits() : device_limits()); }
   double energy_spent_j() const noexcept { return energy_.spent_j(); }
   double passivity_given_j() const noexcept { return passivity_ ? passivity_->given_j() : 0.0; }
@@ -163,14 +163,14 @@ class SafetyGovernor {
   double temperature_ = -1.0;
   bool is_held_ = true;
   bool is_open_ = false;
-  bool is_accepted_ = false;  // in this step
-  bool was_stopped_ = false;  // ... and what was done to it
+  bool is_accepted_ = false;  // a command was accepted in this step
+  bool was_stopped_ = false;  // ... and this stage limited its force
   bool was_braked_ = false;
   bool was_damped_ = false;
   bool was_kept_passive_ = false;
   bool has_begun_ = false;
   std::int64_t now_ns_ = 0;
-  double unheld_s_ = 0.0;  // passed since the last step: the slew of the next
+  double unheld_s_ = 0.0;  // time passed since the last step: it bounds the change in the next
 };
 
 }  // namespace hapton

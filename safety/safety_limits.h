@@ -6,13 +6,13 @@
 
 namespace hapton {
 
-// Age of its sample at which a force times out: five cycles at the lowest rate, 250 Hz. Longer holds the force of a dead node longer;
-// shorter removes forces that are merely late.
+// Age of its sample at which a force times out: five cycles at the lowest rate, 250 Hz. A longer age holds the force of a dead node longer;
+// a shorter age removes forces that are merely late.
 constexpr std::int64_t kCommandTimeoutNs = 20'000'000;
 // Time within which a force must be released: one that is not replaced stays whole for half of the time until it has to be zero.
 constexpr std::int64_t kLongestReleaseNs = kCommandTimeoutNs / 2;
 
-// N, N/s, Nm and so on: a limit up to this is too small to divide by. Requested, it forbids the force; of a device, it is invalid.
+// N, N/s, Nm and so on: a limit up to this is too small to divide by. A requested one forbids the force; one of a device is invalid.
 constexpr double kMinUsableLimit = 1e-9;
 
 // For a device without max_speed: faster than any hand moves a stylus.
@@ -27,8 +27,8 @@ class SafetyLimits {
  public:
   explicit SafetyLimits(const DeviceLimits& device);
 
-  // Takes the smaller value of each field, and the intersection of the workspaces (if there is any). Invalid values have no effect.
-  // max_stiffness and peak_s are ignored: neither limits a force by itself.
+  // Takes the smaller value of each field, and the intersection of the workspaces on each axis (if there is any). Invalid values have no
+  // effect. max_stiffness and peak_s are ignored: neither limits a force by itself.
   void tighten(const DeviceLimits& wanted) noexcept;
 
   // No force and no torque from now on. RT: yes.

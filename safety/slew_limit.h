@@ -4,14 +4,14 @@
 
 namespace hapton {
 
-// A vector that follows a goal at a limited rate, within a magnitude limit that may shrink. First it comes within the limit, at the release
-// rate; the rest of the step goes towards the goal. So the limit holds as soon as the release rate allows, wherever the goal is. Units: the
-// vector's own; rates are per step. RT: yes.
+// A vector that follows a goal at a limited rate, within a magnitude limit that may shrink. In each step it first comes within the limit,
+// at the release rate; the rest of the step goes towards the goal. So the limit holds as soon as the release rate allows, wherever the goal
+// is. Units: those of the vector; rates are per step. RT: yes.
 class SlewLimit {
  public:
   struct Rates {
     double towards_goal = 0.0;  // largest change in a step towards the goal
-    double release = 0.0;       // largest decrease in a step above the limit; >= towards_goal
+    double release = 0.0;       // largest decrease in a step that begins above the limit; >= towards_goal
   };
 
   // One step. Pre: finite; limit >= 0. Post: value() has changed by no more than the larger rate; |value()| <= limit, or it decreased by
