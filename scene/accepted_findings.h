@@ -10,13 +10,13 @@
 
 namespace hapton {
 
-// Findings of `hapton check` that may be intended, by their names there. Those that concern the stability of the loop are not among them.
+// Findings of `hapton check` that may be intended, named as there. Those that concern the stability of the loop are not among them.
 inline constexpr std::array<std::string_view, 8> kAcceptableFindings = {"thin-wall",  "opening",      "crack",     "flipped",
                                                                         "inside-out", "out-of-reach", "coincides", "enclosed"};
 inline constexpr std::string_view kAcceptedFindingsKey = "accepted_findings";
 
-// The list of these names that an [[object]] has; empty: none. name: of the table, for errors. RT: set-up only. Error: one line with the
-// line in the file.
+// Reads the list of such names in an [[object]] table; empty: the table has none. name: that of the table, for errors. RT: set-up only.
+// Error: one line that names the line in the file.
 Result<std::vector<std::string>> read_accepted_findings(const toml::table& object, const std::string& name);
 
 }  // namespace hapton

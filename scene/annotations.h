@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// What a person has drawn and measured on the objects of a scene. Frame O of an object: its points as the scene file places them, in frame
-// S; an object that was picked up and put down elsewhere is moved from there by ObjectPose, and what was drawn on it goes along. Metres.
+// What a person has drawn and measured on the objects of a scene. Frame O of an object: its points as the scene file places them in frame
+// S. An object that was picked up and put down elsewhere has another pose X_SO, and what was drawn on it moves along. Units: metres.
 
 // A point on an object's surface.
 struct AnnotationPoint {
@@ -33,7 +33,7 @@ struct Measure {
 
 using Annotation = std::variant<Stroke, Measure>;
 
-// Where an object was put down: a point p of it, as the scene file has it, is at p_m + q p in frame S.
+// Where an object was put down: its point that the scene file places at p is now at p_m + q p. Frame: S.
 struct PutDown {
   std::int32_t object = -1;
   Vec3 p_m = Vec3::Zero();
@@ -46,40 +46,40 @@ struct PutDown {
 // places the object.
 struct CarvedPress {
   std::int32_t object = -1;
-  double radius_m = 0.0;  // of all
+  double radius_m = 0.0;  // of all carves
   std::vector<Carve> carves = {};
 
   friend bool operator==(const CarvedPress&, const CarvedPress&) = default;
 };
 
-// Objects are numbered as in `objects`: first those of the scene, in its order, then those of another scene that a file named. Entries
-// on the latter are kept for the file and not shown.
+// Objects are numbered as in `objects`: first those of the scene, in its order, then objects that a file named and the scene does not have.
+// Entries on those others are kept for the file and not shown.
 struct Annotations {
   std::vector<std::string> objects;
   std::vector<Annotation> entries;  // in the order in which they were made
   std::vector<PutDown> put_down;
-  std::vector<CarvedPress> carved = {};         // in the order in which they were made; neither it nor a repetition changes the shape
-  std::vector<std::size_t> carved_before = {};  // by entry: how many presses in `carved` were made before it; 0 where it is not said
+  std::vector<CarvedPress> carved = {};         // in the order in which they were made; the shape depends neither on it nor on repetitions
+  std::vector<std::size_t> carved_before = {};  // by entry: how many presses in `carved` were made before it; 0 for entries beyond its end
 };
 
-// Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
+// Largest number of points in all strokes and measures; a file with more is rejected, and nothing more is drawn.
 constexpr std::size_t kMaxAnnotationPoints = 100'000;
 
-// As many as a haptics node keeps.
+// Largest number of carves in a file: as many as a haptics node keeps.
 constexpr std::size_t kMaxSavedCarves = CarveList::kMax;
 
 std::size_t count_points(const Annotations& annotations);
-// Of all presses.
+// The number of carves in all presses.
 std::size_t count_carves(const std::vector<CarvedPress>& carved);
-// The carves of a list that are not undone, by press. first_serials: of each press, if it is wanted.
+// The carves of a list that are not undone, by press. first_serials: if given, gets the serial number of the first carve of each press.
 std::vector<CarvedPress> group_carves(const CarveList& list, std::vector<std::uint32_t>* first_serials = nullptr);
-// Along the polyline.
+// The length along the polyline.
 double compute_length_m(const Stroke& stroke);
 
-// Where the objects are: X_SO by object. Those beyond the list are where the scene file has them.
+// The poses of the objects: X_SO by object. Objects beyond the list are where the scene file has them.
 using ObjectPoses = std::vector<Pose>;
 
-// Straight from one end to the other, with the objects where they are. Exact to the rounding of a difference and a norm.
+// The straight distance between the ends, with the objects at these poses. Exact to rounding, and for ends on one object free of its pose.
 double compute_length_m(const Measure& measure, const ObjectPoses& X_SO);
 Vec3 place(const AnnotationPoint& point, const ObjectPoses& X_SO);
 

@@ -10,7 +10,7 @@ namespace hapton {
 
 struct ObjectSpec;
 
-// As position_m and rotation of a scene file (frame F).
+// The place of an object as position_m and rotation of a scene file give it (frame F).
 struct ObjectPlace {
   Vec3 p_FM = Vec3::Zero();
   Quat q_FM = Quat::Identity();
@@ -23,24 +23,24 @@ class CommandedObject {
   // mesh: as touched at rest, in S after `fit`. Pre: object.motion.by_program.
   CommandedObject(const ObjectSpec& object, const SceneFit& fit, const TriangleMesh& mesh);
 
-  // At rest, frame S: `pivot_m` of the scene file.
+  // The pivot (`pivot_m` of the scene file) of the object at rest, in frame S.
   const Vec3& pivot() const noexcept { return pivot_S_; }
-  // No point of the object is farther from the pivot.
+  // No point of the object is farther than this from the pivot.
   double radius_m() const noexcept { return radius_m_; }
 
-  // Where the object is with that position_m and rotation; what is not given stays as it is now: the pivot's position, and the rotation.
-  // The time of the result is 0. Pre: finite; a rotation of unit length to 1e-3.
+  // The pose of the object with that position_m and rotation. Without p_FM the pivot keeps its position in `now`; without q_FM the object
+  // keeps its rotation in `now`. The time of the result is 0. Pre: finite; a rotation of unit length to 1e-3.
   Keyframe place(const std::optional<Vec3>& p_FM, const std::optional<Quat>& q_FM, const Keyframe& now) const noexcept;
-  // The inverse: what place() puts there.
+  // The inverse of place(): the position_m and rotation that lead to the pose `at`.
   ObjectPlace find_place(const Keyframe& at) const noexcept;
 
-  // The same pivot, radius and fit, and the same requests lead to the same places.
+  // Whether pivot, radius and fit are the same, so that the same requests lead to the same poses.
   bool operator==(const CommandedObject& other) const noexcept;
 
  private:
-  Vec3 p_MP_;  // pivot, frame of the mesh, scaled
-  Quat q_SM_;  // of the scene file, turned
-  Quat q_SF_;  // as ObjectSpec has it
+  Vec3 p_MP_;  // pivot in the frame of the mesh, scaled
+  Quat q_SM_;  // rotation in the scene file, turned by q_SF_
+  Quat q_SF_;  // see ObjectSpec
   SceneFit fit_;
   Vec3 pivot_S_;
   double radius_m_;
