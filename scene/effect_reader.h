@@ -28,22 +28,22 @@ struct EffectSpec {
   std::string name;  // default: its type
   SpaceEffect effect;
   EffectSwitch on = {};
-  std::string object;           // the effect is placed at this object's centre, or in its box; empty: by its own keys
-  std::size_t object_line = 0;  // in the scene file
+  std::string object;           // the effect is placed at this object's centre, or in its box; empty: its own keys place it
+  std::size_t object_line = 0;  // line of the key `object` in the scene file
 };
 
-// number: its place among the [[effect]] tables, from 1. Error: one line: a value out of range, an unknown type, a key of another type. RT:
-// set-up only.
+// number: its place among the [[effect]] tables, counted from 1. Error, one line: a value out of range, an unknown type, a key of another
+// type. RT: set-up only.
 Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t number);
 
-// Whether an [[effect]] table is a plug-in. RT: set-up only, like the next.
+// Whether an [[effect]] table is a plug-in. RT: set-up only, as is read_library_effect.
 bool is_library_effect(const toml::table& table);
 
-// number: as above. Error: one line, as for other effects: no library, an unknown key, a parameter that is not a text, number or boolean,
-// or that has a comma: --effect could not give it.
+// number: as above. Error, one line as for other effects: no library, an unknown key, a parameter that is not a text, number or boolean,
+// or that has a comma, because the flag --effect could not have it.
 Result<LibraryEffect> read_library_effect(const toml::table& table, std::size_t number);
 
-// Moves an effect to an object: its centre becomes that of the object's box, its volume that box. Frame: S.
+// Moves an effect to an object with the box from low to high: its centre becomes that of the box, or its volume becomes the box. Frame: S.
 void place_at_object(SpaceEffect& effect, const Vec3& low, const Vec3& high);
 
 }  // namespace hapton

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// The contents of a regular file. Error (names the file): missing, unreadable, a directory or device, empty, over max_bytes; it
-// grows or shrinks meanwhile. RT: set-up only.
+// The contents of a regular file. Error (names the file): it is missing, unreadable, a directory or device, empty or larger than max_bytes;
+// or its size changes while it is read. RT: set-up only.
 Result<std::string> read_file_bytes(const std::filesystem::path& path, std::size_t max_bytes);
 
 }  // namespace hapton

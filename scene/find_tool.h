@@ -9,15 +9,15 @@
 
 namespace hapton {
 
-// A tool as a command line names it.
+// A tool that a command line names.
 struct ToolChoice {
-  std::filesystem::path file;     // empty: the scene's, if it has one
-  std::optional<Unit> unit = {};  // of the file; none: as the scene's, which a scene file gives each of its meshes: m
+  std::filesystem::path file;     // empty: the tool of the scene, if it has one
+  std::optional<Unit> unit = {};  // unit of the file; none: SceneLoading::unit, which is none for a scene file, too: m
   ToolGrip grip = ToolGrip::origin;
 };
 
-// That tool, or the scene's; nothing where neither names one. It is as large as the scene is shown: a mesh that was fitted to the workspace
-// takes the tool along. notes: warnings, one line each. Error: whatever load_mesh_file rejects. RT: set-up only.
+// The chosen tool, else the scene's; nothing where there is neither. A chosen tool is scaled as the scene is: if that was fitted to the
+// workspace, so is the tool. notes: warnings, one line each. Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<std::optional<SceneTool>> find_tool(const ToolChoice& choice, const Scene& scene, const SceneLoading& loading,
                                            std::vector<std::string>& notes);
 
@@ -27,7 +27,7 @@ struct ToolFlaw {
   std::string fix;
 };
 
-// Flaws of its size beside that of the scene, and of where it is held. tool: from the grip point, metres. RT: set-up only.
+// Finds flaws in the tool's size compared with the scene's, and in where it is held. tool: from the grip point, metres. RT: set-up only.
 std::vector<ToolFlaw> find_tool_flaws(const TriangleMesh& tool, const Scene& scene);
 
 }  // namespace hapton
