@@ -13,25 +13,25 @@ namespace hapton::gltf {
 // The bytes of a document's buffers, read on first use: a missing buffer that only textures use is not an error.
 class Buffers {
  public:
-  // root: the document, which must outlive this. binary: a GLB's second chunk. folder: base of relative URIs.
+  // root: the document, which must outlive this object. binary: a GLB's second chunk. folder: base of relative URIs.
   Buffers(const Json& root, std::optional<std::string_view> binary, const std::filesystem::path& folder)
       : root_(root), binary_(binary), folder_(folder), bytes_read_(binary ? binary->size() : 0) {}
 
   struct View {
-    std::string_view bytes;  // live as long as the Buffers
+    std::string_view bytes;  // valid as long as the Buffers exist
     std::size_t stride = 0;  // 0: tightly packed
   };
   // A buffer view [3.6.1]; one with EXT_meshopt_compression is decompressed.
   Result<View> view(const Json& index_json, const std::string& where);
 
-  // The bytes of a buffer view for an image. Error: those of all images together are more than kMostCopies times all buffers.
+  // A copy of the bytes of a buffer view for an image. Error: all images together exceed kMostCopies times the bytes of all buffers.
   Result<std::string> copy_for_image(const Json& index_json, const std::string& where);
 
   // Size of all buffers read so far, before decompression.
   std::size_t bytes_read() const { return bytes_read_; }
 
  private:
-  // Any number of images may share a view, so the size of the file bounds their copies only with this.
+  // Any number of images may share a view, so only this bounds their copies by the size of the file.
   static constexpr std::size_t kMostCopies = 8;
 
   Result<View> compressed_view(std::size_t index, const Json& compression);
@@ -42,11 +42,11 @@ class Buffers {
   const Json& root_;
   std::optional<std::string_view> binary_;
   std::filesystem::path folder_;
-  std::map<std::size_t, std::string> loaded_;    // by buffer
-  std::map<std::size_t, std::string> unfolded_;  // by buffer view
+  std::map<std::size_t, std::string> loaded_;    // bytes of each buffer that is not in the GLB, by buffer
+  std::map<std::size_t, std::string> unfolded_;  // decompressed bytes, by buffer view
   std::size_t bytes_read_;
-  std::size_t unfolded_bytes_ = 0;  // of all of unfolded_
-  std::size_t copied_bytes_ = 0;    // for images
+  std::size_t unfolded_bytes_ = 0;  // of all buffer views in unfolded_
+  std::size_t copied_bytes_ = 0;    // bytes that were copied for images
 };
 
 }  // namespace hapton::gltf

@@ -9,7 +9,7 @@
 
 namespace hapton::gltf {
 
-// An error if the file requires an extension that is not supported.
+// An error if the file requires an extension that is not supported and may change its shape.
 std::optional<Error> check_required_extensions(const Json& root);
 
 // One line for each unsupported extension in the file that may change its shape.
