@@ -79,7 +79,7 @@ double compute_length_m(const Stroke& stroke);
 // The poses of the objects: X_SO by object. Objects beyond the list are where the scene file has them.
 using ObjectPoses = std::vector<Pose>;
 
-// The straight distance between the ends, with the objects at these poses. Exact to rounding, and for ends on one object free of its pose.
+// The straight distance between the ends, with the objects at these poses, exact to rounding. On one object its pose has no effect.
 double compute_length_m(const Measure& measure, const ObjectPoses& X_SO);
 Vec3 place(const AnnotationPoint& point, const ObjectPoses& X_SO);
 

@@ -34,7 +34,7 @@ class CommandedObject {
   // The inverse of place(): the position_m and rotation that lead to the pose `at`.
   ObjectPlace find_place(const Keyframe& at) const noexcept;
 
-  // Whether pivot, radius and fit are the same, so that the same requests lead to the same poses.
+  // Whether pivot, rotations, radius and fit are the same, so that the same requests lead to the same poses.
   bool operator==(const CommandedObject& other) const noexcept;
 
  private:

@@ -12,11 +12,11 @@ namespace hapton {
 // A tool that a command line names.
 struct ToolChoice {
   std::filesystem::path file;     // empty: the tool of the scene, if it has one
-  std::optional<Unit> unit = {};  // unit of the file; none: SceneLoading::unit, which is none for a scene file, too: m
+  std::optional<Unit> unit = {};  // unit of the file; none: SceneLoading::unit, or m if that is none, too
   ToolGrip grip = ToolGrip::origin;
 };
 
-// The chosen tool, else the scene's; nothing where there is neither. A chosen tool is scaled as the scene is: if that was fitted to the
+// The chosen tool, else the scene's; nothing if there is neither. A chosen tool is scaled as the scene is: if the scene was fitted to the
 // workspace, so is the tool. notes: warnings, one line each. Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<std::optional<SceneTool>> find_tool(const ToolChoice& choice, const Scene& scene, const SceneLoading& loading,
                                            std::vector<std::string>& notes);

@@ -23,7 +23,7 @@ struct Accessor {
   std::size_t component_type = 0;
   bool normalized = false;
   std::string json_path;                       // the accessor's path in the JSON, for error texts
-  std::shared_ptr<const std::string> storage;  // holds values that the file does not have as they are: of a sparse accessor, or zeros
+  std::shared_ptr<const std::string> storage;  // holds values that are not in the file as such: of a sparse accessor, or zeros
 
   // One number of one item. KHR_mesh_quantization allows integers for positions; normalised ones are converted as [3.6.2.2] says.
   // Pre: item < count, k below the number of components of the type.
