@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// The placement and material of a stress test of every body.
+// One variant of the stress test: how each body is placed, and its friction.
 struct StressVariant {
   double scale = 1.0;
   double offset_extents = 0.0;
@@ -18,39 +18,39 @@ struct StressVariant {
   double friction_dynamic = 0.0;
 };
 
-// Scales 1e-6 to 1e6, offsets up to a million extents, and friction.
+// Each varies one thing: the scale (1e-6 to 1e6), the offset (up to a million extents) or the friction.
 std::vector<StressVariant> standard_variants();
-// Patches lie on a grid of their own, on which a body lies where it is made: without friction and with it.
+// For patches: without friction and with it. Scale and offset stay as generated, because patches round the vertices to their own grid.
 std::vector<StressVariant> patch_variants();
 
 struct StressPlan {
   MethodSettings method;
   std::uint64_t seed = 1;
-  std::uint64_t steps = 100000;  // a body at least, shared by the variants; episodes are whole, and long walks come on top
+  std::uint64_t steps = 100000;  // for each body, divided among the variants; the last episode is finished, long walks are added
   std::size_t compare_every = 64;
-  double probe_share = 0.0;  // above 0: this probe for every body instead of its own, as a share of its longest side
+  double probe_share = 0.0;  // above 0: radius of the probe for every body, as a share of its longest side, in place of its own
   bool by_patches = false;   // the scene is felt by patches (patch_method.h); method proxy
-  bool on_grid = false;      // the vertices are rounded to the grid of patches, and felt whole
-  bool no_seal = false;      // mesh files are taken as they are, their cracks open
+  bool on_grid = false;      // the vertices are rounded to the grid of the patches, but the method gets the whole mesh
+  bool no_seal = false;      // the cracks of mesh files are not sealed
   unsigned threads = 1;
   std::vector<StressVariant> variants = standard_variants();
 };
 
-// What one body went through in one variant.
+// The counts of one body in one variant.
 struct StressResult {
   std::string body;
   StressVariant variant;
   StressCount count;
 };
 
-// Runs every body in every variant; `progress` is called from one thread at a time, after each.
+// Runs every body in every variant on plan.threads threads; `progress` is called after each such run, by one thread at a time.
 Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodies, const StressPlan& plan,
                                              const std::function<void(const StressResult&)>& progress);
 
-// Only one episode of every body and variant.
+// Runs only this episode, for every body and variant.
 Result<std::vector<StressResult>> run_episode(const std::vector<StressBody>& bodies, const StressPlan& plan, std::uint64_t episode);
 
-// A table for people, a line a body, what its columns mean, and the findings, each with the command that shows it again.
+// A table for people with one line for each body, what its columns mean, and the findings, each with the command that reproduces it.
 std::string to_text(const std::vector<StressResult>& results, const StressPlan& plan);
 std::string to_json(const std::vector<StressResult>& results, const StressPlan& plan);
 

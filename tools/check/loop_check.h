@@ -9,50 +9,50 @@
 
 namespace hapton {
 
-// What one system holds: the least over its devices and hands. Half of each limit of stability, as hapton loop recommend has it.
+// The largest gains safe with every device and hand of one system: half of each limit of stability, as hapton loop recommend says.
 struct HeldGains {
-  const NamedLoop* by_device = nullptr;  // of which least is known; null: of none
-  double device_n_per_m = 0.0;
+  const NamedLoop* by_device = nullptr;  // each by_* is the loop with the least of the next value; null: no device states it
+  double device_n_per_m = 0.0;           // the stiffness that the device is stated to hold, not halved
   const NamedLoop* by_loop = nullptr;
   double safe_n_per_m = 0.0;
   const NamedLoop* by_damping = nullptr;
   double damping_ns_per_m = 0.0;  // of a material
   const NamedLoop* by_viscosity = nullptr;
   double viscosity_ns_per_m = 0.0;        // of an effect
-  const NamedLoop* by_turning = nullptr;  // null: no motors of any turn the stylus
+  const NamedLoop* by_turning = nullptr;  // null: no device has motors that turn the stylus
   double rotational_nm_per_rad = 0.0;     // of a rigid tool's coupling (turning_axis.h)
-  double pressed_n = kMaxPressedN;        // how hard surfaces are pressed: the largest force of the strongest device
+  double pressed_n = kMaxPressedN;        // how hard surfaces are pressed: the strongest device's force, at most kMaxPressedN
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, about 0.1 s.
 HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
-// An object stiffer than that, by its spring or by its bumps. RT: set-up only.
+// Finds an object whose spring, bumps or stiffness map is stiffer than `held`. RT: set-up only.
 CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
-// A spring, a snap or a gravity well in free space.
+// The same for a spring, a snap or a gravity well in free space. RT: set-up only.
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
-// A rigid tool, or an object that becomes one, of that rotational stiffness about its grip.
+// Finds a rigid tool, or an object that the stylus picks up, whose rotational stiffness about its grip point, nm_per_rad, is above `held`.
 CheckFindings check_turning(const std::string& name, double nm_per_rad, const HeldGains& held, double rate_hz, double delay_s);
 
-// An object that nobody feels: at a depth of 20 mm its spring has less force than the friction of every device, usually because its
-// stiffness is meant in N/mm. RT: set-up only.
+// Finds an object that nobody feels: at a depth of 20 mm its spring has less force than the friction of every device, usually because its
+// stiffness is meant in N/mm. An object with layers is not checked. RT: set-up only.
 CheckFindings check_softness(const SceneObject& object, std::span<const NamedLoop> loops);
 
-// A damped or viscous surface, layers with drag, or a viscous volume, of more than that. is_touched_by_tool: by a rigid tool, or by an
-// object that the stylus has picked up, whose contacts use the smoothed velocity of viscosity for damping, too. RT: set-up only.
+// Finds a damping, viscosity or drag of layers, or a viscous volume, above `held`. is_touched_by_tool: by a rigid tool or by an object that
+// the stylus has picked up; at its contacts damping uses the same smoothed velocity as viscosity does. RT: set-up only.
 CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool);
 CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
-// A virtual mass in free space of more than half of what is stable, with its own filter, in the least of the loops. Pre: as above.
+// Finds a virtual mass in free space above half of the largest that is stable, with its filter, in every loop. Pre: rate_hz > 0. RT: no.
 CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
-// A surface whose layers give way at a force above that of the weakest device, so that the device never gives what they resist with; or one
-// that snaps, rings or has a recorded texture with more. RT: set-up only.
+// Finds a surface whose layers give way only above the largest force of the weakest device, which therefore cannot render them; or one that
+// snaps, rings or has a recorded texture with more force than that. RT: set-up only.
 CheckFindings check_strength(const SceneObject& object, std::span<const NamedLoop> loops);
-// An effect whose largest force is above that of the weakest device. RT: set-up only.
+// Finds an effect whose largest force is above that of the weakest device. RT: set-up only.
 CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops);
 
-// A vibration of half the servo rate or more, which its samples cannot render. RT: set-up only.
+// Finds a vibration at half the servo rate or above, which samples at that rate cannot render. RT: set-up only.
 CheckFindings check_frequency(const SceneObject& object, double rate_hz);
 CheckFindings check_frequency(const SceneEffect& effect, double rate_hz);
 
