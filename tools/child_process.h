@@ -19,8 +19,8 @@ struct ChildCommand {
   std::filesystem::path output;  // file for its stdout and stderr; empty: those of this process
 };
 
-// A child process, which ends with this object at the latest: the destructor stops it. RT: set-up only.
-// Threads: one.
+// A child process, which ends with this object at the latest: the destructor stops it. A moved-from object may only be destroyed.
+// RT: set-up only. Threads: one.
 class ChildProcess {
  public:
   // Error: one line that names the program: not found, not executable.
@@ -33,13 +33,13 @@ class ChildProcess {
   // Process id, for /proc; -1 once it has ended.
   pid_t pid() const { return pid_; }
 
-  // Its exit code (128 + n when signal n ended it), or none if it still runs after that time.
+  // Waits until the child ends, at most so long. Returns its exit code (128 + n if signal n ended it); none: it still runs.
   std::optional<int> wait(double seconds);
 
   // Sends SIGTERM and waits; SIGKILL after the given time. Returns the exit code, as wait() does.
   int stop(double seconds = 5.0);
 
-  // SIGKILL: ends it at once, as a crash would.
+  // Sends SIGKILL, which ends the child at once, as a crash would, and waits for its end.
   void kill();
 
  private:

@@ -12,13 +12,13 @@ class Option;
 
 namespace hapton {
 
-// One option or argument of a command. A handle: it is copied freely and lives no longer than the program's CLI::App.
+// One option or argument of a command. A handle: copies mean the same option. Pre: the program's CLI::App outlives it.
 class CommandOption {
  public:
   explicit CommandOption(CLI::Option& option) : option_(&option) {}
 
   CommandOption required() const;
-  // --help shows the variable's present value.
+  // --help shows the value that the variable has when this is called.
   CommandOption shows_default() const;
   CommandOption between(int least, int most) const;
   CommandOption between(std::size_t least, std::size_t most) const;
@@ -42,7 +42,7 @@ class CommandOption {
 };
 
 // One command of the `hapton` program: its options, and what it runs. It hides CLI11, whose headers cost a compiler seconds in every file
-// that includes them. A handle, as above.
+// that includes them. A handle like CommandOption.
 class CommandLine {
  public:
   explicit CommandLine(CLI::App& app) : app_(&app) {}
@@ -50,7 +50,7 @@ class CommandLine {
   CommandLine add_subcommand(const std::string& name, const std::string& help) const;
   // The old name of a command: it still works, and --help does not list it.
   CommandLine add_old_subcommand(const std::string& old_name, const std::string& name) const;
-  // Options that --help lists together.
+  // A group of options that --help lists together.
   CommandLine add_group(const std::string& name, const std::string& help = {}) const;
   // T is std::string, std::filesystem::path, int, unsigned, std::size_t, double, an optional number or a vector of strings.
   // Pre: `into` outlives the parsing.
@@ -65,7 +65,7 @@ class CommandLine {
   CommandLine require_subcommands(std::size_t least, std::size_t most) const;
   // Pre: the command line is parsed.
   bool has_subcommand() const;
-  // Called if the command was given.
+  // Sets the function that is called when the command line is parsed, if it names this command.
   void on_run(std::function<void()> run) const;
 
  private:

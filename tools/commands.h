@@ -7,9 +7,9 @@
 namespace hapton {
 
 // Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
-// only if it succeeded, 1 otherwise unless it says so. RT: no.
+// only if it succeeded, otherwise 1 unless the comment below names other codes. RT: no.
 
-// hapton bench [effects|numbers|haptons|objects|papers|pareto|remote|sculpt|sixdof]: run time and error on this machine; alone: numbers.
+// hapton bench [effects|numbers|haptons|objects|papers|pareto|remote|sculpt|sixdof]: run time and error here; without a name: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
 
 // hapton check FILE: what is wrong with a scene before anyone touches it. Exit code 0: nothing found, 1: findings, 2: it cannot be checked.
@@ -18,8 +18,8 @@ void add_check_command(CommandLine app, int& exit_code);
 // hapton dds [--domain N] [--prefix NAME] [--accept-forces N]: shows the device to ROS 2 and other DDS programs. Exit code 0: samples came.
 void add_dds_command(CommandLine app, int& exit_code);
 
-// hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour without hardware, to touch and to see. Headless: exit code 0
-// only if every step showed what it promises.
+// hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a guided tour that needs no hardware. With --headless: exit code 0
+// only if every step showed what it should.
 void add_demo_command(CommandLine app, int& exit_code);
 
 // hapton doctor: problems of this machine for haptics, each with the command that fixes it. Exit code 0: none, 1: problems.
@@ -28,7 +28,7 @@ void add_doctor_command(CommandLine app, int& exit_code);
 // hapton dynamics --scene FILE: lets the stylus push objects that have a mass. Exit code 0: scene time ran.
 void add_dynamics_command(CommandLine app, int& exit_code);
 
-// hapton echo --bind ADDR:PORT [--seconds N] [--rt MODE]: returns every UDP datagram to its sender at the least cost there is.
+// hapton echo --bind ADDR:PORT [--seconds N] [--rt MODE]: returns every UDP datagram to its sender as fast as possible.
 void add_echo_command(CommandLine app, int& exit_code);
 
 // hapton evaluate --mesh FILE --method proxy: a method's force error against the reference along a generated trajectory. The old name,
@@ -38,13 +38,13 @@ void add_evaluate_command(CommandLine app, int& exit_code);
 // hapton figures --out DIR: draws the figures of docs/methods.md with gnuplot.
 void add_figures_command(CommandLine app, int& exit_code);
 
-// hapton governor: runs hostile force programs against the safety governor of io_node. Exit code 0 only when every limit held.
+// hapton governor: runs hostile programs against the governor of io_node. Exit code 0 only if every limit held.
 void add_governor_command(CommandLine app, int& exit_code);
 
 // hapton info FILE: counts, size and flaws of a mesh, or the objects of a scene.
 void add_info_command(CommandLine app, int& exit_code);
 
-// hapton keygen: a new key file for nodes on several machines.
+// hapton keygen: writes a new key file for nodes on several machines.
 void add_keygen_command(CommandLine app, int& exit_code);
 
 // hapton latency [run] [--seconds N] [--rate HZ] [--size B] [--vision] [--out DIR]: starts io_node and haptics_node on this machine beside
@@ -65,32 +65,32 @@ void add_move_command(CommandLine app, int& exit_code);
 // hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
 void add_plot_command(CommandLine app, int& exit_code);
 
-// hapton relay --hub HOST:PORT [--listen ADDRESS:PORT] [faults | --script FILE]: a bad network between the nodes and their hub.
+// hapton relay --hub HOST:PORT [--listen ADDRESS:PORT] [faults | --script FILE]: simulates a bad network between nodes and hub.
 void add_relay_command(CommandLine app, int& exit_code);
 
 // hapton replay: runs the haptic step of the live node along a recorded trajectory and writes each step's output.
 void add_replay_command(CommandLine app, int& exit_code);
 
-// hapton screen [--hub HOST:PORT | --corners POINTS] [--out FILE]: measures where the screen stands. Exit code 0: FILE is
+// hapton screen [--hub HOST:PORT | --corners POINTS] [--out FILE]: measures where the screen stands. Exit code 0: FILE was
 // written.
 void add_screen_command(CommandLine app, int& exit_code);
 
-// hapton sculpt SCENE --annotations FILE --out MESH: writes the surface of what the stylus carved. Exit code 0: MESH is written, 2: not.
+// hapton sculpt SCENE --annotations FILE --out MESH: writes the carved surface. Exit code 0: MESH was written, 2: it was not.
 void add_sculpt_command(CommandLine app, int& exit_code);
 
 // hapton session info|export|replay FILE: works on a recorded session.
 void add_session_command(CommandLine app, int& exit_code);
 
-// hapton set --hub HOST:PORT: changes a running system: servo rate, force method, materials, a report now, reset of faults.
+// hapton set --hub HOST:PORT: changes servo rate, force method or materials of a running system, resets faults, requests a report.
 void add_set_command(CommandLine app, int& exit_code);
 
-// hapton soak: runs the nodes for hours. Exit code 0: memory, descriptors, threads and losses stayed flat, 1: not.
+// hapton soak: runs the nodes for hours. Exit code 0: memory, descriptors, threads and losses stayed flat, 1: they did not.
 void add_soak_command(CommandLine app, int& exit_code);
 
 // hapton stress --method proxy --steps N --seed S: numerical stress test. Exit code 0 only when no fault was found.
 void add_stress_command(CommandLine app, int& exit_code);
 
-// hapton summary DIR [--scene NAME]: two lines on what a run touched and whether it held. Exit code 0: there is a report.
+// hapton summary DIR [--scene NAME]: what a run touched and whether it held, in two lines. Exit code 0: DIR has a report.
 void add_summary_command(CommandLine app, int& exit_code);
 
 // hapton top [--hub HOST:PORT] [--once] [--interval S]: a running system's nodes, rates, latencies and counters, in the terminal.
@@ -99,7 +99,7 @@ void add_top_command(CommandLine app, int& exit_code);
 // hapton trajectory --mesh FILE --kind slide|free|tap|walk --seed N --out T.csv: generates a trajectory for replay.
 void add_trajectory_command(CommandLine app, int& exit_code);
 
-// The children of `hapton bench`.
+// The subcommands of `hapton bench`.
 
 // hapton bench effects: what each effect adds to the cost of a step.
 void add_bench_effects_command(CommandLine bench, int& exit_code);
@@ -107,11 +107,11 @@ void add_bench_effects_command(CommandLine bench, int& exit_code);
 // hapton bench sixdof: force, torque, gaps and run time of a rigid tool.
 void add_bench_sixdof_command(CommandLine bench, int& exit_code);
 
-// hapton bench haptons: how many triangle pairs a millisecond one core collides on edge, located to 0.1 % (memo 3.0). Exit code 0 only when
-// that accuracy held for every pair.
+// hapton bench haptons: how many triangle pairs, colliding on edge and located to 0.1 %, one core processes in a millisecond (memo 3.0).
+// Exit code 0 only if every pair was located that accurately.
 void add_bench_haptons_command(CommandLine bench, int& exit_code);
 
-// hapton bench numbers: the numbers to beat, target and measurement side by side, in one run.
+// hapton bench numbers: measures the project's target numbers in one run, and shows each target beside its measurement.
 void add_bench_numbers_command(CommandLine bench, int& exit_code);
 
 // hapton bench objects: what other objects in the scene add to the cost of a step.
@@ -124,18 +124,18 @@ void add_bench_papers_command(CommandLine bench, int& exit_code);
 // hapton bench pareto: run time against force error of every method and structure, with a plot.
 void add_bench_pareto_command(CommandLine bench, int& exit_code);
 
-// hapton bench remote: ways to touch across a slow network side by side, in simulated time.
+// hapton bench remote: compares ways to touch across a slow network, in simulated time.
 void add_bench_remote_command(CommandLine bench, int& exit_code);
 
-// hapton bench sculpt: steps that carve and touch carved bodies, and the surface for the picture.
+// hapton bench sculpt: run time of steps that carve or touch a carved body, and of the surface that is drawn.
 void add_bench_sculpt_command(CommandLine bench, int& exit_code);
 
-// The children of `hapton loop`.
+// The subcommands of `hapton loop`.
 
 // hapton loop integrators --device D: run time against error of the laboratory's integrator and of two usual ones.
 void add_loop_integrators_command(CommandLine loop, int& exit_code);
 
-// hapton loop merge PARTS --out FILE: the CSV files of all shards of a grid as one.
+// hapton loop merge PARTS --out FILE: joins the CSV files of all shards of a grid into one.
 void add_loop_merge_command(CommandLine loop, int& exit_code);
 
 // hapton loop press --device D --hand H --stiffness K: simulates a press and release and prints its measures.
@@ -150,13 +150,13 @@ void add_loop_velocity_command(CommandLine loop, int& exit_code);
 // hapton loop zwidth --device D --hand H --rate HZ --delay MS [--json]: largest stable and largest passive stiffness and damping.
 void add_loop_zwidth_command(CommandLine loop, int& exit_code);
 
-// One command of `hapton`, and its heading in --help, which is a purpose.
+// One command of `hapton`, and the heading of --help under which it is listed.
 struct ListedCommand {
   std::string_view group;
   void (*add)(CommandLine app, int& exit_code);
 };
 
-// All of them, in the order of --help.
+// All commands, in the order of --help.
 inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_demo_command},
     {"Touch and watch", add_dds_command},

@@ -14,21 +14,21 @@
 
 namespace hapton {
 
-// What the scene is checked against.
+// The devices, hands, probe and servo loop that the scene is checked against.
 struct SceneCheckSettings {
   std::vector<NamedLoop> loops;  // every device with every hand; at least one
   double probe_radius_m = 0.0;
   double rate_hz = 1000.0;
   double delay_s = 5e-4;  // from the sample to its force
   std::uint64_t seed = 1;
-  std::map<std::size_t, std::vector<std::string>> accepted = {};  // findings that the scene file accepts (SceneLayout)
+  std::map<std::size_t, std::vector<std::string>> accepted = {};  // the findings that an object accepts, see SceneLayout::accepted
 };
 
 struct SceneCheck {
   std::string path;
-  CheckFindings findings;          // object by object, the whole scene's last
-  CheckFindings accepted;          // that the scene file accepts; notes name them too
-  std::vector<std::string> notes;  // what was not checked, and what the loader says
+  CheckFindings findings;          // those of each object in turn, then those of effects, tool and whole scene
+  CheckFindings accepted;          // findings that the scene file accepts; the notes name them, too
+  std::vector<std::string> notes;  // what was not checked, what was accepted, and the notes of the loader
   std::size_t objects = 0;
   std::size_t triangles = 0;
   StepCost cost;

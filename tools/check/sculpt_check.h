@@ -5,8 +5,8 @@
 
 namespace hapton {
 
-// An object that can be carved: walls that its voxels may lose, and a ball of few voxels. A surface that is not closed, and too many
-// voxels, are errors when the scene is read. RT: no.
+// Finds in an object that can be carved: walls so thin that its voxels may miss them, and a carving ball of less than three voxels in
+// radius. A surface that is not closed, or too many voxels, are errors when the scene is read, and not checked here. RT: no.
 CheckFindings check_sculpt(const SceneObject& object);
 
 }  // namespace hapton

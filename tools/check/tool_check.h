@@ -9,13 +9,13 @@
 
 namespace hapton {
 
-// Flaws of the scene's rigid tool, and what it, or an object that the stylus picks up, meets in the scene: surfaces of which it feels only
-// the shape, and movable objects that overlap or touch another one where they lie. Nothing where the scene has neither a tool nor movable
-// objects. Error: haptics_node rejects the tool. RT: no; builds the tool, each movable object and the others for contact.
+// Finds flaws of the scene's rigid tool; surfaces with effects that it, or an object that the stylus picks up, does not feel; and movable
+// objects that overlap or touch another one where the scene file places them. Empty if the scene has neither a tool nor movable objects.
+// Error: haptics_node rejects the tool. RT: no; it builds the contact structures of the tool, each movable object and the others.
 Result<CheckFindings> check_tool(const Scene& scene);
 
-// How stiffly the scene's rigid tool, or an object that the stylus picks up, turns about its grip, as haptics_node derives it from its size
-// and the stiffest surface. An object may be held anywhere: at the place where it turns most stiffly. RT: no.
+// The rotational stiffness about the grip point of the scene's rigid tool or, without a tool, of each movable object, as haptics_node
+// derives it from size and stiffest surface. A movable object may be held anywhere: the grip with the largest stiffness counts. RT: no.
 struct TurnedBody {
   std::string name;
   double nm_per_rad = 0.0;

@@ -14,9 +14,9 @@
 
 namespace hapton::dds {
 
-// A haptics node whose forces are those of servo_cf: it replies to each sample of the device with the command that counts then, or with
-// zero. It has the hub's one place for a haptics node, and the governor of io_node bounds what it replies. RT: no. Threads: a thread of its
-// own; the functions one other.
+// A haptics node whose forces come from the topic servo_cf: it replies to each sample of the device with the force in effect then, or with
+// zero. It takes the hub's only place for a haptics node, and the governor of io_node limits its forces. RT: no. Threads: it has a thread
+// of its own; its functions are called from one other thread.
 class ForceReplier {
  public:
   struct Settings {
@@ -26,18 +26,18 @@ class ForceReplier {
     std::string frame;
     RealtimeMode realtime = RealtimeMode::attempt;
   };
-  // Error, one line: no hub, no right, or the hub has a haptics node. Pre: node takes forces and outlives this.
+  // Error, one line: no hub, no right to join, or the hub already has a haptics node. Pre: node takes forces and outlives this.
   static Result<std::unique_ptr<ForceReplier>> start(RosNode& node, const Settings& settings);
   ~ForceReplier();
   ForceReplier(const ForceReplier&) = delete;
   ForceReplier& operator=(const ForceReplier&) = delete;
 
-  // Ends the thread. The hub releases the force.
+  // Ends the thread and leaves the hub, which then releases the force.
   void stop();
-  // After stop.
+  // Pre, for both: stop() was called.
   const ServoForce::Counts& counts() const noexcept { return force_.counts(); }
   std::uint64_t replies() const noexcept { return replies_; }
-  // The first command since the last call that was dropped, for a line to a person.
+  // The newest verdict other than `accepted` (reduced or dropped) since the last call, for a line to a person.
   std::optional<ServoForce::Verdict> take_warning() noexcept;
 
  private:

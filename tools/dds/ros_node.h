@@ -12,7 +12,7 @@
 
 namespace hapton::dds {
 
-// One sample of the device as ROS 2 sees it. Frame W; angular velocity is that of the stylus.
+// One sample of the device, as it is published for ROS 2. Frame W; the angular velocity is that of the stylus.
 struct RosSample {
   ProbeState probe;
   Vec3 linear_m_per_s = Vec3::Zero();
@@ -21,35 +21,35 @@ struct RosSample {
 };
 
 struct PublishCounts {
-  std::uint64_t written = 0;  // messages of all topics
-  std::uint64_t failed = 0;   // that the engine did not take
+  std::uint64_t written = 0;  // messages of all topics that Cyclone DDS took
+  std::uint64_t failed = 0;   // messages that it did not take
 };
 
-// A participant of a DDS domain with the topics of docs/dds.md, by Cyclone DDS. RT: no. Threads: publish and note_buttons one, take_forces
-// one other.
+// A participant of a DDS domain with the topics of docs/dds.md; it uses Cyclone DDS. RT: no. Threads: publish and counts from one thread,
+// take_forces from the same or one other.
 class RosNode {
  public:
   struct Options {
     int domain = 0;
-    std::string interface = {};      // name or address; "auto": DDS chooses; empty: what CYCLONEDDS_URI says, and without that this host
-    std::string prefix = "/hapton";  // of make_prefix
-    std::string frame = "world";     // frame W
-    bool is_reliable = false;        // best effort otherwise, as ROS 2 sends sensor data
-    double tf_rate_hz = 100.0;       // most transforms a second; 0: none
-    bool takes_forces = false;       // with a reader of PREFIX/servo_cf
+    std::string interface = {};      // name or address; "auto": DDS chooses; empty: as CYCLONEDDS_URI says or, unset, this host only
+    std::string prefix = "/hapton";  // prefix of the topics, as make_prefix returns it
+    std::string frame = "world";     // the name of frame W in messages
+    bool is_reliable = false;        // false: best effort, as ROS 2 sends sensor data
+    double tf_rate_hz = 100.0;       // the most messages on /tf in a second; 0: none
+    bool takes_forces = false;       // reads the topic PREFIX/servo_cf
   };
 
-  // Error, one line: built without DDS, no such network interface, or what the engine says. Pre: names are checked.
+  // Error, one line: built without DDS, no such network interface, or Cyclone DDS fails. Pre: the names were checked (ros_names.h).
   static Result<std::unique_ptr<RosNode>> open(const Options& options);
   ~RosNode();
   RosNode(const RosNode&) = delete;
   RosNode& operator=(const RosNode&) = delete;
 
-  // Pre: stamps increase.
+  // Pre: stamps increase, except where the time of day was set back (StampClock).
   void publish(const RosSample& sample);
   const PublishCounts& counts() const noexcept;
 
-  // Hands what has come on servo_cf since the last call to visit, oldest first, some at most. Pre: takes_forces.
+  // Calls visit for the commands that came on servo_cf since the last call, oldest first, at most the newest 16. Pre: takes_forces.
   void take_forces(const std::function<void(const ServoCommand&)>& visit);
 
  private:
