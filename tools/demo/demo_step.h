@@ -10,15 +10,15 @@
 
 namespace hapton {
 
-// One step of the tour: what there is to touch, how the hand goes, and what must come of it.
+// One step of the tour: the scene to touch, the path of the hand, and the check of the result.
 struct DemoStep {
   enum class Event : std::uint8_t { none, haptics_dies };
 
   std::string_view name;
-  std::string_view watch_for;            // what to watch, in one or two lines
-  std::string_view scene;                // empty: a mesh made for it
-  std::vector<std::string> relay = {};   // flags of `hapton relay` between the hub and the haptics node; empty: none
-  std::vector<std::string> vision = {};  // flags of its vision node
+  std::string_view watch_for;            // tells the person what to watch, in one or two lines
+  std::string_view scene;                // path of the scene file; empty: the generated ball (demo_shapes.h)
+  std::vector<std::string> relay = {};   // flags of `hapton relay` between the hub and the haptics node; empty: no relay
+  std::vector<std::string> vision = {};  // flags of the step's vision node
   std::string picture_at = "contact";    // when a scripted run takes its picture, see vision_node --screenshot-when
   Event event = Event::none;
   Result<DemoPath> (*make_path)(const Scene& scene) = nullptr;
@@ -28,7 +28,7 @@ struct DemoStep {
 // The steps of the tour, in order; a step's number is its position, from 1. RT: set-up only.
 std::span<const DemoStep> demo_steps();
 
-// "1-rest-on-the-car": the base name of its files. Pre: there is such a step.
+// The base name of the step's files: "1-rest-on-the-car". Pre: there is such a step.
 std::string demo_file_name(std::size_t number);
 
 }  // namespace hapton

@@ -18,30 +18,30 @@ namespace hapton {
 class DemoSystem {
  public:
   struct Settings {
-    std::filesystem::path out;        // report.json and logs/; exists
-    std::filesystem::path scratch;    // for temporary files; exists
-    int cpu = -1;                     // for hub and haptics node
-    bool records = false;             // the session, into scratch
-    std::vector<std::string> vision;  // more for its command line: --offscreen, --screenshot FILE
+    std::filesystem::path out;        // folder for report.json and NAME.log of each node; exists
+    std::filesystem::path scratch;    // folder for temporary files; exists
+    int cpu = -1;                     // the CPU of hub and haptics node; -1: any
+    bool records = false;             // records the session into scratch
+    std::vector<std::string> vision;  // further flags of the vision node: --offscreen, --screenshot FILE
   };
 
   explicit DemoSystem(Settings settings) : settings_(std::move(settings)) {}
 
-  // All but the vision node; the hub last, when the haptics node is ready.
+  // Starts all nodes but the vision node; the hub last, when the haptics node is ready.
   Result<void> start(const DemoStep& step);
   Result<void> start_vision(const DemoStep& step);
 
-  // As a crash would.
+  // Ends the haptics node at once, as a crash would. Pre: it was started.
   void kill_haptics();
   Result<void> start_haptics();
 
-  // Error: one of them has ended, however it did.
+  // Error: one of the started nodes has ended, with an error or without.
   Result<void> check_running();
-  // False: closed by the person before it.
+  // False: the vision node was not started or has ended, as when a person closes its window.
   bool is_vision_open();
 
-  // Stops the nodes in order: the picture while there is a probe to show, the hub last. Post: report.json exists, and the recording if one
-  // was requested.
+  // Stops the vision node, the haptics node, the hub and the relay, in this order. Error: one of them did not end well; without an error
+  // report.json exists, and the recording if one was requested.
   Result<void> stop();
 
   std::filesystem::path report() const { return settings_.out / "report.json"; }
@@ -54,8 +54,8 @@ class DemoSystem {
 
   Settings settings_;
   std::filesystem::path scene_;
-  std::string hub_;        // where the hub listens
-  std::string nodes_hub_;  // where the haptics node looks for it
+  std::string hub_;        // address at which the hub listens
+  std::string nodes_hub_;  // address to which the haptics node connects: that of the hub or of the relay
   std::optional<LocalNode> io_;
   std::optional<LocalNode> relay_;
   std::optional<LocalNode> haptics_;

@@ -8,34 +8,34 @@
 
 namespace hapton {
 
-// What was recorded during a step of the tour.
+// The measurements of one step of the tour.
 struct DemoEvidence {
   DemoMotion motion;
   nlohmann::ordered_json report;  // the hub's report.json, schema kReportSchema
-  std::int64_t killed_ns = 0;     // when the haptics node was killed and started again, this machine's clock; 0: it was not
-  std::int64_t restarted_ns = 0;
+  std::int64_t killed_ns = 0;     // when the haptics node was killed, on this machine's clock; 0: it was not
+  std::int64_t restarted_ns = 0;  // when it was started again; 0: it was not
 };
 
 // Whether the step showed what it should.
 struct DemoVerdict {
   bool touched = false;  // there was contact
-  bool held = false;     // it showed what it should; true only with touched
+  bool held = false;     // the step showed what it should; true only with touched
   std::string text;      // one line with the numbers
 };
 
-// RT: no.
+// All functions below: RT: no.
 
 // The probe stays on the surface while the hand presses: in contact most of the time, the device behind the surface.
 DemoVerdict evaluate_rest(const DemoEvidence& evidence);
-// The probe goes along the groove's bends (demo_shapes.h) while the device is pulled straight on.
+// The probe follows the bends of the groove (demo_shapes.h) while the hand moves on a straight line; in contact most of the time.
 DemoVerdict evaluate_groove(const DemoEvidence& evidence);
-// In one haptic step at least the hand moves farther than the wall is thick; the device gets behind the wall, the probe never does.
+// In at least one step the device crosses the wall's front and moves farther than the wall is thick; it gets behind, the probe never does.
 DemoVerdict evaluate_wall(const DemoEvidence& evidence);
-// In contact most of the time, and the typical force takes less than a period of 1 kHz.
+// The probe is in contact most of the time, and the median time to compute a force is below 1 ms.
 DemoVerdict evaluate_heavy(const DemoEvidence& evidence);
-// In contact most of the time although the typical round trip is at least that of the simulated network; no fault was latched.
+// The probe is in contact most of the time, although the median round trip is least_round_trip_ms or more; no fault was latched.
 DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_trip_ms);
-// The force is released soon after the haptics node was killed, and is there again after its restart.
+// The force is zero within 100 ms after the haptics node was killed, and comes again after its restart.
 DemoVerdict evaluate_death(const DemoEvidence& evidence);
 
 }  // namespace hapton

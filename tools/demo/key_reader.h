@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// Reads keys as they are typed, without Enter and without echo, while it lives. If stdin is not a terminal there are none. RT: no. Threads:
-// one.
+// Reads keys from stdin as they are typed, without Enter and without echo, for as long as this object lives. If stdin is not a terminal,
+// there are no keys. RT: no. Threads: one.
 class KeyReader {
  public:
   KeyReader();
@@ -17,7 +17,7 @@ class KeyReader {
 
   bool is_terminal() const { return before_.has_value(); }
 
-  // Waits a tenth of a second at most.
+  // Waits for a key, 0.1 s at most; none: no key was typed.
   std::optional<char> read_key();
 
  private:

@@ -5,11 +5,11 @@
 
 namespace hapton::doctor {
 
-// CPUs: their number, frequency governor, those set apart, whether a hypervisor shares them out. RT: no.
+// Checks the CPUs: their number, which are isolated for real time, the frequency governor, whether there is a hypervisor. RT: no.
 Findings check_cpus(const Machine& machine);
-// The kernel's clock source. RT: no.
+// Checks whether the kernel's clock source is fast. RT: no.
 Findings check_clock(const Machine& machine);
-// Whether the kernel lets a real-time thread in while it works itself. RT: no.
+// Checks whether a real-time thread can preempt the kernel's own work. RT: no.
 Findings check_kernel(const Machine& machine);
 
 }  // namespace hapton::doctor

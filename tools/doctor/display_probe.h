@@ -4,8 +4,8 @@
 
 namespace hapton::doctor {
 
-// The OpenGL abilities of the X display of DISPLAY, through libX11 and libGL loaded at run time. Draws nothing. It runs in the caller's
-// process, which a faulty driver may crash: see run_in_child.h. RT: no.
+// Finds what OpenGL can do on the X display that DISPLAY names, by libX11 and libGL loaded at run time. Draws nothing. A faulty driver may
+// crash the calling process, therefore see run_in_child.h; connection and libraries stay open until it ends. RT: no.
 DisplayReply probe_display();
 
 }  // namespace hapton::doctor

@@ -10,17 +10,17 @@ namespace hapton::doctor {
 
 enum class Verdict : std::uint8_t {
   ok,
-  note,     // worth knowing, nothing has to be fixed
-  warning,  // it works, but not as well as it could
+  note,     // worth knowing; nothing has to be fixed
+  warning,  // something works, but not as well as it could
   problem,  // something will not work, or not at 1 kHz
 };
 
-// The result of one check. Each text is one line.
+// One result of a check. Each text is one line.
 struct Finding {
-  std::string subject;  // what: "WoodenHaptics 1234:0006"
+  std::string subject;  // what was checked: "WoodenHaptics 1234:0006"
   Verdict verdict = Verdict::ok;
-  std::string seen;    // how it is
-  std::string remedy;  // the line that fixes it; never empty for warnings and problems
+  std::string seen;    // what was found
+  std::string remedy;  // the command or advice that fixes it; never empty for warnings and problems
 };
 
 using Findings = std::vector<Finding>;

@@ -5,7 +5,7 @@
 
 namespace hapton::doctor {
 
-// What a running io_node reports of its device: calibration, firmware, temperature, and of the rights that it was granted. RT: no.
+// Checks what an io_node that runs on this machine reports: calibration, firmware and temperature of its device, its rights. RT: no.
 Findings check_hub(const Machine& machine);
 
 }  // namespace hapton::doctor

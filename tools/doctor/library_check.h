@@ -7,10 +7,10 @@
 
 namespace hapton::doctor {
 
-// Which vendors' libraries load, and why the others do not, with the loader's message. RT: no.
+// Checks which vendors' libraries can be loaded, and why the others cannot, with the message of the loader. RT: no.
 Findings check_libraries(const Machine& machine);
 
-// Loads the library of that name in a child process, for Machine::Questions. Pre: the caller has no other threads.
+// Tries to load the library KnownVendorLibrary::name in a child process, for Machine::Questions. RT: no. Pre: this process has one thread.
 LibraryReply try_vendor_library(std::string_view name);
 
 }  // namespace hapton::doctor

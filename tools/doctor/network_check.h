@@ -5,14 +5,14 @@
 
 namespace hapton::doctor {
 
-// Each check reads the machine and changes nothing; a finding has the command that fixes it. RT: no. Threads: one.
+// All checks below read the machine and change nothing; a warning or problem has the command that fixes it. RT: no. Threads: one.
 
-// Whether the ports of the hub and of VRPN are free, or used by io_node itself; otherwise the process that uses them.
+// Checks whether the ports of the hub and of VRPN are free or used by io_node itself; otherwise names the process that uses them.
 Findings check_ports(const Machine& machine);
-// The key file of this user, and that of the services (/etc/hapton/key) if there is one or an enabled service needs it: place, owner,
-// rights, size.
+// Checks the given or else the user's own key file, and that of the services (/etc/hapton/key) if it exists or an enabled service needs it:
+// place, owner (of the former), rights, size.
 Findings check_keys(const Machine& machine);
-// Whether other hosts can reach the hub's port, as far as the configuration files of ufw, firewalld or nftables show.
+// Checks whether other hosts can reach the hub's port, judged only by the configuration files of ufw, firewalld and nftables.
 Findings check_firewall(const Machine& machine);
 
 }  // namespace hapton::doctor

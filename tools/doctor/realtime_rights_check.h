@@ -5,13 +5,13 @@
 
 namespace hapton::doctor {
 
-// The rights that the servo loop needs: priority, locked memory, and its real-time share. RT: no.
+// Checks the rights that the servo loop needs: priority, locked memory, and its share of real time. RT: no.
 Findings check_rights(const Machine& machine);
 
-// How soon CPUs wake from idle, for this user. RT: no.
+// Checks how fast CPUs wake from idle, and whether this user may keep them out of deep sleep. RT: no.
 Findings check_sleep(const Machine& machine);
 
-// The line that gives this user the rights of real time, or says that the session is older than they are. RT: no.
+// The command that gives this user real-time rights; if the user has them since this session began: to log in again. RT: no.
 std::string line_that_grants_realtime(const Machine& machine);
 
 }  // namespace hapton::doctor

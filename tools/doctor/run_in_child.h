@@ -5,14 +5,14 @@
 
 namespace hapton::doctor {
 
-// The result of a call to foreign code.
+// The result of a function that was called in a child process.
 struct ChildReply {
   std::string text;
-  std::string failure;  // how it ended the process, or that it took too long; empty: it returned
+  std::string failure;  // how it ended the child, that it took too long, or that no child could start; empty: it returned `text`
 };
 
-// Calls a function in a child process, so that a library or driver that crashes, hangs or prints does not affect the doctor. Pre: the
-// caller has no other threads. RT: no.
+// Calls `question` in a child process, so that a library or driver that crashes, hangs or prints does not affect the doctor. Pre: this
+// process has no other threads; question does not throw. RT: no.
 ChildReply run_in_child(const std::function<std::string()>& question, double at_most_s);
 
 }  // namespace hapton::doctor
