@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// The number of that name; 0: there is none. Json: nlohmann's json or ordered_json. RT: no.
+// The number with this name in the object `of`; 0: there is none. Json: nlohmann's json or ordered_json. RT: no.
 template <class Json, class Name>
 double json_number_of(const Json& of, const Name& name) {
   if (!of.is_object()) return 0.0;
@@ -10,7 +10,7 @@ double json_number_of(const Json& of, const Name& name) {
   return value != of.end() && value->is_number() ? value->template get<double>() : 0.0;
 }
 
-// Of a section of a report; 0: there is none.
+// The number with this name in this section of a report; 0: there is none.
 template <class Json>
 double json_number_of(const Json& report, const char* section, const char* name) {
   const auto found = report.find(section);

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// The text of that name; empty: there is none. Json: nlohmann's json or ordered_json. RT: no.
+// The text with this name in the object `of`; empty: there is none. Json: nlohmann's json or ordered_json. RT: no.
 template <class Json>
 std::string json_text_of(const Json& of, const char* name) {
   if (!of.is_object()) return {};

@@ -16,17 +16,17 @@ namespace hapton::dynamics {
 // Rigid-body dynamics beside a running session, without sockets or clocks: messages of the hub go in, requests to move the bodies come out.
 // The time of the dynamics is scene time, so that it stops while the haptics node does.
 //
-// A pushed body is a loop with a delay t: the force is computed with the pose that the haptics node has, which is older than that of the
-// dynamics. A spring K with a delay adds energy to the body like a damping of -K t, so that it bounces off the hand. A pressed body is
-// therefore damped at the contact by kDampingShare K t, with K the stiffness of its material. t is measured: the time from each request to
-// its reply, plus the duration of a move and the interval between two states. A hand that pushes at a speed v feels the damping as a
-// resistance of kDampingShare K t v. A rigid tool has one spring and one torsion spring for all bodies; its force and torque on a body are
-// sent apart from those on the hand (ForceCommand::push), and the turning of the body is damped alike. Threads: one. RT: no.
+// A pushed body is part of a loop with a delay t: the force is computed with the pose that the haptics node has, which is older than that
+// of the dynamics. A spring K with this delay acts on the body like a damping of -K t: it adds energy, and the body bounces off the hand. A
+// pressed body is therefore damped at the contact by kDampingShare K t, with K the stiffness of its material. t is measured: the time from
+// each request to its reply, plus the duration of a move and the interval between two states. A hand that pushes at a speed v feels the
+// damping as a resistance of kDampingShare K t v. A rigid tool has one spring and one torsion spring for all bodies; its wrench on a body
+// comes separately from that on the hand (ProbeState::push), and the turning of the body is damped likewise. Threads: one. RT: no.
 class DynamicsDriver {
  public:
-  // Requests a second, of all bodies together. The hub passes on 250 of one sender (RequestHandler::kMovesPerSecond).
+  // The most requests a second, for all bodies together. The hub passes on 250 from one sender (RequestHandler::kMovesPerSecond).
   static constexpr double kRequestRateHz = 200.0;
-  static constexpr double kDampingShare = 1.25;  // above 1: more than the delay adds
+  static constexpr double kDampingShare = 1.25;  // above 1: the damping takes more energy than the delay adds
 
   struct Settings {
     Vec3 gravity_W = {0.0, -9.81, 0.0};
@@ -40,24 +40,24 @@ class DynamicsDriver {
     std::uint64_t requests = 0;
     std::uint64_t pushes = 0;      // states in which a body was pressed
     std::uint64_t fallen = 0;      // bodies that fell out of the scene and were put back
-    std::int64_t left_out_ns = 0;  // scene time that was not simulated, as states came too far apart
-    std::uint64_t restarts = 0;    // of the haptics node
+    std::int64_t left_out_ns = 0;  // scene time that was not simulated, because states came too far apart
+    std::uint64_t restarts = 0;    // restarts of the haptics node: scene time went back
   };
 
-  // Error: as DynamicsWorld::make. Pre: the scene outlives this.
+  // Error: that of DynamicsWorld::make. Pre: the scene outlives this object.
   static Result<DynamicsDriver> make(const Scene& scene, const Settings& settings);
 
   // Simulates up to the scene time of the state. Pre: at most one call for each sample.
   void take(const ProbeState& state);
-  // Turns gravity in frame S as the pose of the static scene says. The stiffness of a rigid tool is in the description of the method.
+  // Takes the view transform, which turns gravity in frame S, and the stiffness of a rigid tool from the description of the method.
   void take(const HapticsSetup& setup);
-  // Materials that were changed while running.
+  // Takes the materials that were changed in the running session.
   void take(const MaterialState& state);
-  // A move of an obstacle by another program.
-  // arrival: HubClient::last_arrival of this message.
+  // Takes the move of an obstacle by another program.
+  // arrival: the value of HubClient::last_arrival() for this message.
   void take(const ObjectMove& move, Arrival arrival) { moves_.take(move, arrival); }
   void take(const MoveReply& reply);
-  // An obstacle that the stylus has picked up, or put down. arrival: as above.
+  // Takes the state of an obstacle that the stylus has picked up or put down. arrival: as above.
   void take(const ObjectPose& pose, Arrival arrival = Arrival::newest);
 
   // The next request to send, if one is due. now_ns: any monotonic clock.
@@ -65,9 +65,9 @@ class DynamicsDriver {
 
   // The reason of the last rejected request since the last call; empty: none was rejected.
   std::string take_rejection();
-  // The bodies that fell out of the scene since the last call and were put back where they began.
+  // The numbers of the objects that since the last call fell out of the scene and were put back where the scene file places them.
   std::vector<int> take_fallen();
-  // The delay t, see above.
+  // The delay t of the comment on this class.
   double delay_s() const noexcept { return delay_s_; }
   const Counts& counts() const noexcept { return counts_; }
   const DynamicsWorld& world() const noexcept { return *world_; }

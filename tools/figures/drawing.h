@@ -11,8 +11,8 @@
 #include "core/force/force_method.h"
 #include "tools/figures/figures.h"
 
-// Most pictures are cross-sections: the scene is a prism along z, the probe moves in the plane z = kSlice (not 0, where triangles may share
-// an edge). Lengths are drawn in millimetres.
+// Most figures are cross-sections: the scene is a prism along z, and the probe moves in the plane z = kSlice, which is not 0, because there
+// triangles may share an edge. Lengths are drawn in millimetres.
 namespace hapton::figures {
 
 using Outline = std::vector<Eigen::Vector2d>;
@@ -26,7 +26,7 @@ constexpr const char* kGreen = "#009e60";
 constexpr const char* kOrange = "#d07000";
 constexpr const char* kSolid = "#dcdcd4";
 
-// Points of one data block, in metres; written in millimetres.
+// The points of one data block of gnuplot: given in metres, written in millimetres.
 class Points {
  public:
   Points& add(const Vec3& p) {

@@ -10,10 +10,10 @@ namespace hapton {
 // One figure of docs/methods.md, computed by the methods themselves and drawn by gnuplot.
 struct Figure {
   std::string name;    // the picture is NAME.png
-  std::string script;  // gnuplot, data and all; draws NAME.png.part in the folder it runs in
+  std::string script;  // a gnuplot script with its data, which writes NAME.png.part into its working directory
 };
 
-// All of them, in the order of the text. Nothing in them is random. Error: as make_method.
+// All figures, in the order of the text, always with the same data. Error: that of make_method. RT: no.
 Result<std::vector<Figure>> make_figures();
 
 }  // namespace hapton

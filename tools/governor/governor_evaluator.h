@@ -9,44 +9,44 @@
 
 namespace hapton {
 
-// Properties that a governor must never violate.
+// Properties that a governor must never violate. Its gate is open while nothing forbids a force: see `gate`.
 enum class GovernorBreach : std::uint8_t {
   not_finite,
   force,            // above max_force, or above a lowered one for longer than a release takes
-  torque,           // as force
-  force_slew,       // changed faster than max_slew; a release may be as fast as the device's own
-  torque_slew,      // as force_slew
-  command_timeout,  // not zero 20 ms after the sample of the last force that counted
-  ramp,             // more than the ramp's share of max_force after an opening
-  heat,             // more than the thermal budget allows
-  energy,           // more than the energy budget allows
+  torque,           // the same for torque
+  force_slew,       // the force changed faster than max_slew, or was released faster than the max_slew of the device
+  torque_slew,      // the same for torque
+  command_timeout,  // force or torque is not zero 20 ms after the sample of the last accepted command
+  ramp,             // the force is above the share of max_force that the ramp up allows after the gate has opened
+  heat,             // the force is above what the thermal budget allows
+  energy,           // the force is above what the energy budget allows
   workspace,        // outward force above the soft stop's limit, or not released in time
-  gate,             // not released although latched, away, calibrating, pose timed out or not held
+  gate,             // no release although: latched fault, away, calibrating, pose or command timeout, button not held
   unlatched,        // a fault ended without a reset
-  not_latched,      // a fault that latches has not
+  not_latched,      // a fault that must latch did not
   count,
 };
 std::string_view to_string(GovernorBreach breach) noexcept;
 
-// The worst that was seen; each 1 where the limit is.
+// The largest values that were seen. Each is a share of its limit, so that 1 is the limit, except release_ms.
 struct GovernorWorst {
-  double force = 0.0;        // of max_force
-  double torque = 0.0;       // of max_torque
-  double force_slew = 0.0;   // of the device's slew
-  double torque_slew = 0.0;  // of the device's slew
-  double heat = 0.0;         // load, programs without stalls
-  double energy = 0.0;       // given to the hand, as a share of the budget, physical programs
-  double release_ms = 0.0;   // from the last turn with an open gate to zero, programs without stalls
+  double force = 0.0;        // share of the device's max_force
+  double torque = 0.0;       // share of the device's max_torque
+  double force_slew = 0.0;   // share of the device's max_slew
+  double torque_slew = 0.0;  // share of the device's max_torque_slew
+  double heat = 0.0;         // load of the thermal budget, in physical programs before their first stall (20 ms)
+  double energy = 0.0;       // energy given to the hand, as a share of budget and one release, in physical programs
+  double release_ms = 0.0;   // time from the last turn with an open gate to zero force, before the first stall
 };
 
-// Watches one governor from outside, with its own arithmetic: inputs, outputs, and whether they are
-// allowed. From the governor it uses only which wrenches it accepted, its fault and its limits. RT: no
-// heap.
+// Watches the inputs and outputs of one governor, and computes independently of it which outputs are
+// allowed. From the governor it takes only which commands it accepted, its fault, its limits and its
+// speed estimate. RT: no heap. Threads: one.
 class GovernorEvaluator {
  public:
   GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept;
 
-  // After each turn.
+  // Checks one turn. Pre: called after each turn. was_reset: the governor accepted step.resets. out: the governor's output.
   void evaluate(const HostileStep& step, bool was_reset, const Wrench& out) noexcept;
 
   const std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)>& breaches() const noexcept { return breaches_; }
@@ -54,9 +54,9 @@ class GovernorEvaluator {
 
  private:
   struct Axis {
-    std::int64_t shut_ns = -1;  // since when no outward force is allowed; below 0: it is allowed
+    std::int64_t shut_ns = -1;  // since when no outward force is allowed; below 0: outward force is allowed
   };
-  // Of what must not come five times on end within 100 ms.
+  // Counts errors of one kind: five in a row within 100 ms must latch a fault.
   struct Row {
     bool is_too_long(bool is_bad, std::int64_t now_ns) noexcept;
     int count = 0;
@@ -85,10 +85,10 @@ class GovernorEvaluator {
 
   bool has_begun_ = false;
   std::int64_t now_ns_ = 0;
-  std::int64_t out_ns_ = 0;  // of the output before
-  Wrench out_;               // on the motors
+  std::int64_t out_ns_ = 0;  // time of the last output
+  Wrench out_;               // the last output, which is on the motors
   std::uint64_t accepted_ = 0;
-  std::int64_t accepted_ns_ = 0;  // the sample of the last that counted
+  std::int64_t accepted_ns_ = 0;  // time of the sample of the last accepted command
   bool is_live_ = false;
   double time_constant_s_ = 0.0;
   double heat_n2_ = 0.0;
@@ -103,15 +103,15 @@ class GovernorEvaluator {
   Vec3 turn_impulse_nm_s_ = Vec3::Zero();
   double impulse_s_ = 0.0;
   double spent_j_ = 0.0;
-  double given_j_ = 0.0;  // as spent, but never forgotten
+  double given_j_ = 0.0;  // like spent_j_, but not limited from above
   bool has_jumped_ = false;
-  std::int64_t anchor_ns_ = -1;  // of the speed over 20 ms; below 0: none
+  std::int64_t anchor_ns_ = -1;  // start of the 20 ms over which the speed is measured; below 0: none
   Vec3 anchor_m_ = Vec3::Zero();
   bool is_too_fast_ = false;
 
   bool was_open_ = false;
   std::int64_t opened_ns_ = 0;
-  std::int64_t open_ns_ = 0;  // the last turn it was
+  std::int64_t open_ns_ = 0;  // time of the last turn with an open gate
   std::array<Axis, 6> axes_ = {};
   SafetyFault fault_ = SafetyFault::none;
   Row bad_forces_;

@@ -29,37 +29,37 @@ class SplitMix {
   std::uint64_t state_;
 };
 
-// What happens to a governor in one turn: whatever is there, in this order.
+// The inputs of a governor in one turn, in this order; those that are empty, false or negative are left out.
 struct HostileStep {
   std::optional<DeviceLimits> tightened;
   bool resets = false;
   double temperature = -1.0;
-  DeviceSample sample;  // with its own idea of the time
+  DeviceSample sample;  // its time_ns may contradict now_ns
   DeviceStatus status = DeviceStatus::ready;
   std::optional<WrenchCommand> wanted;
   std::int64_t now_ns = 0;
 };
 
-// A hostile device, hand and haptics node, from one seed: a device of random limits, and spells of a few dozen turns of every kind
-// of force (springs, square waves at Nyquist, NaN, active forces, repeated old ones, none), motion (a yielding hand, one that
-// follows the force, jumps, invalid poses), time (250 Hz to 10 kHz, jitter, jumps, backwards) and state (away, released, hot,
-// failed). Many programs have peaceful parts, because otherwise each would soon end in a latched fault. RT: no heap. Threads: one
-// each.
+// A hostile device, hand and haptics node, from one seed: a device with random limits, and periods (spells) of 5 to 204 turns, each
+// with one kind of force (spring, square wave at the Nyquist frequency, NaN, active force, old commands, none), of motion (a mass
+// on a soft spring, a hand that follows the force, jumps, invalid poses) and of time (250 Hz to 10 kHz, jitter, jumps, backwards);
+// the state (away, released, hot, failed) changes at random. Time, motion and state are each regular in about half of the
+// programs, because otherwise each would soon end in a latched fault. RT: no heap. Threads: one for each object.
 class HostileProgram {
  public:
-  static constexpr double kTurnRadPerS = 5.0;  // a physical device turns no faster
+  static constexpr double kTurnRadPerS = 5.0;  // a physical device does not turn faster than this
 
   explicit HostileProgram(std::uint64_t seed) noexcept;
 
   const DeviceLimits& device() const noexcept { return device_; }
   // Button that the governor must require, counted from 1; 0 or above 32: none.
   int button() const noexcept { return button_; }
-  // How many turns it is meant for.
+  // The number of turns that the program has.
   int turns() const noexcept { return turns_; }
   // Time never jumps, and the device moves physically: its heat and energy can be checked against absolute bounds.
   bool is_physical() const noexcept { return is_physical_; }
 
-  // out: the governor's last output to the motors.
+  // Makes the inputs of the next turn. out: the governor's last output to the motors.
   const HostileStep& turn(const Wrench& out) noexcept;
 
  private:
@@ -89,10 +89,10 @@ class HostileProgram {
   Force force_ = Force::none;
   Motion motion_ = Motion::still;
   Time time_ = Time::steady;
-  int left_ = 0;  // turns of this spell
+  int left_ = 0;  // remaining turns of this spell
   int turn_ = 0;
   std::int64_t period_ns_ = 1'000'000;
-  std::int64_t clock_ns_ = 0;  // the true one
+  std::int64_t clock_ns_ = 0;  // the true time
   double passed_s_ = 0.0;
   Vec3 p_m_ = Vec3::Zero();
   Vec3 v_m_per_s_ = Vec3::Zero();

@@ -18,23 +18,23 @@ struct HopCounts {
     std::uint64_t count = 0;
   };
 
-  std::string name;  // lower_snake
+  std::string name;  // in lower case with underscores: "round_trip"
   std::vector<Bucket> buckets;
 
   std::uint64_t total() const;
-  // Middle of the bucket in which that share (0 .. 1) of all durations is reached. Pre: total() > 0.
+  // The middle of the bucket up to which this share (0 to 1) of all durations lies. Pre: total() > 0.
   double quantile_us(double share) const;
 };
 
-// The counts between two reports of the same run: the present counts less the earlier ones, by hop and bucket. A new hop or bucket counts
-// completely. A hop with fewer durations than before (the run started again) keeps its present counts.
+// The counts between two reports of the same run: for each hop and bucket the counts `now` minus those `before`. A new hop or bucket counts
+// completely. A hop with fewer durations than before (the run started again) keeps all its counts. Hops without counts are left out.
 std::vector<HopCounts> subtract_hops(const std::vector<HopCounts>& now, const std::vector<HopCounts>& before);
 
-// The same rows as latency.csv has. RT: no.
+// The text of a latency.csv with these counts. RT: no.
 std::string to_csv(const std::vector<HopCounts>& hops);
 
 // Reads latency.csv (header hop,lower_ns,upper_ns,count; the rows of a hop are contiguous, ascending). The hops are in the order of the
-// file; a hop without durations is left out. Error: one line with the file and the number of the line. RT: set-up only.
+// file; hops without durations are left out. Error, one line: no file, an invalid row (with its number), no durations. RT: set-up only.
 Result<std::vector<HopCounts>> read_latency_csv(const std::filesystem::path& path);
 Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::string_view name);
 

@@ -9,11 +9,11 @@
 
 namespace hapton {
 
-// The gnuplot script that draws the hops as curves of "share of samples slower than", both axes logarithmic, in us, the bare echo dashed,
-// into the file `picture` of the folder it runs in. RT: set-up only.
+// The gnuplot script that draws for each hop the share of samples that took longer against the latency in us, on logarithmic axes, with the
+// bare echo dashed, into the file `picture` of its working directory. Pre: each hop has durations. RT: set-up only.
 std::string make_latency_plot(std::span<const HopCounts> hops, const std::string& picture);
 
-// Draws folder/latency.png from folder/latency.csv. Error: one line: no table, no gnuplot, or gnuplot's message.
+// Draws folder/latency.png from folder/latency.csv and returns its path. Error, one line: no table, or that of draw_with_gnuplot.
 Result<std::filesystem::path> draw_latency_plot(const std::filesystem::path& folder);
 
 }  // namespace hapton

@@ -12,29 +12,29 @@ namespace hapton {
 struct RateVerdict {
   double rate_hz = 0.0;
   bool fits = false;
-  double margin_us = 0.0;  // time left of a period; below zero: time missing
+  double margin_us = 0.0;  // the part of a period that is left; below zero: by how much the period is too short
 };
 
-// Verdicts of a run on the usual rates.
+// The verdict of a run at its own servo rate, and at the usual rates.
 struct LatencyVerdict {
-  double rate_hz = 0.0;  // measured at
-  double need_us = 0.0;  // p99.9 of the wake-up and p99.9 of the round trip together
+  double rate_hz = 0.0;  // the servo rate of the run
+  double need_us = 0.0;  // the sum of p99.9 of the wake-up and p99.9 of the round trip
   double missed_share = 0.0;
-  std::vector<RateVerdict> rates;  // 1, 4 and 10 kHz
-  bool holds = false;              // the rate it was measured at
-  std::string reason;              // why it does not; empty when it does
+  std::vector<RateVerdict> rates;  // at 1, 4 and 10 kHz
+  bool holds = false;              // the run could hold rate_hz
+  std::string reason;              // why it could not; empty if it could
 };
 
-// The rule. A rate fits if the servo's wake-up and the force's round trip, both at p99.9, lie within one period: then the force for a
-// sample is on the device before the next sample is taken, in all but two of a thousand cycles. The measured rate must in addition have
-// missed at most kMaxMissedShare of its cycles: late, lost or superseded replies, and missed ticks.
+// The rule: a rate fits if the servo's wake-up and the force's round trip, both at p99.9, together take at most one period: then in all but
+// two of a thousand cycles the force for a sample is on the device before the next sample is taken. For `holds`, in addition at most
+// kMaxMissedShare of the cycles may have a late, lost or superseded reply or be missed.
 constexpr double kMaxMissedShare = 1e-3;
 
-// From a report.json. Error: it is not one, or it has no replies.
+// The verdict from a report.json. Error: it is not a report, or it has no forces or no servo rate.
 Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report);
 
 nlohmann::ordered_json to_json(const LatencyVerdict& verdict);
-// A line or two for people.
+// The verdict as two lines for people.
 std::string to_text(const LatencyVerdict& verdict);
 
 }  // namespace hapton

@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// A part of a longer run, from two of its reports: increases of the counters; rates, hops and ratios of the time between; all else as at
-// the end. hops: the counts in between (subtract_hops). RT: no.
+// The report on a part of a longer run, from the reports at its start and end: counters, hops, ratios and measured rates are those of that
+// part; maxima (longest_*) and all else are those of `now`. hops: the counts of that part (subtract_hops). RT: no.
 nlohmann::ordered_json make_window_report(const nlohmann::ordered_json& before, const nlohmann::ordered_json& now,
                                           const std::vector<HopCounts>& hops);
 

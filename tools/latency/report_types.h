@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Whether hops, counters, rates_hz, ratios, notes and seconds have the types of a report (docs/formats.md), as far as they are there: only
-// then do nlohmann's readers not throw. Of any schema. RT: no.
+// Whether those of hops, counters, rates_hz, ratios, notes and seconds that are present have the types of a report (docs/formats.md), so
+// that nlohmann's json can be read without exceptions. The schema is not checked. RT: no.
 bool has_report_types(const nlohmann::ordered_json& report);
 
 }  // namespace hapton

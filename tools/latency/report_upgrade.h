@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Gives a report of schema hapton.report/1 to /3 the names of kReportSchema; any other stays as it is. The numbers are the same in all:
-// only counters, notes and rates were renamed. RT: no.
+// Changes a report of schema hapton.report/1 to /3 to the names of kReportSchema; any other JSON stays as it is. These schemas differ only
+// in the names of counters, notes and rates; the values stay. RT: no.
 void upgrade_report(nlohmann::ordered_json& report);
 
 }  // namespace hapton

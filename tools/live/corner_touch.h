@@ -7,15 +7,15 @@
 
 namespace hapton {
 
-// Finds the points that a person touches with the tip of the stylus, from the samples of the hub: the mean over a period in which the tip
-// is still, after a press of any button or without one. Without a press the tip must have moved away first, from the last point or from
-// where it was at the beginning, so that a stylus in its stand and a hand that rests do not count as touch. Frame W. RT: no.
+// Finds the points that a person touches with the tip of the stylus, from the samples of the hub: the mean position over a period in which
+// the tip is still, with or without the press of a button. Without a press the tip must first have moved away from the last point or from
+// its first position, so that a stylus in its stand or a resting hand does not count as touch. Frame W. RT: no. Threads: one.
 class CornerTouch {
  public:
-  // A hand held in the air drifts farther in that time; one that leans on a screen does not.
+  // Without a press the tip must stay within kHoldStillM of its mean for kHoldS. A hand in the air drifts farther, one on a screen less.
   static constexpr double kHoldS = 1.0;
   static constexpr double kHoldStillM = 0.0005;
-  // A press moves the tip itself; it is over by then.
+  // After a press, the mean is over kPressS, by which time the motion due to the press has ended.
   static constexpr double kPressS = 0.3;
   static constexpr double kPressStillM = 0.001;
   static constexpr double kAwayM = 0.02;
@@ -23,13 +23,13 @@ class CornerTouch {
   enum class Event : std::uint8_t {
     none,
     touched,
-    moved,  // after a press: more than kPressStillM from the mean
+    moved,  // after a press the tip moved farther than kPressStillM from the mean: no touch
   };
 
-  // Pre: samples in their order; an older one, or one that is not finite, is ignored.
+  // Takes the next sample; one that is not newer than the last, or not finite, is ignored.
   Event add(const ProbeState& probe);
 
-  // Of the last event: the mean, and the largest distance from it.
+  // The mean, and the largest distance from it, of the event that the last call of add returned. Pre: it was not `none`.
   const Vec3& p_W() const { return p_W_; }
   double moved_m() const { return moved_m_; }
 
@@ -43,12 +43,12 @@ class CornerTouch {
   void measure(std::int64_t from_ns);
   Event finish(Event event);
 
-  std::deque<Sample> samples_;  // of the last kHoldS
+  std::deque<Sample> samples_;  // the samples of the last kHoldS
   bool has_started_ = false;
   std::int64_t last_ns_ = 0;
   std::uint32_t last_buttons_ = 0;
   std::int64_t press_ns_ = 0;  // 0: not pressed
-  Vec3 p_WB_ = Vec3::Zero();   // where the tip must move away from
+  Vec3 p_WB_ = Vec3::Zero();   // the position from which the tip must move away
   bool was_away_ = false;
   Vec3 p_W_ = Vec3::Zero();
   double moved_m_ = 0.0;
