@@ -25,8 +25,8 @@ struct TrialRun {
   double longest_us = std::numeric_limits<double>::infinity();
 };
 
-// True if each node should have its own CPU: so median and 99th percentile are shorter, and the longest round trip is not 1.5 times as long.
-// A second CPU saves the switch between the nodes, but must wake up in time, which on some machines takes long now and then.
+// True if each node should have its own CPU: with two, median and 99th percentile are shorter, and the longest round trip is less than
+// 1.5 times that with one. A second CPU saves the switch between the nodes, but must wake up in time, which takes long on some machines.
 bool should_use_two(const TrialRun& on_one, const TrialRun& on_two);
 
 // The command-line flags that pin a node to its CPU.
