@@ -18,9 +18,9 @@ struct StressVariant {
   double friction_dynamic = 0.0;
 };
 
-// Each varies one thing: the scale (1e-6 to 1e6), the offset (up to a million extents) or the friction.
+// The standard variants: each changes one of scale (1e-6 to 1e6), offset (up to a million extents) and friction.
 std::vector<StressVariant> standard_variants();
-// For patches: without friction and with it. Scale and offset stay as generated, because patches round the vertices to their own grid.
+// The variants for patches: without friction and with it. Scale and offset stay fixed: patches round the vertices to their own grid.
 std::vector<StressVariant> patch_variants();
 
 struct StressPlan {

@@ -16,11 +16,11 @@ struct HeldGains {
   const NamedLoop* by_loop = nullptr;
   double safe_n_per_m = 0.0;
   const NamedLoop* by_damping = nullptr;
-  double damping_ns_per_m = 0.0;  // of a material
+  double damping_ns_per_m = 0.0;  // largest safe damping of a material
   const NamedLoop* by_viscosity = nullptr;
-  double viscosity_ns_per_m = 0.0;        // of an effect
+  double viscosity_ns_per_m = 0.0;        // largest safe viscosity of an effect
   const NamedLoop* by_turning = nullptr;  // null: no device has motors that turn the stylus
-  double rotational_nm_per_rad = 0.0;     // of a rigid tool's coupling (turning_axis.h)
+  double rotational_nm_per_rad = 0.0;     // largest safe rotational stiffness of a rigid tool's coupling (turning_axis.h)
   double pressed_n = kMaxPressedN;        // how hard surfaces are pressed: the strongest device's force, at most kMaxPressedN
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, about 0.1 s.

@@ -19,7 +19,7 @@ struct SceneCheckSettings {
   std::vector<NamedLoop> loops;  // every device with every hand; at least one
   double probe_radius_m = 0.0;
   double rate_hz = 1000.0;
-  double delay_s = 5e-4;  // from the sample to its force
+  double delay_s = 5e-4;  // the time from a sample to its force
   std::uint64_t seed = 1;
   std::map<std::size_t, std::vector<std::string>> accepted = {};  // the findings that an object accepts, see SceneLayout::accepted
 };
@@ -37,10 +37,10 @@ struct SceneCheck {
 // Checks a loaded scene. Error: the force method, or its rigid tool, rejects it. RT: no; some seconds for a large scene.
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings);
 
-// For people: a line for each finding, "FILE: object 'NAME' at (x, y, z) m: WHAT; FIX", then the notes and a summary.
+// The check as text for people: for each finding a line "FILE: object 'NAME' at (x, y, z) m: WHAT; FIX", then the notes and a summary.
 std::string to_text(const SceneCheck& check, const SceneCheckSettings& settings);
 
-// One JSON object with a schema version.
+// The check as one JSON object, schema hapton.scene_check/2.
 std::string to_json(const SceneCheck& check, const SceneCheckSettings& settings);
 
 }  // namespace hapton

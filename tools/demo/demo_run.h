@@ -13,7 +13,7 @@ namespace hapton {
 
 struct DemoSettings {
   std::filesystem::path out;           // scripted steps: folder for pictures, and for a folder of each step with report and logs
-  std::optional<double> seconds = {};  // for each step
+  std::optional<double> seconds = {};  // duration of each step; none: scripted kDemoSeconds, in a window until a key
   int cpu = -1;                        // the CPU of hub and haptics node; -1: any
 };
 

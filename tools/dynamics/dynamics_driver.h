@@ -96,17 +96,17 @@ class DynamicsDriver {
   Settings settings_;
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<Body> bodies_;
-  std::vector<Material> materials_;   // by object
-  std::optional<ToolCoupling> tool_;  // of the rigid tool that the stylus holds
-  KnownMoves moves_;                  // of obstacles
+  std::vector<Material> materials_;   // one for each object of the scene
+  std::optional<ToolCoupling> tool_;  // coupling of the rigid tool; none: the stylus holds no tool
+  KnownMoves moves_;                  // the moves of obstacles
   Pose X_WS_ = Pose::Identity();
   std::size_t next_body_ = 0;  // bodies take turns
   std::int64_t next_request_ns_ = 0;
-  std::int64_t scene_time_ns_ = -1;  // of the last state; -1: none yet
-  std::int64_t interval_ns_ = 0;     // between the last two states
-  std::int64_t world_time_ns_ = 0;   // scene time up to which is simulated
-  std::uint32_t last_request_;       // its number
-  double period_s_;                  // between two requests for one body: the duration of a move
+  std::int64_t scene_time_ns_ = -1;  // scene time of the last state; -1: none yet
+  std::int64_t interval_ns_ = 0;     // scene time between the last two states
+  std::int64_t world_time_ns_ = 0;   // scene time up to which the bodies were simulated
+  std::uint32_t last_request_;       // number of the last request
+  double period_s_;                  // time between two requests for one body: the duration of a move
   double delay_s_;
   std::vector<int> fallen_;
   std::string rejection_;

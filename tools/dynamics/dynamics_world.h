@@ -45,7 +45,7 @@ class DynamicsWorld {
   void press(const std::optional<Push>& push);
   // Sets the pose of an obstacle at the end of the next step; it carries bodies that lie on it. Pre: it has `motion` or `commanded`.
   void move_obstacle(int object, const Pose& X_SO);
-  // For a movable object that the stylus holds: bodies pass through it until it is put down. Pre: SceneObject::is_movable.
+  // Lets bodies pass through a movable object that the stylus holds, until it is put down. Pre: SceneObject::is_movable.
   void pick_up_obstacle(int object);
   // Places a movable object at this pose at once, so that it carries no bodies along. Pre: SceneObject::is_movable.
   void put_down_obstacle(int object, const Pose& X_SO);

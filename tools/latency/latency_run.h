@@ -17,8 +17,8 @@ struct LatencyRunOptions {
   std::filesystem::path scene = "scenes/car_front.toml";
   std::string method;            // empty: the haptics node's default
   std::string realtime = "try";  // off, try or require
-  int cpu = kMeasured;           // of io_node, the echo and the bare timer, unless realtime is off; -1: any
-  int haptics_cpu = kMeasured;   // of haptics_node; if only one of the two is given, it is for both
+  int cpu = kMeasured;           // the CPU of io_node, the echo and the bare timer, unless realtime is off; -1: any
+  int haptics_cpu = kMeasured;   // the CPU of haptics_node; if only one of the two is given, it is for both
   std::size_t echo_bytes = 0;    // size of the bare echo's datagrams; 0: that of a device sample's
   bool vision = false;           // also starts a vision node
   std::string hosts;             // address of a running hub that is measured instead; empty: none
