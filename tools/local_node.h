@@ -10,34 +10,34 @@
 
 namespace hapton {
 
-// A whole file as text; empty when it cannot be read.
+// Returns a whole file as text; empty if it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
-// An address of 127.0.0.1 with a UDP port that is free at the moment.
+// Returns an address of 127.0.0.1 with a UDP port that is free at the moment.
 Result<std::string> find_free_address();
 
-// A program of a measurement, writing to FOLDER/NAME.log. It ends with this object at the latest. RT: set-up only. Error: one line that
-// names the program, with its last output. Threads: one.
+// A child process of a measurement; its output goes to FOLDER/NAME.log. It ends with this object at the latest. RT: set-up only. Error: one
+// line that names the program, with the last line of its output or the path of its log. Threads: one.
 class LocalNode {
  public:
   static Result<LocalNode> start(const std::filesystem::path& folder, const std::string& name, const std::filesystem::path& program,
                                  std::vector<std::string> arguments);
 
-  // Waits until the text appears in its log.
+  // Waits until the text appears in its log, at most 120 s. Error also: the process ended before.
   Result<void> wait_for(const std::string& text);
 
-  // Until its log has a line that is a whole number and nothing else; gives that line.
+  // Waits in the same way until its log has a line that is a whole number and nothing else; returns that line.
   Result<std::string> wait_for_number();
 
-  // To its end, which is due after that time.
+  // Waits until it ends. Error: it still runs after that time, or it ended with an exit code other than 0.
   Result<void> wait_for_end(double seconds);
 
-  // Error: it has ended, however it did.
+  // Error: it has ended, with any exit code.
   Result<void> check_running();
 
   Result<void> stop();
 
-  // Ends it at once, as a crash would.
+  // Kills it at once, which has the effect of a crash.
   void kill() { process_.kill(); }
 
   const std::string& name() const { return name_; }
@@ -56,16 +56,16 @@ class LocalNode {
   ChildProcess process_;
 };
 
-// `hapton relay` of this build in front of a hub, and where nodes find the hub through it.
+// `hapton relay` of this build between nodes and a hub, and the address at which nodes reach the hub through it.
 struct LocalRelay {
   LocalNode node;
   std::string address;
 };
-// faults: more words of its command line. RT: set-up only. Error: as LocalNode.
+// faults: further arguments of `hapton relay`. RT: set-up only. Error: as for LocalNode.
 Result<LocalRelay> start_local_relay(const std::filesystem::path& folder, const std::string& hub, const std::vector<std::string>& faults);
 
-// A virtual display, for what draws unseen where there is no other. While it lives, DISPLAY names it.
-// RT: set-up only. Error: as LocalNode. Threads: one.
+// A virtual display, for programs that draw offscreen when there is no display. While it runs, the environment's DISPLAY names it.
+// RT: set-up only. Error: as for LocalNode. Threads: one; no other thread may use the environment meanwhile.
 class LocalDisplay {
  public:
   LocalDisplay() = default;
@@ -73,15 +73,15 @@ class LocalDisplay {
   LocalDisplay(const LocalDisplay&) = delete;
   LocalDisplay& operator=(const LocalDisplay&) = delete;
 
-  // Nothing is started where there is a display.
+  // Starts nothing if DISPLAY is set.
   Result<void> start_if_none(const std::filesystem::path& folder);
 
  private:
   std::optional<LocalNode> server_;
 };
 
-// A vision node that draws unseen, and the virtual display that it draws on where there is no other.
-// RT: set-up only. Error: as LocalNode. Threads: one.
+// A vision node that draws offscreen, with a virtual display of its own if there is no other display.
+// RT: set-up only. Error: as for LocalNode. Threads: as for LocalDisplay.
 class LocalVision {
  public:
   Result<void> start(const std::filesystem::path& folder, std::vector<std::string> arguments);

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The mesh that a command (evaluate, trajectory) works on, as its command line names it.
+// The mesh on which a command (evaluate, trajectory) works, as given on its command line.
 struct MeshChoice {
   std::string file;
   std::string unit;         // "m", "cm", "mm" or "in"; empty: that of the file, or m
@@ -20,7 +20,7 @@ struct MeshChoice {
 // Adds the options --mesh FILE [--unit U] [--no-seal] or --shape NAME, and --scale-to METRES.
 void add_mesh_options(CommandLine command, MeshChoice& choice);
 
-// Loads or generates the mesh. Error: that of the loader; an unknown shape, with the known ones.
+// Loads or generates the mesh. Error: an error of the loader; an unknown unit or shape, with the known ones; no extent to scale.
 Result<TriangleMesh> make_mesh(const MeshChoice& choice);
 
 // The name of the file without its extension, or of the shape: "bunny_69k", "bumpy".

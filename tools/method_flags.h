@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A method and its settings as a command line says them; the names of the flags are haptics_node's.
+// A method and its settings as given on a command line; the flags have the names of haptics_node's.
 struct MethodFlags {
   MethodSettings settings;
   std::string grid = "32";
@@ -17,10 +17,10 @@ struct MethodFlags {
   double offset_in = MethodSettings{}.offset_m / metres_per(Unit::in);
 };
 
-// --method, --probe-radius, and what single methods read. Pre: `flags` outlives the parsing.
+// Adds --method, --probe-radius and the flags that only single methods use. Pre: `flags` outlives the parsing.
 void add_method_flags(CommandLine command, MethodFlags& flags);
 
-// Error: a grid that is not a division, a bound that is not a length.
+// Converts the flags. Error: --grid is not N or NxNxN, or --simplify is not a length.
 Result<MethodSettings> settings_of(const MethodFlags& flags);
 
 }  // namespace hapton

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// As people give times on a command line.
+// Converts a time as people give it on a command line, rounded to a whole ns.
 inline std::int64_t ms_to_ns(double ms) { return std::llround(1e6 * ms); }
 
 }  // namespace hapton

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// "0.1,0,-0.05": at least one number, without spaces. None: it is no such list. RT: no.
+// Reads "0.1,0,-0.05": at least one number, without spaces; inf and nan are numbers too. None: the text has another form. RT: no.
 std::optional<std::vector<double>> read_number_list(std::string_view text);
 
 }  // namespace hapton

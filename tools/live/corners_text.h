@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// Reads "X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z", metres, frame W, in the order of kCornerNames. Error: how to write them. RT: no.
+// Reads "X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z", metres, frame W, in the order of kCornerNames. Error: says how to write the corners. RT: no.
 Result<ScreenCorners> parse_corners(std::string_view text);
 
-// Text for the terminal: size, position and direction of the picture that fits the touched corners best, and the residuals. RT: no.
+// Text for the terminal: size, position and direction of the picture that best fits the touched corners, and the residuals. RT: no.
 std::string describe_fit(const ScreenFit& fit);
 
 }  // namespace hapton

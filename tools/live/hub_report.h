@@ -28,7 +28,7 @@ class HubReader {
   // Requests a new report and waits for it. Error: the hub does not reply, or has no report.
   Result<HubReport> read();
 
-  // Keeps the connection to the hub alive for the given time; false if the hub no longer replies.
+  // Keeps the connection to the hub alive for the given time; returns false if the hub no longer replies.
   bool idle(double seconds);
 
  private:

@@ -8,17 +8,17 @@
 
 namespace hapton {
 
-// Names what a hub's report says is touched, from the scene that the report names, if that is on this host. Loads it once for each scene
-// that is touched; its materials may change (--watch-scene). RT: no.
+// Gives the name of the object that a hub's report says is touched, from the scene that the report names, if this host has it. Loads the
+// scene again only when the report names another one; its materials may have changed (--watch-scene). RT: no.
 class TouchedNames {
  public:
-  // "touching hood (sheet metal)", "touching object 3" where its name is not known here; empty: nothing is touched, or it is unknown.
+  // "touching hood (sheet metal)", "touching object 3" if its name is not known here; empty: nothing is touched, or it is not known what.
   std::string describe(const nlohmann::ordered_json& report);
 
  private:
   const std::vector<ObjectName>& names_of(const nlohmann::ordered_json& notes);
 
-  std::string hashes_;  // that names_ are of
+  std::string hashes_;  // scene hashes that names_ belong to
   std::vector<ObjectName> names_;
 };
 

@@ -6,13 +6,13 @@
 
 namespace hapton {
 
-// Servo rate and delay of the forces, as measured on a running system.
+// The servo rate that was requested and the delay of the forces that was measured on a running system.
 struct MeasuredLatency {
   double rate_hz = 0.0;
-  double delay_s = 0.0;  // from the sample to its force on the device, p99.9 of the round trip
+  double delay_s = 0.0;  // p99.9 of the round trip: from a sample until its force is ready for the device
 };
 
-// Reads them from a report.json of hapton latency or io_node. Error, one line: it is no such report, or it has no round trip. RT: no.
+// Reads them from a report.json of hapton latency or io_node. Error, one line: the report has no round trip or no servo rate. RT: no.
 Result<MeasuredLatency> read_measured_latency(const nlohmann::ordered_json& report);
 
 }  // namespace hapton

@@ -24,7 +24,7 @@ struct ZWidthGrid {
   std::vector<double> losses = {0.0};
   std::vector<double> wall_dampings_ns_per_m = {0.0};
   std::uint64_t seed = 1;
-  double mass_filter_s = MassEffect().filter_s;  // of the virtual mass
+  double mass_filter_s = MassEffect().filter_s;  // time constant of the filter of the virtual mass
   bool measures_presses = false;                 // also find the largest stiffness at which a press comes to rest
 
   std::size_t cells() const noexcept {
@@ -38,12 +38,12 @@ struct ZWidthRow {
   const NamedLoop* loop = nullptr;
   ZWidthCase inputs;
   double delay_ms = 0.0;
-  double jitter_ms = 0.0;  // of each way
-  double loss = 0.0;       // of each way
+  double jitter_ms = 0.0;  // on each of the two ways of the link
+  double loss = 0.0;       // likewise
   std::uint64_t seed = 1;
-  double mean_delay_s = 0.0;  // of the force on the motors: delay_ms, but measured with jitter or loss (closed_loop/random_stability.h)
+  double mean_delay_s = 0.0;  // from sample to force on the motors: delay_ms; measured with jitter or loss (closed_loop/random_stability.h)
   ZWidth found;
-  std::optional<double> rest_stiffness_n_per_m;  // find_rest_stiffness in closed_loop/press.h
+  std::optional<double> rest_stiffness_n_per_m;  // found by find_rest_stiffness (closed_loop/press.h); none: not requested
 
   // With jitter or loss the limits of stability are simulated (closed_loop/random_stability.h), the passive stiffness is that of the mean
   // delay, and the limit of the virtual mass is not computed (NaN).
@@ -69,8 +69,8 @@ nlohmann::ordered_json to_json(const ZWidthRow& row);
 std::string csv_header(const ZWidthGrid& grid);
 std::string csv_line(const ZWidthRow& row);
 
-// Merges the CSV files of the parts of one grid, in the order of its cells. Error: a part that cannot be read or belongs to another grid;
-// the number of a cell that is missing or occurs twice.
+// Merges the CSV files of the parts of one grid, in the order of its cells. Error: a part that cannot be read or belongs to another grid, a
+// line that does not begin with a cell of the grid, or a cell that is missing or occurs twice.
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts);
 
 }  // namespace hapton

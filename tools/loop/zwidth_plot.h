@@ -9,11 +9,11 @@
 
 namespace hapton {
 
-// Largest stable stiffness (lines) and largest passive one (dashed) against delay; against rate where the grid has one delay. A colour for
-// each device, hand and rate (or delay, wall damping, jitter, loss).
+// The gnuplot script: largest stable stiffness (solid) and largest passive stiffness (dashed) against delay, or against rate if the grid
+// has one delay and several rates. One colour for each device, hand and rate (or delay, wall damping, jitter, loss). picture: its file.
 std::string make_zwidth_plot(const ZWidthGrid& grid, const std::vector<ZWidthRow>& rows, const std::string& picture);
 
-// Draws it with gnuplot. Error: one line. RT: no.
+// Draws it with gnuplot. Error: as for draw_with_gnuplot. RT: no.
 Result<std::filesystem::path> draw_zwidth_plot(const std::filesystem::path& picture, const ZWidthGrid& grid,
                                                const std::vector<ZWidthRow>& rows);
 

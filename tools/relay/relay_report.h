@@ -8,11 +8,11 @@
 
 namespace hapton {
 
-// The relay's counters for each direction: a table for people, and the same as JSON (schema hapton.relay/2). seed: of its random losses and
-// delays. seconds: how long it ran. RT: no.
+// The relay's counters for each direction: a table for people, and the same as JSON (schema hapton.relay/2). seed: the seed of its random
+// losses and delays. seconds: how long it ran. RT: no.
 std::string relay_text(const RelayEndpoint& relay, std::uint64_t seed);
 std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double seconds);
-// Of one direction: each counter by its name, as both have it.
+// The counters of one direction, each with the name that both reports give it.
 nlohmann::ordered_json relay_counts_json(const RelayCounts& counts);
 
 }  // namespace hapton

@@ -18,8 +18,8 @@ struct RelayScript {
 };
 
 // Reads a script for `hapton relay` (TOML; docs/faults.md has the keys): consecutive [[phase]] tables, each with its seconds and its
-// faults, in both directions unless [phase.to_hub] or [phase.to_nodes] differ; `seed` and `repeat` at the top. Error: one line with file
-// and line: not TOML, an unknown key, a value out of range, no phase. RT: set-up only.
+// faults, in both directions unless [phase.to_hub] or [phase.to_nodes] differs; `seed` and `repeat` at the top. Error: one line with file
+// and line: not TOML, an unknown key, a value out of range, no phase (without a line). RT: set-up only.
 Result<RelayScript> read_relay_script(const std::filesystem::path& path);
 Result<RelayScript> parse_relay_script(std::string_view text, const std::string& name);
 

@@ -7,9 +7,9 @@
 
 namespace hapton {
 
-// Writes the surface of the bodies of a scene that can be carved, as a file of annotations says they are carved, as a mesh. scene: with
-// sculpt = true at an object at least. object: the name of one of these; empty: all, in one mesh. Returns a line on what was written. Frame
-// S, metres. RT: no. Error: one line: a file that cannot be read or written, no such object, or nothing is left of it.
+// Writes the surface of the bodies of a scene that can be carved, with the carves of a file of annotations, as a mesh. scene: a scene file
+// with sculpt = true for at least one object. object: the name of one of these; empty: all of them, in one mesh. Returns one line that says
+// what was written. Frame S, metres. RT: no. Error: one line: a file that cannot be read or written, no such object, or no surface left.
 struct SculptExport {
   std::string scene;
   std::filesystem::path annotations;

@@ -8,13 +8,13 @@
 
 namespace hapton {
 
-// "name,material" of the object of that number, each in quotes where CSV needs them; "," where there is none. RT: no.
+// "name,material" of the object with that number, each in quotes where CSV needs them; "," if it is not among the names. RT: no.
 std::string csv_names(std::span<const ObjectName> names, int object);
 
-// All of a text, however long, with "?" for what is not printable: as every export writes names, paths and methods.
+// The whole text, however long, with "?" for each character that is not printable: for names, paths and methods in exports.
 std::string whole_text(std::string_view text);
 
-// Any text as one cell.
+// The text as one cell of a CSV file: in quotes where CSV needs them.
 std::string csv_cell(const std::string& text);
 
 }  // namespace hapton

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// For tables whose columns have a name and a number of a row, as move_columns() has them. Each is followed by a comma.
+// For tables whose columns have a `name` and a function `of` that returns the number in a row, as in move_columns(). A comma after each.
 template <class Columns>
 std::string csv_header(const Columns& columns) {
   std::string header;
@@ -18,7 +18,7 @@ std::string csv_header(const Columns& columns) {
   return header;
 }
 
-// Numbers have all their digits; what is not known stays empty.
+// Numbers have as many digits as read back to the same bits; NaN becomes an empty cell.
 template <class Columns, class Row>
 std::string csv_numbers(const Columns& columns, const Row& row) {
   std::string line;
