@@ -17,9 +17,9 @@
 namespace hapton {
 
 // Writes a file in the MCAP format, version 0 (https://mcap.dev/spec): messages in chunks of kChunkBytes without compression, each chunk
-// with its message indexes, a summary with statistics and the index of the chunks, and every checksum that the format has. Times: ns, as
-// the caller counts them. RT: no. Threads: one. The file appears at close(), complete, or not at all. Error: of a full or failing disk;
-// close returns it.
+// with its message indexes; a summary with statistics and the index of the chunks; and all checksums of the format. Times: ns, in the
+// caller's epoch. RT: no. Threads: one. The file appears at close(), complete, or not at all. Error: a full or failing disk does not stop
+// the functions below; close() returns the first such error.
 class McapWriter {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
@@ -31,20 +31,20 @@ class McapWriter {
     std::string data;
   };
   struct Channel {
-    std::uint16_t schema = 0;  // 1 + its place in the list of schemas; 0: none
+    std::uint16_t schema = 0;  // 1 + the index of its schema in the list; 0: none
     std::string topic;
     std::string encoding;
   };
 
-  // Begins the file with its schemas and channels. A channel's number is its place in the list. Error: one line with the path.
+  // Begins the file with its schemas and channels. A channel's number is its index in the list. Error: one line with the path.
   static Result<McapWriter> open(const std::filesystem::path& path, const std::string& library, std::span<const Schema> schemas,
                                  std::span<const Channel> channels);
 
   // Pre: before the first message.
   void add_metadata(const std::string& name, const Texts& texts);
-  // Pre: channel is one of those of open.
+  // Pre: channel < the number of channels that open() got.
   void add_message(std::uint16_t channel, std::uint64_t log_ns, std::uint64_t publish_ns, std::string_view data);
-  // Writes what is left, the summary and the end. Error: one line: the file is not complete.
+  // Writes the last chunk, the summary and the end of the file. Error: one line: the file could not be completed, and does not appear.
   Result<void> close();
 
   std::uint64_t messages() const noexcept { return messages_; }
@@ -52,7 +52,7 @@ class McapWriter {
  private:
   struct IndexEntry {
     std::uint64_t log_ns = 0;
-    std::uint64_t offset = 0;  // in the chunk
+    std::uint64_t offset = 0;  // from the start of the chunk's messages
   };
   struct ChunkIndex {
     std::uint64_t first_ns = 0;
@@ -75,7 +75,7 @@ class McapWriter {
 
   PartFile file_;
   std::uint64_t offset_ = 0;
-  boost::crc_32_type crc_;  // of all bytes so far
+  boost::crc_32_type crc_;  // of all bytes written so far
   std::string schema_records_;
   std::string channel_records_;
   std::size_t schema_count_ = 0;

@@ -10,20 +10,20 @@
 
 namespace hapton {
 
-// Writes an array of float32 with the axes row, vertex and coordinate in NumPy's format, version 1.0
+// Writes an array of float32 with the three axes row, vertex and coordinate in NumPy's format, version 1.0
 // (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html), row by row. The file appears at keep(), complete, or not at
 // all. RT: no. Threads: one.
 class NpyFile {
  public:
-  // vertices: of each row. Error: see PartFile::open.
+  // vertices: their number in each row. Error: as for PartFile::open.
   static Result<NpyFile> open(const std::filesystem::path& path, std::uint32_t vertices);
 
-  // Pre: as many as each row has.
+  // Adds a row. Pre: it has as many vertices as open() was given.
   void add(std::span<const std::array<float, 3>> row);
 
-  // Error: one line; nothing is left of it.
+  // Ends the writing. Error: one line; nothing of the file is left.
   Result<void> close();
-  // Pre: close() succeeded.
+  // Gives the file its name. Pre: close() succeeded.
   Result<void> keep() { return file_.keep(); }
 
  private:

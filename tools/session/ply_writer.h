@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Writes a binary little-endian PLY with double coordinates, which can be read back equal to the bit. Error: one line with the path.
+// Writes a binary little-endian PLY file with double coordinates, which read back to the same bits. Error: one line with the path.
 Result<void> write_ply(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 }  // namespace hapton

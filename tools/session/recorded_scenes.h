@@ -18,31 +18,31 @@
 
 namespace hapton {
 
-// The scenes that a recording, or a running system, names by path, loading and hash. A recording of an earlier version does not say how the
-// scene was loaded: metres, no fit, and the cracks sealed or not; the recorded hash must be that of either. Each is loaded once. Error: one
-// line: the scene cannot be read, or it is not the one that was recorded. RT: no.
+// The scenes that a recording, or a running system, names by path, loading and hash. A recording of an earlier version does not say how its
+// scene was loaded: it is loaded in metres and not fitted, with cracks sealed and then unsealed, and one of the two must have the recorded
+// hash. Each scene is loaded once. Error: one line: the scene cannot be read, or is not the one that was recorded. RT: no. Threads: one.
 class RecordedScenes {
  public:
-  // scene: its file, where it is not where the haptics node had it; empty: it is.
+  // scene: the file to read in place of the one that the recording names; empty: the one that it names.
   explicit RecordedScenes(std::string scene = {}) : file_(std::move(scene)) {}
 
-  // Before the first make_touch: the file of the method that the recording names.
+  // Sets the file of the method that the recording names. Pre: make_touch() was not called yet.
   void use_method_file(const PluginChoice& choice) { method_file_ = choice; }
 
   Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup);
   Result<std::vector<Material>> make_materials(const HapticsSetup& setup, const MaterialState& state);
-  // Null: it is not there, or programs do not deform the object.
+  // Null: the scene cannot be loaded, or programs do not deform the object.
   std::shared_ptr<const ProgramShape> find_program_shape(const HapticsSetup& setup, std::int32_t object);
   Result<std::vector<ObjectName>> find_names(const HapticsSetup& setup);
-  // The same of a running system, also where the file's materials have changed since (--watch-scene): it must have the same objects, by
-  // Scene::given_hash.
+  // The same for a running system. If only the materials in the file have changed since (--watch-scene), it returns the names as well: the
+  // file then has the same Scene::given_hash, and so the same objects. given_hash 0: unknown.
   Result<std::vector<ObjectName>> find_names(const HapticsSetup& setup, std::uint64_t given_hash);
 
  private:
   struct LoadedScene {
     TouchScene touch;
     std::vector<ObjectName> names;
-    std::vector<std::shared_ptr<const ProgramShape>> program_shapes;  // by object
+    std::vector<std::shared_ptr<const ProgramShape>> program_shapes;  // by object; null: programs do not deform it
     std::uint64_t hash = 0;
     std::uint64_t given_hash = 0;
   };
@@ -54,7 +54,7 @@ class RecordedScenes {
 
   std::string file_;
   std::optional<PluginChoice> method_file_;
-  SimulatedClock clock_;  // stands still: calls of a plug-in may take any time
+  SimulatedClock clock_;  // stands still, so that no call of a plug-in is cut off for its time
   std::map<std::pair<std::string, std::uint32_t>, LoadedScene> scenes_;
 };
 

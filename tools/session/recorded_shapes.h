@@ -16,12 +16,12 @@
 
 namespace hapton {
 
-// The settings of an object that programs deform, in the scene that a setup names. Null: programs do not deform the object, or the scene is
-// unknown.
+// Returns the settings of an object that programs deform, in the scene that a setup names. Null: programs do not deform the object, or the
+// scene is unknown.
 using FindProgramShape = std::function<std::shared_ptr<const ProgramShape>(const HapticsSetup& setup, std::int32_t object)>;
 
-// The shapes of objects that haptics nodes announced in a recording, as its entries come: vertices first, then the start. Kept until they
-// are used. RT: no. Threads: one.
+// The shapes that haptics nodes announced in a recording, as its entries come: of each shape first the vertices, then the start. They are
+// kept until they are used. RT: no. Threads: one.
 class RecordedShapes {
  public:
   using FindShape = std::function<std::shared_ptr<const ProgramShape>(std::int32_t object)>;
@@ -29,39 +29,39 @@ class RecordedShapes {
   // The shapes that were in use when the recording began. Pre: nothing was added yet.
   void use_first(FirstShapes first) { first_ = std::move(first); }
 
-  // sender: of the datagram. One that was applied before is left out.
+  // sender: that of the datagram. A shape that was applied before is ignored.
   void add(std::uint64_t sender, const ObjectShape& shape);
   void add(std::uint64_t sender, const ShapeStart& start);
 
-  // The first force of a sender includes all shapes up to that serial.
+  // Begins with the first force of a sender: all shapes up to that serial were applied before it; they are those of use_first().
   void begin(std::uint64_t sender, std::uint32_t serial);
 
-  // Begins the motion of that serial in the step, as the haptics node did. False: the recording lacks a part of it or its start, or it is
-  // not of that scene; or the step is not where the node was. Pre: called with one serial after the other.
+  // Begins the motion to the shape with that serial in the step, as the haptics node did. False: the recording lacks a part of the shape or
+  // its start, or the shape does not fit this scene, or too many motions wait in the step. Pre: serial is the one after the last.
   bool apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step, const FindShape& find_shape);
-  // The same for all up to that serial, without a step, as it is not known where the surfaces are. Time: of those that the recording has,
-  // as a damaged one may name any serial. Pre: serial is above the last one.
+  // Passes over all shapes up to that serial without a step, for a replay that does not know where the surfaces are. Time: proportional to
+  // the shapes in the recording, since a damaged recording may name any serial. Pre: serial is above the last one.
   void pass(std::uint64_t sender, std::uint32_t serial);
 
-  // Whether it is known where the surfaces of these objects are at that scene time: both shapes of a motion, or the last one after its end.
+  // Whether it is known where the surfaces of these objects are at that scene time: by both shapes of a motion, or after its end by the last.
   bool knows(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns) const;
-  // Puts them there. False: they cannot be there. Pre: knows(); in the step all are at rest.
+  // Moves the surfaces there. False: the step cannot do it. Pre: knows(); in the step all these objects are at rest.
   bool restore(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns, HapticsStep& step,
                const FindShape& find_shape) const;
 
  private:
-  // One that has begun.
+  // A motion that has begun.
   struct Begun {
     ShapeStart start;
-    std::optional<ShapeParts> shape;  // whole; none: the recording lacks it
+    std::optional<ShapeParts> shape;  // complete; none: the recording lacks a part of it
   };
   struct Sender {
     std::map<std::uint32_t, ShapeParts> shapes = {};  // by serial
     std::map<std::uint32_t, ShapeStart> starts = {};
     std::map<std::int32_t, std::deque<Begun>> begun = {};  // the last two of each object
-    std::uint32_t applied = 0;                             // all up to this serial
+    std::uint32_t applied = 0;                             // all shapes up to this serial were applied or passed over
   };
-  // Of one object: its last motion, and the shape from which it begins; null: at rest.
+  // The last motion of an object, and the one that ends in the shape from which it begins; null: it begins at rest, or has ended.
   struct Motion {
     const Begun* last = nullptr;
     const Begun* before = nullptr;
