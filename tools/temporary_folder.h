@@ -11,10 +11,10 @@
 
 namespace hapton {
 
-// A folder of its own below the system's temporary folder, deleted with this object. RT: no.
+// A new folder in the temporary folder of the system; it is deleted with this object. RT: no.
 class TemporaryFolder {
  public:
-  // Error: one line with the path.
+  // Makes the folder. Error: one line with the path.
   static Result<TemporaryFolder> make() {
     std::error_code error;
     std::string name = (std::filesystem::temp_directory_path(error) / "hapton-XXXXXX").string();

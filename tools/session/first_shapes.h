@@ -29,8 +29,8 @@ class FirstShapes {
   const Sender* find(std::uint64_t sender) const;
 
  private:
-  // The most shapes, and the most starts, that are kept for a sender. The first in the map is dropped: the oldest shape; of starts, the oldest
-  // of the lowest object. Before the first force tells which serials count, a damaged or hostile file may have any number. A free choice.
+  // The most shapes, and the most starts, that are kept for a sender. Of shapes the oldest is dropped; of starts the oldest of the lowest
+  // object. Before the first force tells which serials count, a damaged or hostile file may have any number of them. A free choice.
   static constexpr std::size_t kMaxEarly = 64;
 
   std::map<std::uint64_t, Sender> senders_;

@@ -43,7 +43,7 @@ class RecordedShapes {
   // the shapes in the recording, since a damaged recording may name any serial. Pre: serial is above the last one.
   void pass(std::uint64_t sender, std::uint32_t serial);
 
-  // Whether it is known where the surfaces of these objects are at that scene time: by both shapes of a motion, or after its end by the last.
+  // Whether it is known where the surfaces of these objects are at that scene time: by both shapes of a motion, or after it by the last.
   bool knows(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns) const;
   // Moves the surfaces there. False: the step cannot do it. Pre: knows(); in the step all these objects are at rest.
   bool restore(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns, HapticsStep& step,

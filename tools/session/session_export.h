@@ -15,16 +15,16 @@
 
 namespace hapton {
 
-// Writes a recording as three tables: trajectory.csv (what hapton trajectory and replay read), forces.csv and cycles.csv, and where
-// programs deformed objects, as ShapeTables; times in s from the beginning of the recording. Numbers have all their digits. The tables
-// appear at close(), complete, or none does. RT: no.
+// Writes a recording as three tables: trajectory.csv (in the format that hapton trajectory writes and hapton replay reads), forces.csv and
+// cycles.csv; and the files of ShapeTables. Times are in s from the beginning of the recording. Numbers have all their digits. The files
+// appear at close(), each complete; if one cannot be written, none appears. RT: no. Threads: one.
 class SessionExport {
  public:
   // Makes the folder. names: of the scene's objects, empty where they are not known. Error: one line with the path.
   static Result<SessionExport> open(const std::filesystem::path& folder, std::int64_t start_ns, std::vector<ObjectName> names = {});
 
   void add(const SessionEntry& entry, const Datagram* datagram);
-  // Error: a table could not be written to its end.
+  // Ends the tables. Error: one line: a table could not be written to its end.
   Result<void> close();
 
   struct Rows {

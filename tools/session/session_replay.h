@@ -23,17 +23,17 @@ namespace hapton {
 // The setups that haptics nodes sent in a recording, by sender and HapticsSetup::method_serial.
 using HapticsSetups = std::map<std::pair<std::uint64_t, std::uint32_t>, HapticsSetup>;
 
-// Makes the method that a setup names. Error: the scene file cannot be read or is not the recorded one, or the method is unknown.
+// Makes the method that a setup names. Error: the scene file cannot be read or is not the recorded one, or the method cannot be made.
 using MakeTouch = std::function<Result<std::unique_ptr<TouchStep>>(const HapticsSetup& setup)>;
 
 // The states of the materials that haptics nodes sent in a recording, by sender and MaterialState::serial.
 using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, MaterialState>;
 
-// The moves of objects that programs requested, by sender, serial and object. Serial 0 has one entry for each object; others have one.
+// The moves of objects by programs, by sender, serial and object. Serial 0, not moved yet, has an entry for each object; others have one.
 using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32_t>, ObjectMove>;
 
-// The carves and undos that haptics nodes announced, by sender and serial. A sender with another scene starts its serials anew; such a
-// session cannot be replayed anyway, so only the first process of each sender is kept.
+// The carves and undos that haptics nodes announced, by sender and serial. A sender that loads another scene starts its serials anew; such
+// a session cannot be replayed in any case, so only the entries of its first process are kept.
 class ReplayedCarves {
  public:
   void add(const RecordedCarve& carve);
@@ -57,24 +57,24 @@ struct ReplayCounts {
   std::uint64_t contact_steps = 0;
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
-  std::uint64_t lost_replies = 0;  // replayed, but not compared: the recorded reply was lost
+  std::uint64_t lost_replies = 0;  // replayed, but not compared, because the recorded reply was lost
   std::uint64_t not_compared = 0;  // replies that depend on steps before the recording or on lost ones: in contact before the first step
                                    // in free space; with effects, all steps after a lost one; with a carvable object, those until the hand
                                    // has rested in free space
   std::uint64_t unknown_method =
       0;  // replies whose method, view, materials, moves, shapes or carves are not in the recording, or not yet: their messages were lost
-  std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
-  std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording, or has two of that revision
+  std::uint64_t missing_states = 0;  // samples with a reply whose DeviceState is not in the recording
+  std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording or has two poses there
   double max_difference_n = 0.0;
-  std::string first_difference;  // the first step that differs, in one line; empty: none does
+  std::string first_difference;  // text about the first step that differs, in one line; empty: none does
 };
 
-// Replays a recorded session in the order of the haptics node: call on_state, on_view and on_reply with the recording's entries, in their
-// order. It repeats the steps of the samples that had a reply, with the view, the method and the materials that each reply names, and
-// compares force, offset and contact to the last bit. Error: that of MakeTouch or MakeMaterials. RT: no. Threads: one.
+// Replays a recorded session in the order of the haptics node: call on_state, on_view, on_shape and on_reply with the recording's entries,
+// in their order. It repeats the steps of the samples that had a reply, with the view, method, materials and so on that the reply names,
+// and compares force, torque, offset and contact to the last bit. Error: one line, also if it cannot be replayed. RT: no. Threads: one.
 class SessionReplay {
  public:
-  // A recording without changes of materials needs only the first two.
+  // A recording in which no materials change needs only the first two.
   SessionReplay(HapticsSetups setups, MakeTouch make_touch, MaterialStates materials = {}, MakeMaterials make_materials = {});
 
   // Sets effects from shared libraries, which must be those that the recording names. Pre: no entry yet; effects outlives this.
@@ -83,13 +83,13 @@ class SessionReplay {
   // Sets the moves of a recording in which programs moved objects. Pre: no entry yet.
   void use_moves(ObjectMoves moves) { moves_ = std::move(moves); }
 
-  // Before the first entry: of a scene in which programs deform objects. Their shapes come by on_shape.
+  // Sets how to find the objects that programs deform, and their first shapes; the others come by on_shape(). Pre: no entry yet.
   void use_program_shapes(FindProgramShape find, FirstShapes first = {}) {
     find_program_shape_ = std::move(find);
     shapes_.use_first(std::move(first));
   }
 
-  // Before the first entry: of a recording in which material was carved.
+  // Sets the carves of a recording in which material was carved. Pre: no entry yet.
   void use_carves(ReplayedCarves carves) { carves_ = std::move(carves); }
 
   void on_state(const DeviceState& state);
@@ -97,7 +97,7 @@ class SessionReplay {
   void on_shape(std::uint64_t sender, const ObjectShape& shape) { shapes_.add(sender, shape); }
   void on_shape(std::uint64_t sender, const ShapeStart& start) { shapes_.add(sender, start); }
   Result<void> on_reply(std::uint64_t sender, const ForceCommand& command);
-  // Call it after the last entry: replays the samples that still wait for reordered replies.
+  // Replays the samples that still wait for reordered replies. To be called after the last entry.
   Result<void> finish();
 
   const ReplayCounts& counts() const { return counts_; }
@@ -140,32 +140,32 @@ class SessionReplay {
   RecordedShapes shapes_;
   FindProgramShape find_program_shape_;
   ReplayedCarves carves_;
-  std::optional<Sculpture> whole_;    // the bodies before any carve; none: the scene has none
+  std::optional<Sculpture> whole_;    // the bodies before any carve; none: no object can be carved
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
-  std::map<std::uint64_t, DeviceState> states_;               // not replayed yet, by sample
+  std::map<std::uint64_t, DeviceState> states_;               // by sample; not replayed yet
   std::map<std::uint32_t, ViewTransform> views_ = {{0, {}}};  // by revision; 0: as the scene file has it
-  std::set<std::uint32_t> ambiguous_views_;                   // revisions that came with several poses
-  std::map<std::uint64_t, ForceCommand> replies_;             // not replayed yet, by sample
+  std::set<std::uint32_t> ambiguous_views_;                   // revisions with several poses
+  std::map<std::uint64_t, ForceCommand> replies_;             // by sample; not replayed yet
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // last replayed sample
   std::uint32_t serial_ = 0;
   std::uint32_t material_serial_ = 0;
-  std::vector<Material> materials_;   // of that serial; empty: the scene's
-  HapticsSetup setup_;                // in use
+  std::vector<Material> materials_;   // of material_serial_; empty: those of the scene
+  HapticsSetup setup_;                // the setup in use
   bool is_method_known_ = false;      // the method in use is the recorded one
-  bool is_view_known_ = true;         // that of the newest reply is in the recording
+  bool is_view_known_ = true;         // the view of the newest reply is in the recording
   bool are_materials_known_ = false;  // the materials in use are the recorded ones
   std::uint32_t move_serial_ = 0;     // of the newest move that was applied
   bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording; later ones are not applied
   std::uint32_t shape_serial_ = 0;    // of the newest shape that was begun
-  bool are_shapes_known_ = true;      // where the surfaces are, by all shapes up to shape_serial_
+  bool are_shapes_known_ = true;      // it is known where the surfaces are after all shapes up to shape_serial_
   std::vector<int> deformed_;         // the objects that programs deform
   bool are_carves_known_ = true;      // all carves of the bodies in their present shape are in the recording
-  std::int64_t busy_ns_ = 0;          // of the newest sample in contact, with a button down, or after an unknown step
-  std::int64_t rebuilt_ns_ = 0;       // of the sample at which the bodies were last made again from their carves
-  bool is_certain_ = false;           // the state of the method does not depend on steps that are unknown
+  std::int64_t busy_ns_ = 0;          // time of the newest sample in contact, with a button down, or after an unknown step
+  std::int64_t rebuilt_ns_ = 0;       // time of the sample at which the bodies were last made again from their carves
+  bool is_certain_ = false;           // the state of the method does not depend on unknown steps
   std::int64_t first_time_ns_ = 0;
   ReplayCounts counts_;
 };

@@ -17,12 +17,12 @@
 
 namespace hapton {
 
-// What there is in a recording, gathered entry by entry. RT: no.
+// A summary of a recording, gathered entry by entry. RT: no. Threads: one.
 class SessionSummary {
  public:
   void add(const SessionEntry& entry, const Datagram* datagram);
 
-  // A page for people.
+  // Returns a page of text for people.
   std::string to_text(const SessionHeader& header) const;
 
   const HapticsSetups& setups() const { return setups_; }
@@ -30,7 +30,7 @@ class SessionSummary {
   const ObjectMoves& moves() const { return moves_; }
   ReplayedCarves carves() const;
   const FirstShapes& first_shapes() const { return first_shapes_; }
-  // Cycles whose force io_node computed itself, from parts of the scene. No reply of the haptics node has them.
+  // Number of cycles whose force io_node computed itself, from parts of the scene; no reply of the haptics node has these forces.
   std::uint64_t local_forces() const { return local_forces_; }
 
  private:
@@ -56,7 +56,7 @@ class SessionSummary {
   std::uint64_t entries_ = 0;
   std::int64_t first_ns_ = 0;
   std::int64_t last_ns_ = 0;
-  std::map<std::string, Traffic> traffic_;  // by message
+  std::map<std::string, Traffic> traffic_;  // by the name of the message
   std::uint64_t contact_ = 0;
   double max_force_n_ = 0.0;
   double max_written_n_ = 0.0;
@@ -72,16 +72,16 @@ class SessionSummary {
   std::uint64_t lost_samples_ = 0;
   std::uint64_t gaps_ = 0;
   std::uint64_t dropped_ = 0;
-  std::vector<Fault> faults_;    // the first of them
-  std::vector<Marker> markers_;  // the first of them
+  std::vector<Fault> faults_;    // the first ones
+  std::vector<Marker> markers_;  // likewise
   std::uint64_t marker_count_ = 0;
   std::map<SessionFault, std::uint64_t> fault_counts_;
   HapticsSetups setups_;
   MaterialStates materials_;
   ObjectMoves moves_;
-  std::set<std::pair<std::uint64_t, std::uint32_t>> shape_serials_;  // by sender
+  std::set<std::pair<std::uint64_t, std::uint32_t>> shape_serials_;  // by sender and serial
   FirstShapes first_shapes_;
-  ObjectChanges changes_{0};  // times do not matter
+  ObjectChanges changes_{0};  // times are not used, only whether they are known
 };
 
 }  // namespace hapton

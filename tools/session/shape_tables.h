@@ -16,8 +16,8 @@
 namespace hapton {
 
 // Writes the shapes that programs gave to objects: shapes.csv with a row for each (shape_columns(), then `file` and `name`), and the
-// displacements of its vertices as row `row` of an array of NumPy's, shapes_PROCESS_OBJECT.npy. Where there is nothing, there is no file; a
-// shapes.csv of an earlier export becomes empty. The files appear at keep(). RT: no. Threads: one.
+// displacements of its vertices as index `row` of a NumPy array, shapes_PROCESS_OBJECT.npy. Without shapes it writes no file, but makes a
+// shapes.csv of an earlier export empty but for the header. The files appear at keep(). RT: no. Threads: one.
 class ShapeTables {
  public:
   // names: of the scene's objects, empty where they are not known.
@@ -25,9 +25,9 @@ class ShapeTables {
       : folder_(std::move(folder)), names_(std::move(names)), collector_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram);
-  // Error: one line: a file could not be written to its end, and none appears.
+  // Ends the files. Error: one line: a file could not be written to its end; then none appears.
   Result<void> close();
-  // Pre: close() succeeded.
+  // Gives the files their names. Pre: close() succeeded.
   Result<void> keep();
   std::uint64_t rows() const noexcept { return rows_; }
 

@@ -7,10 +7,10 @@
 
 namespace hapton {
 
-// slide | free | tap | walk.
+// Returns the names: "slide, free, tap, walk".
 std::string trajectory_kinds();
 
-// Error: unknown kind, a mesh without area. RT: no.
+// Makes a trajectory of a kind. Error: an unknown kind, or a mesh without area. RT: no.
 Result<TouchTrajectory> make_trajectory(const std::string& kind, const TriangleMesh& mesh, const TrajectorySettings& settings);
 
 }  // namespace hapton

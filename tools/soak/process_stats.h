@@ -15,7 +15,7 @@ struct ProcessStats {
   int threads = 0;
 };
 
-// From /proc/PID. RT: no. Error: one line: there is no such process, or no permission.
+// Reads them from /proc/PID. RT: no. Error: one line: there is no such process, or no permission.
 Result<ProcessStats> read_process_figures(pid_t pid);
 
 }  // namespace hapton

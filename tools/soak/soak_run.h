@@ -11,10 +11,10 @@ struct SoakOptions {
   double seconds = 3600.0;
   double every_s = 0.0;  // interval between two samples of the nodes; 0: a 120th of `seconds`, at least 2 s
   double rate_hz = 1000.0;
-  bool vision = false;  // with a vision node
+  bool vision = false;  // also run a vision node
   std::filesystem::path out = "out/soak";
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::string key_file;          // of the nodes; empty: the default key of this user
+  std::string key_file;          // key file of the nodes; empty: the default key of this user
   std::string realtime = "try";  // off, try or require
   int cpu = -1;                  // pins io_node and haptics_node to this CPU; -1: any CPU
 };

@@ -17,7 +17,7 @@ struct SoakSample {
   double forces_hz = 0.0;
   double contacts_hz = 0.0;
   double drawn_hz = 0.0;
-  std::int64_t lost = 0;  // forces that never came
+  std::int64_t lost = 0;  // forces that never came; this and the next three are counts
   std::int64_t late = 0;
   std::int64_t superseded = 0;
   std::int64_t missed_cycles = 0;
@@ -34,13 +34,13 @@ struct SoakRun {
   double rate_hz = 0.0;
   std::vector<std::string> processes;  // names, in the order of SoakSample::processes
   std::vector<SoakSample> samples;
-  std::string ended;  // the process that ended, or what else cut the run short; empty: nothing did
+  std::string ended;  // the error of the process that ended, or what else cut the run short; empty: nothing did
 };
 
-// How far a figure rose from the beginning of a series to its end: by Theil and Sen's trend (the median of all slopes; H. Theil,
+// How much a quantity rose from the beginning of a series to its end: by Theil and Sen's trend (the median of all slopes; H. Theil,
 // Indagationes Mathematicae 12, 1950; P. K. Sen, JASA 63, 1968) or from the median of the first third to that of the last, whichever is
-// more. The first detects slow growth, the second a single step; an outlier changes neither. Pre: as many times as values; times rise. RT:
-// no.
+// larger in magnitude. The first detects slow growth, the second a single step; an outlier changes neither. 0 for fewer than three values.
+// Pre: as many times as values; times rise. RT: no.
 double find_rise(std::span<const double> times, std::span<const double> values);
 
 // One quantity that was checked.
@@ -59,10 +59,10 @@ struct SoakVerdict {
 };
 
 // Warm-up is the first tenth of the time, or 30 s if that is more, but at most half the time: its samples count only for lost forces. A run
-// passes if, after it, resident memory of each process rises by no more than 1 % and 1 MiB and its descriptors and threads do not change,
-// no force is lost, the median sample has 99 % of the rate in samples and forces, servo cycles keep to the clock within 100 ms and 100 ppm,
-// no process ends, and nobody stops the run early. Late and missed cycles are reported but do not count: they depend on the machine as much
-// as on Hapton (`hapton latency run` evaluates them).
+// passes if, after it, resident memory of each process rises by no more than 1 % plus 1 MiB, its descriptors and threads do not change, no
+// force is lost, the median sample has 99 % of the rate in samples and forces, servo cycles drift from the clock by at most 100 ms plus 100
+// ppm, no process ends, and nobody stops the run early. Late and missed cycles are reported but do not count: they depend on the machine
+// as much as on Hapton (`hapton latency run` evaluates them). With fewer than 5 samples after warm-up it fails.
 SoakVerdict evaluate_soak(const SoakRun& run);
 
 // soak.json and the closing line.
