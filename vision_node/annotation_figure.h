@@ -22,7 +22,7 @@ struct InkLabel {
   std::string text;
 };
 
-// A length for a person, with its unit: "42.31 mm".
+// A length as text for a person, with its unit: "42.31 mm".
 std::string describe_length(double length_m);
 
 // Strokes and measures as VTK actors. Hidden parts of strokes are not drawn; hidden parts of measures are drawn dotted. Lines are moved
@@ -33,22 +33,22 @@ class AnnotationFigure {
   AnnotationFigure();
   void add_to(vtkRenderer* renderer);
 
-  // bound_m: of StrokeThinner, how far strokes may be from the surface.
+  // bound_m: that of StrokeThinner, the largest distance of strokes from the surface.
   void set_bound(double bound_m) { bound_m_ = bound_m; }
   void set_scene_pose(const Pose& X_WS);
-  // X_SO of all objects. held: the object that the stylus holds, at X_TO instead (T as drawn: p_WP, q_WP); -1: none.
+  // X_SO of all objects. held: the object that the stylus holds, placed by X_TO in the tool's frame T (as drawn: p_WP, q_WP); -1: none.
   void set_objects(ObjectPoses X_SO, std::int32_t held, const Pose& X_TO);
-  // Pre: annotations outlive this, or the next call. Those of objects that the scene does not have are left out.
+  // Pre: annotations outlive this, or stay until the next call. Entries on objects that the scene does not have are not drawn.
   void set_entries(const Annotations& annotations, std::size_t scene_objects);
-  // A stroke that is being drawn; null: none.
+  // Sets the stroke that is being drawn, at the X_SO of set_objects(); null: none.
   void set_current(std::int32_t object, const std::vector<Vec3>* points_m);
-  // The first end of a measure; from there a line goes to the tip.
+  // Sets the first end of a measure, from which a line goes to the tip; none: no measure is in progress.
   void set_first_end(const std::optional<AnnotationPoint>& first);
   void set_probe(const ProbeShown& probe);
 
-  // Before each eye's frame is drawn.
+  // To be called before each eye's picture is drawn: sets the lift and the width of lines for it.
   void aim(const StereoScreen& screen, Eye eye, PictureSize size);
-  // Of the measure in progress and of the newest ones, at most kMaxLabels; positions in W.
+  // The lengths of the measure in progress and of the newest measures, at most 12 in all, at the middle of their lines.
   std::vector<InkLabel> labels() const;
 
  private:
@@ -71,7 +71,7 @@ class AnnotationFigure {
   std::optional<Vec3> p_WP_;
   vtkNew<vtkActor> strokes_;       // frame S
   vtkNew<vtkActor> held_strokes_;  // frame T
-  vtkNew<vtkActor> current_;       // frame O of its object, as strokes_
+  vtkNew<vtkActor> current_;       // frame S, as strokes_
   vtkNew<vtkActor> measures_;      // frame W
   vtkNew<vtkActor> hidden_measures_;
 };

@@ -10,13 +10,13 @@
 
 namespace hapton {
 
-// "1 stroke", "2 strokes".
+// A count with its noun: "1 stroke", "2 strokes".
 std::string plural(std::size_t count, std::string_view noun);
 
-// "2 strokes, 1 measure".
+// The numbers of strokes and of measures: "2 strokes, 1 measure".
 std::string describe_marks(const std::vector<Annotation>& entries);
 
-// The same with all else that a file has: "2 strokes, 1 measure, 1 object put down, 300 carves".
+// The same with the other content of a file: "2 strokes, 1 measure, 1 object put down, 300 carves".
 std::string describe_entries(const Annotations& annotations);
 
 // The names of the objects, in their order.

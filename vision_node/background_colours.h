@@ -2,7 +2,7 @@
 
 #include "core/math/types.h"
 
-// Colours of the background: sky, grid, box and shadow around the scene, sRGB. The probe and its force arrow: probe_figure.h.
+// Colours of the background, sRGB: sky, haze, grid, box and shadow. Those of the probe and its force arrow are in probe_figure.h.
 namespace hapton {
 
 inline const Vec3 kSceneLow(0.055, 0.07, 0.095);

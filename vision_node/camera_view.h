@@ -21,7 +21,7 @@ struct CameraView {
   void orbit(double yaw_by_rad, double pitch_by_rad);
   // Multiplies the zoom by a factor, and keeps it from 0.1 to 100. A factor that is not positive and finite is ignored.
   void zoom_by(double factor);
-  // Centres the picture on a sphere and zooms until the sphere fills it. home: as in apply().
+  // Centres the picture on a sphere and zooms until the sphere nearly fills it. Ignores values that are not valid. home: as in apply().
   void look_at(const Framing& home, const Vec3& p_WO, double radius_m);
 
   // The framing of this view; home is the initial one. The view is never straight from above or below, where up is undefined. With
