@@ -22,63 +22,63 @@
 
 namespace hapton {
 
-// Drawing and measuring on the scene: joins the pen, the menu in the workspace, what is drawn of both and the files. Its destructor
-// finishes exports. Threads: the window's. RT: no.
+// Drawing and measuring on the scene: connects the pen, the menu in the workspace, the figures that draw both, and the files. Its
+// destructor finishes exports. Threads: the window's. RT: no.
 class Annotator {
  public:
-  // How far a stroke may be from the points touched, as a share of the diameter of a sphere around the scene: a tenth of a pixel of a
+  // How far a stroke may be from the touched points, as a share of the diameter of a sphere around the scene: about a tenth of a pixel in a
   // picture of 720 lines that shows the whole scene.
   static constexpr double kBoundShare = 0x1p-13;
 
-  // Pre: all outlive this; the view was opened with the scene's objects. can_touch: whether what is touched is a point, not a rigid tool.
-  // Error: as check_annotator_options; a file that cannot be read, is not an annotation file, or cannot be written.
+  // Pre: all outlive this; the view was opened with the scene's objects. can_touch: whether a point or sphere touches the scene, not a
+  // rigid tool. Error: as for check_annotator_options; a file that cannot be read, is not an annotation file, or cannot be written.
   static Result<std::unique_ptr<Annotator>> open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                  const AnnotatorOptions& options, bool can_touch);
 
-  // What knows the shape of objects that are carved. Pre: it outlives this.
+  // Sets the source of the surfaces of carved objects; null: none. Pre: it outlives this.
   void set_carved_objects(const CarvedObjects* carved) {
     carved_ = carved;
     surfaces_.set_carved_objects(carved);
   }
 
-  // What knows the shapes of objects that programs deform. Pre: as AnnotatedSurfaces::set_moved_objects.
+  // Sets the source of the shapes of objects that programs deform. Pre: as for AnnotatedSurfaces::set_moved_objects.
   void set_moved_objects(const MovedObjects* moved) { surfaces_.set_moved_objects(moved); }
 
-  // Another scene is shown. What was drawn stays on the objects of the same names; if the objects are not the same by name, nothing can be
-  // undone. Pre: all outlive this; the scene before is still there.
+  // To be called when another scene is shown. What was drawn stays on the objects with the same names. If the lists of names differ,
+  // objects that were put down cannot be put back, and nothing can be redone. Pre: all outlive this; the scene before still exists.
   void change_scene(const Scene& scene, const CarvedObjects* carved, const MovedObjects* moved = nullptr);
 
-  // Each state received, in order. X_WS: the pose of the scene that its contact was computed with.
+  // Takes each state received, in order. X_WS: the pose of the scene with which its contact was computed.
   void receive(const ProbeState& state, const Pose& X_WS);
-  // Where an object is.
+  // Takes the pose of an object that haptics_node has sent.
   void receive(const ObjectPose& pose);
-  // Where the objects are that move by keyframes (MovedObjects::moving); what is drawn on them goes along.
+  // Takes the poses of the objects that move by keyframes or by programs (MovedObjects::moving); what is drawn on them moves along.
   void place_moving(const std::vector<Pose>& X_SO);
-  // haptics_node has another scene: its objects are not those shown.
+  // Sets whether haptics_node has another scene, so that its object numbers are not those of the scene shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
 
-  // The person's keys.
+  // Carries out what the person requested by keys. p_WC: the centre of the workspace, by which a menu is placed.
   void handle(const UserRequests& requests, const StereoScreen& screen, const Vec3& p_WC);
-  // The point of the open menu under a pixel of the first eye's picture.
+  // The point of the open menu under a pixel (from the lower left corner) of the first eye's picture; none: no menu is there.
   std::optional<Vec3> find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const;
 
-  // A request to haptics_node that is due: an object is to be put back where it was. Repeated until its reply comes. Time: any monotonic
-  // clock, ns.
+  // A request to haptics_node to put an object back where it was, when it is due; it is due again and again until its reply comes. Time:
+  // any monotonic clock, ns.
   std::optional<ObjectPose> take_due(std::int64_t now_ns);
 
-  // The same: carves are to be undone. Repeated until an undo of them comes.
+  // A request to haptics_node to undo carves, in the same way, until an undo of them comes.
   std::optional<CarveUndo> take_carve_undo(std::int64_t now_ns);
 
-  // Counts what would change the picture.
+  // Increases with every change that would change the picture.
   std::uint64_t revision() const { return pen_.revision() + own_revision_; }
-  // What is drawn next: the newest strokes, measures and menu.
+  // Hands to the view what it draws next: the newest strokes, measures and menu. X_WS: the pose of the scene in the picture.
   void show(const Pose& X_WS);
-  // A line for the picture's corner; empty before anything was drawn.
+  // A line for the picture's corner; empty: nothing was drawn or measured yet, and the pen draws.
   std::string describe() const;
-  // Another one, once: where something was saved or exported, or why not. Empty: nothing was.
+  // Another line, once: where something was saved or exported, or why not; empty: there is none.
   std::string take_notice();
 
-  // At the end: writes what has changed, where there is a file for it. Error: one that cannot be written.
+  // At the end: writes what has changed since the last save, if the options name a file. Error: a file that cannot be written.
   Result<void> finish();
 
   const Pen& pen() const { return pen_; }
@@ -119,31 +119,31 @@ class Annotator {
   Pen pen_;
   TouchMenu menu_;
   AnnotatedSurfaces surfaces_;
-  Annotations placed_;                // entries in the present shape, where objects deform
-  std::vector<Vec3> placed_current_;  // and the stroke that is being drawn
+  Annotations placed_;                // entries in the present shape, if objects deform
+  std::vector<Vec3> placed_current_;  // the stroke that is being drawn, likewise
   std::uint64_t shape_shown_ = 0;     // revision of the surfaces in the view
-  std::vector<ObjectPose> poses_;     // by object; a serial of 0: where the scene file has it
+  std::vector<ObjectPose> poses_;     // by object; serial 0: none received, it is where the scene file places it
   ObjectPoses X_SO_;
-  bool has_moved_ = false;  // by keyframes, since they were shown
-  // An object was put down elsewhere.
+  bool has_moved_ = false;  // by keyframes or by programs, since the objects were last shown
+  // An object that was put down elsewhere.
   struct Move {
     ObjectPose before;
-    std::size_t entries = 0;  // strokes and measures that there were then
+    std::size_t entries = 0;  // number of strokes and measures at that time
     UndoMoment moment;
   };
-  std::vector<ObjectPose> at_rest_;  // by object: where it was last put down
+  std::vector<ObjectPose> at_rest_;  // by object: its pose when it was last put down
   std::vector<Move> moves_;
-  std::optional<Move> undone_move_;    // of the request
-  std::optional<ObjectPose> request_;  // its serial: of the pose that is to be undone
+  std::optional<Move> undone_move_;    // the one that request_ undoes
+  std::optional<ObjectPose> request_;  // serial: that of the pose that is to be undone
   std::int64_t request_end_ns_ = 0;    // 0: not sent yet
   std::int64_t request_next_ns_ = 0;
   const CarvedObjects* carved_ = nullptr;
   std::vector<UndoMoment> done_;         // by entry: when it was finished
-  std::optional<CarveUndo> carve_undo_;  // requested
-  std::size_t more_undos_ = 0;           // requested while another one was under way
+  std::optional<CarveUndo> carve_undo_;  // the request under way
+  std::size_t more_undos_ = 0;           // undos requested while a request was under way
   std::int64_t undo_end_ns_ = 0;         // 0: not sent yet
   std::int64_t undo_next_ns_ = 0;
-  std::vector<CarvedPress> saved_carved_;  // as the file has them
+  std::vector<CarvedPress> saved_carved_;  // carves as the file has them
   bool are_given_checked_ = false;
   std::int32_t held_ = -1;
   bool is_other_scene_ = false;
@@ -152,9 +152,9 @@ class Annotator {
   std::string notice_;
   WindowExport export_;
   std::optional<TouchMenu::Entry> chosen_;
-  std::uint64_t own_revision_ = 0;   // of the menu, and of lengths in the corner
-  std::uint64_t shown_ = 0;          // revision of the pen in the view
-  std::uint64_t shown_entries_ = 0;  // and of its entries
+  std::uint64_t own_revision_ = 0;   // of the menu, and of the lengths in the corner
+  std::uint64_t shown_ = 0;          // revision of the pen that the view shows
+  std::uint64_t shown_entries_ = 0;  // revision of its entries that the view shows
   std::uint64_t saved_entries_ = 0;
 };
 

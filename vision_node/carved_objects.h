@@ -23,53 +23,53 @@
 
 namespace hapton {
 
-// Draws the objects that the stylus carves as the haptics node has them: from the same field with the same carves. A thread of its own
-// applies the carves and computes the surface, up to 30 times a second; the window's thread only hands over what is finished, and never
-// waits for it. Threads: all calls from the window's. RT: no.
+// Draws the objects that the stylus carves with the shapes that they have in the haptics node: from the same field with the same carves. A
+// thread of this class applies the carves and computes the surfaces, up to 30 times a second; the window's thread only hands over what is
+// finished, and never waits for that. Threads: all calls from the window's. RT: no.
 class CarvedObjects {
  public:
-  // Starts the thread if the scene has such objects; until it has made their fields they are drawn as their meshes. Pre: both outlive this;
+  // Starts the thread if the scene has such objects; they are drawn as their meshes until it has made their fields. Pre: both outlive this;
   // the view was opened with the scene's objects.
   CarvedObjects(StereoView& view, const Scene& scene);
   ~CarvedObjects();
   CarvedObjects(const CarvedObjects&) = delete;
   CarvedObjects& operator=(const CarvedObjects&) = delete;
 
-  // arrival: as HubClient::last_arrival of this message.
+  // Takes a message of the haptics node. arrival: HubClient::last_arrival() of that message.
   void take(const Carves& carves, Arrival arrival);
-  // The same from a recording, which knows which entries are new.
+  // Takes carves from a recording, which knows which entries are new. starts_anew: the objects are whole before these carves.
   void carve(std::span<const NumberedCarve> carves, bool starts_anew);
-  // For the hub, if carves are missing and a request is due.
+  // A request to the hub, if carves are missing and it is due; none otherwise.
   std::optional<CarveStatus> take_request(std::int64_t now_ns);
 
-  // What was done to the bodies, as far as it was received.
+  // The entries that were received of what was done to the bodies.
   const CarveList& list() const { return list_; }
-  // Of the haptics node, as in Carves; 0: nothing was received yet.
+  // Identification of the haptics node, as in Carves; 0: nothing was received yet.
   std::uint32_t source() const { return known_.source(); }
-  // All that the haptics node has announced was received.
+  // Whether all carves were received that the haptics node has announced.
   bool is_complete() const { return known_.source() != 0 && known_.complete() >= known_.newest(); }
 
-  // True if the view has got a surface since the last call: the picture has changed.
+  // Hands finished surfaces to the view. True: there were some, so the picture has changed.
   bool show();
 
-  // The point of an object's surface that is closest to p, with the carves that the thread has carried out: all but those of the last 1/30
-  // s. None: nobody can carve it, its field is not made yet, or nothing is left of it. Waits for a carve, or an undo, at most. Frame S.
-  // Pre: finite.
+  // The point of an object's surface that is closest to p, with the carves that the thread has applied: all but those of about the last
+  // 1/30 s. None: the object cannot be carved, its field is not made yet, or nothing is left of it. Waits at most while the thread applies
+  // one carve or undo. Frame O, where the scene file places the object. Pre: p is finite.
   std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
 
-  // The material of all objects that can be carved, by object, with all carves that were taken until now, and none that is taken later. The
-  // thread copies it; it comes in any case, also at the end of this. Frame S.
+  // The material of all objects that can be carved, by object, with exactly the carves that were taken before this call. The thread copies
+  // it; the future becomes ready in any case, also when this object is destroyed. Frame O.
   using Fields = std::map<std::size_t, CarvedField>;
   std::future<Fields> request_fields() const;
 
-  // Everything received is drawn.
+  // Whether the view has everything that was received.
   bool is_up_to_date() const;
 
  private:
   struct Order {
     bool starts_anew = false;
     std::vector<MadeCarve> carves;
-    std::optional<std::promise<Fields>> wanted;  // a copy, after these carves; what comes later is of the next order
+    std::optional<std::promise<Fields>> wanted;  // gets a copy after these carves; later carves are in the next order
   };
   using Orders = std::vector<Order>;
   struct Made {
@@ -94,19 +94,19 @@ class CarvedObjects {
   StereoView& view_;
   const Scene& scene_;
   KnownCarves known_;
-  CarveList list_;     // the window's
-  CarveList applied_;  // the thread's: what its surfaces have
+  CarveList list_;     // what the window's thread has taken
+  CarveList applied_;  // what the thread's surfaces have
   bool has_any_ = false;
-  std::map<std::size_t, CarvedSurface> surfaces_;  // by object; the thread's, which changes their fields under fields_mutex_
+  std::map<std::size_t, CarvedSurface> surfaces_;  // by object; used by the thread, which changes their fields under fields_mutex_
   mutable std::shared_mutex fields_mutex_;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable ordered_;
-  mutable Orders orders_;   // what came since the thread took the last ones
-  bool is_busy_ = false;    // the thread has something to do, or is doing it
-  std::vector<Made> made_;  // the newest of each object, not shown yet
+  mutable Orders orders_;   // what came since the thread last took them
+  bool is_busy_ = false;    // the thread has work, or is at work
+  std::vector<Made> made_;  // the newest surfaces, at most one of each object, that show() has not taken yet
   bool stop_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last member, because it uses the others
 };
 
 }  // namespace hapton

@@ -9,30 +9,30 @@
 
 namespace hapton {
 
-// The surface of a body that is being carved, as drawn: in three levels of detail, of which a carve changes only the blocks around it.
-// Frame of the field: that of the body's mesh. Threads: one. RT: no.
+// The surface of a body that is being carved, as drawn, in three levels of detail; after a carve only the blocks around it are computed
+// again. Frame: that of the field, which is that of the body's mesh. Threads: one. RT: no.
 class CarvedSurface {
  public:
-  static constexpr std::array<int, 3> kStrides = {1, 2, 4};  // of the levels, in voxels
+  static constexpr std::array<int, 3> kStrides = {1, 2, 4};  // voxels from one sample of a level to the next
 
-  // frame: U, in which the levels are drawn.
+  // frame: the unit frame U of the mesh, in which the levels are drawn.
   CarvedSurface(CarvedField field, const DetailFrame& frame);
 
   void carve(const Carve& carve);
-  // Puts back what the undone carves of this body removed. Pre: as restore_undone.
+  // Puts back the material that the undone carves of this body removed. Pre: as for restore_undone.
   void undo(const CarveList& list, int object, const CarveRange& undone);
-  // The body is whole again.
+  // Makes the body whole again.
   void restore();
 
-  // The surface has changed since the last call of compute_levels().
+  // Whether the surface has changed since the last call of compute_levels().
   bool has_changed() const { return has_changed_; }
-  // All levels, finest first, each block a cluster. Only blocks that have changed are computed.
+  // Returns all levels, finest first; each block is a cluster. Computes only the blocks that have changed.
   std::vector<FlatLevel> compute_levels();
 
   const CarvedField& field() const { return field_; }
 
  private:
-  // Of one block, at one stride; indices from its own first vertex.
+  // The surface of a block at one stride; indices count from its first vertex.
   struct Piece {
     std::vector<FlatVertex> vertices;
     std::vector<std::uint32_t> indices;

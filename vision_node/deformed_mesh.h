@@ -12,31 +12,31 @@
 
 namespace hapton {
 
-// A mesh that deforms, for what is drawn on it. A point of its surface is named by where it is at rest, with all weights 0 or before any
-// shape of a program: that gives its triangle and its place within, which go along. Frame, units: the mesh's. Threads: one. RT: no.
+// A mesh that deforms, with what is drawn on it. A point of its surface is identified by its place at rest (all weights 0, or before any
+// shape from a program): that gives its triangle and its place in it, with which it moves. Frame, units: the mesh's. Threads: one. RT: no.
 class DeformedMesh {
  public:
-  // Pre: neither is null; at least one triangle.
+  // For a mesh that deforms by morphs. Pre: neither is null; at least one triangle.
   DeformedMesh(std::shared_ptr<const TriangleMesh> rest, std::shared_ptr<const MeshDeformation> deformation);
 
-  // Programs deform it: find returns where its vertices are, or nothing, and then they stay where they were.
+  // Returns where the vertices of a mesh are that programs deform, as many as at rest; none: they stay where they were.
   using FindVertices = std::function<std::optional<std::vector<Vec3>>()>;
   DeformedMesh(std::shared_ptr<const TriangleMesh> rest, FindVertices find);
 
-  // True: it has another shape than before. Not of one that programs deform.
+  // Returns true if the mesh then has another shape than before. Always false for a mesh that programs deform.
   bool set_time(double time_s);
-  // The vertices of one that programs deform are to be found again.
+  // Makes the vertices of a mesh that programs deform be found again at their next use.
   void spoil() { is_spoilt_ = true; }
 
   struct Touched {
     Vec3 p_rest = Vec3::Zero();
     std::uint32_t triangle = 0;
   };
-  // The point of its surface that is closest to p, in the present shape. Work: that of all triangles within the farthest displacement.
-  // Pre: finite.
+  // The point of its surface that is closest to p in the present shape, as its place at rest. Work: that of all triangles nearer than the
+  // closest point plus the largest displacement. Pre: p is finite.
   Touched find_closest(const Vec3& p) const;
 
-  // Where the point of the surface is now that is closest to p_rest at rest.
+  // Returns where the surface point that is closest to p_rest at rest is in the present shape.
   Vec3 place(const Vec3& p_rest) const;
 
  private:
@@ -55,11 +55,11 @@ class DeformedMesh {
   FindVertices find_vertices_;
   mutable bool is_spoilt_ = false;
   MeshDeformation::Weights weights_ = {};
-  // What takes long is made when it is first needed.
+  // Made when it is first needed, because it takes long:
   mutable std::unique_ptr<SurfaceFinder> finder_;
-  mutable std::vector<Vec3> vertices_;  // with vertices_weights_
+  mutable std::vector<Vec3> vertices_;  // the vertices with vertices_weights_, or as last found
   mutable std::optional<MeshDeformation::Weights> vertices_weights_;
-  mutable std::map<std::array<double, 3>, Anchor> anchors_;  // by p_rest
+  mutable std::map<std::array<double, 3>, Anchor> anchors_;  // by p_rest, for place()
 };
 
 }  // namespace hapton

@@ -7,12 +7,12 @@
 
 namespace hapton {
 
-// The order of drawing what shows through: from the farthest to the nearest, by centres; what is equally far keeps its order. Triangles
-// that intersect, or that are long beside their distance from each other, have no such order: theirs may be wrong. All in the level's frame
-// U; p_UE: the eye. RT: no.
+// Sorts triangles that show what is behind them for drawing: from the farthest to the nearest, by their centres; equally far ones keep
+// their order. Triangles that intersect, or that are long compared with their distance from each other, may have no right order, or get a
+// wrong one. All in the level's frame U; p_UE: the eye. RT: no.
 void sort_far_to_near(std::vector<std::uint32_t>& indices, const std::vector<FlatVertex>& vertices, const Vec3f& p_UE);
 
-// The numbers of the clusters in that order.
+// The numbers of the clusters in the same order.
 std::vector<std::uint32_t> order_far_to_near(const std::vector<DetailCluster>& clusters, const Vec3f& p_UE);
 
 }  // namespace hapton

@@ -13,17 +13,17 @@ namespace hapton {
 
 using Vec3f = Eigen::Vector3f;
 
-// The unit frame U of a mesh: its box around the origin, the longest side 2. Single precision is then as good for a mesh of 0.1 mm as for
-// one of a metre.
+// The unit frame U of a mesh: its box is centred at the origin, and the longest side is 2. Single precision is then as good for a mesh of
+// 0.1 mm as for one of a metre.
 struct DetailFrame {
-  Vec3 centre = Vec3::Zero();      // frame of the mesh, m
-  double scale_m = 1.0;            // metres a unit
-  Eigen::Matrix4d matrix() const;  // X_SU, scale included
+  Vec3 centre = Vec3::Zero();      // in the frame of the mesh, m
+  double scale_m = 1.0;            // metres in one unit of U
+  Eigen::Matrix4d matrix() const;  // from U to the mesh's frame, scale included
 };
 
 // Triangles that are drawn or left out together. Frame U.
 struct DetailCluster {
-  std::uint32_t first = 0;  // of the level's indices
+  std::uint32_t first = 0;  // index of the first corner in the level's indices
   std::uint32_t count = 0;
   Vec3f centre = Vec3f::Zero();
   float radius = 0.0F;
@@ -34,22 +34,22 @@ struct DetailCluster {
   bool shows_backs = true;  // false: its triangles belong to closed bodies with their fronts outside, which no eye sees from behind
 };
 
-// What colour the surface has at a vertex.
+// The colour of the surface at a vertex.
 struct VertexPaint {
   std::array<std::uint8_t, 3> tint = {255, 255, 255};  // sRGB
-  std::uint8_t layer = 0;                              // of the mesh's texture layers, from 1, tinted; 0: none. One for all of a triangle
+  std::uint8_t layer = 0;                              // texture layer of the mesh, from 1, multiplied by tint; 0: none. One for a triangle
   Eigen::Vector2f texcoord = Eigen::Vector2f::Zero();  // in the layer, from its upper left corner
   std::uint8_t alpha = 255;                            // multiplies the layer's; 255: opaque
-  // One for all of a triangle. What has less alpha than the cutoff is not drawn; 0: everything is, and its alpha does not matter unless it
-  // is blended.
+  // One for all of a triangle, as are the next two. Where the alpha is below the cutoff, nothing is drawn; 0: all is drawn, and alpha has
+  // no effect unless is_blended.
   std::uint8_t cutoff = 0;
-  std::uint8_t is_blended = 0;  // 0 or 1; covers what is behind by its alpha
-  std::uint8_t wraps = 0;       // of the layer: TextureWrap to the right, and 4 times that down
+  std::uint8_t is_blended = 0;  // 0 or 1: it covers what is behind it in proportion to alpha
+  std::uint8_t wraps = 0;       // of the layer: TextureWrap to the right, plus 4 times that down
 
   void set_wrap(const std::array<TextureWrap, 2>& wrap) {
     wraps = static_cast<std::uint8_t>(static_cast<int>(wrap[0]) + 4 * static_cast<int>(wrap[1]));
   }
-  // Neither holes, nor see-through, nor a texture that ends: the shortest shader draws it.
+  // Whether it has neither holes nor transparency nor a texture that ends: the shortest shader then draws it.
   bool is_plain() const { return cutoff == 0 && is_blended == 0 && wraps == 0; }
   bool has_same_finish(const VertexPaint& other) const {
     return layer == other.layer && cutoff == other.cutoff && is_blended == other.is_blended && wraps == other.wraps;
@@ -62,11 +62,11 @@ struct VertexPaint {
 // One level of detail of a mesh, as drawn. Frame U.
 struct DetailLevel {
   std::vector<Vec3f> positions;
-  std::vector<VertexPaint> paints;         // of the positions; empty: the mesh has one colour
-  std::vector<std::uint8_t> without_back;  // of the positions, 1: of such bodies alone (shows_backs of clusters); empty: not known
+  std::vector<VertexPaint> paints;         // by position; empty: the mesh has one colour
+  std::vector<std::uint8_t> without_back;  // by position, 1: only of bodies whose backs nobody sees (shows_backs); empty: unknown
   std::vector<std::uint32_t> indices;
   std::vector<DetailCluster> clusters;  // at least one, in the order of the indices, each index in one
-  double error = 0.0;                   // of measure_level_error(); 0: the mesh itself
+  double error = 0.0;                   // in U, from measure_level_error(); 0: the mesh itself
   std::size_t triangles() const { return indices.size() / 3; }
 };
 
@@ -75,20 +75,20 @@ DetailFrame frame_detail(const TriangleMesh& mesh);
 // The mesh itself, as one cluster. RT: set-up only.
 DetailLevel make_full_level(const TriangleMesh& mesh, const DetailFrame& frame);
 
-// At most that many of the mesh's triangles, evenly spaced in its list, made at once: a picture with holes. Pre: triangles
-// above 0. Error not measured.
+// At most that many of the mesh's triangles, evenly spaced in its list, made quickly: the picture then has holes. Pre: triangles > 0. The
+// error is not measured.
 DetailLevel thin_out(const DetailLevel& full, std::size_t triangles);
 
-// About that many triangles, made fast and less well (vertices clustered in a grid). None: the level has hardly more. Error not measured.
+// About that many triangles, made quickly and less well (by a grid of vertices). None: it would have hardly fewer. Error not measured.
 std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t triangles);
 
-// About that many triangles, by quadric error (Garland & Heckbert 1997, by meshoptimizer). None: it cannot be made with clearly fewer.
-// Error not measured.
+// About that many triangles, by quadric error (Garland & Heckbert 1997, by meshoptimizer). None: they would not be clearly fewer. The error
+// is not measured.
 std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::size_t triangles);
 
-// The largest distance of up to `samples` of the full level's vertices, evenly spaced, from the level's triangles. For a painted level, the
-// distance to the same paint: the distance to a triangle plus that on it to the vertex's texture position; where colours or alphas differ,
-// that share of the triangle's longest side. So a level is only as good as its texture, and full detail is drawn where none is good.
+// The largest distance, in U, of the full level's vertices from the level's triangles: of all, or of `samples` to twice as many, evenly
+// spaced. For a painted level, the distance to the same paint: the distance to a triangle, plus that on it to the vertex's texture
+// position, plus the difference of colours or alphas times its longest side. So if no level has good paint, the mesh itself is drawn.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
 // Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many

@@ -9,10 +9,10 @@ namespace hapton {
 // last connection and loaded again with the next.
 class DisplayConnection {
  public:
-  // Error: no DISPLAY, one that cannot be reached, or one without OpenGL (GLX); the line says how to get a virtual one.
+  // Error, one line: no DISPLAY, one that cannot be reached, or one without OpenGL (GLX); it says how to get a virtual display.
   static Result<DisplayConnection> open();
 
-  // Xlib's Display*, which VTK takes as it is.
+  // Xlib's Display*, in the type in which VTK takes it.
   void* id() const { return display_; }
 
  private:

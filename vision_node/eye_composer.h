@@ -10,21 +10,21 @@
 
 namespace hapton {
 
-// Composes the pictures of both eyes for coloured glasses on the graphics side, to the bit as VTK does it with the processor: which reads
-// both pictures back and uploads the result, and takes as long as drawing them. Threads: the window's; its context is current, at the end
-// as well. OpenGL's state stays as it is.
+// Composes the pictures of both eyes for coloured glasses on the graphics processor, with the same result to the bit as VTK, which reads
+// both pictures back and uploads the result: that takes as long as drawing them. Threads: the window's. Its context is current, in the
+// destructor too. OpenGL's state does not change.
 class EyeComposer {
  public:
-  // Error: shaders that the driver rejects.
+  // Error: the driver rejects the shaders.
   static Result<std::unique_ptr<EyeComposer>> make();
   ~EyeComposer();
   EyeComposer(const EyeComposer&) = delete;
   EyeComposer& operator=(const EyeComposer&) = delete;
 
-  // Takes the colours of a framebuffer as the picture of the eye behind the red glass.
+  // Copies the colours of a framebuffer as the picture of the first eye, behind the red glass. Pre: framebuffer is not 0.
   void keep(GLuint framebuffer, PictureSize size);
-  // Replaces the colours of a framebuffer, the picture of the other eye, by what both make. has_colours: as in mode anaglyph, otherwise as
-  // in red_blue. Pre: keep(), and of the same size since.
+  // Replaces the colours of a framebuffer, the picture of the other eye, by the composition of both. has_colours: as in the mode anaglyph,
+  // otherwise as in red_blue. Pre: keep() was called before, with the same size; framebuffer is not 0.
   void compose(GLuint framebuffer, PictureSize size, bool has_colours);
 
  private:

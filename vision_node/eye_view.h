@@ -24,38 +24,38 @@ struct Viewport {
   double to_y = 1.0;
 };
 
-// One viewport: the whole window, or one eye's half of it. Threads: the window's. RT: no.
+// A viewport: the whole window, or the half of it for one eye. Its address must not change. Threads: the window's. RT: no.
 struct EyeView {
-  // Makes a renderer for that part of the window, which clears nothing and draws the scene first. lights: those of the scene, frame W;
-  // empty: one light that moves with the viewer.
+  // Makes a renderer for that part of the window, which clears nothing and draws the scene first. lights: the scene's, frame W; empty: one
+  // light that moves with the viewer.
   explicit EyeView(const Viewport& part, const std::vector<SceneLight>& lights = {});
 
   Eye eye = Eye::centre;
   bool composed = false;     // both eyes are drawn through this view
-  std::optional<Eye> pass;   // the eye being drawn, if Hapton composes the image; none: VTK does, and the camera's LeftEye says which
+  std::optional<Eye> pass;   // the eye that is drawn, if Hapton composes the image; none: VTK does, and the camera's LeftEye says which
   bool swapped = false;      // the eyes are exchanged
   int squeeze = 1;           // the display stretches the height of the image by this factor
-  bool shows_scale = false;  // a scale bar
-  bool has_hud = false;      // text in the corners
+  bool shows_scale = false;  // shows a scale bar
+  bool has_hud = false;      // shows text in the corners
   std::optional<StereoScreen> given;  // the screen of this viewport, in place of the one that follows from the framing
-  std::function<void()> draw_scene;   // into the bound framebuffer, over the whole viewport
+  std::function<void()> draw_scene;   // draws into the bound framebuffer, over the whole viewport
   vtkNew<vtkRenderer> renderer;
   HudFigure hud;
   LabelFigure labels;
 
-  // Of the viewport, in pixels.
+  // The size of the viewport in pixels.
   PictureSize size();
-  // The window into the world that the viewport shows.
+  // The window into the world that this viewport is: `given`, or else computed from the framing.
   StereoScreen screen(const Framing& framing);
   // The eye that is being drawn.
   Eye eye_now() const;
-  // Gives the camera the position and projection of eye_now(), moves the viewer's light along, and places the HUD anew after a resize.
+  // Gives the camera the position and projection of eye_now(), moves the viewer's light, and fits scale bar and HUD to the present size.
   void aim(const StereoScreen& screen);
 
  private:
   vtkNew<vtkCamera> camera_;
   vtkNew<vtkLight> viewers_light_;
-  PictureSize placed_;  // of the HUD
+  PictureSize placed_;  // size for which the HUD was placed
 };
 
 }  // namespace hapton

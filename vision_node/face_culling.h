@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Which sides of the triangles are drawn from here on: both, or where culls, only the fronts or only the backs. Backs lie a little behind
-// their place, so that of two sheets back to back in one place the one that faces the eye is seen. Threads: as OpenGL.
+// Sets which sides of triangles are drawn from now on: both; with `culls` only the backs if `backs`, else only the fronts. With `backs`,
+// they lie a little farther away: of two sheets back to back, the one that faces the eye is seen. Threads: that of the OpenGL context.
 inline void set_drawn_side(bool culls, bool backs) {
   culls ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
   glCullFace(backs ? GL_FRONT : GL_BACK);
