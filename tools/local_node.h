@@ -87,7 +87,7 @@ class LocalVision {
   Result<void> start(const std::filesystem::path& folder, std::vector<std::string> arguments);
   Result<void> stop();
 
-  // Pre: started.
+  // Pre: start() succeeded.
   LocalNode& node() { return *node_; }
 
  private:

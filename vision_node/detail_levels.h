@@ -91,8 +91,8 @@ std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::siz
 // position, plus the difference of colours or alphas times its longest side. So if no level has good paint, the mesh itself is drawn.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
-// Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many
-// triangles.
+// Orders the triangles so that neighbours follow each other, and divides them into about 2000 clusters: fewer for a small level, as
+// clusters of up to 16 triangles are allowed, and more above 512,000 triangles, as none has more than 256.
 void divide_into_clusters(DetailLevel& level);
 
 }  // namespace hapton

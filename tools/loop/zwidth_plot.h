@@ -10,7 +10,7 @@
 namespace hapton {
 
 // The gnuplot script: largest stable stiffness (solid) and largest passive stiffness (dashed) against delay, or against rate if the grid
-// has one delay and several rates. One colour for each device, hand and rate (or delay, wall damping, jitter, loss). picture: its file.
+// has one delay and several rates. A colour for each device, hand and rate (or delay, wall damping, jitter, loss). picture: file to draw.
 std::string make_zwidth_plot(const ZWidthGrid& grid, const std::vector<ZWidthRow>& rows, const std::string& picture);
 
 // Draws it with gnuplot. Error: as for draw_with_gnuplot. RT: no.

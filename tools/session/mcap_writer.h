@@ -75,7 +75,7 @@ class McapWriter {
 
   PartFile file_;
   std::uint64_t offset_ = 0;
-  boost::crc_32_type crc_;  // of all bytes written so far
+  boost::crc_32_type crc_;  // over all bytes written so far
   std::string schema_records_;
   std::string channel_records_;
   std::size_t schema_count_ = 0;

@@ -33,7 +33,7 @@ class RecordedShapes {
   void add(std::uint64_t sender, const ObjectShape& shape);
   void add(std::uint64_t sender, const ShapeStart& start);
 
-  // Begins with the first force of a sender: all shapes up to that serial were applied before it; they are those of use_first().
+  // Starts with the first force of a sender: all shapes up to that serial were begun before it, and are those of use_first().
   void begin(std::uint64_t sender, std::uint32_t serial);
 
   // Begins the motion to the shape with that serial in the step, as the haptics node did. False: the recording lacks a part of the shape or

@@ -43,8 +43,8 @@ struct Replay {
   std::size_t rows_that_differ = 0;  // rows that differ from the first run, summed over the repetitions; 0 if a reset restores all state
 };
 
-// Runs the step along the trajectory, row by row, `repeat` times; every repetition begins with a reset. RT: set-up only. Pre: repeat >=
-// 1.
+// Runs the step along the trajectory, row by row, `repeat` times; every repetition begins with a reset. Times come from the clock. RT:
+// set-up only. Pre: repeat >= 1.
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 // The same for a rigid tool, whose grip frame follows positions and orientations. parts: the parts of the scene that move, with which the
 // tool was made; their time begins with the first row.

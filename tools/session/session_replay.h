@@ -157,9 +157,9 @@ class SessionReplay {
   bool is_method_known_ = false;      // the method in use is the recorded one
   bool is_view_known_ = true;         // the view of the newest reply is in the recording
   bool are_materials_known_ = false;  // the materials in use are the recorded ones
-  std::uint32_t move_serial_ = 0;     // of the newest move that was applied
+  std::uint32_t move_serial_ = 0;     // serial of the newest move that was applied
   bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording; later ones are not applied
-  std::uint32_t shape_serial_ = 0;    // of the newest shape that was begun
+  std::uint32_t shape_serial_ = 0;    // serial of the newest shape that was begun
   bool are_shapes_known_ = true;      // it is known where the surfaces are after all shapes up to shape_serial_
   std::vector<int> deformed_;         // the objects that programs deform
   bool are_carves_known_ = true;      // all carves of the bodies in their present shape are in the recording

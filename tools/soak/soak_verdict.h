@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A sample of a system under soak. Counts and drift are since the first sample, rates and latencies since the previous one.
+// A sample of a system under soak. Counts and drift are since the sampling began, rates and latencies since the previous sample.
 struct SoakSample {
   double seconds = 0.0;
   double samples_hz = 0.0;
