@@ -9,15 +9,15 @@
 
 namespace hapton {
 
-// A folder of numbered pictures, of which other programs make a video. RT: no.
+// A folder of numbered pictures, from which other programs can make a video. RT: no.
 class FrameFolder {
  public:
-  // Makes the folder. Error: it cannot be made, or has pictures of an earlier run, which would be mixed with those of this one.
+  // Makes the folder if there is none. Error: it cannot be made or read, or it has files frame_* of an earlier run: runs are not mixed.
   static Result<FrameFolder> open(std::filesystem::path folder);
 
-  // frame_000001.png and so on.
+  // The path of the next picture: frame_000001.png, frame_000002.png and so on, in the folder.
   std::filesystem::path next();
-  // What is in it, and how it becomes a video.
+  // How many pictures were named, in which folder, and the command that makes a video of them with that frame rate.
   std::string describe(double rate_hz) const;
 
  private:

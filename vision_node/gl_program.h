@@ -21,7 +21,7 @@ class GlProgram {
   ~GlProgram();
 
   void use() const { glUseProgram(program_); }
-  // Set a uniform. Pre: use() was called last.
+  // Each sets one uniform. Pre: this program is the one in use (use()).
   void set(const char* name, const Eigen::Matrix4d& m) const;
   void set(const char* name, const Vec3& v) const;
   void set(const char* name, double x) const;

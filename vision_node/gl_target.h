@@ -17,10 +17,10 @@ struct GlFormat {
   friend bool operator==(const GlFormat&, const GlFormat&) = default;
 };
 
-// The format of the framebuffer bound for drawing. Pre: it is not the window's own. RT: no.
+// The format of the framebuffer bound for drawing. Pre: that framebuffer is not the window's own. RT: no.
 GlFormat read_bound_format();
 
-// Saves the OpenGL state and restores it at the end of the scope, so that VTK's cached copy of it stays valid.
+// Saves the OpenGL state of its members and restores it at the end of the scope, so that VTK's cached copy of that state stays valid.
 class GlStateGuard {
  public:
   GlStateGuard();
@@ -32,7 +32,7 @@ class GlStateGuard {
   GLint draw_ = 0, read_ = 0, program_ = 0, vertices_ = 0, buffer_ = 0, depth_function_ = 0, cull_face_ = 0, front_face_ = 0;
   GLint viewport_[4] = {}, scissor_[4] = {};
   GLfloat clear_[4] = {}, line_width_ = 1.0F;
-  GLint blend_[4] = {};  // source and destination of colours, of alphas
+  GLint blend_[4] = {};  // factors for source and destination of colours, then of alphas
   GLboolean depth_mask_ = 0, colour_mask_[4] = {};
   GLboolean enabled_[4] = {};
 };
@@ -45,17 +45,17 @@ class GlTarget {
   GlTarget(const GlTarget&) = delete;
   GlTarget& operator=(const GlTarget&) = delete;
 
-  // Sets size and format; returns true if one changed, and then the content is lost.
+  // Sets size and format. True: one of them changed; then the content is lost, and this framebuffer is bound.
   bool shape(PictureSize size, const GlFormat& format);
   PictureSize size() const { return size_; }
   const GlFormat& format() const { return format_; }
-  // Following draw calls go to this framebuffer.
+  // Draw calls that follow go to this framebuffer, to all of it.
   void bind() const;
-  // Copies colour and depth to the framebuffer bound for drawing, to its pixel (x, y) and beyond. That framebuffer stays bound.
+  // Copies colour and depth to the framebuffer bound for drawing, with (x, y) as the lower left pixel. That framebuffer stays bound.
   void copy_to_bound(int x, int y) const;
   // Depth of one pixel, 0 to 1. Pre: inside the framebuffer, one sample a pixel.
   double read_depth(int x, int y) const;
-  // Depths of all pixels, by rows from the lower left corner.
+  // Depths of all pixels, by rows from the lower left corner. Pre: one sample a pixel.
   std::vector<float> read_depths() const;
   void swap(GlTarget& other) noexcept;
   void release();

@@ -14,10 +14,10 @@ namespace hapton {
 
 // Where the head comes from.
 struct HeadSource {
-  std::optional<vrpn::TrackerName> tracker;  // none: keys alone
-  std::int32_t sensor = 0;
-  Pose X_RT = Pose::Identity();  // the tracker's frame T in the screen's frame R
-  Vec3 p_BH = Vec3::Zero();      // the middle between the eyes in the frame B of the sensor on the head, m
+  std::optional<vrpn::TrackerName> tracker;  // none: only keys move the head
+  std::int32_t sensor = 0;                   // number of the sensor on the head
+  Pose X_RT = Pose::Identity();              // the tracker's frame T in the screen's frame R
+  Vec3 p_BH = Vec3::Zero();                  // the middle between the eyes in the frame B of the sensor on the head, m
 };
 
 // What moves the head besides keys: nothing, a SpaceMouse or a tracker.
@@ -25,23 +25,23 @@ struct HeadInput {
   bool is_space_mouse = false;
   std::optional<vrpn::TrackerName> tracker;
 };
-// "keys", "spacemouse", or "vrpn:" and a tracker's name (parse_tracker_name). Error: one line.
+// Parses "keys", "spacemouse", or "vrpn:" and a tracker's name (parse_tracker_name). Error: one line.
 Result<HeadInput> parse_head_input(std::string_view text);
 
 // The pose of the head from a VRPN tracker. Never waits. Logs one line when tracking begins and when it is lost. Threads: one. RT: no.
 // Times: CLOCK_MONOTONIC, ns.
 class HeadTracker {
  public:
-  // Age of the last pose at which it counts as lost.
+  // The tracker counts as lost when its newest possible pose is that old.
   static constexpr std::int64_t kStaleNs = 500'000'000;
 
-  // Pre: source.tracker. Error: a host without an address.
+  // Pre: source.tracker has a value. Error: its host has no address.
   static Result<std::unique_ptr<HeadTracker>> open(const HeadSource& source, double ipd_m);
 
-  // The newest possible head since the last call (is_possible()); none: there is none, and the last one holds.
+  // The head of the newest pose since the last call; none: no pose came, or its head is not possible (is_possible()): keep the last head.
   std::optional<Head> take_head(std::int64_t now_ns);
 
-  // What is wrong, for the picture's corner; empty: nothing.
+  // What is wrong, as a text for the corner of the picture; empty: nothing is wrong.
   std::string describe(std::int64_t now_ns) const;
 
  private:
@@ -53,7 +53,7 @@ class HeadTracker {
   HeadSource source_;
   double ipd_m_;
   std::unique_ptr<vrpn::TrackerLink> link_;
-  std::optional<std::int64_t> seen_ns_;  // the newest possible head
+  std::optional<std::int64_t> seen_ns_;  // time of the newest possible head
   std::optional<std::int64_t> impossible_ns_;
   Vec3 impossible_m_ = Vec3::Zero();
   State reported_ = State::beginning;
@@ -61,7 +61,7 @@ class HeadTracker {
   std::int64_t opened_ns_ = -1;
 };
 
-// The head of a sensor's pose. Frames: see HeadSource.
+// The head, from the pose of the sensor in frame T. Frames: see HeadSource.
 Head find_head(const HeadSource& source, const vrpn::TrackerPose& sensor);
 
 }  // namespace hapton

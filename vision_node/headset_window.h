@@ -15,24 +15,24 @@ namespace hapton {
 // and the window on the screen, of any size, shows the left one. Threads: the window's. RT: no.
 class HeadsetWindow {
  public:
-  // Pre: window outlives this and is initialised. is_mapped: there is a window on the screen; otherwise size is that of its image.
+  // Pre: window outlives this and is initialised. is_mapped: the window is on the screen; otherwise size is the size of its image.
   HeadsetWindow(vtkOpenGLRenderWindow* window, bool is_mapped, PictureSize size) : window_(window), is_mapped_(is_mapped), size_(size) {}
 
-  // From now on VTK draws two images of that size. Call it before each frame: when a window is resized VTK takes its size.
+  // From now on VTK draws two images of that size. Call it before each frame: after a resize of the window, VTK takes the window's size.
   void enter(PictureSize each);
-  // From now on it draws for the window. Nothing happens if it does already.
+  // From now on VTK draws for the window; no effect if it already does.
   void leave();
 
-  // A frame has been drawn: its images are the ones that are copied.
+  // Call it when a frame has been drawn: the calls below copy the images of that frame.
   void take_frame();
   void copy_eye(std::size_t eye, unsigned texture) { copies_.copy_to_texture(eye, texture); }
-  // Nothing where no window is mapped.
+  // Shows the left eye's image in the window on the screen; no effect if there is no such window.
   void show_mirror();
-  // What the pointer at that pixel of the window points at, in the left eye's image.
+  // The pixel of the left eye's image that is shown at that pixel of the window; outside the image if the window shows nothing there.
   Eigen::Vector2i find_pixel(int window_x_px, int window_y_px) const;
 
   GlxWindow handles();
-  // Pre: the context is current. Frees what is OpenGL's.
+  // Deletes its OpenGL objects. Pre: the context is current.
   void release() { copies_.release(); }
 
  private:
@@ -41,7 +41,7 @@ class HeadsetWindow {
   vtkOpenGLRenderWindow* window_;
   bool is_mapped_;
   PictureSize size_;
-  PictureSize each_;  // of an eye; none while it draws for the window
+  PictureSize each_;  // size of one eye's image; zero while VTK draws for the window
   EyeCopies copies_;
 };
 

@@ -26,14 +26,14 @@ class HudFigure {
   void add_to(vtkRenderer* renderer);
   void place(PictureSize size);
   void set(std::string_view facts, std::string_view help, std::string_view notice);
-  // Above the right end of the picture's lower edge; hidden if its length is zero.
+  // Shows the scale bar above the right end of the picture's lower edge; hides it if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
   void set_plots(const std::vector<PlotContent>& plots, PictureSize size) { plots_.set(plots, size, lift_px_ + help_px_); }
-  // At the lower edge; what is there otherwise is lifted. None: hidden. moment: share of the line.
+  // Shows the time line at the lower edge, with everything else above it; none: hides it. moment: share of the line, 0 to 1.
   void set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size);
-  // At the left edge; hidden where the limit is not known (0).
+  // Shows the force bar at the left edge; hides it if the limit is not known (0).
   void set_force(double force_n, double limit_n, PictureSize size) { force_.set(force_n, limit_n, size, small_font_px(size), lift_px_); }
-  // At the picture's edge, in the probe's colour.
+  // Shows, at the picture's edge, where a probe outside the picture is; none: hides it.
   void set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size);
 
  private:
@@ -42,7 +42,7 @@ class HudFigure {
   void show_texts();
   void show_text(vtkTextActor* actor, const std::string& text, double margin_px) const;
 
-  // As given; width_px_: of the picture, 0: not known yet.
+  // The texts as given to set(), before their lines are broken. width_px_: of the picture, 0: not known yet.
   std::string facts_text_;
   std::string help_text_;
   std::string notice_text_;
@@ -59,8 +59,8 @@ class HudFigure {
   PlotFigure plots_;
   ForceBar force_;
   TimeLineFigure time_line_;
-  double lift_px_ = 0.0;  // of what is at the lower edge
-  double help_px_ = 0.0;  // of what is at its right end as well: above the help, where that is as wide as the picture
+  double lift_px_ = 0.0;  // height of the time line, above which the rest is drawn
+  double help_px_ = 0.0;  // height of the help if its lines are broken, otherwise 0: what is at the right is then drawn above the help
 };
 
 }  // namespace hapton

@@ -9,20 +9,20 @@
 
 namespace hapton {
 
-// What is between two planes of one direction.
+// The points p between two parallel planes: low <= axis . p <= high.
 struct HullSlab {
-  Vec3 axis;  // of any length
+  Vec3 axis;  // normal of the planes, of any length above zero
   double low = 0.0;
   double high = 0.0;
 };
 
 using HullEdge = std::pair<Vec3, Vec3>;
 
-// The edges of the polyhedron between all slabs, each once. Empty: it has no interior, or fewer than three slabs bound it. Pre: the first
-// three axes are x, y and z. RT: no.
+// The edges of the polyhedron that is inside all slabs, each once. Empty: it has no interior, or there are fewer than three slabs.
+// Pre: the first three axes are x, y and z. RT: no.
 std::vector<HullEdge> find_hull_edges(const std::vector<HullSlab>& slabs);
 
-// Grown in every direction by that share of its diagonal, so that flat ones have edges, too.
+// The edges of the hull, after it has been grown in every direction by that share of its diagonal: flat hulls have edges then, too.
 template <int K>
 std::vector<HullEdge> find_hull_edges(const FdhHull<K>& hull, double grow_share = 1e-6) {
   const double diagonal =

@@ -15,7 +15,7 @@ namespace hapton {
 struct WindowEvent {
   enum class Kind { key, press, release, move, wheel, close };
   enum class Button { none, left, middle, right };
-  // Keys without a letter.
+  // Keys that have no character.
   enum class NavigationKey { none, left, right, up, down, page_up, page_down, home };
   Kind kind = Kind::key;
   char key = 0;
@@ -23,7 +23,7 @@ struct WindowEvent {
   Button button = Button::none;
   int x_px = 0;
   int y_px = 0;
-  int wheel = 0;  // +1 away from the person, -1 towards
+  int wheel = 0;  // notches: +1 away from the person, -1 towards the person
   bool shift = false;
   bool control = false;
 };
@@ -40,38 +40,38 @@ struct UserRequests {
   bool swap_eyes = false;
   bool look_at_scene = false;
   bool mark = false;
-  bool draw = false;  // the pen down, or up again
+  bool draw = false;  // moves the pen down, or up again
   bool measure = false;
   bool undo = false;
   bool redo = false;
   bool save = false;
   bool export_work = false;
   bool menu = false;
-  bool next_teach = false;        // teaching view
-  bool next_level = false;        // of its tree
-  Vec3 head_by_m = Vec3::Zero();  // the viewer's head, in the screen's frame
+  bool next_teach = false;        // shows the next teaching view
+  bool next_level = false;        // shows the next level of that view's tree
+  Vec3 head_by_m = Vec3::Zero();  // how far the viewer's head is to move, frame R
   bool reset_head = false;
 };
 
-// Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
-// motion after the key h latched the hand) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
-// is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
-// lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis, or with shift yaws it; 1 to 4
-// press these buttons of the stylus, and release them again, and p the first. A right drag orbits the scene; with shift, or with the middle
-// button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head in front of the screen by a
-// centimetre, home brings it back. RT: no.
+// Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. A left drag (or any
+// motion after the key h has latched the hand) leads the hand: along the visible surface under the pointer, slightly inside it, so that
+// there is a force; beside the scene, in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
+// lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis, or with shift yaws it. Each of the
+// keys 1 to 4 presses its button of the stylus, or releases it again; p does so with the first. A right drag orbits the scene; with shift,
+// or with the middle button, it pans; without a hand the wheel zooms. The arrows, page up and page down move the viewer's head in front of
+// the screen by a centimetre; home moves it back. RT: no.
 class Interaction {
  public:
   struct View {
     StereoScreen screen;
     PictureSize picture;       // one eye's
-    Vec3 p_WD = Vec3::Zero();  // where the device is now
-    std::optional<Vec3> p_WQ;  // the visible point of the scene under the pointer
+    Vec3 p_WD = Vec3::Zero();  // where the device point is now
+    std::optional<Vec3> p_WQ;  // the visible point of the scene under the pointer; none: the pointer is beside the scene
   };
 
   void handle(const WindowEvent& event, const View& view);
-  // Moves the hand on towards the pointer's position, on the visible side of the scene. Call while it is
-  // led.
+  // Call it while the hand is led, with what is seen now: moves the hand on towards its goal under the pointer, on the visible side of the
+  // scene.
   void follow(const VisibleDepth& seen, const LedTip& tip);
 
   Dials& dials() { return dials_; }
@@ -80,7 +80,7 @@ class Interaction {
   const CameraView& camera() const { return camera_; }
   bool hand_active() const { return hand_.active; }
 
-  // The requests since the last call.
+  // The requests since the last call. They are then cleared.
   UserRequests take_requests();
 
   // The hand's target if it must be sent: whenever it moved, again every 100 ms while led, and a few times after its release, because a
@@ -96,9 +96,9 @@ class Interaction {
   void press_hand_button(int number);
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
-  // Yaw, pitch, roll.
+  // Turns the stylus further: yaw, pitch, roll.
   void turn_hand(const Vec3& by_rad);
-  // Moves the hand's goal to the surface under the pointer; where there is none, by these pixels in the screen's plane.
+  // Moves the hand's goal to the surface under the pointer; if there is none, by these pixels in the screen's plane.
   void lead(const View& view, const Vec2& moved_px);
   void set_goal(const Vec3& p_WG);
 
@@ -106,15 +106,15 @@ class Interaction {
   CameraView camera_;
   UserRequests requests_;
   HandTarget hand_;
-  Vec3 p_WG_ = Vec3::Zero();  // the pointer's goal; the hand may be pulled to a point on the path there
+  Vec3 p_WG_ = Vec3::Zero();  // the goal under the pointer; the hand may be sent to a point on the path to it
   WindowEvent::Button held_ = WindowEvent::Button::none;
   bool latched_ = false;      // h was pressed: the hand follows the mouse without a button
-  double press_ = 0.0;        // depth inside the surface, as a share of the picture's smaller side
+  double press_ = 0.0;        // depth inside the surface, as a share of the picture's smaller side; negative: off the surface
   std::optional<Vec3> p_WQ_;  // the surface point that the hand was led to last
   int x_px_ = 0;
   int y_px_ = 0;
   bool hand_changed_ = false;
-  int farewells_ = 0;
+  int farewells_ = 0;  // how often the release of the hand is still to be sent
   std::int64_t hand_sent_ns_ = 0;
 };
 

@@ -23,7 +23,7 @@ struct Dials {
   friend bool operator==(const Dials&, const Dials&) = default;
 };
 
-// The dials with which a scene whose home is the identity has that pose, to a float's precision; none: there are none, as it is moved.
+// The dials with which a scene whose home is the identity has that pose, to a float's precision; none: no dials give it.
 std::optional<Dials> find_dials(const Pose& X_WS, const Vec3& p_WC);
 
 // A pose as the memo's twelve floats: the rows of [R|t].
@@ -37,14 +37,14 @@ class ViewTransformSender {
   // Sets the newest pose. A pose with the same twelve floats as the last one is not sent.
   void set(const Pose& X_WS);
 
-  // The revision that the hub last reported as in use (ProbeState::view_revision). If the hub's first report is ahead of us, it comes from
-  // an earlier vision node: our numbers then continue from it.
+  // The revision that the hub last reported as in use (ProbeState::view_revision). If the hub's first report is not below this node's
+  // revision, it comes from an earlier vision node: this node's revisions then continue from it.
   void confirm(std::uint32_t hub_revision);
 
-  // The view that the hub has from another vision node, or had before this one joined: it is the newest, and not sent. False: it is ours,
-  // or this node has a newer one, which counts unless the hub's does at any_revision.
+  // Takes over the view that the hub has from another vision node, or had before this one joined: it is then the newest, and is not sent.
+  // False: it is the newest already, or this node has a newer one, which stays (unless any_revision: then the hub's view is taken over).
   bool adopt(const ViewTransform& view, bool any_revision = false);
-  // The hub has a view of that revision which is not taken over: the next pose has a larger one.
+  // The hub has a view with that revision, which is not taken over: the next pose gets a larger revision.
   void count_from(std::uint32_t revision);
 
   // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
@@ -57,21 +57,21 @@ class ViewTransformSender {
   std::optional<ViewTransform> take_due(std::int64_t now_ns);
 
   std::uint32_t revision() const { return newest_.revision; }
-  // The pose of that revision, as it was sent; none if it is older than kHistory revisions, or not ours.
+  // The pose with that revision, as twelve floats have it; none: it is more than kHistory revisions old, or was neither set nor adopted.
   std::optional<Pose> find_pose(std::uint32_t revision) const;
   std::uint64_t sent() const { return sent_; }
 
-  static constexpr std::size_t kHistory = 64;  // poses: those of about a second, at one a frame; the hub confirms one far sooner
+  static constexpr std::size_t kHistory = 64;  // poses that are kept: of about a second, at one a frame; the hub confirms one far sooner
 
  private:
   void note_newest() { history_[newest_.revision % kHistory] = newest_; }
 
   ViewTransform newest_;
-  std::array<ViewTransform, kHistory> history_ = {};  // by revision
+  std::array<ViewTransform, kHistory> history_ = {};  // at index revision % kHistory
   std::uint32_t confirmed_ = 0;
   std::uint32_t rejected_ = 0;  // 0: none
   bool has_received_ = false;
-  bool is_adopted_ = false;  // the newest is the hub's
+  bool is_adopted_ = false;  // the newest was taken over from the hub
   bool due_ = false;
   std::int64_t sent_ns_ = 0;
   std::uint64_t sent_ = 0;

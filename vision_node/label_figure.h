@@ -16,7 +16,7 @@ namespace hapton {
 // label at the point's depth. Threads: the window's. RT: no.
 class LabelFigure {
  public:
-  static constexpr std::size_t kMax = 16;  // labels; more would cover the scene
+  static constexpr std::size_t kMax = 16;  // labels that are shown; more would cover the scene
 
   void add_to(vtkRenderer* renderer);
   // Shows these labels and no others. Labels behind the eye, and those after the first kMax, are left out.

@@ -32,12 +32,12 @@ class LivePlots {
   bool is_shown() const { return is_shown_; }
 
   void receive(const ProbeState& state, std::int64_t now_ns);
-  // The hub no longer replies: no force is known.
+  // Call it when the hub no longer replies: then no force is known.
   void forget_force() { newest_n_.reset(); }
   // age_ns: from the arrival of the newest drawn state until the frame was in the window.
   void record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns);
 
-  // True: the plots are shown, the hub has sent a force, and the drawn curves are older than kPeriodNs.
+  // True: the plots are shown, the hub has sent a force, and the drawn curves are at least kPeriodNs old.
   bool wants_picture(std::int64_t now_ns) const;
   // The plots of force and age, in this order; empty if they are not shown. They change at most once in kPeriodNs, because a plot that does
   // not change costs little to draw.
@@ -48,19 +48,19 @@ class LivePlots {
   RecentCurve force_n_;
   RecentCurve age_ms_;
   double limit_n_ = 0.0;            // 0: not known
-  std::optional<double> newest_n_;  // the force until the next state comes; none: not known
+  std::optional<double> newest_n_;  // the newest force, which holds until the next state; none: not known
   std::vector<PlotContent> plots_;
   std::int64_t curves_ns_ = 0;
 };
 
-// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, which is at least least_axis_most.
+// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, whose top is at least least_axis_most.
 PlotContent make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most);
 
 // The smallest tops of the scales of a force (N) and of a time (ms).
 constexpr double kMinAxisMostN = 1.0;
 constexpr double kMinTopMs = 20.0;
 
-// The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least `least`.
+// The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least `least`. Pre: least > 0.
 double choose_axis_most(double value, double least);
 
 }  // namespace hapton

@@ -16,8 +16,8 @@
 
 namespace hapton {
 
-// The scene that is shown, with all that is made of it: objects that move, objects that are carved, teaching views. If its file is watched,
-// it is exchanged while the picture goes on, when SceneFollower says so. Threads: the window's. RT: no.
+// The scene that is shown, with what is made from it: objects that move, objects that are carved, teaching views. If the scene's file is
+// watched, follow() replaces the scene while the program runs, at the time that SceneFollower decides. Threads: the window's. RT: no.
 class LiveScene {
  public:
   // Pre: view and options outlive this; the view was opened with the scene (open_view).
@@ -28,19 +28,19 @@ class LiveScene {
   CarvedObjects& carved() { return parts_->carved; }
   TeachBuilder& teacher() { return parts_->teacher; }
 
-  // Pre: it outlives this.
+  // From now on follow() shows what is saved in the file. Pre: *file outlives this.
   void watch(SceneReload* file) { file_ = file; }
   bool is_watched() const { return file_ != nullptr; }
   bool is_reading() const { return file_ != nullptr && file_->is_reading(); }
-  // Why the picture is not that of the file as it was saved, for the window; empty: it is, or the file is being read.
+  // Why the picture is not that of the file as last saved, for the window; empty: it is, or the new scene is being read, or waits briefly.
   std::string problem() const;
-  // The hash of what is felt (SceneFacts).
+  // Sets the hash of the scene that haptics_node has (SceneFacts).
   void set_felt(std::uint64_t given_hash) { follower_.set_felt(given_hash); }
 
-  // What follow() has exchanged. The old parts live until it is destroyed: until then, pointers to them are valid.
+  // What follow() has replaced. The old parts live until the Change is destroyed: until then, pointers to them are valid.
   struct Change;
-  // Shows the file as it was saved, if it is time for it; null: nothing has changed. Options then have framing, sphere and names of the new
-  // scene. A scene that cannot be drawn is one line in the log.
+  // Shows the newest scene that was read from the file, if it is due (SceneFollower); null: nothing has changed. After a change the options
+  // have framing, sphere and names of the new scene. A scene that cannot be drawn is one line in the log.
   std::unique_ptr<Change> follow(std::int64_t now_ns);
 
  private:
@@ -57,7 +57,7 @@ class LiveScene {
   std::unique_ptr<Parts> parts_;
   SceneReload* file_ = nullptr;
   SceneFollower follower_;
-  std::string draw_error_;  // of the newest scene that was to be drawn
+  std::string draw_error_;  // why the newest scene that was due cannot be drawn; empty: it can
 };
 
 struct LiveScene::Change {
@@ -65,10 +65,10 @@ struct LiveScene::Change {
   bool has_new_camera = false;  // [camera] of the file has changed: the view begins anew
 };
 
-// Objects with colours and textures, as the view takes them. culls_open: none of them shows triangles seen from behind.
+// The scene's objects with colours and textures, as StereoView takes them. culls_open: none of them shows triangles seen from behind.
 std::vector<ShownObject> list_shown_objects(const Scene& scene, bool culls_open);
 
-// Sets what the options have of a scene: framing, lights, sphere and names.
+// Sets the options that depend on the scene: framing, lights, sphere and names.
 void describe_scene(const Scene& scene, VisionOptions& options);
 
 }  // namespace hapton

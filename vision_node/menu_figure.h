@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// The menu as a panel in the world, with a depth like everything else: the entry at the tip is light, what the pen does now is marked.
-// Hidden until first set. RT: no.
+// The menu as a panel in the world, with a depth like everything else. The entry at the tip and the entry of the pen's mode have colours
+// of their own. Hidden while the menu is closed, and until set() is called. RT: no.
 class MenuFigure {
  public:
   MenuFigure();
@@ -23,7 +23,7 @@ class MenuFigure {
   vtkNew<vtkActor> panel_;
   vtkNew<vtkActor> labels_;
   vtkNew<vtkPolyData> fields_;
-  vtkNew<vtkUnsignedCharArray> colours_;  // of the entries
+  vtkNew<vtkUnsignedCharArray> colours_;  // one for each entry
 };
 
 }  // namespace hapton

@@ -12,57 +12,57 @@
 
 namespace hapton {
 
-// Draws objects where the haptics node has them: one that the stylus picked up at the stylus, others where they were put down, and those
-// that move by keyframes or programs, or deform, where they were, and in their shape, at the time of the sample that is shown. Threads: the
-// window's. RT: no.
+// Draws objects where the haptics node has them: an object that the stylus picked up at the stylus, others where they were put down; those
+// that move by keyframes or programs, or deform, in the place and shape that they have at the time of the sample that is shown. Threads:
+// the window's. RT: no.
 class MovedObjects {
  public:
   // Pre: both outlive this; the view was opened with the scene's objects.
   MovedObjects(StereoView& view, const Scene& scene);
 
-  // True if the picture has changed. A pose of an object that the scene does not have is left out.
+  // Takes a pose. True: the picture has changed. The pose of an object that is not in the scene, or moves by itself, is left out.
   bool take(const ObjectPose& pose);
-  // A newer pose may have come before this one, of which the object may not be held any more. arrival: of the message.
+  // True: leave this pose out, as a newer one may have come before, with which the object is not held any more. arrival: of the message.
   bool is_overtaken(const ObjectPose& pose, Arrival arrival) const;
 
-  // A program moved an object: set_time() places it from then on. arrival: of the message. False: it is known already, not of an object
-  // that programs may move, or of a haptics process that another one has replaced.
+  // A program moved an object: set_time() places it from then on. arrival: of the message. False: the move is known already, the object is
+  // not one that programs may move, or the haptics process that sent it has been replaced by another one.
   bool take(const ObjectMove& move, Arrival arrival = Arrival::newest);
 
-  // A program deforms an object: set_time() gives it its shape from then on. As above.
+  // A program deforms an object: set_time() gives it its shape from then on. arrival: of the message.
   void take(const ObjectShape& shape, Arrival arrival) { shapes_.take(shape, arrival); }
   void take(const ShapeStart& start, Arrival arrival) { shapes_.take(start, arrival); }
-  // What is missing of the newest shapes.
+  // The message that requests the missing parts of the newest shapes, if it is time to send one.
   std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
-  // The objects that programs deform are at rest, and no shape is known.
+  // Forgets all shapes: the objects that programs deform are then at rest.
   void forget_shapes();
-  // Of an object that a program deforms, at the time set last: between which shapes it is. None: that is not known, and it stays as it was.
+  // Between which shapes an object that a program deforms is at the time set last. None: that is not known, and it stays as it was drawn.
   std::optional<KnownShapes::Place> shape_place(std::size_t object) const { return shapes_.find(object, time_ns_); }
-  // ... and its vertices there, frame S.
+  // The vertices of that object at that time, frame S; none: as for shape_place().
   std::optional<std::vector<Vec3>> find_vertices(std::size_t object) const;
   std::size_t count_objects() const { return known_.size(); }
 
-  // Takes over what is known of the objects of another scene, and its time, if both scenes have the same objects, by name: those that the
-  // stylus picked up are where they are there, and those that programs move, if they move alike.
+  // Takes over the time of another scene, and, if both have objects of the same names in the same order, what is known of these: poses
+  // of those that the stylus picked up, moves by programs if the objects move alike, and shapes if the meshes have as many vertices.
   void adopt(const MovedObjects& before);
 
-  // Everything is where the scene file has it, and no pose or move is known. Shapes stay.
+  // Puts each object where the scene file has it; no pose or move is then known. Shapes stay.
   void rewind();
 
-  // Some move by keyframes or by programs, or deform.
+  // Whether some objects move by keyframes or by programs, or deform.
   bool has_motion() const { return has_motion_; }
-  // The time of ProbeState: true if one of them is then elsewhere than it is drawn, or has another shape. place_moving() draws them so.
+  // Sets the time (ProbeState's). True: an object is elsewhere than at the time set before, or not drawn in its shape; call place_moving().
   bool set_time(std::int64_t scene_time_ns);
   void place_moving();
-  // By object, at the time set last: X_SO; the identity for what moves neither by keyframes nor by programs.
+  // X_SO of each object at the time set last; the identity for objects that move neither by keyframes nor by programs.
   const std::vector<Pose>& moving() const { return X_SO_; }
 
-  // By object, at the time set last: X_SO of all; of the one that is held, where the scene file has it.
+  // X_SO of each object at the time set last; of the object that is held, the one of the scene file.
   std::vector<Pose> poses() const;
 
-  // The object that is held; -1: none.
+  // The number of the object that is held; -1: none.
   std::int32_t held() const;
-  // Where it is: X_TO; the identity if none is.
+  // The pose of that object in the stylus, X_TO; the identity: none is held.
   Pose held_pose() const;
 
  private:
@@ -72,17 +72,17 @@ class MovedObjects {
 
   StereoView& view_;
   const Scene& scene_;
-  std::vector<ObjectPose> known_;  // by object
+  std::vector<ObjectPose> known_;  // newest pose of each object, if it does not move by itself
   bool has_motion_ = false;
   std::vector<std::optional<CommandedMotion>> commanded_;  // by object; none: programs do not move it
-  MoveSource source_;                                      // of their moves
-  std::int64_t time_ns_ = 0;                               // set last
+  MoveSource source_;                                      // the haptics process that the moves come from
+  std::int64_t time_ns_ = 0;                               // the time set last
   std::vector<Pose> X_SO_;
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
-  std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // none: as the mesh is
+  std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // as drawn; none: as the mesh is
   KnownShapes shapes_;
   std::vector<std::optional<KnownShapes::Place>> shape_places_;  // by object, at the time set last; none: programs do not deform it
-  std::vector<std::optional<KnownShapes::Place>> drawn_shapes_;  // likewise, as it is drawn
+  std::vector<std::optional<KnownShapes::Place>> drawn_shapes_;  // likewise, but as drawn
 };
 
 }  // namespace hapton

@@ -16,14 +16,14 @@ namespace hapton {
 // clock, ns. RT: no. Threads: one.
 class OtherHand {
  public:
-  // Pre: the hub outlives it. max_rate_hz: of frames; 0: no limit.
+  // Pre: the hub outlives this. stylus_lean: see show_probe(). max_rate_hz: largest frame rate; 0: no limit.
   OtherHand(HubClient& hub, const Quat& stylus_lean, double max_rate_hz)
       : hub_(hub), stylus_lean_(stylus_lean), max_rate_hz_(max_rate_hz) {}
 
   // Receives without waiting, and sends the pose of the scene if the hub does not have it yet.
   void update(const Pose& X_WS, std::int64_t now_ns);
 
-  // True: the probe of this hand looks different than in the last frame. If only invisible motion came, the hub gets a FrameAck
+  // True: the probe of this hand looks different from that in the last frame. If only invisible motion came, the hub gets a FrameAck
   // `unchanged`.
   bool wants_picture(const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
   // The probe to draw; none before the first state from its hub.
@@ -44,7 +44,7 @@ class OtherHand {
   std::int64_t received_ns_ = 0;
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
-  bool moved_ = false;  // a state has come since the last check
+  bool moved_ = false;  // a state has come since the last wants_picture() or end_frame()
   StateAcks acks_;
 };
 

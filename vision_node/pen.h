@@ -16,7 +16,7 @@ enum class PenMode : std::uint8_t { off, draw, measure };
 struct PenSettings {
   std::uint32_t draw_buttons = 0;     // of the stylus, one bit each; 0: none
   std::uint32_t measure_buttons = 0;  // the same for an end of a measure
-  double bound_m = 1e-4;              // largest distance of a stroke from the touched points (StrokeThinner): not visible
+  double bound_m = 1e-4;              // largest distance of a stroke from the touched points (StrokeThinner), m: not visible
 };
 
 // Strokes and measures from touched points, buttons and keys; undo and redo. A stroke lasts as long as a draw button is down and one object
@@ -26,18 +26,18 @@ class Pen {
   // given: annotations read from a file; undo removes these too, the last first.
   Pen(const PenSettings& settings, Annotations given) : settings_(settings), annotations_(std::move(given)) {}
 
-  // Takes each state of the probe, in order. touched: the touched point; none in free space, and if it is not known.
-  // Buttons that were down at the first call do nothing until they are pressed again. facet: the part of the surface that stays flat, where
-  // it deforms; a stroke has a vertex on both sides where it changes, so that it deforms with the surface.
+  // Takes each state of the probe, in order. touched: the touched point; none in free space, and if that point is not known.
+  // Buttons that were down at the first call do nothing until they are pressed again. facet: number of the flat part of the surface that is
+  // touched, if the surface deforms; where it changes, the stroke keeps a vertex on both sides, so that it deforms with the surface.
   void receive(const std::optional<AnnotationPoint>& touched, std::uint32_t buttons, std::uint32_t facet = 0);
 
   void set_mode(PenMode mode);
   PenMode mode() const { return mode_; }
-  // A key in place of the draw button: down, and up again.
+  // A key in place of the draw button: one press of the key puts it down, the next one up.
   void toggle_draw_key() { is_key_down_ = !is_key_down_; }
   bool is_key_down() const { return is_key_down_; }
   void release_draw_key() { is_key_down_ = false; }
-  // A key in place of a press of a measure button.
+  // A key in place of a press of a measure button: receive() takes it.
   void measure() { has_measure_key_ = true; }
 
   // Whether receive() would use a touched point: finding one costs time.
@@ -49,13 +49,13 @@ class Pen {
 
   // Removes the newest: a stroke that is being drawn, the first end of a measure, or the last entry. False: there is nothing to remove.
   bool undo();
-  // Restores what undo removed last. False: nothing was removed, or something was drawn or measured since.
+  // Restores the entry that undo removed last. False: none was removed, or something was drawn or measured since.
   bool redo();
 
   // Sets the objects that were put down, which are saved with the annotations.
   void set_put_down(std::vector<PutDown> put_down);
 
-  // Other annotations, of another scene, in place of these; nothing can be undone or redone then.
+  // Replaces the annotations with those of another scene; nothing can be undone or redone then.
   void replace(Annotations given);
 
   const Annotations& annotations() const { return annotations_; }
@@ -65,7 +65,7 @@ class Pen {
   // The first end of a measure whose second one is awaited.
   const std::optional<AnnotationPoint>& first_end() const { return first_end_; }
 
-  // Counts all changes of what can be seen, and of the entries alone.
+  // Count changes: revision() of all that can be seen, entries_revision() of what is saved, which is entries and objects put down.
   std::uint64_t revision() const { return revision_; }
   std::uint64_t entries_revision() const { return entries_revision_; }
   // The number of the entry that was finished since the last call; none: no entry was.
@@ -88,10 +88,10 @@ class Pen {
   bool was_key_down_ = false;
   bool has_measure_key_ = false;
   std::uint32_t last_buttons_ = ~0U;
-  std::uint32_t ignored_buttons_ = ~0U;  // down since before the first call
+  std::uint32_t ignored_buttons_ = ~0U;  // down since before the first call, or since undo()
   std::optional<StrokeThinner> thinner_;
   std::int32_t object_ = -1;
-  std::uint32_t facet_ = 0;  // of the last point of the stroke
+  std::uint32_t facet_ = 0;  // facet of the last point of the stroke
   std::optional<AnnotationPoint> first_end_;
   std::size_t points_ = count_points(annotations_);  // of all entries
   std::uint64_t revision_ = 1;

@@ -15,23 +15,23 @@
 namespace hapton {
 
 // Plots one above the other at the right of one eye's picture, in the screen's plane. All their lines are one actor, because each actor of
-// the HUD costs as much as hundreds of lines; a panel behind them would cost more than all of it where the CPU draws. RT: no.
+// the HUD costs as much as hundreds of lines; a background panel would cost more than all the plots where the CPU draws. RT: no.
 class PlotFigure {
  public:
   static constexpr std::size_t kMax = 2;  // plots: the force, the age of the state
 
   void add_to(vtkRenderer* renderer);
-  // Hidden where there are none. At most kMax are drawn.
-  // lift_px: as much higher.
+  // Shows the plots, at most kMax of them; hides the figure if there are none.
+  // lift_px: how much higher than usual they are.
   void set(const std::vector<PlotContent>& plots, PictureSize size, double lift_px = 0.0);
 
-  // What is drawn, for another place of it (HeadsetPanel). Pixels of the picture.
+  // What is drawn, so that HeadsetPanel can draw it elsewhere. Pixels of the picture.
   bool is_shown() const { return line_actor_->GetVisibility() != 0; }
   vtkPolyData* lines() const { return lines_; }
   vtkTextActor* title(std::size_t plot) const { return titles_[plot]; }
 
  private:
-  // In pixels of the picture.
+  // The rectangle of one plot, in pixels of the picture.
   struct Frame {
     Vec2 low = Vec2::Zero();
     Vec2 size = Vec2::Zero();

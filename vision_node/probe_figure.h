@@ -32,10 +32,10 @@ class ProbeFigure {
   void add_to(vtkRenderer* renderer);
   void set(const ProbeShown& probe);
   void hide();
-  // Radius of the ball at the tip; 0: a pin with the radius in sizes().
+  // Radius of the ball at the tip; 0: the probe is a point, and the ball has the radius in sizes().
   void set_tip_radius(double radius_m);
   // Draws a rigid tool at the pose of the probe from now on.
-  // with_stylus: beside stylus and tip, as an object that was picked up; otherwise in place of them.
+  // with_stylus: together with stylus and tip, as an object that was picked up; otherwise in place of them.
   void set_tool(const SceneTool& tool, bool with_stylus = false);
   void clear_tool();
   // Whether the tip has a shadow on the ground.
@@ -43,7 +43,7 @@ class ProbeFigure {
   const ProbeSizes& sizes() const { return sizes_; }
 
  private:
-  static constexpr int kMaxRings = 12;  // one for each newton; a free choice, longer arrows have no more
+  static constexpr int kMaxRings = 12;  // one for each newton; a free choice: longer arrows have no more
 
   void place_arrow(const ProbeShown& probe);
   void place_device_point(const ProbeShown& probe);
@@ -59,7 +59,7 @@ class ProbeFigure {
   vtkNew<vtkActor> head_;
   vtkNew<vtkActor> rings_;
   vtkNew<vtkActor> limit_;
-  // Drawn over everything, with every other block of pixels left out: what is visible behind other objects.
+  // Drawn over everything, with every other block of pixels left out: the parts of tip and arrow that are behind other objects.
   vtkNew<vtkActor> ghost_tip_;
   vtkNew<vtkActor> ghost_shaft_;
   vtkNew<vtkActor> ghost_head_;
