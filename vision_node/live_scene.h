@@ -32,7 +32,7 @@ class LiveScene {
   void watch(SceneReload* file) { file_ = file; }
   bool is_watched() const { return file_ != nullptr; }
   bool is_reading() const { return file_ != nullptr && file_->is_reading(); }
-  // Why the picture is not that of the file as last saved, for the window; empty: it is, or the new scene is being read, or waits briefly.
+  // Why the picture is not that of the file as it was read last, for the window; empty: it is, or the new scene has waited only briefly.
   std::string problem() const;
   // Sets the hash of the scene that haptics_node has (SceneFacts).
   void set_felt(std::uint64_t given_hash) { follower_.set_felt(given_hash); }

@@ -8,14 +8,14 @@
 
 namespace hapton {
 
-// Sizes of the drawn probe, metres. Scaled with the view, so that they look the same at every scale.
+// Sizes of the drawn probe, metres. They are scaled with the view, so that the probe looks the same at every scale.
 struct ProbeSizes {
   double tip_radius_m = 0.0018;
   double stylus_length_m = 0.105;
   double arrow_m_per_n = 0.02;
   double arrow_max_m = 0.12;
   double arrow_radius_m = 0.0016;
-  double tool_radius_m = 0.0;  // of a rigid tool about its grip point; 0: there is none
+  double tool_radius_m = 0.0;  // radius of a rigid tool around its grip point; 0: there is none
 };
 
 // The sizes for a view.
@@ -26,30 +26,30 @@ ProbeSizes scale_probe(const Framing& framing);
 struct ProbeShown {
   Vec3 p_WP = Vec3::Zero();      // tip
   Vec3 p_WD = Vec3::Zero();      // device point: the tip's position without contact
-  Quat q_WT = Quat::Identity();  // of the stylus, lean included
-  Quat q_WP = Quat::Identity();  // of a rigid tool, which does not lean
+  Quat q_WT = Quat::Identity();  // orientation of the stylus, lean included
+  Quat q_WP = Quat::Identity();  // orientation of a rigid tool, which does not lean
   Vec3 force_n = Vec3::Zero();
   double force_limit_n = 0.0;  // the largest force that the device may get; 0: not known
   bool contact = false;
 };
 
-// Makes it from a received state. The stylus' body points from its tip along z of T. If the device reports no rotation, this is towards the
-// viewer, where it would hide the tip and the force: lean turns it aside, up and to the right; identity shows the reported rotation. Values
-// that are not finite are shown at the origin or left out, since received data must never break the picture.
+// Makes the probe from a received state. The stylus' body points from its tip along z of T. If the device reports no rotation, this is
+// towards the viewer, where it would hide tip and force: `lean` turns it aside, up and to the right; identity shows the reported rotation.
+// Values that are not finite are shown at the origin or left out, since received data must never break the picture.
 ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
 // Whether a surface is touched. A contact without object and without visual offset is a force in free space, of an effect.
 bool touches_surface(const ProbeState& state);
 
-// The lean of show_probe, by this angle.
+// A lean for show_probe() by this angle.
 Quat make_lean(double angle_rad);
 
 // The radius in a haptics node's method text ("name=proxy probe_radius_m=0.015"), m; 0 if there is none.
 double find_probe_radius(std::string_view method);
-// Triangles of the local set in such a text; 64 if there is no such number.
+// The number of triangles of the local set in such a text; 64 if the text has none.
 int find_set_size(std::string_view method);
 
-// Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
+// Vector from the tip to the head of the force arrow, frame W: along the force, arrow_m_per_n long for each newton, at most arrow_max_m.
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);
 
 // Whether a new frame would differ: whether any of the probe's marks (tip, stylus end, arrow head, two points of a rigid tool) moved in any
@@ -70,7 +70,7 @@ class PictureWatch {
   double threshold_px_;
   bool any_ = false;
   bool contact_ = false;
-  double force_share_ = 0.0;  // of the limit
+  double force_share_ = 0.0;  // share of the limit
   Marks marks_ = {};
 };
 

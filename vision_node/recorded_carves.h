@@ -18,7 +18,7 @@ class RecordedCarves {
  private:
   const RecordingIndex& index_;
   CarvedObjects& carved_;
-  std::size_t carves_ = 0;  // number of RecordingIndex::carves() that were applied
+  std::size_t carves_ = 0;  // how many of RecordingIndex::carves() have been applied
 };
 
 }  // namespace hapton

@@ -13,19 +13,19 @@
 
 namespace hapton {
 
-// Strokes and measures over a recording: a recording has none, so they are those of a file, on the objects as they are at the moment that
-// is shown. Moments may come in any order. Nothing is written. Threads: the window's. RT: no.
+// Strokes and measures over a recording. A recording has none, so they come from a file; they are drawn on the objects as these are at the
+// moment that is shown. Moments may come in any order. Nothing is written. Threads: the window's. RT: no.
 class RecordedMarks {
  public:
-  // Pre: all outlive this; the view was opened with the scene's objects. scene_radius_m: as Annotator::open. An empty path: there are none.
+  // Pre: all outlive this; the view was opened with the scene's objects. scene_radius_m: as Annotator::open. An empty path: no marks.
   // Error: see read_annotations.
   static Result<std::unique_ptr<RecordedMarks>> open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                      const std::filesystem::path& file, const MovedObjects& moved);
 
-  // Draws them where the objects are now. X_WS: the pose of the scene.
+  // Draws the marks where the objects are now. X_WS: the pose of the scene.
   void show(std::int64_t scene_time_ns, const Pose& X_WS);
 
-  // For an export: in the shape and at the places that show() gave them.
+  // For an export: the marks in the shape, and the objects at the places, that the last show() gave them.
   const Annotations& placed() const { return placed_; }
   const ObjectPoses& X_SO() const { return X_SO_; }
 
@@ -34,12 +34,12 @@ class RecordedMarks {
 
   StereoView& view_;
   const MovedObjects& moved_;
-  std::size_t objects_;  // of the scene
+  std::size_t objects_;  // number of the scene's objects
   Annotations given_;
   AnnotatedSurfaces surfaces_;
   Annotations placed_;
   ObjectPoses X_SO_;
-  std::uint64_t placed_at_ = 0;  // revision of the surfaces
+  std::uint64_t placed_at_ = 0;  // revision of the surfaces for which placed_ was made
 };
 
 }  // namespace hapton

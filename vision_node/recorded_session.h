@@ -33,13 +33,13 @@ class RecordedSession {
   void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
   // Scene::given_hash of the scene that is shown: a warning appears if the recorded one differs.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
-  // Draws the objects that move. shapes: of those that programs deform, of the same file; null: they are at rest. Pre: both outlive the
-  // session.
+  // Draws the objects that move. shapes: those of objects that programs deform, from the same file; null: these objects are at rest. Pre:
+  // both outlive the session.
   void set_moved_objects(MovedObjects* moved, RecordingShapes* shapes = nullptr);
   // Draws the objects that were carved. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved);
-  // Strokes and measures to show, and to export with what is carved. Pre: set_moved_objects() was called with the objects that they are on;
-  // both outlive the session.
+  // Strokes and measures to show, and to export together with what is carved. Pre: set_moved_objects() was called with the objects on which
+  // they are; both outlive the session.
   void set_marks(const Scene& scene, RecordedMarks* marks);
 
   // Runs until the window is closed, --seconds are over, the screenshot of --at or the pictures of --frames are written, or a signal

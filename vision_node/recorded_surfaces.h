@@ -16,7 +16,7 @@ class RecordedSurfaces {
   // Pre: all outlive this; nothing else gives the objects their shapes; index and shapes are of the same file.
   RecordedSurfaces(const RecordingIndex& index, RecordingShapes& shapes, MovedObjects& moved);
 
-  // To be called before MovedObjects::set_time() with the scene time of the sample that is shown.
+  // Call it before MovedObjects::set_time(), with the same time: the scene time of the sample that is shown.
   void show(double t_s, std::int64_t scene_time_ns);
 
  private:
@@ -25,7 +25,7 @@ class RecordedSurfaces {
   const RecordingIndex& index_;
   RecordingShapes& shapes_;
   MovedObjects& moved_;
-  std::vector<const IndexedShape*> shown_;  // by object; null: at rest
+  std::vector<const IndexedShape*> shown_;  // the shape of each object; null: at rest
 };
 
 }  // namespace hapton

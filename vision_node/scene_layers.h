@@ -17,13 +17,13 @@ namespace hapton {
 // in the destructor.
 class SceneLayers {
  public:
-  // Error: shaders that the driver rejects.
+  // Error: the driver rejects the shaders.
   static Result<std::unique_ptr<SceneLayers>> make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights = {});
 
-  // Draws those eyes' pictures that no longer match the passes (one for each eye that is shown). Leaves OpenGL's state unchanged.
+  // passes: one for each eye that is shown. Draws again the pictures that do not match them any more, or that new levels would improve.
   void prepare(std::span<const ScenePass> passes, const GlFormat& format);
 
-  // As those of ScenePainter; the next prepare() draws all pictures again.
+  // Like those of ScenePainter; the next prepare() draws all pictures again.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
   void replace_object(std::size_t object, std::vector<FlatLevel> levels);
@@ -32,7 +32,7 @@ class SceneLayers {
   bool refine();
   // Whether a picture shows less than full detail and all levels are made, so that refine() can improve it.
   bool wants_refining() const;
-  // Draws full detail at once, for a picture that stays.
+  // Draws full detail at once, for a picture that is kept.
   void refine_whole();
 
   // Copies the eye's picture with its depth into the framebuffer bound for drawing, from its pixel (x, y) on. Leaves OpenGL's state
@@ -43,15 +43,15 @@ class SceneLayers {
   // outside the picture, and where read_surface() is null.
   std::optional<Vec3> find_surface(Eye eye, int x, int y) const;
 
-  // The whole surface, read from the driver only when the eye's picture has changed. Null before the eye's first picture, after a change of
-  // an object until the next one, and with multisampling.
+  // The whole surface, read from the driver only if the eye's picture has changed. Null before the eye's first picture, between a change of
+  // an object and the next prepare(), and with multisampling.
   std::shared_ptr<const VisibleDepth> read_surface(Eye eye);
 
-  // How much of all levels of detail has been made, 0 to 1.
+  // Share of all levels of detail that has been made, 0 to 1.
   double progress() const { return painter_->progress(); }
   // True if new levels may look better than those shown.
   bool has_new_levels();
-  // Of the newest picture drawn in levels, one eye's.
+  // Counts of the picture that prepare() drew last, which is that of one eye.
   const PaintCount& count() const { return count_; }
   // Number of times an eye's picture of the scene has been drawn by prepare().
   std::uint64_t drawn() const { return drawn_; }
@@ -68,7 +68,7 @@ class SceneLayers {
     bool is_active = false;       // among the newest passes
     bool is_full = false;         // `shown` has full detail
     bool is_finer_whole = false;  // `finer` is complete, and waits for the other eyes
-    std::shared_ptr<const VisibleDepth> surface;  // null: to be read
+    std::shared_ptr<const VisibleDepth> surface;  // null: not read yet
   };
 
   explicit SceneLayers(std::unique_ptr<ScenePainter> painter) : painter_(std::move(painter)) {}

@@ -22,7 +22,7 @@ struct ShownObject {
   std::shared_ptr<const TriangleMesh> mesh;
   Vec3 colour = {0.7, 0.7, 0.72};
   std::shared_ptr<const MeshAppearance> appearance = {};  // instead of the colour; null: none
-  bool shows_backs = false;                               // its triangles are drawn from behind, too, in a pass that culls
+  bool shows_backs = false;                               // its triangles are drawn from behind, too, even in a pass that culls
 };
 
 // One eye's picture of the scene, and its drawing options.
@@ -31,69 +31,69 @@ struct ScenePass {
   StereoScreen screen;
   PictureSize size;
   Pose X_WS = Pose::Identity();
-  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1), except of objects that show them
-  bool plain = false;      // one dark colour behind, no light
-  bool depth_cues = true;  // ground, shadow, workspace, haze; none where plain
-  bool is_even = false;    // one colour behind, also where the picture turns with the viewer's head
+  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1), except those of objects with shows_backs
+  bool plain = false;      // black background, no light
+  bool depth_cues = true;  // ground, shadow, workspace, haze; none if plain
+  bool is_even = false;    // the background has one colour only, as for a picture that turns with the viewer's head
 };
 
 // Counts for reports.
 struct PaintCount {
-  std::size_t triangles = 0;      // of the levels drawn
-  std::size_t sent = 0;           // the rest of them without the clusters out of sight
-  double largest_error_px = 0.0;  // of the levels drawn
+  std::size_t triangles = 0;      // those of the levels drawn
+  std::size_t sent = 0;           // those sent to the driver: without clusters out of sight
+  double largest_error_px = 0.0;  // largest error of the levels drawn
 };
 
-// What is drawn of the scene one after the other: what covers what is behind; what shows it through, from the farthest to the nearest; and
-// the depth of the latter, so that it can be pointed at as it can be felt.
+// The stages in which the scene is drawn, in this order: what hides all behind it; what shows through, from the farthest to the nearest;
+// and the depth of the latter, so that the pointer finds its surface where the hand feels it.
 enum class PaintStage : std::uint8_t { solid, blended, blended_depth, done };
 
-// Where a picture in full detail continues.
+// Where paint_full() continues a picture.
 struct PaintCursor {
   PaintStage stage = PaintStage::solid;
-  std::size_t object = 0;   // in the stage's order
-  std::size_t cluster = 0;  // in the stage's order
+  std::size_t object = 0;   // index in the stage's order of objects
+  std::size_t cluster = 0;  // index in the stage's order of clusters
   bool is_at_start() const { return stage == PaintStage::solid && object == 0 && cluster == 0; }
 };
 
-// Draws the static scene in its colours and textures, flat shaded under its lights, or one that goes with the viewer, by OpenGL in the
-// window's context, each mesh in a level of detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its
-// context is current, at the end as well.
+// Draws the static scene with OpenGL in the window's context, in its colours and textures, flat shaded under its lights or one that moves
+// with the viewer, each mesh in a level of detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its
+// context is current, also in the destructor.
 class ScenePainter {
  public:
-  // Triangles of a frame while the scene moves, of all objects together, if no coarser level is as good (frames_bench).
+  // Triangles of a frame while the scene moves, of all objects together, unless a level with an invisible error has fewer (choose_level()).
   static constexpr std::size_t kTriangleBudget = 60'000;
 
-  // Starts making the levels of detail. Error: shaders that the driver rejects.
+  // Prepares the levels of detail, which other threads make. Error: the driver rejects the shaders.
   static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights = {});
   ~ScenePainter();
 
-  // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out.
+  // From now on draws an object moved by X_SO from where its mesh has it, or leaves it out.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
 
-  // Gives an object's mesh other vertices, as many as it has. It is drawn as it is from now on, in one level of detail. Linear in the mesh.
+  // Gives an object's mesh other vertices, as many as it has. From now on it has one level of detail, the new mesh. Linear in the mesh.
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
 
-  // Draws these levels, from the finest, in place of an object's mesh, in its one colour. Frame: U of that mesh (frame_detail). Pre: at
-  // least one.
+  // Draws these levels, from the finest to the coarsest, in place of an object's mesh, in the object's one colour. Frame: U of that mesh
+  // (frame_detail). Pre: at least one level.
   void replace_object(std::size_t object, std::vector<FlatLevel> levels);
 
-  // Makes ready all triangles of large meshes, of which only a part is drawn until the builder has prepared them. Takes a tenth of a
-  // second.
+  // Makes all triangles of large meshes ready at once; otherwise only a part of them is drawn until the builder has prepared all. Takes a
+  // tenth of a second.
   void complete();
 
-  // Takes the levels made so far. True if there are any, so that a picture may look better than the last.
+  // Takes the levels made since the last call. True if there are any, so that a picture may look better than the last one.
   bool take_levels();
-  // How much of all levels has been made, 0 to 1.
+  // Share of all levels of detail that has been made, 0 to 1.
   double progress() const { return builder_->progress(); }
 
-  // What lies behind and around the scene, over everything in the framebuffer that is bound: does not depend on the scene's pose.
+  // Draws what lies behind and around the scene over everything in the bound framebuffer; it does not depend on the scene's pose.
   void paint_background(const ScenePass& pass) const;
-  // The scene and its shadow, with their depth, in levels good enough to move.
+  // Draws the scene and its shadow, with their depth, in levels that are good enough while the scene moves.
   PaintCount paint(const ScenePass& pass);
-  // The scene in full detail, in parts: from the cursor on, about the requested number of triangles. True when the picture is complete.
+  // Draws a part of the scene in full detail: from the cursor on, about that many triangles. True when the picture is complete.
   bool paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles);
-  // Whether the levels of paint() are the meshes themselves, seen from there.
+  // Whether paint() draws the meshes themselves in that pass; false while levels are being made.
   bool is_full(const ScenePass& pass) const;
 
  private:
@@ -110,14 +110,14 @@ class ScenePainter {
   void begin_objects(const ScenePass& pass) const;
   static void begin_stage(PaintStage stage);
   bool has_blended() const;
-  // The objects of the stage, in its order.
+  // Numbers of the objects that the stage draws, in the order in which it draws them.
   std::vector<std::size_t> order_objects(PaintStage stage, const ScenePass& pass) const;
   struct Part;
   void gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, DrawnSides sides);
   std::size_t paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part);
   void paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const;
 
-  std::vector<SceneLight> lights_;  // empty: one that goes with the viewer
+  std::vector<SceneLight> lights_;  // empty: the one that moves with the viewer
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
   std::unique_ptr<GlProgram> shaded_, painted_, finished_, background_, single_;

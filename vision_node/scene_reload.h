@@ -21,23 +21,23 @@ class SceneReload {
  public:
   using Read = std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)>;
 
-  // The file as it is now is known. Pre: `read` may outlive this.
+  // The present content counts as read: only later changes are read. Pre: `read` may still run after the end of this (StoppableCalls).
   SceneReload(std::filesystem::path path, const SceneLoading& loading, Read read = load_scene);
   ~SceneReload();
   SceneReload(const SceneReload&) = delete;
   SceneReload& operator=(const SceneReload&) = delete;
 
-  // Looks twice a second from now on, in its thread.
+  // From now on polls twice a second, in a thread of its own.
   void start();
-  // One look: a file that was saved, and is the same at the next look, is read then.
+  // Checks the file once. A file that was saved, and has not changed again by the next check, is read then.
   void poll();
 
-  // The newest scene that was read since the last call; none: nothing was.
+  // The newest scene that was read since the last call; none: no scene was read.
   std::optional<Scene> take();
-  // Why the file as it is now cannot be shown, in one line with its name, without its folder; empty: it can, or is not read yet. Threads:
+  // Why the file as it was read last cannot be shown, or that it is gone: a line with its name, without its folder; empty: it can. Threads:
   // any.
   std::string problem();
-  // The file was saved, and what it has now is not read yet. Threads: any.
+  // True: the file was saved, and its present content has not been read yet. Threads: any.
   bool is_reading() const { return is_reading_.load(); }
 
   const std::filesystem::path& path() const { return path_; }
@@ -53,7 +53,7 @@ class SceneReload {
   FileWatch file_;
   std::mutex mutex_;
   std::optional<Scene> read_;
-  std::string error_;     // of the newest content that was read
+  std::string error_;     // error in the newest content that was read
   bool is_gone_ = false;  // there is no file
   std::atomic<bool> is_reading_ = false;
   StoppableCalls calls_;

@@ -9,15 +9,15 @@
 // The shaders of ScenePainter, GLSL of OpenGL 3.2.
 namespace hapton {
 
-// First in each of these shaders of lit triangles, before kLighting. LIT: what a colour is multiplied by, and what is then added; the same
-// for red, green and blue with the one white light that goes with the viewer (lights: 0).
+// The beginning of each of these shaders of lit triangles, before kLighting. LIT: two values, of which [0] multiplies a colour and [1] is
+// then added; with the one white light that moves with the viewer (lights: 0), they are the same for red, green and blue.
 inline std::string shader_head(std::size_t lights) {
   return fmt::format("#version 150\n#define LIGHTS {}\n#define LIT {}\n", lights, lights == 0 ? "vec2" : "mat2x3");
 }
 
-// Part of every vertex shader of the scene: computes the vertex's position. The visible side of a triangle is lit: a share of its own
-// colour, and the highlight, whose power of 18 is made by products. Lights of the scene are at a place of the eye's frame, or in a
-// direction.
+// Follows in every vertex shader of the scene: computes position and light of a vertex. The side of a triangle that is seen is lit: a share
+// of its own colour, and the highlight, whose power of 18 is computed by products. A light of the scene has a position in the eye's frame,
+// or a direction.
 inline constexpr std::string_view kLighting = R"(
 uniform mat4 to_clip, to_eye;
 uniform float haze_from, haze_to;
@@ -61,7 +61,7 @@ LIT place_and_light(vec3 position, vec3 direction) {
 }
 )";
 
-// After kLighting. One colour for each triangle, from its last corner.
+// Follows kLighting. One colour for each triangle, from its last corner.
 inline constexpr std::string_view kVertexShader = R"(
 in vec3 position;
 in vec4 direction;
@@ -81,7 +81,7 @@ out vec4 shown;
 void main() { shown = vec4(mix(shade, haze, far), 1.0); }
 )";
 
-// After kLighting. The same light for each triangle; its colour goes from corner to corner, and is that of a texture where there is one.
+// Follows kLighting. One light for each triangle; its colour varies between its corners, multiplied by the texture if there is one.
 inline constexpr std::string_view kPaintedVertexShader = R"(
 in vec3 position;
 in vec4 direction;
@@ -116,8 +116,8 @@ void main() {
 }
 )";
 
-// After kLighting. Painted, with alpha and a texture that need not repeat. finish: alpha, cutoff, blended or not, wraps, as VertexPaint has
-// them.
+// Follows kLighting. Painted, with alpha and a texture that need not repeat. finish: alpha, cutoff, blended or not, wraps, as in
+// VertexPaint.
 inline constexpr std::string_view kFinishedVertexShader = R"(
 in vec3 position;
 in vec4 direction;
@@ -139,8 +139,8 @@ void main() {
 }
 )";
 
-// The texture repeats by itself. Where it does not, its place is kept half a texel from the edge, of the level of the texture that is
-// sampled: beyond, the driver mixes in the opposite edge.
+// The driver repeats the texture. In a direction in which it must not repeat, the texture position is kept half a texel from the edge, in
+// the level of the texture that is sampled: nearer to the edge, the driver mixes in the opposite edge.
 inline constexpr std::string_view kFinishedFragmentShader = R"(
 flat in LIT lit;
 flat in float layer;
@@ -186,7 +186,7 @@ out vec4 shown;
 void main() { shown = vec4(mix(low, high, height), 1.0); }
 )";
 
-// One colour, wherever the matrix puts it.
+// Draws in one colour, at the place that the matrix gives.
 inline constexpr std::string_view kSingleVertexShader = R"(#version 150
 in vec3 position;
 uniform mat4 to_clip;

@@ -8,17 +8,17 @@
 namespace hapton {
 
 // When the picture of --screenshot is taken: at a contact that has lasted long enough to be drawn well, a number of seconds after the
-// start, or at the exit; at the latest at the exit. Times: ns since the start. RT: no.
+// start, or at the exit; if neither contact nor time has come by then, at the exit, too. Times: ns since the start. RT: no.
 class ScreenshotMoment {
  public:
   // "contact", "exit" or seconds. Error: anything else.
   static Result<ScreenshotMoment> parse(std::string_view text);
 
-  // Call for every frame drawn; true once, for the one to keep.
+  // Call it for every frame that is drawn. True once, for the frame to keep.
   bool is_now(std::int64_t since_start_ns, bool contact);
 
   bool taken() const { return taken_; }
-  // The picture of the exit is not the one that was wanted.
+  // True: no contact lasted long enough, so the picture taken at the exit is not the one that was wanted.
   bool missed_contact() const { return kind_ == Kind::contact && !taken_; }
 
  private:

@@ -14,19 +14,19 @@ class SessionPlayer {
   // Pre: begin_s <= end_s.
   SessionPlayer(double begin_s, double end_s);
 
-  // Moves on by the time since the last call. True: to another moment.
+  // Moves on by the time since the last call. True: the moment has changed.
   bool advance(std::int64_t now_ns);
-  // To that moment, or the nearest one that the recording has. A number that is not finite changes nothing.
+  // Moves to that time, or to the nearest one that the recording has. A number that is not finite changes nothing.
   void seek(double t_s);
-  // Playing at the end starts again at the beginning.
+  // Pauses, or plays on; at the end, plays again from the beginning.
   void toggle_pause();
   void pause() { is_paused_ = true; }
-  // While the line is dragged the moment stands still, paused or not.
+  // Holds the moment, paused or not, while the time line is dragged.
   void hold(bool is_held) { is_held_ = is_held; }
-  // The next speed of 0.1, 0.25, 0.5, 1, 2, 4 and 8.
+  // Sets the next higher, or lower, speed of 0.1, 0.25, 0.5, 1, 2, 4 and 8.
   void faster();
   void slower();
-  // Pre: from kSlowest to kFastest.
+  // Pre: speed is from kSlowest to kFastest.
   void set_speed(double speed) { speed_ = speed; }
 
   double moment_s() const { return moment_s_; }

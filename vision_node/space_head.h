@@ -11,11 +11,11 @@ namespace hapton {
 // Frame R (see Head). RT: no.
 class SpaceHead {
  public:
-  static constexpr double kFullMPerS = 0.3;  // as fast as a head is moved; a choice
+  static constexpr double kFullMPerS = 0.3;  // at full deflection: as fast as a person moves the head; a choice
 
   explicit SpaceHead(HidOpener opener) : rate_(std::move(opener), &SpaceMouseState::push, kFullMPerS) {}
 
-  // How far the head is moved since the last call, m.
+  // How far the head has moved since the last call, m.
   Vec3 take_move_m(std::int64_t now_ns) { return rate_.take(now_ns); }
 
  private:

@@ -7,15 +7,15 @@
 
 namespace hapton {
 
-// A speed by the cap of a SpaceMouse: along each axis it grows with the square of the deflection, for fine work. Times: CLOCK_MONOTONIC,
-// ns. RT: no.
+// A speed that the cap of a SpaceMouse sets: along each axis it grows with the square of the deflection, for fine work. Times:
+// CLOCK_MONOTONIC, ns. RT: no.
 class SpaceMouseRate {
  public:
-  // axes: SpaceMouseState's push or turn; full_per_s: the speed at full deflection. Begins to look for the SpaceMouse; none may be there,
+  // axes: SpaceMouseState's push or turn; full_per_s: the speed at full deflection. Begins to look for a SpaceMouse; there need not be one,
   // now or at any time. The log says when it comes and goes.
   SpaceMouseRate(HidOpener opener, Vec3 SpaceMouseState::*axes, double full_per_s);
 
-  // How far it has gone since the last call.
+  // How far that speed has gone since the last call; of a longer time than 0.1 s, only 0.1 s count.
   Vec3 take(std::int64_t now_ns);
 
  private:

@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// Which frames tell the hub of the state that they show: the first one with it, and, until a newer state has come, some of the later ones
-// again. The hub sends no other state for a tenth of a second if what it was told is lost, and a picture that is drawn all the time would
-// stand still for as long. Times: any one monotonic clock, ns.
+// Decides which frames acknowledge their state to the hub: the first one with a state, and, until a newer state comes, one more in each
+// kAgainNs. If an acknowledgement is lost, the hub sends no other state for a tenth of a second; without repeats, a picture that is drawn
+// all the time would stand still for as long. Times: any one monotonic clock, ns.
 class StateAcks {
  public:
   // As long as two frames at 60 Hz: on a usual network the next state of a hand that moves is there by then.
@@ -15,8 +15,8 @@ class StateAcks {
 
   enum class Kind : std::uint8_t { none, first, again };
 
-  // A frame was drawn with the state that came at received_ns, or skipped as it would look the same. Only the first says how old a state
-  // becomes.
+  // Call it when a frame was drawn with the state that came at received_ns, or was skipped because it would look the same. Only the first
+  // acknowledgement of a state (`first`) tells how old the state was when it was shown.
   Kind note(std::int64_t received_ns, std::int64_t now_ns) noexcept {
     const bool is_first = std::exchange(received_ns_, received_ns) != received_ns;
     if (!is_first && now_ns < again_ns_) return Kind::none;
