@@ -11,7 +11,7 @@ namespace hapton {
 // A corner of triangles. With flat shading the last corner of a triangle determines its plane.
 struct FlatVertex {
   Vec3f position = Vec3f::Zero();  // frame U
-  std::uint32_t normal = 0;        // normal of the triangles whose last corner it is: x, y, z in ten bits each, signed, as OpenGL does it
+  std::uint32_t normal = 0;        // normal of the triangles whose last corner it is: x, y, z in ten bits each, signed, packed as in OpenGL
 };
 
 // A level of detail as sent to the graphics driver: the last corner of each triangle has the triangle's normal. Pixels then need no

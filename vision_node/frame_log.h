@@ -12,7 +12,7 @@ class FrameLog {
  public:
   // One frame, from the start of drawing to its end.
   void record_frame(std::int64_t start_ns, std::int64_t end_ns);
-  // Motion to photon of that frame: from the arrival of its newest probe state to the frame's end.
+  // Motion to photon of the frame recorded last: from the arrival of its newest probe state to the frame's end.
   void record_motion_to_photon(std::int64_t motion_to_photon_ns) { motion_to_photon_.record(motion_to_photon_ns); }
   // Counts a probe state that needs no new frame, because the picture would not change.
   void count_skipped() { ++skipped_; }
@@ -20,7 +20,7 @@ class FrameLog {
   std::uint64_t drawn() const { return drawn_; }
   std::uint64_t skipped() const { return skipped_; }
 
-  // Frames a second without pauses: intervals longer than both a quarter of a second and twice the drawing time. 0 until known.
+  // Frames a second, not counting pauses: intervals longer than a quarter of a second and than twice the drawing time. 0 until known.
   double rate_hz() const;
   // The same over the newest complete half second, for the HUD.
   double recent_rate_hz() const { return recent_hz_; }

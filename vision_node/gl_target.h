@@ -20,7 +20,7 @@ struct GlFormat {
 // The format of the framebuffer bound for drawing. Pre: that framebuffer is not the window's own. RT: no.
 GlFormat read_bound_format();
 
-// Saves the OpenGL state of its members and restores it at the end of the scope, so that VTK's cached copy of that state stays valid.
+// Saves the OpenGL state that its members hold and restores it at the end of the scope, so that VTK's cached copy of it stays valid.
 class GlStateGuard {
  public:
   GlStateGuard();

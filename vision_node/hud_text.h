@@ -27,7 +27,7 @@ struct HudFacts {
   std::string scene_problem;     // why the scene file as last saved is not shown, a line of its own; empty: it is shown
   std::string recording;         // the recording that is shown: name, moment, how it plays; a line of its own. Empty: live
   std::string teaching;          // what a teaching view shows, a line of its own; empty: none
-  std::string happened;          // what happened just before: in the recording, or live to files; a line of its own; empty: nothing
+  std::string happened;          // what happened just before, in the recording or live (a file was written), a line of its own; empty: none
   double scene_across_m = 0.0;   // diameter of the scene
   double scene_away_m = 0.0;     // from its middle to that of the workspace, with the dials as they are now
 };

@@ -64,7 +64,7 @@ class Interaction {
  public:
   struct View {
     StereoScreen screen;
-    PictureSize picture;       // one eye's
+    PictureSize picture;       // size of one eye's picture
     Vec3 p_WD = Vec3::Zero();  // where the device point is now
     std::optional<Vec3> p_WQ;  // the visible point of the scene under the pointer; none: the pointer is beside the scene
   };

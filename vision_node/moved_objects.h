@@ -57,7 +57,7 @@ class MovedObjects {
   // X_SO of each object at the time set last; the identity for objects that move neither by keyframes nor by programs.
   const std::vector<Pose>& moving() const { return X_SO_; }
 
-  // X_SO of each object at the time set last; of the object that is held, the one of the scene file.
+  // X_SO of each object at the time set last; the identity, as in the scene file, for the object that is held.
   std::vector<Pose> poses() const;
 
   // The number of the object that is held; -1: none.
@@ -81,8 +81,8 @@ class MovedObjects {
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
   std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // as drawn; none: as the mesh is
   KnownShapes shapes_;
-  std::vector<std::optional<KnownShapes::Place>> shape_places_;  // by object, at the time set last; none: programs do not deform it
-  std::vector<std::optional<KnownShapes::Place>> drawn_shapes_;  // likewise, but as drawn
+  std::vector<std::optional<KnownShapes::Place>> shape_places_;  // by object, the last one known; none: not known, or never deformed
+  std::vector<std::optional<KnownShapes::Place>> drawn_shapes_;  // likewise, as drawn
 };
 
 }  // namespace hapton

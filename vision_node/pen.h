@@ -14,8 +14,8 @@ namespace hapton {
 enum class PenMode : std::uint8_t { off, draw, measure };
 
 struct PenSettings {
-  std::uint32_t draw_buttons = 0;     // of the stylus, one bit each; 0: none
-  std::uint32_t measure_buttons = 0;  // the same for an end of a measure
+  std::uint32_t draw_buttons = 0;     // buttons of the stylus that draw, one bit each; 0: none
+  std::uint32_t measure_buttons = 0;  // buttons that set an end of a measure, likewise
   double bound_m = 1e-4;              // largest distance of a stroke from the touched points (StrokeThinner), m: not visible
 };
 
@@ -93,7 +93,7 @@ class Pen {
   std::int32_t object_ = -1;
   std::uint32_t facet_ = 0;  // facet of the last point of the stroke
   std::optional<AnnotationPoint> first_end_;
-  std::size_t points_ = count_points(annotations_);  // of all entries
+  std::size_t points_ = count_points(annotations_);  // points of all entries
   std::uint64_t revision_ = 1;
   std::uint64_t entries_revision_ = 1;
   std::optional<std::size_t> finished_;

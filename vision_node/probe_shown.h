@@ -18,7 +18,7 @@ struct ProbeSizes {
   double tool_radius_m = 0.0;  // radius of a rigid tool around its grip point; 0: there is none
 };
 
-// The sizes for a view.
+// The probe's sizes for a view.
 ProbeSizes scale_probe(const Framing& framing);
 
 // The probe as it is drawn: the tip is at device position + visual offset, so that it rests on the surface while the hand is below it

@@ -13,7 +13,7 @@ bool is_software_renderer(std::string_view name);
 
 // How large a picture a renderer can draw.
 struct RendererLimits {
-  // The largest picture of a renderer that draws with the processor: 7680x4320. A frame of that size takes tenths of a second and 2 GB.
+  // Most pixels of a picture that the processor draws: those of 7680x4320. A frame of that size takes tenths of a second and 2 GB.
   static constexpr double kMaxSoftwarePixels = 7680.0 * 4320.0;
 
   std::string renderer;

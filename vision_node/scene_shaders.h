@@ -15,9 +15,9 @@ inline std::string shader_head(std::size_t lights) {
   return fmt::format("#version 150\n#define LIGHTS {}\n#define LIT {}\n", lights, lights == 0 ? "vec2" : "mat2x3");
 }
 
-// Follows in every vertex shader of the scene: computes position and light of a vertex. The side of a triangle that is seen is lit: a share
-// of its own colour, and the highlight, whose power of 18 is computed by products. A light of the scene has a position in the eye's frame,
-// or a direction.
+// Comes next in every vertex shader of lit triangles: computes position and light of a vertex. The side of a triangle that is seen is lit:
+// a share of its own colour, and the highlight, whose power of 18 is computed by products. A light of the scene has a position in the eye's
+// frame, or a direction.
 inline constexpr std::string_view kLighting = R"(
 uniform mat4 to_clip, to_eye;
 uniform float haze_from, haze_to;

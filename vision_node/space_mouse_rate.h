@@ -15,7 +15,7 @@ class SpaceMouseRate {
   // now or at any time. The log says when it comes and goes.
   SpaceMouseRate(HidOpener opener, Vec3 SpaceMouseState::*axes, double full_per_s);
 
-  // How far that speed has gone since the last call; of a longer time than 0.1 s, only 0.1 s count.
+  // The movement at that speed since the last call; of a time longer than 0.1 s, only 0.1 s count.
   Vec3 take(std::int64_t now_ns);
 
  private:
