@@ -98,16 +98,15 @@ bool ProxyMethod::is_nearer_than_sphere(const Vec3& device) const noexcept {
 // room.
 bool ProxyMethod::sweep_past_slit(const Vec3& device) noexcept {
   constexpr double kSmaller = 0x1p-6;  // of the larger radius; the slop and tolerance of such a sweep are still above rounding
-  constexpr double kRoom = 0.75;       // of the larger radius: beyond the slop of sweeps (SweptMotion::keep_only)
-  for (const double share : {kSmaller, 1.0}) {
-    if (work_left_ <= 0) return false;
-    swept_.keep_only(share * sphere_.offset());
-    const bool has_settled = swept_.descend(proxy_, device, work_left_);
-    work_left_ -= swept_.work();
-    if (!has_settled) swept_.forget();
-    if (!has_settled || !is_nearer_than_sphere(device)) return false;
-  }
-  return proxy_.is_free || !is_nearer_to_surface(proxy_.position, kRoom * sphere_.offset());
+  constexpr double kRoom = 0.75;       // of the larger radius
+  if (work_left_ <= 0) return false;
+  swept_.keep_only(kSmaller * sphere_.offset());
+  const bool has_settled = swept_.descend(proxy_, device, work_left_);
+  work_left_ -= swept_.work();
+  if (!has_settled) swept_.forget();
+  if (!has_settled || proxy_.is_free) return has_settled;
+  clear_start();  // a sweep of the larger one would push it far aside where there is no room
+  return is_nearer_than_sphere(device) && !is_nearer_to_surface(proxy_.position, kRoom * sphere_.offset());
 }
 
 // Without work left it could only be interrupted, and would lose the contacts. A point is then carried, a few times in a motion and at
