@@ -120,6 +120,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
     return;
   }
   const bool was_joined = state() == JoinState::joined && header.session == session_;
+  if (was_joined && !welcome.accepted && header.send_time_ns < accepted_at_ns_) return;  // overtaken by one that accepts this node
   if (header.session != session_) {
     retired_session_ = session_ != 0 ? session_ : retired_session_;
     session_ = header.session;
@@ -132,6 +133,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
   }
   tracker_.track(header.sender, header.sequence, !was_joined);
   has_hub_left_ = false;
+  accepted_at_ns_ = was_joined ? std::max(accepted_at_ns_, header.send_time_ns) : header.send_time_ns;
   state_ = JoinState::joined;
   counts_.joins += was_joined ? 0 : 1;
 }

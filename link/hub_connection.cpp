@@ -36,7 +36,7 @@ Result<std::unique_ptr<HubConnection>> HubConnection::open(NodeRole role, const 
   if (!key) return tl::unexpected(key.error());
   auto endpoint = open_udp_endpoint(any_address_like(*hub));
   if (!endpoint) return tl::unexpected(endpoint.error());
-  std::unique_ptr<HubConnection> connection(new HubConnection(*hub));
+  std::unique_ptr<HubConnection> connection(new HubConnection(*hub, role));
   connection->endpoint_ = std::move(*endpoint);
   SealedClient::Options sealing;
   if (settings.has_worker) sealing.worker = AgreementWorker::Where::own_thread;
@@ -56,6 +56,8 @@ Result<void> HubConnection::wait_until_joined(double seconds) {
   }
   if (client_->state() == JoinState::joined) return {};
   if (client_->state() == JoinState::rejected) {
+    if (role_ != NodeRole::haptics)
+      return fail("the hub at {} has no room for another program; stop one of those that joined it", to_string(hub_));
     return fail("the hub at {} has a haptics node already; stop that one first", to_string(hub_));
   }
   return fail("no reply from a hub at {}; start io_node there, give another address, or give the hub's key", to_string(hub_));

@@ -34,9 +34,10 @@ class HubConnection {
   Result<void> wait_until_joined(double seconds);
 
  private:
-  explicit HubConnection(const Address& hub) : hub_(hub) {}
+  HubConnection(const Address& hub, NodeRole role) : hub_(hub), role_(role) {}
 
   Address hub_;
+  NodeRole role_;
   SteadyClock clock_;
   std::unique_ptr<Endpoint> endpoint_;
   std::unique_ptr<SealedClient> sealed_;

@@ -4,6 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "core/force/force_fade.h"
+
 namespace hapton {
 namespace {
 
@@ -71,7 +73,7 @@ void CallGuard::cut(const CutOff& cut_off) noexcept {
 
 PluginForce CallGuard::fade(double dt_s) noexcept {
   if (share_ <= 0.0) return {};
-  share_ -= dt_s / kFadeS;
+  share_ -= std::min(dt_s, ForceFade::kMaxStepS) / kFadeS;
   if (share_ <= 0.0) return {};
   return {.force_n = share_ * last_.force_n, .torque_nm = share_ * last_.torque_nm};
 }

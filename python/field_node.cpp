@@ -24,6 +24,7 @@ FieldNode::~FieldNode() { stop(); }
 
 void FieldNode::stop() {
   is_stopping_.store(true);
+  const std::scoped_lock lock(stop_mutex_);
   if (thread_.joinable()) thread_.join();
   link_.reset();
 }

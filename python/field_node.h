@@ -83,6 +83,7 @@ class FieldNode {
   std::int64_t histogram_ns_ = 0;
 
   std::atomic<bool> is_stopping_{false};
+  std::mutex stop_mutex_;  // of two threads that close this at once, one waits for the other
   std::thread thread_;
 };
 

@@ -35,6 +35,7 @@ LiveClient::~LiveClient() { stop(); }
 
 void LiveClient::stop() {
   is_stopping_.store(true);
+  const std::scoped_lock lock(stop_mutex_);
   if (thread_.joinable()) thread_.join();
   connection_.reset();
   is_joined_.store(false);

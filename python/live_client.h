@@ -92,6 +92,7 @@ class LiveClient {
   ShapeOutbox shapes_;
   std::atomic<bool> is_joined_{true};
   std::atomic<bool> is_stopping_{false};
+  std::mutex stop_mutex_;  // of two threads that close this at once, one waits for the other
   std::thread thread_;
 };
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -21,8 +22,15 @@ std::uint64_t mix(std::uint64_t h) {
   return h ^ (h >> 33);
 }
 
-std::uint64_t hash(const Vec3& p) {
-  std::uint64_t h = 0;
+// Differs from one process to the next, so that no file can be made whose vertices all come to the same slot. What is welded does not
+// depend on it.
+std::uint64_t random_start() {
+  static const std::uint64_t start = mix((std::uint64_t{std::random_device{}()} << 32) + std::random_device{}());
+  return start;
+}
+
+std::uint64_t hash(const Vec3& p, std::uint64_t start) {
+  std::uint64_t h = start;
   for (int axis = 0; axis < 3; ++axis) h = mix(h + std::bit_cast<std::uint64_t>(p[axis]));
   return h;
 }
@@ -57,10 +65,11 @@ void weld_vertices(TriangleMesh& mesh) {
   // Open addressing, at most half full.
   std::vector<std::uint32_t> slots(std::bit_ceil(2 * mesh.vertices.size() + 1), kNone);
   const std::size_t mask = slots.size() - 1;
+  const std::uint64_t start = random_start();
   std::array<std::size_t, kAhead> home = {};
   const auto foresee = [&](std::size_t v) {
     if (v >= mesh.vertices.size()) return;
-    home[v % kAhead] = hash(mesh.vertices[v]) & mask;
+    home[v % kAhead] = hash(mesh.vertices[v], start) & mask;
     __builtin_prefetch(&slots[home[v % kAhead]], 1);
   };
   for (std::size_t v = 0; v < kAhead; ++v) foresee(v);

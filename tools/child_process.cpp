@@ -75,7 +75,7 @@ std::optional<int> ChildProcess::wait(double seconds) {
   constexpr std::int64_t kCheckNs = 5 * kNanosecondsPerMillisecond;  // between two checks whether the child has ended; a free choice
   SteadyClock clock;
   const double end_ns = static_cast<double>(clock.now_ns()) + 1e9 * seconds;
-  while (!exit_code_) {
+  while (!exit_code_ && pid_ > 0) {
     int status = 0;
     const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
     if (ended == pid_ || (ended < 0 && errno != EINTR)) {
@@ -91,13 +91,13 @@ std::optional<int> ChildProcess::wait(double seconds) {
 }
 
 void ChildProcess::kill() {
-  if (exit_code_) return;
+  if (exit_code_ || pid_ <= 0) return;  // moved from: to -1 a signal goes to every process
   ::kill(pid_, SIGKILL);
   wait(5.0);
 }
 
 int ChildProcess::stop(double seconds) {
-  if (!exit_code_) {
+  if (!exit_code_ && pid_ > 0) {
     ::kill(pid_, SIGTERM);
     if (!wait(seconds)) kill();
   }

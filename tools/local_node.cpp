@@ -133,7 +133,7 @@ Result<LocalRelay> start_local_relay(const std::filesystem::path& folder, const 
 }
 
 Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {
-  if (std::getenv("DISPLAY") != nullptr) return {};
+  if (const char* display = std::getenv("DISPLAY"); display != nullptr && *display != '\0') return {};
   auto started =
       LocalNode::start(folder, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
   if (!started) {

@@ -85,6 +85,10 @@ Result<Texels> decode_jpeg(const TextureImage& image) {
   const int* size = data->GetDimensions();
   const bool is_read = reader->GetErrorCode() == 0 && size[0] == width && size[1] == height && data->GetScalarPointer() != nullptr;
   if (!is_read || data->GetScalarType() != VTK_UNSIGNED_CHAR) return tl::unexpected(broken(image));
+  const int components = data->GetNumberOfScalarComponents();
+  if (components != 1 && components != 3) {
+    return fail("texture {}: is a JPEG with {} components (CMYK?): save it in RGB or grey", name_of(image), components);
+  }
   return copy_texels(data);
 }
 

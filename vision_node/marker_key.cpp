@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "link/marker_request.h"
+#include "runtime/log.h"
 
 namespace hapton {
 
@@ -12,7 +13,11 @@ void MarkerKey::press(std::int64_t now_ns) {
 }
 
 std::optional<Marker> MarkerKey::take_due(std::int64_t now_ns) {
-  std::erase_if(waiting_, [&](const Waiting& one) { return now_ns >= one.end_ns; });
+  std::erase_if(waiting_, [&](const Waiting& one) {
+    if (now_ns < one.end_ns) return false;
+    log_warning("{} not marked: no reply from the hub", one.marker.text.data());
+    return true;
+  });
   const auto due = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& one) { return now_ns >= one.next_ns; });
   if (due == waiting_.end()) return std::nullopt;
   due->next_ns = now_ns + kRepeatNs;

@@ -105,11 +105,16 @@ Result<std::vector<double>> read_times(const Document& document, const Json& sam
   return times;
 }
 
+tl::unexpected<Error> too_many_numbers(const std::string& where) {
+  return fail("{}: the channels of all animations have more numbers than the file can be meant to have: {}", where, kExportAgain);
+}
+
 // A row of `width` numbers at each time: one item of that type, or for SCALARs `width` of them, as weights have them [3.11].
 Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, const std::string& where, const char* type,
                                  std::size_t width, AnimationBudget& budget) {
   auto times = read_times(document, sampler, where);
   if (!times) return tl::unexpected(times.error());
+  if (!budget.take_numbers(times->size())) return too_many_numbers(where);
   const bool is_scalar = std::string_view(type) == "SCALAR";
   const auto output = read_accessor(document, member(sampler, "output"), where + ".output", type, is_scalar ? 1 : width);
   if (!output) return tl::unexpected(output.error());
@@ -121,9 +126,7 @@ Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, 
   if (!is_scalar && output->count != rows) {
     return fail("{} has {} times and {} values: {}", where, times->size(), output->count, kExportAgain);
   }
-  if (!budget.take_numbers(rows * (1 + width))) {
-    return fail("{}: the channels of all animations have more numbers than the file can be meant to have: {}", where, kExportAgain);
-  }
+  if (!budget.take_numbers(rows * (1 + width) - times->size())) return too_many_numbers(where);
   std::vector<std::vector<double>> numbers(rows, std::vector<double>(width));
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t k = 0; k < width; ++k) {
@@ -191,6 +194,7 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
     const std::string from = fmt::format("{}.samplers[{}]", where, *index);
     if (path == "scale") {
       left_out.scales += is_scale_at_rest(document, sampler, nodes[*node], from, budget) ? 0 : 1;
+      if (!budget.take_numbers(0)) return too_many_numbers(from);
       continue;
     }
     const auto targets = morphs.find(*node);

@@ -78,12 +78,15 @@ Result<std::string_view> Buffers::buffer(const Json& index_json, const std::stri
   if (uri.is_null() && *index == 0 && binary_) {
     bytes = *binary_;
   } else {
-    auto loaded = loaded_.find(*index);
+    const std::string from = text_of(uri);
+    const std::string key =
+        from.empty() || from.starts_with("data:") ? name : std::filesystem::path(decode_percent(from)).lexically_normal().string();
+    auto loaded = loaded_.find(key);
     if (loaded == loaded_.end()) {
-      Result<std::string> read = load_buffer(text_of(uri), name);
+      Result<std::string> read = load_buffer(from, name);
       if (!read) return tl::unexpected(read.error());
       bytes_read_ += read->size();
-      loaded = loaded_.emplace(*index, std::move(*read)).first;
+      loaded = loaded_.emplace(key, std::move(*read)).first;
     }
     bytes = loaded->second;
   }

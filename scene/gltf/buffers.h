@@ -42,7 +42,7 @@ class Buffers {
   const Json& root_;
   std::optional<std::string_view> binary_;
   std::filesystem::path folder_;
-  std::map<std::size_t, std::string> loaded_;    // bytes of each buffer that is not in the GLB, by buffer
+  std::map<std::string, std::string> loaded_;    // bytes of each buffer that is not in the GLB, by file, or by its name if it is inline
   std::map<std::size_t, std::string> unfolded_;  // decompressed bytes, by buffer view
   std::size_t bytes_read_;
   std::size_t unfolded_bytes_ = 0;  // of all buffer views in unfolded_

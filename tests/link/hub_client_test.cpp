@@ -235,6 +235,25 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
   EXPECT_EQ(client_->counts().other_session, 2U);
 }
 
+// The hub rejected this node as long as another one had its slot; the network delivers that after the Welcome.
+TEST_F(HubClientTest, ARejectionThatAWelcomeHasOvertakenIsDropped) {
+  start_hub(1);
+  start_client();
+  run(200);
+  ASSERT_EQ(client_->state(), JoinState::joined);
+  Codec codec;
+  std::array<std::byte, kMaxDatagramBytes> bytes;
+  const auto reject_at = [&](std::int64_t sent_ns) {
+    const std::size_t size = codec.encode({{1, 5, 1000, sent_ns}, Welcome{false, 1000.0}}, bytes);
+    hub_endpoint_->send(client_endpoint_->local_address(), std::span(bytes).first(size));
+    Datagram datagram;
+    client_->receive(datagram, 0);
+    return client_->state();
+  };
+  EXPECT_EQ(reject_at(1), JoinState::joined);
+  EXPECT_EQ(reject_at(clock_.now_ns()), JoinState::rejected);
+}
+
 TEST_F(HubClientTest, ListensToTheHubsAddressOnly) {
   start_hub(1);
   start_client();

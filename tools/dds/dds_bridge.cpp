@@ -159,6 +159,8 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
 
   const auto rights = enter_realtime({.mode = settings.realtime, .priority = kPublisherPriority, .lock_memory = false});
   if (!rights) return tl::unexpected(rights.error());
+  const RealtimeReport& realtime = *replier != nullptr ? (*replier)->realtime() : *rights;  // forces ask for more
+  if (!realtime.complete()) say(realtime.to_text());
   HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
   const std::int64_t start_ns = clock.now_ns();

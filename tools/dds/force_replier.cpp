@@ -17,7 +17,11 @@ Result<std::unique_ptr<ForceReplier>> ForceReplier::start(RosNode& node, const S
   auto connection = HubConnection::open(NodeRole::haptics, settings.hub);
   if (!connection) return tl::unexpected(connection.error());
   if (const auto joined = (*connection)->wait_until_joined(kReplierPatienceS); !joined) return tl::unexpected(joined.error());
-  return std::unique_ptr<ForceReplier>(new ForceReplier(node, settings, std::move(*connection)));
+  std::unique_ptr<ForceReplier> replier(new ForceReplier(node, settings, std::move(*connection)));
+  auto rights = replier->rights_.get_future().get();
+  if (!rights) return tl::unexpected(rights.error());
+  replier->realtime_ = std::move(*rights);
+  return replier;
 }
 
 ForceReplier::ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection)
@@ -47,8 +51,10 @@ void ForceReplier::take_commands() {
 }
 
 void ForceReplier::run(RealtimeMode realtime) {
-  // What is denied was said by the publisher, which asks for less.
-  (void)enter_realtime({.mode = realtime});
+  auto rights = enter_realtime({.mode = realtime});
+  const bool has_begun = rights.has_value();
+  rights_.set_value(std::move(rights));
+  if (!has_begun) return;
   HubClient& client = connection_->client();
   const Clock& clock = connection_->clock();
   Datagram datagram;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -26,12 +27,15 @@ class ForceReplier {
     std::string frame;
     RealtimeMode realtime = RealtimeMode::attempt;
   };
-  // Error, one line: no hub, no right to join, or the hub already has a haptics node. Pre: node takes forces and outlives this.
+  // Error, one line: no hub, no right to join, the hub already has a haptics node, or real time is required and denied. Pre: node takes
+  // forces and outlives this.
   static Result<std::unique_ptr<ForceReplier>> start(RosNode& node, const Settings& settings);
   ~ForceReplier();
   ForceReplier(const ForceReplier&) = delete;
   ForceReplier& operator=(const ForceReplier&) = delete;
 
+  // What the system has granted to the thread that computes forces.
+  const RealtimeReport& realtime() const noexcept { return realtime_; }
   // Ends the thread and leaves the hub, which then releases the force.
   void stop();
   // Pre, for both: stop() was called.
@@ -51,6 +55,8 @@ class ForceReplier {
   ServoForce force_;
   ForceCommand command_;
   std::uint64_t replies_ = 0;
+  std::promise<Result<RealtimeReport>> rights_;  // of the thread, once it has begun
+  RealtimeReport realtime_;
   std::atomic<int> warning_{-1};
   std::atomic<bool> is_stopping_{false};
   std::thread thread_;

@@ -148,7 +148,7 @@ class RuleWalk {
     if (token.key == "GOTO") label_ = token.value;
     if (token.key.starts_with("ENV{")) env_[token.key.substr(4, token.key.size() - 5)] = token.value;
     if (token.key == "GROUP") rule_.group = token.value;
-    if (token.key == "TAG" && token.value == "uaccess") rule_.has_uaccess = true;
+    if (token.key == "TAG" && token.value == "uaccess") rule_.has_uaccess = token.op != "-=";
     const bool is_for_all = token.key == "MODE" && (token.value.ends_with('6') || token.value.ends_with('7'));
     if (token.key == "GROUP" || (token.key == "TAG" && token.value == "uaccess") || is_for_all) rule_.file = file;
   }

@@ -47,7 +47,8 @@ std::string ratio_text(const nlohmann::ordered_json& pair) {
 }  // namespace
 
 Result<nlohmann::ordered_json> read_report_json(const std::filesystem::path& path) {
-  const auto file_path = std::filesystem::is_directory(path) ? path / "report.json" : path;
+  std::error_code ignored;
+  const auto file_path = std::filesystem::is_directory(path, ignored) ? path / "report.json" : path;
   const auto text = read_regular_file(file_path, "a run with --out writes it", kMaxReportBytes);
   if (!text) return tl::unexpected(text.error());
   auto json = nlohmann::ordered_json::parse(*text, nullptr, false);

@@ -79,6 +79,8 @@ Result<void> change(const LoopFlags& flags, DeviceModel& device) {
 
 Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
   if (!flags.device.empty()) return fail("--device and --mass-kg exclude each other: --mass-kg is the mass of device and hand together");
+  if (flags.hand != LoopFlags().hand)
+    return fail("--hand and --mass-kg exclude each other: --mass-kg is the mass of device and hand together");
   if (!flags.damping_ns_per_m) return fail("--mass-kg needs --damping-ns-per-m, of device and hand together");
   NamedLoop loop;
   loop.device = "own";

@@ -41,11 +41,11 @@ Result<CycleCounts> write_cycle_csv(SessionReader& reader, const std::filesystem
       add_all(reader, table, [&](const SessionEntry& entry, const Datagram* datagram) { shapes.add(entry, datagram); });
   if (const auto closed = file->close(); !closed) return tl::unexpected(closed.error());
   auto moved = write_rows(path.parent_path() / "moves.csv", changes.moves(), move_columns(), "name",
-                          [](const RecordedMove& one) { return csv_cell(one.move.name.data()); });
+                          [](const RecordedMove& one) { return csv_cell(whole_text(one.move.name.data())); });
   if (!moved) return tl::unexpected(moved.error());
   const auto name_of = [&](const RecordedCarve& one) {
     const auto object = static_cast<std::size_t>(one.carve.object);
-    return object < names.size() ? csv_cell(names[object].object) : std::string();
+    return object < names.size() ? csv_cell(whole_text(names[object].object)) : std::string();
   };
   auto carved = write_rows(path.parent_path() / "carves.csv", changes.carves(), carve_columns(), "name", name_of);
   if (!carved) return tl::unexpected(carved.error());

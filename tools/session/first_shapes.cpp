@@ -9,7 +9,7 @@ void FirstShapes::add(std::uint64_t sender, const ForceCommand& force) {
   if (own.first) return;
   own.first = force.shape_serial;
   own.shapes.erase(own.shapes.upper_bound(force.shape_serial), own.shapes.end());
-  std::erase_if(own.starts, [&](const auto& one) { return one.first.second > force.shape_serial; });
+  std::erase_if(own.starts, [&](const auto& one) { return one.first.first > force.shape_serial; });
 }
 
 void FirstShapes::add(std::uint64_t sender, const ObjectShape& shape) {
@@ -22,7 +22,7 @@ void FirstShapes::add(std::uint64_t sender, const ObjectShape& shape) {
 void FirstShapes::add(std::uint64_t sender, const ShapeStart& start) {
   Sender& own = senders_[sender];
   if (own.first && start.serial > *own.first) return;
-  own.starts[{start.object, start.serial}] = start;
+  own.starts[{start.serial, start.object}] = start;
   if (own.starts.size() > kMaxEarly) own.starts.erase(own.starts.begin());
 }
 

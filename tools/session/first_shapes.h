@@ -15,10 +15,11 @@ namespace hapton {
 // (decision 208). A first pass over the recording adds the messages, each with the sender of its datagram. RT: no. Threads: one.
 class FirstShapes {
  public:
+  // Shapes and starts in the order of their serials, so that the oldest come first.
   struct Sender {
     std::optional<std::uint32_t> first;                                        // shape_serial of its first force; none: not there yet
     std::map<std::uint32_t, ShapeParts> shapes = {};                           // by serial
-    std::map<std::pair<std::int32_t, std::uint32_t>, ShapeStart> starts = {};  // by object and serial
+    std::map<std::pair<std::uint32_t, std::int32_t>, ShapeStart> starts = {};  // by serial and object
   };
 
   void add(std::uint64_t sender, const ForceCommand& force);
@@ -29,8 +30,8 @@ class FirstShapes {
   const Sender* find(std::uint64_t sender) const;
 
  private:
-  // The most shapes, and the most starts, that are kept for a sender. Of shapes the oldest is dropped; of starts the oldest of the lowest
-  // object. Before the first force tells which serials count, a damaged or hostile file may have any number of them. A free choice.
+  // The most shapes, and the most starts, that are kept for a sender; the oldest is dropped. Before the first force tells which serials
+  // count, a damaged or hostile file may have any number of them. A free choice.
   static constexpr std::size_t kMaxEarly = 64;
 
   std::map<std::uint64_t, Sender> senders_;

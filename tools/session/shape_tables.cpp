@@ -50,7 +50,7 @@ Result<void> ShapeTables::write(const RecordedShape& shape) {
   }
   const auto object = static_cast<std::size_t>(shape.start.object);
   add_line(*table_, csv_numbers(shape_columns(), shape) + (shape.row ? array_name(shape) : "") + ',' +
-                        (object < names_.size() ? csv_cell(names_[object].object) : "") + '\n');
+                        (object < names_.size() ? csv_cell(whole_text(names_[object].object)) : "") + '\n');
   ++rows_;
   return {};
 }
