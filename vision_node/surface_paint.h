@@ -9,9 +9,9 @@
 
 namespace hapton {
 
-// The mesh itself as one level, painted: a vertex for each place and paint, so that where colours or images meet, two vertices lie in one
-// place. colour: sRGB, of what has none of its own. layer_of: for each image of the look the layer of texture it is in, from 1; 0: none.
-// Pre: the look has as many triangles as the mesh. RT: set-up only.
+// Makes a level of the mesh in full detail, with paint: one vertex for each pair of mesh vertex and paint, so that two vertices are at the
+// same point where colours or images meet. colour: sRGB, for surfaces without a colour or image of their own. layer_of: for each image of
+// the appearance its layer in the texture, from 1; 0: none. Pre: appearance has as many triangles as the mesh. RT: set-up only.
 DetailLevel make_painted_level(const TriangleMesh& mesh, const DetailFrame& frame, const MeshAppearance& appearance, const Vec3& colour,
                                const std::vector<std::uint8_t>& layer_of);
 

@@ -7,27 +7,27 @@
 
 namespace hapton {
 
-// Makes the shapes of teaching views, and what they are made from, in a thread of its own: no frame waits for it, nor does the end of the
-// builder. The thread then ends after what it is making. Threads: all calls from one. RT: no.
+// Makes the shapes of teaching views, and the data that they need, in a thread of its own. No frame waits for that thread, nor does the
+// destructor: the thread then ends once it has finished the shapes that it is making. Threads: all calls from one thread. RT: no.
 class TeachBuilder {
  public:
-  // The objects as the scene file has them.
+  // scene: the objects where the scene file places them.
   explicit TeachBuilder(TouchScene scene);
   ~TeachBuilder();
   TeachBuilder(const TeachBuilder&) = delete;
   TeachBuilder& operator=(const TeachBuilder&) = delete;
 
-  // Only the newest request counts. Pre: not off.
+  // Requests shapes. A request that has not begun yet is replaced. Pre: choice.view is not off.
   void request(const TeachChoice& choice, const TeachProbe& probe);
-  // A request has not got a reply yet.
+  // True: a request waits, or its shapes are being made.
   bool is_busy();
-  // The shapes made since the last call; empty: none.
+  // The newest shapes made since the last call; empty: none.
   std::optional<TeachShapes> take_made();
   // Levels of the tree; 0: not built yet.
   int tree_depth();
 
  private:
-  // Of the builder and its thread, which may outlive it.
+  // Shared by the builder and its thread, which may outlive the builder.
   class Work;
   std::shared_ptr<Work> work_;
   bool is_started_ = false;

@@ -11,20 +11,20 @@ namespace hapton {
 enum class TeachView { off, contact, local_set, tree, grid, curvature };
 
 struct TeachChoice {
-  static constexpr int kDeepest = 20;  // level of the tree that may be given; a free choice
+  static constexpr int kDeepest = 20;  // largest level that parse_teach() accepts; a free choice
 
   TeachView view = TeachView::off;
-  int level = 2;  // of the tree: 0 is that below the root
+  int level = 2;  // shown level of the tree; 0: the children of the root
   friend bool operator==(const TeachChoice&, const TeachChoice&) = default;
 };
 
-// "contact", "local-set", "tree", "tree:LEVEL", "grid", "curvature" or "off". Error: one line.
+// text: "contact", "local-set", "tree", "tree:LEVEL", "grid", "curvature" or "off". Error: one line.
 Result<TeachChoice> parse_teach(std::string_view text);
-// In the order of the list above, then off again.
+// The next view in the order of TeachView; after the last one: off.
 TeachChoice next_teach(TeachChoice choice);
-// One level deeper; from the deepest to 0.
+// One level deeper; after the deepest one: 0. depth: the number of levels (TeachBuilder::tree_depth).
 TeachChoice next_level(TeachChoice choice, int depth);
-// "local set"; empty: off.
+// The name for people, such as "local set"; empty: off.
 std::string_view teach_name(TeachView view);
 
 }  // namespace hapton
