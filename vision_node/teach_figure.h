@@ -12,8 +12,8 @@
 
 namespace hapton {
 
-// The shapes of a teaching view as VTK actors, and the scale of their colours at the left of each picture. Triangles on the
-// surface are drawn a little nearer to the eye, lines a little more; what is behind the scene is hidden. RT: no.
+// The shapes of a teaching view as VTK actors, and the scale of their colours at the left edge of each picture. Triangles are drawn
+// a little nearer to the eye than the surface that they lie on, and lines nearer still; the scene hides what is behind it. RT: no.
 class TeachFigure {
  public:
   TeachFigure();

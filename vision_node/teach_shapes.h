@@ -26,15 +26,15 @@ struct TeachTriangle {
   std::array<Vec3, 3> corner;
   std::array<TeachColour, 3> colour;
 };
-// A scale of colours beside the picture: from low through zero to high.
+// A scale of colours at the left edge of the picture: from low through zero to high.
 struct TeachLegend {
-  double most = 0.0;  // it goes from -most to most
+  double most = 0.0;  // the scale goes from -most to most
   std::string unit;
 };
 
 // What a teaching view draws. Frame S, metres.
 struct TeachShapes {
-  TeachChoice choice;  // that they were made for
+  TeachChoice choice;  // the view that the shapes were made for
   std::vector<TeachLine> lines;
   std::vector<TeachTriangle> triangles;
   std::optional<TeachLegend> legend;
@@ -48,35 +48,35 @@ struct TeachProbe {
   Vec3 force_S_n = Vec3::Zero();
   bool is_contact = false;
   double radius_m = 0.0;
-  int set_size = 64;  // of the local set
+  int set_size = 64;  // number of triangles of the local set
 };
 
-// However many triangles a scene has, no view draws more than these, the nearest to the probe.
+// However many triangles a scene has, show_tree() and show_curvature() draw at most so many hulls and triangles, the nearest to the probe.
 constexpr std::size_t kMaxTeachHulls = 1'000;
 constexpr std::size_t kMaxTeachTriangles = 60'000;
-// The memo's division of the world.
+// The number of cells of the grid along each axis, as in the memo.
 constexpr int kTeachCells = 32;
 
-// Triangles within the tolerance of the probe, the planes and normals of their closest points, penetration and force.
+// The triangles in contact with the probe (within a tolerance), a plane and normal for each flat face of them, and the penetration vector.
 TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe);
-// The set that the slow task of the FDH paper sends for a probe at rest there, by the same function.
+// The local set that the slow task of `smooth` would send for a probe at rest at p_SP, selected by the same function.
 TeachShapes show_local_set(const SmoothScene& scene, const TeachProbe& probe);
-// The Fixed Direction Hulls at one level of that task's tree.
+// The Fixed Direction Hulls at one level of the tree of `smooth`; level 0: the children of the root.
 TeachShapes show_tree(const SmoothScene& scene, const TeachProbe& probe, int level);
 
 // The memo's grid over all triangles of a scene. Error: see UniformGrid::make.
 Result<UniformGrid> make_teach_grid(const TouchScene& scene);
-// Edges of its occupied cells, each once, and the probe's cell.
+// The edges of the grid's occupied cells, each once, and the cell of the probe.
 TeachShapes show_grid(const UniformGrid& grid, const TeachProbe& probe);
 
-// Curvatures of all vertices, with the scale for their colours: 95 of 100 known ones are within it.
+// Mean curvature of all vertices, with the scale for their colours: 95 % of the known values are from -most to most.
 struct TeachCurvature {
-  std::vector<std::vector<double>> of;  // by object and vertex, 1/m
+  std::vector<std::vector<double>> of;  // of each vertex of each object, 1/m; not finite: not known
   double most = 0.0;
 };
 TeachCurvature find_curvature(const TouchScene& scene);
 TeachShapes show_curvature(const TouchScene& scene, const TeachCurvature& curvature, const TeachProbe& probe);
-// From blue (hollow) through light grey to red (convex); yellow: not known.
+// The colour of a curvature: from blue (hollow) through light grey to red (convex); yellow: not known.
 TeachColour curvature_colour(double curvature, double most);
 
 }  // namespace hapton

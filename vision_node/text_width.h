@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// The width of a line of text as VTK draws it, pixels. RT: no.
+// The width of a line of text in pixels when VTK draws it with these text properties. RT: no.
 double measure_text_width_px(vtkTextProperty* look, std::string_view line);
 
 }  // namespace hapton

@@ -11,19 +11,19 @@
 
 namespace hapton {
 
-// The images of a mesh on the graphics side, one layer each, all of one size, so that a mesh of many images is still drawn at once. An
-// image repeats beyond its edges. Threads: the window's; its context is current, at the end as well.
+// The images of a mesh as the layers of one OpenGL texture, all of the same size, so that a mesh with many images is still drawn at once.
+// Beyond its edges an image repeats. Threads: the window's, with its context current, also in the destructor.
 class TextureLayers {
  public:
-  // Of the images that the look's materials use. Those that cannot be decoded have no layer; notes says why. Null: there are none.
+  // One layer for each image that the materials use, at most 255. An image that cannot be decoded has none; notes says why. Null: no layer.
   static std::unique_ptr<TextureLayers> make(const MeshAppearance& appearance, std::vector<std::string>& notes);
   ~TextureLayers();
   TextureLayers(const TextureLayers&) = delete;
   TextureLayers& operator=(const TextureLayers&) = delete;
 
-  // Of each image of the look; from 1, 0: none.
+  // The layer of each image of the appearance, from 1; 0: none.
   const std::vector<std::uint8_t>& layer_of() const { return layer_of_; }
-  // For the next drawing, in the active texture unit. unit(): its number.
+  // Binds the texture to the active texture unit, for what is drawn next. unit(): the number of that unit.
   void bind() const;
   static void unbind();
   static int unit();
@@ -34,11 +34,11 @@ class TextureLayers {
   std::vector<std::uint8_t> layer_of_;
 };
 
-// The layers of a scene's objects: those whose materials use the same images share them, as instances and parts of one file do. Threads: as
-// TextureLayers.
+// The layers of a scene's objects. Objects whose materials use the same images share their layers, as instances and parts of one file do.
+// Threads: see TextureLayers.
 class SharedTextures {
  public:
-  // As TextureLayers::make; notes: the first time only. Pre: not null.
+  // See TextureLayers::make; notes: nothing is added for layers that exist already. Pre: appearance is not null.
   std::shared_ptr<const TextureLayers> make(std::shared_ptr<const MeshAppearance> appearance, std::vector<std::string>& notes);
 
  private:

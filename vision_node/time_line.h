@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// The line at the bottom of the picture that stands for a whole recording. Places on it are shares of its length, 0 to 1.
+// The line at the bottom of the picture that stands for a whole recording. Positions on it are shares of its length, 0 to 1.
 struct TimeLineShown {
   struct Band {
     double from = 0.0;
@@ -28,11 +28,11 @@ struct TimeLineShown {
   friend bool operator==(const TimeLineShown&, const TimeLineShown&) = default;
 };
 
-// The largest number of bands, and of ticks of each kind, for any duration: more would be nearer to each other than a pixel.
+// The largest number of bands, and of ticks of each kind, for any duration: with more, two would be less than a pixel apart.
 constexpr int kTimeLineColumns = 2000;
 TimeLineShown make_time_line(const RecordingIndex& index);
 
-// Share of the line at a moment, 0 to 1; 0 where the recording has no duration.
+// The share of the line at a time of the recording, 0 to 1 (0 if the recording has no duration), and the time at a share.
 double find_time_line_share(const RecordingIndex& index, double t_s);
 double find_time_line_moment(const RecordingIndex& index, double share);
 
@@ -41,16 +41,16 @@ struct TimeLinePlace {
   double left_px = 0.0;
   double width_px = 0.0;
   double bottom_px = 0.0;
-  double height_px = 0.0;              // of the line itself
-  double reserve_px = 0.0;             // of the picture's lower edge: a press in there is on the line
-  double share_at(double x_px) const;  // 0 to 1, also beside the line
+  double height_px = 0.0;              // height of the line itself
+  double reserve_px = 0.0;             // height of the strip at the lower edge in which a press counts as a press on the line
+  double share_at(double x_px) const;  // 0 to 1; beside the line 0 or 1
 };
 TimeLinePlace place_time_line(PictureSize size);
 
-// "1:02:03.4", "2:03.456": as many decimals as given.
+// A time for people: "1:02:03.4", "2:03.456". decimals: of the seconds.
 std::string describe_time(double t_s, int decimals = 1);
 
-// The marks after and before a moment. Null: none. A mark within 1 us of the moment is at it.
+// The first mark after a time and the last one before it, without a mark within 1 us of that time. Null: there is none.
 const RecordingMark* find_next_mark(const RecordingIndex& index, double t_s);
 const RecordingMark* find_previous_mark(const RecordingIndex& index, double t_s);
 

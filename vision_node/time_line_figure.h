@@ -17,7 +17,7 @@ namespace hapton {
 class TimeLineFigure {
  public:
   void add_to(vtkRenderer* renderer);
-  // line: none hides it. moment: position of the shown moment, 0 (begin) to 1 (end). size: of the image, pixels.
+  // line: none hides the figure. moment: position of the shown moment, 0 (begin) to 1 (end). size: of the image, pixels.
   void set(const std::optional<TimeLineShown>& line, double moment, PictureSize size);
 
  private:
