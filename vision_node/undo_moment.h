@@ -9,29 +9,29 @@
 
 namespace hapton {
 
-// When something was done among the carves, of which a vision node knows two lists: that of haptics_node, in which a serial says when a
-// carve was made, and the presses of the annotation file, in the order in which they were made. Only the latter outlives both programs.
+// The moment of an action: which carves were made before it. A vision node knows two lists of carves: that of haptics_node, ordered by
+// serials, and the presses of the annotation file, in the order in which they were made. Only the file outlives both programs.
 struct UndoMoment {
-  std::size_t saved = 0;     // so many presses of the file were made before
-  std::uint32_t source = 0;  // of haptics_node's list then (Carves); 0: none had come
-  std::uint32_t serial = 0;  // the newest in it
+  std::size_t saved = 0;     // number of presses of the file that were made before
+  std::uint32_t source = 0;  // Carves::source of haptics_node's list at that moment; 0: no list had arrived
+  std::uint32_t serial = 0;  // the newest serial in that list at that moment
 
   friend bool operator==(const UndoMoment&, const UndoMoment&) = default;
 };
 
-// Moments among the carves of haptics_node's list. RT: no.
+// Finds where moments lie in haptics_node's list of carves. RT: no.
 class CarveMoments {
  public:
-  // source: of the list. saved: the presses of the file; they are found in the list by their places. Time: that of both lists, if the file
-  // has presses.
+  // source: Carves::source of the list. saved: the presses of the file; they are recognised in the list by object and beginning of a carve.
+  // Takes time in proportion to both lists if the file has presses.
   CarveMoments(const CarveList& list, std::uint32_t source, const std::vector<CarvedPress>& saved);
 
-  // The largest serial in the list of what was carved before that moment; 0: nothing was.
+  // The largest serial in the list among the carves made before that moment; 0: there is none.
   std::uint32_t find_serial(const UndoMoment& moment) const;
 
  private:
   std::uint32_t source_;
-  std::vector<std::uint32_t> serials_;  // by presses of the file: the last one of that many
+  std::vector<std::uint32_t> serials_;  // [n]: the last serial of the first n presses of the file; 0: none
 };
 
 }  // namespace hapton

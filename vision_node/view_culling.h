@@ -11,17 +11,17 @@ namespace hapton {
 // Which sides of triangles are drawn.
 enum class DrawnSides : std::uint8_t { both, fronts, backs };
 
-// The visibility of a level's clusters for an eye. All in the level's frame U, made once for each eye and picture. RT: no.
+// Decides which clusters of a level an eye may see. Make one for each eye and picture. Frame: U of the level. RT: no.
 class ViewCulling {
  public:
-  // clip: U to clip coordinates; p_UE: the eye.
+  // clip: from U to clip coordinates; p_UE: position of the eye.
   ViewCulling(const Mat4& clip, const Vec3& p_UE, DrawnSides sides);
 
-  // False if no triangle of the cluster is in the picture; true may be wrong.
+  // False: no triangle of the cluster is seen in the picture. True: some may be seen, but need not be.
   bool may_see(const DetailCluster& cluster) const;
 
  private:
-  std::array<Eigen::Vector4f, 6> planes_;  // normal inwards, of length 1
+  std::array<Eigen::Vector4f, 6> planes_;  // of the frustum, with normals inwards, of length 1
   Vec3f p_UE_;
   DrawnSides sides_;
 };

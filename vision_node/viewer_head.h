@@ -6,18 +6,18 @@
 
 namespace hapton {
 
-// Where the viewer's head is: where it was at first, or where a tracker says, moved on by keys. Always possible (is_possible()). Frame R,
-// metres: see Head. RT: no.
+// The pose of the viewer's head: its pose at the start, or the one that a tracker measured, plus the moves by keys. is_possible() is always
+// true for it. Frame R, metres: see Head. RT: no.
 class ViewerHead {
  public:
   // Pre: is_possible(start, ipd_m).
   ViewerHead(const Head& start, double ipd_m) : seen_(start), ipd_m_(ipd_m) {}
 
-  // A tracker's. Pre: possible.
+  // Sets the pose that a tracker measured. Pre: is_possible(head, ipd_m).
   void track(const Head& head) { seen_ = head; }
-  // Ignored where it would lead to an impossible place.
+  // Adds a move; ignores it if the head would then not be is_possible().
   void move(const Vec3& by_m);
-  // Takes all moves back.
+  // Undoes all moves.
   void reset() { moved_m_.setZero(); }
 
   Head head() const;
@@ -28,10 +28,10 @@ class ViewerHead {
   double ipd_m_;
 };
 
-// How far the eye moves that moves farther.
+// The larger of the distances that the two eyes move.
 double compute_eye_motion_m(const Head& from, const Head& to, double ipd_m);
 
-// In centimetres, for the picture's corner: a tracker's noise does not change it. Empty: less than a centimetre from home.
+// Position of the head in whole centimetres, for the picture's corner. Empty: less than half a centimetre from home.
 std::string describe_head(const Head& head, const Head& home);
 
 }  // namespace hapton

@@ -32,9 +32,9 @@ class ViewerWindow {
 
   // The maker of teaching views; null: no teaching views. Pre: it outlives this.
   void set_teacher(TeachBuilder* teacher) { teacher_ = teacher; }
-  // Call after options and view got another scene, with the teacher of that scene. is_view_new: see VisionStep::change_scene.
+  // Call it after options and view were given another scene, with the teacher of that scene. is_view_new: see VisionStep::change_scene.
   void change_scene(TeachBuilder* teacher, bool is_view_new);
-  // Takes the radius of the probe and the size of the local set from the method in use.
+  // Takes the radius of the probe (unless options give one) and the size of the local set from the method in use.
   void use_setup(const HapticsSetup& setup);
 
   StereoView& view() { return view_; }
@@ -42,18 +42,18 @@ class ViewerWindow {
   const VisionStep& step() const { return step_; }
   VisionStep::Screen where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
 
-  // Handles all events of the window since the last call. Returns the user's requests; those about stereo are done already.
+  // Handles all events of the window since the last call. Returns the user's requests; window and step() have carried out theirs already.
   UserRequests poll_events(const TakeEvent& take, const FindSurface& find_surface);
-  // Waits until the teaching view shows the present probe, before a screenshot.
+  // Before a screenshot: waits for the teaching view that is being made, or if none is, for that of the present probe, and shows it.
   void finish_teaching();
-  // Updates everything in the view except the probe.
+  // Gives the view all of `shown` except the probe.
   void show(const VisionStep::Shown& shown);
-  // Draws one more part of the scene in full detail. It takes a short time, so that a probe that begins to move is drawn at once.
+  // If the scene is at rest, draws one more part of it in full detail: a short one, so that a probe that begins to move is drawn at once.
   void refine_scene();
 
-  // The picture has the texts, the probe and the force bar of the newest state. Error: a file that cannot be written.
+  // Call it right after a draw: renews the texts, so that they fit the probe and force bar drawn. Error: a file that cannot be written.
   Result<void> take_screenshot(const std::filesystem::path& file);
-  // Writes hapton_001.png, or the next number that is free. Returns a line for the picture, why it cannot be written; empty: it is.
+  // Writes hapton_001.png, or the next free number. Returns a line for the picture that says why it could not be written; empty: it was.
   std::string take_numbered_screenshot();
 
  private:
