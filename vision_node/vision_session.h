@@ -24,10 +24,10 @@
 
 namespace hapton {
 
-// Opens the window on the scene as the options say. Error: see StereoView::open.
+// Opens the window for the scene as options say, and sets in options what follows from scene and renderer. Error: see StereoView::open.
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options);
 
-// The limit of frames a second: the requested one, otherwise 60, or 30 if the CPU draws and haptics may run on it.
+// The limit of frames a second: the requested one; otherwise 60, or 30 if the CPU draws, because the force may be computed on it as well.
 double choose_rate_limit(const VisionOptions& options, std::string_view renderer_name);
 
 // One vision node at work: hub, window and VisionStep joined in one loop. RT: no.
@@ -38,22 +38,22 @@ class VisionSession {
   // What turns the dials besides keys and mouse. Pre: it outlives the session.
   void set_knobs(SpaceKnobs* knobs) { knobs_ = knobs; }
 
-  // What sees the viewer's head. Pre: it outlives the session.
+  // The tracker of the viewer's head. Pre: it outlives the session.
   void set_head_tracker(HeadTracker* tracker) { window_.set_head_tracker(tracker); }
 
-  // What moves it besides keys. Pre: it outlives the session.
+  // What moves the viewer's head besides keys. Pre: it outlives the session.
   void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
 
   // What makes teaching views. Pre: it outlives the session.
   void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
 
-  // Where the pictures go besides the window. Pre: it outlives the session.
+  // The headset that gets the pictures as well as the window. Pre: it outlives the session.
   void set_headset(HeadsetShow* headset) { headset_ = headset; }
 
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
 
-  // The scene that is shown (Scene::given_hash), to be compared with the haptic one.
+  // The hash of the scene that is shown (Scene::given_hash), to be compared with that of haptics_node's scene.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
 
   // What draws the objects that the stylus moves. Pre: it outlives the session.
@@ -62,18 +62,18 @@ class VisionSession {
   // What draws the objects that the stylus carves. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved) { carved_ = carved; }
 
-  // In place of set_scene, set_teacher, set_moved_objects and set_carved_objects: all of a scene that may be exchanged. Pre: it outlives
-  // the session.
+  // In place of set_scene, set_teacher, set_moved_objects and set_carved_objects: a scene that may be replaced while the session runs. Pre:
+  // it outlives the session.
   void set_live_scene(LiveScene* scene);
 
-  // SceneTool::given_hash of the rigid tool that is drawn; without this call a probe is.
+  // SceneTool::given_hash of the rigid tool that is drawn; without this call a probe is drawn.
   void set_tool(std::uint64_t given_hash) { tool_hash_ = given_hash; }
 
-  // What is drawn on the scene and measured. Pre: it outlives the session.
+  // What makes strokes and measures. Pre: it outlives the session.
   void set_annotator(Annotator* annotator) { annotator_ = annotator; }
 
-  // Runs until the window is closed, the time is over or a signal requests the stop, or the picture of --screenshot cannot be written;
-  // finishes the annotator in any case. Error: that picture, or what was drawn, could not be written; of both, one is a line in the log.
+  // Runs until the window or headset is closed, --seconds are over, a signal requests the stop, or the picture of --screenshot cannot be
+  // written; then finishes the annotator. Error: that picture or the annotations were not written; if both, the latter is only in the log.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return step_; }
@@ -107,7 +107,7 @@ class VisionSession {
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
   HeadsetShow* headset_ = nullptr;
-  bool is_for_headset_ = false;  // the next frame
+  bool is_for_headset_ = false;  // the next frame is drawn for the headset
   MovedObjects* moved_ = nullptr;
   CarvedObjects* carved_ = nullptr;
   OtherHand* other_ = nullptr;
@@ -122,23 +122,23 @@ class VisionSession {
   MarkerKey marks_;
   ScreenshotMoment moment_;
   std::uint64_t scene_hash_ = 0;
-  std::uint64_t haptic_hash_ = 0;    // as haptics_node announced it last; 0: it did not
-  std::int64_t other_since_ns_ = 0;  // since when it is another one; 0: it is not
-  bool is_other_scene_ = false;      // as reported
+  std::uint64_t haptic_hash_ = 0;    // as haptics_node announced it last; 0: not announced yet
+  std::int64_t other_since_ns_ = 0;  // since when haptics_node has another scene; 0: it has not
+  bool is_other_scene_ = false;      // as last reported to the user
   std::uint64_t tool_hash_ = SceneFacts::kNoTool;
-  bool is_other_tool_ = false;  // as reported
+  bool is_other_tool_ = false;  // as last reported to the user
   LiveScene* live_ = nullptr;
-  std::int64_t next_scene_ns_ = 0;  // when ours is sent to the hub again
+  std::int64_t next_scene_ns_ = 0;  // when the facts of our scene are sent to the hub again
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
   bool absence_reported_ = false;
   std::int64_t start_ns_ = 0;
-  std::int64_t received_ns_ = 0;  // when the state came that is drawn next
+  std::int64_t received_ns_ = 0;  // arrival of the state that is drawn next
   StateAcks acks_;
 };
 
-// Draws that many frames without pause, the dials turning, once all levels of detail are made, and returns the rate as text.
+// Measures with turning dials, as text: draws frames until all levels of detail are made, then `frames`, then as many with a moving probe.
 std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plots = false);
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ namespace hapton {
 
 struct VisionStepSettings {
   Vec3 p_WC = Vec3::Zero();   // workspace centre, about which the dials turn
-  Dials dials;                // at the start
+  Dials dials;                // the dials at the start
   double max_rate_hz = 60.0;  // frames a second; 0: no limit
   Quat stylus_lean = Quat::Identity();
   bool always_changing = false;  // draw even when nothing moved: modes that alternate the eyes
@@ -31,20 +31,20 @@ struct VisionStepSettings {
   bool depth_cues = true;
   std::string stereo;        // the mode's name, for the HUD
   Framing home;              // the initial view
-  Vec3 p_SO = Vec3::Zero();  // a sphere around the scene
+  Vec3 p_SO = Vec3::Zero();  // centre of a sphere around the scene
   double scene_radius_m = 0.0;
   double threshold_px = 0.5;      // smaller motion causes no frame
-  std::vector<ObjectName> names;  // of the objects shown
+  std::vector<ObjectName> names;  // names of the objects shown
   bool plots = false;
-  Head head;                    // at the start
-  double ipd_m = kEyeDistance;  // the viewer's own
+  Head head;                    // the viewer's head at the start
+  double ipd_m = kEyeDistance;  // between the viewer's eyes, real metres
 };
 
-// All decisions of the vision node, without a window, socket or clock. Inputs: messages of the hub and the user's requests; outputs: when
+// All decisions of the vision node, without a window, socket or clock. Inputs: messages of the hub and events of the window; outputs: when
 // to draw, what to draw and what to send. Times: any one monotonic clock, ns. RT: no.
 class VisionStep {
  public:
-  // The present position of the picture in the world.
+  // The present picture: its place in the world, its size in pixels, and the sizes of the drawn probe.
   struct Screen {
     StereoScreen screen;
     PictureSize picture;
@@ -54,7 +54,7 @@ class VisionStep {
   struct Shown {
     Pose X_WS = Pose::Identity();
     Framing framing;
-    std::optional<ProbeShown> probe;  // none before the hub has spoken
+    std::optional<ProbeShown> probe;  // none before the first ProbeState
     std::string hud;
     std::string_view help;
     std::string notice;  // what is wrong with the scene; empty: nothing
@@ -70,12 +70,12 @@ class VisionStep {
 
   explicit VisionStep(VisionStepSettings settings);
 
-  // The newest state received. Pre: never older than the one before (newest wins at the caller). received_ns: for plots.
+  // Takes the newest state. Pre: it is not older than the one before (the caller drops older ones). received_ns: for plots.
   void receive(const ProbeState& state, std::int64_t received_ns = 0);
   // The hub rejected a view transform of ours: one line in the log for each.
   void receive(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
-  // The hub has a view of another vision node, or from before this one joined: the scene is shown as it is felt, and the dials go on from
-  // there. After joining, where dials were given at the start, these go to the hub.
+  // The hub has a view of another vision node, or from before this node joined: the scene is shown in that pose, as it is felt, and the dials
+  // continue from it. If dials were given at the start, the view is ignored until these have been sent to the hub.
   void receive(const ViewTransform& view);
   // The hub was joined, for the first time or again.
   void joined();
@@ -85,9 +85,9 @@ class VisionStep {
     preparing_s_ = 0.0;
     plots_.forget_force();
   }
-  // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
+  // Handles an event of the window. p_WQ: the visible point of the scene under the pointer, if wants_surface(event); none: there is none.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
-  // Moves the held hand on towards the pointer. seen: the picture of the scene; null: it goes straight there.
+  // Moves the led hand on towards the pointer, around obstacles. seen: the visible surface; null: the hand goes straight to the pointer.
   void lead_hand(const VisibleDepth* seen);
   // Whether handle() would use the surface under the pointer.
   bool wants_surface(const WindowEvent& event) const;
@@ -95,11 +95,11 @@ class VisionStep {
   void turn_dials(const Vec3& degrees);
   // Sets the pose of the head. Pre: is_possible().
   void set_head(const Head& head) { head_.track(head); }
-  // Moves the head, as keys do. by_m: to the right, up, backwards.
+  // Moves the head, as keys do. by_m: to the right, up, away from the screen.
   void move_head(const Vec3& by_m) { head_.move(by_m); }
-  // Sets a line on what is wrong with the head's tracker; empty: nothing is.
+  // Sets a line that says what is wrong with the head's tracker; empty: nothing.
   void set_head_notice(std::string line) { head_notice_ = std::move(line); }
-  // Sets a line on why the scene file as it was saved is not shown; empty: it is.
+  // Sets a line that says why the scene file in its present content is not shown; empty: it is shown.
   void set_scene_problem(std::string line) {
     if (line == scene_problem_) return;
     scene_problem_ = std::move(line);
@@ -108,15 +108,15 @@ class VisionStep {
   const std::string& scene_problem() const { return scene_problem_; }
   // The next frame must be drawn whether or not something moved (the window was uncovered or resized).
   void request_redraw() { needs_redraw_ = true; }
-  // Another scene is shown. home: the view that it begins with; the viewer's own turns, pans and zoom stay unless is_view_new.
+  // Another scene is shown. home: its initial view; is_view_new: the viewer's own turns, pans and zoom are reset.
   void change_scene(const Framing& home, const Vec3& p_SO, double radius_m, std::vector<ObjectName> names, bool is_view_new);
-  // The scene has another shape: drawn as it is while it moves, and in full detail when it has kept that for a while.
+  // The scene has another shape: a frame is drawn, and full detail only once the scene has kept its shape for a while.
   void reshape_scene() { needs_redraw_ = has_new_shape_ = true; }
 
   UserRequests take_requests();
-  // The mode of stereo is another one from now on.
+  // Another stereo mode is used from now on. name, always_changing: see VisionStepSettings.
   void set_stereo(std::string_view name, bool always_changing);
-  // haptics_node has been building its scene for this long; 0: it is done. Counts until haptics_node has been silent for 3 s.
+  // haptics_node has been building its scene for this long; 0: it is done. Ignored from 3 s after now_ns on, if it is not repeated.
   void set_preparing(double seconds, std::int64_t now_ns) {
     preparing_s_ = seconds;
     preparing_ns_ = now_ns;
@@ -126,50 +126,50 @@ class VisionStep {
   // The next message to send; call until empty: view transform, hand target.
   std::optional<Message> take_message(std::int64_t now_ns);
 
-  // True if the present picture is outdated, and the rate allows another frame.
+  // True if the present picture is outdated and max_rate_hz allows another frame.
   bool wants_picture(std::int64_t now_ns, const Screen& where);
-  // Whether the rate allows a frame now.
+  // Whether max_rate_hz allows a frame now.
   bool may_draw(std::int64_t now_ns) const;
-  // What is to be drawn. The numbers of its texts are renewed ten times a second, so that they can be read.
+  // What is to be drawn next. The numbers in its texts usually change at most ten times a second, so that they can be read.
   Shown compose(std::int64_t now_ns);
-  // The texts of the newest state, for a picture that stays; valid until the next call or compose().
+  // The texts of the newest state, for a screenshot; valid until the next call of this or compose().
   Texts compose_texts(std::int64_t now_ns);
   // The newest probe, for a frame that is being drawn.
   std::optional<ProbeShown> newest_probe() const;
-  // Nothing but the probe has moved for long enough that the scene is worth drawing in full detail.
+  // True: nothing but the probe has moved for 0.15 s, so that it is worth drawing the scene in full detail.
   bool is_scene_at_rest(std::int64_t now_ns) const;
   // The frame of the last compose() is in the window. Returns its acknowledgement for the hub.
   std::optional<FrameAck> end_frame(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
-  // Records the age of that frame's probe when it was in the window.
+  // Records the motion to photon of the frame of the last end_frame().
   void record_motion(std::int64_t motion_to_photon_ns, std::int64_t now_ns) {
     frames_.record_motion_to_photon(motion_to_photon_ns);
     plots_.record_motion_to_photon(motion_to_photon_ns, now_ns);
   }
-  // The acknowledgement of a state that wants_picture() found to look the same; once for each.
+  // The acknowledgement of a state that wants_picture() found to look the same as the picture; once for each such state.
   std::optional<FrameAck> take_unseen();
 
-  // The pose of the scene that the forces of that revision were computed with; the newest where that is not known.
+  // The pose of the scene with which the forces of that revision were computed; the present pose if the revision is not known.
   Pose find_scene_pose(std::uint32_t view_revision) const { return sender_.find_pose(view_revision).value_or(scene_pose()); }
   const Vec3& workspace_centre() const { return settings_.p_WC; }
-  // What is drawn and measured has changed; its line for the picture's corner. The scene and the other numbers have not.
+  // Strokes or measures have changed; line: about them, for the picture's corner. Does not renew the image of the scene or other numbers.
   void set_annotations(std::string line) {
     annotations_ = std::move(line);
     is_annotated_ = true;
   }
   Pose scene_pose() const { return recorded_X_WS_ ? *recorded_X_WS_ : dialled_pose(); }
-  // What is shown is recorded, and the static scene had this pose: the dials mean nothing. line, happened: see HudFacts.
+  // A recording is shown, in which the static scene had this pose; the dials have no effect. line, happened: see HudFacts.
   void set_recording(const Pose& X_WS, std::string line, std::string happened) {
     recorded_X_WS_ = X_WS;
     recording_ = std::move(line);
     happened_ = std::move(happened);
   }
-  // What has just happened, see HudFacts.
+  // Sets what has just happened, see HudFacts.
   void set_happened(std::string line) {
     happened_ = std::move(line);
     request_redraw();
   }
   const std::string& happened() const { return happened_; }
-  // The line of a teaching view, see HudFacts; it has another picture.
+  // The picture of the teaching view has changed; line: see HudFacts::teaching.
   void set_teaching(std::string line) {
     teaching_ = std::move(line);
     request_redraw();
@@ -181,13 +181,13 @@ class VisionStep {
     request_redraw();
   }
   std::int32_t held_object() const { return held_object_; }
-  // Whether haptics_node has another scene than the one shown.
+  // Whether haptics_node has another scene, or another rigid tool, than the one shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
   void set_other_tool(bool is_other) { is_other_tool_ = is_other; }
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
-  // A surface is touched.
+  // Whether a surface is touched.
   bool contact() const { return state_ && touches_surface(*state_); }
   // The number of the object touched, in haptics_node's scene; -1: none, or not known.
   std::int32_t touched_object() const { return contact() ? state_->object : -1; }
@@ -196,7 +196,7 @@ class VisionStep {
   Pose dialled_pose() const { return interaction_.dials().compute_pose(settings_.p_WC, home_WS_); }
   void send_dials(const Dials& before);
   bool may_send_view(std::int64_t now_ns);
-  // Those that were given at the start go to the hub once.
+  // True: dials were given at the start, and no view has been sent to the hub yet.
   bool keeps_own_dials() const { return settings_.dials != Dials{} && sender_.sent() == 0; }
   HudFacts hud_facts(std::int64_t now_ns) const;
   std::string_view help() const;
@@ -217,17 +217,17 @@ class VisionStep {
   bool is_annotated_ = false;  // since the last frame
   bool needs_redraw_ = true;
   bool moved_ = false;   // a new state has come since the last frame
-  bool unseen_ = false;  // and would look the same
+  bool unseen_ = false;  // that state would look the same
   bool cull_;
   bool help_;
   bool depth_cues_;
   std::optional<Pose> recorded_X_WS_;  // none: live
-  Pose home_WS_ = Pose::Identity();    // of the scene at dials zero: not the identity where a program has moved it
+  Pose home_WS_ = Pose::Identity();    // of the scene with all dials at zero; not the identity if a program moved it
   // Since the hub was joined:
   bool has_state_since_joining_ = false;
-  bool knows_view_ = false;                     // the view that the hub has, or that it has none
-  bool has_sent_view_ = false;                  // this node
-  std::optional<std::int64_t> waits_until_ns_;  // for the view that the hub has
+  bool knows_view_ = false;                     // what view the hub has, or that it has none
+  bool has_sent_view_ = false;                  // this node has sent one
+  std::optional<std::int64_t> waits_until_ns_;  // end of the wait for the hub's view
   std::string recording_;
   std::string happened_;
   std::string teaching_;

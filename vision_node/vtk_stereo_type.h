@@ -5,11 +5,11 @@
 
 namespace hapton {
 
-// VTK's own stereo type of a mode; 0 for one that VTK does not make: emulate, auto, mono, left, right, fake, side by side, top-bottom and
+// VTK's stereo type for a mode; 0 for modes that VTK does not compose: emulate, auto, mono, left, right, fake, side by side, top-bottom and
 // OpenXR. RT: yes.
 int vtk_stereo_type(StereoMode mode) noexcept;
 
-// The eye of a mode of one view. Where both eyes are composed it does not matter. RT: yes.
+// The eye that a mode with one viewport draws, for emulate the first one. Modes that compose both eyes do not use it. RT: yes.
 Eye find_single_eye(StereoMode mode, bool swapped) noexcept;
 
 }  // namespace hapton

@@ -16,7 +16,7 @@
 
 namespace hapton {
 
-// A person's work as it is in the picture.
+// A person's work (strokes, measures, carves) as the picture shows it.
 struct WindowWork {
   const Scene& scene;
   const Annotations& placed;  // strokes and measures in the present shape of their objects
@@ -25,8 +25,8 @@ struct WindowWork {
 };
 
 // Writes a person's work for other programs, under the next free number: strokes and measures as hapton_export_001.vtp, the surface of each
-// object that is carved as hapton_export_001_NAME.stl, S, metres. Each file is there as a whole or not at all. It is computed and written
-// in a thread of its own, one export after the other: no frame waits for it. Threads: all calls from one. RT: no.
+// carved object as hapton_export_001_NAME.stl. Frame S, metres. Each file is written as a whole or not at all. A thread of its own computes
+// and writes one export after the other, so that no frame waits. Threads: all calls from one thread. RT: no.
 class WindowExport {
  public:
   explicit WindowExport(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -34,24 +34,24 @@ class WindowExport {
   WindowExport(const WindowExport&) = delete;
   WindowExport& operator=(const WindowExport&) = delete;
 
-  // Begins to export the work as it is now, also if it changes before it is written.
+  // Begins to export the work as it is now; later changes of the work are not exported.
   void begin(const WindowWork& work);
 
-  // A line for the picture, once: an export has begun, is written (with the names of its files), or failed; the log has it as well. Empty:
-  // none of these since the last call.
+  // A line for the picture, once: an export of carved objects has begun; or (also in the log) an export is written, with the names of its
+  // files, or failed, or there is nothing to export. Empty: none of these since the last call.
   std::string take_notice();
 
-  // At the end: returns when all that was begun is written, or has failed.
+  // At the end of the program: returns once every export that was begun is written or has failed.
   void finish();
 
  private:
   struct Job {
-    std::vector<std::string> names;  // of the scene's objects
+    std::vector<std::string> names;  // names of the scene's objects
     Annotations placed;
     ObjectPoses X_SO;
     std::future<CarvedObjects::Fields> bodies;  // not valid: nothing is carved
   };
-  // The part of a file's name after its number, and what it has.
+  // One file of an export: the part of its name after the number, and its content.
   struct Part {
     std::string ending;
     std::string bytes;
@@ -65,7 +65,7 @@ class WindowExport {
   std::filesystem::path folder_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Job> jobs_;  // that are not begun
+  std::deque<Job> jobs_;  // exports that are not begun yet
   bool is_writing_ = false;
   bool is_ending_ = false;
   std::string notice_;
