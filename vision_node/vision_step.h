@@ -74,8 +74,8 @@ class VisionStep {
   void receive(const ProbeState& state, std::int64_t received_ns = 0);
   // The hub rejected a view transform of ours: one line in the log for each.
   void receive(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
-  // The hub has a view of another vision node, or from before this node joined: the scene is shown in that pose, as it is felt, and the dials
-  // continue from it. If dials were given at the start, the view is ignored until these have been sent to the hub.
+  // The hub has a view of another vision node, or from before this node joined: the scene is shown in that pose, as it is felt, and the
+  // dials continue from it. If dials were given at the start, the view is ignored until these have been sent to the hub.
   void receive(const ViewTransform& view);
   // The hub was joined, for the first time or again.
   void joined();

@@ -18,9 +18,9 @@ class WindowListener {
   WindowListener(const WindowListener&) = delete;
   WindowListener& operator=(const WindowListener&) = delete;
 
-  // What happened since the last call.
+  // The events of keys and mouse since the last call, in order.
   std::vector<WindowEvent> poll();
-  // The window was resized or uncovered since the last call.
+  // True: the window was resized or uncovered since the last call, or this is the first call.
   bool take_redraw_request();
 
  private:

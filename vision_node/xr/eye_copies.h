@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Copies the images of both eyes from a framebuffer, where the left one lies to the left of the right one, into textures of a headset's
-// runtime, and the left one into the window. Bytes are copied without conversion, also into sRGB textures. Leaves OpenGL's state unchanged.
+// Copies the images of both eyes from a framebuffer, in which the left eye's image is the left half, into textures of a headset's runtime,
+// and that of the left eye into the window. Bytes are copied without conversion, also into sRGB textures. Leaves OpenGL's state unchanged.
 // Threads: the window's, with its context current, also in the destructor. RT: no.
 class EyeCopies {
  public:
@@ -18,7 +18,7 @@ class EyeCopies {
   EyeCopies(const EyeCopies&) = delete;
   EyeCopies& operator=(const EyeCopies&) = delete;
 
-  // Call it when a new frame has been drawn into the framebuffer. each: size of one eye's image.
+  // Call it when a new frame has been drawn into the framebuffer; that is what is copied next. each: size of one eye's image.
   void take(std::uint32_t framebuffer, PictureSize each);
   // Copies an eye's image (0: left) into a GL_TEXTURE_2D of one eye's size.
   void copy_to_texture(std::size_t eye, std::uint32_t texture);

@@ -6,7 +6,7 @@
 namespace hapton {
 
 // What an eye of a headset sees: angles between its axis and the four edges of its image, radians, positive to the right and up. They
-// need not be symmetric: left_rad and down_rad are negative as a rule. Source: XrFovf of OpenXR 1.0.
+// need not be symmetric: left_rad and down_rad are usually negative. Source: XrFovf of OpenXR 1.0.
 struct FieldOfView {
   double left_rad = -0.8;
   double right_rad = 0.8;
@@ -30,8 +30,8 @@ struct HeadsetDepths {
   double far_m = 6.0;    // far clipping plane
 };
 
-// Distances for a viewer whose eyes are at p_WE, such that all of the workspace and its surroundings (Framing::p_WC and depth_m) is drawn,
-// however near it is. Frame W.
+// Distances for a viewer whose eyes are at p_WE. All of the workspace and its surroundings (Framing::p_WC and depth_m) that is at least
+// near_m from the eyes is drawn, also when the head is inside. Frame W.
 HeadsetDepths find_headset_depths(const Framing& framing, const Vec3& p_WE);
 
 // The rectangle at plane_m before the eye that fills its field of view, as a StereoScreen. For this screen compute_view_matrix gives the

@@ -42,17 +42,17 @@ class Headset {
   // The image size that the runtime recommends for each eye.
   PictureSize eye_size() const;
 
-  // Begins a session. Error: the runtime does not have that space, or rejects the window.
+  // Begins a session. Error, one line: the runtime lacks that space or a usable texture format, needs a newer OpenGL, or rejects a call.
   Result<void> open(const GlxWindow& window, RoomSpace space);
 
   // Handles the events of the runtime.
   void poll_events();
-  // The runtime requests frames.
+  // Whether the runtime requests frames.
   bool is_running() const;
-  // The runtime has ended the session, for example by its own menu.
+  // Whether the runtime has ended the session, for example because the user closed it in the runtime's menu.
   bool has_ended() const;
   bool is_lost() const;
-  // The call that failed and its result; empty while it is not lost.
+  // Why the headset is lost: mostly the call that failed and its result. Empty while is_lost() is false.
   const std::string& loss() const;
 
   // Waits until the next frame is due. True: draw eyes(), then call end_frame(). False: this frame is not shown, or the headset is lost.

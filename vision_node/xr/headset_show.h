@@ -19,12 +19,12 @@ class HeadsetShow {
   HeadsetShow& operator=(const HeadsetShow&) = delete;
 
   // Call it once in each turn of the loop, before anything is drawn: handles the events of the runtime and, while it requests frames, waits
-  // until the next one is due. True: draw for the headset, then call show(). Logs one line when the headset begins, pauses or is lost.
+  // until the next one is due. True: draw for the headset, then call show(). Logs a line when the headset begins, pauses, ends or is lost.
   bool begin_turn(const Framing& framing);
   // Passes the images that the view has drawn to the headset, and the left one to the window.
   void show();
 
-  // The runtime has ended the session, so the program should end.
+  // Whether the runtime has ended the session, so that the program should end.
   bool has_ended() const { return headset_->has_ended(); }
   // Places the workspace before the viewer again, in the direction in which the viewer looks now.
   void recentre();
@@ -45,7 +45,7 @@ class HeadsetShow {
   bool is_loss_reported_ = false;
 };
 
-// The pose of the head: midway between the eyes in position and orientation. Frame F, that of both eyes.
+// The pose of the head: midway between the eyes in position and orientation. Frame: F of the two eyes.
 Pose find_head(const EyeInFrame& left, const EyeInFrame& right);
 
 }  // namespace hapton

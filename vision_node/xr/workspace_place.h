@@ -12,8 +12,8 @@ enum class RoomSpace { local, stage };
 // X_LH: pose of the head, which looks along -z. Pre: it is rigid.
 Pose find_viewer_origin(const Pose& X_LH, RoomSpace space);
 
-// The pose of the workspace in the room, in true size. Frames: L, the space of the runtime; O, where the viewer was when the workspace was
-// last recentred, before that L; W, the world, with its origin in the workspace's centre. Units: metres. RT: no.
+// The pose of the workspace in the room, in true size. Frames: L, the space of the runtime; O, the frame of the viewer at the last
+// recentre(), before the first one the same as L; W, the world, with its origin in the workspace's centre. Units: metres. RT: no.
 class WorkspacePlace {
  public:
   WorkspacePlace(const Pose& X_OW, RoomSpace space) : X_OW_(X_OW), space_(space) {}
