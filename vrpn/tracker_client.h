@@ -21,10 +21,10 @@ struct TrackerPose {
 // bytes received. It has no socket and no clock. RT: no. Threads: one.
 class TrackerClient {
  public:
-  // Names of the server's devices that are kept for the log; further ones are ignored.
+  // The largest number of names of the server's devices that are kept for the log; further ones are ignored.
   static constexpr std::size_t kMaxDevices = 8;
 
-  // device: the name before the '@'.
+  // device: the name before the '@' in NAME@HOST.
   TrackerClient(std::string_view device, std::int32_t sensor);
 
   // Parses received bytes. False: the server has ended the connection, or this is not VRPN; close it.
@@ -34,7 +34,7 @@ class TrackerClient {
   bool is_connected() const { return is_connected_; }
   // The newest pose since the last call; none if there is no new one.
   std::optional<TrackerPose> take_newest();
-  // The first 32 buttons of the device that are down, a bit each, as far as the server has said.
+  // Which of the first 32 buttons of the device are down, one bit each (bit 0: button 0); up until the server reports otherwise.
   std::uint32_t buttons() const { return buttons_; }
   // Requests a reply from the tracker (vrpn_Base ping). Pre: is_connected().
   void ping();
@@ -57,7 +57,7 @@ class TrackerClient {
   Bytes out_;
   bool is_connected_ = false;
   std::uint32_t sequence_ = 0;
-  // The server's numbers for the device and for the types of messages that are read; none: not received yet.
+  // The server's numbers for the device and for the types of messages that are read; none: the server has not named it yet.
   std::optional<std::int32_t> tracker_;
   std::optional<std::int32_t> position_type_;
   std::optional<std::int32_t> change_type_;

@@ -12,7 +12,7 @@
 
 namespace hapton::vrpn {
 
-// A tracker as VRPN's programs name it.
+// The name of a tracker, as users of VRPN write it.
 struct TrackerName {
   std::string device;
   std::string host;  // HOST or HOST:PORT
@@ -20,30 +20,30 @@ struct TrackerName {
 // NAME@HOST, NAME@HOST:PORT, or either with tcp:// before HOST. Error: one line.
 Result<TrackerName> parse_tracker_name(std::string_view text);
 
-// A connection to the VRPN server of another program, over TCP alone: made again by itself whenever it is gone. RT: no. Threads: one.
+// A connection to the VRPN server of another program, over TCP alone. If it is lost, take_newest() makes it again. RT: no. Threads: one.
 // Times: CLOCK_MONOTONIC, ns.
 class TrackerLink final : private StreamEndpoint::Listener {
  public:
   static constexpr std::uint16_t kServerPort = 3883;
-  // From one attempt to connect to the next one.
+  // Time from one attempt to connect to the next one.
   static constexpr std::int64_t kRetryNs = 1'000'000'000;
   // Time without a message after which the server gets a ping ...
   static constexpr std::int64_t kPingNs = 1'000'000'000;
   // ... and after which the connection is closed and made again.
   static constexpr std::int64_t kReceiveTimeoutNs = 5'000'000'000;
 
-  // Begins to connect. The server need not be there, now or at any time. Error: a host that has no address.
+  // Prepares the connection, which take_newest() makes. The server need not run. Error: the host has no address, or no socket is available.
   static Result<std::unique_ptr<TrackerLink>> open(const TrackerName& name, std::int32_t sensor);
 
-  // Takes what has arrived and returns at once. The newest pose since the last call; none: there is none.
+  // Connects if necessary, reads what has arrived and does not wait. Returns the newest pose since the last call; none: no new one came.
   std::optional<TrackerPose> take_newest(std::int64_t now_ns);
 
-  // Buttons of the device that are down, one bit each (TrackerClient::buttons), as of the last take_newest; 0 without a connection.
+  // Buttons of the device that are down, one bit each (TrackerClient::buttons), at the last take_newest(); 0 without a connection.
   std::uint32_t buttons() const { return client_ ? client_->buttons() : 0; }
 
-  // The server has replied in VRPN.
+  // Whether the server has replied with a valid VRPN cookie.
   bool is_connected() const { return client_ && client_->is_connected(); }
-  // Of the server: see TrackerClient.
+  // The devices that the server has named, see TrackerClient; empty without a connection.
   std::string describe_devices() const { return client_ ? client_->describe_devices() : std::string(); }
 
  private:
@@ -61,7 +61,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   std::int32_t sensor_;
   std::optional<TrackerClient> client_;  // of the present connection
   StreamEndpoint::Id id_ = 0;            // 0: none
-  bool has_arrived_ = false;             // bytes, since they were last looked for
+  bool has_arrived_ = false;             // something has arrived in the current read
   std::int64_t received_ns_ = 0;         // the newest bytes, or the beginning of the connection
   std::int64_t asked_ns_ = 0;
   std::int64_t retry_ns_ = 0;
