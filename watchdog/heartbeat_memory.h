@@ -5,10 +5,10 @@
 
 namespace hapton {
 
-// The descriptor by which the watchdog process gets its page.
+// The number of the descriptor that the watchdog process inherits from io_node and that refers to its page.
 constexpr int kHeartbeatFile = 3;
 
-// A HeartbeatPage in memory that can be handed to a child process by its descriptor.
+// A HeartbeatPage in memory that is shared with a child process, which inherits its descriptor.
 // RT: set-up only; the page itself is wait-free. Threads: one.
 class HeartbeatMemory {
  public:
@@ -17,13 +17,13 @@ class HeartbeatMemory {
   HeartbeatMemory(const HeartbeatMemory&) = delete;
   HeartbeatMemory& operator=(const HeartbeatMemory&) = delete;
 
-  // A new page. Error: no memory or descriptor, one line.
+  // Makes a new page. Error, one line: no memory or no free descriptor. Pre: neither make() nor open() was called before.
   Result<void> make();
-  // Somebody else's, by its descriptor, which this then owns. Error: it is no such page.
+  // Maps the page of another process. Owns its descriptor `file` from then on, also after an error. Error: it is not that of such a page.
   Result<void> open(int file);
 
   bool is_there() const noexcept { return page_ != nullptr; }
-  // Pre: is_there().
+  // The page. Pre: is_there().
   HeartbeatPage& page() const noexcept { return *page_; }
   int file() const noexcept { return file_; }
 

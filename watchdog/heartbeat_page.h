@@ -11,10 +11,10 @@ namespace hapton {
 
 // How another process can release the force of a device.
 enum class CutMeans : std::uint32_t {
-  none,       // not known: io_node says so at its start
-  hid,        // by the report that turns it off, through the watchdog's own handle of the device
+  none,       // no means is known: io_node logs this at its start
+  hid,        // the watchdog writes the report that turns the device off, through its own handle of the device
   kill,       // a vendor's library in the process: killing the process closes its handles, and the device or its driver releases the force
-  simulated,  // its motors are numbers in this page
+  simulated,  // the motors are numbers in this page: setting is_cut suffices
   no_motors,  // there is no force to release (a replay)
 };
 
@@ -30,15 +30,15 @@ struct HeartbeatPage {
   // io_node, device side.
   std::atomic<std::int64_t> heartbeat_ns{0};      // the newest cycle; 0: none yet
   std::atomic<std::int64_t> force_sample_ns{0};   // time of the sample that the force on the motors replies to; 0: no force
-  std::array<std::atomic<double>, 3> motors_n{};  // of simulated motors: what was written
+  std::array<std::atomic<double>, 3> motors_n{};  // the force last written to simulated motors, N
 
-  std::atomic<std::uint32_t> is_cut_within{0};  // of simulated motors: 1 while io_node itself has cut them off
+  std::atomic<std::uint32_t> is_cut_within{0};  // simulated motors: 1 while io_node itself has cut them off
 
-  // io_node, or another process that opens the device. generation is odd while it is written.
+  // io_node, or another process that opens the device. generation is odd while path and report are being written.
   std::atomic<std::uint32_t> generation{0};
   std::atomic<CutMeans> means{CutMeans::none};
-  std::array<std::atomic<char>, kMaxPath> path{};              // of the HID device, ends with 0
-  std::array<std::atomic<std::uint8_t>, kMaxReport> report{};  // that turns it off
+  std::array<std::atomic<char>, kMaxPath> path{};              // path of the HID device, ends with 0
+  std::array<std::atomic<std::uint8_t>, kMaxReport> report{};  // the report that turns the HID device off
   std::atomic<std::uint32_t> report_size{0};
 
   // The watchdog. is_cut: it has released the force; the device side clears it once its own force is zero.
@@ -49,7 +49,7 @@ struct HeartbeatPage {
 
   void set_means(CutMeans wanted) noexcept { means.store(wanted, std::memory_order_release); }
 
-  // A path or report that does not fit leaves the device without means: then only its own watchdog remains.
+  // If path or report does not fit, means is none: then only io_node and the device itself can release the force.
   void set_hid(std::string_view device_path, std::span<const std::uint8_t> off_report) noexcept {
     generation.fetch_add(1, std::memory_order_acq_rel);
     const bool fits = device_path.size() < kMaxPath && off_report.size() <= kMaxReport;

@@ -9,14 +9,14 @@
 
 namespace hapton {
 
-// Decides whether a force may stay on the motors, from another process. Pure: time is a parameter.
+// Decides, in another process than io_node, whether a force may stay on the motors. Without a clock: time is a parameter.
 //
 //   frozen   the device side has not finished a cycle for kHeartbeatLimitNs, and there is a force
 //   stale    the force replies to a sample older than kForceLimitNs although the device side is alive: its governor should have released it
 //   gone     the process has ended with a force on the motors
 //
-// A stall of the whole machine is not io_node's fault: a bad state must last kGraceNs from the first check that finds it. With rare checks
-// the second one after that time trips. RT: yes. Threads: one.
+// A stall of the whole machine is not io_node's fault: frozen and stale count only when a check at least kGraceNs after the first one that
+// found them still finds them, and none between found the state good. RT: yes. Threads: one.
 class OuterWatchdog {
  public:
   // io_node releases the force itself after 20 ms; this is for when it does not.
@@ -29,7 +29,7 @@ class OuterWatchdog {
 
   enum class Verdict : std::uint8_t { fine, frozen, stale, gone };
 
-  // As of now; is_gone: the process has ended.
+  // The verdict at now_ns. is_gone: the process has ended.
   Verdict check(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept;
 
   // At the last check: the age of the force, counted from its sample, and the time since the newest heartbeat.
@@ -39,31 +39,31 @@ class OuterWatchdog {
  private:
   std::int64_t force_age_ns_ = 0;
   std::int64_t silence_ns_ = 0;
-  std::int64_t bad_since_ns_ = 0;  // the first of consecutive checks that found it bad; 0: the last one did not
+  std::int64_t bad_since_ns_ = 0;  // first of the consecutive checks that found a bad state; 0: the last one found none
 };
 
 // The process that the watchdog watches: one for all of its threads.
 struct WatchedProcess {
-  int file = -1;                       // a pidfd, because its number may be another one's after its end; below 0: none. Not owned
-  std::atomic<bool> is_killed{false};  // by a ForceCutter
+  int file = -1;                       // a pidfd, since a process id may be reused after the process's end; below 0: none. Not owned
+  std::atomic<bool> is_killed{false};  // a ForceCutter has killed it
 };
 
 // Releases the force of one device, by the means that its page names, each time it is called.
 // RT: a write to the device. Threads: one.
 class ForceCutter {
  public:
-  // process: killed if there is no other means. Pre: both outlive this.
+  // process: is killed if the page names CutMeans::kill. Pre: both outlive this.
   ForceCutter(HeartbeatPage& page, WatchedProcess& process) : page_(page), process_(process) {}
   ~ForceCutter();
   ForceCutter(const ForceCutter&) = delete;
   ForceCutter& operator=(const ForceCutter&) = delete;
 
-  // Opens the device as soon as the page names it, so that nothing needs opening in an emergency, and closes one that was unplugged, which
-  // could not come back at its own node otherwise. Call periodically.
+  // Opens the device as soon as the page names it, so that nothing needs opening in an emergency. Closes a device that was unplugged: it
+  // would not get the same /dev node again while that is open. Call it periodically.
   void prepare() noexcept;
-  // True: the force is off, as far as this process can see, or the process to be killed has ended.
+  // True: the report was written, the kill was sent or the process has ended, or motors are simulated (set is_cut as well) or absent.
   bool cut() noexcept;
-  // What the last cut did, or the next one does, by the means that the page names at present.
+  // What the last cut() did, or before one what it would do, by the means that the page names at present.
   std::string describe() const;
 
  private:
@@ -76,9 +76,9 @@ class ForceCutter {
   WatchedProcess& process_;
   std::uint32_t generation_ = 0;
   int device_ = -1;
-  bool is_unplugged_ = true;       // the device that the page names, or it names none
-  bool has_write_failed_ = false;  // the last one to this device
-  bool had_ended_ = false;         // the process, before it could be killed
+  bool is_unplugged_ = true;       // the device that the page names is unplugged, or it names none
+  bool has_write_failed_ = false;  // the last write to this device failed
+  bool had_ended_ = false;         // the process had ended when it was to be killed
   std::vector<std::uint8_t> report_;
 };
 
