@@ -71,7 +71,7 @@ TeachShapes show_grid(const UniformGrid& grid, const TeachProbe& probe);
 
 // Mean curvature of all vertices, with the scale for their colours: 95 % of the known values are from -most to most.
 struct TeachCurvature {
-  std::vector<std::vector<double>> of;  // of each vertex of each object, 1/m; not finite: not known
+  std::vector<std::vector<double>> of;  // curvature of each vertex of each object, 1/m; not finite: not known
   double most = 0.0;
 };
 TeachCurvature find_curvature(const TouchScene& scene);

@@ -23,7 +23,7 @@ class TouchMenu {
   static constexpr double kEntryHeightM = 0.012;
   static constexpr double kWidthM = 0.060;
   static constexpr double kHeightM = kEntryHeightM * kEntries.size();
-  // Largest distance of the tip before or behind the panel at which an entry is lit. Not small, because the stylus does not feel the panel.
+  // Largest distance of the tip before or behind the panel at which an entry is lit. Large, because the stylus does not feel the panel.
   static constexpr double kReachM = 2.0 * kEntryHeightM;
 
   // Hangs the menu up parallel to the screen, through the workspace's centre p_WC, as far to the right and then up as the device reaches.

@@ -15,7 +15,7 @@ class ViewerHead {
 
   // Sets the pose that a tracker measured. Pre: is_possible(head, ipd_m).
   void track(const Head& head) { seen_ = head; }
-  // Adds a move; ignores it if the head would then not be is_possible().
+  // Adds a move, unless is_possible() would then be false.
   void move(const Vec3& by_m);
   // Undoes all moves.
   void reset() { moved_m_.setZero(); }

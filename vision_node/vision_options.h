@@ -45,7 +45,7 @@ struct VisionOptions {
   std::vector<ObjectName> names;  // names of the scene's objects
   Vec3 p_SO = Vec3::Zero();       // centre of a sphere around the scene that was opened, frame S
   double scene_radius_m = 0.0;
-  // From here depth is seen, and so is a force towards the viewer; the angles are so small that hand and picture still seem to move alike.
+  // These angles show depth, and a force towards the viewer; they are so small that hand and picture still seem to move alike.
   double view_yaw_deg = -25.0;
   double view_pitch_deg = 20.0;
   bool is_view_yaw_given = false;  // on the command line; otherwise the scene's camera applies, if it has one

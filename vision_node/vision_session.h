@@ -138,7 +138,7 @@ class VisionSession {
   StateAcks acks_;
 };
 
-// Measures with turning dials, as text: draws frames until all levels of detail are made, then `frames`, then as many with a moving probe.
+// Draws frames with turning dials: until all levels of detail are made, then `frames`, then as many with a moving probe. Returns the rates.
 std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plots = false);
 
 }  // namespace hapton
