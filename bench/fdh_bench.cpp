@@ -1,6 +1,6 @@
-// Fixed Direction Hulls of 6, 14, 18 and 26 directions against each other on the same queries: time, nodes opened, triangles tested;
-// building, refitting; and the two tasks of method `smooth`. Mesh: a bumpy sphere of 100 mm, seed 1; queries: a walk over all of its
-// surface.
+// Compares Fixed Direction Hulls (FDH) of 6, 14, 18 and 26 directions on the same queries: time, nodes opened, triangles tested. Also
+// measures how long trees take to build and to refit, and the two tasks of method `smooth`. Mesh: a bumpy sphere with a diameter of 100 mm,
+// seed 1. The queries follow a path over its whole surface.
 //   build/release/bin/fdh_bench --benchmark_filter=nearest_64
 #include <benchmark/benchmark.h>
 
@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kDiameter = 0.1;  // m, of the sphere
+constexpr double kDiameter = 0.1;  // m, diameter of the sphere
 
 const TriangleMesh& mesh_of(std::int64_t triangles) {
   static std::map<std::int64_t, TriangleMesh> made;
@@ -35,14 +35,14 @@ const FdhTree<K>& tree_of(std::int64_t triangles) {
   return built.emplace(triangles, std::move(*FdhTree<K>::build(mesh.vertices, mesh.triangles))).first->second;
 }
 
-// A probe at 100 mm/s and 1 kHz that goes over the whole surface between 2 mm below and 2 mm above it, as a spiral from pole to pole.
+// The positions of a probe at 100 mm/s and 1 kHz, on a spiral from pole to pole over the whole surface, 2 mm below to 2 mm above it.
 const std::vector<Vec3>& walk_over(std::int64_t triangles) {
   static std::map<std::int64_t, std::vector<Vec3>> made;
   auto [at, is_new] = made.try_emplace(triangles);
   if (!is_new) return at->second;
   const FdhTree<6>& tree = tree_of<6>(triangles);
   const TriangleMesh& mesh = mesh_of(triangles);
-  constexpr int kSteps = 20000;  // of the spiral over the sphere; a free choice
+  constexpr int kSteps = 20000;  // steps of the spiral over the sphere; a free choice
   for (int i = 0; i < kSteps; ++i) {
     const double s = (i + 0.5) / kSteps;
     const double polar = std::acos(1.0 - 2.0 * s);
@@ -85,7 +85,7 @@ void refit(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(tree->refit(mesh.vertices));
 }
 
-// The local set without the copying: the triangles nearest to the probe and the radius that they are complete in.
+// Finds a local set without copying it: the 64 triangles nearest to the probe, and the radius within which this set is complete.
 template <int K>
 void nearest_64(benchmark::State& state) {
   const FdhTree<K>& tree = tree_of<K>(state.range(0));
@@ -101,7 +101,7 @@ void nearest_64(benchmark::State& state) {
   count(state, visits);
 }
 
-// The same about the path of the next eight steps.
+// Does the same for the triangles nearest to the path of the next two steps.
 template <int K>
 void nearest_64_to_way(benchmark::State& state) {
   const FdhTree<K>& tree = tree_of<K>(state.range(0));
@@ -128,8 +128,8 @@ void nearest_1(benchmark::State& state) {
   }
 }
 
-// One query an iteration at each sample of the walk but the last `ahead`, again and again. make_query: of the walk and the number of the
-// sample.
+// Each iteration makes one query, at one sample of the path after the other, except the last `ahead` samples, and then begins again.
+// make_query(walk, i) returns the query at sample i.
 template <int K, class MakeQuery>
 void query_along_walk(benchmark::State& state, std::size_t ahead, MakeQuery&& make_query) {
   const FdhTree<K>& tree = tree_of<K>(state.range(0));
@@ -145,13 +145,13 @@ void query_along_walk(benchmark::State& state, std::size_t ahead, MakeQuery&& ma
   count(state, visits);
 }
 
-// From one sample to the next.
+// Each query is the segment from one sample to the next.
 template <int K>
 void segment(benchmark::State& state) {
   query_along_walk<K>(state, 1, [](const auto& walk, std::size_t i) { return FdhSweep{walk[i], walk[i + 1], 0.0}; });
 }
 
-// Long ones through the whole mesh.
+// Each query is a long segment, through the whole mesh.
 template <int K>
 void long_segment(benchmark::State& state) {
   query_along_walk<K>(state, 0, [](const auto& walk, std::size_t i) { return FdhSweep{walk[i], walk[(i + 7919) % walk.size()], 0.0}; });
@@ -173,7 +173,7 @@ void smooth_prepare(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(SmoothScene::build(scene, {}));
 }
 
-// The slow task: nearest triangles and all that the fast task needs of them, copied.
+// Times the slow task: it selects the nearest triangles and copies all that the fast task needs to know about them.
 void smooth_select(benchmark::State& state) {
   const auto scene = SmoothScene::build(touch_scene(state.range(0)), {});
   const auto& walk = walk_over(state.range(0));
@@ -186,7 +186,7 @@ void smooth_select(benchmark::State& state) {
   }
 }
 
-// The fast task, selecting for itself when it must: 1.5 mm inside, sliding.
+// Times the fast task along the path, partly inside the mesh. Without a slow task, it selects its sets itself when it needs one.
 void smooth_step(benchmark::State& state) {
   const auto made = SmoothMethod::make({.set_size = static_cast<int>(state.range(1))}, touch_scene(state.range(0)));
   auto* const method = static_cast<SmoothMethod*>(made->get());

@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kWindow{1280, 720};                             // pixels; a free choice
-constexpr double kDegreesPerFrame = 3.0;                              // of the dial y; a free choice
-constexpr std::int64_t kLongestWaitNs = 120 * kNanosecondsPerSecond;  // for the levels of detail; a free choice
+constexpr PictureSize kWindow{1280, 720};                             // pixels, size of the window; a free choice
+constexpr double kDegreesPerFrame = 3.0;                              // turn of the dial y; a free choice
+constexpr std::int64_t kLongestWaitNs = 120 * kNanosecondsPerSecond;  // limit of the wait for the levels of detail; a free choice
 
 std::int64_t cpu_time_ns() {
   std::timespec t = {};
@@ -26,7 +26,7 @@ std::int64_t cpu_time_ns() {
   return t.tv_sec * kNanosecondsPerSecond + t.tv_nsec;
 }
 
-// One program's frames: its time on the wall and on the CPU.
+// Measures the frames of one program: their wall-clock time and the CPU time of the process.
 class Meter {
  public:
   explicit Meter(const Clock& clock) : clock_(clock) {}

@@ -1,4 +1,4 @@
-// frames_bench: frames a second of vision_node's view beside a plain VTK program (docs/benchmarks.md).
+// frames_bench: measures the frames per second of vision_node's view and of a plain VTK program (docs/benchmarks.md).
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -21,8 +21,8 @@ namespace {
 
 using namespace hapton;
 
-// The first object of a mesh file, fitted to the workspace, with its cracks, as vision_node draws it. `bumpy`: a ball of 70 mm with waves
-// of a quarter of its radius, with more triangles than any mesh of the tree. Error: see load_scene.
+// Loads the first object of a mesh file, fitted to the workspace, its cracks not closed, as vision_node draws it. `bumpy` makes a ball with
+// a radius of 70 mm and waves of a quarter of that, which has more triangles than any mesh of the repository. Error: see load_scene.
 Result<FramesMesh> load_mesh(const std::string& which) {
   if (which == "bumpy") return FramesMesh{"bumpy_1.3M", std::make_shared<TriangleMesh>(make_bumpy_sphere(0.07, 0.25, 1'000'000, 1))};
   auto scene = load_scene(which, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     }
     rows.push_back(*row);
   }
-  double load_average = 0.0;  // of the last minute: other programs make all rates lower
+  double load_average = 0.0;  // of the last minute: other running programs lower all rates
   const bool is_known = getloadavg(&load_average, 1) == 1;
   const std::string text = describe_frames(rows) + (is_known ? fmt::format("load {:.1f}\n", load_average) : "");
   fmt::print("{}", text);

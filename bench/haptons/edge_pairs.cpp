@@ -15,7 +15,7 @@ class PairMaker {
  public:
   explicit PairMaker(const EdgePairSettings& settings) : settings_(settings), random_(settings.seed) {}
 
-  // Both edges 0-1 pass through one point X; b is then moved along the planes' common line into a. Empty: this draw does not fit.
+  // Moves b so that its edge 0-1 meets that of a, then along the common line of their planes into a. Empty: the drawn triangles do not fit.
   std::optional<TrianglePair> draw() {
     Corners a = make_triangle();
     Corners b = make_triangle();
@@ -25,7 +25,7 @@ class PairMaker {
     if (line.norm() < std::sin(kMinAngle)) return {};
     line.normalize();
     if (line.dot(inward(a)) < 0.0) line = -line;
-    if (line.dot(inward(b)) > 0.0) return {};  // the other half of the line would make the contact long
+    if (line.dot(inward(b)) > 0.0) return {};  // b would extend to the same side as a: a long contact
     const double length = settings_.size_m * std::exp(between(std::log(settings_.shallowest), std::log(settings_.deepest)));
     const Vec3 place = settings_.spread_m * Vec3(between(-1, 1), between(-1, 1), between(-1, 1));
     for (Vec3& p : b) p += place + on_a - on_b + length * line;

@@ -11,8 +11,8 @@
 namespace hapton {
 namespace {
 
-// FCL returns points where a triangle is deepest in the other, not the segment they share. Evaluated favourably: the point nearest to that
-// segment.
+// FCL returns the points at which one triangle is deepest in the other, not the segment that both share. This judges FCL leniently: the
+// returned point that is nearest to that segment counts.
 double kind_error(std::span<const Vec3> points, const TrianglePair& pair) {
   const ExtendedContact exact = intersect_extended(pair);
   const Vec3 from = exact.point[0].cast<double>();

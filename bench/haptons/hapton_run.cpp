@@ -38,7 +38,7 @@ class ScalarCollider final : public PairCollider {
   std::vector<TriangleContact> contacts_;
 };
 
-// From blocks, as a mesh prepared for collision stores them; undecided lanes are repeated in double within the measured time.
+// Takes blocks of eight pairs, as a mesh prepared for collision stores them. The time includes a repetition of undecided pairs in double.
 class BlockCollider final : public PairCollider {
  public:
   explicit BlockCollider(const Pairs& pairs) : pairs_(pairs), blocks_(pairs.size() / 8), found_(blocks_.size()), again_(pairs.size()) {
@@ -79,7 +79,7 @@ class BlockCollider final : public PairCollider {
   std::vector<TriangleContact> again_;
 };
 
-// From double precision corners, packing and unpacking within the time.
+// Takes corners in double precision; the time includes packing and unpacking.
 class MeshCollider final : public PairCollider {
  public:
   explicit MeshCollider(const Pairs& pairs) : pairs_(pairs), contacts_(pairs.size()), asked_(pairs.size() / 8) {}
@@ -99,7 +99,7 @@ class MeshCollider final : public PairCollider {
  private:
   const Pairs& pairs_;
   std::vector<TriangleContact> contacts_;
-  std::vector<std::size_t> asked_;  // of the batch that begins at 8 * index
+  std::vector<std::size_t> asked_;  // undecided pairs of the batch that begins at pair 8 * index
 };
 
 double at_quantile(const std::vector<double>& sorted_ns, double q) {
@@ -107,7 +107,7 @@ double at_quantile(const std::vector<double>& sorted_ns, double q) {
   return sorted_ns[static_cast<std::size_t>(q * last + 0.5)];
 }
 
-// Once through all pairs to load the cache, as in a haptic loop; then timed repetitions for a few
+// Goes once through all pairs to load the cache, as in a haptic loop, then times repetitions for a few
 // milliseconds.
 void take_turn(PairCollider& collider, const Stopwatch& watch, const HaptonRunSettings& settings, std::vector<double>& batch_ns) {
   constexpr double kTurnNs = 5e6;  // 5 ms; a free choice

@@ -26,7 +26,7 @@ SurfaceEffects all_of_a_surface() {
           .tap = {.ns_per_m = 5.0}};
 }
 
-// brightness_at, in texels.
+// The image whose texels are the values of brightness_at.
 std::shared_ptr<const SurfaceImage> waves_image() {
   std::vector<float> texels;
   for (int y = 0; y < kTexels; ++y) {
@@ -35,7 +35,7 @@ std::shared_ptr<const SurfaceImage> waves_image() {
   return std::make_shared<const SurfaceImage>(kTexels, kTexels, std::move(texels));
 }
 
-// Texture coordinates from above.
+// All kinds of maps on one mesh; the texture coordinates are x and y of the corners, a projection from above.
 SurfaceMaps all_maps(const TriangleMesh& mesh) {
   auto triangles = std::make_shared<std::vector<MappedTriangle>>();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -63,7 +63,7 @@ std::vector<EffectCase> map_cases(const TriangleMesh& mesh) {
           {"all images", {.maps = all}, {}}};
 }
 
-// Models of the size that recorded ones have: 6 x 6 of them, in 50 triangles.
+// Makes a texture with as many models as recorded ones have: 6 x 6 models, joined by 50 triangles.
 std::shared_ptr<const TextureModels> made_texture(double rate_hz, std::size_t ar, std::size_t ma) {
   constexpr std::size_t kSide = 6;
   const auto spread = [](std::size_t order, double shift) {

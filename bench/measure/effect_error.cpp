@@ -15,21 +15,21 @@
 namespace hapton {
 namespace {
 
-// Moments of the formula in a step: an event (contact, puncture, slip) is found to 1/64 of a step, less than the error of sampling itself.
+// The formula is evaluated this often in a step, so it finds an event (contact, puncture, slip) to 1/64 step, below the sampling error.
 constexpr int kParts = 64;
 
-// The hand moves already when the touch begins, but velocities and towed masses begin at rest. After this long, 25 times the memory of
-// SmoothVelocity at 1 kHz, the difference has died out.
+// The hand already moves when the touch begins, but the velocity estimates and virtual masses of the effects begin at rest. After this
+// time, 25 times the memory of SmoothVelocity at 1 kHz, the difference has died out.
 constexpr double kSettleS = 0.2;
 
-// The hand is above the plane by at least this at the beginning, so that every run begins without contact; a free choice.
+// At the beginning the hand is at least this high above the plane, so that every run begins without contact; a free choice.
 constexpr double kFirstHeightM = 0.2e-3;
 
-// Time of a sample since the touch began. The first one is one step after it, as in EffectStep.
+// The time of a sample since the touch began; the first sample is one step after that, as in EffectStep.
 double time_of(std::size_t sample, double rate_hz) { return static_cast<double>(sample + 1) / rate_hz; }
 
-// A sum of two waves on each axis: from 1.6 mm below the plane to 0.9 mm above it, and at most 0.15 m/s along it: a hand that strokes and
-// lifts. The common period of all waves is 100 s, so that no part of a run repeats. It begins above the plane. Frame S.
+// A hand that strokes and lifts: on each axis a sum of two waves, from 1.6 mm below the plane to 0.9 mm above it, and at most 0.15 m/s
+// along the plane. The common period of all waves is 100 s, so that no part of a run repeats. The motion begins above the plane. Frame S.
 class SmoothMotion {
  public:
   explicit SmoothMotion(std::uint64_t seed) {
@@ -65,7 +65,7 @@ class SmoothMotion {
                                                 {{{.length_m = 0.9e-3, .hz = 1.1}, {.length_m = 0.35e-3, .hz = 2.3}}}}};
 };
 
-// The force of every step by method proxy, frame S, N.
+// The force of every step in newtons, as method proxy computes it with these effects. Frame S.
 Result<std::vector<Vec3>> felt_forces(const EffectCase& effects, const SmoothMotion& motion, const EffectErrorSettings& settings) {
   const TouchScene scene = {.objects = {{std::make_shared<const TriangleMesh>(effect_plane()), {}, effects.surface}},
                             .effects = effects.space};
@@ -103,7 +103,7 @@ Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effect
   double worst = 0.0;
   for (std::size_t i = 0; i < felt->size(); ++i) {
     Vec3 exact = Vec3::Zero();
-    for (int part = i == 0 ? kParts : 1; part <= kParts; ++part) {  // before the first sample there is nothing to follow
+    for (int part = i == 0 ? kParts : 1; part <= kParts; ++part) {  // the formula begins at the first sample, like the method
       const double behind_s = (1.0 - static_cast<double>(part) / kParts) / settings.rate_hz;
       exact = form.force_at(motion.at(time_of(i, settings.rate_hz) - behind_s));
     }

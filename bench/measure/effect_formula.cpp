@@ -34,7 +34,7 @@ ValueOnPlane height_of(const SurfaceBumps& bumps, const Vec3& p) {
           -half * k / 3.0 * Vec3(std::sin(k * p.x()), std::sin(k * p.y()), 0.0)};
 }
 
-// The number that an image gives.
+// The value that an image gives at p; `where_off` if there is no image.
 ValueOnPlane value_of(const ImageMap& map, const Vec3& p, double where_off) {
   if (!map.is_on()) return {where_off, Vec3::Zero()};
   const double range = map.at_white - map.at_black;
@@ -131,7 +131,7 @@ double EffectFormula::layers_n(double depth_m, double inward_m_per_s) {
   return resistance() + (punctured_ > 0 ? layers[punctured_ - 1].drag_ns_per_m * inward_m_per_s : 0.0);
 }
 
-// A spring to a point of the plane, which is drawn along where the cone ends.
+// The force of a spring to a point of the plane. At the limit of the friction cone the hand drags this point along.
 Vec3 EffectFormula::friction(const Vec3& p, double coefficient, double normal_n, bool begins) {
   const Vec3 here = along_plane(p);
   if (begins) sticks_at_ = here;

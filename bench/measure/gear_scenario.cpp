@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// The angle that an involute has turned by where its string has unwound by the angle t: t - atan t.
+// The polar angle of an involute, from its start to the point at which the string has unwound by the angle t: t - atan t.
 double involute_turn(double t) { return t - std::atan(t); }
 
 // Half the angle of a tooth at its base circle.
@@ -18,7 +18,7 @@ double half_tooth_at_base(const SpurGear& gear) {
   return 0.5 * thickness / gear.pitch_radius_m() + involute_turn(std::tan(gear.pressure_angle));
 }
 
-// Counter-clockwise over the profile.
+// The outline of the gear, counter-clockwise. `between`: a gap, not a tooth, is at angle 0.
 std::vector<Eigen::Vector2d> make_outline(const SpurGear& gear, bool between) {
   const double base = gear.base_radius_m();
   const double root = gear.pitch_radius_m() - 1.25 * gear.module_m;
@@ -46,7 +46,7 @@ std::vector<Eigen::Vector2d> make_outline(const SpurGear& gear, bool between) {
 
 double turn_about_z(const Pose& X) { return std::atan2(X.linear()(1, 0), X.linear()(0, 0)); }
 
-// The place (x, y, turn) of least energy where no flanks overlap: the device's, held off by both sides' gaps, linear in ever nearer places.
+// Finds the pose (x, y, turn) of least energy at which no flanks overlap. Each round linearises the gaps of both sides at the last pose.
 Vec3 find_rest(const SpurGear& gear, const Vec3& device, double turn_length_m) {
   const Vec3 scale(1.0, 1.0, turn_length_m);
   Vec3 at = device;
@@ -55,7 +55,7 @@ Vec3 find_rest(const SpurGear& gear, const Vec3& device, double turn_length_m) {
     for (std::size_t i = 0; i < planes.size(); ++i) {
       Vec3 slope;
       const double gap = find_flank_gap(gear, at.head<2>(), at.z(), i == 0, &slope);
-      // In lengths, from the device: gap + slope . (y + device - at) >= 0.
+      // In lengths, with y the motion from the device to the pose: gap + slope . (y + device - at) >= 0.
       const Vec3 scaled = slope.cwiseQuotient(scale);
       planes[i] = {scaled.normalized(), (slope.dot(at - device) - gap) / scaled.norm()};
     }
@@ -72,15 +72,15 @@ double SpurGear::base_radius_m() const { return pitch_radius_m() * std::cos(pres
 TriangleMesh make_spur_gear(const SpurGear& gear, bool between) { return make_prism(make_outline(gear, between), gear.width_m, 1); }
 
 double find_flank_gap(const SpurGear& gear, const Eigen::Vector2d& centre_m, double turn, bool counterclockwise, Vec3* slope) {
-  // The other side is this one in a mirror.
+  // The clockwise side is the mirror image of the counterclockwise side.
   const double side = counterclockwise ? 1.0 : -1.0;
   const double base = gear.base_radius_m();
   const double pitch = 2.0 * std::numbers::pi / gear.teeth;
   const double distance = centre_m.norm();
   const double pressure = std::acos(2.0 * base / distance);
   const double direction = std::atan2(side * centre_m.y(), centre_m.x());
-  const double along = direction - pressure;  // where the tangent touches the first base circle
-  // The strings' angles, of the first gear's tooth 0 and of the second's next to it; other pairs differ by whole teeth.
+  const double along = direction - pressure;  // angle at which the tangent touches the first base circle
+  // The sum of both strings' angles, for tooth 0 of the first gear and the next tooth of the second; other pairs differ by whole teeth.
   const double strings = 2.0 * half_tooth_at_base(gear) + (side * turn + 0.5 * pitch) - 2.0 * along;
   const double gap = distance * std::sin(pressure) - base * strings;
   if (slope != nullptr) *slope = {-std::sin(along), side * std::cos(along), -side * base};

@@ -13,7 +13,7 @@ std::string condition_of(const MeshFigures& f) {
                      f.friction ? "friction" : "no friction");
 }
 
-// Collects the rows over all meshes.
+// Makes the rows that summarise all meshes.
 class RowsOverMeshes {
  public:
   RowsOverMeshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings)
@@ -62,8 +62,8 @@ class RowsOverMeshes {
     return total;
   }
 
-  // Two rows: the median over the meshes, and the worst mesh. target: goal of the worst mesh. quoted: value of another library, for the
-  // median.
+  // Adds two rows: the median over the meshes, and the worst mesh. target: goal for the worst mesh. quoted: the value of another library
+  // that is shown with the median.
   template <class Figure>
   void add_pair(const std::string& what, const std::string& metric, const std::string& unit, std::optional<double> target,
                 const std::string& quoted, const std::string& note, Figure&& figure) {

@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using SwitchCause = BranchSwitch::Cause;
 
-constexpr double kMoves = 1e-9;  // of the extent: a proxy that moved by more since the last step slides
+constexpr double kMoves = 1e-9;  // share of the extent: a proxy that has moved farther since the last step slides
 
 struct Slide {
   std::uint64_t seed;
@@ -31,16 +31,16 @@ struct Slide {
 struct Windows {
   std::vector<ForceSample> method, converged, reference;  // one window after the other, all of the same length
   struct Begin {
-    std::uint64_t seed = 0;  // of the slide
-    std::size_t step = 0;    // of the slide, from which the window goes on
+    std::uint64_t seed = 0;  // seed of the slide
+    std::size_t step = 0;    // step of the slide after which the window begins
     Vec3 proxy = Vec3::Zero(), device = Vec3::Zero();
     bool slides = false;
   };
   std::vector<Begin> begins;
 };
 
-// Where windows begin: contact steps with a whole window before the next reset; under friction only those in which the proxy moves, so that
-// its motion counts.
+// Chooses where windows begin: at contact steps with a whole window before the next reset; with friction only at those in which the proxy
+// moves, so that the windows include such motion.
 std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
                                        double least_move_m) {
   std::vector<std::size_t> possible;
@@ -55,7 +55,7 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
   return starts;
 }
 
-// The reference over one window.
+// Computes the reference over one window.
 std::vector<ForceSample> follow(ReferenceMethod& reference, const Windows::Begin& begin, std::span<const ForceSample> samples) {
   reference.continue_from(begin.proxy, begin.device, begin.slides);
   std::vector<ForceSample> felt;
@@ -87,9 +87,9 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
   return settings;
 }
 
-// In windows with a switch that nothing explains: the reference from 16 times as many sub-steps. Where that is another force by more than
-// kBranchShare, the first passes agreed by chance, so the step is not settled; a switch is unsettled if its first step is. Which steps are
-// errors, and by how much, stays.
+// Computes the reference again with 16 times as many sub-steps, in each window with an unexplained switch. Where its force now differs by
+// more than kBranchShare, the sub-steps before agreed by chance, so the step is not settled; a switch is unsettled if its first step is not
+// settled. This changes neither which steps count as errors nor the size of an error.
 void check_reference(ReferenceMethod& fine, const std::vector<BranchSwitch>& switches, std::size_t window_steps, Windows& windows) {
   std::size_t checked = windows.begins.size();
   for (const BranchSwitch& branch : switches) {
@@ -233,7 +233,7 @@ MedianAndWorst over_meshes(const std::vector<MeshFigures>& figures, const std::f
     result.worst = values.back();
     result.worst_mesh = one.mesh;
   }
-  // For an even number the upper of the two in the middle, so that it is a measured value.
+  // For an even number of values this is the upper of the two in the middle, so that the median is a measured value.
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   result.median = values[values.size() / 2];
   return result;

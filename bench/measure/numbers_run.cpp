@@ -26,7 +26,7 @@ std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint6
   return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
 }
 
-// Root mean square curvature radius 0.7 mm, touched 1 to 2 mm deep; waves of 2.5 mm have ten facets at 1.31 M triangles.
+// The root mean square of its curvatures is 1 / (0.7 mm). Slides go 1 to 2 mm deep. At 1.31 M triangles ten facets span a wave of 2.5 mm.
 std::shared_ptr<const TriangleMesh> make_rough(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_rough_sphere(0.049, 0.0007, 0.0025, triangles, seed);
   const double extent = compute_bounds(mesh).extent();
@@ -50,7 +50,7 @@ std::string count_text(std::size_t n) {
   return n >= 1000000 ? fmt::format("{:.2f} M", 1e-6 * static_cast<double>(n)) : fmt::format("{:.3g} k", 1e-3 * static_cast<double>(n));
 }
 
-// One measurement after the other, each adding its rows.
+// Takes one measurement after the other; each adds its rows.
 class Numbers {
  public:
   Numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& peers, const Progress& progress)
@@ -79,7 +79,7 @@ class Numbers {
  private:
   void add(NumberRow row) { rows.push_back(std::move(row)); }
 
-  // The peers' figures of one kind of query.
+  // One figure of each peer that has this kind of query.
   template <class Figure>
   Peers figures_of(const std::vector<StructureTiming>& timings, bool QueryStructureKind::*has, Figure&& figure) const {
     Peers all;
@@ -109,7 +109,7 @@ class Numbers {
     return text;
   }
 
-  // Builds are measured once a structure, several times a run: the least counts.
+  // Each measurement builds its structures anew, so a run builds each of them several times; the shortest build counts.
   void note_build(const MethodTiming& ours, const std::vector<StructureTiming>& peers) {
     build_ms_ = std::min(build_ms_, ours.build_ms);
     for (std::size_t i = 0; i < peers.size(); ++i) contact_peers_[i].build_ms = std::min(contact_peers_[i].build_ms, peers[i].build_ms);
@@ -170,13 +170,13 @@ class Numbers {
     return {};
   }
 
-  // Twice: with the same slide, whose steps cross the more facets the finer the mesh is, and with steps as long as the facets.
+  // Measures growth twice: with the same slide, whose steps cross more facets on finer meshes, and with equally many facets in each step.
   Result<void> measure_growth() {
     if (auto done = measure_growth("growth of contact p50, the same slide", 1.3, false); !done) return done;
     return measure_growth("growth of contact p50, equal facets a step", 1.5, true);
   }
 
-  // From the coarsest mesh to the finest, which measure_contact has measured.
+  // Compares the coarsest mesh with the finest, which measure_contact has already measured.
   Result<void> measure_growth(const std::string& what, double target, bool has_equal_facets) {
     double first = contact_p50_ns_;
     std::vector<StructureTiming> first_peers = contact_peers_;
@@ -212,7 +212,7 @@ class Numbers {
     return {};
   }
 
-  // The same slide at every scale, evaluated in the mesh's own size, against the reference at scale 1.
+  // Computes the same slide at every scale, converts the results back to scale 1 and compares them with the reference there.
   Result<void> measure_scales() {
     const std::size_t pieces = (slide_.p_SD.size() + slide_.reset_every - 1) / slide_.reset_every;
     const TouchTrajectory heads = take_heads(slide_, std::max<std::size_t>(2, settings_.compared_steps / pieces));
@@ -268,7 +268,7 @@ class Numbers {
     return felt;
   }
 
-  // Every mesh, both probes, without and with friction: many seeds each.
+  // Measures every mesh with both probes, without and with friction, each time with many seeds.
   Result<void> measure_meshes(std::vector<NamedMesh> meshes) {
     meshes.push_back({"bumpy " + count_text(mesh_->triangles.size()), mesh_});
     progress_("making the rough sphere");
@@ -338,7 +338,7 @@ class Numbers {
   std::shared_ptr<const TriangleMesh> mesh_;
   std::string size_;
   TouchTrajectory slide_;
-  double contact_p50_ns_ = 0.0;  // on the finest mesh, like those of the peers
+  double contact_p50_ns_ = 0.0;  // on the finest mesh, as contact_peers_
   std::vector<StructureTiming> contact_peers_;
   double build_ms_ = kNothingFound;
   double build_mb_ = 0.0;

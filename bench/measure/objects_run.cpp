@@ -16,9 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kRing_m = 0.035;  // of each torus; with kTube_m it is 100 mm across
+constexpr double kRing_m = 0.035;  // ring radius of each torus; with kTube_m it is 100 mm across
 constexpr double kTube_m = 0.015;
-constexpr double kSpacing_m = 0.14;  // 40 mm between neighbours: the free trajectory goes 11 mm away
+constexpr double kSpacing_m = 0.14;  // leaves 40 mm between neighbours; the free trajectory goes 11 mm away from the torus
 
 struct Scenes {
   TouchScene all, alone;
@@ -49,7 +49,7 @@ Scenes make_scenes(std::size_t objects, std::size_t triangles) {
   return scenes;
 }
 
-// One scene size after the other, each adding its rows.
+// Takes the measurements for one number of objects after the other; each adds its rows.
 class Objects {
  public:
   Objects(const ObjectsSettings& settings, const Stopwatch& watch, const Progress& progress)

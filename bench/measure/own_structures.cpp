@@ -22,7 +22,7 @@ std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::size_t i) {
   return {mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2)};
 }
 
-// Everything that is not brute force (but Fdh::nearest) collects candidates and lets these two decide.
+// Every structure except brute force and Fdh::nearest collects candidate triangles and tests them with these two structs.
 struct FirstHit {
   const TriangleMesh& mesh;
   const Vec3& from;
@@ -79,8 +79,8 @@ class Brute final : public QueryStructure {
   std::vector<std::array<Point3<Real>, 3>> corners_;
 };
 
-// A segment is tested against the cells that its box covers, as method `sweep` does; a point into a cube that grows until nothing outside
-// can be nearer.
+// first_hit() tests the segment against the triangles in all cells that its bounding box covers, as method `sweep` does. nearest() searches
+// a cube around the point, which grows until no triangle outside it can be nearer.
 class Grid final : public QueryStructure {
  public:
   static Made make(const TriangleMesh& mesh, int division) {

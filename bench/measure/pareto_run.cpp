@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSphereShare = 0.005;  // radius of the spherical probe over the mesh's extent: 0.5 mm for 100 mm
+constexpr double kSphereShare = 0.005;  // radius of the sphere probe as a share of the mesh's extent: 0.5 mm for 100 mm
 
 struct Candidate {
   std::string family, structure;
@@ -46,7 +46,7 @@ std::vector<Candidate> make_candidates(double extent_m) {
       s.set_size = n;
     });
   }
-  // The force layer of the FDH paper with its full weight: force begins at the distance RADIUS outside the surface.
+  // The force layer of the FDH paper with its full weight: the force begins at the distance RADIUS (paper's name) outside the surface.
   for (const int n : {16, 32, 64, 128, 256}) {
     add("smooth layer", fmt::format("fdh 14, set {}, layer 1", n), [n](MethodSettings& s) {
       s.name = "smooth";

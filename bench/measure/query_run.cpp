@@ -9,24 +9,24 @@
 namespace hapton {
 namespace {
 
-// Of the extent: radius of the queries for the nearest triangle. 2.5 mm of 100 mm, a firm press at 1 N/mm; a free choice.
+// Radius of the queries for the nearest triangle, as a share of the extent: 2.5 mm for 100 mm, a firm press at 1 N/mm; a free choice.
 constexpr double kReachShare = 0.025;
-// Of the extent: by how much single precision and brute force may differ; a quarter of the smallest fall-through.
+// Share of the extent by which single precision may differ from brute force: a quarter of the smallest fall-through.
 constexpr double kAgreeShare = 1e-4;
-// Triangle tests of brute force for each kind of query: about a second. That is 20 to 500 queries, by the size of the mesh.
+// Triangle tests by brute force for each kind of query, which take about a second: 20 to 500 queries, depending on the size of the mesh.
 constexpr double kTriangleTests = 4e7;
 constexpr double kFewestCompared = 20.0;
 constexpr double kMostCompared = 500.0;
-// Queries to estimate the time of one, and in every measurement; a free choice.
+// Queries from which the time of one is estimated, and the fewest in a measurement; a free choice.
 constexpr std::size_t kMinQueries = 16;
 
-// Distance between queries of which at most `most` are used.
+// Stride through the queries with which at most `most` of them are used.
 std::size_t stride_for(std::size_t queries, std::size_t most) {
   return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most));
 }
 
-// Distance between the queries that fit into a third of the budget, so that they can be timed about three times. Estimated from a few of
-// them.
+// Stride through the queries with which they fit into a third of the time budget, so that they can be timed about three times. Estimated
+// from a few queries.
 template <class Ask>
 std::size_t find_stride(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, Ask&& ask) {
   if (queries <= kMinQueries) return 1;

@@ -12,8 +12,8 @@
 namespace hapton {
 namespace {
 
-// Share by which two calibrations of the time stamp counter may differ before the report says so. Those of a good counter agree far better;
-// a free choice.
+// Share by which two calibrations of the time stamp counter may differ before the report warns. Calibrations of a good counter agree far
+// better; a free choice.
 constexpr double kTrustedDrift = 0.01;
 
 }  // namespace

@@ -24,8 +24,8 @@ namespace {
 
 using SculptJson = nlohmann::ordered_json;
 
-constexpr double kHandSpeed = 0.2;            // m/s, as of a hand that works
-constexpr std::size_t kStepsPerSurface = 33;  // ms: vision_node computes the carved surface anew that often (CarvedObjects)
+constexpr double kHandSpeed = 0.2;            // m/s, the speed of a hand at work
+constexpr std::size_t kStepsPerSurface = 33;  // 1 ms each: after so many steps vision_node computes the carved surface anew (CarvedObjects)
 
 struct SculptShape {
   std::string name;
@@ -79,10 +79,10 @@ struct MadeAt {
 
 double ms_since(const Stopwatch& watch, std::uint64_t start) { return 1e-6 * watch.ns_between(start, Stopwatch::ticks()); }
 
-// The shortest of so many repetitions counts, as for the steps: it has the least delay by other programs. A free choice.
+// The shortest of this many repetitions counts, as for the steps, because other programs have delayed it least. A free choice.
 constexpr int kRepetitions = 4;
 
-// For each 33 ms of carving, the time of what the thread of CarvedObjects does then, without the conversion of the surface for the window.
+// For each 33 ms of carving: the time of the work that the thread of CarvedObjects then does, without preparing the surface for drawing.
 std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
   CarvedField field = whole;
   SurfaceNets nets;
@@ -184,7 +184,7 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   };
   const auto step = [&](std::size_t i) { output = method.step({.p_SD = motion.hand[i], .dt_s = 1e-3, .buttons = motion.buttons[i]}); };
   const TimedSteps timed = time_steps(watch, settings.budget, settings.steps, before, step, [](std::size_t) {});
-  // Once more, untimed: which steps carved and which touched.
+  // Runs once more, untimed, to find out which steps carved and which touched.
   std::vector<std::uint8_t> is_carving(settings.steps), is_touching(settings.steps);
   std::vector<MadeAt> carves;
   for (std::size_t i = 0; i < settings.steps; ++i) {
