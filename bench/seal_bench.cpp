@@ -56,7 +56,7 @@ DeviceState some_state() {
           .buttons = 3};
 }
 
-// From the message at the sender to the message at the receiver, as HubPeers and HubClient do it.
+// Takes a message from its sender to its receiver, as HubPeers and HubClient do: encode, seal, open, decode.
 template <class MessageType>
 void whole_way(benchmark::State& state, const MessageType& message) {
   Channels channels;
@@ -116,7 +116,7 @@ void seal_and_open(benchmark::State& state) {
   }
 }
 
-// The two ciphers of libsodium that a sealed link could use, without the channel around them: sealing and opening.
+// One of the two ciphers of libsodium that a sealed link could use, without the channel around it: sealing and opening.
 void aes256_gcm(benchmark::State& state) {
   if (const auto started = seal::start_crypto(); !started) std::abort();
   const auto size = static_cast<unsigned long long>(state.range(0));
@@ -150,7 +150,7 @@ void chacha20_poly1305(benchmark::State& state) {
   }
 }
 
-// The cost of an unknown peer's datagram: one with a live session's number, and a handshake with another key.
+// The cost of refusing an unknown peer's datagram: here one with the number of a live session, in refuse_request one with another key.
 void refuse_forged(benchmark::State& state) {
   Channels channels;
   Bytes plain = {};
@@ -162,7 +162,7 @@ void refuse_forged(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(channels.hub.open(std::span(sealed).first(size), opened, bytes));
 }
 
-// A request of another node, or an invalid one: its tag is checked first.
+// Makes a handshake request of this client. A hub first checks the tag of a request, then whether the request is a replay.
 std::array<std::byte, seal::kRequestBytes> make_request(ClientHandshake& client, std::int64_t now_ns) {
   std::array<std::byte, seal::kRequestBytes> request;
   client.begin();
@@ -187,8 +187,8 @@ void refuse_replayed_request(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(hub.check_request(request, {}, 1));
 }
 
-// The hub's work for a valid request: check, hand-over to the worker thread, and its result. The key agreement runs in the worker; the
-// benchmark waits for it with its clock stopped.
+// The hub's work for a valid request: it checks the request and hands it over to the worker thread. The key agreement runs in that thread;
+// the benchmark waits for the result with its clock stopped.
 void hand_over_request(benchmark::State& state) {
   const LinkKey key = make_key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
@@ -208,7 +208,7 @@ void hand_over_request(benchmark::State& state) {
   }
 }
 
-// The work of the worker thread on either side.
+// The work of the worker thread, first at the node, then at the hub.
 void worker_makes_request(benchmark::State& state) {
   AgreementTask task;
   for (auto _ : state) run_agreement(task);

@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxEventsPerCell = 16;  // as StylusDynamics: then the mass rests until the next cell
-// Cells for each period, or time constant times 2 pi, of the fastest motion.
+constexpr int kMaxEventsPerCell = 16;  // as in StylusDynamics; after these the mass rests until the next cell
+// Cells (see cell_bits_) in one period of the fastest motion, or in 2 pi of its time constants.
 constexpr double kCellsPerPeriod = 100.0;
 
 }  // namespace
@@ -19,7 +19,7 @@ AxisMotion::AxisMotion(const DeviceModel& device, const HandModel& hand)
     : device_(device), hand_(hand), plant_(make_axis_plant(device, hand)), states_(plant_.states()) {
   net_force_.setZero(states_ + AxisPlant::kInputs);
   net_force_ << plant_.a.row(1).transpose(), plant_.b.row(1).transpose();
-  // Over the inverse mass: the friction input is a force.
+  // The row gives the acceleration; divided by the inverse mass, it gives the net force.
   net_force_ /= plant_.b(1, AxisPlant::friction);
   if (device.friction_n > 0.0) {
     const double fastest = std::max(1e-3, compute_eigenvalues(plant_.a).cwiseAbs().maxCoeff());
@@ -62,10 +62,10 @@ AxisMotion::Steps AxisMotion::make_steps(bool pinned) const {
   Steps steps;
   for (int bit = 0; bit < kMaxBits; ++bit) {
     steps[bit].transition = compute_exponential(rate * std::ldexp(1e-9, bit));
-    // Free of the exponential's rounding: what is pinned does not move.
+    // Set without the rounding of the exponential: what is pinned does not move.
     if (pinned) steps[bit].transition.topRows(2) = WholeMatrix::Identity(n, n).topRows(2);
   }
-  // Over 1 ns the state does not change in a way that matters to an energy; over twice the time it is the integral of both halves.
+  // In 1 ns the state changes too little to matter for the energies. Over twice a time, an energy is the sum over both halves.
   steps[0].motor_j = 1e-9 * motor_power();
   steps[0].lost_j = 1e-9 * heat();
   for (int bit = 1; bit < kMaxBits; ++bit) {
@@ -83,7 +83,7 @@ AxisMotion::State AxisMotion::rest_at(double position_m) const {
   return state;
 }
 
-// Goes on until left_ns is used up (false) or event(whole) has become true within the last 1 ns (true).
+// Advances until left_ns is used up (returns false), or until event(whole) has become true within the last 1 ns (returns true).
 template <class Event>
 bool AxisMotion::run(const Steps& steps, State& state, Whole& whole, std::int64_t& left_ns, Event event) const noexcept {
   const auto accept = [&](int bit, const Whole& next) {
@@ -109,7 +109,7 @@ bool AxisMotion::run(const Steps& steps, State& state, Whole& whole, std::int64_
   return is_bracketed;
 }
 
-// `whole` has the push in its friction input; friction comes on top where the mass slides.
+// The friction input of `whole` holds the external push; while the mass slides, friction is added to it.
 void AxisMotion::cross_cell(State& state, Whole& whole, std::int64_t left_ns) const noexcept {
   const int friction_at = states_ + AxisPlant::friction;
   const double push_n = whole[friction_at];

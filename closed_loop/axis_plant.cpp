@@ -13,7 +13,7 @@ AxisPlant make_axis_plant(const DeviceModel& device, const HandModel& hand) {
   plant.b.setZero(states, AxisPlant::kInputs);
   for (int i = 0; i < masses; ++i) plant.a(2 * i, 2 * i + 1) = 1.0;
 
-  // What a force on mass i does to the state, whatever it comes from.
+  // The mass that a force on mass i accelerates, whatever the force comes from.
   const auto mass_kg = [&](int i) {
     const double own = i == 0 ? device.motor_mass_kg() : device.modes[static_cast<std::size_t>(i - 1)].mass_kg;
     return i == masses - 1 ? own + hand.mass_kg : own;

@@ -9,16 +9,16 @@
 namespace hapton {
 namespace {
 
-// A joint of this stiffness, with a share of critical damping against the mass that rings on it with the device point held still.
+// A joint of this stiffness. damping_ratio: share of critical damping of ringing_kg, which oscillates on it while the device point is held.
 StructuralMode joint(double mass_beyond_kg, double stiffness_n_per_m, double ringing_kg, double damping_ratio) {
   return {mass_beyond_kg, stiffness_n_per_m, 2.0 * damping_ratio * std::sqrt(stiffness_n_per_m * ringing_kg)};
 }
 
 constexpr std::string_view kNoSource = "assumed: no source";
 constexpr std::string_view kNoWorkspace = "none known: a cube of 0.2 m is assumed";
-constexpr double kAssumedHalfM = 0.1;  // kNoWorkspace
+constexpr double kAssumedHalfM = 0.1;  // half a side of the cube in kNoWorkspace
 
-// half_m: of the cube that the workspace fits into.
+// half_m: half a side of the cube around the workspace.
 DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half_m) {
   return {.max_force_n = max_force_n,
           .max_slew_n_per_s = max_force_n / kForceRiseS,
@@ -28,7 +28,7 @@ DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half
           .max_speed_m_per_s = 3.0};
 }
 
-// As devices/stylus_dynamics.h has it, so that the laboratory and the simulated device agree.
+// The values are those of devices/stylus_dynamics.h, so that the laboratory and the simulated device agree.
 DevicePreset model_a_preset() {
   const double structure = 0.070 * std::pow(2.0 * std::numbers::pi * 30.0, 2);
   return {"model-a",
@@ -46,7 +46,7 @@ DevicePreset model_a_preset() {
           true};
 }
 
-// The device simulated-6dof: motors turn the stylus, too (turning_axis.h).
+// The device simulated-6dof, whose motors turn the stylus, too (turning_axis.h).
 DevicePreset model_a_6dof_preset() {
   DevicePreset preset = model_a_preset();
   preset.name = "model-a-6dof";

@@ -19,7 +19,7 @@ std::optional<std::int64_t> ForceChain::next_ns() const noexcept {
   return packets_.front().due_ns;
 }
 
-// For a heap whose front is the packet that is due first; of two that are due at the same time, the one of the older sample.
+// The order of a heap whose front is the packet that is due first; of two packets due at the same time, the one of the older sample.
 bool ForceChain::is_later(const Packet& a, const Packet& b) noexcept {
   return a.due_ns != b.due_ns ? a.due_ns > b.due_ns : a.sample_ns > b.sample_ns;
 }
@@ -48,7 +48,7 @@ void ForceChain::send(const Packet& packet, FaultInjector& link, std::int64_t no
   }
 }
 
-// A reply that is sent meanwhile and is due by now is received, too.
+// Also receives a reply that is sent during this call if it is due by now.
 void ForceChain::receive(std::int64_t now_ns) {
   while (!packets_.empty() && packets_.front().due_ns <= now_ns) {
     std::pop_heap(packets_.begin(), packets_.end(), is_later);
@@ -91,7 +91,7 @@ void ForceChain::accept(const Packet& packet, std::int64_t now_ns) {
 void ForceChain::run_gate(const std::optional<WrenchCommand>& command, std::int64_t now_ns) {
   switch (options_.gate) {
     case Gate::newest:
-      // The newest force stays; it is written again because the stage may shape it by the new sample.
+      // The newest force stays. It is written again, because the stage may shape it by the new sample.
       if (!command && options_.stage != nullptr) write(newest_n_, now_ns);
       return;
     case Gate::filter:

@@ -8,7 +8,7 @@ namespace {
 
 // The motion of run_press(): the hand starts above the wall and moves into it.
 constexpr double kStartM = 0.001;    // above the wall
-constexpr double kDepthM = 0.010;    // where the hand stops, below the surface
+constexpr double kDepthM = 0.010;    // depth below the surface at which the hand stops
 constexpr double kSpeedMPerS = 0.2;  // a fast tap
 
 }  // namespace
@@ -34,7 +34,7 @@ AxisMotion::StateVector SteppedMotion::rate(const AxisMotion::StateVector& state
   return plant_.a * state + plant_.b * Eigen::Vector4d(hand_m, input.hand_m_per_s, input.command_n, input.push_n + friction_n);
 }
 
-// Whether the mass is at rest and stays so: Coulomb friction is larger than all other forces together.
+// Whether the mass is at rest and remains so: Coulomb friction is at least as large as all other forces together.
 bool SteppedMotion::holds(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept {
   if (friction_n_ == 0.0 || state[1] != 0.0) return false;
   const double net_n = rate(state, input, since_s, 0.0)[1] / plant_.b(1, AxisPlant::friction);

@@ -28,7 +28,7 @@ double LoopSimulation::stored_j() const noexcept {
 
 LoopRow LoopSimulation::row() const noexcept { return {now_ns_, position_m(), chain_.force_n(), motor_j(), lost_j()}; }
 
-// Pre: nothing changes before time_ns.
+// Pre: the force and the course of the hand do not change before time_ns.
 void LoopSimulation::move_until(std::int64_t time_ns) noexcept {
   const Vec3 hand_m = options_.path.position_m(now_ns_);
   const Vec3 hand_m_per_s = options_.path.velocity_m_per_s(now_ns_);

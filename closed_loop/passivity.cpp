@@ -11,12 +11,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kLowestTurn = 1e-3;  // rad in all of the delay: slower motions are those of `slow`
-constexpr int kPerTurn = 24;          // frequencies evaluated for each turn of the delay, and at least kMinPoints
+constexpr double kLowestTurn = 1e-3;  // rad over the whole delay; `slow` is the limit of slower motions
+constexpr int kPerTurn = 24;          // frequencies evaluated for each turn over the delay, added to kMinPoints
 constexpr int kMinPoints = 400;
-constexpr int kAliases = 2000;  // summed one by one on either side, with an amplifier
+constexpr int kAliases = 2000;  // on either side, added one by one if there is an amplifier
 
-// The weights of the aliases of one frequency: what a hand's admittances are summed with.
+// The weights of the admittances at all aliases of one frequency: their sum, and the sum of their magnitudes.
 struct AliasDisk {
   Complex centre;
   double radius = 0.0;
@@ -31,7 +31,7 @@ class Sweep {
 
   double find_least() const {
     if (!(loop_.damping_ns_per_m > 0.0)) return 0.0;
-    // The slowest motions, which wall damping still damps.
+    // The limit for the slowest motions, which the wall's damping damps, too.
     const double slow = (loop_.damping_ns_per_m + loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
     const double periods = (loop_.delay_s + loop_.amplifier_s) / loop_.period_s + 1.0;
     const double first = kLowestTurn / periods;
@@ -48,13 +48,13 @@ class Sweep {
   }
 
  private:
-  // The angle above which no limit is below `slow`: |q| (|centre| + radius) < 1 holds for every K < (b - B) 2 sin(angle / 2) / T.
+  // The angle above which no limit is below `slow`: |q| (|centre| + radius) < 1 for K < (device - wall damping) 2 sin(angle / 2) / T.
   double find_last(double slow) const {
     const double most = 2.0 * (loop_.damping_ns_per_m - loop_.wall_damping_ns_per_m) / loop_.period_s;
     return most > slow ? 2.0 * std::asin(slow / most) : std::numbers::pi;
   }
 
-  // Golden section around the least that was seen.
+  // Searches by golden section around the least limit found so far.
   double refine(double low, double high, double least) const {
     const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
     for (int i = 0; i < 60; ++i) {
@@ -68,7 +68,7 @@ class Sweep {
     return least;
   }
 
-  // The first K > 0 at which |1 - q centre| = |q| radius with q = q0 + K q1; 0 when it is beyond already without stiffness.
+  // The first K > 0 at which |1 - q centre| = |q| radius with q = q0 + K q1; 0 if K = 0 is already beyond this.
   double limit_at(double angle) const {
     const double half = std::sin(0.5 * angle);
     const Complex difference(2.0 * half * half, std::sin(angle));  // 1 - 1/z
@@ -84,11 +84,11 @@ class Sweep {
     return first_root(a, b, c);
   }
 
-  // Of a K^2 + b K + c with c > 0 and a <= 0 but for rounding.
+  // The smallest positive root of a K^2 + b K + c; infinite if there is none. Pre: c > 0; a <= 0, except for rounding.
   static double first_root(double a, double b, double c) {
     const double inner = b * b - 4.0 * a * c;
     if (inner < 0.0) return std::numeric_limits<double>::infinity();
-    // c / larger-magnitude form: no cancellation where a is nearly zero.
+    // With c in the numerator, the roots do not suffer from cancellation where a is nearly zero.
     const double root = std::sqrt(inner);
     const double first = -b + root > 0.0 ? 2.0 * c / (-b + root) : std::numeric_limits<double>::infinity();
     const double second = -b - root > 0.0 ? 2.0 * c / (-b - root) : std::numeric_limits<double>::infinity();
@@ -103,7 +103,7 @@ class Sweep {
     return {-t * (t * over / difference - rest_s_ * over), 0.25 * t * t / (half * half)};
   }
 
-  // One by one, and the rest as an integral: it falls with the cube.
+  // Adds the first aliases one by one and the rest as an integral; the weights fall with the cube of the frequency.
   AliasDisk sum_aliases(double angle) const {
     AliasDisk disk;
     const double t = loop_.period_s;

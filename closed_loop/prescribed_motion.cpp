@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-// From event to event: samples, forces that arrive, and the motion's own. on_piece(from_ns, to_ns, force_n) for each piece of constant
-// force.
+// Goes from event to event: samples, forces that arrive, and events of the motion (next_ns). Calls on_piece(from_ns, to_ns, force_n) for
+// each piece of constant force.
 template <class Position, class Next, class OnPiece>
 void follow(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Position position_m, Next next_ns, OnPiece on_piece) {
   for (std::int64_t now_ns = 0, tick_ns = 0; now_ns < end_ns;) {
@@ -32,18 +32,18 @@ void follow(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Posi
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-// The unit eigenvector of the larger eigenvalue. Pre: hermitian.
+// The unit eigenvector of the larger eigenvalue. Pre: a is Hermitian.
 Eigen::Vector2cd find_strongest(const Eigen::Matrix2cd& a) {
   const double half_gap = 0.5 * (a(0, 0).real() - a(1, 1).real());
   const double radius = std::hypot(half_gap, std::abs(a(0, 1)));
-  // Of the two rows of a - eigenvalue, the one that does not cancel.
+  // Orthogonal to that row of a - eigenvalue * I in which nothing cancels.
   const Eigen::Vector2cd v = half_gap >= 0.0 ? Eigen::Vector2cd(half_gap + radius, a(1, 0)) : Eigen::Vector2cd(a(0, 1), radius - half_gap);
   return v.norm() > 0.0 ? Eigen::Vector2cd(v.normalized()) : Eigen::Vector2cd(0.0, 1.0);
 }
 
 HandPath::Point at(std::int64_t time_ns, double x_m) { return {.time_ns = time_ns, .p_WH = {x_m, 0.0, 0.0}}; }
 
-// Motions that a hand may try on one device, rate and delay.
+// Tries motions of a hand on one device, at one rate and delay, and keeps the least stiffness at which one of them gains energy.
 class OnsetSearch {
  public:
   OnsetSearch(const DeviceModel& device, std::int64_t period_ns, std::int64_t delay_ns)
@@ -57,9 +57,9 @@ class OnsetSearch {
   }
 
  private:
-  // A motion so slow that accelerations at its ends are negligible, and so long that friction is.
+  // A motion so long that the changes of speed at its ends are negligible, and so fast that friction is negligible beside damping.
   void press_and_release() {
-    constexpr std::int64_t kDelaysLong = 100;  // the delay is a hundredth of the press
+    constexpr std::int64_t kDelaysLong = 100;  // duration of the press, in multiples of the period plus the delay
     const std::int64_t press_ns = kDelaysLong * (period_ns_ + delay_ns_);
     const double damping = std::max(device_.damping_ns_per_m, 1e-9);
     const double speed = std::max(0.05, 1e4 * device_.friction_n / damping);
@@ -68,10 +68,10 @@ class OnsetSearch {
   }
 
   // The worst motion at one frequency and its aliases: two speeds in each period, before and after the force changes. The speeds are the
-  // eigenvector of the largest work per heat; their phases advance by the frequency from period to period.
+  // eigenvector with the most work for the same heat; their phases advance by the frequency from period to period.
   void swing_between_samples() {
-    constexpr int kFrequencies = 24;          // from a tenth of a turn of the delay to nearly Nyquist
-    constexpr std::int64_t kMaxPeriods = 20;  // of delay; with more the slow motions of a press decide
+    constexpr int kFrequencies = 24;          // from 0.1 rad over the delay to nearly Nyquist
+    constexpr std::int64_t kMaxPeriods = 20;  // whole periods of delay; beyond them press_and_release() finds the least stiffness
     const std::int64_t whole = delay_ns_ / period_ns_;
     const std::int64_t rest_ns = delay_ns_ % period_ns_;
     if (whole > kMaxPeriods || rest_ns == 0) return;
@@ -84,12 +84,12 @@ class OnsetSearch {
   }
 
   HandPath swing(double angle, std::int64_t whole, std::int64_t rest_ns) const {
-    constexpr double kCycles = 60.0;  // until the beginning no longer shows; the system is linear, so any speed does
+    constexpr double kCycles = 60.0;  // enough to outweigh the beginning; any speed will do, because the system is linear
     constexpr double kSpeed = 1.0;
-    // Parts of a period with their shares of it; speed y / share of unit heat.
+    // Square roots of the durations of the two parts of a period: speeds y / share dissipate a heat proportional to |y|^2.
     const Eigen::Vector2d share(std::sqrt(seconds(rest_ns)), std::sqrt(seconds(period_ns_ - rest_ns)));
     const Complex turn = std::polar(1.0, angle);
-    // Position read: moved^T y; force on each part: that of an older sample.
+    // The position read is moved^T y; the force on each part of a period is that of an older sample.
     const Eigen::Vector2cd moved = share.cast<Complex>() / (turn - 1.0);
     const Eigen::Vector2cd force(-share[0] * std::pow(turn, -static_cast<double>(whole + 1)),
                                  -share[1] * std::pow(turn, -static_cast<double>(whole)));
@@ -108,7 +108,7 @@ class OnsetSearch {
     return HandPath(std::move(points));
   }
 
-  // Across an encoder edge by a small part of a step, back and forth: the read position changes by a whole step each time.
+  // Moves back and forth across an encoder edge by a small part of a step: the position read changes by a whole step each time.
   void oscillate_at_an_encoder_edge() {
     constexpr int kCycles = 50;
     for (std::int64_t half_ns = period_ns_; half_ns <= 4 * (period_ns_ + delay_ns_); half_ns += period_ns_) {

@@ -15,8 +15,8 @@ namespace hapton {
 namespace {
 
 constexpr double kClearanceM = 0.005;  // before the surface, where a press begins
-constexpr double kSettled = 0.05;      // of the depth
-constexpr double kLowestBuzzHz = 5.0;  // below it a hand follows
+constexpr double kSettled = 0.05;      // share of the depth
+constexpr double kLowestBuzzHz = 5.0;  // a hand follows slower oscillations
 
 std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
 
@@ -58,7 +58,7 @@ void measure_hold(Rows hold, double encoder_step_m, PressMeasures& press) {
   if (press.depth_m > 0.0) press.overshoot = std::max(0.0, deepest_m / press.depth_m - 1.0);
 }
 
-// Of the first force; the release if there is none.
+// The time of the first force, or of the release if there is no force.
 std::int64_t find_contact_ns(const std::vector<LoopRow>& rows, const PressPath& path) {
   const auto contact = std::find_if(rows.begin(), rows.end(), [](const LoopRow& row) { return row.force_n.x() != 0.0; });
   return contact == rows.end() ? path.release_ns : contact->time_ns;
@@ -133,7 +133,7 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
-  constexpr double kStill = 0.01;  // of the depth; or two steps of the encoder
+  constexpr double kStill = 0.01;  // share of the depth; two steps of the encoder are always permitted
   return measures.has_contact &&
          measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
 }
@@ -153,7 +153,7 @@ std::vector<SpectrumPeak> compute_spectrum(const std::vector<double>& signal, do
   for (const double value : signal) mean += value / static_cast<double>(count);
   std::vector<double> windowed(count);
   for (std::size_t i = 0; i < count; ++i) {
-    // Its sum is half of the count, which the amplitude is divided by.
+    // The sum of the window is half of the count; the amplitude is divided by this sum.
     const double window = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count));
     windowed[i] = window * (signal[i] - mean);
   }

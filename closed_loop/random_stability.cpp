@@ -10,21 +10,21 @@
 namespace hapton {
 namespace {
 
-constexpr double kStartM = 1e-3;  // any: the loop is linear
-constexpr double kTiny = 1e-200;  // m; what has died out so far is not followed farther
+constexpr double kStartM = 1e-3;  // any distance will do, because the loop is linear
+constexpr double kTiny = 1e-200;  // m; a motion that has died out to this is not followed farther
 constexpr double kWithoutEnd = std::numeric_limits<double>::infinity();
 
-constexpr double kStride = 1.25;  // of the search upwards and downwards
-constexpr double kFine = 2e-3;    // relative width at which it ends
+constexpr double kStride = 1.25;  // factor of each step of the search, upwards or downwards
+constexpr double kFine = 2e-3;    // relative width at which the search ends
 
-// Over a while: the largest distance from where the hand wants to be, ...
+// The largest distance in these rows from where the hand wants to be.
 double largest_position(const std::vector<LoopRow>& rows) {
   double most = 0.0;
   for (const LoopRow& row : rows) most = std::max(most, std::fabs(row.p_WD.x()));
   return most;
 }
 
-// ... and the largest motion from sample to sample: a device that nobody holds need not return.
+// The largest motion in these rows from one sample to the next: for a device that nobody holds, which need not return.
 double largest_motion(const std::vector<LoopRow>& rows) {
   double most = 0.0;
   for (std::size_t i = 1; i < rows.size(); ++i) most = std::max(most, std::fabs(rows[i].p_WD.x() - rows[i - 1].p_WD.x()));
@@ -51,10 +51,10 @@ double growth_per_s(const RandomLoop& loop, const WallLaw::Wall& gains, const Ha
   return std::log(after / before) / (1e-9 * static_cast<double>(third_ns));
 }
 
-// Upwards from `start`, or downwards where that is unstable already. 0: unstable however small.
+// Searches upwards from `start`, or downwards if `start` is unstable already. 0: unstable however small the value.
 template <class IsStable>
 double find_limit(double start, IsStable is_stable) {
-  // Of the start: below it counts as unstable, above the other as stable.
+  // Shares of the start: a limit below the first counts as 0, one above the second as infinite.
   constexpr double kMinShare = 1e-6;
   constexpr double kMaxShare = 1e9;
   double low = start;
@@ -92,7 +92,7 @@ double find_stable_stiffness_by_simulation(const RandomLoop& loop, double start_
 }
 
 double find_stable_damping_by_simulation(const RandomLoop& loop, double start_ns_per_m) {
-  // A device that nobody holds does not move by itself.
+  // A push starts the motion, because a device that nobody holds would not move.
   constexpr std::int64_t kPushNs = 10'000'000;
   const HandPath pushed({{.time_ns = 0, .push_n = {1.0, 0.0, 0.0}}, {.time_ns = kPushNs}});
   return find_limit(start_ns_per_m, [&](double damping) {
@@ -109,7 +109,7 @@ double measure_mean_delay_s(const RandomLoop& loop) {
   for (std::int64_t tick_ns = 0; tick_ns < end_ns; tick_ns += loop.period_ns) {
     // The position is the time, so the force on the motors is the time of its sample.
     chain.sample({1e-9 * static_cast<double>(tick_ns), 0.0, 0.0}, tick_ns);
-    // In whole periods, from the first that begins with a force.
+    // Only whole periods count, from the first one that begins with a force.
     const bool counts = chain.counters().replies > 0;
     for (std::int64_t now_ns = tick_ns; now_ns < tick_ns + loop.period_ns;) {
       const std::int64_t until_ns = std::min(tick_ns + loop.period_ns, chain.next_ns().value_or(std::numeric_limits<std::int64_t>::max()));

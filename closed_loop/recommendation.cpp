@@ -9,7 +9,7 @@ namespace hapton {
 
 namespace {
 
-// Latency varies, and a shorter one may allow less: with a long delay the loop can be stable where it is not with a shorter one.
+// This many shorter delays are tried, too: latency varies, and a loop that is stable with a long delay can be unstable with a shorter one.
 constexpr int kDelays = 32;
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// A delay this near to a multiple of the period, as a share of it, is meant to be one.
+// A delay this near to a multiple of the period, as a share of the period, counts as that multiple.
 constexpr double kSameInstant = 1e-9;
 
 struct Held {
@@ -17,7 +17,7 @@ struct Held {
   SampledPlant::Vector response;
 };
 
-// Over a time in which the command is held.
+// The transition of the state, and its response to the command, over a time in which the command is held.
 Held hold(const AxisPlant& plant, double duration_s) {
   const int n = plant.states();
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + 1, n + 1);
@@ -27,8 +27,8 @@ Held hold(const AxisPlant& plant, double duration_s) {
   return {over.topLeftCorner(n, n), over.topRightCorner(n, 1)};
 }
 
-// Every pole on the left, but for one that coasts: a free device with damping. Of the plant in continuous time, where a pole of slow
-// damping and one that coasts lie well apart. Nearer to the axis than this share of the fastest rates is on it.
+// Whether every pole of the plant in continuous time has a negative real part, except for one at 0 (a free device coasts). Slow damping
+// and coasting are well apart in continuous time. A pole nearer to the imaginary axis than kOnAxis times the fastest rates is on it.
 bool is_damped(const AxisPlant& plant) {
   constexpr double kOnAxis = 1e-10;
   const Eigen::MatrixXd rates = plant.a;

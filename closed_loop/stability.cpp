@@ -14,13 +14,13 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// Between two angles that are evaluated, 1/L turns by no more and grows by no more (natural logarithm). Small enough that its imaginary
-// part changes sign no more than once.
+// Between two angles that are evaluated, 1/L turns by at most kMaxTurn and its magnitude changes by at most kMaxGrowth (natural logarithm),
+// so little that its imaginary part changes sign at most once.
 constexpr double kMaxTurn = 0.1;
 constexpr double kMaxGrowth = 0.2;
-// What lies this far above the best is not refined.
+// Points whose |s| exceeds the least limit found so far by this factor are not refined.
 constexpr double kFarAbove = 1.5;
-// Angle to begin at, in shares of the loop's delay: nothing swings so slowly.
+// The angle over the whole delay of the loop, in rad, at which the search begins: no oscillation is so slow.
 constexpr double kFirstTurn = 1e-6;
 
 // (1 - 1/z) / T: velocity of a position by finite difference.
@@ -39,14 +39,14 @@ Complex smooth_difference(double angle, double period_s) {
   return mean * difference(angle, period_s);
 }
 
-// Force of a virtual mass of 1 kg over the position, less the sign: MassEffect with the velocity of SmoothVelocity.
+// Minus the force of a virtual mass of 1 kg divided by the position, as MassEffect computes it with the velocity of SmoothVelocity.
 Complex acceleration(double angle, double period_s, double filter_s) {
   const double share = -std::expm1(-period_s / filter_s);
   return share / (1.0 - (1.0 - share) * std::polar(1.0, -angle)) * smooth_difference(angle, period_s) * difference(angle, period_s);
 }
 
-// 1 + (fixed + s * direction) L = 0 for s. One of the two is stiffness, the other damping; or s is a viscosity or a virtual mass,
-// and nothing is fixed.
+// Solves 1 + (fixed + s * direction) L = 0 for s. Of `fixed` and s, one is the stiffness and the other the damping of the wall; or s is a
+// viscosity or a virtual mass, and `fixed` is 0.
 class Boundary {
  public:
   enum class Along { stiffness, damping, viscosity, mass };
@@ -56,10 +56,10 @@ class Boundary {
 
   struct Point {
     double angle = 0.0;
-    Complex inverse;  // 1/L without the turn of whole periods
+    Complex inverse;  // 1/L without the turn by the delay's whole periods
     Complex direction;
     Complex s;
-    double least = 0.0;  // |s| is no less, whatever whole periods turn
+    double least = 0.0;  // lower bound of |s|, whatever the turn by whole periods
   };
 
   Point at(double angle) const {
@@ -96,10 +96,10 @@ class Boundary {
   }
 
  private:
-  // Of what two neighbouring points may differ by.
+  // The difference between two neighbouring points, as a share of what is permitted.
   double share_of_most(const Point& here, const Point& next, double best) const {
     Complex ratio = next.inverse / here.inverse;
-    // A filter turns by itself; a difference by half of the angle.
+    // A filter in the direction turns, too; a plain difference only turns by half of the angle.
     if (along_ == Along::mass || along_ == Along::viscosity) ratio /= next.direction / here.direction;
     const double own_turn = std::fabs(std::arg(ratio));
     const double growth = std::fabs(std::log(std::abs(ratio)));
@@ -117,7 +117,7 @@ class Boundary {
     note(at(angle), best);
   }
 
-  // At half the sampling rate everything is real.
+  // At half the sampling rate everything is real, so no crossing is needed.
   void note_end(const Point& end, StabilityLimit& best) const { note(end, best); }
 
   void note(const Point& point, StabilityLimit& best) const {

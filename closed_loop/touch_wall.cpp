@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kCells = 20;  // along each side
+constexpr int kCells = 20;  // cells along each side
 constexpr double kSideM = 0.2;
 
 }  // namespace

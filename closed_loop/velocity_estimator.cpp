@@ -68,13 +68,13 @@ class AdaptiveWindow final : public VelocityEstimator {
   };
   static constexpr int kPoints = VelocityFilter::kMaxWindow + 1;
 
-  // n samples before the newest.
+  // The point n samples before the newest.
   const Point& before(int n) const noexcept { return points_[static_cast<std::size_t>((count_ - 1 - n) % kPoints)]; }
   double slope(int n) const noexcept { return (before(0).position_m - before(n).position_m) / (before(0).time_s - before(n).time_s); }
-  // Whether the line over the newest n intervals passes every position between within an encoder step.
+  // Whether the line over the newest n intervals passes every position in between at a distance of at most one encoder step.
   bool passes_all(int n) const noexcept {
     const double velocity = slope(n);
-    // The step itself is on the line of a motion at constant speed; rounding must not decide.
+    // At constant speed the distance can reach a whole step, and rounding must not decide.
     const double tolerance_m = step_m_ * (1.0 + 0x1p-20);
     for (int i = 1; i < n; ++i) {
       const double on_line_m = before(0).position_m - velocity * (before(0).time_s - before(i).time_s);
@@ -121,8 +121,8 @@ class Kalman final : public VelocityEstimator {
     p_xx_ += 2.0 * dt_s * p_xv_ + dt_s * dt_s * p_vv_ + 0.25 * push * dt_s * dt_s;
     p_xv_ += dt_s * p_vv_ + 0.5 * push * dt_s;
     p_vv_ += push;
-    // What one push moves is the least: a finer reading would be taken for one that shows every push, and the estimate would swing for
-    // ever.
+    // A reading's variance is at least that of the motion by one random acceleration in a step. With a finer reading the filter would take
+    // every reading as exact, and the estimate would oscillate for ever.
     const double reading2 = std::max(reading2_, 0.25 * push * dt_s * dt_s);
     const double gain_x = p_xx_ / (p_xx_ + reading2);
     const double gain_v = p_xv_ / (p_xx_ + reading2);
@@ -140,7 +140,7 @@ class Kalman final : public VelocityEstimator {
   double reading2_;
   double x_ = 0.0;
   double v_ = 0.0;
-  // Covariance of position and velocity.
+  // Covariance of the errors of position and velocity.
   double p_xx_ = 0.0;
   double p_xv_ = 0.0;
   double p_vv_ = 0.0;
@@ -233,7 +233,7 @@ std::unique_ptr<VelocityEstimator> make_velocity_estimator(const VelocityFilter&
 
 VelocityQuality measure_velocity(const VelocityFilter& filter, double period_s, double step_m) {
   VelocityQuality quality;
-  // No multiples of each other, so that no speed falls into step with the encoder.
+  // The speeds are no multiples of each other, so that not all of them can fall into step with the encoder.
   for (const double speed : {0.00103, 0.00317, 0.0101, 0.0331, 0.1009, 0.3019}) {
     quality.noise_m_per_s = std::max(quality.noise_m_per_s, find_noise(filter, period_s, step_m, speed));
   }

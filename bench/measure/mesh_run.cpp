@@ -88,7 +88,7 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
 }
 
 // Computes the reference again with 16 times as many sub-steps, in each window with an unexplained switch. Where its force now differs by
-// more than kBranchShare, the sub-steps before agreed by chance, so the step is not settled; a switch is unsettled if its first step is not
+// more than kBranchShare, coarser sub-steps agreed by chance, so the step is not settled; a switch is unsettled if its first step is not
 // settled. This changes neither which steps count as errors nor the size of an error.
 void check_reference(ReferenceMethod& fine, const std::vector<BranchSwitch>& switches, std::size_t window_steps, Windows& windows) {
   std::size_t checked = windows.begins.size();

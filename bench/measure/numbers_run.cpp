@@ -26,7 +26,7 @@ std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint6
   return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
 }
 
-// The root mean square of its curvatures is 1 / (0.7 mm). Slides go 1 to 2 mm deep. At 1.31 M triangles ten facets span a wave of 2.5 mm.
+// Root mean square curvature 1 / (0.7 mm); the slides press 1 to 2 mm deep. At 1.31 M triangles a wave of 2.5 mm spans ten facets.
 std::shared_ptr<const TriangleMesh> make_rough(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_rough_sphere(0.049, 0.0007, 0.0025, triangles, seed);
   const double extent = compute_bounds(mesh).extent();
@@ -212,7 +212,7 @@ class Numbers {
     return {};
   }
 
-  // Computes the same slide at every scale, converts the results back to scale 1 and compares them with the reference there.
+  // Computes the same slide at every scale, converts the forces back to scale 1 and compares them with those of the reference.
   Result<void> measure_scales() {
     const std::size_t pieces = (slide_.p_SD.size() + slide_.reset_every - 1) / slide_.reset_every;
     const TouchTrajectory heads = take_heads(slide_, std::max<std::size_t>(2, settings_.compared_steps / pieces));

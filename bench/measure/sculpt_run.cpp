@@ -25,7 +25,7 @@ namespace {
 using SculptJson = nlohmann::ordered_json;
 
 constexpr double kHandSpeed = 0.2;            // m/s, the speed of a hand at work
-constexpr std::size_t kStepsPerSurface = 33;  // 1 ms each: after so many steps vision_node computes the carved surface anew (CarvedObjects)
+constexpr std::size_t kStepsPerSurface = 33;  // steps of 1 ms after which vision_node computes the carved surface anew (CarvedObjects)
 
 struct SculptShape {
   std::string name;

@@ -44,7 +44,7 @@ class ForceTask final : public SixdofMethod {
   static constexpr std::int64_t kSampleNs = 1'000'000;  // 1 kHz
 
   HeldTool held_;
-  std::int64_t samples_ = 0;  // the clock of the held tool
+  std::int64_t samples_ = 0;  // samples since construction, the clock of the held tool
   std::int64_t since_reset_ = 0;
   std::int64_t every_;
 };

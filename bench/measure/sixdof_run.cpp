@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Root mean squares of a vector quantity against what is expected of it.
+// The root mean square error of a vector quantity and of its direction.
 class VectorError {
  public:
   void add(const Vec3& found, const Vec3& expected) {
@@ -26,7 +26,7 @@ class VectorError {
     angle_ += angle * angle;
     ++angles_;
   }
-  // Of `scale` where nothing is expected.
+  // In percent of the expected values, or of `scale` if that is larger.
   double percent(double scale) const { return 100.0 * std::sqrt(difference_) / std::max(std::sqrt(expected_), scale); }
   double angle_deg() const { return angles_ == 0 ? 0.0 : std::sqrt(angle_ / static_cast<double>(angles_)) * 180.0 / std::numbers::pi; }
   double sum() const { return std::sqrt(expected_); }
@@ -58,7 +58,7 @@ void note_errors(SixdofRow& row, const SixdofScenario& scenario, const std::vect
 
 void note_gaps(SixdofRow& row, const ToolStep& exact, const std::vector<Placement>& placements,
                const std::vector<std::uint8_t>& in_contact) {
-  // A search as far as a millimetre meets many pairs, and on the finest scene millions.
+  // A search up to 1 mm finds many pairs, and on the finest scene millions.
   constexpr std::size_t kWideEvery = 16;
   constexpr std::size_t kMaxForWide = 200'000;  // triangles of the scene
   constexpr double kWideM = 1e-3;
@@ -79,7 +79,7 @@ void note_gaps(SixdofRow& row, const ToolStep& exact, const std::vector<Placemen
 
 Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const SixdofMethodKind& kind, const Stopwatch& watch,
                                    const TimingBudget& budget) {
-  // What is held against the meshes themselves, whatever the method.
+  // This tool measures penetrations and gaps on the meshes themselves, whatever the method.
   auto exact = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
   if (!exact) return tl::unexpected(exact.error());
   auto made = kind.make(scenario);

@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};  // of all these; a free choice
+constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};  // in all scenes; a free choice
 
 Pose pose_of(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
   Pose X = Pose::Identity();
@@ -26,21 +26,21 @@ Pose pose_of(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
 
 std::shared_ptr<const TriangleMesh> shared(TriangleMesh mesh) { return std::make_shared<const TriangleMesh>(std::move(mesh)); }
 
-// One pose for each step of 1 ms: `at` of the part of the run that is over, from 0 to 1.
+// Returns one pose for each step of 1 ms; `at` is called with the part of the run that is over, from 0 to 1.
 std::vector<Pose> path_of(std::size_t steps, const std::function<Pose(double)>& at) {
   std::vector<Pose> path;
   for (std::size_t i = 0; i < steps; ++i) path.push_back(at(static_cast<double>(i) / static_cast<double>(steps)));
   return path;
 }
 
-// How far the tool is pressed in, as a share of its way: from 0, in free space, to 1 in the first fifth of the run, then back and forth
+// How far the tool is pressed in, as a share of its path: from 0, in free space, to 1 in the first fifth of the run, then back and forth
 // between 1 and `shallow`.
 double press(double t, double shallow) {
   if (t < 0.2) return 5.0 * t;
   return shallow + (1.0 - shallow) * (0.5 + 0.5 * std::cos(2.0 * kPi * 3.0 * (t - 0.2)));
 }
 
-// Where f is least in [low, high], by golden section. Pre: it has one minimum there. A result within 1e-9 of 0 is
+// Finds where f is least in [low, high], by golden-section search. Pre: f has only one minimum in this range. A result within 1e-9 of 0 is
 // returned as 0: the rounding of f hides the difference.
 double find_minimum(double low, double high, const std::function<double(double)>& f) {
   const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
@@ -66,7 +66,7 @@ double turn_about_y(const Pose& X) { return std::atan2(X.linear()(0, 2), X.linea
 // A cube with sides of 2 a that rests on the plane z = 0, turned about y by t, has its centre at z = a (|sin t| + cos t). The proxy is
 // turned by the t of least energy.
 SixdofScenario make_box_scenario(std::size_t steps, double tilt) {
-  constexpr double kHalf = 0.01;  // m, as all lengths here; sizes are free choices
+  constexpr double kHalf = 0.01;  // m, like all lengths here; the sizes are free choices
   SixdofScenario made;
   made.name = tilt > 0.0 ? "tilted box on plane" : "box on plane";
   made.tool = shared(make_box(Vec3::Constant(2.0 * kHalf), 2));
@@ -94,7 +94,7 @@ SixdofScenario make_box_scenario(std::size_t steps, double tilt) {
 }
 
 // The axis of a cylinder of radius R in a groove with half the opening angle b can be anywhere in a wedge of the same opening, whose apex
-// is R / sin b above that of the groove: the force pulls it to the nearest point of this wedge, and there is no torque.
+// is R / sin b above that of the groove: the force pulls the axis to the nearest point of this wedge, and there is no torque.
 SixdofScenario make_groove_scenario(std::size_t steps) {
   constexpr double kRadius = 0.008;
   constexpr double kHalfOpening = kPi / 4.0;
@@ -164,7 +164,7 @@ SixdofScenario make_slot_scenario(std::size_t steps) {
   return made;
 }
 
-// Apex at the origin, opening upwards, flat sides.
+// A cone with flat sides and its apex at the origin, which opens upwards.
 TriangleMesh make_cone(double height, double half_opening, int sides, bool with_lid) {
   TriangleMesh mesh;
   mesh.vertices.push_back(Vec3::Zero());
@@ -184,13 +184,13 @@ TriangleMesh make_cone(double height, double half_opening, int sides, bool with_
   return mesh;
 }
 
-// The apex of a cone in a pit of the same shape can be anywhere in the pit, if the cone does not turn. It does not: the force is normal to
-// the line of contact and acts where the normal through the grip point meets that line, so it has no torque. The sides are flat, so the
-// nearest point of the pit is that of the half-spaces above them.
+// If the cone does not turn, its apex can be anywhere in a pit of the same shape. It does not turn, because it gets no torque: the force is
+// normal to the line of contact and acts where the normal through the grip point meets that line. The sides are flat, so the nearest point
+// of the pit is the nearest point of the intersection of the half-spaces above the sides.
 SixdofScenario make_cone_scenario(std::size_t steps) {
   constexpr double kHalfOpening = kPi / 6.0;
-  constexpr double kGrip = 0.012;  // above the apex
-  constexpr int kSides = 64;       // of the cones; a free choice
+  constexpr double kGrip = 0.012;  // m above the apex
+  constexpr int kSides = 64;       // flat sides of each cone; a free choice
   SixdofScenario made;
   made.name = "cone in cone";
   made.tool = shared(scaled_and_moved(make_cone(0.02, kHalfOpening, kSides, true), 1.0, Vec3(0.0, 0.0, -kGrip)));
@@ -203,7 +203,7 @@ SixdofScenario make_cone_scenario(std::size_t steps) {
   std::vector<ContactPlane> sides;
   for (int i = 0; i < kSides; ++i) {
     const double angle = 2.0 * kPi * (i + 0.5) / kSides;
-    const double slope = std::tan(kHalfOpening) * std::cos(kPi / kSides);  // of a side's middle line
+    const double slope = std::tan(kHalfOpening) * std::cos(kPi / kSides);  // along the middle line of a side
     sides.push_back({Vec3(-std::cos(angle), -std::sin(angle), slope).normalized(), 0.0});
   }
   made.expected = [sides, coupling = made.coupling](const Pose& X) {
@@ -235,8 +235,8 @@ SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed) {
   }
   made.scene = shared(std::move(walls));
   made.coupling = kCoupling;
-  // Along the hole at most 100 mm/s: straight in, then back and forth. Across it, and in rotation, sums of two sines: at most 2 rad/s about
-  // each axis.
+  // Along the hole the tool moves at most 100 mm/s: straight in, then to and fro. Across the hole, and in rotation, its motions are sums
+  // of two sines, at most 2 rad/s about each axis.
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 2.0 * kPi);
   const auto sines = [&](double largest, double rate) {

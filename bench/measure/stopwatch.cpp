@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// In which ticks of the counter are compared with the clock; a free choice
+// Time for which ticks of the counter are compared with the clock; a free choice
 constexpr std::int64_t kWindowNs = 30 * kNanosecondsPerMillisecond;
 
 double measure_ns_per_tick() {
@@ -34,7 +34,7 @@ Stopwatch Stopwatch::calibrate() {
     cost = watch.ns_between(from, ticks());
   }
   std::sort(costs.begin(), costs.end());
-  // The counter's resolution may be as long as the measured time: the mean is more accurate than the median.
+  // The resolution of the counter may be as long as the measured time, so the mean is more accurate than the median.
   const auto end = std::upper_bound(costs.begin(), costs.end(), 3.0 * costs[costs.size() / 2]);
   watch.cost_ns_ = std::accumulate(costs.begin(), end, 0.0) / static_cast<double>(end - costs.begin());
   watch.resolution_ns_ = costs[costs.size() / 2];

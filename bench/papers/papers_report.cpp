@@ -28,7 +28,7 @@ std::string cell(const std::optional<double>& value, const std::string& unit) {
 }
 std::string field(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; }
 
-// A comma or a quote in a sentence does not end its field.
+// Quotes the text of a CSV field, so that a comma or a quotation mark in it does not end the field.
 std::string quoted(std::string text) {
   for (std::size_t at = text.find('"'); at != std::string::npos; at = text.find('"', at + 2)) text.insert(at, 1, '"');
   std::replace(text.begin(), text.end(), '\n', ' ');

@@ -43,7 +43,7 @@ Result<void> measure_grid(const PapersMesh& car, PapersReport& report) {
   return {};
 }
 
-// Measures the memo's method; in a grid of one cell every step tests every triangle.
+// Measures the memo's method. With division 1 the grid has one cell, so every step tests every triangle.
 Result<void> measure_force_rate(const PapersSettings& settings, const Stopwatch& watch, const PapersMesh& car, int division,
                                 std::string_view key, PapersReport& report) {
   const TouchScene scene = scene_of(car);

@@ -21,7 +21,7 @@ Result<std::unique_ptr<ForceMethod>> make_smooth(const SmoothTasksSettings& sett
       {.set_size = static_cast<int>(settings.set_size), .smooth_layer = settings.layer, .hull_directions = settings.directions}, scene);
 }
 
-// Counts of a step besides its force; the same in every repetition.
+// What the steps of a run report besides forces; the same in every repetition.
 struct StepFacts {
   std::vector<std::uint8_t> at_work;
   std::vector<double> age_steps;
@@ -30,7 +30,7 @@ struct StepFacts {
   bool operator==(const StepFacts&) const = default;
 };
 
-// One repetition's clockwork: which step the slow task runs before, and how old the set in use is.
+// Notes, in one repetition, before which step the slow task last selected a set, and how old the set in use is.
 class SetWatch {
  public:
   void note_selection(std::size_t step) { selected_at_ = step; }
@@ -55,7 +55,7 @@ class SetWatch {
   std::size_t made_at_ = 0;
 };
 
-// Least times by the number of the call, which is the same in every repetition.
+// Keeps the least time of each call over all repetitions; every repetition makes the same calls in the same order.
 class LeastOfCalls {
  public:
   void begin() { next_ = 0; }
@@ -76,7 +76,7 @@ struct Runs {
   LeastOfCalls slow;
 };
 
-// A new method each time, so that no repetition inherits state.
+// Makes a new method for each repetition, so that it inherits no state.
 Result<StepFacts> run_once(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                            const TouchTrajectory& trajectory, double rate_hz, Runs& runs) {
   auto made = make_smooth(settings, scene);
@@ -108,8 +108,8 @@ Result<StepFacts> run_once(const SmoothTasksSettings& settings, const Stopwatch&
   return facts;
 }
 
-// Sets for distant positions, one after the other to a method that never steps: each has a larger radius than the one before, so it is
-// taken.
+// Offers sets for distant positions, one after the other, to a method that never steps. Each reaches farther about its own position than
+// the set before, so the method takes it.
 Result<std::vector<double>> time_swaps(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                                        const TouchTrajectory& trajectory) {
   auto made = make_smooth(settings, scene);

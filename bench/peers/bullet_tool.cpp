@@ -9,11 +9,11 @@
 namespace hapton {
 namespace {
 
-// Bullet's tolerances are made for bodies of 0.05 to 10 units: a unit is a centimetre here.
+// Bullet's tolerances are made for bodies of 0.05 to 10 units, so a unit is a centimetre here.
 constexpr double kUnitsPerM = 100.0;
 constexpr double kMassKg = 0.1;
 constexpr double kStepS = 1e-3;
-// Bullet keeps surfaces this far apart, on each body.
+// The collision margin of each body, which keeps its surface apart from others.
 constexpr double kMarginM = 1e-4;
 
 btVector3 to_bullet(const Vec3& v) { return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())}; }
@@ -60,7 +60,7 @@ class BulletTool final : public SixdofMethod {
     tool_shape_.setMargin(btScalar(kMarginM * kUnitsPerM));
     tool_shape_.updateBound();
     scene_body_ = std::make_unique<btRigidBody>(0, nullptr, &scene_shape_, btVector3(0, 0, 0));
-    // The turn swings as fast as the shift.
+    // With this inertia rotations oscillate on the coupling as fast as translations.
     const double inertia = kMassKg * coupling_.rotational_stiffness_nm_per_rad / coupling_.stiffness_n_per_m;
     const btScalar units = btScalar(inertia * kUnitsPerM * kUnitsPerM);
     tool_body_ = std::make_unique<btRigidBody>(btScalar(kMassKg), nullptr, &tool_shape_, btVector3(units, units, units));
@@ -117,7 +117,7 @@ class BulletTool final : public SixdofMethod {
     Vec3 force_n;
     Vec3 torque_nm;
   };
-  // At the tool, towards the device.
+  // The coupling's force and torque on the tool, towards the device.
   Spring pull(const Pose& X_SD) const {
     const Pose X = from_bullet(tool_body_->getWorldTransform());
     return {coupling_.stiffness_n_per_m * (X_SD.translation() - X.translation()),

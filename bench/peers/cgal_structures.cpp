@@ -12,8 +12,8 @@
 namespace hapton {
 namespace {
 
-// AABB_tree over a kernel of plain doubles. closest_point takes the last result as its hint, as for a moving probe; it has no radius. A
-// segment takes the first of all its intersections, because CGAL has no query for the first one.
+// AABB_tree over a kernel of plain doubles. nearest() gives closest_point its last result as a hint, as for a moving probe; closest_point
+// has no search radius. first_hit() takes the first of all intersections, because CGAL has no query for the first one only.
 class Cgal final : public QueryStructure {
   using Kernel = CGAL::Simple_cartesian<double>;
   using Point = Kernel::Point_3;
@@ -27,7 +27,7 @@ class Cgal final : public QueryStructure {
     faces_.reserve(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       Kernel::Triangle_3 face(point(mesh.corner(i, 0)), point(mesh.corner(i, 1)), point(mesh.corner(i, 2)));
-      if (!face.is_degenerate()) faces_.push_back(face);  // its intersections are undefined for them
+      if (!face.is_degenerate()) faces_.push_back(face);  // CGAL does not define the intersections of degenerate triangles
     }
     tree_.insert(faces_.begin(), faces_.end());
     tree_.build();

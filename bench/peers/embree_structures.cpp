@@ -13,7 +13,7 @@ namespace {
 
 using Vec3f = Eigen::Vector3f;
 
-// rtcIntersect1 with tfar 1 along the segment; rtcPointQuery with the closest triangle. Robust mode: watertight edges, as touch needs.
+// first_hit(): rtcIntersect1 along the segment, tfar 1. nearest(): rtcPointQuery. Robust mode: watertight edges, as touch needs.
 class Embree final : public QueryStructure {
  public:
   Embree(const TriangleMesh& mesh, int threads) {

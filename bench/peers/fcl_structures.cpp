@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-// distance() between a small sphere and a mesh under OBBRSS. It knows no radius.
+// Calls distance() between a small sphere and a mesh with a tree of OBBRSS volumes. FCL has no search radius.
 class Fcl final : public QueryStructure {
   using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
 
@@ -47,7 +47,7 @@ class Fcl final : public QueryStructure {
   std::unique_ptr<fcl::CollisionObject<double>> probe_;
 };
 
-// Small against the mesh: a sphere that overlaps it has no distance.
+// Small compared with the mesh: FCL reports no distance for a sphere that overlaps the mesh.
 double probe_radius_for(const TriangleMesh& mesh) {
   Vec3 low = mesh.vertices.front();
   Vec3 high = low;

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kStopShortM = 1e-5;  // m, before the contact that FCL finds; a free choice
+constexpr double kStopShortM = 1e-5;  // m; the tool stops this far before the contact that FCL finds; a free choice
 
 using FclMesh = fcl::BVHModel<fcl::OBBRSSd>;
 

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// IntersectWithLine with zero tolerance; FindClosestPointWithinRadius. Points in double.
+// first_hit(): IntersectWithLine with zero tolerance. nearest(): FindClosestPointWithinRadius. The points are stored in double.
 template <class Locator>
 class Vtk final : public QueryStructure {
  public:

@@ -10,11 +10,11 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kLargePage = std::size_t{1} << 21;  // x86-64 and aarch64 with pages of 4 KiB
-constexpr std::size_t kMin = 2 * kLargePage;              // of a smaller block up to half would stay in small pages
+constexpr std::size_t kMin = 2 * kLargePage;              // up to half of a smaller block would stay in small pages
 
 std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) { return std::align_val_t{bytes >= kMin ? kLargePage : alignment}; }
 
-// Populated at once, then MADV_NOHUGEPAGE: otherwise khugepaged might collapse small pages later and stall readers.
+// Fills the pages at once, then sets MADV_NOHUGEPAGE: otherwise khugepaged might collapse small pages later and stall readers.
 void use_large_pages(void* memory, std::size_t bytes) {
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
   const bool are_filled = ::madvise(memory, bytes, MADV_HUGEPAGE) == 0 && ::madvise(memory, bytes, MADV_POPULATE_WRITE) == 0;

@@ -9,10 +9,10 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMinShapes = 4;                    // of a mesh too large for more: at rest, at keys and half-way
-constexpr std::size_t kMaxCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
+constexpr std::size_t kMinShapes = 4;                    // shapes checked of a mesh too large for more: at rest, at keys and half-way
+constexpr std::size_t kMaxCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up, which takes some seconds
 
-// Times at which the shape is checked, about `count`: those of the keys, or of every second, third ... key, and half-way between them.
+// Times at which the shape is checked, about `count`: those of all keys, or of every second, third ... key, and half-way between them.
 std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::size_t count) {
   const auto& keys = deformation.keys();
   const std::size_t step = 1 + 2 * keys.size() / count;
@@ -53,7 +53,7 @@ Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, std
       when, shape.triangles.size() - walkable, shape.triangles.size(), at.x(), at.y(), at.z());
 }
 
-// Vertices move straight between keys, so the box of the keys' shapes holds all others.
+// Vertices move straight between keys, so the box around the shapes at all keys holds every shape.
 Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation) {
   Box box = Box::of(mesh.vertices);
   for (const MorphKey& key : deformation.keys()) {
@@ -83,7 +83,7 @@ DeformingGeometry::DeformingGeometry(TouchGeometry& geometry, std::shared_ptr<co
 }
 
 void DeformingGeometry::make_arrays() {
-  std::vector<std::pair<std::uint32_t, std::size_t>> order;  // vertex of the object, number among those moved
+  std::vector<std::pair<std::uint32_t, std::size_t>> order;  // vertex of the object; its index in moved()
   for (std::size_t i = 0; i < deformation_->moved().size(); ++i) {
     const std::uint32_t vertex = geometry_.new_vertex()[deformation_->moved()[i]];
     if (vertex != ObjectGeometry::kUnused) order.emplace_back(vertex, i);
@@ -104,7 +104,7 @@ void DeformingGeometry::make_arrays() {
   }
 }
 
-// In blocks that fit into the first-level cache, one coordinate after the other, so that vector instructions compute eight at once.
+// Works in blocks that fit into the first-level cache, one coordinate after the other, so that vector instructions compute eight at once.
 void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) noexcept {
   constexpr std::size_t kBlock = 3 * 128;  // coordinates: 3 KB, of 32 KB and more
   ObjectGeometry& object = geometry_.deforming_object();
@@ -121,7 +121,7 @@ void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) n
   }
 }
 
-// The number of parts of the time such that in each of them vertices move by less than half an edge on average.
+// The number of parts of the time, chosen so that vertices move by at most half a mean edge in a part, on average over the parts.
 std::size_t DeformingGeometry::choose_count() const {
   double path = 0.0;
   const auto& keys = deformation_->keys();
@@ -154,7 +154,7 @@ void DeformingGeometry::make_trees() {
       if (key.time_s > begin && key.time_s < end) grow(key.time_s, boxes);
     }
     grow(end, boxes);
-    // A time at the boundary of two parts may be rounded to either.
+    // A time at the boundary of two parts may be rounded to either part.
     WideBvh tree = object.tree();
     tree.refit_all([&](std::size_t t) { return boxes[t].inflated(0x1p-40); });
     trees_.push_back(std::move(tree));
