@@ -67,7 +67,7 @@ constexpr std::array kMakers = {
                 .make = make_plugin_device},
 };
 
-// The names of the kinds that take a setting: "replay", "wooden-haptics or haply".
+// The names of the devices that take a setting, such as "replay" or "wooden-haptics or haply".
 std::string names_that_take(bool DeviceMaker::*takes) {
   std::vector<std::string_view> names;
   for (const DeviceMaker& maker : kMakers) {

@@ -22,9 +22,9 @@ constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
 constexpr int kTicksPerStatusCheck =
     100;  // 10 times a second: soon enough for a person who reads the status, and each check is a USB transfer
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // between two lines about the same state
-constexpr int kMaxFailuresInARow = 10;                            // failed calls; this many lost USB packets mean an unplugged cable
-// Our choice, see docs/vendor-devices.md.
+constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // between two log lines about the same state
+constexpr int kMaxFailuresInARow = 10;                            // failed calls; so many lost USB packets mean an unplugged cable
+// These values are our choice, see docs/vendor-devices.md.
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;
 
@@ -52,10 +52,10 @@ class ForceDimensionDevice final : public VendorDevice {
  private:
   std::string last_error() const;
   std::string read_serial() const;
-  // A device that does not tell counts as not calibrated.
+  // False also if the device does not report whether it is calibrated.
   bool is_initialized() const;
 
-  // Owned by the thread.
+  // Called by the thread only.
   void run();
   void calibrate();
   void wait_for_hand_calibration();
@@ -79,7 +79,7 @@ class ForceDimensionDevice final : public VendorDevice {
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
-  // Owned by the thread.
+  // Used by the thread only, once it runs.
   dhd::Id id_ = -1;
   bool is_open_ = false;
   DeviceExchange::Reading reading_;
@@ -88,7 +88,7 @@ class ForceDimensionDevice final : public VendorDevice {
   bool is_force_off_ = false;
   std::int64_t next_reopen_ns_ = 0;
   std::int64_t next_line_ns_ = 0;
-  std::string reported_;  // why it could not be opened again, not to be repeated
+  std::string reported_;  // why it could not be opened again, as logged last
 };
 
 ForceDimensionDevice::~ForceDimensionDevice() {
@@ -104,7 +104,7 @@ std::string ForceDimensionDevice::last_error() const {
   return said != nullptr && *said != '\0' ? said : "the library gives no reason";
 }
 
-// Empty: the library does not say.
+// Empty if the library does not report it.
 std::string ForceDimensionDevice::read_serial() const {
   unsigned short number = 0;
   const bool is_known = dhd_.get_serial_number != nullptr && dhd_.get_serial_number(&number, id_) >= 0;
@@ -161,7 +161,7 @@ void ForceDimensionDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void ForceDimensionDevice::run() {
-  // Missing rights are missing for the servo's thread as well, which logs them.
+  // An error is ignored: the servo's thread lacks the same rights, and logs that.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   calibrate();
@@ -186,7 +186,7 @@ bool ForceDimensionDevice::is_initialized() const {
   return dhd_.get_status(status.data(), id_) >= 0 && status[dhd::kStatusReset] == 0;
 }
 
-// The arm moves by itself: warn the person who holds it first.
+// The arm will move by itself: warns the person who holds it first. False: the device is being closed.
 bool ForceDimensionDevice::wait_warning() {
   log_warning("{} will move by itself to calibrate: release it and keep clear", model_);
   const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.warning_before_moving_s);
@@ -222,13 +222,13 @@ void ForceDimensionDevice::calibrate() {
     }
     log_info("{} is calibrated", model_);
   }
-  // Switches the robot's position control off and its forces on.
+  // Switches libdrd's position control off and leaves the forces on.
   if (dhd_.drd_stop != nullptr) dhd_.drd_stop(true, id_);
   dhd_.enable_force(1, id_);
   if (dhd_.set_watchdog(dhd::kWatchdogUnits, id_) < 0) log_warning("{}: its watchdog could not be set: {}", model_, last_error());
 }
 
-// A Falcon has no motors for it: the user must pull its grip out and push it in once, while the program exchanges data with it.
+// A Falcon cannot move by itself to calibrate: the user must pull its grip out and push it in once, while the program polls it.
 void ForceDimensionDevice::wait_for_hand_calibration() {
   log_warning("{}: calibrate: pull the grip all the way out and push it all the way in", model_);
   failures_ = 0;
@@ -246,7 +246,7 @@ void ForceDimensionDevice::wait_for_hand_calibration() {
   dhd_.enable_force(1, id_);
 }
 
-// Without libdrd a device is calibrated by hand, or by another program, while ours runs.
+// Without libdrd a person or another program calibrates the device, while this program runs.
 void ForceDimensionDevice::notice_calibration() {
   if (dhd_.drd_auto_init != nullptr || !is_initialized()) return;
   log_info("{} is calibrated", model_);
@@ -258,7 +258,7 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   Vec3 p = Vec3::Zero();
   double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (dhd_.get_position(&p.x(), &p.y(), &p.z(), id_) < 0 || dhd_.get_orientation_frame(frame, id_) < 0) return false;
-  reading_.sample.p_WD = to_w(p);  // finite or not: the governor judges it
+  reading_.sample.p_WD = to_w(p);  // may be non-finite: the governor checks it
   Eigen::Matrix3d r;
   for (int row = 0; row < 3; ++row) {
     const Vec3 in_device(frame[row][0], frame[row][1], frame[row][2]);
@@ -267,7 +267,7 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   }
   if (r.allFinite() && std::abs(r.determinant() - 1.0) < 0.1) reading_.sample.q_WT = Quat(r).normalized();
   reading_.sample.buttons = dhd_.get_button_mask(id_);
-  // While the firmware keeps the force off, the ramp must not run: it begins when the force is back.
+  // While the firmware keeps the force off, the ramp must not advance: it begins when the force is on again.
   const Wrench wrench = is_force_off_ ? Wrench{} : exchange_.wrench(now_ns);
   const Vec3 f = from_w(wrench.force_n);
   const Vec3 t = from_w(wrench.torque_nm);
@@ -294,7 +294,7 @@ void ForceDimensionDevice::check_status(std::int64_t now_ns) {
     log_warning("{} has released its force: {}; it returns by itself, or with the device's force button", model_,
                 status[dhd::kStatusPower] == 0 ? "its power is off" : dhd::name_of_force_off_cause(status[dhd::kStatusForceOffCause]));
   }
-  // The velocity threshold and the watchdog latch in the firmware; the button is pressed by the user.
+  // Cut-offs by the velocity threshold and the watchdog latch in the firmware: ends them. The force button is the user's to press.
   if (status[dhd::kStatusForceOffCause] == 2 || status[dhd::kStatusForceOffCause] == 3) dhd_.enable_force(1, id_);
 }
 

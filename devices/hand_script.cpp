@@ -12,15 +12,15 @@ constexpr double kFeelS = 0.02;   // time constant of the filter on the felt for
 constexpr double kTouchN = 0.15;  // a felt force above this is a contact
 constexpr double kLostN = 0.03;   // below this for kLostS: contact lost
 constexpr double kLostS = 0.25;
-// m/s. Speeds and lengths of a calm hand, all choices: the script has to find and touch any scene, not to imitate a person.
+// Speeds in m/s and lengths of a calm hand, chosen by us: the script has to find and touch any scene; it need not imitate a person.
 constexpr double kTravelSpeed = 0.25;
 constexpr double kApproachSpeed = 0.10;
 constexpr double kStrikeSpeed = 0.25;
 constexpr double kLiftM = 0.006;        // between taps
-constexpr double kStrikeDepthM = 0.02;  // a strike that met nothing so deep under the last contact has missed
+constexpr double kStrikeDepthM = 0.02;  // a strike that meets nothing down to this depth below the last contact has missed
 constexpr double kGripGain = 0.02;      // m/s of intention per N of missing force; slow against the hand's own 6 Hz
-constexpr double kMaxPullM = 0.015;     // the intention never runs farther from the device than this in contact
-constexpr double kLeadSpeed = 0.6;      // of a hand that the mouse leads: a jump of the pointer is not a jump of the hand
+constexpr double kMaxPullM = 0.015;     // in contact the intention stays this near to the device
+constexpr double kLeadSpeed = 0.6;      // of a led hand, which must not jump when the mouse pointer jumps
 
 }  // namespace
 
@@ -29,7 +29,7 @@ HandScript::HandScript(const Options& options) : options_(options), random_(opti
   enter(first_phase());
 }
 
-// The generator's bits, not a distribution's: the same on every standard library.
+// Uses the generator's bits, not a std distribution, so that the numbers are the same with every standard library.
 double HandScript::uniform(double low, double high) noexcept { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
 
 void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
@@ -54,7 +54,7 @@ void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
   if (count == aim_count_ && std::equal(taken.begin(), taken.begin() + count, aims_m_.begin())) return;
   aims_m_ = taken;
   aim_count_ = count;
-  // On its way to where nothing may be.
+  // The hand is on its way to an old aim, at which there may be nothing now.
   if (phase_ == Phase::travel || phase_ == Phase::approach) enter(Phase::travel);
 }
 
@@ -68,7 +68,7 @@ void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
   lost_s_ = force < kLostN ? lost_s_ + kStepS : 0.0;
 }
 
-// In front of the given surface point; if there is none, in front of a point of the front plane within reach_m_ of the middle.
+// Aims in front of one of the given surface points; without any, in front of a point of the front plane, at most reach_m_ off its middle.
 void HandScript::choose_aim() noexcept {
   const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
   const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
@@ -110,7 +110,7 @@ void HandScript::enter(Phase phase) noexcept {
       taps_left_ = static_cast<int>(uniform(3.0, 6.0));
       striking_ = false;
       aim_m_ = within_workspace(contact_m_ + kLiftM * normal_);
-      phase_end_s_ = 4.0;  // something may press from all sides, so that no lift ever frees it
+      phase_end_s_ = 4.0;  // surfaces may touch the probe on all sides, so that no lift ends the contact
       break;
     case Phase::circle: {
       const double radius_m = uniform(0.004, 0.012);
@@ -120,7 +120,7 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     }
     case Phase::leave:
-      aim_m_ = within_workspace(hand_m_ + 0.03 * normal_);  // what is out of reach is never arrived at
+      aim_m_ = within_workspace(hand_m_ + 0.03 * normal_);  // a goal outside the workspace is never reached
       break;
     case Phase::path:
       path_s_ = -1.0;
@@ -141,7 +141,7 @@ bool HandScript::move_towards(const Vec3& goal, double speed_m_per_s) noexcept {
   return false;
 }
 
-// Where the path is at path_s_, from its first row on. Pre: the time has not gone back but to zero.
+// The point of the path at path_s_, the time after its first row. Pre: that time has not decreased, except to zero.
 Vec3 HandScript::point_of_path() noexcept {
   const std::vector<TrajectoryRow>& rows = options_.path;
   const double t_s = rows.front().t_s + path_s_;
@@ -152,7 +152,7 @@ Vec3 HandScript::point_of_path() noexcept {
   return from.p_WD + (to.p_WD - from.p_WD) * ((t_s - from.t_s) / (to.t_s - from.t_s));
 }
 
-// The rotation of the path there, between the last row that was reached and the next one.
+// The rotation of the path at path_s_, interpolated between the last row that was reached and the next one.
 Quat HandScript::turn_of_path() const noexcept {
   const std::vector<TrajectoryRow>& rows = options_.path;
   const TrajectoryRow& from = rows[path_row_];
@@ -189,7 +189,7 @@ void HandScript::turn_tangent(double angle_rad) noexcept {
   tangent_ = length > 1e-3 ? Vec3(tangent_ / length) : normal_.unitOrthogonal();
 }
 
-// Slides along the surface and keeps up the force.
+// Slides along the surface (in Phase::press: stays) and keeps the force at press_n_.
 void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
   turn_tangent(turn_rad_per_s * kStepS);
   const double speed = phase_ == Phase::press ? 0.0 : rub_m_per_s_;
@@ -226,7 +226,7 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
       if (touching) return enter(Phase::press);
       const Vec3 end(aim_m_.x(), aim_m_.y(), options_.workspace_min_m.z());
       if (!move_towards(end, kApproachSpeed)) return;
-      // Met nothing: look nearer to the middle, and when that is exhausted, everywhere.
+      // The approach met nothing: searches nearer to the middle, and after the smallest radius everywhere.
       reach_m_ = reach_m_ < 0.05 ? 0.9 : 0.5 * reach_m_;
       normal_ = Vec3::UnitZ();
       return enter(Phase::leave);

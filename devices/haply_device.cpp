@@ -19,7 +19,7 @@ namespace hapton {
 namespace {
 
 constexpr const char* kService = "localhost";
-constexpr std::uint16_t kPort = 10001;  // the service's own
+constexpr std::uint16_t kPort = 10001;  // the default of the service
 constexpr std::int64_t kCommandPeriodNs = kNanosecondsPerMillisecond;
 // Connecting may wait for a service that starts; replies come once a millisecond, so half a second without one is a failure.
 constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
@@ -81,7 +81,7 @@ class HaplyDevice final : public VendorDevice {
   std::unique_ptr<WebSocketEndpoint> socket_;
   DeviceExchange::Reading reading_;
   std::string said_;
-  std::string told_;  // why it is not there
+  std::string told_;  // why the service cannot be used, as logged last
   haply::Session session_;
   bool is_version_missing_ = false;
   bool is_scale_logged_ = false;
@@ -94,7 +94,7 @@ class HaplyDevice final : public VendorDevice {
 Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
   const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
   if (!version) {
-    if (std::exchange(is_version_missing_, true)) return {};  // it was said already
+    if (std::exchange(is_version_missing_, true)) return {};  // already logged
     log_warning("the Haply Inverse Service at {} does not report its version ({}); 3.5 is assumed", to_string(service_),
                 version.error().what);
     return {};
@@ -108,7 +108,7 @@ Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
 
 Result<void> HaplyDevice::open() {
   const bool is_first = model_.empty();
-  // Each time: a service that comes back may be another one.
+  // Read at each connection: a service that comes back may be of another version.
   const Result<std::string> version = read_http(service_, "/version", kConnectPatienceNs);
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
   if (!socket) return fail("the Haply Inverse Service does not reply at {}; {}", socket.error().what, kRemedy);
@@ -155,7 +155,7 @@ void HaplyDevice::run() {
     } else if (!tick()) {
       log_warning("the Haply Inverse Service is disconnected ({}); trying to reconnect", socket_->reason());
       socket_.reset();
-      next_try_ns_ = clock_.now_ns() + kRetryEveryNs / 4;  // until then the servo has seen that it was away
+      next_try_ns_ = clock_.now_ns() + kRetryEveryNs / 4;  // until then the servo has seen that the device was away
       publish(DeviceStatus::away, clock_.now_ns());
     }
   }
@@ -172,7 +172,7 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
   if (now_ns < next_try_ns_) return;
   next_try_ns_ = now_ns + kRetryEveryNs;
   if (const auto opened = open(); !opened) {
-    // Once for each reason, not every second.
+    // Logs each reason once, not every second.
     if (std::exchange(told_, opened.error().what) != opened.error().what) log_info("searching: {}", told_);
     return;
   }
@@ -212,7 +212,7 @@ void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
     reading_.sample.q_WT = state.grip->q_WT;
     reading_.sample.buttons = state.grip->buttons;
   } else {
-    reading_.sample.buttons = 0;  // a grip that is gone holds no dead man's switch
+    reading_.sample.buttons = 0;  // without a grip, nobody holds the dead man's switch
   }
   if (!arm->is_calibrated && !std::exchange(is_calibration_logged_, true)) {
     log_warning("{} {}: calibrate: leave the arm on its rest, or put the grip into the inkwell, until its light stays on", model_, id_);

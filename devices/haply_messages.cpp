@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Where the cursor is at home, in the service's axes.
+// The home position of the cursor, which is the origin of W, in the service's axes.
 const Vec3& home_m() {
   static const Vec3 kHome(0.0, -0.12, 0.15);
   return kHome;
@@ -45,7 +45,7 @@ std::optional<Quat> quaternion(const Json& in) {
   const auto w = number(&in, "w");
   if (!v || !w) return std::nullopt;
   const Quat q(*w, v->x(), v->y(), v->z());
-  // Of the length. Numbers that were rounded to two digits pass; anything else is not a rotation.
+  // Tolerance of the length: a quaternion rounded to two digits passes; anything else is not a rotation.
   constexpr double kTolerance = 0.1;
   return std::abs(q.norm() - 1.0) < kTolerance ? std::optional(q.normalized()) : std::nullopt;
 }
@@ -148,7 +148,7 @@ void Placement::update(const Placement& newer) {
 }
 
 bool Placement::is_scaled() const {
-  // Of a factor: single precision has seven digits.
+  // Tolerance of a scale factor: single precision has seven digits.
   constexpr double kTolerance = 1e-6;
   return scale && (scale->array() - 1.0).abs().maxCoeff() > kTolerance;
 }

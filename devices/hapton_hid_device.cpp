@@ -22,7 +22,7 @@ DeviceLimits to_device_limits(const hapton_hid::Limits& limits) {
           .max_speed_m_per_s = limits.max_speed_m_per_s};
 }
 
-// In the order of importance: what is broken, what cannot push now, what does not know where it is.
+// The most important state counts: a fault, then a device that cannot exert force now, then one that does not know its position.
 DeviceStatus status_of(const hapton_hid::State& state) noexcept {
   if (state.has_fault) return DeviceStatus::fault;
   if (state.has_tripped) return DeviceStatus::away;

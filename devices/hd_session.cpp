@@ -9,7 +9,7 @@
 namespace hapton::hd {
 namespace {
 
-// Of OpenHaptics 3.3 and later, of those before, and whatever the library takes for its default.
+// The default names in OpenHaptics 3.3 and later, and in earlier releases; nullptr: the library's own default device.
 constexpr std::array<const char*, 3> kUsualNames = {"Default Device", "Default PHANToM", nullptr};
 
 std::string quoted(const char* name) { return name != nullptr ? fmt::format("'{}'", name) : "the library's default device"; }
@@ -41,7 +41,7 @@ Result<Handle> Session::open(const std::string& name) {
   if (!name.empty()) names = {name.c_str()};
   ErrorInfo first = {};
   for (const char* candidate : names) {
-    forget_errors(hd_);  // from before: a device that opens would be taken for one that does not, and stay open
+    forget_errors(hd_);  // earlier errors: with one left, a device that opens would count as failed, and stay open
     const Handle device = hd_.init_device(candidate);
     const ErrorInfo error = hd_.get_error();
     if (error.code == kSuccess && device != kInvalidHandle) return device;
@@ -71,10 +71,10 @@ Result<Session::Attached> Session::attach(const std::string& name, const std::fu
   const std::lock_guard lock(mutex_);
   if (users_ > 0) hd_.stop_scheduler();
   auto attached = attach_stopped(name, set_up, callback, data);
-  if (!attached) forget_errors(hd_);  // a device that goes on would take them for its own
+  if (!attached) forget_errors(hd_);  // another device in use would take these errors for its own
   if (users_ > 0 || attached) hd_.start_scheduler();
   if (!attached) return attached;
-  // With others about, an error may as well be theirs.
+  // If other devices are in use, an error may be theirs, so it is not checked here.
   if (const ErrorInfo error = users_ == 0 ? hd_.get_error() : ErrorInfo{}; is_device_error(error.code)) {
     hd_.stop_scheduler();
     hd_.unschedule(attached->schedule);

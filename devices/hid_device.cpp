@@ -59,7 +59,7 @@ DeviceCondition HidDevice::condition() const noexcept {
 }
 
 Result<void> HidDevice::on_opened(HidTransport& transport) {
-  // The writer has nothing to write to yet: it may as well wait.
+  // The writer has no device to write to yet, so it may wait for the lock.
   const std::lock_guard lock(driver_mutex_);
   if (auto begun = backend_->on_open(transport); !begun) return begun;
   reading_.status = DeviceStatus::calibrating;
@@ -100,11 +100,11 @@ void HidDevice::log_status() noexcept {
 void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
   const std::lock_guard lock(driver_mutex_);
   heartbeat_page_ = &page;
-  page.set_means(CutMeans::hid);  // also while it is unplugged and has no node
+  page.set_means(CutMeans::hid);  // also while the device is unplugged and has no device file
   show_in_heartbeat_page();
 }
 
-// Pre: the mutex is held. What the watchdog would write: the motors off.
+// Pre: the mutex is held. Stores the report that the watchdog would write: it switches the motors off.
 void HidDevice::show_in_heartbeat_page() noexcept {
   if (heartbeat_page_ == nullptr || path_.empty()) return;
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
@@ -129,14 +129,14 @@ void HidDevice::run_writer() noexcept {
   release_force();
 }
 
-// Pre: the mutex is held. Its first report after it was opened is never a force: a firmware may have to see it off first.
+// Pre: the mutex is held. The first report after the device was opened has no force: its firmware may need a report without force first.
 bool HidDevice::may_exert(std::int64_t now_ns) noexcept {
   const bool is_first = std::exchange(is_first_report_, false);
   const bool is_known = reading_.status == DeviceStatus::ready && now_ns - reading_.sample.time_ns <= DeviceExchange::kDriverTimeoutNs;
   return is_known && !is_first && exchange_.is_servo_there(now_ns) && !exchange_.is_cut();
 }
 
-// Commands that have piled up count as one.
+// Waits for a command, or until the force has to be repeated. Commands that have piled up count as one.
 void HidDevice::await_command() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + kRepeatNs;
   const timespec until{until_ns / kNanosecondsPerSecond, until_ns % kNanosecondsPerSecond};
@@ -150,14 +150,14 @@ void HidDevice::write_newest() noexcept {
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   std::size_t size = 0;
   {
-    // The transport within the lock: what is encoded for a device that is opened meanwhile must not go to the one before it.
+    // Takes the transport while locked: a report encoded for a newly opened device must not go to the device before it.
     const std::lock_guard lock(driver_mutex_);
     transport = port_.transport();
     if (!transport) {
       rejected_ = 0;
       return;
     }
-    // A write that hung while the device was opened again has left what the one before rejected.
+    // A write may have hung while the device was opened again: rejected_ then counts rejections by the device before.
     if (is_first_report_) rejected_ = 0;
     const std::int64_t now_ns = clock_.now_ns();
     const Wrench wrench = exchange_.wrench(now_ns);

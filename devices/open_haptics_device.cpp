@@ -22,17 +22,17 @@ namespace {
 
 constexpr double kMPerMm = 1e-3;
 constexpr double kMNmPerNm = 1e3;
-constexpr auto kPollPeriod = std::chrono::milliseconds(20);  // at errors and the calibration, for the log
+constexpr auto kPollPeriod = std::chrono::milliseconds(20);  // how often the keeper checks errors and calibration
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
-constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // the others are interrupted meanwhile
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of the same state; more often is not worth a line
+constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // each attempt interrupts the others
+constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // between two log lines about the same state
 // The library's scheduler calls a thousand times a second. Without a call for this time, it or the device has stopped.
 constexpr std::int64_t kSchedulerTimeoutNs = kNanosecondsPerSecond / 2;
-constexpr int kTicksPerConditionCheck = 100;                                   // at temperature and calibration
+constexpr int kTicksPerConditionCheck = 100;                                   // of temperature and calibration
 constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
 constexpr int kMaxErrorsATick = 8;                                             // taken from the library's queue: bounds the work of a tick
 // The library does not report these: conservative values of our own, see docs/vendor-devices.md.
-constexpr double kPeakS = 5.0;             // that the motors hold the maximum force
+constexpr double kPeakS = 5.0;             // how long the motors hold the maximum force
 constexpr double kContinuousShare = 0.25;  // of the maximum force
 constexpr double kMaxTorqueNm = 0.1;
 constexpr double kMaxSpeedMPerS = 5.0;
@@ -76,7 +76,7 @@ class OpenHapticsDevice final : public VendorDevice {
   DeviceCondition condition() const noexcept override;
 
  private:
-  // Set-up, on the keeper's thread but for the first time.
+  // Set-up: the first time on the caller's thread, later on the keeper's.
   Result<void> set_up();
   Result<void> read_limits();
   std::string read_model() const { return text_or(hd_.get_string(hd::kModelType), "unknown model"); }
@@ -93,7 +93,7 @@ class OpenHapticsDevice final : public VendorDevice {
   void check_calibration() noexcept;
   void collect_errors(std::int64_t now_ns) noexcept;
 
-  // The keeper's thread: what may take long, and lines for people.
+  // The keeper's thread: work that may take long, and log lines.
   void keep();
   void log_calibration();
   void log_errors(std::int64_t now_ns);
@@ -126,11 +126,11 @@ class OpenHapticsDevice final : public VendorDevice {
 
   std::thread keeper_;
   std::atomic<bool> ends_{false};
-  bool is_open_ = false;  // the keeper's
+  bool is_open_ = false;  // used by the keeper's thread
   Calibration logged_calibration_ = Calibration::unknown;
   std::int64_t next_reopen_ns_ = 0;
   std::int64_t next_error_line_ns_ = 0;
-  std::string reported_;  // why it could not be opened again, not to be repeated
+  std::string reported_;  // why it could not be opened again, as logged last
 };
 
 OpenHapticsDevice::~OpenHapticsDevice() {
@@ -153,7 +153,7 @@ double OpenHapticsDevice::get(hd::Enum what, double otherwise) const {
 void OpenHapticsDevice::read_texts() {
   model_ = read_model();
   serial_ = read_serial();
-  // A float, as 3.0 documents it, or nothing.
+  // OpenHaptics 3.0 documents a float; without one the text stays empty.
   float firmware = 0.0F;
   hd_.get_floats(hd::kFirmwareVersion, &firmware);
   firmware_ = hd_.get_error().code == hd::kSuccess && firmware > 0.0F ? fmt::format("{:g}", firmware) : "";
@@ -177,12 +177,12 @@ Result<void> OpenHapticsDevice::read_limits() {
   limits_.workspace_max_m = high_m - middle_m_;
   limits_.max_force_n = max_n;
   limits_.max_slew_n_per_s = max_n / kForceRiseS;
-  // A continuous force of zero would mean the maximum: motors without a thermal budget.
+  // A continuous force of zero would count as the maximum force, as for motors that need no thermal limit.
   const double continuous_n = get(hd::kNominalMaxContinuousForce, 0.0);
   limits_.continuous_force_n = continuous_n > 0.0 ? std::min(continuous_n, max_n) : kContinuousShare * max_n;
   limits_.peak_s = kPeakS;
   limits_.max_speed_m_per_s = kMaxSpeedMPerS;
-  // N/mm.
+  // The library reports N/mm.
   limits_.max_stiffness_n_per_m = 1e3 * std::clamp(get(hd::kNominalMaxStiffness, 0.5), 0.1, 5.0);
   int output_dof = 3;
   hd_.get_integers(hd::kOutputDof, &output_dof);
@@ -192,10 +192,10 @@ Result<void> OpenHapticsDevice::read_limits() {
   return {};
 }
 
-// While it is the current device and the scheduler is stopped.
+// Pre: this device is the current one, and the scheduler is stopped.
 Result<void> OpenHapticsDevice::set_up() {
   const bool is_first = model_.empty();
-  // Limits and workspace would be another's, of which the person at the scene knows nothing.
+  // Another device has another workspace and other limits, which the person at the scene does not expect.
   if (!is_first && (read_model() != model_ || read_serial() != serial_)) {
     return fail("another device is connected than before; connect serial {} again, or restart io_node", serial_.empty() ? "?" : serial_);
   }
@@ -239,7 +239,7 @@ hd::Enum OpenHapticsDevice::on_tick(void* self) noexcept {
 
 void OpenHapticsDevice::tick() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  // Opening or closing another device stops the scheduler of all.
+  // After a pause the force ramps up again: opening or closing another device stops the scheduler for all devices.
   if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverTimeoutNs) exchange_.restart_ramp();
   reading_.sample.time_ns = now_ns;
   hd_.make_current_device(device_);
@@ -261,16 +261,16 @@ void OpenHapticsDevice::tick() noexcept {
   ticked_ns_.store(now_ns, std::memory_order_release);
 }
 
-// Positions in mm, the transform column after column.
+// The library gives positions in mm, and the transform column by column.
 void OpenHapticsDevice::read_frame(DeviceSample& sample) noexcept {
   std::array<double, 3> position_mm = {};
-  position_mm.fill(std::numeric_limits<double>::quiet_NaN());  // what stays if the library gives none
+  position_mm.fill(std::numeric_limits<double>::quiet_NaN());  // remains if the library gives no position
   std::array<double, 16> transform = {};
   int buttons = 0;
   hd_.get_doubles(hd::kCurrentPosition, position_mm.data());
   hd_.get_doubles(hd::kCurrentTransform, transform.data());
   hd_.get_integers(hd::kCurrentButtons, &buttons);
-  // Finite or not: the governor judges it.
+  // May be non-finite: the governor checks it.
   sample.p_WD = kMPerMm * Vec3(position_mm[0], position_mm[1], position_mm[2]) - middle_m_;
   const Eigen::Map<const Eigen::Matrix4d> x(transform.data());
   const Eigen::Matrix3d r = x.topLeftCorner<3, 3>();
@@ -321,7 +321,7 @@ void OpenHapticsDevice::check_calibration() noexcept {
   }
 }
 
-// What went wrong in this frame. A flood of errors is taken a few at a time.
+// Takes the errors of this frame from the library's queue, of many errors only some in each tick.
 void OpenHapticsDevice::collect_errors(std::int64_t now_ns) noexcept {
   for (int n = 0; n < kMaxErrorsATick; ++n) {
     const hd::ErrorInfo error = hd_.get_error();

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The box around the turned box.
+// Sets the workspace to the box along the axes of W that contains the turned box.
 void place_workspace(DeviceLimits& limits, const Pose& X_WB) {
   const Vec3 middle_B = 0.5 * (limits.workspace_min_m + limits.workspace_max_m);
   const Vec3 half_B = 0.5 * (limits.workspace_max_m - limits.workspace_min_m);

@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kMaxForceN = 1000.0;          // as io_node's own flags
+constexpr double kMaxForceN = 1000.0;          // the same limit as io_node's flags
 constexpr double kMaxTorqueNm = 1000.0;        // likewise
-constexpr double kMaxNumber = 1e9;             // of whatever has no limit of its own
+constexpr double kMaxNumber = 1e9;             // limit of each value without one of its own
 constexpr double kQuaternionTolerance = 1e-3;  // of the squared length: single precision, or numbers with four digits
 
 DeviceStatus to_status(std::int32_t said) noexcept {
@@ -29,7 +29,7 @@ DeviceStatus to_status(std::int32_t said) noexcept {
 
 Vec3 to_vector(const double (&from)[3]) noexcept { return {from[0], from[1], from[2]}; }
 
-// A little off its length is rounding. Anything else stays as it is, for the governor to find.
+// A length slightly off 1 is a rounding error: normalizes. Any other quaternion stays as it is, so that the governor rejects it.
 Quat to_orientation(const double (&from)[4]) noexcept {
   const Quat q(from[0], from[1], from[2], from[3]);
   return std::abs(q.squaredNorm() - 1.0) < kQuaternionTolerance ? q.normalized() : q;

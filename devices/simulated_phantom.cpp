@@ -65,7 +65,7 @@ void SimulatedPhantom::begin_hand_step() noexcept {
   buttons_ = next.buttons;
 }
 
-// Gimbals on their grid; an orientation of a path as it is.
+// Rounds the gimbal angles to encoder steps; an orientation from a path is not rounded.
 Quat SimulatedPhantom::wanted_turn() const noexcept {
   const auto turn_by_gimbals = [](const Vec3& rad) {
     return Quat(Eigen::AngleAxisd(rad.x(), Vec3::UnitY()) * Eigen::AngleAxisd(rad.y(), Vec3::UnitX()) *

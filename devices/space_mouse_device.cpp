@@ -8,9 +8,9 @@
 namespace hapton {
 namespace {
 
-// What a desk leaves a hand with a stylus.
+// The room that a hand with a stylus has on a desk.
 const Vec3 kHalfWorkspaceM(0.15, 0.12, 0.15);
-// A reader that was late for longer does not make the point jump: 3 mm at full speed.
+// The longest time for which a read moves the point, so that the point does not jump after a late read: 3 mm at full speed.
 constexpr double kLongestStepS = 0.02;
 
 // No motors: the force limit is what an ordinary device has, so that contact is computed in full.

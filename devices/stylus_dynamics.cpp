@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr int kX = 0, kV = 1, kY = 2, kW = 3, kHand = 4, kHandSpeed = 5, kForce = 6;
-// Expected are two or three in less than a hundredth of the fastest period. If rounding repeats them, the mass rests until the next cell.
+// Two or three events are expected in a cell, under 1/100 of the fastest period. If rounding repeats them, the mass rests until its end.
 constexpr int kMaxEventsPerCell = 16;
 
 }  // namespace
@@ -93,7 +93,7 @@ void StylusDynamics::cross_grid_cell(Eigen::Vector4d& state, Input& input, const
   const double force_n = input[2];
   const double friction_n = model_.friction_n;
   for (int events = 0; left_ns > 0; ++events) {
-    // What holds the device mass from moving on: friction both ways, a stop without limit.
+    // The forces up to which the device mass is held: friction in both directions, a stop without limit.
     const double hold_up = state[kX] >= stops.high_m ? HUGE_VAL : friction_n;
     const double hold_down = state[kX] <= stops.low_m ? -HUGE_VAL : -friction_n;
     const double net_n = net_force_n(state, force_n);

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kOpenHapticsFiles = {"libHD.so", "libHD.so.3.4", "libHD.so.3", "libHD.so.3.5", "libHD.so.3.0"};
 constexpr std::array<std::string_view, 1> kOpenHapticsVariables = {"GTDD_HOME"};
-// libdrd first: it brings all of libdhd with it, and calibrates.
+// libdrd first: it contains all of libdhd, and can calibrate.
 constexpr std::array<std::string_view, 4> kForceDimensionFiles = {"libdrd.so", "libdrd.so.3", "libdhd.so", "libdhd.so.3"};
 constexpr std::array<std::string_view, 1> kForceDimensionVariables = {"FORCEDIM_SDK"};
 
-// Of dependencies that a Debian 12 lacks, what brings them.
+// Dependencies that Debian 12 lacks, and what provides each of them.
 struct KnownDependency {
   std::string_view file;
   std::string_view remedy;
@@ -105,7 +105,7 @@ Result<VendorLibrary> VendorLibrary::open(const KnownVendorLibrary& known, const
   std::vector<FailedLoad> failures;
   VendorLibrary library = try_open(known, file, failures);
   if (!library.file_.empty()) return library;
-  // What is there and does not load says more than what is not there.
+  // The error of a file that exists but does not load says more than that of a missing file.
   const FailedLoad* telling = &failures.front();
   std::vector<std::string> errors;
   for (const FailedLoad& failure : failures) {

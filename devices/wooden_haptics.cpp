@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t kShortReport = 8;  // bytes, as wooden_haptics.h lists them
 constexpr std::size_t kLongReport = 14;
-// Counts. After a loss of power they are near zero; an arm that was there before has not moved in the meantime. Choices: 0.75 and 3
-// degrees of an arm with 2000 counts a turn of the motor and a ratio of 12.
+// In encoder counts. After a loss of power the counts are near zero, although the arm cannot have moved so far meanwhile. Both are
+// choices: 0.75 and 3 degrees for an arm with 2000 counts per turn of the motor and a ratio of 12.
 constexpr int kNearZero = 50;
 constexpr int kMovedCounts = 200;
-constexpr int kStillCounts = 1;               // an encoder at the border of two counts flickers
+constexpr int kStillCounts = 1;               // an encoder between two counts flickers
 constexpr double kMaxMilliamperes = 32767.0;  // of an int16
 
 // B to W: the base's x points to the person, its z up.
@@ -78,7 +78,7 @@ Result<void> WoodenHapticsBackend::on_open(HidTransport& transport) {
   return {};
 }
 
-// Whether the counts still have the same zero: not if the electronics started again.
+// ready while the counts have the same zero as before. If the electronics restarted: calibrating, until the arm has rested.
 DeviceStatus WoodenHapticsBackend::follow_zero(const Counts& counts, std::int64_t now_ns) noexcept {
   const auto arm_differs = [](const Counts& a, const Counts& b, int by) {
     return std::abs(less(a[0], b[0])) > by || std::abs(less(a[1], b[1])) > by || std::abs(less(a[2], b[2])) > by;
@@ -127,7 +127,7 @@ Quat WoodenHapticsBackend::compute_orientation() const noexcept {
   return q.normalized();
 }
 
-// The arm's own weight comes first, so that it does not sink when a force needs all there is.
+// The current for the weight of the arm comes first, so that the arm does not sink when a force needs all the current.
 Vec3 WoodenHapticsBackend::compute_currents_a(const Vec3& force_n, bool is_live, std::int64_t now_ns) noexcept {
   const double passed_s = std::clamp(1e-9 * static_cast<double>(now_ns - std::exchange(encoded_ns_, now_ns)), 0.0, 0.01);
   gravity_share_ = is_live && settings_.has_gravity_compensation ? std::min(gravity_share_ + passed_s / kGravityRampS, 1.0) : 0.0;

@@ -41,7 +41,7 @@ Mat3 WoodenKinematics::jacobian(const Vec3& angles) const noexcept {
   return j;
 }
 
-// The column does not rise. The lower arm hangs from the end of the upper one.
+// The column turns without rising, so its mass does not count. The lower arm hangs from the end of the upper arm.
 double WoodenKinematics::potential_energy_j(const Vec3& angles) const noexcept {
   const auto& [a, b, c] = arm_.bodies;
   const double height_b = a.length_m + b.mass_centre_m * std::cos(angles[1]);
@@ -65,7 +65,7 @@ Vec3 WoodenKinematics::motor_current_a(const Vec3& torque) const noexcept {
   return current;
 }
 
-// Turned with the column, then leant until -z points along the lower arm.
+// Turned with the column, then tilted so that -z points along the lower arm.
 Quat WoodenKinematics::lower_arm(const Vec3& angles) const noexcept {
   return Quat(Eigen::AngleAxisd(angles[0], Vec3::UnitZ()) * Eigen::AngleAxisd(-angles[2], Vec3::UnitY()));
 }

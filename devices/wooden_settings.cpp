@@ -11,8 +11,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kReachM = 0.1;  // the 2016 edition's own
-// Limits of a file, beyond any arm on a desk: what is outside is a wrong unit.
+constexpr double kReachM = 0.1;  // of the 2016 edition
+// Limits of the values in a file, beyond any arm on a desk: a value outside is in a wrong unit.
 constexpr double kMaxLengthM = 2.0;
 constexpr double kMinDiameterM = 1e-3;
 constexpr double kMaxForceN = 100.0;
@@ -76,7 +76,7 @@ void read_limits(TomlReader& reader, WoodenSettings& settings) {
 
 }  // namespace
 
-// 5 N, 1000 N/m and 0.1 m are the 2016 edition's own. Slew: all of the force in 4 ms, faster than a wooden arm passes it on. Speed: twice
+// 5 N, 1000 N/m and 0.1 m are those of the 2016 edition. Slew: the full force in 4 ms, faster than a wooden arm transmits it. Speed: twice
 // that of a fast hand.
 WoodenSettings WoodenSettings::make_default() {
   WoodenSettings settings;

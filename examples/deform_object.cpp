@@ -1,6 +1,6 @@
 // Shows: a program that deforms an object of the scene while it is touched: 30 shapes a second of a swelling that travels along its top.
 // Run:   io_node; haptics_node --scene scenes/swelling.toml; deform_object [SECONDS [HUB [KEYFILE [MESHFILE]]]]
-//        MESHFILE: that of the object; default: meshes/supple_block.obj, from where it is run
+//        MESHFILE: the mesh of the object; default: meshes/supple_block.obj, relative to the current folder
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +15,7 @@ using namespace hapton;
 constexpr double kShapeS = 1.0 / 30.0;
 
 int main(int argc, char** argv) {
-  // As the scene file has it, so that the vertices are the same, in the same order.
+  // Loaded with the unit and sealing of the scene file, so that the vertices are the same, in the same order.
   const auto mesh = load_touch_mesh(argc > 4 ? argv[4] : "meshes/supple_block.obj", Unit::mm, CrackSealing::off);
   if (!mesh) return std::fprintf(stderr, "%s\n", mesh.error().what.c_str()), 1;
   const std::vector<Vec3>& rest = mesh->mesh.vertices;  // m
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
       }
     }
   }
-  // The last one arrives for certain.
+  // deform_object() sends the last shape, the surface at rest, until haptics_node has confirmed it.
   const auto takes_s = deform_object(client, clock, outbox, "block", std::vector<ShapePart::Displacement>(rest.size()), 0.5);
   if (!takes_s) return std::fprintf(stderr, "%s\n", takes_s.error().what.c_str()), 1;
   std::printf("%d shapes given, %d rejected; back at rest in %.2f s\n", given, rejected, *takes_s);

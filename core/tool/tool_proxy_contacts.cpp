@@ -1,4 +1,4 @@
-// What a tool touches or is about to touch, for the fast task.
+// The contacts that a tool has or may soon have: the fast task computes with them until the next step of the proxy.
 #include <algorithm>
 
 #include "core/tool/contact_choice.h"
@@ -34,9 +34,9 @@ void ToolProxy::find_local_contacts(const Placement& device, std::span<const Pla
   choose_local_contacts(device, parts, reach, local);
 }
 
-// Of the next search. Pairs that even the least reach would find take no part in it.
+// Sets the limit of the reach of the next search. Pairs within the smallest reach raise the number allowed: no limit leaves them out.
 void ToolProxy::limit_local_reach() noexcept {
-  constexpr double kMany = 512.0;  // each takes about 2 us
+  constexpr double kMany = 512.0;  // pairs; each takes about 2 us
   double all = 0.0;
   double close = 0.0;
   for (const auto& part : parts_) {
@@ -54,7 +54,7 @@ void ToolProxy::limit_local_reach() noexcept {
   }
 }
 
-// All minima of the distance that collect has found, as bounds of shift and turn.
+// Writes a bound of shift and turn for each local minimum of the distance among the features that collect() has found.
 void ToolProxy::find_minima() noexcept {
   bound_count_ = 0;
   for (std::uint32_t p = 0; p < parts_.size(); ++p) {
@@ -89,8 +89,8 @@ LocalContact ToolProxy::local_contact(const BoundPair& pair) const noexcept {
   return contact;
 }
 
-// Of more than fit, those that hold the tool while device and parts are there, and while the device shifts or turns a reach farther along
-// or about an axis.
+// If there are more contacts than fit, chooses those that hold the tool at the given poses of device and parts, and those that hold it if
+// the device then shifts by `reach` along an axis, or turns as far about an axis.
 void ToolProxy::choose_local_contacts(const Placement& device, std::span<const Placement> parts, double reach,
                                       LocalContacts& local) noexcept {
   std::array<Vec6, 13> goals;

@@ -49,7 +49,7 @@ std::vector<std::shared_ptr<const ObjectGeometry>> geometries_of(const std::vect
   return geometries;
 }
 
-// Of the parts that move; of a scene without: 0.
+// The number of parts that move by themselves; 0: none does.
 Result<std::size_t> count_moving(const std::vector<int>& part_of) {
   const int moving = part_of.empty() ? 0 : std::max(0, *std::max_element(part_of.begin(), part_of.end()));
   if (moving > ToolStep::kMaxParts) {
@@ -288,7 +288,7 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
   output.torque_nm += input.X_WS.linear() * drag.torque_nm;
 }
 
-// Friction is found from the contacts where the proxy is, then the proxy follows to where it holds the tool.
+// Computes friction from the contacts at the pose of the proxy, then lets the proxy follow to where friction holds the tool.
 ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
   const double moved = motion_between(last_, device).length(proxy_.radius());
   last_ = device;

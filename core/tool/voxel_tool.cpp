@@ -25,7 +25,7 @@ Placement in_scene(const ToolInput& input) {
 
 Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene,
                                                    const ToolCoupling& coupling, double voxel_m) {
-  // The checks of tool, scene and coupling are those of ToolStep.
+  // ToolStep::make checks the tool, the scene and the coupling.
   const auto checked = ToolStep::make(tool, scene, coupling);
   if (!checked) return tl::unexpected(checked.error());
   if (!(voxel_m > 0.0) || !std::isfinite(voxel_m)) return fail("a voxel of {} m: give a positive size", voxel_m);
@@ -35,7 +35,7 @@ Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, con
 
   Box box;
   for (const auto& mesh : scene) box.grow(Box::of(mesh->vertices));
-  made->grid_ = {box.low - Vec3::Constant(voxel_m), voxel_m};  // a cell of margin
+  made->grid_ = {box.low - Vec3::Constant(voxel_m), voxel_m};  // one cell of margin
   const Vec3 cells = ((box.high - box.low) / voxel_m).array().floor() + 3.0;
   if (!(cells.prod() <= kMaxCells)) {
     return fail("a voxel of {:.3g} m makes a grid of {:.3g} cells; {:.3g} m fits", voxel_m, cells.prod(),
