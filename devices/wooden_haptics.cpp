@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kShortReport = 8;  // bytes, as wooden_haptics.h lists them
 constexpr std::size_t kLongReport = 14;
-// In encoder counts. After a loss of power the counts are near zero, although the arm cannot have moved so far meanwhile. Both are
+// In encoder counts. After a loss of power the counts are near zero, although the arm cannot have moved so far meanwhile. Both limits are
 // choices: 0.75 and 3 degrees for an arm with 2000 counts per turn of the motor and a ratio of 12.
 constexpr int kNearZero = 50;
 constexpr int kMovedCounts = 200;

@@ -25,9 +25,9 @@ int main(int argc, char** argv) {
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     newest = *probe;
-    // CLOCK_MONOTONIC is one clock for all programs of a host. From another host only the hub's own round trip means anything.
+    // CLOCK_MONOTONIC is one clock for all programs of a host. From another host only the round trip that the hub measures is valid.
     ages.record(client.receive_time_ns() - probe->sample_time_ns);
-    // Asks for the next one; without it the hub repeats ten times a second.
+    // Requests the next state; without this the hub only sends states ten times a second.
     client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns});
   }
   std::printf("%llu samples, age p50 %.1f us, p99 %.1f us, max %.1f us\n", static_cast<unsigned long long>(ages.count()),

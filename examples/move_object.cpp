@@ -24,14 +24,14 @@ int main(int argc, char** argv) {
   Datagram datagram;
   int moves = 0;
   while (clock.now_ns() < end_ns || moves == 0) {
-    // As position_m of the scene file. The rotation is left out: the object does not turn.
+    // A position like position_m in the scene file. The rotation is left out: the object does not turn.
     const Vec3 to(-0.05, moves % 2 == 0 ? 0.0 : -0.02, 0.0);
     const auto request = make_move_request("platform", {.position_m = to, .over_s = kRequestedS});
     if (!request) return std::fprintf(stderr, "%s\n", request.error().what.c_str()), 1;
     const auto takes_s = move_object(client, clock, *request, 30.0);
     if (!takes_s) return std::fprintf(stderr, "%s\n", takes_s.error().what.c_str()), 1;
     std::printf("move %d takes %.3f s\n", ++moves, *takes_s);
-    // The hub drops a node that sends nothing: receive() greets it again while the object moves.
+    // The hub drops a node that sends nothing: receive() sends Hello messages while the object moves.
     const std::int64_t next_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * (*takes_s + 0.2));
     while (clock.now_ns() < next_ns) client.receive(datagram, next_ns);
   }

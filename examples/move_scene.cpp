@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
 
   HubClient& client = (*hub)->client();
   const Clock& clock = (*hub)->clock();
-  // Revisions go on from the one in use: the hub's first state says which.
+  // Revisions continue from the one in use, which the hub's first state gives.
   std::uint32_t before = 0;
   Datagram datagram;
   for (const std::int64_t end_ns = clock.now_ns() + kNanosecondsPerSecond; clock.now_ns() < end_ns;) {

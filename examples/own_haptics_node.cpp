@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   std::uint64_t replies = 0;
   std::uint64_t superseded = 0;
   while (clock.now_ns() < end_ns) {
-    // No timer: the device's samples set the pace. The wait ends now and then, so that the connection stays alive without a hub, too.
+    // No timer: the device's samples set the pace. The wait ends after 50 ms, so that this loop ends in time, even without a hub.
     if (!client.receive(datagram, clock.now_ns() + 50 * kNanosecondsPerMillisecond)) continue;
     std::optional<DeviceState> newest;
     std::uint32_t states = 0;
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
 
     reply.force_n = -150.0 * newest->p_WD;  // your force, N, frame W
     const std::uint64_t passed = newest->sample - reply.echo_sample;
-    // Bit i: sample echo_sample - 1 - i got a reply as well. The hub counts lost replies by it.
+    // Bit i: sample echo_sample - 1 - i got a reply as well. From these bits the hub counts lost replies.
     reply.replied_before = replies == 0 || passed - 1 >= 63 ? 0 : reply.replied_before << passed | std::uint64_t{1} << (passed - 1);
     reply.echo_sample = newest->sample;
     reply.echo_sample_time_ns = newest->sample_time_ns;  // so that the hub measures the round trip on its own clock

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   if (!method) return std::fprintf(stderr, "%s\n", method.error().what.c_str()), 1;
   TouchStep touch(std::move(*method), scene);
 
-  // The hand starts above the mesh and goes down through its middle, 0.1 m/s, where your device's position would stand.
+  // The hand starts above the mesh and moves down through its middle at 0.1 m/s. Your program uses the position of its device instead.
   Vec3 low = mesh->vertices[0];
   Vec3 high = low;
   for (const Vec3& v : mesh->vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
       if (probe != nullptr && client.last_arrival() != Arrival::reordered) newest = *probe;
     }
     if (!newest) continue;
-    // In contact the probe rests on the surface, off the device by the visual offset.
+    // In contact the probe is drawn on the surface, at the visual offset from the device point.
     const Vec3 p_mm = 1e3 * (newest->p_WD + newest->visual_offset_m);
     const auto bar = static_cast<int>(std::min(40.0, 10.0 * newest->force_n.norm()));
     std::printf("x %6.1f y %6.1f z %6.1f mm  %4.2f N %-40.*s %s buttons %x\n", p_mm.x(), p_mm.y(), p_mm.z(), newest->force_n.norm(), bar,

@@ -16,7 +16,7 @@ Pose pose_of(const DeviceState& state) {
 
 Pose relative(const Pose& X_WS, const Pose& X_WD) { return X_WS.inverse(Eigen::Isometry) * X_WD; }
 
-// A product of many rotations is kept one.
+// Keeps the rotation of a product of many poses a rotation, despite rounding errors.
 Pose rigid(const Pose& pose) {
   Pose kept = pose;
   kept.linear() = Quat(pose.linear()).normalized().toRotationMatrix();
@@ -81,7 +81,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       return Change::put_down;
     case Phase::waiting:
       if (!is_answered) return Change::none;
-      // The scene could not be built.
+      // A reply to put_down means that the scene could not be built.
       moved_[static_cast<std::size_t>(request_.object)] = before_;
       set_pose(before_, false);
       phase_ = Phase::idle;
@@ -97,7 +97,7 @@ bool Grasp::is_object_away(bool is_early) noexcept {
   return phase_ != Phase::requested || was_early_ || has_tool();
 }
 
-// A button that was released here may be pressed again in the next sample, of which update() would not know: the request is withdrawn.
+// A button released in this sample may be pressed again in the next one, and update() would miss the release: cancels the request.
 void Grasp::skip_sample(const DeviceState& state) noexcept {
   was_down_ = was_down_ && is_down(state);
   if (phase_ != Phase::requested || is_down(state)) return;
@@ -105,13 +105,13 @@ void Grasp::skip_sample(const DeviceState& state) noexcept {
   phase_ = Phase::idle;
 }
 
-// To the last request.
+// Whether the reply to the last request has arrived.
 bool Grasp::has_reply() noexcept {
   (void)link_.replies.take();
   return link_.replies.value().serial == request_.serial;
 }
 
-// The object would come after it, through whatever is in between.
+// Whether the hand has moved or turned too far: the object would follow it through whatever is in between.
 bool Grasp::has_hand_left(const DeviceState& state, const Pose& X_WS) const noexcept {
   const Pose X_SD = relative(X_WS, pose_of(state));
   return (X_SD.translation() - request_.X_SD.translation()).norm() > kResumeReachM ||
@@ -123,7 +123,7 @@ bool Grasp::may_move(const ObjectPose& pose) const noexcept {
   return pose.object >= 0 && object < movable_.size() && movable_[object] && !pose.is_held && pose.serial == poses_[object].serial;
 }
 
-// As if it had been held and put down there; the probe goes on from where it is.
+// Moves an object as if the stylus had held it and put it down there. The probe continues from its present position.
 void Grasp::move(const ObjectPose& pose) noexcept {
   request_.object = pose.object;
   before_ = moved_[static_cast<std::size_t>(pose.object)];

@@ -10,8 +10,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstStepS = 1e-3;  // there is no sample before: a cycle at 1 kHz is assumed
-// Several samples while the hub computes the force, of which it sends 20 a second and some are lost.
+constexpr double kFirstStepS = 1e-3;  // of a sample without one before it: a cycle at 1 kHz is assumed
+// The longest gap after which this node still uses its own contact: the hub sends 20 samples a second meanwhile, and some are lost.
 constexpr std::int64_t kOwnPlaceNs = 200'000'000;
 
 // Whether the hand has moved from one sample to the next on a path that the probe, or the tool, may follow.
@@ -19,19 +19,19 @@ bool is_motion_known(const TouchInput& from, const DeviceState& to, std::int64_t
   return is_path_known(from.p_WD, to.p_WD, gap_ns) && (!is_tool || is_turn_known(from.q_WT, to.q_WT, gap_ns));
 }
 
-// Of samples that are not, nothing is known; they give no force.
+// Samples that are not finite tell nothing about the hand's path; they give no force.
 bool are_finite(const TouchInput& from, const DeviceState& to) noexcept {
   return from.p_WD.allFinite() && from.q_WT.coeffs().allFinite() && to.p_WD.allFinite() && to.q_WT.coeffs().allFinite();
 }
 
-// Where a probe at p_WP goes on, if the hand is still near.
+// The start of a probe that was at p_WP: off the surface by offset_m. None if the hand is no longer near.
 std::optional<Vec3> find_start(const Vec3& p_WP, const Vec3& p_WD, double offset_m) noexcept {
   const Vec3 outward = p_WP - p_WD;
   if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return std::nullopt;
   return p_WP + offset_m * outward.normalized();
 }
 
-// The same with the place that this node remembers, if the hand is on the side that it was on.
+// The same for the position that this node remembers. None also if the hand has left the surface on the outer side.
 std::optional<Vec3> find_own_start(const std::optional<Vec3>& p_WP, const Vec3& outward_W, const Vec3& p_WD, double offset_m) noexcept {
   if (!p_WP || has_left_contact(*p_WP, outward_W, p_WD)) return std::nullopt;
   return find_start(*p_WP, p_WD, offset_m);
@@ -63,8 +63,8 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
   }
   const std::int64_t gap_ns = ns_between(last_time_ns_, state.sample_time_ns);
   if (running_ && state.is_resumed && !state_.is_resumed) {
-    // The hub computed the force itself for a while and wants this node to go on from there. Where objects are picked up, what it knows may
-    // be from before one was put down. After longer the hand may have gone round what it touched.
+    // The hub has computed the force and wants this node to continue at the hub's probe. If objects can be picked up, that probe may be
+    // from before one was put down: this node also keeps its own contact, but not after a longer gap, as the hand may have gone around it.
     restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kOwnPlaceNs);
     begins_within_ = true;
   } else if (running_ && !is_thinned_ && are_finite(input_, state) && !is_motion_known(input_, state, gap_ns, tool_ != nullptr)) {
@@ -78,7 +78,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
 ForceCommand HapticsStep::reply() noexcept {
   has_state_ = false;
   const std::int64_t step_ns = ns_between(last_time_ns_, state_.sample_time_ns);
-  // A tool goes on in a new session from where it is.
+  // In a new session a tool continues from its last pose, if the scene has not turned and the hand is still near.
   const bool is_tool_near =
       !running_ && tool_ != nullptr && input_.X_WS.matrix() == X_WS_.matrix() && is_motion_known(input_, state_, kLongGapNs, true);
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
@@ -100,10 +100,10 @@ ForceCommand HapticsStep::reply() noexcept {
   } else {
     feel_probe(reply);
   }
-  // Where a tool was held a moment ago it fades; otherwise there is none.
+  // The torque of a tool that was put down fades; otherwise a probe has no torque.
   reply.torque_nm = torque_fade_.step(reply.torque_nm, reply.contact, input_.dt_s);
   if (effects_ != nullptr) add_effects(reply, begins);
-  // Always in such a scene: its presence does not tell of contact.
+  // In every reply of a scene with layers: that it is set does not indicate contact.
   if (touch_->has_layers()) reply.held_offset_m = touch_->held_offset().value_or(reply.visual_offset_m);
   last_sample_ = state_.sample;
   begins_within_ = false;
@@ -139,7 +139,7 @@ std::unique_ptr<ShapeStage> HapticsStep::deform(int object, std::unique_ptr<Shap
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
   if ((running_ || begins_within_) && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMaxSceneStepNs);
-  // The hub computes the force, and so determines where everything is.
+  // While the hub computes the force, its scene time determines where moving objects are.
   if (state_.scene_time_ns >= 0 && touch_->has_motion()) scene_time_ns_ = state_.scene_time_ns;
   scene_time_ns_ = std::exchange(next_scene_time_ns_, std::nullopt).value_or(scene_time_ns_);
   input_.time_s = 1e-9 * static_cast<double>(scene_time_ns_);
@@ -155,7 +155,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
     remember_reply();
   }
   output_ = touch_->step(input_);
-  // Where the hub would have the probe go on there is no contact, but where this node had it.
+  // If there is no contact at the hub's probe, the probe starts where this node had contact, if it had any.
   const bool begins = !std::exchange(running_, true) && state_.is_resumed && !output_.contact;
   const std::optional<Vec3> own = find_own_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
   free_starts_ += is_free_start && !(begins && own) ? 1 : 0;
@@ -164,7 +164,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
     start.p_WD = *own;
     begin_at(start);
     output_ = touch_->step(input_);
-    // As in make_start().
+    // As in make_start(): a recording of this session does not contain this start.
     if (!begins_within_) replied_before_ = kUnknownBefore;
   }
   reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
@@ -173,8 +173,8 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   reply.object = output_.object;
 }
 
-// The hand did not take the path from there to the device: damping must not feel it. Where something is carved, the path is part of the
-// sample: a step more would be a second press of the button.
+// The hand did not take the path from the start to the device: a step of no duration settles the probe, so that damping does not act on
+// that path. In a scene that can be carved there is no such step: it would count as a second press of the button.
 void HapticsStep::begin_at(const TouchInput& start) noexcept {
   touch_->reset(start);
   if (start.p_WD == input_.p_WD || touch_->has_sculpture()) return;
@@ -183,9 +183,9 @@ void HapticsStep::begin_at(const TouchInput& start) noexcept {
   touch_->step(settling);
 }
 
-// Picks up, or puts down, what is touched.
+// Picks up the object that is touched, or puts down the one that is held.
 void HapticsStep::update_grasp() noexcept {
-  // The probe begins anew, maybe in contact: what was put down now would not be where it had contact.
+  // The probe begins anew, and its contact is not known yet: an object that is moved now would lose this contact.
   if (!running_ && tool_ == nullptr) return grasp_->skip_sample(state_);
   const int touched = tool_ == nullptr && output_.contact ? output_.object : -1;
   const Grasp::Change change = grasp_->update(state_, X_WS_, touched, output_.visual_offset_m);
@@ -194,17 +194,17 @@ void HapticsStep::update_grasp() noexcept {
   is_tool_blocked_ = is_tool_held_ = false;
   fade_.begin();
   torque_fade_.begin();
-  // To a recording it is another method.
+  // A recording counts this as a change of method.
   if (change == Grasp::Change::picked_up || change == Grasp::Change::returned) ++counts_.method_changes;
   output_ = {};
   if (change == Grasp::Change::returned) return_probe();
 }
 
-// An object is back where it was picked up, and the probe goes on from there, outside of it. Where something holds it back on the way to
-// the hand, it begins where an object that was put down lets it begin.
+// The object is back at its place before the pick-up, and the probe continues outside of it from its last position. If something on the
+// way keeps it too far from the hand, it starts where the object was touched, as after an object was put down.
 void HapticsStep::return_probe() noexcept {
   const std::optional<Grasp::ResumeContact> start = grasp_->take_resume_contact(X_WS_);
-  // The step at this sample is still to come: until then no time has passed for effects.
+  // The step for this sample is still to come: until then no time passes for effects.
   TouchInput here = input_;
   here.dt_s = 0.0;
   if (!(touch_->step(here).visual_offset_m.norm() > kResumeReachM)) return;
@@ -214,8 +214,8 @@ void HapticsStep::return_probe() noexcept {
   touch_->step(here);
 }
 
-// An object was put down, and the slow task is building the scene with it: what is there now has it where it was before. Only the effects
-// in free space go on.
+// An object was put down, and the slow task is building the scene with it. The present method still has the object at its old place, so
+// only the effects in free space act.
 void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
   if (running_) {
     remember_reply();
@@ -236,7 +236,7 @@ void HapticsStep::place_parts() noexcept {
   }
 }
 
-// Of the objects that programs move, the one that the tool presses most: that is the object in contact then.
+// Reports as the object in contact, with its push, the object that the tool presses most of those that programs move.
 void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   for (std::size_t p = 0; p < tool_parts_.size(); ++p) {
     if (tool_parts_[p].commanded < 0) continue;
@@ -248,9 +248,9 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   }
 }
 
-// After a gap the tool comes from where it was, on a path that is free: no contact is lost, and nothing is passed. A hand that has gone far
-// meanwhile may have gone around something, and would be pulled back to it: then the tool begins anew. The effects of the scene in free
-// space act at the grip point.
+// After a gap the tool continues from its last pose on a free path: it loses no contact and passes through nothing. If the hand has gone
+// far meanwhile, it may have gone around something, and the tool would pull it back: then the tool begins anew. The effects of the scene
+// in free space act at the grip point.
 void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
   if (running_) {
     remember_reply();
@@ -272,7 +272,7 @@ void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
   place_parts();
   input.X_SO = X_SO_;
   const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
-  // What was picked up gives its first force now, and may have met something on the way to the hand.
+  // The object that was picked up gives its first force now. It may already be in contact with something, so this force fades in.
   if (grasp_ != nullptr && !was_known && tool_->is_known()) {
     fade_.begin();
     torque_fade_.begin();
@@ -296,7 +296,7 @@ void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
   note_push(reply);
 }
 
-// They stand beside the method: they neither fade with a change of it nor move its probe.
+// The effects of shared libraries are independent of the method: they neither fade when it changes nor move its probe.
 void HapticsStep::add_effects(ForceCommand& reply, bool begins) noexcept {
   if (begins) effects_->reset();
   const PluginForce added = effects_->step({.sample = state_.sample,
@@ -314,14 +314,14 @@ void HapticsStep::add_effects(ForceCommand& reply, bool begins) noexcept {
   reply.contact = reply.contact || !added.force_n.isZero(0.0) || !added.torque_nm.isZero(0.0);
 }
 
-// Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.
+// Where the probe starts: at the device, or off the surface, on the side on which it was in contact.
 TouchInput HapticsStep::make_start() noexcept {
   const std::optional<Vec3> at = state_.is_resumed ? find_start(state_.p_WP, input_.p_WD, offset_m_)
                                                    : find_own_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
   TouchInput start = input_;
   if (!at) return start;
   start.p_WD = *at;
-  // What this node remembers of an earlier session is in no recording of this one.
+  // This start depends on an earlier session, which a recording of this one does not contain.
   if (!state_.is_resumed && !begins_within_) replied_before_ = kUnknownBefore;
   return start;
 }
@@ -338,7 +338,7 @@ void HapticsStep::announce_start() noexcept {
 
 void HapticsStep::resume() noexcept {
   if (running_) return restart_here(output_.contact);
-  // The session before ended without a reply: the probe rests where it did.
+  // The session that has just ended had no reply: the probe still rests where it did before that session.
   const std::optional<Vec3> p_WP = p_WP_;
   restart();
   p_WP_ = p_WP;
@@ -346,7 +346,7 @@ void HapticsStep::resume() noexcept {
 
 Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().value_or(output_.visual_offset_m); }
 
-// The probe goes on from where it is, if it is felt there and the scene has not been turned since.
+// Begins anew. The probe continues from its position, if it is in contact and the scene has not been turned since.
 void HapticsStep::restart_here(bool is_felt) noexcept {
   const Vec3 held_m = held_offset();
   restart();
@@ -377,7 +377,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
     return false;
   }
   ++counts_.views_applied;
-  // A vision node that joins sends the pose that is there.
+  // A vision node that joins sends the present pose again: the scene has not turned then.
   if (pose->matrix() != X_WS_.matrix()) p_WP_.reset();
   X_WS_ = *pose;
   view_ = view;
@@ -400,22 +400,22 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     if (put_down && (put_down->p_W - input_.p_WD).norm() <= kResumeReachM) {
       start.p_WD = put_down->p_W + offset_m_ * put_down->outward;
     } else if (output_.contact) {
-      // With effects, of the old method or the new one, the force need not point off the surface.
+      // With effects, of the old method or the new one, the force need not point away from the surface.
       const Vec3 outward = touch->has_effects() || touch_->has_effects() ? held_m : output_.force_n;
       start.p_WD += held_m + offset_m_ * outward.normalized();
     }
     touch_->reset(start);
-    // On the path from there to the device, which the hand did not take, it comes into contact and settles.
+    // In this step the new method comes into contact and settles, on the path from its start to the device, which the hand did not take.
     TouchInput settling = input_;
-    // It is not a sample: nothing is carved in it.
+    // This step is not a sample, so it must not carve.
     if (touch_->has_sculpture()) settling.buttons = 0;
     const TouchOutput settled = touch_->step(settling);
     touch_->continue_hand_motion(*touch);
-    // What is held has no output of the method, but may have effects in free space, which begin anew.
+    // While a tool or an object is held, the method has no output, but effects in free space may act: they begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
-    // Whether effects act is known only in the first step, as here the hand does not move.
+    // The first step tells whether effects act; this step cannot, because the hand does not move in it.
     if (was_held || output_.contact || fade_.is_active() || settled.contact || touch_->has_effects()) fade_.begin();
-    // A session that begins before the next sample goes on from there, and another object that leaves takes nothing away.
+    // This contact is kept if a new session begins, or another object is moved, before the next sample.
     if (put_down && tool_ == nullptr) output_ = settled;
   }
   return touch;

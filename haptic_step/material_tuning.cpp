@@ -35,7 +35,7 @@ void apply(const MaterialChange& change, Material& material) {
   }
 }
 
-// The later one wins.
+// The values of the later change replace earlier ones.
 void merge(const MaterialChange& later, MaterialChange& into) {
   for (const Number& number : kNumbers) {
     if ((later.given & number.bit) != 0) into.*number.from = later.*number.from;
@@ -43,7 +43,7 @@ void merge(const MaterialChange& later, MaterialChange& into) {
   into.given |= later.given;
 }
 
-// What is not given is zero.
+// A value that is not given is zero.
 void remove(std::uint32_t bits, MaterialChange& from) {
   for (const Number& number : kNumbers) {
     if ((bits & number.bit) != 0) from.*number.from = 0.0;
@@ -53,7 +53,7 @@ void remove(std::uint32_t bits, MaterialChange& from) {
 
 std::span<MaterialState::Object> objects_of(MaterialState& state) { return std::span(state.objects).first(state.object_count); }
 
-// False: there is no room for one more.
+// False: there is no room for another object.
 bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange& change) {
   const auto end = state.objects.begin() + state.object_count;
   const auto at = std::lower_bound(state.objects.begin(), end, object,
@@ -68,7 +68,7 @@ bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange&
   return true;
 }
 
-// A change of all objects replaces what was said of each.
+// A change of all objects replaces the changes of single objects: removes these values from them.
 void forget_each(MaterialState& state, std::uint32_t bits) {
   for (MaterialState::Object& one : objects_of(state)) remove(bits, one.change);
   const auto known = objects_of(state);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kToolName = "name=tool";
 
-// Every setting but the name, for both directions.
+// Visits every setting except the name, for writing and for reading.
 template <class S, class Visit>
 void for_each_setting(S& s, Visit&& visit) {
   visit("grid_division", s.grid_division);
@@ -38,7 +38,7 @@ std::string write(double value) { return fmt::format("{}", value); }
 std::string write(int value) { return fmt::format("{}", value); }
 std::string write(bool value) { return value ? "1" : "0"; }
 
-// "NAME=VALUE"; no value without '='.
+// Splits "NAME=VALUE"; without '=' the value is empty.
 std::pair<std::string, std::string> split(const std::string& word) {
   const std::size_t sign = word.find('=');
   return {word.substr(0, sign), sign == std::string::npos ? "" : word.substr(sign + 1)};

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// Without heap; what is too long is cut.
+// Formats without heap; a text that is too long is cut off.
 template <class... Args>
 void say(HapticsSetup::Text& into, fmt::format_string<Args...> text, Args&&... args) noexcept {
   std::array<char, std::tuple_size_v<HapticsSetup::Text> - 1> line;
@@ -64,7 +64,7 @@ void ObjectMover::request(const MoveRequest& request) noexcept {
   const auto same = std::find_if(waiting_.begin(), end, [&](const Waiting& one) { return one.object == fresh.object; });
   if (same != end) {
     if (same->request.request == request.request) return;
-    // A repetition of what was carried out must not displace what is new.
+    // A repeated request that was already carried out must not replace a newer one.
     if (recall(request.request) == nullptr) {
       remember_overtaken(*same);
       *same = fresh;
@@ -78,7 +78,7 @@ void ObjectMover::request(const MoveRequest& request) noexcept {
   waiting_[waiting_count_++] = fresh;
 }
 
-// Not too soon after the one before, where that has not begun.
+// Whether enough time has passed since the start of the last move, if that move has not begun (kMaxAhead).
 bool ObjectMover::may_begin(const Waiting& waiting, std::int64_t start_ns) const noexcept {
   const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
   return own == moves_.end() || own->serial == 0 || start_ns < own->start_ns || start_ns - own->start_ns >= lead_ns_ / kMaxAhead;

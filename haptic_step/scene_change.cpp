@@ -46,7 +46,7 @@ SceneChange compare_scenes(const Scene& before, const Scene& after) {
     has_same_names = has_same_names && a.name == b.name && a.material_name == b.material_name;
     recoloured.objects[o].material = a.material;
   }
-  // With the same materials, what is left of the hash is the effects.
+  // Shapes and materials are the same here, so only effects can make the hashes differ.
   if (hash_scene(before.touch_scene()) != hash_scene(recoloured)) return SceneChange::effects;
   if (!has_same_names) return has_same_materials ? SceneChange::names : SceneChange::effects;
   return has_same_materials ? SceneChange::none : SceneChange::materials;

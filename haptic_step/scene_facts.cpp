@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Clamped to the limit of the message; whatever lies there is out of reach anyway.
+// Clamps to the limit of the message; a point beyond it is out of reach anyway.
 SceneFacts::Point to_point(const Vec3& p) {
   constexpr double kFarthestM = 1e8;
   const Eigen::Vector3f near = p.cwiseMax(-kFarthestM).cwiseMin(kFarthestM).cast<float>();

@@ -51,7 +51,7 @@ std::optional<Carves> CarveSender::take_due(std::int64_t now_ns) noexcept {
   return was_fresh_ ? take_fresh(now_ns) : take_requested();
 }
 
-// The serial from which on the newest ones fit into a datagram.
+// The serial of the first of the newest entries that fit into one datagram.
 std::uint32_t CarveSender::find_tail() const noexcept {
   constexpr auto kMaxHere = static_cast<std::uint32_t>(Carves::kMax);
   return newest() > kMaxHere ? newest() - kMaxHere + 1 : 1;
@@ -74,7 +74,7 @@ Carves CarveSender::take_requested() noexcept {
 
 Carves CarveSender::announce() const noexcept { return {.source = source_, .newest = newest()}; }
 
-// As many as fit.
+// Returns the entries from first to last, or as many of them as fit.
 Carves CarveSender::gather(std::uint32_t first, std::uint32_t last) const noexcept {
   Carves carves = announce();
   carves.first = first;

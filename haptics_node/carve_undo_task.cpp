@@ -37,7 +37,7 @@ void CarveUndoTask::note(const MadeCarve& made) noexcept {
 std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
   if (stage_.load(std::memory_order_acquire) != Stage::ready) return std::nullopt;
   const std::uint32_t newest = step.touch().count_carves();
-  if (newest < synced_) {  // other bodies
+  if (newest < synced_) {  // the bodies were replaced
     has_lost_ = true;
     stage_.store(Stage::idle, std::memory_order_release);
     return std::nullopt;
@@ -49,7 +49,7 @@ std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
   for (std::uint32_t serial = synced_ + 1; serial <= newest; ++serial) carve(last_[serial % kMaxMissing]);
   const CarveRange undone = undone_;
   const bool is_done = newest < Sculpture::kMaxCarves && step.restore_carves(copy_, newest + 1);
-  if (!is_done) has_lost_ = true;  // other bodies, or no serial is left
+  if (!is_done) has_lost_ = true;  // the bodies were replaced, or no serial is left
   stage_.store(is_done ? Stage::taken : Stage::idle, std::memory_order_release);
   if (!is_done) return std::nullopt;
   return MadeCarve{.serial = newest + 1, .undone = undone};
@@ -65,12 +65,12 @@ void CarveUndoTask::run() {
   std::uint32_t pending = 0;
   while (!stop_) {
     const Stage stage = stage_.load(std::memory_order_acquire);
-    if (stage == Stage::taken) put_back(undone_);  // in what was in use until now
+    if (stage == Stage::taken) put_back(undone_);  // in the copy that was in use until now
     if (stage != Stage::ready) {
-      // First: what was carved before a request came is then in the list.
+      // Takes the request first: then the list has all that was carved before the request came.
       if (requests_.take()) pending = requests_.value();
       catch_up();
-      // What did not come into use, because carves were made meanwhile, is in the copy still.
+      // An undo that did not come into use, because carves were made meanwhile, is still in the copy.
       const bool is_again = stage == Stage::behind;
       const bool is_ready = is_again || (pending != 0 && begin_undo(pending));
       if (!is_again) pending = 0;
@@ -80,7 +80,7 @@ void CarveUndoTask::run() {
   }
 }
 
-// A carve whose undo is in the list already is left out: the copy is to be without it.
+// A carve whose undo is already in the list is not carved into the copy: the copy must not have it.
 void CarveUndoTask::catch_up() {
   MadeCarve made;
   while (noted_->pop(made)) {
@@ -98,7 +98,7 @@ bool CarveUndoTask::begin_undo(std::uint32_t serial) {
   if (!list_.is_active(serial)) return false;
   const CarveRange press = list_.find_press(serial);
   if (press.is_empty()) return false;
-  // Its entry comes when it is in use; the copy is without these carves from here on.
+  // The copy is without these carves from here on; the entry of this undo follows once the copy is in use.
   undone_ = press;
   put_back(press);
   return true;

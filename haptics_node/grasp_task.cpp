@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-// Between two checks for a request or a sample, as ToolTask has it.
+// The time between two checks for a request or a sample, the same as in ToolTask.
 constexpr auto kPause = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
 constexpr double kNoticedS = 0.2;
@@ -89,9 +89,9 @@ bool GraspTask::map_next() {
   return false;
 }
 
-// Before it sends a request, the step releases the tool.
+// The step has released the tool before it sends a request, so the tool can be freed.
 void GraspTask::carry_out(const GraspRequest& request) {
-  // A newer request may have taken the place of a pick_up that was never seen.
+  // A newer request may have replaced a pick_up that this task never saw.
   const bool was_replaced = request.serial != last_request_ + 1;
   last_request_ = request.serial;
   if (request.kind == GraspRequest::Kind::cancel_pick_up && (tool_ != nullptr || was_replaced)) {
@@ -140,7 +140,7 @@ void GraspTask::pick_up(const GraspRequest& request) {
   }
 }
 
-// All that does not move stays as it was built, and is shared by the method of the scene with the object where it is now.
+// Objects that were not moved stay as they were built; the method of the new scene shares them.
 void GraspTask::put_down(const GraspRequest& request) {
   const auto number = static_cast<std::size_t>(request.object);
   SceneObject& object = scene_.objects[number];

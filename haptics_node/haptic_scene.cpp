@@ -29,7 +29,7 @@ void HapticScene::follow(const TouchScene& scene) {
 void HapticScene::place(const TouchScene& scene, std::uint32_t revision) {
   const std::scoped_lock lock(mutex_);
   note(scene);
-  // Parts need meshes and materials only, and their hash takes too long here.
+  // PatchSender needs meshes and materials only. Their hash is left out (0), because computing it here takes too long.
   TouchScene meshes = scene_;
   meshes.built.reset();
   meshes.mapped.clear();

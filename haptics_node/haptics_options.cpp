@@ -114,7 +114,7 @@ void add_probe_options(CLI::App& app, HapticsOptions& options) {
       ->default_str("true");
 }
 
-// A rigid tool, also one that is picked up.
+// Options of a rigid tool, also of an object that is picked up.
 void add_tool_options(CLI::App& app, HapticsOptions& options, HapticsWords& words) {
   const auto tool =
       app.add_option("--tool", options.tool.file,

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// The least winding number inside a body. It is a whole number for a closed body; small holes reduce it slightly.
+// The smallest winding number that counts as inside a body. It is whole for a closed body; small holes reduce it slightly.
 constexpr double kMinWinding = 0.9;
 constexpr auto kInsideCheckPeriod = std::chrono::milliseconds(50);
 constexpr int kLooksBetween = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
@@ -53,7 +53,7 @@ void InsideBodyWarning::run() {
 void InsideBodyWarning::check(const Hand& hand) {
   const bool is_start = std::exchange(checked_start_, hand.start) != hand.start;
   const bool was_inside = is_inside();
-  if (!is_start && !was_inside) return;  // since then no hand gets inside without contact
+  if (!is_start && !was_inside) return;  // after the start no hand gets inside without contact
   Enclosure enclosure;
   {
     const std::scoped_lock lock(mutex_);

@@ -56,14 +56,14 @@ int give_up(const Error& error) {
 void notify_hub(const HapticsOptions& options, const Address& hub, const RoleKey& key, const Clock& clock, const SceneFacts& facts,
                 std::int64_t began_ns, DoneSignal& done) {
   const auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(hub) : options.bind);
-  if (!endpoint) return;  // reported where it is needed
+  if (!endpoint) return;  // run() opens one too, and reports the error
   (void)(*endpoint)->accept_only(hub);
   SealedClient sealed(**endpoint, clock, key, hub);
   HubClient client(sealed, clock, NodeRole::haptics, hub);
   notify_preparation(client, clock, facts, began_ns, done);
 }
 
-// Those of the command line, then those of the scene.
+// Called for the effects of the command line, then for those of the scene.
 Result<void> load_effects(const std::vector<PluginChoice>& choices, PluginEffects& effects) {
   for (const PluginChoice& choice : choices) {
     if (const auto added = effects.add(choice); !added) return added;
@@ -72,7 +72,7 @@ Result<void> load_effects(const std::vector<PluginChoice>& choices, PluginEffect
   return {};
 }
 
-// By the name of the settings: one of ours, or that of the file.
+// Makes the method that the settings name: a built-in one, or that of the shared library.
 Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, MethodSettings& settings, const TouchScene& scene,
                                               const Clock& clock) {
   if (!is_plugin_method(settings.name)) return make_built_in(settings, scene);
@@ -86,7 +86,7 @@ Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, Met
   return std::move(*made);
 }
 
-// Why it has not joined in all its time.
+// Explains why the node has never joined the hub.
 Error explain_no_hub(JoinState state, const Address& hub, double seconds) {
   if (state == JoinState::rejected) {
     return {fmt::format("the hub at {} had another haptics node for all of {} s; end that one, or give this one more --seconds to wait",
@@ -96,7 +96,7 @@ Error explain_no_hub(JoinState state, const Address& hub, double seconds) {
                       to_string(hub), seconds)};
 }
 
-// What the node starts with: the scene as its file has it, and as it was left with `annotations`.
+// What the node starts with: the scene as loaded from its file, and with the changes saved in the annotations file.
 struct StartScene {
   std::filesystem::path path;
   Scene loaded;
@@ -150,14 +150,14 @@ void set_up_grasp(const HapticsOptions& options, const StartScene& start, bool h
   if (obstacles.leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
 }
 
-// What carving and programs change of the objects.
+// What carries out changes to objects, by carving and by programs.
 struct ObjectChanges {
   ObjectChanges(const Scene& scene, const HapticsStep& step, std::uint32_t source)
       : mover(scene, source), shaper(scene, step.touch(), source) {}
 
   ObjectMover mover;
   ObjectShaper shaper;
-  std::optional<CarveSender> carve_sender;  // these two: of a scene whose objects can be carved
+  std::optional<CarveSender> carve_sender;  // this and the next: only if objects of the scene can be carved
   std::optional<CarveUndoTask> carve_undo;
 };
 
@@ -174,7 +174,7 @@ void restore_carves(const HapticsOptions& options, const std::vector<CarvedPress
   changes.carve_undo.emplace(before, made);
 }
 
-// Before the loop runs.
+// Pre: the loop is not running yet.
 void use_changes(ObjectChanges& changes, ReplyLoop& loop) {
   loop.set_object_mover(&changes.mover);
   if (changes.shaper.has_objects()) {
@@ -188,7 +188,7 @@ void use_changes(ObjectChanges& changes, ReplyLoop& loop) {
   }
 }
 
-// The rigid tool in place of the method, if there is one.
+// If there is a rigid tool, it is felt in place of the method's probe.
 void use_tool(const LiveTool& tool, const TouchScene& scene, HapticsStep& step, HapticsSetup& setup, std::optional<ToolTask>& task) {
   if (!tool) return;
   step.hold(tool.felt.get(), make_tool_obstacles(scene).parts);
@@ -196,7 +196,7 @@ void use_tool(const LiveTool& tool, const TouchScene& scene, HapticsStep& step, 
   if (tool.followed != nullptr) task.emplace(*tool.followed);
 }
 
-// Of the tool, of the probe, or of either where the probe picks up objects.
+// The largest gains of the tool; without a tool those of the probe, or of probe and picked-up objects if objects can be picked up.
 LargestGains find_felt_gains(const LiveTool& tool, bool picks_up, const TouchScene& scene) {
   if (tool) return find_gains(tool, scene);
   return picks_up ? find_largest_gains(scene).largest_of(find_tool_gains(scene)) : find_largest_gains(scene);
@@ -235,7 +235,7 @@ void print_shapes(const ObjectShaper& shaper) {
              counts.incomplete, counts.rejected);
 }
 
-// Ends the slow tasks as well, whose times are complete then.
+// Ends the slow tasks first, so that their times are complete.
 void stop_and_print(std::optional<ToolTask>& tool_task, const LiveTool& tool, std::optional<GraspTask>& grasp_task) {
   if (tool_task) {
     tool_task->stop();
@@ -282,7 +282,7 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
   HapticsSetup setup = make_haptics_setup(node.start.path, options.loading, hash_scene(scene.touch_scene()), node.settings);
   std::optional<ToolTask> tool_task;
   use_tool(tool, scene.touch_scene(), step, setup, tool_task);
-  // Before the loop, which reads it.
+  // Made before the loop, which uses them.
   GraspLink grasp_link;
   std::optional<Grasp> grasp;
   set_up_grasp(options, node.start, tool.felt != nullptr, grasp_link, step, grasp);
@@ -330,7 +330,7 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
 }
 
 int run(const HapticsOptions& options) {
-  const StopSignal stop;  // first, so that a signal ends the program in order at any point
+  const StopSignal stop;  // first, so that a signal ends the program properly at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
@@ -347,12 +347,12 @@ int run(const HapticsOptions& options) {
       build_and_notify([&] { return make(settings, start->placed.touch_scene()); },
                        [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
-  if (!start->placed.tool) log_method(**method);  // nobody touches with it otherwise
+  if (!start->placed.tool) log_method(**method);  // with a tool, the method is not felt
   const auto tool = make_live_tool(options, start->placed);
   if (!tool) return give_up(tool.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
-  // So that a flood at this node's port does not take its time. If this fails, each datagram costs one check.
+  // Other senders are dropped early, so that a flood at this port costs no time. If this fails, each datagram costs one check.
   (void)(*endpoint)->accept_only(*hub);
 
   SealedClient::Options sealing;

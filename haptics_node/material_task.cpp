@@ -28,7 +28,7 @@ MaterialTask::~MaterialTask() {
 }
 
 std::unique_ptr<TunedMaterials> MaterialTask::take() noexcept {
-  // There is one slot for what is retired: nothing new is handed out before it is empty.
+  // There is one slot for a retired result: no new result is handed out before the slot is empty.
   if (result_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_acquire) != nullptr) return nullptr;
   return std::unique_ptr<TunedMaterials>(result_.exchange(nullptr, std::memory_order_acq_rel));
 }
@@ -38,7 +38,7 @@ void MaterialTask::run() {
   constexpr auto kPeriod = std::chrono::milliseconds(10);
   while (!stop_.load()) {
     free_retired();
-    // No result replaces another: an accepted change would be lost.
+    // A result must not replace one that was not taken: an accepted change would be lost.
     if (result_.load(std::memory_order_acquire) == nullptr && !follow_file() && requests_.take()) tune(requests_.value());
     std::this_thread::sleep_for(kPeriod);
   }
@@ -104,9 +104,9 @@ void MaterialTask::publish(std::unique_ptr<TunedMaterials> result) {
     if (!followed_scene_) accepted_ = result->state;  // else they are of a scene that is no longer in use
   }
   const std::vector<Material> materials = result->materials;
-  result_.store(result.release(), std::memory_order_release);  // first: who needs to know of them may take a while
+  result_.store(result.release(), std::memory_order_release);  // before on_tuned_, which may take a while
   if (materials.empty() || !on_tuned_) return;
-  // Under the lock: who uses another scene calls follow() first, so that it gets no materials of the one before after that.
+  // Called under the lock: after follow() has returned for another scene, on_tuned_ gets no materials of the scene before.
   const std::scoped_lock lock(followed_mutex_);
   if (!followed_scene_) on_tuned_(materials);
 }

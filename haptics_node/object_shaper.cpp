@@ -12,14 +12,14 @@
 namespace hapton {
 namespace {
 
-// What knows shapes by messages alone has as many places.
+// Programs that know shapes from messages only have room for at least as many.
 static_assert(ProgramShape::kMaxObjects <= ShapePart::kMaxObjects);
 static_assert(ProgramShape::kMaxVertices <= ShapePart::kMaxVertices);
 
-// Between two polls for shapes: a small part of the time between two of them.
+// The time between two polls for shapes: a small part of the time between two shapes.
 constexpr std::chrono::milliseconds kShapePollPeriod(2);
-constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // since a part was requested again
-constexpr std::int64_t kMaxAtOnce = 4;                         // parts, after a pause, where they are paced
+constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // parts count as getting lost for this time after one was requested again
+constexpr std::int64_t kMaxAtOnce = 4;                         // paced parts that may be sent at once after a pause
 
 }  // namespace
 
@@ -79,7 +79,7 @@ ObjectShaper::Object* ObjectShaper::find(const ShapeRequest& part) noexcept {
   return found != objects_.end() ? found->get() : nullptr;
 }
 
-// Of an object that find() does not find.
+// Why find() finds no object for this part.
 std::string_view ObjectShaper::explain(const ShapeRequest& part) const noexcept {
   const std::string_view name = text_of(part.object);
   const bool is_number = name.empty() && static_cast<std::size_t>(part.number) < names_.size();
@@ -105,7 +105,7 @@ void ObjectShaper::reject(const ShapeRequest& part, std::int32_t object, std::st
 
 void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcept {
   Object* object = find(part);
-  // A flood of them is only counted.
+  // A flood of such parts is only counted: while no reply is due, the reason is not determined.
   if (object == nullptr) return reject(part, 0, now_ns < next_rejection_ns_ ? std::string_view() : explain(part), now_ns);
   const std::int32_t number = object->start.object;
   if (part.part.total != object->parts.total()) {
@@ -136,7 +136,7 @@ void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcep
   leave_out_before(*object);
 }
 
-// The one before may still become whole: parts overtake one another.
+// The shape before may still become complete, because parts may overtake one another.
 void ObjectShaper::begin_shape(Object& object, std::uint32_t shape) noexcept {
   leave_out_before(object);
   if (!object.is_given) {
@@ -149,7 +149,7 @@ void ObjectShaper::begin_shape(Object& object, std::uint32_t shape) noexcept {
 }
 
 void ObjectShaper::add_overtaken(Object& object, const ShapeRequest& part) noexcept {
-  if (object.parts_before.is_empty() || part.shape != object.shape_before) return;  // left out, or given
+  if (object.parts_before.is_empty() || part.shape != object.shape_before) return;  // that shape was left out, or is complete
   object.parts_before.add(part.part);
   if (!object.parts_before.is_whole()) return;
   give(object, part, object.parts_before);
@@ -181,7 +181,7 @@ void ObjectShaper::accept(const ShapeStatus& status, std::int64_t now_ns) noexce
   }
 }
 
-// A part that the hub has requested. Of a shape that is not kept any more: left out.
+// A part that the hub has requested again. Requests for shapes that are no longer kept are dropped.
 std::optional<Message> ObjectShaper::take_again(std::int64_t now_ns) noexcept {
   for (; again_begin_ != again_end_; ++again_begin_) {
     Again& again = again_[again_begin_ % kMaxAgain];
@@ -203,7 +203,7 @@ void ObjectShaper::take_rejection(Object& object) noexcept {
   push_reply(object.reply);
 }
 
-// That the hub gets to make a shape ready.
+// The time that the hub gets to make a shape ready.
 std::int64_t ObjectShaper::find_stage_ns(const Object& object) const noexcept {
   if (pace_.lead_ns == 0) return 0;
   return std::clamp(2 * pace_.stage_ns_per_vertex, kMinStageNsPerVertex, kMaxStageNsPerVertex) * object.start.total;
@@ -214,8 +214,8 @@ std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
   return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + find_stage_ns(object);
 }
 
-// So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent, and to
-// be made ready by a hub that spends half of its time on shapes at most.
+// The shortest time of a motion, so that the surface does not stop between two: the limit of waiting motions must suffice for the lead,
+// each shape takes time to be sent, and to be made ready by a hub that spends at most half of its time on shapes.
 double ObjectShaper::find_least_s(const Object& object) const noexcept {
   const std::int64_t of_queue_ns = find_lead_ns(object) / static_cast<std::int64_t>(StreamedMethod::kMaxWaiting - 1);
   const std::int64_t of_parts_ns = ShapePart::count_parts(object.start.total) * pace_.part_ns;
@@ -285,7 +285,7 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
     begin_sending(object, step.scene_time_ns());
   }
   const bool is_whole = sending_ == nullptr || sending_->sent_to >= sending_->start.total;
-  // So few wait that this one can, too.
+  // All parts are sent, and few enough motions wait that this one can wait, too.
   if (sending_ != nullptr && is_whole && has_room(*sending_)) return begin_motion(*sending_, step);
   if (now_ns < next_part_ns_) return std::nullopt;
   if (auto again = take_again(now_ns)) return again;

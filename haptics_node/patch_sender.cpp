@@ -20,16 +20,16 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kWantedNs = kNanosecondsPerSecond;  // after the last status that says so
-// Polls: a call that wakes it would be a system call in the loop that replies.
+constexpr std::int64_t kWantedNs = kNanosecondsPerSecond;  // parts count as wanted for this time after the last status that requests them
+// The thread polls: waking it would be a system call in the loop that replies.
 constexpr auto kIdleSenderPollPeriod = std::chrono::milliseconds(50);
 constexpr auto kSenderPollPeriod = std::chrono::milliseconds(4);
-// The scene time of this node is that of the hub's newest sample here: up to 50 ms old, as the hub sends 20 a second, and half a round
-// trip. A move takes another half; the rest is for jitter, and where the round trip is short for sending it again.
+// The scene time of this node is that of the hub's newest sample here. It is up to 50 ms old, as the hub sends 20 samples a second, plus
+// half a round trip. A move takes another half. The rest is for jitter and, if the round trip is short, for sending the move again.
 constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
 constexpr double kLeadTrips = 1.25;
 constexpr double kMaxLeadTripS = 2.0;  // a longer round trip counts as this
-constexpr double kVelocityS = 0.1;     // over which the hand's velocity is a mean
+constexpr double kVelocityS = 0.1;     // time constant of the mean of the hand's velocity
 constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
 const char* find_scene_obstacle(const TouchScene& scene) {
@@ -40,7 +40,7 @@ const char* find_scene_obstacle(const TouchScene& scene) {
   if (triangles > PatchStore::kMaxTiles * PatchTile::kMaxTriangles) return kTooLarge;
   if (!scene.has_motion()) return "";
   const std::vector<MotionGroup> groups = group_by_motion(scene);
-  // What stands still is a body as well, whether there is any or not.
+  // The objects that stand still are one body as well, even if there are none.
   const auto moving = std::count_if(groups.begin(), groups.end(), [](const MotionGroup& group) { return group.moves(); });
   if (static_cast<std::size_t>(moving) >= PatchBody::kMaxBodies) return "more than 31 objects of the scene move";
   const auto has_many_weights = [](const TouchObject& object) {
@@ -79,7 +79,7 @@ std::vector<Material> materials_of(const TouchScene& scene) {
 
 }  // namespace
 
-// Smooth normals are not among the parts yet.
+// Force shading needs smooth normals, which the parts do not have yet.
 bool PatchSender::can_offer(std::string_view method_text) noexcept {
   method_text = method_text.substr(0, method_text.find('\0'));
   if (method_text.find(" effects=") != std::string_view::npos) return false;
@@ -106,7 +106,7 @@ void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns, std::ui
   hub_ = session;
   hub_wants_ = status.is_wanted;
   is_numbered_ = status.request != 0;
-  // No part has been sent since that epoch was made, if parts are withdrawn as they were then.
+  // If nothing was withdrawn or offered since the epoch without parts was made, no part was sent after it.
   const std::uint64_t empty = empty_.load(std::memory_order_acquire);
   const bool is_present = static_cast<std::uint32_t>(empty >> 32) == withdrawals_.load(std::memory_order_relaxed);
   if (is_present && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
@@ -177,8 +177,8 @@ void PatchSender::run() {
       hub_knows_effects_ = status.knows_effects;
       if (source_) source_->accept(status);
     }
-    // After the status: what is withdrawn when the hub requests parts stays so. Before the scene: what is offered again is the one that was
-    // set before.
+    // Read after the status: what was withdrawn before the hub requested parts stays withdrawn. Read before the scene: if parts are offered
+    // again, this thread sees the scene that was set before.
     const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_acquire);
     follow_scene();
     follow_moves();
@@ -187,19 +187,19 @@ void PatchSender::run() {
     if (is_busy) {
       follow_method(withdrawals);
       if (hands_.take()) follow_hand(hands_.value());
-      // To make parts takes time.
+      // The time now: making parts took time.
       if (fill(clock.now_ns(), withdrawals) || has_status) counts_.publish(source_->counts());
     }
     std::this_thread::sleep_for(is_busy ? kSenderPollPeriod : kIdleSenderPollPeriod);
   }
 }
 
-// The hub may have parts although it has not been heard of for long.
+// Parts are withdrawn even if no status has arrived for long: the hub may still have them.
 bool PatchSender::must_withdraw(std::uint32_t withdrawals) const noexcept {
   return withdrawals % 2 == 1 && wants_ && source_ && (source_withdrawals_ != withdrawals || source_->counts().held == 0);
 }
 
-// What was said of the materials of the scene before means nothing for these.
+// Materials that were set for the scene before do not apply to this one.
 void PatchSender::set_scene(TouchScene scene, std::uint64_t scene_hash, std::uint32_t revision) {
   const std::scoped_lock lock(scene_mutex_);
   scene_obstacle_.store(find_scene_obstacle(scene), std::memory_order_release);
@@ -213,7 +213,7 @@ void PatchSender::set_materials(const std::vector<Material>& materials) {
   materials_ = materials;
 }
 
-// Both at once: to free the scene of before takes time, in which the next one may come, with materials of its own.
+// Takes both at once: freeing the old scene takes time, in which another scene may be set, with materials of its own.
 void PatchSender::follow_scene() {
   std::optional<std::pair<TouchScene, std::uint64_t>> next;
   std::vector<Material> materials;
@@ -232,7 +232,7 @@ void PatchSender::follow_scene() {
   if (!materials.empty()) follow_materials(materials);
 }
 
-// A tile has the material that its object had when it was made; others are sent beside it.
+// A tile has the material that its object had when it was made; changed materials are sent separately.
 void PatchSender::follow_materials(const std::vector<Material>& materials) {
   for (std::size_t o = 0; o < std::min(materials.size(), scene_.objects.size()); ++o) {
     scene_.objects[o].material = with_numbers_of(scene_.objects[o].material, materials[o]);
@@ -254,7 +254,7 @@ void PatchSender::follow_shapes() {
   }
 }
 
-// The moves that are known, of the bodies of the present parts.
+// Begins the known moves of the bodies of the present parts.
 void PatchSender::begin_moves() {
   for (const ObjectMove& move : moves_.value().table.moves()) {
     for (std::size_t b = 1; tiles_ && b < commanded_.size(); ++b) {
@@ -291,7 +291,7 @@ bool PatchSender::make_parts() {
   return true;
 }
 
-// With a method that parts of the scene do not serve, and while they are withdrawn, the hub gets an epoch without any.
+// If the method cannot be computed from parts, and while parts are withdrawn, the hub gets an epoch without parts.
 void PatchSender::follow_method(std::uint32_t withdrawals) {
   bool offers = withdrawals % 2 == 0 && is_offered() && (tiles_ || make_parts());
   if (offers && !tiles_->effects.empty() && !hub_knows_effects_) {

@@ -32,7 +32,7 @@ void move_object(const Pose& X, const SceneObject& as_loaded, SceneObject& objec
 
 namespace {
 
-// Nothing where there is no such file yet.
+// Empty if the file does not exist yet.
 Result<AnnotationsRead> read_saved(const std::filesystem::path& file, const Scene& scene) {
   if (file.empty() || !std::filesystem::exists(file)) return AnnotationsRead();
   std::vector<std::string> names;
@@ -95,7 +95,7 @@ Scene place_objects(const Scene& scene, const std::vector<PutDown>& put_down) {
   Scene placed = scene;
   for (const PutDown& each : put_down) {
     const auto number = static_cast<std::size_t>(each.object);
-    // Of the scene as it was loaded: a file may name an object twice.
+    // Moves the object from its place in the scene file, because the annotations may name an object twice.
     move_object(each.pose(), scene.objects[number], placed.objects[number]);
   }
   return placed;

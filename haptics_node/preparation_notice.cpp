@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kNotifyEveryNs = 200 * kNanosecondsPerMillisecond;  // often enough to show progress
-constexpr std::int64_t kPollNs = 20 * kNanosecondsPerMillisecond;          // so soon it notices that the preparation is over
+constexpr std::int64_t kPollNs = 20 * kNanosecondsPerMillisecond;          // the end of the preparation is noticed within this time
 
 }  // namespace
 

@@ -13,16 +13,16 @@ namespace {
 constexpr std::int64_t kIdlePollNs = 50 * kNanosecondsPerMillisecond;  // between two polls while no state comes
 constexpr std::int64_t kPatchPollNs = 4 * kNanosecondsPerMillisecond;  // the same while parts of the scene wait to be sent
 constexpr int kMaxPatches = 4;                                         // parts of the scene sent between two states
-constexpr std::int64_t kWaitedNs = 20'000;                             // longer than it takes to receive what is there
+constexpr std::int64_t kWaitedNs = 20'000;                             // a receive that takes longer has waited: the socket was empty
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
-// After a change it is sent a few times more, soon, because a datagram may be lost.
+// After a change the setup is sent a few times more at this interval, because a datagram may be lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
-constexpr std::size_t kMaxMovesAgain = 16;  // of objects, sent again with a setup
-// Between two requests of programs that are carried out: each is sent to every vision node.
+constexpr std::size_t kMaxMovesAgain = 16;  // moves of objects that are sent again with each setup
+// Between two requests of programs that are carried out: each move is sent to every vision node.
 constexpr std::int64_t kMoveEveryNs = 4 * kNanosecondsPerMillisecond;
-// A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
+// A shorter wait for the first reply is not reported. During a longer one vision nodes are notified at the interval below.
 constexpr std::int64_t kShortWaitNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
 
@@ -46,7 +46,7 @@ void ReplyLoop::set_effects(PluginEffects* effects) {
   show_plugins();
 }
 
-// In the setup, with the effects beside it.
+// Puts the method's text into the setup, followed by the text of the effects from shared libraries.
 void ReplyLoop::show_method(const HapticsSetup::Text& method) noexcept {
   setup_.method = method;
   const auto end = std::find(setup_.method.begin(), setup_.method.end(), '\0');
@@ -94,14 +94,14 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   report_patches();
 }
 
-// What came after a wait found nothing before it in the socket, and has no newer one behind it: to look would delay the reply.
+// A message that arrived after a wait is the only one in the socket: looking for a newer one would delay the reply.
 void ReplyLoop::drain(std::int64_t began_ns) noexcept {
   handle(datagram_.message);
   if (hub_.receive_time_ns() - began_ns >= kWaitedNs) return;
   while (hub_.receive(datagram_, 0)) handle(datagram_.message);
 }
 
-// Before the first reply, as another haptics process may have moved the objects: where they are now is known before it is felt.
+// Sends where objects are before the first reply after a join, because another haptics node may have moved them.
 void ReplyLoop::note_join() noexcept {
   if (std::exchange(joins_, hub_.counts().joins) == hub_.counts().joins) return;
   send_moves();
@@ -124,7 +124,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     note_join();
     arrival_ns_ = hub_.receive_time_ns();
     wait_.note(*state, arrival_ns_);
-    // Wanted parts may still be on their way, and the forces of this node be felt: then a gap is a gap.
+    // Long gaps are expected only if several states come rarely: requested parts may not have arrived yet, and this node's force be felt.
     const std::int64_t gap_ns = state->sample_time_ns - std::exchange(state_ns_, state->sample_time_ns);
     const bool come_rarely = std::min(gap_ns, std::exchange(state_gap_ns_, gap_ns)) >= kThinnedGapNs;
     step_.set_thinned(come_rarely && sends_parts(arrival_ns_) && !has_withdrawn());
@@ -141,7 +141,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     scene_shown_ = scene->given_hash;
     tool_shown_ = scene->tool_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
-    // Parts of the scene that are on their way make the round trip irrelevant.
+    // While the hub gets parts of the scene, it computes the force itself, and the round trip does not matter.
     const bool is_remote = !sends_parts(hub_.receive_time_ns()) || has_withdrawn();
     if (!overtaken && adviser_ != nullptr && is_remote) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
@@ -164,7 +164,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
   }
 }
 
-// A rigid tool, from the start or picked up, or an object that is being put down.
+// Whether the stylus holds a rigid tool, or an object is being picked up, is held or is being put down.
 bool ReplyLoop::is_holding() const noexcept { return step_.holds_tool() || (step_.grasp() != nullptr && step_.grasp()->is_busy()); }
 
 void ReplyLoop::reject_method(std::uint32_t request) noexcept {
@@ -176,8 +176,8 @@ void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   send_setup_soon();
 }
 
-// True at once except for the first reply of a session. Where a contact goes on later, what it touches is built already; a probe that
-// begins at the hand would begin there after a pause, too, and farther on.
+// False only before the first reply of a session, until the objects at the start are built. Later a contact continues on objects that are
+// built. A probe that begins at the hand needs no wait: after one it would begin there as well, only farther on.
 bool ReplyLoop::is_ready() noexcept {
   if (!builds_on_approach_ || !is_first_reply_ || step_.is_running() || step_.holds_tool()) return true;
   if (!idle_polls_before_) {
@@ -247,9 +247,9 @@ void ReplyLoop::change_method() noexcept {
   }
 }
 
-// Materials count on: what was said of the objects of the scene before means nothing for these. With an object put down they are the same
-// objects, with their materials as they were changed, but the scene has no hash until that is known (PlacedScene): that of before is
-// another scene's.
+// The serial of the materials counts on. Changes of materials in the scene before do not apply to the objects of a new one. If an object
+// was put down, the objects are the same, with their changed materials; but the hash is 0 until the new one is known (PlacedScene),
+// because the old one is that of another scene.
 void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_revision_ = scene.revision;
   if (scene.put_down == 0) {
@@ -262,7 +262,7 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   }
   step_.set_materials(is_tuned() ? tuned_->materials : scene.materials);
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
-  // What a vision node showed until now says nothing of what it shows from now on.
+  // What a vision node has shown until now does not tell whether it shows the new scene.
   scene_shown_ = scene_reported_ = 0;
 }
 
@@ -346,7 +346,7 @@ void ReplyLoop::send_setup() noexcept {
 }
 
 // After the reply, and one at a time: however many requests come, the force never waits for them. The move is announced before the first
-// reply that has it.
+// reply that uses it.
 void ReplyLoop::move_objects() {
   if (mover_ == nullptr || !mover_->has_request()) return;
   const std::int64_t now_ns = clock_.now_ns();
@@ -365,7 +365,7 @@ void ReplyLoop::move_objects() {
   report_move(done);
 }
 
-// The newest, soon, as a datagram may be lost.
+// Sends the newest move again soon, because a datagram may be lost.
 void ReplyLoop::repeat_move() noexcept {
   if (move_repeats_ == 0 || clock_.now_ns() < repeat_move_ns_) return;
   --move_repeats_;
@@ -388,7 +388,7 @@ void ReplyLoop::report_move(const ObjectMover::Done& done) {
   }
 }
 
-// As send_poses.
+// Sends some of the moves, in turn, for the same reasons as send_poses().
 void ReplyLoop::send_moves() noexcept {
   if (mover_ == nullptr || mover_->moves().empty()) return;
   const std::span<const ObjectMove> moves = mover_->moves();
@@ -434,7 +434,7 @@ void ReplyLoop::report_tool() {
   }
 }
 
-// The log has it already; for the picture, and for hapton top.
+// For the picture of vision_node and for hapton top; the log has the warning already.
 void ReplyLoop::report_inside() noexcept {
   if (inside_ == nullptr || inside_->is_inside() == scene_.is_hand_inside) return;
   scene_.is_hand_inside = !scene_.is_hand_inside;
@@ -454,7 +454,7 @@ std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is not proxy";
 }
 
-// Once for each reason, however often the round trip changes: a person must know why forces do not come from parts of the scene.
+// Logs each reason once, however often the round trip changes: a person must know why the hub computes no forces from parts.
 void ReplyLoop::report_patches() {
   if (!wants_patches_) return;
   const std::string_view why = find_patch_obstacle();
