@@ -1,7 +1,7 @@
 #include "haptics_node/reply_loop.h"
 #include "runtime/log.h"
 
-// What the stylus carves, in the loop of the haptics node.
+// The part of ReplyLoop that handles carves of the stylus.
 namespace hapton {
 
 void ReplyLoop::note_carve() noexcept {
@@ -11,12 +11,12 @@ void ReplyLoop::note_carve() noexcept {
   if (undo_ != nullptr) undo_->note(*made);
 }
 
-// One for another process names carves that are not these.
+// A request with another source is ignored: its serial is that of a carve by another haptics process.
 void ReplyLoop::request_undo(const CarveUndo& request) noexcept {
   if (undo_ != nullptr && request.source == carves_->source()) undo_->request(request.serial);
 }
 
-// Between two samples: the next one is felt with the material that came back.
+// Called between two samples, so that the force for the next one already includes the restored material.
 void ReplyLoop::undo_carves() {
   const auto undone = undo_->work(step_);
   if (!undone) return;

@@ -4,17 +4,17 @@
 
 #include "haptics_node/reply_loop.h"
 
-// What the stylus picks up, in the loop of the haptics node.
+// The part of ReplyLoop that handles objects that the stylus picks up.
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxPosesAgain = 16;  // of objects, sent again with a setup
+constexpr std::size_t kMaxPosesAgain = 16;  // poses of objects that are sent again with each setup
 
 }  // namespace
 
 // Called before each step and before anything is sent, because steps are rare while the hub computes the force. The hub's parts of the
-// scene show each object where it lies. So an object leaves its place only when the hub has dropped its parts, and the hub gets parts again
-// only of the scene in use. A hub of an earlier version gets none: it would use parts of the old place however late they come.
+// scene have each object at its place of rest. So an object may leave that place only once the hub has dropped its parts, and the hub gets
+// parts again only of the scene in use. A hub of an earlier version gets none: it would use parts with the old place, even late ones.
 void ReplyLoop::withdraw_parts() noexcept {
   Grasp* grasp = step_.grasp();
   if (patches_ == nullptr || grasp == nullptr) return;
@@ -25,8 +25,8 @@ void ReplyLoop::withdraw_parts() noexcept {
   grasp->set_may_leave(patches_->is_withdrawn(hub_.session()));
 }
 
-// Sends the pose that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have joined another
-// session before.
+// Sends the pose that changed last, and up to kMaxPosesAgain poses in turn: a datagram may be lost, and a vision node may come from another
+// session.
 void ReplyLoop::send_poses() noexcept {
   if (step_.grasp() == nullptr) return;
   const std::span<const ObjectPose> poses = step_.grasp()->poses();
@@ -43,13 +43,13 @@ void ReplyLoop::send_poses() noexcept {
   }
 }
 
-// A method may come while an object is held: it is felt once that is put down.
+// A method that is built while the stylus holds an object computes no force, and so is not shown, until the object is put down.
 void ReplyLoop::show_method_in_use() noexcept {
   const bool holds_object = step_.grasp() != nullptr && step_.holds_tool();
   show_method(holds_object ? step_.grasp()->method() : method_);
 }
 
-// An object that the stylus holds counts as another method. A pose that has changed is sent at once.
+// While the stylus holds an object, the setup names another method. A pose that has changed is sent at once.
 void ReplyLoop::report_grasp() noexcept {
   Grasp* grasp = step_.grasp();
   if (grasp == nullptr) return;

@@ -3,7 +3,7 @@
 #include "plugin/plugin_method.h"
 #include "runtime/log.h"
 
-// Effects and methods from shared libraries, in the loop of the haptics node.
+// The part of ReplyLoop that handles effects and methods from shared libraries.
 namespace hapton {
 
 bool ReplyLoop::is_method_cut_off() const noexcept {
@@ -26,7 +26,7 @@ void ReplyLoop::report_plugins() {
   send_setup_soon();
 }
 
-// In the setup, and so in recordings and reports: what depends on the time that calls took cannot be replayed.
+// The setup, and so recordings and reports, name plug-ins that were cut off: this depends on how long calls took and cannot be replayed.
 void ReplyLoop::show_plugins() {
   put_text((effects_ != nullptr ? effects_->to_text() : std::string()) + (is_method_cut_off_ ? " cut=method" : ""), effects_text_);
   show_method_in_use();

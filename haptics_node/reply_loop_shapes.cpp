@@ -1,24 +1,24 @@
 #include "haptics_node/reply_loop.h"
 #include "runtime/log.h"
 
-// What programs deform, in the loop of the haptics node.
+// The part of ReplyLoop that handles objects that programs deform.
 namespace hapton {
 namespace {
 
-constexpr int kMaxShapeMessages = 4;  // between two states, as parts of the scene
-// As a setup (kSetupAgainNs): a datagram may be lost.
+constexpr int kMaxShapeMessages = 4;  // at most so many between two device states, as for parts of the scene
+// Time until a start is sent again, as for a setup (kSetupAgainNs): a datagram may be lost.
 constexpr std::int64_t kStartAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kStartRepeats = 3;
-// Across a slow network: of an IP packet with a part of a shape, and the share of its bandwidth that shapes may take.
+// For a slow network: bits of an IP packet with one part of a shape, and the share of the bandwidth that shapes may take.
 constexpr double kPartBits = 8.0 * 920.0;
 constexpr double kShapeShare = 0.5;
-// Besides the round trip: the hub requests what is missing 25 ms after a start, and polls every 2 ms.
+// Time to send a lost part again, besides the round trip: the hub requests missing parts 25 ms after a start, and polls every 2 ms.
 constexpr std::int64_t kAgainNs = 40 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kShapeLogEveryNs = kNanosecondsPerSecond;
 
 }  // namespace
 
-// True: it was a message about shapes.
+// True: the message was about shapes.
 bool ReplyLoop::handle_shape(const Message& message) noexcept {
   if (const auto* part = std::get_if<ShapeRequest>(&message)) {
     if (shapes_ != nullptr) shapes_->accept(*part, hub_.receive_time_ns());
@@ -29,7 +29,7 @@ bool ReplyLoop::handle_shape(const Message& message) noexcept {
   return status != nullptr;
 }
 
-// After the reply, and a few at a time: however many shapes come, the force never waits for them.
+// Called after the reply, and sends a few messages at a time: however many shapes come, the force never waits for them.
 void ReplyLoop::deform_objects() {
   if (hub_.state() != JoinState::joined) return;
   const std::int64_t now_ns = clock_.now_ns();
@@ -51,7 +51,7 @@ void ReplyLoop::deform_objects() {
     start_repeats_ = kStartRepeats;
     repeat_start_ns_ = now_ns + kStartAgainNs;
   }
-  // The newest, as a datagram may be lost.
+  // The newest start is sent again, because its datagram may have been lost.
   if (start_repeats_ == 0 || now_ns < repeat_start_ns_) return;
   --start_repeats_;
   repeat_start_ns_ += kStartAgainNs;
@@ -63,7 +63,7 @@ void ReplyLoop::send_shape_starts() noexcept {
   for (std::size_t n = 0; n < shapes_->count(); ++n) hub_.send(shapes_->newest(n));
 }
 
-// A program that sends shapes without pause is logged once.
+// A program that sends shapes without pause is logged once; its rejected shapes are logged once a second.
 void ReplyLoop::report_shape(const ShapeReply& reply) {
   const std::int64_t now_ns = clock_.now_ns();
   if (reply.rejection[0] != '\0') {

@@ -13,7 +13,7 @@ Result<void> take_scene_probe(HapticsOptions& options) {
     return fail("--probe {}: {} is not a scene file, so it has no probes: leave --probe out", options.probe, path.string());
   }
   const auto layout = read_layout(path);
-  if (!layout) return {};  // load_scene rejects it as well
+  if (!layout) return {};  // load_scene rejects this file too, and says why
   const auto probe = find_probe(layout->probes, options.probe);
   if (!probe) return fail("--probe: {}: {}", path.string(), probe.error().what);
   if (*probe == nullptr) return {};

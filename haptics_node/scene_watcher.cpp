@@ -16,7 +16,7 @@ bool moves_alike(const CommandedObject* one, const CommandedObject* other) {
   return one == nullptr || other == nullptr ? one == other : *one == *other;
 }
 
-// What programs move stays where it is now, so it must be the same objects, with the same numbers.
+// Objects that programs move stay where they are now, so the new scene must have the same objects, with the same numbers.
 bool has_same_commanded(const Scene& before, const Scene& after) {
   const auto commands = [](const Scene& scene) { return scene.touch_scene().has_commanded(); };
   if (!commands(before) && !commands(after)) return true;
@@ -25,13 +25,13 @@ bool has_same_commanded(const Scene& before, const Scene& after) {
       [](const SceneObject& a, const SceneObject& b) { return a.name == b.name && moves_alike(a.commanded.get(), b.commanded.get()); });
 }
 
-// What was carved stays so, and pictures know only the scene that they began with: so it must be the same objects.
+// Carves remain, and vision nodes can show them only on the objects with which they began: so the objects must be the same.
 bool has_same_sculpt(const Scene& before, const Scene& after) {
   if (!before.touch_scene().has_sculpt() && !after.touch_scene().has_sculpt()) return true;
   return compare_scenes(before, after) != SceneChange::shape;
 }
 
-// What programs deform keeps its shape, which is one of the mesh that it began with.
+// An object that programs deform keeps its present shape, which belongs to the mesh with which it began: so the meshes must be the same.
 bool has_same_program_shapes(const Scene& before, const Scene& after) {
   const auto has_any = [](const Scene& scene) {
     return std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& one) { return one.program_shape != nullptr; });
@@ -42,8 +42,8 @@ bool has_same_program_shapes(const Scene& before, const Scene& after) {
                     [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; });
 }
 
-// What the stylus holds or picks up is prepared as it was at the start, and may lie where it was put down: so nothing but materials may
-// change. base: what changes of materials are described against.
+// A tool and movable objects were prepared at the start, and a movable object may lie where it was put down: so nothing but materials may
+// change. base: the scene against which changes of materials are described.
 bool suits_held(const Scene& base, const Scene& before, const Scene& after, bool has_tool) {
   const auto has_movable = [](const Scene& scene) { return std::ranges::any_of(scene.objects, &SceneObject::is_movable); };
   if (!has_tool && !has_movable(before) && !has_movable(after)) return true;
@@ -80,7 +80,7 @@ void SceneWatcher::start() {
 }
 
 void SceneWatcher::run() {
-  // Two polls a second: a change counts at the second poll that finds it.
+  // Two polls a second. A change is taken at the second poll that finds the file in the same state (FileWatch).
   constexpr auto kPeriod = std::chrono::milliseconds(500);
   do {
     (void)poll();
@@ -110,7 +110,7 @@ SceneWatcher::Outcome SceneWatcher::poll() {
   return may_replace(*scene) ? take(std::move(*scene)) : Outcome::rejected;
 }
 
-// Otherwise the log has the reason.
+// False: the log says why.
 bool SceneWatcher::may_replace(const Scene& scene) const {
   if (tool_of(scene) != tool_of(used_)) {
     log_warning("{}: [tool] has changed: start haptics_node again to use it; the present scene stays in use", options_.path.string());
@@ -172,7 +172,7 @@ SceneWatcher::Outcome SceneWatcher::take(Scene scene) {
 SceneWatcher::Outcome SceneWatcher::take_scene(Scene scene, SceneChange change) {
   for (const auto& note : scene.notes) log_info("{}", note);
   const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, change != SceneChange::shape);
-  // A tool that changes materials meanwhile names objects of the scene before: MaterialTask rejects that by the revision.
+  // A request for other materials that comes meanwhile is about objects of the previous scene: MaterialTask rejects it by its revision.
   if (const auto built = builder_.rebuild_for(made); !built) {
     log_warning("{}: {}; the present scene stays in use", options_.path.string(), built.error().what);
     return Outcome::rejected;

@@ -25,7 +25,7 @@ ShapeMaker::~ShapeMaker() {
 }
 
 std::unique_ptr<MadeShape> ShapeMaker::take() noexcept {
-  // There is one place for what is given back.
+  // retired_ has room for one shape, so none is taken before it is empty.
   if (made_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_acquire) != nullptr) return nullptr;
   return std::unique_ptr<MadeShape>(made_.exchange(nullptr, std::memory_order_acq_rel));
 }
@@ -57,8 +57,8 @@ bool ShapeMaker::work() {
     return true;
   }
   auto made = std::make_unique<MadeShape>(MadeShape{wanted, std::move(*stage)});
-  // Only the loop takes, and only this puts: if the one before is still there, nothing was taken since, and this one begins at the right
-  // place. Otherwise it is made again, from where that one ends.
+  // Only the loop takes a shape, and only this function offers one. If the previous offer is still there, it was not taken, and the new
+  // stage begins at the right place. Otherwise the next call makes the stage again, from where the shape that was taken ends.
   MadeShape* before = offered_;
   if (!made_.compare_exchange_strong(before, made.get(), std::memory_order_acq_rel)) {
     note_taken();

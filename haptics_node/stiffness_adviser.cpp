@@ -62,7 +62,7 @@ std::string_view where_of(StiffCause cause) {
   return "";
 }
 
-// --coupling acts on materials only.
+// True: the stiffness comes from a material, so --coupling can lower it.
 bool is_of_material(StiffCause cause) {
   return cause == StiffCause::none || cause == StiffCause::spring || cause == StiffCause::stiffness_map || cause == StiffCause::progressive;
 }
@@ -119,7 +119,7 @@ void add_turning(const LoopFacts& facts, StiffnessAdvice& advice) {
   }
 }
 
-// 0 if it has not risen.
+// The value now, or 0 if it has not risen.
 double if_risen(double before, double now) { return now > before ? now : 0.0; }
 
 }  // namespace
@@ -132,7 +132,7 @@ std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
     const double most_n = device->limits.max_force_n;
     least.pressed_n = std::max(least.pressed_n, most_n > 0.0 ? std::min(most_n, kMaxPressedN) : kMaxPressedN);
     for (const HandPreset& hand : hand_presets()) {
-      if (hand.name == "off") continue;  // the stylus without a hand
+      if (hand.name == "off") continue;  // a stylus that no hand holds
       const Recommendation advice =
           recommend_stiffness(device->model, device->limits, hand.model, facts.servo_rate_hz, static_cast<double>(facts.round_trip_s));
       if (least.by_stiffness.device.empty() || advice.stiffness_n_per_m < least.safe_n_per_m) {

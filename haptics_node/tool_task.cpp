@@ -20,10 +20,10 @@
 namespace hapton {
 namespace {
 
-// Between two checks for a new sample: little against a step of the pose, and a processor's thousandth.
+// Time between two checks for a new sample: short compared with a step of the pose, and the checks take about a thousandth of a processor.
 constexpr auto kToolPollPeriod = std::chrono::microseconds(100);
 
-// What goes with a rigid tool only, where there is none.
+// Called without a rigid tool: rejects the flags that need one.
 Result<void> check_without_tool(const HapticsOptions& options, const Scene& scene) {
   if (options.tool_voxel_m > 0.0) return fail("--tool-voxels goes with a rigid tool: --tool, or the scene's [tool]");
   if (std::ranges::any_of(scene.objects, [](const SceneObject& object) { return object.is_movable; })) return {};
@@ -32,7 +32,7 @@ Result<void> check_without_tool(const HapticsOptions& options, const Scene& scen
   return {};
 }
 
-// What a probe has, and a tool does not have, is said, not ignored.
+// Called with a rigid tool: rejects the flags of a probe, so that they are not silently ignored.
 Result<void> check_with_tool(const HapticsOptions& options) {
   if (options.is_method_given && options.method.name != MethodSettings().name) {
     return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);

@@ -11,7 +11,7 @@ namespace {
 std::optional<std::size_t> parse_place(std::string_view id) {
   std::size_t place = 0;
   const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), place);
-  // Serial numbers may be digits too; a place has one or two.
+  // Serial numbers may consist of digits too, so only a text of one or two digits is a place.
   if (error != std::errc() || end != id.data() + id.size() || id.size() > 2) return std::nullopt;
   return place;
 }

@@ -7,22 +7,22 @@
 namespace hapton::hapton_hid {
 namespace {
 
-constexpr double kPositionStepM = 1e-7;  // this and the next: units of docs/hid.md
+constexpr double kPositionStepM = 1e-7;  // this and the next three: units of docs/hid.md
 constexpr double kQuaternionSteps = 32767.0;
 constexpr double kMicro = 1e-6;
 constexpr double kMilli = 1e-3;
 constexpr std::uint8_t kTemperatureUnknown = 255;
 constexpr double kTemperatureSteps = 200.0;
-// The length of a quaternion of four rounded numbers is off by less than this.
+// Rounding of the four numbers changes the length of a quaternion by less than this.
 constexpr double kQuaternionTolerance = 0.01;
 
-// Of the status.
+// Bits of the status (docs/hid.md).
 constexpr std::uint8_t kCalibrated = 1, kOn = 2, kHeld = 4, kTripped = 8, kHot = 16, kFault = 32;
-// Of the abilities.
+// Bits of the abilities (docs/hid.md).
 constexpr std::uint8_t kOrientation = 1, kKnowsHeld = 2, kTorque = 4;
 constexpr std::uint8_t kFlagOn = 1;
 
-// Beyond these it is a mistake of the maker's, or not a device that a hand may hold.
+// A device that states limits beyond these is wrongly programmed, or is not one that a hand may hold.
 constexpr int kMinRateHz = 100;
 constexpr int kMinWatchdogMs = 5;
 constexpr int kMaxWatchdogMs = 100;

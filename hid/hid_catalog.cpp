@@ -10,7 +10,7 @@ constexpr HidCatalogEntry space_mouse(std::uint16_t vid, std::uint16_t pid, std:
   return {vid, pid, 0x01, 0x08, HidKind::space_mouse, name};
 }
 
-// 3Dconnexion's ids, first those it had as a part of Logitech, then its own: from spacenavd (dev.c) and PySpaceMouse.
+// SpaceMice of 3Dconnexion: first those with Logitech's vendor id, then those with its own; from spacenavd (dev.c) and PySpaceMouse.
 constexpr std::array kCatalog = {
     HidCatalogEntry{0, 0, kHaptonHidUsagePage, kHaptonHidUsage, HidKind::hapton_hid, "Hapton HID device"},
     HidCatalogEntry{0x1234, 0x0006, 0, 0, HidKind::wooden_haptics, "WoodenHaptics"},

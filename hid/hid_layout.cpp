@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// More bits than any report has: a descriptor that says so is broken.
+// More bits than any report has: a descriptor that states more is broken.
 constexpr std::size_t kMaxBits = std::size_t{1} << 19;
 constexpr std::size_t kMaxNested = 64;
 
@@ -42,7 +42,7 @@ struct Bits {
 
 class Reader {
  public:
-  // False: the descriptor is flawed here.
+  // False: the descriptor is malformed at this item.
   bool take(std::uint8_t item, std::uint32_t value) {
     switch (item) {
       case kUsagePage:
@@ -90,7 +90,7 @@ class Reader {
         return add(&Bits::feature);
       case kCollection:
         if (depth_++ == 0 && value == kApplication && usage_) applications_.push_back(compute_usage());
-        return depth_ <= kMaxNested;  // its usage is forgotten at its end: those of what is in it are not read
+        return depth_ <= kMaxNested;  // usages of inner items are not needed: the end of the collection clears usage_
       case kEndCollection:
         usage_.reset();
         return depth_-- > 0;
@@ -109,7 +109,7 @@ class Reader {
     return true;
   }
 
-  // A usage of four bytes carries its page with it.
+  // A usage of four bytes has its page in the upper two.
   HidLayout::Usage compute_usage() const {
     const std::uint32_t usage = *usage_;
     return {usage > 0xFFFF ? static_cast<std::uint16_t>(usage >> 16) : globals_.page, static_cast<std::uint16_t>(usage)};

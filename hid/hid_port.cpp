@@ -10,8 +10,8 @@
 namespace hapton {
 namespace {
 
-constexpr int kWaitMs = 20;                                              // the longest delay until it notices a request to stop
-constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;  // as kWaitMs, within kSearchPeriodNs
+constexpr int kWaitMs = 20;                                              // longest time until the thread notices a request to stop
+constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;  // the same while it waits for the next search
 constexpr int kMaxDrained = 256;  // four full queues: a device that sends faster than it is read must not keep the listener waiting
 
 }  // namespace
@@ -59,7 +59,7 @@ Result<void> HidPort::search() {
 }
 
 void HidPort::run() noexcept {
-  // A denial by the system has already been reported by the servo.
+  // If the system denies the settings, the servo has already reported it.
   if (realtime_) (void)enter_realtime(*realtime_);
   while (!ends_.load(std::memory_order_acquire)) {
     if (const auto transport = this->transport()) {
@@ -104,7 +104,7 @@ void HidPort::await_next_look() noexcept {
   }
 }
 
-// Once for each reason, not four times a second.
+// Logs each reason once, not at each of the four searches a second.
 void HidPort::report_failure(const Error& error) {
   if (std::exchange(reported_, error.what) != error.what) log_info("{}: searching: {}", name_, error.what);
 }

@@ -20,11 +20,11 @@
 namespace hapton {
 namespace {
 
-// What of hidapi belongs to no device (the list, opening, its last error) is one thread's at a time.
+// Locked by the one thread that uses the global state of hidapi: the list of devices, opening, and the last error.
 std::mutex hidapi_turn;
 
 constexpr std::int64_t kAccessPatienceNs = kNanosecondsPerSecond;
-constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;  // while udev grants access to a device that was plugged in
+constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;  // between two attempts, until udev has granted access
 
 HidDescription describe(const hid_device_info& info) {
   HidDescription device;
@@ -45,7 +45,7 @@ struct CloseHid {
 };
 using HidHandle = std::unique_ptr<hid_device, CloseHid>;
 
-// Two handles, because one of hidapi's is for one thread; each has a queue of its own in the kernel, and the second one's is never read.
+// Two handles, because a hidapi handle is for one thread. Each has a queue of its own in the kernel; that of `writing_` is never read.
 class HidapiTransport final : public HidTransport {
  public:
   HidapiTransport(HidDescription description, DeviceLock lock, HidHandle reading, HidHandle writing, std::function<void()> on_gone)
@@ -86,15 +86,15 @@ class HidapiTransport final : public HidTransport {
   HidHandle reading_;
   HidHandle writing_;
   std::function<void()> on_gone_;
-  bool is_gone_ = false;  // of the reading thread
+  bool is_gone_ = false;  // used by the reading thread only
 };
 
 bool is_refused(const std::string& path) {
   return ::faccessat(AT_FDCWD, path.c_str(), R_OK | W_OK, AT_EACCESS) != 0 && (errno == EACCES || errno == EPERM);
 }
 
-// hidapi 0.13 uses freed memory where a node that it could open is none of hidraw, or was unplugged at that moment. One that cannot be
-// opened is left to hidapi, which says why.
+// hidapi 0.13 uses freed memory if a node that it opens is not a hidraw node, or has just been unplugged. True also for a node that cannot
+// be opened: hidapi then says why.
 bool may_be_hidraw(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return true;

@@ -16,14 +16,14 @@ double int16_at(std::span<const std::uint8_t> report, std::size_t byte) noexcept
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(report[byte] | (report[byte + 1] << 8)));
 }
 
-// The share of the travel beyond the dead band, so that nothing jumps at its edge.
+// The deflection beyond the dead band, as a share of the travel beyond it: so nothing jumps at the edge of the dead band.
 double share(double counts) noexcept {
   const double beyond = std::max(std::abs(counts) - SpaceMouseDecoder::kDeadBand, 0.0);
   const double travel = SpaceMouseDecoder::kFullWay - SpaceMouseDecoder::kDeadBand;
   return std::copysign(std::min(beyond / travel, 1.0), counts);
 }
 
-// The device's axes are x right, y to the person, z down.
+// From the axes of the device (x right, y towards the person, z down) to x right, y up, z towards the person.
 Vec3 to_person(const double* counts) noexcept { return {share(counts[0]), -share(counts[2]), share(counts[1])}; }
 
 }  // namespace
