@@ -8,15 +8,15 @@
 namespace hapton {
 namespace {
 
-// After this many cycles in a row that were already waiting, this thread sleeps for a moment: LimitRTTIME ends a thread that never sleeps,
-// and the kernel throttles it.
+// After this many cycles in a row that were already waiting, this thread sleeps for a moment: if it never slept, LimitRTTIME would end the
+// program, and the kernel would throttle the thread.
 constexpr std::uint32_t kMaxBehind = 8;
-constexpr std::int64_t kFewestDatagrams = 32;  // of a cycle's budget, however high the rate
+constexpr std::int64_t kFewestDatagrams = 32;  // smallest budget of a cycle, however high the rate
 
 }  // namespace
 
 bool CycleSource::await(const DeviceCycle& last, double rate_hz, std::int64_t rest_ns) noexcept {
-  // In the middle of a period, when the device side has made its cycle: the two may share a CPU.
+  // The rest ends in the middle of a period, when the device side has made its cycle: the two sides may share a CPU.
   const std::int64_t rest_end_ns = last.tick_ns + rest_ns + (last.next_tick_ns - last.tick_ns) / 2;
   if (has_device_thread_ && rests(last, rest_ns) && clock_.now_ns() < rest_end_ns) {
     renew_budget(rest_ns);
@@ -35,7 +35,7 @@ void CycleSource::renew_budget(std::int64_t period_ns) noexcept {
   budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns / kNanosecondsPerMillisecond, kFewestDatagrams)));
 }
 
-// Sleeps in the socket until shortly before the tick; then the device loop spins, as no sleep ends to the microsecond.
+// Waits at the socket until shortly before the tick. Then the device loop spins, because no sleep ends with the accuracy of a microsecond.
 void CycleSource::run_device_cycle() noexcept {
   const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
   loop_.note_behind(is_behind);
@@ -56,7 +56,7 @@ bool CycleSource::await_device_thread(const DeviceCycle& last) noexcept {
     return true;
   }
   cycles_behind_ = 0;
-  // The moment at which the device side wakes too: one interrupt ends both sleeps, before the tick and not in the middle of its sample.
+  // The device side wakes at the same moment: one interrupt ends both sleeps before the tick, so none disturbs it while it takes a sample.
   const std::int64_t wake_ns = last.next_wake_ns;
   const std::int64_t now_ns = clock_.now_ns();
   receiver_.receive_until(now_ns < wake_ns ? wake_ns : now_ns + kLongestSpinNs);

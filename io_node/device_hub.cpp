@@ -56,7 +56,7 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
   return metrics;
 }
 
-// A device's own thread gets the same real-time priority. The network side's thread makes the settings of the whole process.
+// A device's own thread gets the same real-time priority. Settings of the whole process are left to the network side's thread.
 DeviceSettings device_settings(const IoOptions& options) {
   DeviceSettings settings = options.device;
   if (options.realtime.mode == RealtimeMode::off) return settings;
@@ -91,7 +91,7 @@ SessionRecorder::Options recording_of(const IoOptions& options) {
 
 void print_recording(const IoOptions& options, const SessionRecorder::Counts& counts) {
   if (!options.record.empty()) {
-    // A recording that was stopped early lacks later entries, too.
+    // A recording that was stopped early also lacks the entries that came afterwards.
     const std::string all = counts.file_entries < counts.entries ? fmt::format(" of {}", counts.entries) : "";
     print_text("recorded {}{} entries, {:.1f} MB, {} dropped: {}\n", counts.file_entries, all,
                1e-6 * static_cast<double>(counts.file_bytes), counts.dropped, options.record);
@@ -177,7 +177,7 @@ struct DeviceHub::Parts {
 
   const IoOptions options;
   VrpnOutput vrpn_output;
-  HeartbeatMemory heartbeat;  // the device's driver uses its page until its end
+  HeartbeatMemory heartbeat;  // outlives `device`, whose driver uses its page
   std::unique_ptr<Device> device;
   std::unique_ptr<Endpoint> endpoint;
   Echo echo;

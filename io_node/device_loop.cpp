@@ -102,7 +102,7 @@ bool DeviceLoop::run_cycle() noexcept {
   if (is_ramping_down) governor_.interrupt();
   if (!has_fresh_force || is_ramping_down) hold_force();
   cut_or_restore();
-  // Before the requests: the cycle's thread may have set its wake-up for this tick already, and no tick of a higher rate may be before it.
+  // Before apply_requests(), which may raise the rate: the thread may have set its timer for this tick already, so no tick may come sooner.
   tick_ns_ += period_ns();
   apply_requests();
   cycle_.next_tick_ns = tick_ns_;
@@ -124,7 +124,7 @@ bool DeviceLoop::run_cycle() noexcept {
   return true;
 }
 
-// Cut by the cycle, another thread of this process, or the watchdog process.
+// True: the cycle, another thread of this process or the watchdog process has cut the device. A cut for a latched fault does not count.
 bool DeviceLoop::is_cut() const noexcept {
   return is_cut_by_process_.load(std::memory_order_acquire) ||
          (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load(std::memory_order_acquire) != 0);
@@ -142,7 +142,7 @@ void DeviceLoop::cut_or_restore() noexcept {
   is_cut_for_fault_ = false;
   is_cut_by_process_.store(false, std::memory_order_release);
   if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut.store(0, std::memory_order_release);
-  device_.restore();  // last: a cut meanwhile is at worst restored at the next cycle
+  device_.restore();  // last: the flag of a cut that comes meanwhile stays set, so a later cycle restores the device
 }
 
 void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
@@ -150,7 +150,7 @@ void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
   if (heartbeat_page_ != nullptr) heartbeat_page_->force_sample_ns.store(sample_ns, std::memory_order_release);
 }
 
-// Without the claim the force cannot be written; cutting the device needs no claim, because it is atomic.
+// A thread without the claim cannot write a force, but it can cut the device: that is atomic and needs no claim.
 bool DeviceLoop::cut_if_older(std::int64_t limit_ns) noexcept {
   const std::int64_t sample_ns = force_sample_ns();
   if (sample_ns == 0 || clock_.now_ns() - sample_ns < limit_ns) return false;
@@ -175,8 +175,8 @@ void DeviceLoop::sample_device() noexcept {
   cycle_.number = ++stats_.samples;
 }
 
-// Without a new command the governor may still have to ramp the force. With a command every cycle it must not run in between: it would use
-// up the cycle's share of the slew limit.
+// Without a new command the governor may still have to ramp the force. If a command comes in every cycle, the governor must not run between
+// two of them: it would use up the cycle's share of the slew limit.
 void DeviceLoop::hold_force() noexcept {
   const Wrench& held = governor_.step(std::nullopt, clock_.now_ns());
   if (held.force_n != written_.force_n || held.torque_nm != written_.torque_nm) write(held);
@@ -287,7 +287,7 @@ void DeviceLoop::step_locally() noexcept {
   ++stats_.local_forces;
 }
 
-// Fades the difference where the source of the force changes. After a release of the force there is nothing to fade.
+// When the source of the force changes, fades the difference between the two forces. After a released force there is nothing to fade.
 Vec3 DeviceLoop::faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept {
   const std::int64_t passed_ns = now_ns - std::exchange(faded_ns_, now_ns);
   if (passed_ns >= kCommandTimeoutNs) fade_.forget();

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// The network side is in the middle of a microsecond of work with the device; where it shares this CPU it needs this thread to sleep.
+// Time to sleep while the network side holds the claim, for a microsecond: if both share a CPU, it can go on only while this thread sleeps.
 constexpr std::int64_t kMomentNs = 20'000;
 
 }  // namespace
@@ -46,22 +46,22 @@ void DeviceThread::run(const RealtimeSettings& settings) {
   while (!ends_.load(std::memory_order_acquire)) {
     await_tick();
     loop_.begin_cycle();
-    // Before the sample is taken, so that the network side does not wait for the timer to be set.
+    // Set before the sample is taken: otherwise the network side would wait for it.
     timer_.set(loop_.wake_after_next_ns());
     while (!loop_.run_cycle()) SteadyClock().sleep_until_ns(clock_.now_ns() + kMomentNs);
   }
   while (!loop_.finish()) SteadyClock().sleep_until_ns(clock_.now_ns() + kMomentNs);
 }
 
-// A late cycle still waits for a moment: LimitRTTIME and the kernel's throttling stop a thread that never blocks, and no other thread gets
-// its CPU.
+// Before a late cycle this thread still sleeps for a moment: if it never did, LimitRTTIME would end the program, the kernel would throttle
+// the thread, and no other thread would get its CPU.
 void DeviceThread::await_tick() noexcept {
   const std::int64_t wake_ns = loop_.wake_ns();
   const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
   loop_.note_behind(is_behind);
   timer_.wait();
   const std::int64_t now_ns = clock_.now_ns();
-  // An expired timer, or one that could not be set, does not sleep.
+  // timer_.wait() returns at once if the timer has expired or could not be set.
   if (is_behind) return SteadyClock().sleep_until_ns(now_ns + kMomentNs);
   if (now_ns < wake_ns) SteadyClock().sleep_until_ns(wake_ns);
   loop_.note_wake_up(clock_.now_ns() - wake_ns);

@@ -30,7 +30,7 @@ bool is_valid_name(std::string_view name) {
 
 bool has_free_port(std::string_view bind) { return bind.ends_with(":0"); }
 
-// Frame W; rotation_deg as in scene files.
+// The pose of the device in frame W; rotation_deg means the same as in scene files.
 Pose read_place(TomlReader& reader) {
   Vec3 position_m = Vec3::Zero();
   Vec3 rotation_deg = Vec3::Zero();
@@ -42,7 +42,7 @@ Pose read_place(TomlReader& reader) {
   return X_WB;
 }
 
-// The button, counted from 1; 0: none. hold_button, the old name of the key, counts from 0.
+// The button, counted from 1; 0: none. `hold_button`, the old name of the key, counts from 0.
 int read_dead_mans_switch(TomlReader& reader, int otherwise) {
   std::int64_t button = otherwise;
   std::int64_t from_zero = button - 1;
@@ -152,7 +152,7 @@ void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other
   if (one.bind == other.bind && !has_free_port(one.bind)) {
     reader.reject("bind", fmt::format("'{}' and '{}' both listen at {}; give each a port of its own", one.name, other.name, one.bind));
   }
-  // The same text also where it is a pipe, which is_same_output() is not about: two recordings in one stream cannot be read.
+  // Equal names are rejected even if they name a pipe, for which is_same_output() is false: two recordings in one stream cannot be read.
   if ((!one.record.empty() && one.record == other.record) || is_same_output(one.record, other.record)) {
     reader.reject("record", fmt::format("'{}' and '{}' both record into {}; name two files", one.name, other.name, one.record));
   }

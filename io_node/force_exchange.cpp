@@ -5,12 +5,12 @@
 
 namespace hapton {
 
-// A node silent for that long loses its slot to the next haptics node.
+// False after a silence of haptics_timeout_ns(): then the node loses its slot to the next haptics node that joins.
 bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
   return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_received_ns < peers_.haptics_timeout_ns();
 }
 
-// Not while the haptics node is to go on where the device side is: it needs to catch up.
+// True: the sample is not sent, as the haptics node needs few of them. While the node has to go on from the probe's position it gets all.
 bool ForceExchange::is_thinned(const DeviceCycle& cycle) const noexcept {
   return cycle.local && !history_.is_haptics_new() && cycle.sample.buttons == sent_buttons_ &&
          cycle.sample.time_ns - sent_ns_ < static_cast<std::int64_t>(1e9 / kThinnedHz);
@@ -31,7 +31,7 @@ void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept
   history_.note_sample(cycle.number, cycle.sample);
 }
 
-// Before the sample counts: the request goes with it.
+// Called before the sample is counted, so that a request to go on from the probe's position is sent with this sample.
 void ForceExchange::note_source(bool is_local) noexcept {
   const bool was_local = std::exchange(is_local_, is_local);
   peers_.set_haptics_timeout_ns(is_local ? kThinnedTimeoutNs : HubPeers::kHapticsTimeoutNs);
@@ -63,7 +63,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
   } else if (verdict == ResponseTracker::Verdict::reordered || history_.is_before_resume(command.echo_sample)) {
     note_round_trip(header, command, now_ns);
   } else {
-    note_written();  // of the force before
+    note_written();  // for the previous force
     const std::uint64_t number = loop_.post({{.force_n = command.force_n, .torque_nm = command.torque_nm}, command.echo_sample_time_ns});
     posted_ = Posted{number, header, command};
     note_written();
@@ -76,7 +76,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
 void ForceExchange::note_written() noexcept {
   const DeviceSide& side = loop_.latest();
   if (!posted_ || side.command != posted_->number) return;
-  // The command filter rejects an older one: what was written then is not this force.
+  // The command filter rejects a force that is older than the command timeout: then what was written is not this force.
   const std::int64_t sample_ns = posted_->command.echo_sample_time_ns;
   if (side.ready_ns - sample_ns < kCommandTimeoutNs) stats_.force_age.record(side.written_ns - sample_ns);
   if (hops_ != nullptr) hops_->on_force_written(side.ready_ns, side.written_ns);
@@ -92,7 +92,7 @@ void ForceExchange::note_round_trip(const Header& header, const ForceCommand& co
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
 }
 
-// One in 20 ms is enough to choose by, and costs nothing in between.
+// One round trip in 20 ms is enough to choose where forces are computed; the others are not stored.
 void ForceExchange::note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept {
   if (now_ns - trip_ns_ < 20 * kNanosecondsPerMillisecond) return;
   trip_ns_ = now_ns;

@@ -47,7 +47,7 @@ void HopMeter::on_force(const Header& header, const ForceCommand& command, std::
   const std::int64_t wire_ns = taken_ns - sent.time_ns - static_cast<std::int64_t>(command.compute_ns);
   std::int64_t out_ns = 0;
   if (__builtin_sub_overflow(arrived_ns, sent.time_ns + ahead_ns, &out_ns)) return;
-  if (out_ns < 0 || out_ns > wire_ns) return;  // the clock offset is not known well enough for this one
+  if (out_ns < 0 || out_ns > wire_ns) return;  // the clock offset is not known well enough for this round trip
   stats_.wire_out.record(out_ns);
   stats_.wire_back.record(wire_ns - out_ns);
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kBadCommandLine = 2;
 
-// The first given flag that applies to one device and belongs into the file of several.
+// The first flag on the command line that is for one device; with --devices it belongs in the file.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
   for (const char* flag : {"--device",
                            "--device-id",
@@ -48,7 +48,7 @@ std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
   return std::nullopt;
 }
 
-// One of the names, or plugin:FILE.so.
+// Accepts the name of a kind of device, or plugin:FILE.so.
 CLI::Validator known_device() {
   const CLI::IsMember is_name(device_names());
   const auto check = [is_name](std::string& word) {
@@ -58,14 +58,14 @@ CLI::Validator known_device() {
   return {check, is_name.get_description()};
 }
 
-// What is parsed once all is given.
+// Values that are parsed once the whole command line has been read.
 struct IoWords {
   std::string realtime = "try";
   std::string watchdog = "try";
   std::string touch = "auto";
 };
 
-// Where it listens, and which device it drives.
+// Flags for the address at which io_node listens and the device that it drives.
 void add_device_options(CLI::App& app, IoOptions& options) {
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();
@@ -114,7 +114,7 @@ void add_button_options(CLI::App& app, IoOptions& options) {
   auto* dead_mans_switch = app.add_option("--dead-mans-switch", options.device.dead_mans_switch,
                                           "Dead man's switch: force only while this button is held; 1: the first; 0: none")
                                ->check(between(0, 32));
-  // Its old name counts from 0, unlike all other buttons.
+  // The flag's old name counts buttons from 0; all other flags count from 1.
   auto* const hold_button =
       app.add_option_function<int>(
              "--hold-button",
@@ -179,7 +179,7 @@ void add_cycle_options(CLI::App& app, IoOptions& options) {
       ->capture_default_str();
 }
 
-// What it serves besides forces, and where these are computed.
+// Flags for what io_node serves besides forces, and for where forces are computed.
 void add_server_options(CLI::App& app, IoOptions& options, IoWords& words) {
   app.add_option("--metrics", options.metrics,
                  "Serve the statistics by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: off)");
@@ -208,7 +208,7 @@ void add_realtime_options(CLI::App& app, IoOptions& options, IoWords& words) {
       ->capture_default_str();
 }
 
-// One line says which flags exclude each other.
+// False: some flags exclude each other, and one line on stderr says which.
 bool fit_together(const CLI::App& app, const IoOptions& options) {
   if (!options.devices_file.empty()) {
     if (const auto flag = find_flag_of_one_device(app)) {

@@ -36,7 +36,7 @@ std::string describe_causes(const ServoStats& stats) {
 
 using Counters = std::map<std::string, std::int64_t>;
 
-// Samples, forces and cycles.
+// The counters of samples, forces and cycles.
 Counters count_forces(const ServoStats& s) {
   return {{"samples", whole(s.samples)},
           {"states_sent", whole(s.states_sent)},
@@ -96,7 +96,7 @@ Counters count_datagrams(const ServoStats& s) {
           {"peers_timed_out", whole(s.hub.timeouts)}};
 }
 
-// What nodes request, and what is shown.
+// The counters of what nodes request and of what vision nodes show.
 Counters count_requests(const ServoStats& s) {
   return {{"bad_settings", whole(s.bad_settings)},
           {"markers", whole(s.markers)},
@@ -109,7 +109,7 @@ Counters count_requests(const ServoStats& s) {
           {"drawn", whole(s.drawn)}};
 }
 
-// Forces from patches, and the bare echo.
+// The counters of forces from patches and of the bare echo.
 Counters count_patches(const ServoStats& s) {
   return {{"local_forces", whole(s.local_forces)},
           {"patch_parts", whole(s.patch_thread.store.parts)},
@@ -262,7 +262,7 @@ std::string describe_status(ProbeStatus status) {
   return "ok";
 }
 
-// A haptics node that replies too late is there, and another remedy helps.
+// Replies that are too late have another remedy than a missing haptics node.
 std::string describe_status(const ServoStats& stats) {
   if (stats.status != ProbeStatus::no_haptics || !stats.are_replies_late()) return describe_status(stats.status);
   return fmt::format("no force: replies of haptics_node take {:.0f} ms, and a force lasts {} ms; shorten the way, or see docs/remote.md",
@@ -363,7 +363,7 @@ std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling)
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N{}\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n,
                                  s.max_torque_nm > 0.0 ? fmt::format(", {:.4f} Nm", s.max_torque_nm) : std::string());
-  // They are in none of these numbers but the maximum.
+  // Of the numbers in the line above, only the maximum includes these forces.
   if (s.local_forces > 0) text += fmt::format("and {} forces computed here, from parts of the scene (docs/remote.md)\n", s.local_forces);
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
                       s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles,

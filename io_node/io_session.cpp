@@ -23,7 +23,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;     // between two checks of scheduling, and that the device loop lives
+constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;     // between two checks of scheduling, and of the loop's heartbeat
 constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
 constexpr auto kSessionPollPeriod =
     std::chrono::milliseconds(20);  // between two checks for events, reports and the end; too short for a person to notice
@@ -34,10 +34,10 @@ std::string name_plugin(const IoOptions& options) {
   return name.starts_with(kPluginDevice) ? fmt::format(" (device {})", name) : std::string();
 }
 
-// Largest share of a period that is spun for a force.
+// Largest share of a period for which the network side spins while it waits for a force.
 double find_reply_share(const IoOptions& options) { return std::min(1e-6 * options.reply_spin_us * options.rate_hz, ReplySpin::kMaxShare); }
 
-// The round trip by which --touch auto chooses.
+// Text on the round trip, from which --touch auto chooses where forces are computed.
 std::string describe_round_trip(double seconds) {
   return seconds > 0.0 ? fmt::format("touch, round trip {:.1f} ms", 1e3 * seconds) : "touch, round trip not known yet";
 }
@@ -64,7 +64,7 @@ std::string describe_fault(const ServoEvent& event, const IoOptions& options) {
   }
 }
 
-// A node or a sender of datagrams that is not let in.
+// Text on a node, or a sender of datagrams, that was rejected.
 std::string describe_rejection(const ServoEvent& event) {
   switch (event.kind) {
     case ServoEvent::Kind::rejected:
@@ -137,7 +137,7 @@ std::string describe(const ServoEvent& event, const IoOptions& options) {
   return {};
 }
 
-// A device that is unplugged or being calibrated will be back.
+// False: the device has stopped for good. A device that is unplugged or being calibrated can become ready again.
 bool has_future(DeviceStatus status) { return status != DeviceStatus::ended && status != DeviceStatus::fault; }
 
 std::string_view main_cause(const ServoStats& stats) {
@@ -220,17 +220,17 @@ Result<void> IoSession::supervise(const StopSignal& stop) {
     if (!network_.take_snapshot()) continue;
     if (const auto granted = serve_requests(network_.snapshot()); !granted && reported) reported = granted;
   }
-  // Its end may take seconds, in which the other devices' loops live.
+  // This session may take seconds to end; it must not count as hung while the loops of other devices run.
   if (service_ != nullptr) service_->leave(service_number_);
   return reported;
 }
 
-// A loop near the kernel's limit is reported once: above it, it would be stopped for the rest of each period.
+// Reports once that the loops come near the kernel's limit: above the limit the kernel stops them for the rest of each of its periods.
 void IoSession::watch_scheduling(bool now) {
   if (!now) return;
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
   check_watchdog();
-  // Both together: the kernel counts real-time threads by CPU, and they may share one.
+  // The sum of both threads: the kernel limits the real-time threads of each CPU, and the two may share one.
   auto usage = read_thread_usage(network_thread_);
   const auto device = read_thread_usage(device_.id());
   if (!usage || !device) return;
@@ -240,7 +240,7 @@ void IoSession::watch_scheduling(bool now) {
   usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
   const double limit = watch_.update(*usage, network_.spin().spun_ns() + network_.reply_spin().spun_ns(), clock_.now_ns());
-  // First what keeps the ticks on time.
+  // The spin that keeps ticks on time comes first; the spin for replies gets what is left.
   network_.spin().set_limit(std::min(limit, options_.spin_share));
   network_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
   if (!was_near && watch_.figures().near_throttling > 0) {
@@ -310,7 +310,7 @@ void IoSession::print_events() {
   }
 }
 
-// A device that has ended ends this program; a person must start it again.
+// A device fault is not saved: it ends this program, and only a restart ends the fault.
 void IoSession::keep_latch(const ServoEvent& event) {
   if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
   if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;

@@ -15,7 +15,7 @@ namespace {
 // The file has one word, the name of a fault.
 constexpr std::size_t kMaxBytes = 64;
 
-// The text as part of a file name: it cannot lead to another folder.
+// Turns the text into a part of a file name that cannot lead to another folder.
 std::string plain(std::string_view text) {
   std::string name(text);
   std::replace_if(
@@ -49,7 +49,7 @@ void LatchFile::forget() const {
 
 std::filesystem::path find_latch_file(std::string_view device, std::string_view bind) {
   const std::filesystem::path folder = find_runtime_folder();
-  // The name of a plug-in is a path, whose end is kept. Limit: a file name has at most 255 bytes.
+  // The name of a plug-in device is a path: its end is used. Reason for the limit: a file name has at most 255 bytes.
   constexpr std::size_t kLongest = 120;
   if (device.size() > kLongest) device.remove_prefix(device.size() - kLongest);
   return folder.empty() ? folder : folder / ("latched-" + plain(device) + "-" + plain(bind));

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// The time step of the first sample, which has none before it: a cycle at 1 kHz is assumed.
+// The time step of the first sample, before which there was no other: a cycle at 1 kHz is assumed.
 constexpr double kFirstStepS = 1e-3;
 // A longer gap between two samples counts as this. A free choice.
 constexpr double kLongestStepS = 0.02;
@@ -36,7 +36,7 @@ void LocalPatch::exchange_patch(std::size_t link) noexcept {
   }
 }
 
-// A stage that was taken, or whose patch is gone, goes the same way.
+// A stage that was taken, or whose patch is gone, goes into the link's `retired_stages_` slot in the same way.
 void LocalPatch::exchange_stage(std::size_t link) noexcept {
   PatchShape* const stage = stages_[link].load(std::memory_order_acquire);
   if (stage == nullptr || retired_stages_[link].load(std::memory_order_acquire) != nullptr || !touch_.take(link, *stage)) return;
@@ -44,7 +44,7 @@ void LocalPatch::exchange_stage(std::size_t link) noexcept {
   retired_stages_[link].store(stage, std::memory_order_release);
 }
 
-// Takes what is offered, if anything is. False: it has to wait, as the slot for what it replaces is still full.
+// Takes what is offered, if anything is. False: the offer has to wait, because the slot for what it replaces is still full.
 template <class T>
 bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept {
   if (offered.load(std::memory_order_relaxed) == nullptr) return true;
@@ -83,7 +83,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
     return std::nullopt;
   }
   exchange_patches();
-  // A device that was away may have gone around something.
+  // A device whose path is not known may have gone around an object: the proxy must not follow it in a straight line.
   if (sample.p_WD.allFinite()) {
     if (touch_.is_placed() && !is_path_known(last_p_WD_, sample.p_WD, sample.time_ns - last_ns_)) touch_.forget();
     last_p_WD_ = sample.p_WD;
@@ -107,7 +107,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   touch_.for_each_link([&](std::size_t link) {
     if (touch_.is_in_use(link)) hands_[link].publish(touch_.hand_of(link, sample.time_ns, scene_ns_));
   });
-  // The proxy goes on following the device, so that the surface is the same once haptics replies again.
+  // The proxy has followed the device even if no force is returned, so that it is on the same surface once the haptics node replies again.
   if (!output || are_bodies_awaited_ || sample.time_ns >= orders.until_ns) return std::nullopt;
   const std::int64_t scene_ns = touch_.body_count() > 1 ? scene_ns_ : -1;
   return LocalForce{output->force_n,      output->visual_offset_m, output->contact, output->is_handed_over,
