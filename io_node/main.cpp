@@ -23,7 +23,7 @@ using namespace hapton;
 
 using Hubs = std::vector<std::unique_ptr<DeviceHub>>;
 
-// A hub for each device, or none at all: part of the devices is not what was requested.
+// Opens a hub for each device. Error if one cannot be opened: to run only some of the devices is not what was requested.
 Result<Hubs> open_hubs(const IoOptions& options, const Clock& clock) {
   auto devices =
       options.devices_file.empty() ? Result<std::vector<IoOptions>>({options}) : read_devices_file(options.devices_file, options);
@@ -37,7 +37,7 @@ Result<Hubs> open_hubs(const IoOptions& options, const Clock& clock) {
   return hubs;
 }
 
-// True when all went well.
+// True: the hub ended without an error.
 bool run_hub(DeviceHub& hub, ServiceLiveness& service, std::size_t number, const StopSignal& stop) {
   hub.set_service(&service, number);
   const auto ended = hub.run(stop);
@@ -46,7 +46,7 @@ bool run_hub(DeviceHub& hub, ServiceLiveness& service, std::size_t number, const
   return ended.has_value();
 }
 
-// Each in its own thread, so that the fault of one device does not stop the others.
+// Runs each hub in its own thread, so that the fault of one device does not stop the others.
 bool run_hubs(const Hubs& hubs, const StopSignal& stop) {
   ServiceLiveness service(hubs.size());
   if (hubs.size() == 1) return run_hub(*hubs.front(), service, 0, stop);
@@ -75,8 +75,8 @@ int run(const IoOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // So that large blocks, such as a flight record, return to the system when freed: glibc would raise this limit with the first
-  // one.
+  // Makes large blocks, such as a flight record, return to the system when freed: without this call glibc raises the threshold when the
+  // first such block is freed.
   ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);
   open_standard_streams();
   outlive_readers();

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// As often as a person reads the numbers in the frame.
+// Period of the statistics in the drawn frame: a person cannot read the numbers more often.
 constexpr std::int64_t kStatisticsNs = 250 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -75,13 +75,13 @@ void NetworkLoop::step() noexcept {
   if (!read_cycles()) return;
   forces_.send(cycle_);
   const std::int64_t middle_ns = cycle_.tick_ns + (cycle_.next_tick_ns - cycle_.tick_ns) / 2;
-  await_force(middle_ns);  // governed and written as it arrives: ForceExchange::accept
+  await_force(middle_ns);  // a force is governed and written when it arrives: ForceExchange::accept
   do_housekeeping();
   probe_echo(middle_ns);
   cycles_.prepare_next_wait(cycle_, rest_ns());
 }
 
-// Up to the cycle that is newest now: its sample is sent, whatever the device side does meanwhile. False: the next cycle is late.
+// Takes all cycles up to the one that is newest now, whose sample is then sent; later ones wait for the next call. False: no new cycle.
 bool NetworkLoop::read_cycles() noexcept {
   if (!cycles_.await(cycle_, rate_hz(), rest_ns())) return false;
   bool is_newest = false;
@@ -109,7 +109,7 @@ void NetworkLoop::spin_for_force(IsNeeded&& is_needed, std::int64_t deadline_ns)
   reply_spin_.note(!is_needed(), clock_.now_ns() - begin_ns);
 }
 
-// Once a cycle, when the force path is done.
+// Called in each step, after the wait for a force.
 void NetworkLoop::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
@@ -123,7 +123,7 @@ void NetworkLoop::do_housekeeping() noexcept {
   }
   show_proxy();
   view_.repeat_if_due(now_ns);
-  // The force of a patch does not cross the network. Where there are none (a scene that is not sent in parts), it does.
+  // The report is about forces that cross the network. Those of a patch do not; without patches (a scene not sent in parts) all forces do.
   if (!forces_.is_local()) loop_reporter_.send_if_due(rate_hz(), now_ns);
   if (now_ns >= next_statistics_ns_) {
     next_statistics_ns_ = now_ns + kStatisticsNs;
@@ -167,14 +167,14 @@ void NetworkLoop::on_message(const PeerEvent& event, const Datagram& datagram) n
   if (const auto* force = std::get_if<ForceCommand>(&message)) return forces_.accept(datagram.header, *force);
   if (patches_ != nullptr && is_scene_part(message)) return patches_->accept(message);
   if (const auto* marker = std::get_if<Marker>(&message)) return markers_.accept(*marker, event, cycle_.number, event.receive_time_ns);
-  // Each has a number of its own: of several objects, or senders.
+  // Of these not only the newest counts: they are about several objects, or from several senders, and each has its own number.
   if (const auto* reply = std::get_if<MoveReply>(&message)) return requests_.accept(*reply);
   if (const auto* move = std::get_if<ObjectMove>(&message)) {
     if (patches_ != nullptr) patches_->accept(*move);
     peers_.send_to_role(NodeRole::vision, *move);
     return;
   }
-  // Parts, and starts of several objects.
+  // Nor of these: a shape has several parts, and starts are about several objects.
   if (const auto* part = std::get_if<ShapeRequest>(&message)) return requests_.accept(*part, event);
   if (const auto* reply = std::get_if<ShapeReply>(&message)) return requests_.accept(*reply);
   if (const auto* part = std::get_if<ObjectShape>(&message)) {
@@ -193,7 +193,7 @@ void NetworkLoop::on_message(const PeerEvent& event, const Datagram& datagram) n
     peers_.send_to_role(NodeRole::haptics, message);
     return;
   }
-  // Neither the order of carves matters nor how often they come.
+  // Carves may arrive in any order, and more than once.
   if (const auto* carves = std::get_if<Carves>(&message)) {
     carves_.note(*carves, event.arrival);
     peers_.send_to_role(NodeRole::vision, *carves);
@@ -202,7 +202,7 @@ void NetworkLoop::on_message(const PeerEvent& event, const Datagram& datagram) n
   if (event.arrival == Arrival::newest) on_newest(event, datagram);
 }
 
-// Of these kinds the newest wins (KindOrder).
+// Of each of these kinds of message only the newest counts (KindOrder).
 void NetworkLoop::on_newest(const PeerEvent& event, const Datagram& datagram) noexcept {
   const Message& message = datagram.message;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view, event.peer);
@@ -216,12 +216,12 @@ void NetworkLoop::on_newest(const PeerEvent& event, const Datagram& datagram) no
   if (const auto* setup = std::get_if<HapticsSetup>(&message)) return on_setup(*setup);
   if (const auto* state = std::get_if<MaterialState>(&message)) {
     peers_.send_to_role(NodeRole::tool, *state);
-    // `hapton dynamics` is one of these.
+    // Also for `hapton dynamics`, which joins as a vision node.
     peers_.send_to_role(NodeRole::vision, *state);
     return;
   }
   if (const auto* pose = std::get_if<ObjectPose>(&message)) {
-    if (event.role == NodeRole::vision) {  // requests that it be moved there
+    if (event.role == NodeRole::vision) {  // a request to move the object to this pose
       peers_.send_to_role(NodeRole::haptics, *pose);
       return;
     }
@@ -271,7 +271,7 @@ void NetworkLoop::on_setup(const HapticsSetup& setup) noexcept {
   stats_.setup = setup;
   if (view_.accept(setup)) scene_.place(view_.view());
   peers_.send_to_role(NodeRole::tool, setup);
-  peers_.send_to_role(NodeRole::vision, setup);  // it draws the probe at its true size
+  peers_.send_to_role(NodeRole::vision, setup);  // vision nodes draw the probe at its true size
 }
 
 void NetworkLoop::finish() noexcept {

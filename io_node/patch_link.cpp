@@ -10,36 +10,36 @@ namespace {
 
 constexpr std::int64_t kRoundTripCheckNs = 100 * kNanosecondsPerMillisecond;  // between two readings of the round trip
 
-// As the device side has it.
+// The scene time at a sample, as the device side computes it.
 std::int64_t scene_time_at(const ForceCommand& last, std::int64_t sample_ns) noexcept {
   return std::max<std::int64_t>(last.scene_time_ns + (sample_ns - last.echo_sample_time_ns), 0);
 }
 
 }  // namespace
 
-// Another one for each session and whenever parts were dropped, and never 0.
+// The number of the present request for parts: another one in each session and after parts were dropped, and never 0.
 std::uint32_t PatchLink::request() const noexcept { return (static_cast<std::uint32_t>(peers_.session()) + 2 * orders_.clears) | 1U; }
 
 void PatchLink::accept(const Message& part) noexcept {
   if (const auto* begin = std::get_if<PatchBegin>(&part); begin != nullptr && !note_begin(*begin)) return;
-  // Of the node before, or not asked for.
+  // The part comes from the previous haptics node, or was not requested.
   if (must_clear_ || state_ == State::remote) return;
   thread_.push(part);
 }
 
-// False: it is of no use.
+// False: the parts that begin are not wanted, or were sent for an earlier request.
 bool PatchLink::note_begin(const PatchBegin& begin) noexcept {
   is_reply_due_ = is_reply_due_ || state_ == State::remote;
   if (must_clear_ || state_ == State::remote || (begin.request != 0 && begin.request != request())) return false;
   if (begin_epoch_ != 0 && static_cast<std::int32_t>(begin.epoch - begin_epoch_) <= 0) return true;
   begin_epoch_ = begin.epoch;
   least_method_ = begin.method_serial;
-  // Before the patch thread has it, whose patches the device side takes at once.
+  // Published before the patch thread gets this message, because the device side takes its patches at once.
   if (needs_start() && std::exchange(orders_.may_begin, false)) local_.publish(orders_);
   return true;
 }
 
-// Serials count up around the 32-bit circle.
+// Serials wrap around at 2^32, so the sign of their difference tells which is newer.
 bool PatchLink::is_new_enough(std::uint32_t method_serial) const noexcept {
   return static_cast<std::int32_t>(method_serial - least_method_) >= 0;
 }
@@ -60,7 +60,7 @@ void PatchLink::accept_shape(const Message& shape, Arrival arrival) noexcept {
   if (!must_clear_ && state_ != State::remote) thread_.push_shape(shape, arrival);
 }
 
-// What came so far is not used any more.
+// The parts received so far are not used any more.
 void PatchLink::drop_parts() noexcept {
   orders_.clears += std::exchange(must_clear_, true) ? 0 : 1;
   begin_epoch_ = least_method_ = 0;
@@ -106,7 +106,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   }
   const bool is_wanted = peers_.has_haptics() && chooser_.wants_patch(round_trip_s_, now_ns);
   if (state_ == State::remote && is_wanted) {
-    // Since the last time the haptics node may have another scene or method, of which this side knows nothing yet.
+    // Since patches were last wanted, the haptics node may have got another scene or method, which this side does not know yet.
     drop_parts();
     state_ = State::patch;
     orders_.is_wanted = true;
@@ -129,13 +129,13 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   }
 }
 
-// A haptics node that has just joined gets the place of contact, and so does the device side: a patch that is there before its first reply
-// must not take a hand inside a body for free. False: no contact is known here.
+// A haptics node that has just joined gets the place of contact, and so does the device side: a patch that is ready before the node's first
+// reply must not treat a hand inside a body as one in free space. False: no contact is known here.
 bool PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   const ProbeHistory::Pose& newest = forces.history().newest();
   const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
   if (!p_WP || !forces.history().last_reply().contact) return false;
-  ++orders_.start;  // as the haptics node before had it: this one's count of methods is another
+  ++orders_.start;  // not note_start(): the previous haptics node counted its methods differently from this one
   orders_.start_ns = newest.time_ns;
   orders_.start_scene_ns = scene_time_at(forces.history().last_reply(), newest.time_ns);
   orders_.p_WP = *p_WP;
@@ -143,14 +143,14 @@ bool PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   return true;
 }
 
-// Where patches start again, the haptics node goes on from where they had the probe (ForceExchange::request_resume).
+// When patches no longer give the force, the haptics node goes on from their probe (request_resume): note its next place of the probe soon.
 void PatchLink::follow_source(const ForceExchange& forces) noexcept {
   const bool was_local = std::exchange(was_local_, forces.is_local());
   if (was_local && !was_local_ && state_ == State::patch) told_ns_ = 0;
 }
 
-// A place of the probe in the scene where it is now. Only what the haptics node that is there has replied: from an older place, a hand that
-// has gone elsewhere meanwhile would meet what lies between.
+// Notes where patches may start: the place of the probe, in the scene as it is turned now. Only replies of the present haptics node count:
+// from an older place, a hand that has moved elsewhere meanwhile would touch what lies between.
 void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept {
   if (!forces.has_resumed()) return;
   const ForceCommand& last = forces.history().last_reply();

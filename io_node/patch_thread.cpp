@@ -11,12 +11,12 @@
 namespace hapton {
 namespace {
 
-// Polls, since to wake it would be a system call of the network side. While parts come a patch is due every few milliseconds.
+// The thread polls, because waking it would cost the network side a system call. While parts arrive, a patch is due every few milliseconds.
 constexpr auto kPatchPollPeriod = std::chrono::milliseconds(2);
 constexpr auto kIdlePatchPollPeriod = std::chrono::milliseconds(50);
-// A stage of fewer vertices counts as one of so many: a moment without the CPU would say nothing about the large ones.
+// A stage of fewer vertices counts as one of this many: a short wait for the CPU would dominate its time, and say nothing about large ones.
 constexpr std::uint32_t kFewVertices = 1000;
-constexpr float kForgetShare = 0.125F;  // of the difference, with each stage that takes less time
+constexpr float kForgetShare = 0.125F;  // share of the difference by which the estimate falls with each faster stage
 
 }  // namespace
 
@@ -96,7 +96,7 @@ void PatchThread::begin_epoch(bool is_cleared) {
   local_.set_generation(++generation_);
 }
 
-// Bodies come before all patches of them.
+// Bodies are offered before any of their patches.
 void PatchThread::offer_news() {
   if (!are_bodies_offered_ && store_.has_bodies()) {
     local_.offer(store_.make_bodies(generation_));
@@ -114,7 +114,7 @@ bool PatchThread::is_in_use(std::size_t link) const noexcept {
   return link < store_.begin().body_count;
 }
 
-// True: a sample of the hand has come.
+// True: a new sample of the hand has arrived.
 bool PatchThread::build_where_due() {
   bool has_hand = false;
   for (std::size_t link = 0; link < makers_.size(); ++link) {
@@ -151,7 +151,7 @@ void PatchThread::make_stage_if_due(std::size_t link) {
   local_.offer(std::move(stage), link);
 }
 
-// The time that it takes here includes what other programs take of the CPU. It rises at once, as one that comes late is felt.
+// The measured time includes CPU time that other programs take. The estimate rises at once, because a late stage can be felt.
 void PatchThread::note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept {
   const float newest_s = 1e-9F * static_cast<float>(took_ns) / static_cast<float>(std::max(vertices, kFewVertices));
   shape_s_per_vertex_ = std::max(newest_s, shape_s_per_vertex_ + kForgetShare * (newest_s - shape_s_per_vertex_));

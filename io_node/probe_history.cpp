@@ -29,8 +29,8 @@ std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noex
   return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
 }
 
-// The haptics node begins farther from the device by its offset off the surface, which must not be behind what the hand has just left. By
-// default it then begins at the place itself.
+// The haptics node begins at its contact offset beyond the returned point, as seen from the device. That must not be behind a surface that
+// the hand has just left: so the point is nearer to the device by the default offset, with which the node begins at the probe itself.
 std::optional<Vec3> ProbeHistory::find_free_place(const Vec3& p_WD) const noexcept {
   constexpr double kOffset = MethodSettings::kDefaultOffsetM;
   const std::optional<Vec3> place = find_probe();
@@ -58,7 +58,7 @@ void ProbeHistory::show(bool has_timed_out, ProbeState& probe) const noexcept {
   probe.contact = is_live && last_.contact;
   probe.visual_offset_m = is_live ? last_.visual_offset_m : Vec3(Vec3::Zero());
   probe.object = is_live ? last_.object : -1;
-  probe.scene_time_ns = last_.scene_time_ns;  // without replies nothing moves
+  probe.scene_time_ns = last_.scene_time_ns;  // without replies the scene time stands still
   probe.visual_turn = is_live ? last_.visual_turn : Vec3(Vec3::Zero());
   probe.haptons = last_.haptons;
   if (probe.haptons && !is_live) probe.haptons = 0;

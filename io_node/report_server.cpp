@@ -29,7 +29,7 @@ bool ReportServer::reply(HubPeers& peers, std::size_t peer) noexcept {
   const Texts& texts = texts_.value();
   const bool is_there = waiting.wanted.revision == 0 ? texts.revision > waiting.newer_than : texts.revision != 0;
   if (!is_there) return false;
-  // A newer report than the requested one: its first part says so.
+  // If the report is newer than the requested one, its first part is sent, which names the new revision.
   const std::uint32_t place = waiting.wanted.revision == texts.revision ? waiting.wanted.part : 0;
   const std::string_view text = waiting.wanted.document == ReportDocument::csv ? texts.csv : texts.json;
   const std::size_t most = part_.text.size();

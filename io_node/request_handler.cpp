@@ -80,7 +80,7 @@ void RequestHandler::reset_faults(const Peer& sender) noexcept {
   }
 }
 
-// All are counted; the log has at most one line a second.
+// Every denied reset is counted; the log gets at most one line a second.
 void RequestHandler::note_denied(ServoEvent::Kind why, const Peer& sender) noexcept {
   ++resets_denied_;
   if (clock_.now_ns() < next_denial_notice_ns_) return;

@@ -68,7 +68,7 @@ void ResponseTracker::supersede_before(std::uint64_t sample, std::uint32_t count
   }
 }
 
-// Puts all that waits below `end` into this state.
+// Puts every waiting sample before `end` into this state.
 void ResponseTracker::settle_until(std::uint64_t end, State state) noexcept {
   if (newest_ > kCapacity) settled_ = std::max(settled_, newest_ - kCapacity);
   for (; settled_ + 1 < end; ++settled_) {

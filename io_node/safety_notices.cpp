@@ -10,7 +10,7 @@ namespace hapton {
 void SafetyNotices::notify(ServoEvent::Kind kind, SafetyFault fault) noexcept { events_.push({kind, NodeRole::tool, {}, 0.0, {}, fault}); }
 void SafetyNotices::notify_status(ServoEvent::Kind kind) noexcept { events_.push({kind, NodeRole::io, {}, 0.0, {}, {}}); }
 
-// Each kind of fault that was latched since the last look, also if it was reset since. visit(fault, how often)
+// Calls visit(fault, times) for each kind of fault that was latched since the last check, even if it was reset meanwhile.
 template <class Visit>
 void SafetyNotices::for_each_latched(const GovernorStats& governor, Visit&& visit) const noexcept {
   for (std::size_t n = 1; n < kSafetyFaults; ++n) {
@@ -19,7 +19,7 @@ void SafetyNotices::for_each_latched(const GovernorStats& governor, Visit&& visi
   }
 }
 
-// Of a reset and a new fault since the last look, the fault is what holds: it must be the last to be known.
+// If both a reset and a new fault came since the last check, the fault is the present state: its notice must be the last.
 void SafetyNotices::notify_faults(const GovernorStats& governor) noexcept {
   const GovernorCounters& counters = governor.counters;
   SafetyFault reset = fault_noted_;
@@ -35,7 +35,7 @@ void SafetyNotices::notify_faults(const GovernorStats& governor) noexcept {
   fault_noted_ = governor.fault;
 }
 
-// People first: they may have to do something about it.
+// Notifies people before it records anything: they may have to act.
 void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
   notify_faults(side.governor);
   if (side.status == status_noted_) status_since_ns_ = now_ns;
@@ -62,7 +62,7 @@ void SafetyNotices::finish(const DeviceSide& side, DeviceStatus status, std::int
 }
 
 void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle, bool is_newest, std::int64_t now_ns) noexcept {
-  // The force that is on the motors now, if that is later than the end of the cycle: the newest cycle's own may have come since.
+  // For the newest cycle, the force that is on the motors now: the reply to its sample may have come since the end of the cycle.
   const Wrench& written = is_newest && !cycle.local ? side.written : cycle.written;
   const DeviceSample& sample = cycle.sample;
   CycleNote note{.sample = cycle.number,
@@ -95,7 +95,7 @@ void SafetyNotices::record_latched(const GovernorStats& governor, std::int64_t n
   is_failure_recorded_ = governor.fault == SafetyFault::device && (has_latched || is_failure_recorded_);
 }
 
-// Once when it begins: a force that stays above the limit is one fault.
+// Records a fault once, when it begins: a force that stays above the limit is one fault.
 void SafetyNotices::record_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept {
   const std::uint32_t bit = std::uint32_t{1} << static_cast<unsigned>(fault);
   if (is_there && (faults_ & bit) == 0) tap_->on_fault(fault, now_ns);

@@ -3,7 +3,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSpeck = 0.02;  // share of the workspace's longest side; 5 mm for a PHANToM. A smaller scene is too small to find
+constexpr double kSpeck = 0.02;  // share of the workspace's longest side; 5 mm for a PHANToM. The hand cannot find a smaller scene
 
 Vec3 to_vec(const SceneFacts::Point& p) noexcept { return Eigen::Map<const Eigen::Vector3f>(p.data()).cast<double>(); }
 
@@ -31,7 +31,7 @@ SceneReach find_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLim
     const Vec3 p_W = point_in_world(scene, X_WS, i);
     if ((p_W - low).minCoeff() >= 0.0 && (high - p_W).minCoeff() >= 0.0) return SceneReach::in_reach;
   }
-  // The scene sends only a few of its points, so none inside the workspace proves nothing.
+  // The haptics node sends only a few points of the scene. If none of them is inside the workspace, others may be.
   return SceneReach::unknown;
 }
 

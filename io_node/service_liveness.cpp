@@ -8,7 +8,7 @@ bool ServiceLiveness::are_ready() const {
   return std::all_of(sessions_.begin(), sessions_.end(), [](const Session& one) { return one.is_ready || one.has_ended; });
 }
 
-// A session that notes nothing itself hangs.
+// A session that has not called note() within the manager's timeout counts as hung.
 bool ServiceLiveness::do_live(std::int64_t now_ns) const {
   return std::all_of(sessions_.begin(), sessions_.end(), [&](const Session& one) {
     return one.has_ended || (one.lives && now_ns - one.noted_ns < notify_.manager_timeout_ns());

@@ -19,14 +19,14 @@
 namespace hapton {
 namespace {
 
-constexpr auto kCollectEvery = std::chrono::milliseconds(10);  // the rings hold 0.5 s and more
+constexpr auto kCollectEvery = std::chrono::milliseconds(10);  // the ring holds 0.5 s or more
 constexpr std::size_t kWriteBytes = std::size_t{1} << 16;      // in one write: 16 pages of memory
 
-// Begins each record in the ring. A datagram, cycle or marker follows; a fault has nothing else.
+// Begins each record in the ring. A datagram, cycle or marker follows; nothing follows for a fault.
 struct Note {
   SessionEntry::Kind kind = SessionEntry::Kind::received;
   SessionFault fault = SessionFault::none;
-  NodeRole source = NodeRole::io;  // of a marker
+  NodeRole source = NodeRole::io;  // role of the node that sent the marker
   std::uint16_t port = 0;
   std::int64_t time_ns = 0;
   std::array<std::uint8_t, 16> ip = {};
@@ -166,7 +166,7 @@ Result<void> SessionRecorder::start() {
       return fail("{}: the folder for flight records cannot be made: {}; choose another with --flight, or --flight off",
                   options_.flight_folder.string(), error.message());
     }
-    // Checked now: otherwise the first fault would be the first to show it, and its record would be lost.
+    // Checked now: otherwise the error would not show before the first fault, and the record of that fault would be lost.
     if (const auto writable = check_writable_folder(options_.flight_folder); !writable) {
       return fail("flight records: {}, or --flight off", writable.error().what);
     }
@@ -222,7 +222,7 @@ void SessionRecorder::collect() {
     append_record(drained_, record);
     take(entry_of(record));
   });
-  // A copy, which has exactly the size of its records: a buffer that is reused and moved in would give every block the capacity of the
+  // A copy, which takes exactly the size of its records: if the reused buffer were moved in, every block would take the capacity of the
   // largest one.
   if (!drained_.empty()) recent_.push_back({drained_, newest_ns_});
   if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_reported_) {
@@ -265,7 +265,7 @@ void SessionRecorder::append_end(std::string& to) {
 // If a recording cannot be written, it is ended, and the session continues without it.
 void SessionRecorder::write_entries(bool all) {
   if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
-  // Flushed, so that the bytes that are counted are in the file and not in a buffer.
+  // Flushed, so that the counted bytes are in the file and not in a buffer.
   const bool good = std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() && std::fflush(file_.get()) == 0;
   counts_.file_bytes += good ? unwritten_.size() : 0;
   counts_.file_entries += good ? unwritten_entries_ : 0;

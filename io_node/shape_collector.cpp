@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// The object's newest shape, which becomes the one of that serial if it is newer. Null: it is older, of a haptics process that was
-// replaced, or of one object too many.
+// The record of the object's newest shape, which is begun anew if `serial` is newer. Null: the serial is older, the haptics process was
+// replaced, there are too many objects, or `total` is not that of the shape.
 ShapeCollector::Newest* ShapeCollector::find(std::uint32_t source, std::int32_t object, std::uint32_t serial, std::uint32_t total,
                                              Arrival arrival) noexcept {
   const MoveSource::Verdict verdict = processes_.note(source, arrival);
@@ -31,7 +31,7 @@ void ShapeCollector::note(const ShapeStart& start, Arrival arrival, std::int64_t
   newest->request_ns = now_ns + kPartTimeoutNs;
 }
 
-// From the first vertex that is missing.
+// Requests the vertices from the first missing part on.
 ShapeStatus ShapeCollector::make_request(const Newest& newest) const noexcept {
   std::uint32_t part = 0;
   while (newest.received[part]) ++part;

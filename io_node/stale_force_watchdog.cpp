@@ -21,7 +21,7 @@ void StaleForceWatchdog::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Later forces reply to later samples, so the present one is the first to become too old.
+// Later forces reply to later samples, so the present force is the first that can become too old.
 std::int64_t StaleForceWatchdog::check() noexcept {
   (void)loop_.cut_if_older(kLimitNs);
   const std::int64_t now_ns = clock_.now_ns();

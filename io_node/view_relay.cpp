@@ -3,7 +3,7 @@
 namespace hapton {
 
 bool ViewRelay::accept(const ViewTransform& view, std::size_t peer, std::int64_t now_ns) noexcept {
-  // Revisions count up around the 32-bit circle.
+  // Revisions wrap around at 2^32, so the sign of their difference tells which is newer.
   const bool is_ahead = !view_ || static_cast<std::int32_t>(view.revision - view_->revision) > 0;
   if (owner_ != kNobody && owner_ != peer && !is_ahead) {
     peers_.send_to(peer, *view_);

@@ -17,7 +17,7 @@ void VisionFeed::on_frame_ack(const Header& header, const FrameAck& frame, std::
       frame.echo_sample != 0 && frame.echo_sample <= newest_sample && age_ns >= 0 && frame.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
   pace_.on_frame_ack(peer, frame, now_ns);
-  if (frame.unchanged || frame.every_sample) return;  // no frame to measure
+  if (frame.unchanged || frame.every_sample) return;  // no frame was drawn that could be measured
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);
   if (hops_ != nullptr) hops_->on_frame_ack(header, frame, peer);
@@ -53,7 +53,7 @@ void VisionFeed::refresh_statistics(std::uint64_t newest_sample, std::int64_t no
   const bool has_haptics = peers_.has_haptics();
   probe_.round_trip_p50_us = has_haptics ? static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5)) : 0.0F;
   probe_.round_trip_p99_us = has_haptics ? static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99)) : 0.0F;
-  // Then it is the reason why there is no force, and the good time before does not count.
+  // Late replies are the reason why there is no force: show the newest round trip, and not the median, which includes better times.
   if (has_haptics && stats_.are_replies_late()) probe_.round_trip_p50_us = static_cast<float>(1e6 * stats_.newest_round_trip_s);
 }
 

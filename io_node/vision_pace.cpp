@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// Apart from when: nothing that a person sees.
+// True: the states differ in nothing that a person sees; the sample and its time do not count.
 bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
   return a.p_WD == b.p_WD && a.q_WT.coeffs() == b.q_WT.coeffs() && a.visual_offset_m == b.visual_offset_m && a.force_n == b.force_n &&
          a.contact == b.contact && a.buttons == b.buttons && a.servo_rate_hz == b.servo_rate_hz &&
@@ -24,7 +24,7 @@ VisionPace::VisionPace(double rate_hz, std::uint32_t ignored_buttons) noexcept
 
 void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
-  if (frame.echo_sample < place.sent.sample || (frame.unchanged && !place.is_waiting)) return;  // of an older state, or told again
+  if (frame.echo_sample < place.sent.sample || (frame.unchanged && !place.is_waiting)) return;  // about an older state, or repeated
   place.is_waiting = false;
   place.wants_every_sample = frame.every_sample;
   const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);

@@ -87,7 +87,7 @@ bool Client::receive_message(const Message& message, Time now) {
   return true;
 }
 
-// A client that repeats itself a thousand times a second is notified once a second.
+// A client that sends forces a thousand times a second is notified once a second.
 void Client::reject_force(Time now) {
   ++rejected_forces_;
   if (told_s_ == now.s) return;
@@ -95,11 +95,11 @@ void Client::reject_force(Time now) {
   append_error_text(out_, header(OurType::text, now), kRejection);
 }
 
-// The number of the described sender is in the sender field.
+// The sender field of a sender description contains the number of the sender that it describes.
 void Client::receive_sender(const Message& message) {
   const bool is_us = name_of(message) == name_;
   if (is_us) remember(us_, message.sender, kMaxIds);
-  // The number now means someone else.
+  // This number now names another sender.
   if (!is_us) std::erase(us_, message.sender);
 }
 

@@ -22,7 +22,7 @@ constexpr std::int64_t kCookieTimeoutNs = 5 * kNanosecondsPerSecond;  // for the
 constexpr std::int32_t kButtons = 32;                                 // the bits of DeviceSample::buttons
 constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;         // values of vrpn_ForceDevice's Force_Error message
 constexpr int kNiceness = 10;                                         // lower priority than servo and haptics node, which may share its CPU
-constexpr double kSlowestHz = 0.1;                                    // least report rate; a client that requests less gets this; a choice
+constexpr double kSlowestHz = 0.1;                                    // a client that requests a lower report rate gets this; a choice
 
 // VRPN stamps its messages with the time of day.
 Time to_time_of_day(std::int64_t monotonic_ns) {
@@ -40,7 +40,7 @@ bool is_own_address(const std::string& text, const Address& peer) {
 }
 
 // The port of "HOST PORT\0", which a client sends in a datagram to request a TCP connection to itself. The host is ignored: only the sender
-// of the datagram is connected to, because otherwise anyone could make us connect to any host.
+// of the datagram is connected to, because otherwise anyone could make this server connect to any host.
 std::optional<std::uint16_t> callback_port(std::span<const std::byte> bytes) {
   constexpr std::size_t kLongest = 200;
   constexpr int kLowest = 1024;
@@ -68,7 +68,7 @@ struct Server::State final : StreamEndpoint::Listener {
     bool is_reported = false;  // the log has a line about it
     bool has_states = false;   // it was sent the states of buttons and device, so changes may follow
     bool is_rejection_logged = false;
-    bool is_touching = false;  // contact in the last message to it
+    bool is_touching = false;  // the last contact message to it reported contact
     std::int64_t next_report_ns = 0;
     std::optional<Address> udp;
   };
@@ -191,7 +191,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   // A client repeats the request until it is connected.
   const bool is_there = std::any_of(peers.begin(), peers.end(), [&](const auto& peer) { return peer.second.address == to; });
   if (is_there) return;
-  // As for who connects by TCP.
+  // Makes room as for a client that connects by TCP.
   if (peers.size() >= StreamEndpoint::kMaxConnections) endpoint->close(choose_connection_to_evict());
   if (const StreamEndpoint::Id id = endpoint->connect(to); id != 0) {
     auto& peer = peers.try_emplace(id, options.name).first->second;
@@ -227,7 +227,7 @@ void Server::State::append_to_reporting_clients(OurType type, Append&& append) {
   }
 }
 
-// Sends every change of a button; of everything else only the newest state is sent, later.
+// Sends every change of a button and of the error state; of everything else report() sends only the newest state.
 void Server::State::take_samples() {
   feed.take([&](const FeedSample& sample) {
     const std::uint32_t before = newest ? newest->device.buttons : 0;
@@ -283,7 +283,7 @@ void Server::State::report() {
   if (is_new) sent = newest;
 }
 
-// What changes are told of, as it is now. The end of an error is no news to who has not heard of it.
+// The present states of which later only changes are sent: buttons and error. Without an error there is nothing to send about it.
 void Server::State::show_states(Client& client, Time time) const {
   append_button_states(client.out(), client.header(OurType::button_states, time), newest->device.buttons, kButtons);
   if (newest->status == DeviceStatus::ready) return;
