@@ -9,7 +9,7 @@
 #include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
-// The messages about removed material to and from their form in proto/hapton.proto.
+// Converts messages about carves to and from their form in proto/hapton.proto.
 namespace hapton {
 namespace {
 
@@ -89,7 +89,7 @@ bool read(const wire::Carves& from, Carves& to) {
   if (from.numbers().size() != kNumbersOfOne * (count - undoes) || from.undone().size() != 2 * undoes) return false;
   to.count = static_cast<std::uint32_t>(count);
   if ((to.count > 0) != (to.first > 0)) return false;
-  // The last one here is no newer than the newest.
+  // The last entry must not be newer than `newest`.
   if (to.count > 0 && (to.first > to.newest || to.newest - to.first < to.count - 1)) return false;
   int carve = 0;
   int undo = 0;

@@ -74,8 +74,8 @@ std::optional<std::uint64_t> peek_version(std::span<const std::byte> bytes) {
   return std::nullopt;
 }
 
-// Every field ends within the datagram. The parser finds that out too, but only after it has reserved room for whatever length a
-// message claims to have.
+// True: every field ends within the datagram. The parser checks this too, but only after it has reserved room for whatever length the
+// message states.
 bool is_well_framed(std::span<const std::byte> bytes) {
   using google::protobuf::internal::WireFormatLite;
   google::protobuf::io::CodedInputStream input(reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<int>(bytes.size()));
@@ -153,7 +153,7 @@ void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes)
 void reserve(wire::ViewRejected&) {}
 void reserve(wire::LoopFacts& m) { m.mutable_device()->reserve(kMaxDatagramBytes); }
 void reserve(wire::PatchBegin& m) { reserve_field(*m.mutable_origin_m()); }
-// A varint takes at least one byte, so this bounds their number.
+// A varint takes at least one byte, so a datagram contains at most this many.
 void reserve(wire::PatchCell& m) {
   m.mutable_index()->Reserve(kMaxDatagramBytes);
   m.mutable_empty_children()->reserve(kMaxDatagramBytes);
@@ -222,7 +222,7 @@ void reserve(wire::Bye&) {}
 
 }  // namespace
 
-// A sender and a receiver side, each an Envelope that owns one message of every kind.
+// One Envelope for sending and one for receiving; each owns one message of every kind.
 struct Codec::Wire {
   wire::Envelope outgoing;
   wire::Envelope incoming;

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Limits of a script, beyond any network of interest: a delay in ns, a burst in datagrams.
+// Largest values that a script may contain, beyond any network of interest: a delay in ns, a burst in datagrams.
 constexpr std::int64_t kLongestNs = 60'000'000'000;
 constexpr double kLongestBurst = 1e6;
 
@@ -48,7 +48,7 @@ Result<void> check_faults(const LinkFaults& faults) {
   return {};
 }
 
-// From the bits, because std::uniform_real_distribution differs between standard libraries.
+// Computed from random bits, because std::uniform_real_distribution differs between standard libraries.
 double FaultInjector::draw_share() noexcept { return static_cast<double>(random_() >> 11) * 0x1p-53; }
 
 void FaultInjector::draw_state() noexcept {
@@ -71,7 +71,7 @@ Fate FaultInjector::draw(std::int64_t now_ns) noexcept {
     const auto jitter_ns = static_cast<std::int64_t>(std::llround(draw_share() * static_cast<double>(faults_.jitter_ns)));
     due_ns = now_ns + faults_.delay_ns + jitter_ns;
   }
-  // Only the first copy is held back.
+  // Of a duplicated datagram only the first copy is held back.
   if (fate.held_back) fate.due_ns[0] += faults_.reorder_by_ns;
   if (is_lost) fate.kind = is_bad_state_ ? Fate::Kind::lost_in_burst : Fate::Kind::lost;
   if (faults_.partition) fate.kind = Fate::Kind::partitioned;

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Where the filter of a UDP socket begins to read, and what lies in front of that (linux/filter.h).
+// A filter of a UDP socket reads from the UDP header on. Special offsets give it the IP header and a random number (linux/filter.h).
 constexpr std::uint32_t kUdpHeaderBytes = 8;
 constexpr std::uint32_t kNetwork = static_cast<std::uint32_t>(SKF_NET_OFF);
 constexpr std::uint32_t kRandom = static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_RANDOM);
@@ -25,7 +25,7 @@ bool is_kind(std::span<const std::byte> datagram, seal::Kind kind) {
   return datagram.size() >= seal::kCounterAt && datagram[2] == static_cast<std::byte>(kind);
 }
 
-// As a filter loads it.
+// The session as a filter loads it: a big-endian word.
 std::uint32_t session_of(std::span<const std::byte> datagram) {
   std::uint32_t session = 0;
   for (const std::byte byte : datagram.subspan(seal::kConnectionAt, 4)) session = session << 8 | static_cast<std::uint32_t>(byte);
@@ -44,7 +44,7 @@ void FloodFilter::note_sent(const Address& to, std::span<const std::byte> datagr
   if (is_kind(datagram, seal::Kind::data)) remember({to, session_of(datagram), now_ns, true});
 }
 
-// A peer that agrees on sessions endlessly displaces other such peers, but none that is sent data.
+// A peer that agrees on one session after another displaces other such peers, but none to which data has been sent.
 void FloodFilter::remember(const Known& known) noexcept {
   Known* place = &known_[last_known_];
   if (!place->is(known.address, known.session)) {
@@ -95,7 +95,7 @@ FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t 
   unknown_datagrams_ = 0;
   period_ns_ = now_ns;
   due_ns_ = now_ns + kPeriodNs;
-  // A flood grows within a period and declines over many (to half in 34, 0.2 s): the share that passes must not change with the scheduler.
+  // The rate rises within a period and falls over many (to half in 34, 0.2 s), so that the passed share does not vary with the scheduler.
   rate_per_s_ = std::max(rate_per_s, 0.98 * rate_per_s_);
   if (is_loud) {
     loud_ns_ = now_ns;
@@ -108,7 +108,7 @@ FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t 
     return Action::remove;
   }
   counts_.floods += is_shut_ ? 0 : 1;
-  // Another program only if the share that passes would be wrong by a factor of 2 upwards or 4 downwards: each one is a system call.
+  // Installs another filter program only if the known peers changed or the rate doubled or fell to a quarter: each is a system call.
   const bool is_same =
       is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
   is_shut_ = true;
@@ -126,7 +126,7 @@ void FloodFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_tru
   if (program_size_ < program_.size()) program_[program_size_++] = {code, jump_true, jump_false, k};
 }
 
-// Passes datagrams from there in that session; others continue after it.
+// Adds instructions that pass the datagrams of `known`: from its address, in its session. Others go on to the instructions that follow.
 void FloodFilter::add_known(const Known& known) noexcept {
   const bool v4 = is_v4(known.address);
   const std::uint8_t words = v4 ? 1 : 4;
@@ -151,7 +151,7 @@ void FloodFilter::add_known(const Known& known) noexcept {
 
 void FloodFilter::build(double passed_share) noexcept {
   program_size_ = 0;
-  // Data of our version and of a possible length is compared with the known addresses and sessions; all else passes at random.
+  // Data datagrams of this version and a possible length are compared with the known addresses and sessions; all others pass at random.
   const std::uint32_t lead =
       0x08000000U | (static_cast<std::uint32_t>(kProtocolVersion) << 16) | (static_cast<std::uint32_t>(seal::Kind::data) << 8);
   std::array<const Known*, kKnown> passing = {};
@@ -159,7 +159,7 @@ void FloodFilter::build(double passed_share) noexcept {
   for (const Known& known : known_) {
     if (known.time_ns > 0 && period_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
   }
-  // Conditional jumps of a filter reach 255 instructions; an unconditional one reaches all of it.
+  // A conditional jump of a filter reaches 255 instructions, an unconditional jump all of them.
   add(BPF_LD | BPF_W | BPF_LEN, 0);
   add(BPF_JMP | BPF_JGE | BPF_K, kUdpHeaderBytes + seal::kOverheadBytes, 1, 0);
   const std::size_t too_short = program_size_;

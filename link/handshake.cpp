@@ -21,7 +21,7 @@ bool is_signed(const Secret& key, const std::uint8_t* in, std::size_t tag_at) {
   return is_tag(compute_tag(key, signed_part(in, tag_at)), in + tag_at);
 }
 
-// So that an eavesdropper cannot find out which nodes are on one host, except for those of one role.
+// Hides the host id, so that an eavesdropper cannot find out which nodes run on one host, except nodes of the same role.
 std::uint64_t hide_host(std::uint64_t host, const Secret& key) {
   std::array<std::uint8_t, 1 + sizeof host> text = {'h'};
   store(host, text.data() + 1);
