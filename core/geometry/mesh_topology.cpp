@@ -11,8 +11,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kDegenerateArea = 1e-14;  // of the longest edge squared
-constexpr double kNeedleHeight = 0.01;     // of the longest edge
+constexpr double kDegenerateArea = 1e-14;  // largest area of a degenerate triangle, over its longest edge squared
+constexpr double kNeedleHeight = 0.01;     // height below which a triangle is a needle, over its longest edge
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
@@ -36,7 +36,7 @@ struct Buckets {
   }
 };
 
-// Counting sort: each(add) calls add(bucket, item) for every item, in two passes.
+// Counting sort in two passes. Each pass calls each(add), which calls add(bucket, item) for every item.
 template <class Item, class Each>
 Buckets<Item> fill_buckets(std::size_t count, Each each) {
   Buckets<Item> buckets;
@@ -74,8 +74,8 @@ class TopologyCounter {
     const Vec3 centre = box.center();
     Vec3 area_vector = Vec3::Zero();
     for (const Triangle& t : mesh_.triangles) count_shape(t, centre, area_vector);
-    // Moves the reference point from the box's centre, which keeps the digits of a small mesh far away, back to the origin; zero for a
-    // closed mesh.
+    // So far this is the volume between surface and box centre, which keeps the digits of a small mesh far from the origin. This term makes
+    // it the volume between surface and origin; the term is zero for a closed mesh.
     result_.signed_volume += centre.dot(area_vector) / 3.0;
   }
 

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// At a vertex, the normals turn from one to the other: a side of the gap that the edge fans leave there.
+// One side of the gap that the edge fans leave at a vertex: the normal turns from `from` to `to`.
 struct Turn {
   std::uint32_t vertex;
   std::uint32_t from;
@@ -27,17 +27,17 @@ void add(ShadedMesh& mesh, const Triangle& vertices, const Triangle& normals, st
   mesh.source.push_back(source);
 }
 
-// The turns of one vertex, each taken once: a hostile file has a hundred thousand. Pre: sorted by `from`.
+// The turns at one vertex; each can be taken once. A hostile file may have a hundred thousand of them. Pre: sorted by `from`.
 class OpenTurns {
  public:
   explicit OpenTurns(std::span<const Turn> turns) : turns_(turns), is_taken_(turns.size(), false), taken_from_(turns.size(), 0) {}
 
-  // The last one that is left; null: none is.
+  // The last turn that is not taken yet; null: all are taken.
   const Turn* take_last() {
     while (!turns_.empty() && is_taken_[turns_.size() - 1]) turns_ = turns_.first(turns_.size() - 1);
     return turns_.empty() ? nullptr : take(turns_.size() - 1);
   }
-  // The first one that is left from that normal; null: none is.
+  // The first turn from this normal that is not taken yet; null: all of these are taken.
   const Turn* take_from(std::uint32_t normal) {
     const auto group = static_cast<std::size_t>(std::ranges::lower_bound(turns_, normal, {}, &Turn::from) - turns_.begin());
     if (group == turns_.size()) return nullptr;
@@ -53,9 +53,9 @@ class OpenTurns {
     return &turns_[at];
   }
 
-  std::span<const Turn> turns_;  // without those at the end that are taken
+  std::span<const Turn> turns_;  // without the taken turns at its end
   std::vector<bool> is_taken_;
-  std::vector<std::size_t> taken_from_;  // by the first turn from a normal: how many of them take_from() has taken
+  std::vector<std::size_t> taken_from_;  // by index of the first turn from a normal: how many turns from it take_from() has taken
 };
 
 // Links the turns of one vertex into rings; adds a fan of triangles over each ring of three or more.
@@ -101,7 +101,7 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
       const std::uint32_t a1 = mesh.corner_normals[t][(k + 1) % 3];
       const std::uint32_t b1 = mesh.corner_normals[other->triangle][other->corner];
       const std::uint32_t b0 = mesh.corner_normals[other->triangle][(other->corner + 1) % 3];
-      // t runs along v0 v1, so the fan beside it runs v1 v0, and beside the other v0 v1.
+      // t traverses the edge from v0 to v1. So the fan traverses it from v1 to v0 beside t, and from v0 to v1 beside the other triangle.
       if (a0 != b0) {
         add(mesh, {v1, v0, v0}, {a1, a0, b0}, mesh.source[t]);
         ++report.edge_fans;

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Fixed directions without a pattern: two irrational rotations apart.
+// Fixed directions in which the three rays are offset, with digits of irrational constants: meshes are hardly ever aligned with them.
 constexpr std::array<std::array<double, 3>, 3> kAside = {
     {{0.31, 0.7310585786, -0.5772156649}, {-0.27, -0.6180339887, -0.4142135624}, {0.11, 0.1415926536, 0.7182818285}}};
 
@@ -76,13 +76,13 @@ bool PointInMesh::is_inside(const Vec3& p) const {
   int votes = 0;
   for (const auto& aside : kAside) {
     const Vec3 q = p + jitter_m_ * Vec3(aside[0], aside[1], aside[2]);
-    if (!((q.array() >= low_.array()).all() && (q.array() <= high_.array()).all())) continue;  // also where one is NaN
+    if (!((q.array() >= low_.array()).all() && (q.array() <= high_.array()).all())) continue;  // also skips a point with a NaN coordinate
     votes += winding_along_x(q) != 0;
   }
   return votes >= 2;
 }
 
-// Signed crossings of the ray towards +x. A ray exactly through an edge may miscount; the other rays outvote it.
+// Signed number of crossings of the ray from p towards +x. May be wrong for a ray exactly through an edge: the other two rays outvote it.
 int PointInMesh::winding_along_x(const Vec3& p) const {
   int winding = 0;
   const std::size_t cell = cell_of(p.y(), p.z());

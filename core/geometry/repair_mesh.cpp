@@ -11,9 +11,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kNeedleHeight = 0.01;  // of the longest edge
+constexpr double kNeedleHeight = 0.01;  // height below which a triangle is a needle, over its longest edge
 
-// The triangle starting at its lowest vertex, in the same order.
+// The triangle with its lowest-numbered vertex first, in the same cyclic order.
 KeyTable<3>::Key rotated(const Triangle& t) {
   const auto k = std::min_element(t.begin(), t.end()) - t.begin();
   return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};

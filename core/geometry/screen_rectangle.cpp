@@ -7,14 +7,14 @@
 namespace hapton {
 namespace {
 
-// Of each corner, in units of half a side.
+// Coordinates s_x and s_y of each corner along the sides, in units of half a side.
 constexpr std::array<double, 4> kSideX = {-1.0, 1.0, 1.0, -1.0};
 constexpr std::array<double, 4> kSideY = {-1.0, -1.0, 1.0, 1.0};
 
 constexpr std::string_view kTouchInOrder =
     "touch the lower left, lower right, upper right and upper left corner of the picture, in this order";
 
-// Four points in the orthogonal basis 1, s_x, s_y, s_x s_y over the corners: p_i = m + s_x a + s_y b + s_x s_y t.
+// Coefficients of four points p_i in the orthogonal functions 1, s_x, s_y, s_x s_y of the corner: p_i = m + s_x a + s_y b + s_x s_y t.
 struct CornerMeans {
   Vec3 m = Vec3::Zero();
   Vec3 a = Vec3::Zero();
@@ -32,10 +32,10 @@ CornerMeans average(const ScreenCorners& corners) {
 }
 
 // The sum of squared distances to a rectangle with centre c, axes x, y and half sides u, v is 4 (|m - c|^2 + |a - u x|^2 + |b - v y|^2 +
-// |t|^2): so c = m, u = a.x, v = b.y, and (a.x)^2 + (b.y)^2 is to be as large as possible. As a function of the parts of x and y in the
-// plane of a and b it is convex, and these parts form a matrix of norm at most 1: so its maximum is at an orthogonal one, x and y lie in
-// that plane. With the plane's vectors as complex numbers and x = e^(i angle), y = i x it is half of |a|^2 + |b|^2 + Re((a^2 - b^2) / x^2),
-// and so the largest for angle = arg(a^2 - b^2) / 2. The sides are then not negative.
+// |t|^2). So c = m, u = a.x, v = b.y, and S = (a.x)^2 + (b.y)^2 has to be as large as possible. S is a convex function of the projections
+// of x and y onto the plane of a and b. These form a matrix of norm at most 1, so S is largest where it is orthogonal: x and y lie in that
+// plane. With the plane's vectors as complex numbers and x = e^(i angle), y = i x, S is half of |a|^2 + |b|^2 + Re((a^2 - b^2) / x^2). It
+// is largest for angle = arg(a^2 - b^2) / 2. The sides u and v are then not negative.
 ScreenRectangle find_closest(const CornerMeans& means) {
   const auto& [m, a, b] = means;
   const Vec3 e1 = a.norm() > 0.0 ? a.normalized() : Vec3(Vec3::UnitX());

@@ -23,13 +23,13 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxTries = 16;                    // in which parts that led too far are left out; kMaxJoins and kMaxWork bound the time
-constexpr int kMaxPasses = 8;                    // surfaces need one or two that change something
-constexpr double kMaxOffsetOfPart = 2.0;         // tolerances from a part of a split triangle to the triangle
-constexpr std::size_t kMaxWork = 5000;           // per boundary edge: surfaces need less than a fiftieth of that
-constexpr std::size_t kTrianglesPerVertex = 64;  // away from the boundary, that cost as much as a vertex at it
-// Limit on complete repetitions, so that many close vertices do not take minutes: surfaces need one or two, dense clusters dozens. A small
-// mesh may take more: kMaxJoinedVertices in all.
+constexpr int kMaxTries = 16;                    // attempts of join() and of join_until_settled(); kMaxJoins and kMaxWork bound the time
+constexpr int kMaxPasses = 8;                    // of join_in_passes(); ordinary surfaces need one or two that change something
+constexpr double kMaxOffsetOfPart = 2.0;         // largest distance of a part of a split triangle from that triangle, in tolerances
+constexpr std::size_t kMaxWork = 5000;           // per boundary vertex; ordinary surfaces need less than a fiftieth of that
+constexpr std::size_t kTrianglesPerVertex = 64;  // so many triangles of the mesh cost as much as one boundary vertex
+// Limit on repetitions of a whole join, so that many close vertices do not take minutes: ordinary surfaces need one or two, dense clusters
+// dozens. A small mesh may have more repetitions, until all together have cost as much as kMaxJoinedVertices boundary vertices.
 constexpr std::size_t kMaxJoins = 6;
 constexpr std::size_t kMaxJoinedVertices = 60'000;
 
@@ -58,9 +58,9 @@ struct Method {
   Turning turning = Turning::any;
 };
 
-// Joins until nothing more can be joined. Where that would go too far, the parts that led there are excluded and everything is repeated: a
-// notch, say, whose sides are close at its tip would be zipped up from there, vertex by vertex.
-// Calls use(joiner, joined mesh) at the end; not if there is no boundary or the budget is used up.
+// Joins until nothing more can be joined. Parts whose joining would exceed the tolerance are excluded (`untouched`), and everything is
+// repeated: the sides of a notch, for example, are close at its tip, and would be zipped up from the tip, vertex by vertex.
+// Calls use(joiner, joined mesh) at the end, unless there is no boundary or the budget is used up.
 template <class Use>
 void join(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget, Use&& use) {
   const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
@@ -111,7 +111,7 @@ void add(const SealReport& next, SealReport& report) {
   report.boundary_edges_left = next.boundary_edges_left;
 }
 
-// Adds what was joined after that.
+// Adds to `sealing` what was joined next, on the mesh in `sealing`.
 void add(Sealing next, Sealing& sealing) {
   if (!sealing.report.has_sealed()) {
     sealing = std::move(next);
@@ -124,7 +124,7 @@ void add(Sealing next, Sealing& sealing) {
   sealing.sources.triangles = std::move(next.sources.triangles);
 }
 
-// The excluded parts of the given mesh, in the mesh that it became.
+// Returns the excluded parts of the given mesh as parts of the mesh in `sealing`.
 JoinedParts follow(const JoinedParts& parts, const TriangleMesh& mesh, const Sealing& sealing) {
   JoinedParts now;
   const std::vector<std::uint32_t>& vertex_now = sealing.sources.vertices;
@@ -144,7 +144,7 @@ JoinedParts follow(const JoinedParts& parts, const TriangleMesh& mesh, const Sea
   return now;
 }
 
-// Joins in passes until nothing more can be joined, with these parts excluded.
+// Joins in passes until nothing more can be joined. The parts in `untouched` are excluded.
 Sealing join_in_passes(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
   Sealing sealing;
   for (int pass = 0; pass <= kMaxPasses && !sealing.is_settled && !budget.is_spent; ++pass) {
@@ -178,8 +178,8 @@ bool is_in_bounds(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& 
   });
 }
 
-// What several passes together did too much of: vertices of the given mesh that were moved farther than the tolerance, edges of triangles
-// that were turned too far.
+// What several passes together have changed too much: vertices of the given mesh that moved farther than the tolerance and, for a triangle
+// that changed beyond the bounds (is_in_bounds), its edges if it was split, otherwise its vertices.
 JoinedParts find_overdone(const TriangleMesh& mesh, const Sealing& sealing) {
   JoinedParts found;
   const double tolerance = sealing.report.tolerance;
@@ -204,7 +204,7 @@ JoinedParts find_overdone(const TriangleMesh& mesh, const Sealing& sealing) {
   return found;
 }
 
-// Excludes parts, and a growing neighbourhood of those that return.
+// Excludes parts. Each time a part has to be excluded again, a larger neighbourhood of it is excluded, too.
 class Exclusion {
  public:
   Exclusion(const TriangleMesh& mesh, double radius) : mesh_(mesh), at_boundary_(find_boundary_vertices(mesh)), radius_(radius) {}
@@ -226,7 +226,7 @@ class Exclusion {
   }
 
  private:
-  // Adds the boundary vertices near these, and those of their triangles.
+  // Adds the boundary vertices near the reached ones, and the boundary vertices of triangles at the reached ones.
   void grow(std::unordered_set<std::uint32_t>& reached) const {
     const VertexTree tree(mesh_.vertices, {reached.begin(), reached.end()});
     std::vector<VertexTree::Found> found;
@@ -249,7 +249,7 @@ class Exclusion {
   std::unordered_map<std::uint32_t, int> times_;
 };
 
-// Joins in passes, and excludes what they would overdo. Nothing if the budget is used up.
+// Joins in passes. If they change parts too much, excludes these and repeats the passes. Returns nothing if the budget is used up.
 std::optional<Sealing> join_in_bounds(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
   std::optional<Exclusion> exclusion;
   for (;;) {
@@ -263,7 +263,7 @@ std::optional<Sealing> join_in_bounds(const TriangleMesh& mesh, const Method& me
   }
 }
 
-// The same, until the same without exclusions finds nothing to join.
+// Calls join_in_bounds(), and then repeats it on its result without exclusions until there is nothing to join.
 std::optional<Sealing> join_until_settled(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
   std::optional<Sealing> sealing = join_in_bounds(mesh, method, untouched, budget);
   if (!sealing || !sealing->report.has_sealed() || (untouched.size() == 0 && sealing->is_settled)) return sealing;
@@ -293,7 +293,7 @@ std::optional<Sealing> seal(const TriangleMesh& mesh, const Method& method, Join
   }
 }
 
-// Seals by the careful method, and the result by the other one as far as that settles.
+// Seals by the careful method (Turning::little), then the result by the other method (Turning::any) if that settles.
 std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, WorkBudget budget) {
   JoinedParts untouched;
   std::optional<Exclusion> exclusion;
@@ -312,7 +312,7 @@ std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, Wo
   }
 }
 
-// Seals by the method that joins most; where that does not settle, by the careful one. Nothing if neither settles.
+// Seals by the method that joins most. If it does not settle, and not because of is_crowded, seals carefully. Nothing if neither settles.
 std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share, const std::vector<std::uint8_t>& at_boundary) {
   const WorkBudget budget = make_budget(mesh, at_boundary);
   WorkBudget used = budget;

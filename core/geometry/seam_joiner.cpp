@@ -9,13 +9,13 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxNearVertices = 32;  // within the tolerance; with as many a vertex counts as crowded
-constexpr std::size_t kMaxEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
+constexpr std::size_t kMaxNearVertices = 32;  // nearest vertices within the tolerance that are examined for each vertex
+constexpr std::size_t kMaxEdgesAtVertex = 8;  // at a vertex with more boundary edges, their far ends are not compared in pairs
 constexpr std::size_t kMaxValence = 256;      // largest valence for which a weld is tried from both ends
-constexpr int kMaxRounds = 64;                // of welding and splitting, until nothing changes; the work given to run() bounds the time
-constexpr double kReservedGap = 4.0;          // tolerances
-constexpr std::size_t kMaxMembers = 32;       // welded together whose positions are tried as the common one
-// Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
+constexpr int kMaxRounds = 64;                // of welding or splitting, for each kind of seam; the work given to run() bounds the time
+constexpr double kReservedGap = 4.0;          // in tolerances: a surface seems to continue beyond a gap of up to this width
+constexpr std::size_t kMaxMembers = 32;       // of vertices welded together, up to which each position is tried as the common one
+// Averages: a surface that is torn apart at every edge has 3 and 2. Above these limits most of the boundary lies within one tolerance.
 constexpr std::size_t kMaxPairs = 8;       // per boundary edge of the original mesh
 constexpr std::size_t kMaxJunctions = 64;  // per boundary edge of the original mesh
 constexpr double kFoldedBack = 0.5;        // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
@@ -36,7 +36,7 @@ SeamJoiner::Closest SeamJoiner::closest_on(const Vec3& a, const Vec3& b, const V
   return {share, (p - a - std::clamp(share, 0.0, 1.0) * along).squaredNorm()};
 }
 
-// Within the tolerance, and beside the edge.
+// The vertex is within the tolerance of the edge, and its projection onto the edge's line lies inside the edge.
 bool SeamJoiner::is_close_by(const Edge& edge, std::uint32_t vertex) const {
   const Closest here = closest(edge, vertex);
   return vertex != edge.apex && here.is_inside() && is_near(here.squared_distance);
@@ -130,7 +130,7 @@ void SeamJoiner::find_pairs() {
       // A vertex with a lower number that has examined all its neighbours has added the pair already.
       if (near.vertex > u || is_full[near.vertex] != 0) add(u, near.vertex);
     }
-    // Edges from one vertex in the same direction: their far ends are joined, however many edges these have.
+    // Edges from one vertex may run in the same direction: their far ends are compared, however many edges there are at these ends.
     if (seam_.boundary_count(u) > kMaxEdgesAtVertex) continue;
     seam_.find_boundary_edges_at(u, edges);
     for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -164,7 +164,7 @@ bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
   return false;
 }
 
-// The same for edges that share their far end, from the vertex of lower valence, which determines the cost.
+// The same, only for edges that share their far end. Searches at the vertex of lower valence, which determines the cost.
 bool SeamJoiner::is_seam_from_far_end(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > seam_.valence(v)) std::swap(u, v);
   seam_.find_boundary_edges_at(u, edges_u_);
@@ -200,7 +200,7 @@ void SeamJoiner::weld_round() {
   }
 }
 
-// The vertex with fewer triangles moves, so that a vertex split into thousands takes n log n steps.
+// The vertex with fewer triangles moves, so that joining a vertex that is split into n copies takes n log n steps.
 bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > seam_.valence(v) || (seam_.valence(u) == seam_.valence(v) && u < v)) std::swap(u, v);
   const SeamMesh::Weld first = seam_.weld(u, v);
@@ -221,7 +221,7 @@ bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   return false;
 }
 
-// Vertices welded to u and v are near each other, u and v are not any more.
+// Welds u and v if vertices welded to them are near each other, although u and v themselves no longer are.
 bool SeamJoiner::weld_between(std::uint32_t u, std::uint32_t v) {
   if (turning_ == Turning::little) return false;
   std::vector<std::uint32_t> of_u, of_v;
@@ -232,7 +232,7 @@ bool SeamJoiner::weld_between(std::uint32_t u, std::uint32_t v) {
   return weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u);
 }
 
-// Welds u and v at the position of another vertex welded to u that suits all.
+// Welds u and v at the position of another vertex welded to u that is within the tolerance of all vertices welded to u or v.
 bool SeamJoiner::weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
                                 const std::vector<std::uint32_t>& of_v) {
   const auto is_near_all = [&](std::uint32_t member, const std::vector<std::uint32_t>& all) {
@@ -311,7 +311,7 @@ void SeamJoiner::split_round() {
   }
 }
 
-// The part of an edge of this round that is still boundary, at a share of its length.
+// The piece of an edge of this round, at a share of the edge's length; nothing if the piece is no longer boundary.
 std::optional<SeamJoiner::Edge> SeamJoiner::find_piece(std::uint32_t edge, double share) const {
   std::uint32_t a = edges_[edge].from;
   std::uint32_t b = edges_[edge].to;
@@ -378,16 +378,16 @@ bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
   return false;
 }
 
-// The edge f leads from the vertex to `end` of the piece.
+// As zip_at, where the edge f leads from the vertex to `end` of the piece.
 bool SeamJoiner::zip_to_end(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t end) {
   return kind_of(piece, end, f, end) <= kind_ && !is_over_strip(piece, vertex, f) && cut(piece, vertex);
 }
 
-// The edge f leads to another vertex near the piece, or beyond one of the piece's ends that is near f.
+// As zip_at, where the edge f leads to another vertex near the piece, or past one of the piece's ends, which is then near f.
 bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far) {
   if (f.triangle == piece.triangle) return false;
   if (is_close_by(piece, far)) {
-    const bool runs_on = closest(piece, far).share > closest(piece, vertex).share;  // in the direction of the piece
+    const bool runs_on = closest(piece, far).share > closest(piece, vertex).share;  // f leads from the vertex in the direction of the piece
     if (!is_kind(piece, f, vertex, runs_on) || is_over_strip(piece, vertex, f) || !cut(piece, vertex)) return false;
     const std::optional<Edge> rest = find_boundary_edge(vertex, runs_on ? piece.to : piece.from);
     if (rest && cut(*rest, far)) return true;
@@ -403,7 +403,7 @@ bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const 
   return false;
 }
 
-// f, seen from the vertex, has the direction of the piece or the opposite one.
+// Whether seams of this kind are joined now. runs_on: f leads from the vertex in the direction of the piece, otherwise in the opposite one.
 bool SeamJoiner::is_kind(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const {
   if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= sharp;
   const bool is_same_direction = (f.from == vertex) == runs_on;

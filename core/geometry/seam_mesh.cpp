@@ -8,16 +8,16 @@ namespace hapton {
 namespace {
 
 constexpr double kNoArea = 1e-14;           // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
-constexpr double kMinCosine = 1e-3;         // between a triangle's normals before and after
-constexpr double kMinCosineOfShort = 0.75;  // 41 degrees: with Turning::little
-constexpr double kShortEdge = 2.0;          // tolerances
-constexpr double kMinShare = 0.1;           // of a height that was below the least one
-constexpr std::ptrdiff_t kMaxFlooded = 64;  // triangles
+constexpr double kMinCosine = 1e-3;         // least cosine between a triangle's normals before and after
+constexpr double kMinCosineOfShort = 0.75;  // the same with Turning::little, for a triangle with a short edge: 41 degrees
+constexpr double kShortEdge = 2.0;          // in tolerances: a shorter edge is short
+constexpr double kMinShare = 0.1;           // least share of its height that a triangle keeps, where kMinHeight would require more
+constexpr std::ptrdiff_t kMaxFlooded = 64;  // triangles that flood() adds before it gives up
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 struct Shape {
-  Vec3 normal;  // twice the area long
+  Vec3 normal;  // its length is twice the area
   double longest_squared = 0.0;
   double shortest_squared = 0.0;
   bool has_area() const { return normal.norm() > kNoArea * longest_squared; }
@@ -306,7 +306,7 @@ bool SeamMesh::keeps_members_near(std::uint32_t u, std::uint32_t v) const {
   return is_near;
 }
 
-// Edges that would coincide have one triangle each, and these two differ.
+// True if, where edges would coincide, each has one triangle, and these two would not get the same three vertices.
 bool SeamMesh::keeps_edges_apart(std::uint32_t u, std::uint32_t v) const {
   for (const std::uint32_t t : fan_of(u)) {
     for (const std::uint32_t w : mesh_.triangles[t]) {
@@ -322,7 +322,7 @@ bool SeamMesh::keeps_edges_apart(std::uint32_t u, std::uint32_t v) const {
   return true;
 }
 
-// Triangles at u, after it has moved to the position of v.
+// True if the triangles at u stay sound when u moves to the position of v.
 bool SeamMesh::stays_sound(std::uint32_t u, std::uint32_t v) const {
   return std::all_of(fan_of(u).begin(), fan_of(u).end(), [&](std::uint32_t t) {
     Triangle moved = mesh_.triangles[t];
@@ -381,7 +381,7 @@ bool SeamMesh::split(std::uint32_t a, std::uint32_t b, std::uint32_t at) {
   sources_.push_back(source);
   add_edges(edge.triangle);
   add_edges(added);
-  --zipped_;  // the edge between the two
+  --zipped_;  // add_edges() has counted the edge between the two parts, which is not a seam
   fan_of(at).insert(fan_of(at).end(), {edge.triangle, added});
   std::replace(fan_of(edge.to).begin(), fan_of(edge.to).end(), edge.triangle, added);
   if (is_tracked(edge.apex)) fan_of(edge.apex).push_back(added);

@@ -7,7 +7,7 @@ namespace hapton {
 SharedEdges::SharedEdges(std::span<const Triangle> triangles) : sides_(3 * triangles.size()), edge_of_(3 * triangles.size()) {
   std::uint32_t largest = 0;
   for (const Triangle& t : triangles) largest = std::max({largest, t[0], t[1], t[2]});
-  // Sorts the sides by their lower vertex with a counting sort, then those of each lower vertex by the higher one: they are few.
+  // Sorts the sides by their lower vertex with a counting sort, then those of each lower vertex, which are few, by the higher one.
   std::vector<std::uint32_t> next(std::size_t{largest} + 2, 0);
   for (const Triangle& t : triangles) {
     for (int k = 0; k < 3; ++k) ++next[std::min(t[k], t[(k + 1) % 3]) + 1];

@@ -18,9 +18,9 @@
 namespace hapton {
 namespace {
 
-constexpr int kTries = 16;      // down to 0.3 % of the bound: quadrics were off by a factor of six at most (decision 3)
+constexpr int kTries = 16;      // the last one uses 0.5 % of the bound: quadrics were off by a factor of six at most (decision 3)
 constexpr double kFiner = 0.7;  // factor on the quadrics' error bound from attempt to attempt
-constexpr int kMaxIdle = 64;    // triangles visited without coming nearer
+constexpr int kMaxIdle = 64;    // triangles visited in a row without coming nearer
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 // The triangles at each vertex.
@@ -45,7 +45,7 @@ class Fans {
   std::vector<std::uint32_t> triangles_;
 };
 
-// For every vertex the closest one, in edges, that is still used; kNone if a whole piece was removed.
+// For every vertex, the vertex still in use that is the fewest edges away; kNone if a whole piece was removed.
 std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, const Fans& fans_before, const Fans& fans_after,
                                              std::size_t vertices) {
   std::vector<std::uint32_t> kept(vertices, kNone);
@@ -67,8 +67,8 @@ std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, c
   return kept;
 }
 
-// Finds the triangle closest to a point by descending over adjacent triangles, the closest known first. A row of triangles without area is
-// as near as the one before it, so some steps may gain nothing.
+// Finds the triangle closest to a point: goes from triangle to triangle over common vertices, always from the closest one known. In a row
+// of triangles without area each is as near as the one before it, so some steps may gain nothing.
 class Descent {
  public:
   explicit Descent(const TriangleMesh& mesh)
@@ -76,7 +76,7 @@ class Descent {
 
   const Fans& fans() const { return fans_; }
 
-  // The distance from p at the end of the descent from a vertex.
+  // The distance of p from the closest triangle found, in a search that starts at a vertex.
   double find_distance(std::uint32_t from, const Vec3& p) {
     ++search_;
     open_.clear();
@@ -157,7 +157,7 @@ Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m) {
   report.before = report.after = mesh.triangles.size();
   if (max_error_m == 0.0 || mesh.triangles.empty()) return report;
 
-  mesh.authored_normals.clear();  // triangles may be different ones now
+  mesh.authored_normals.clear();  // they belong to the old triangles, which may be replaced now
   const std::vector<Triangle> before = std::move(mesh.triangles);
   const std::vector<float> positions = positions_in_unit_box(mesh, bounds.low, side);
   double error = max_error_m / side;

@@ -44,7 +44,7 @@ Result<SmoothSurface> make_smooth_surface(const TriangleMesh& mesh, const Smooth
   auto simplified = simplify_small(clean, settings.simplify_error_m);
   if (!simplified) return tl::unexpected(simplified.error());
   report.simplify = *simplified;
-  // After merging, triangles have no source.
+  // Once triangles have been merged, no triangle has a source.
   if (report.simplify.after != report.simplify.before) source.assign(clean.triangles.size(), std::numeric_limits<std::uint32_t>::max());
 
   SmoothSurface surface;

@@ -93,7 +93,7 @@ class Round {
       for (int k = 0; k < 3; ++k) add(t, corner[k], half[k], half[(k + 2) % 3]);
       return;
     }
-    // Rotated so that edge 0 is the marked one, or edges 0 and 1 are the two.
+    // Rotates the corners so that edge 0 is the marked edge, or edges 0 and 1 are the two marked edges.
     int turn = 0;
     while (marks == 1 ? middle[turn] == kNone : middle[(turn + 2) % 3] != kNone) ++turn;
     const auto c = [&](int k) { return corner[(turn + k) % 3]; };
@@ -104,7 +104,7 @@ class Round {
       return;
     }
     put(t, h(0), c(1), h(1));
-    // The shorter diagonal of the remaining quadrilateral.
+    // Divides the remaining quadrilateral along its shorter diagonal.
     const auto place = [&](const Corner& at) { return mesh_.vertices[at.vertex]; };
     if ((place(h(1)) - place(c(0))).squaredNorm() <= (place(c(2)) - place(h(0))).squaredNorm()) {
       add(t, c(0), h(0), h(1));

@@ -18,7 +18,7 @@ bool is_wide(const TriangleMesh& mesh, std::size_t t, double height) {
   return ab.cross(ac).norm() > height * longest;
 }
 
-// Starting at its lowest vertex.
+// The triangle with its lowest-numbered vertex first, in the same cyclic order.
 Triangle turned_to_least(const Triangle& triangle) {
   Triangle turned = triangle;
   std::rotate(turned.begin(), std::min_element(turned.begin(), turned.end()), turned.end());
@@ -36,7 +36,7 @@ std::vector<bool> find_copies(const std::vector<Triangle>& triangles) {
   return copies;
 }
 
-// Removes copies and triangles no wider than `height`. Marks their vertices in `at_dropped`.
+// Removes copies, and triangles no higher than `height` over the longest edge. Adds the vertices of the latter to `at_dropped`.
 bool drop_triangles(TriangleMesh& mesh, double height, std::vector<std::uint32_t>& at_dropped) {
   const std::vector<bool> copies = find_copies(mesh.triangles);
   const bool has_normals = mesh.has_authored_normals();

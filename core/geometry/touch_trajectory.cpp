@@ -14,12 +14,12 @@ namespace hapton {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Choices, which recorded benchmarks depend on: a change makes other trajectories.
+// These values are a choice, but recorded benchmarks depend on them: other values make other trajectories.
 constexpr double kApproach_s = 0.2;
 constexpr double kSlideSegment_s = 4.0;
 constexpr double kTap_s = 0.04;
-constexpr int kMaxTries = 64;  // draws of a place whose normal is free
-constexpr int kSectors = 720;  // of a turn
+constexpr int kMaxTries = 64;  // attempts to draw a place with free space along its normal
+constexpr int kSectors = 720;  // sectors of a full turn
 
 // Whether the segment meets any triangle but `own`; tests every triangle. Rounding only changes the choice of a position.
 bool is_obstructed(const TriangleMesh& mesh, const Vec3& from, const Vec3& to, std::uint32_t own) {
@@ -49,7 +49,7 @@ struct Place {
   Vec3 normal;
 };
 
-// A position whose outward normal is free for the length of the approach, if one of the attempts finds it; otherwise the last attempt.
+// A place with free space along its outward normal for the length of the approach; if no attempt finds one, the place of the last attempt.
 template <class DrawPlace>
 Place find_free_place(const TriangleMesh& mesh, double approach, DrawPlace draw) {
   Place place = draw();
@@ -92,8 +92,8 @@ std::vector<double> find_outline(const TriangleMesh& mesh, const Vec3& centre, d
     }
     if (low > 12.0 * mm || high < -12.0 * mm) continue;
     std::sort(angle.begin(), angle.end());
-    // The triangle's sectors run from one corner's to another's, leaving out the widest gap; if that is below half a turn, the axis pierces
-    // the triangle and it counts everywhere.
+    // The triangle's sectors run from one corner to another and leave out the widest gap between the corners' angles. If this is at most
+    // half a turn, the axis passes through the triangle, which then counts in all sectors.
     const std::array<double, 3> gap{angle[1] - angle[0], angle[2] - angle[1], angle[0] + 2.0 * kPi - angle[2]};
     const int widest = static_cast<int>(std::max_element(gap.begin(), gap.end()) - gap.begin());
     const double from = gap[widest] <= kPi ? -kPi : angle[(widest + 1) % 3];
@@ -110,7 +110,7 @@ std::vector<double> find_outline(const TriangleMesh& mesh, const Vec3& centre, d
 
 enum class Window : std::uint8_t { largest, mean };
 
-// Over five degrees on either side.
+// For each sector, the largest value or the mean over the sectors within five degrees of it.
 std::vector<double> filter_outline(const std::vector<double>& outline, Window window) {
   std::vector<double> result(kSectors);
   for (int s = 0; s < kSectors; ++s) {
@@ -172,8 +172,8 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
   const auto mm = millimetre_of(mesh);
   if (!mm) return tl::unexpected(mm.error());
   const Vec3 centre = compute_bounds(mesh).centre();
-  // Widened, then smoothed over the same width: smooth, and nowhere below the surface. Widened twice, because the smoothing spans ten
-  // sectors and interpolation one more.
+  // Widens the outline, then smooths it over the same width: it gets smooth, and is nowhere below the surface. Widens it twice, because the
+  // smoothing spans ten sectors to either side, and the interpolation one more.
   std::vector<double> ring = find_outline(mesh, centre, *mm);
   for (const Window window : {Window::largest, Window::largest, Window::mean}) ring = filter_outline(ring, window);
   std::mt19937_64 random(settings.seed);

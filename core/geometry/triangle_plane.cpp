@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Set-up in extended precision, 11 more bits, so that a needle's plane is as accurate as any other.
+// A plane is computed in extended precision (11 more bits), so that a needle's plane is as accurate as any other.
 using Wide = Eigen::Matrix<long double, 3, 1>;
 
 constexpr long double kEpsilon = std::numeric_limits<double>::epsilon();

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// Exact at both ends.
+// The keyframe of the move at this time: exactly `from` until the move begins, and exactly `to` from its end on.
 Keyframe keyframe_of(const CommandedMove& move, double time_s) noexcept {
   if (time_s >= move.to.time_s) return move.to;
   if (time_s <= move.from.time_s) return move.from;

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// At rest between two equal keyframes, to the last bit.
+// Between two equal keyframes the result stays the same to the last bit.
 Keyframe keyframe_between(const Keyframe& from, const Keyframe& to, double share) noexcept {
   Keyframe between;
   between.p_S = from.p_S + share * (to.p_S - from.p_S);

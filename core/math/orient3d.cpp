@@ -46,7 +46,7 @@ Expansion<2> difference(double a, double b) {
   return e;
 }
 
-// Shewchuk 1997, SCALE-EXPANSION.
+// Returns e times b, exactly (Shewchuk 1997, SCALE-EXPANSION).
 template <int N>
 Expansion<2 * N> scale(const Expansion<N>& e, double b) {
   Expansion<2 * N> h;
@@ -64,7 +64,7 @@ Expansion<2 * N> scale(const Expansion<N>& e, double b) {
   return h;
 }
 
-// Shewchuk 1997, FAST-EXPANSION-SUM: merged by magnitude, then added up from the smallest.
+// Returns e + f, exactly (Shewchuk 1997, FAST-EXPANSION-SUM): merges the parts by magnitude, then adds them up from the smallest.
 template <int N, int M>
 Expansion<N + M> sum(const Expansion<N>& e, const Expansion<M>& f) {
   Expansion<N + M> h;

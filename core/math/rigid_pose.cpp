@@ -9,7 +9,7 @@ Matrix34 to_matrix(const std::array<float, 12>& X) noexcept {
   return Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(X.data()).cast<double>();
 }
 
-// Each comparison is false for NaN.
+// False if a number is NaN, because each comparison with NaN is false.
 bool is_rigid(const Matrix34& X) noexcept {
   const Mat3 R = X.leftCols<3>();
   const Vec3 t = X.col(3);
