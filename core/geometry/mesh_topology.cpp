@@ -18,9 +18,9 @@ bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || 
 
 // One side of one triangle.
 struct HalfEdge {
-  std::uint32_t high = 0;    // the edge's higher vertex
+  std::uint32_t high = 0;    // the edge's vertex with the higher number
   std::uint32_t corner = 0;  // 3 * triangle + k: the side runs from corner k to k + 1
-  bool upward = false;       // from the lower vertex to the higher
+  bool upward = false;       // from the vertex with the lower number to the other
 };
 
 std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }

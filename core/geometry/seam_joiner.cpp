@@ -16,8 +16,8 @@ constexpr int kMaxRounds = 64;                // of welding or splitting, for ea
 constexpr double kReservedGap = 4.0;          // in tolerances: a surface seems to continue beyond a gap of up to this width
 constexpr std::size_t kMaxMembers = 32;       // of vertices welded together, up to which each position is tried as the common one
 // Averages: a surface that is torn apart at every edge has 3 and 2. Above these limits most of the boundary lies within one tolerance.
-constexpr std::size_t kMaxPairs = 8;       // per boundary edge of the original mesh
-constexpr std::size_t kMaxJunctions = 64;  // per boundary edge of the original mesh
+constexpr std::size_t kMaxPairs = 8;       // pairs per boundary edge of the original mesh
+constexpr std::size_t kMaxJunctions = 64;  // junctions per boundary edge of the original mesh
 constexpr double kFoldedBack = 0.5;        // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kNoArea = 1e-14;           // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
+constexpr double kNoArea = 1e-14;           // twice the area, over the longest edge squared, up to which a triangle has no valid normal
 constexpr double kMinCosine = 1e-3;         // least cosine between a triangle's normals before and after
 constexpr double kMinCosineOfShort = 0.75;  // the same with Turning::little, for a triangle with a short edge: 41 degrees
 constexpr double kShortEdge = 2.0;          // in tolerances: a shorter edge is short

@@ -19,7 +19,7 @@ namespace hapton {
 namespace {
 
 constexpr int kTries = 16;      // the last one uses 0.5 % of the bound: quadrics were off by a factor of six at most (decision 3)
-constexpr double kFiner = 0.7;  // factor on the quadrics' error bound from attempt to attempt
+constexpr double kFiner = 0.7;  // factor of the quadrics' error bound from one attempt to the next
 constexpr int kMaxIdle = 64;    // triangles visited in a row without coming nearer
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 

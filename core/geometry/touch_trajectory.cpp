@@ -76,8 +76,8 @@ std::size_t rows_of(double seconds, const TrajectorySettings& settings) {
   return std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(seconds * settings.rate_hz)));
 }
 
-// The outline of a mesh around an axis along z: for each sector the largest distance from the axis of a triangle that reaches heights up to
-// 12 mm above or below `centre`.
+// The outline of a mesh around an axis through `centre` along z: for each sector, the largest distance from the axis among the triangles in
+// it that come within 12 mm of the height of `centre`.
 std::vector<double> find_outline(const TriangleMesh& mesh, const Vec3& centre, double mm) {
   std::vector<double> outline(kSectors, 0.0);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -238,7 +238,7 @@ Result<TouchTrajectory> make_random_walk(const TriangleMesh& mesh, const Traject
   made.p_SD.reserve(settings.rows);
   for (std::size_t i = 0; i < settings.rows; ++i) {
     made.p_SD.push_back(at);
-    // Ornstein-Uhlenbeck velocity: 0.2 s of memory, 250 mm/s a component.
+    // Ornstein-Uhlenbeck velocity, with a correlation time of 0.2 s and a standard deviation of 250 mm/s in each component.
     velocity += -velocity * (dt / 0.2) + 250.0 * *mm * std::sqrt(2.0 * dt / 0.2) * Vec3(normal(random), normal(random), normal(random));
     at += velocity * dt;
     for (int k = 0; k < 3; ++k) {

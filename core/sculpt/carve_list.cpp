@@ -41,7 +41,7 @@ bool CarveList::add(const MadeCarve& added) {
     kept.numbers[static_cast<std::size_t>(axis) + 3] = static_cast<float>(added.carve.to_m[axis]);
   }
   kept.numbers[6] = static_cast<float>(added.carve.radius_m);
-  // Its undo may have come first.
+  // The undo of this carve may have arrived before it.
   if (kept.is_undone) return true;
   ++active_;
   newest_active_ = std::max(newest_active_, added.serial);

@@ -11,9 +11,9 @@
 namespace hapton {
 namespace {
 
-// From the mesh to the edge of the grid: beyond the band, so that all values at the edge are +band.
+// Distance from the mesh to the border of the grid: beyond the band, so that all values at the border are +band.
 constexpr int kMarginVoxels = CarvedField::kBandVoxels + 1;
-constexpr double kMaxNodesOfAxis = 1 << 20;  // keeps the number within an int; so many along one axis exceed kMaxNodes
+constexpr double kMaxNodesOfAxis = 1 << 20;  // keeps the number within an int; with so many nodes along one axis, a grid exceeds kMaxNodes
 
 // A row of nodes along x consists of blocks of eight, the lanes of a Float8.
 constexpr int round_up_to_block(int nodes) { return (nodes + 7) & ~7; }
@@ -41,7 +41,7 @@ struct CapsuleLanes {
         per_square(along.squaredNorm() > 0.0F ? 1.0F / along.squaredNorm() : 0.0F),
         radius(static_cast<float>(carve.radius_m)) {}
 
-  // Minus the distance to its surface: positive inside.
+  // How deep a point lies below the capsule's surface: positive inside, negative outside.
   Float8 depth(Float8 x, float y, float z) const noexcept {
     const Float8 dot = x * Float8(along.x()) + Float8(y * along.y() + z * along.z());
     const Float8 share = min(Float8(1.0F), max(Float8(0.0F), dot * Float8(per_square)));

@@ -10,18 +10,18 @@
 namespace hapton {
 namespace {
 
-// Of the six tetrahedra of a cube around its diagonal (Kuhn 1960); a corner's bits 0, 1 and 2 are its x, y and z.
+// Corners of the six tetrahedra around a diagonal of a cube (Kuhn 1960); bits 0, 1 and 2 of a corner's number are its x, y and z.
 constexpr std::array<std::array<std::size_t, 4>, 6> kTetrahedra = {
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
-// Of Newton's method, onto the zero set: the triangles are within h^2 / r of it, and each step squares that, in spacings.
+// Steps of Newton's method onto the zero set. The triangles are within h^2 / r of the zero set, and each step squares the distance / h.
 constexpr int kNewtonSteps = 3;
 
-// Along the surface; in a pit whose middle is near p each leaves a share 1 - distance of p from the middle / radius.
+// Steps along the surface. In a pit of radius r, with p at the distance d from its centre, each step leaves the share 1 - d / r of the way.
 constexpr int kSlides = 20;
-// Both in spacings. A slide may lead away from p by this much: the roughness h^2 / r for a radius of 10 spacings. On more curved surfaces
-// it may end too early.
+// In spacings: how much farther from p a slide may lead. This is the roughness h^2 / r for a radius of curvature r of 10 grid spacings h.
+// On more curved surfaces the slide may end too early.
 constexpr double kRoughness = 0.1;
-// Newton's method has arrived: what is left is far below the roughness.
+// In spacings: closer to zero than this, Newton's method has arrived. What is left is far below the roughness.
 constexpr double kOnSurface = 1e-6;
 
 struct FieldCell {
@@ -29,12 +29,12 @@ struct FieldCell {
   std::array<double, 8> value;
 };
 
-// The search: the closest point so far.
+// A search for the surface point closest to p; holds the closest one found so far.
 class SurfaceSearch {
  public:
   SurfaceSearch(const CarvedField& field, const Vec3& p) : field_(field), p_(p), place_((p - field.origin_m()) / field.spacing_m()) {}
 
-  // In the cells that come within `reach` spacings along each axis. True: these were all cells.
+  // Searches the cells that come within `reach` spacings of p along each axis. True: these were all cells of the grid.
   bool search_within(double reach) {
     std::array<int, 3> first = {}, last = {};
     bool is_all = true;
@@ -104,7 +104,7 @@ class SurfaceSearch {
 
   const CarvedField& field_;
   Vec3 p_;
-  Vec3 place_;  // of p, in spacings from the first node
+  Vec3 place_;  // position of p, in spacings from the first node
   double squared_ = std::numeric_limits<double>::infinity();
   Vec3 closest_ = Vec3::Zero();
 };
@@ -114,16 +114,16 @@ Vec3 go_to_zero(const CarvedField& field, Vec3 p) {
     const Vec3 gradient = field.gradient(p);
     const double squared = gradient.squaredNorm();
     const Vec3 next = squared > 0.0 ? Vec3(p - field.value(p) / squared * gradient) : p;
-    // In a sharp crease the slope is not that of any of its sides.
+    // In a sharp crease the gradient is not that of any side of the crease, and a step may lead away from zero.
     if (!(std::abs(field.value(next)) < std::abs(field.value(p)))) break;
     p = next;
   }
   return p;
 }
 
-// Along the surface to where its smoothed normal points at p: the triangles, and the zero set itself, are rough by h^2 / r, and a rough
-// surface at the distance d has its closest point up to sqrt(2 d h^2 / r) beside that of the smooth one. Where the steps grow or are
-// longer than a spacing, as at an edge, or lead away from p, the point is where it should be.
+// Slides along the surface to where its smoothed normal points at p. The triangles, and the zero set itself, are rough by h^2 / r, so at
+// the distance d the closest point of the rough surface may be up to sqrt(2 d h^2 / r) beside that of the smooth one. If steps grow, or are
+// longer than a spacing, as at an edge, or lead away from p, the point is already where it should be.
 Vec3 slide_below(const CarvedField& field, const Vec3& p, Vec3 q) {
   const double most = (p - q).norm() + kRoughness * field.spacing_m();
   double last = field.spacing_m();

@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-// Of a cell: corner x + 2 y + 4 z is at (x, y, z); edge 4 axis + n begins at the corner that is (n & 1) along the next axis and (n >> 1)
-// along the one after; face 2 axis + side.
+// Numbers in a cell: corner x + 2 y + 4 z is at (x, y, z). Edge 4 axis + n is parallel to the axis and begins at the corner that is (n & 1)
+// along the next axis and (n >> 1) along the axis after that. Face 2 axis + side is at that side (0 or 1) along the axis.
 constexpr std::size_t kEdges = 12;
 constexpr std::size_t kFaces = 6;
 constexpr std::uint8_t kNoPiece = 0xFF;
@@ -19,7 +19,7 @@ bool is_inside(unsigned corners, std::size_t corner) { return (corners >> corner
 
 // The pieces of surface in a cell.
 struct CellPieces {
-  std::array<std::uint8_t, kEdges> of_edge;  // kNoPiece: the surface does not cross it
+  std::array<std::uint8_t, kEdges> of_edge;  // kNoPiece: the surface does not cross the edge
   std::uint8_t count = 0;
 };
 
@@ -42,13 +42,13 @@ std::size_t edge_begin(std::size_t edge) {
   return (edge & 1U) * corner_step(second) + (edge >> 1U & 1U) * corner_step(next_axis(second));
 }
 
-// The corners alternate: two pieces of contour are in the face.
+// True if the corners alternate between inside and outside: then two pieces of contour are in the face.
 bool is_ambiguous(const CellFace& face, unsigned corners) {
   const auto inside = [&](std::size_t k) { return is_inside(corners, face.corners[k]); };
   return inside(0) != inside(1) && inside(1) != inside(2) && inside(2) != inside(3);
 }
 
-// flips: bit f: face f, if it is ambiguous, separates the corners outside.
+// flips: if bit f is set, the contour in face f, if that is ambiguous, separates the outside corners, otherwise the inside corners.
 CellPieces find_pieces(unsigned corners, unsigned flips) {
   std::array<std::size_t, kEdges> root;
   std::iota(root.begin(), root.end(), 0);
@@ -96,7 +96,7 @@ class ManifoldSurfaceMaker {
     for (auto* layer : {&below_, &here_}) layer->resize(step(2));
   }
 
-  // Layer by layer along z: an edge of the grid has cells in two of them at most.
+  // Works layer by layer along z: the cells around an edge of the grid are in two layers at most.
   ManifoldSurface make() {
     for (cell_[2] = 0; cell_[2] + 1 < grid_.counts[2]; ++cell_[2]) {
       std::swap(below_, here_);
@@ -108,7 +108,7 @@ class ManifoldSurfaceMaker {
 
  private:
   struct Cell {
-    std::uint32_t first = 0;  // its first vertex
+    std::uint32_t first = 0;  // number of its first vertex
     CellPieces pieces;
   };
 
@@ -120,7 +120,7 @@ class ManifoldSurfaceMaker {
       for (cell_[0] = 0; cell_[0] + 1 < grid_.counts[0]; ++cell_[0]) function(row + static_cast<std::size_t>(cell_[0]));
     }
   }
-  // Which corners of the cell are inside, a bit each.
+  // Which corners of the cell are inside, one bit each.
   unsigned corners_of(std::size_t node) const {
     unsigned corners = 0;
     for (std::size_t corner = 0; corner < 8; ++corner) corners |= (grid_.values[corner_node(node, corner)] < 0.0F ? 1U : 0U) << corner;
@@ -129,7 +129,7 @@ class ManifoldSurfaceMaker {
   std::size_t corner_node(std::size_t node, std::size_t corner) const {
     return node + (corner & 1U) + (corner >> 1U & 1U) * step(1) + (corner >> 2U) * step(2);
   }
-  // Both pieces of contour in the face belong to one piece of surface.
+  // True if both pieces of contour in the face belong to one piece of surface.
   bool is_joined(unsigned corners, const CellFace& face) const {
     const CellPieces& pieces = plain_[corners];
     return pieces.of_edge[face.edges[0]] == pieces.of_edge[face.edges[2]] &&
@@ -140,7 +140,7 @@ class ManifoldSurfaceMaker {
     for (std::size_t f = 0; f < kFaces; ++f) {
       const CellFace face = face_of(f / 2, f % 2);
       if (!is_ambiguous(face, corners) || !is_joined(corners, face)) continue;
-      // The corners at the border of the grid are outside, so there is a cell beyond.
+      // The corners at the border of the grid are outside, so there is a cell beyond the face.
       const std::size_t beyond = f % 2 == 0 ? node - step(f / 2) : node + step(f / 2);
       if (is_joined(corners_of(beyond), face_of(f / 2, 1 - f % 2))) flips |= 1U << f;
     }
@@ -157,7 +157,7 @@ class ManifoldSurfaceMaker {
     for (std::uint8_t piece = 0; piece < cell.pieces.count; ++piece) place_vertex(node, cell.pieces, piece);
   }
 
-  // In the order of SurfaceNets, so that rounding is the same.
+  // Sums in the order of SurfaceNets, so that rounding is the same.
   void place_vertex(std::size_t node, const CellPieces& pieces, std::uint8_t piece) {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int crossings = 0;
@@ -176,21 +176,21 @@ class ManifoldSurfaceMaker {
     made_.positions.emplace_back(whole + sum / static_cast<float>(crossings));
   }
 
-  // A quad around each edge of the grid that the surface crosses, of those that begin at the node.
+  // Makes a quad around each edge of the grid that begins at the node and is crossed by the surface.
   void join_quads(std::size_t node) {
     const bool is_node_inside = grid_.values[node] < 0.0F;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if ((grid_.values[node + step(axis)] < 0.0F) == is_node_inside) continue;
       std::array<std::uint32_t, 4> quad;
       for (std::size_t k = 0; k < 4; ++k) {
-        constexpr std::array<std::size_t, 4> kRound = {3, 2, 0, 1};  // where the edge is in the cells around it
+        constexpr std::array<std::size_t, 4> kRound = {3, 2, 0, 1};  // the number n of the edge in the cells around it
         quad[is_node_inside ? k : 3 - k] = vertex_at(node, axis, kRound[k]);
       }
       made_.quads.push_back(quad);
     }
   }
 
-  // Of the cell in which the edge from the node along the axis is edge 4 axis + n.
+  // The vertex in the cell in which the edge from the node along the axis has the number 4 axis + n.
   std::uint32_t vertex_at(std::size_t node, std::size_t axis, std::size_t n) const {
     const std::size_t second = next_axis(axis);
     const std::size_t third = next_axis(second);
@@ -203,10 +203,10 @@ class ManifoldSurfaceMaker {
   }
 
   const NodeValues& grid_;
-  std::array<std::size_t, 3> steps_;     // from a node to the next one along each axis
-  std::array<CellPieces, 256> plain_;    // without flips, by corners
-  std::vector<Cell> below_;              // of the layer below, by their first node in it
-  std::vector<Cell> here_;               // of the present one; valid where the surface passes
+  std::array<std::size_t, 3> steps_;     // index step from a node to the next one along each axis
+  std::array<CellPieces, 256> plain_;    // pieces without flips, by the corners that are inside
+  std::vector<Cell> below_;              // cells of the layer below, by the number of their first node in the layer
+  std::vector<Cell> here_;               // cells of the present layer; valid where the surface passes
   std::array<int, 3> cell_ = {0, 0, 0};  // the present cell, or node
   ManifoldSurface made_;
 };

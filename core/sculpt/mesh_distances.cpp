@@ -23,7 +23,7 @@ NodeRange nodes_between(const FieldGrid& grid, int axis, double low, double high
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-// The squared distances to one triangle, where they are below the band.
+// add() lowers the values of nodes to their squared distance from a triangle; it reaches all nodes within the band of the triangle.
 class TriangleRaster {
  public:
   TriangleRaster(const FieldGrid& grid, double band_m, std::span<float> squares) : grid_(grid), band_m_(band_m), squares_(squares) {}
@@ -52,7 +52,7 @@ class TriangleRaster {
   }
 
  private:
-  static constexpr double kSlope = 1e-3;  // a plane nearer to parallel with x bounds no useful part of a row
+  static constexpr double kSlope = 1e-3;  // with a smaller |normal.x()| the plane is too nearly parallel to x to bound the row usefully
 
   void add_row(const Vec3& a, const Vec3& b, const Vec3& c, int y, int z, NodeRange xs) {
     const auto fill = [](const Vec3& p) {
@@ -105,7 +105,7 @@ class RowCrossings {
   }
 
  private:
-  static constexpr double kSteps = 1 << 25;  // of two whole numbers each, to the extent: products of two fit into 64 bits
+  static constexpr double kSteps = 1 << 25;  // steps of two whole numbers each, to the extent: products of two numbers fit into 64 bits
 
   struct Crossing {
     std::size_t row;
@@ -119,7 +119,7 @@ class RowCrossings {
   Place even(const Vec3& p) const { return {2 * rounded_step(p, 1), 2 * rounded_step(p, 2)}; }
   std::int64_t rounded_step(const Vec3& p, int axis) const { return std::llround((p[axis] - middle_[axis]) * scale_); }
 
-  // Twice the area of (p, from, to), exact, and with the sign of a p moved a little towards +y and much less towards +z where it is 0.
+  // Twice the area of (p, from, to), exact. Where it is 0, `sign` is that for p moved a little towards +y and much less towards +z.
   struct Side {
     std::int64_t area;
     int sign;

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// FNV-1a over whole floats.
+// Hash FNV-1a, with whole floats in place of bytes.
 std::uint64_t hash_values(const CarvedField& field) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;
   for (const float value : field.values()) hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x100000001B3ULL;

@@ -17,7 +17,7 @@ SurfaceNets::Index SurfaceNets::count_blocks(const Index& nodes) {
   return blocks;
 }
 
-// A block depends on the nodes from one stride before its first cell to the end of its last one.
+// A block depends on the nodes from one stride before its first cell to the end of its last cell.
 SurfaceNets::Blocks SurfaceNets::find_changed(const Index& nodes, const Index& first, const Index& end) {
   const Index count = count_blocks(nodes);
   Blocks changed;

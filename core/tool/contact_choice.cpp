@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// The bounds that are chosen so far, of all.
+// The bounds that are chosen so far, from all bounds.
 class Chosen {
  public:
   Chosen(std::span<const MotionBound> all, const LocalContacts& metric, std::span<std::uint32_t> numbers)
@@ -26,8 +26,8 @@ class Chosen {
     numbers_[count_++] = number;
   }
 
-  // Adds bounds until the motion of the device to there is that within all, or as many as may be. False: the chosen ones were found to
-  // contradict each other, so what was added for other goals before may not do.
+  // Adds bounds until the motion to `goal` within the chosen bounds is that within all bounds, or most_cuts are added in each metric, or no
+  // place is left. False: the chosen bounds contradicted each other and were lowered, so those added for earlier goals may not suffice.
   bool hold(const Vec6& goal, int most_cuts) noexcept {
     if (is_free(goal) && !add_violated(goal)) return true;
     for (const Metric metric : {kCurved, kPlain}) {
@@ -51,7 +51,7 @@ class Chosen {
     return std::all_of(numbers_.begin(), numbers_.begin() + static_cast<std::ptrdiff_t>(count_),
                        [&](std::uint32_t number) { return all_[number].row.dot(motion) >= least_of(number) - metric_.tolerance; });
   }
-  // The one of all that the motion violates most. False: none, or there is no place.
+  // Adds the bound that the motion violates most, of all bounds. False: none was added; none is violated, or no place is left.
   bool add_violated(const Vec6& motion) noexcept {
     if (left() == 0) return false;
     std::uint32_t worst = 0;
@@ -67,7 +67,7 @@ class Chosen {
     add(worst);
     return true;
   }
-  // False: they were lowered before, and contradict each other by rounding.
+  // Lowers the bounds so that zero motion satisfies them. False: they are lowered already, and contradict each other by rounding.
   bool relax() noexcept {
     if (is_relaxed_) return false;
     is_relaxed_ = true;
@@ -88,7 +88,7 @@ class Chosen {
 
 void choose_for_all(std::span<const Vec6> goals, Chosen& chosen) noexcept {
   if (goals.empty()) return;
-  // The first one last as well, with as many as there are.
+  // Searches the first goal again at the end, with as many cuts as there are places. Begins anew if bounds were lowered.
   for (std::size_t g = 0; g <= goals.size();) {
     const bool is_last = g == goals.size();
     const bool is_held = chosen.hold(goals[is_last ? 0 : g], is_last ? static_cast<int>(LocalContacts::kMax) : kMaxCuts);
@@ -106,7 +106,7 @@ std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const
   std::size_t count = 0;
   const std::size_t most = chosen.left();
   const auto has_less_room = [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; };
-  for (std::uint32_t i = 0; i < bounds.size() && most > 0; ++i) {  // a heap with the one that has most room at its front
+  for (std::uint32_t i = 0; i < bounds.size() && most > 0; ++i) {  // a heap, the bound with the most room at its front
     if (count == most && !has_less_room(i, nearest[0])) continue;
     if (chosen.has(i)) continue;
     if (count == most) std::pop_heap(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count--), has_less_room);

@@ -6,11 +6,11 @@
 namespace hapton {
 namespace {
 
-// Of the distance between device and tool: corrections of a round that end the iteration.
+// Share of the distance between device and tool: a round whose corrections are no larger ends the iteration.
 constexpr double kSettled = 0x1p-20;
-// A contact whose point or normal is farther from that of the last step than this is another one: of the tool's lever, and its square.
+// In levers of the tool: a contact is the same as in the last step if its point and its normal, taken together, have moved by less.
 constexpr double kSame = 0.25;
-// Of the largest normal force: a contact that pushes with less does not tell whether the tool slides.
+// Share of the largest normal force: a contact that pushes with less does not count when the slip of the tool is measured.
 constexpr double kTells = 0x1p-10;
 
 Vec6 wrench(const Vec3& force, const Vec3& arm) {
@@ -76,7 +76,7 @@ void ContactCones::add_known(const LocalContacts& local, const Vec6& from, bool 
   }
 }
 
-// Corrects the forces of a contact. Returns how far that moves the tool, scaled.
+// Corrects the forces of a contact. Returns how far that moves the tool, in scaled coordinates.
 double ContactCones::correct(Contact& contact) noexcept {
   const double normal = std::max(0.0, contact.normal + (contact.least - contact.normal_row.dot(at_)) / contact.normal_compliance);
   double moved_squared = (normal - contact.normal) * (normal - contact.normal) * contact.normal_compliance;
@@ -108,7 +108,7 @@ void ContactCones::iterate(const Vec6& goal) noexcept {
   }
 }
 
-// The one that is violated most, if any is.
+// Adds the contact whose bound is violated most. False: no bound is violated, or there is no room for another contact.
 bool ContactCones::add_violated(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
   int worst = -1;
   double most = local.tolerance;

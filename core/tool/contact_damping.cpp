@@ -16,7 +16,7 @@ bool has_damping_on_any(const std::vector<DampingCoefficients>& objects) {
   return std::any_of(objects.begin(), objects.end(), [](const DampingCoefficients& one) { return one.is_on(); });
 }
 
-// Share of the damping of a part that is no longer touched at which it is dropped: too little to be felt.
+// A part that is no longer touched is dropped when less than this share of its damping is left: too little to be felt.
 constexpr double kMinRemaining = 0x1p-16;
 
 // The factor that limits a damping force to its bound.
@@ -29,7 +29,7 @@ ContactDamping::ContactDamping(std::vector<std::vector<DampingCoefficients>> dam
   update_damping();
 }
 
-// A part without damping has no velocity. If one gets damping, the velocities of all parts restart.
+// For a part without damping no velocity is computed. If such a part gets damping, the velocities of all parts restart.
 void ContactDamping::update_damping() noexcept {
   is_on_ = false;
   for (std::size_t p = 0; p < damping_.size(); ++p) {
@@ -96,7 +96,7 @@ void ContactDamping::add(const Contact& contact, double along_n, Touched& touche
   touched.upper_bound += weight * larger;
   const Vec3 arm = unit_m_ * contact.arm;
   Eigen::Matrix<double, 3, 6> jacobian;
-  jacobian << Mat3::Identity(), cross_matrix(arm).transpose();  // shift + turn x arm
+  jacobian << Mat3::Identity(), cross_matrix(arm).transpose();  // velocity of the contact's point: shift + turn x arm
   const Vec3 velocity = jacobian * velocity_past(contact.part);
   const double normal_speed = contact.normal.dot(velocity);
   const Vec6 row = jacobian.transpose() * contact.normal;
@@ -117,7 +117,7 @@ void ContactDamping::DampingMatrix::scale(double share) noexcept {
 }
 
 void ContactDamping::DampingMatrix::blend(const DampingMatrix& before, double share) noexcept {
-  if (!matrix.allFinite()) *this = {};  // otherwise the filter would keep it
+  if (!matrix.allFinite()) *this = {};  // otherwise the filter would keep what is not finite
   matrix = before.matrix + share * (matrix - before.matrix);
   coefficient = before.coefficient + share * (coefficient - before.coefficient);
 }
@@ -146,8 +146,8 @@ ContactDamping::Touched& ContactDamping::TouchedParts::at(int part) noexcept {
   return touched;
 }
 
-// Limits the sum over all contacts to the largest coefficient: a material that is stable alone stays so. upper_bound saves the eigenvalues
-// in the common case that one face is touched.
+// Limits the sum over all contacts to the largest coefficient of a contact: a material that is stable alone stays so. If upper_bound is
+// within that limit, as in the common case that one face is touched, no eigenvalues are computed.
 void ContactDamping::limit(TouchedParts& now) const noexcept {
   Mat3 sum = Mat3::Zero();
   double most = 0.0;

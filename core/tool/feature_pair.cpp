@@ -17,7 +17,7 @@ struct SegmentPoints {
 };
 
 // The closest points of segments from a along d and from b along e (Ericson, Real-Time Collision Detection, 5.1.9). Each
-// parameter is solved again for the other at the end, so each point is the closest to the other to rounding.
+// parameter is solved again at the end, with the other one fixed, so each point is within rounding the closest to the other point.
 SegmentPoints closest_on_segments(const Vec3& a, const Vec3& d, const Vec3& b, const Vec3& e) {
   const Vec3 r = a - b;
   const double dd = d.squaredNorm();
@@ -45,29 +45,29 @@ FeatureGap gap_between(const Vec3& on_tool, const Vec3& on_scene, const Vec3& po
   return gap;
 }
 
-// The second derivative of n . R(w) a by the rotation vector w, at w = 0: the part of n . (e_i x (e_j x a)) that
+// The second derivative of n . R(w) a with respect to the rotation vector w, at w = 0: the part of n . (e_i x (e_j x a)) that
 // is symmetric in i and j.
 Mat3 turn_curvature(const Vec3& n, const Vec3& a) { return 0.5 * (n * a.transpose() + a * n.transpose()) - n.dot(a) * Mat3::Identity(); }
 
-// Of two edges that are closest inside both: f = N . u / |N|, where N = d x e turns with the tool's edge d, and u is from the scene's edge
-// to the tool's.
+// For two edges whose closest points are inside both: second derivative of f = N . u / |N|. N = d x e turns with the tool's edge d, and u
+// leads from the scene's edge to the tool's.
 Mat6 edge_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement) {
   const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
   const Vec3 e = pair.scene[1] - pair.scene[0];
   Vec3 unit = d.cross(e);
   const double length = unit.norm();
-  if (!(length > 0x1p-48 * d.norm() * e.norm())) return Mat6::Zero();  // parallel to rounding
+  if (!(length > 0x1p-48 * d.norm() * e.norm())) return Mat6::Zero();  // parallel within rounding
   unit /= unit.dot(gap.normal) < 0.0 ? -length : length;
   const double side = unit.dot(d.cross(e)) < 0.0 ? -1.0 : 1.0;
-  // Over |N|: the derivatives of N by the turn, in columns, ...
+  // Divided by |N|: the derivatives of N with respect to the turn, in columns, ...
   const Mat3 normal = side / length * (cross_matrix(e) * cross_matrix(d));
   const auto by_second = [&](const Vec3& v) { return Mat3(side / length * turn_curvature(e.cross(v), d)); };  // ... and v . N''
   const Vec3 u = gap.distance * gap.normal;
   const Vec3& a = gap.on_tool;
-  const Mat3 point = -cross_matrix(a);  // of u, in columns
+  const Mat3 point = -cross_matrix(a);  // derivatives of u with respect to the turn, in columns
   const Vec3 first = normal.transpose() * u + point.transpose() * unit;
   const Mat3 crossed = normal.transpose() * point;
-  const Vec3 length_slope = normal.transpose() * unit;  // of |N|, over it
+  const Vec3 length_slope = normal.transpose() * unit;  // derivative of |N| with respect to the turn, divided by |N|
   const Mat3 length_curvature = normal.transpose() * normal + by_second(unit) - length_slope * length_slope.transpose();
   const Mat3 second = by_second(u) + crossed + crossed.transpose() + turn_curvature(unit, a);
   const double value = unit.dot(u);
@@ -113,7 +113,7 @@ double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement
     const Vec3 normal = d.cross(e);
     const double length = normal.norm();
     const double cosine = normal.dot(gap.normal);
-    // Turned by less than 60 degrees; else along the old normal.
+    // The normal has turned by less than 60 degrees. Otherwise the gap along the old normal is returned.
     if (std::fabs(cosine) > 0.5 * length) return normal.dot(between) / (cosine < 0.0 ? -length : length);
   }
   return gap.normal.dot(between);
@@ -124,7 +124,7 @@ Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placeme
   if (pair.kind == Kind::edge_edge && is_inside) return edge_curvature(pair, gap, placement);
   Mat6 curvature = Mat6::Zero();
   if (pair.kind == Kind::face_vertex && is_inside) {
-    // Seen from the face, the vertex moves: n . R(-w) (position + shift - vertex).
+    // In the frame of the face, the vertex moves: n . R(-w) (position + shift - vertex).
     curvature.bottomRightCorner<3, 3>() = turn_curvature(gap.normal, placement.position - gap.on_scene);
     curvature.bottomLeftCorner<3, 3>() = cross_matrix(gap.normal);
     curvature.topRightCorner<3, 3>() = curvature.bottomLeftCorner<3, 3>().transpose();

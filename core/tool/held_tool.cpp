@@ -35,7 +35,7 @@ void HeldTool::set_materials(const ToolMaterials& materials) noexcept {
   tool_->set_stiffness(materials.stiffness_n_per_m);
   has_changed_ = true;
   has_friction_ = false;
-  // The objects of a part are in the order of the scene.
+  // The objects of a part are numbered in the order of the scene.
   std::fill(counts_.begin(), counts_.end(), std::size_t{0});
   for (std::size_t o = 0; o < std::min(materials.friction.size(), materials.damping.size()); ++o) {
     const std::size_t part = tool_->part_of(o);
@@ -70,7 +70,7 @@ void HeldTool::publish(const Placement& device, const Placement& goal, std::int6
   samples_.publish_draft();
 }
 
-// The newest contacts. True: they have come late.
+// Takes the newest contacts of the slow task. True: they are new, and have come late.
 bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
   ++samples_since_new_;
   const bool are_new = found_.take();
@@ -81,7 +81,7 @@ bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
   return are_late;
 }
 
-// Where more pairs are near than can be considered, the proxy stays where it is whatever the device does.
+// While more pairs are near than can be considered, the proxy stays, whatever the device does. After kStaleS of that, begins anew.
 void HeldTool::note_frozen(const FoundContacts& found, std::int64_t time_ns) noexcept {
   if (is_known_ && found.contacts.is_held) {
     frozen_s_ += std::clamp(seconds(time_ns - felt_ns_), 0.0, kLongestGapS);
@@ -100,7 +100,7 @@ void HeldTool::count_lateness() noexcept {
   lateness_.longest_s = std::max(lateness_.longest_s, age_s_);
 }
 
-// No contacts are known, so nothing is felt.
+// No contacts are known, or the proxy is blocked, so nothing is felt.
 void HeldTool::release(const Placement& device, std::int64_t time_ns) noexcept {
   drag_.release();
   publish(device, device, time_ns);
@@ -156,7 +156,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   const double share = std::clamp((kStaleS - std::max(age_s_, frozen_s_)) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
   output.torque_nm *= share * torque_share(turn_between(device.orientation, at.orientation));
-  // Parts get the whole torque of the contacts, also where the stylus feels a share.
+  // The parts get the whole torque of the contacts, also where the stylus feels only a share of it (torque_share).
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
   if (drag_.is_on()) add_drag(found.contacts, solution, share, input.X_WS.linear(), output);
@@ -166,7 +166,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
 }
 
 Placement HeldTool::drawn(const FoundContacts& found, const Placement& at) const noexcept {
-  // Parts that move push the tool ahead, however far.
+  // Moving parts push the tool ahead, however far: found.reach limits only its motion from there.
   const Placement from = parts_.empty() ? found.contacts.proxy : found.contacts.constrain(found.contacts.proxy);
   const RigidMotion motion = motion_between(from, at);
   const double length = motion.length(tool_->proxy().radius());
@@ -178,10 +178,10 @@ Placement HeldTool::drawn(const FoundContacts& found, const Placement& at) const
 void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
                            const Mat3& R_WS) noexcept {
   if (pushes_.empty()) return;
-  // Unit of a multiplier: force, and torque with a lever of the local unit.
+  // What a multiplier of 1 means: this force, and the torque of this force at a lever of one local unit.
   const double unit_n = tool_->unit_force_n();
   const double unit_nm = unit_n * tool_->scene().unit_m();
-  Vec3 rest_n = felt.force_n;  // what friction adds
+  Vec3 rest_n = felt.force_n;  // the whole force; after the loop only what friction adds
   Vec3 rest_nm = felt.torque_nm;
   double grip = 0.0;
   for (int k = 0; k < solution.active_count; ++k) {
@@ -225,7 +225,7 @@ void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Solu
   }
 }
 
-// In the energy norm of the coupling: how far the device is from the proxy, local units.
+// How far the device is from the proxy, in the energy norm of the coupling, local units.
 double HeldTool::coupling_extension(const ContactDamping::Wrench& felt) const noexcept {
   const ToolCoupling& coupling = tool_->coupling();
   const double k = coupling.stiffness_n_per_m;
@@ -233,8 +233,8 @@ double HeldTool::coupling_extension(const ContactDamping::Wrench& felt) const no
          tool_->scene().unit_m();
 }
 
-// With the same contacts the distance from device to proxy changes by no more than the device moves, as that from any point to a convex
-// set does. Twice that leaves room for the curvature of the contacts.
+// While the contacts stay the same, the distance from device to proxy changes by no more than the device moves: so does the distance of any
+// point from a convex set. Twice that leaves room for the contacts' curvature; a force that jumps by more is changed gradually.
 void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
   fading_share_ = std::max(0.0, fading_share_ - std::clamp(seconds(time_ns - felt_ns_), 0.0, kMaxFadeStepS) / kContactFadeS);
   const ContactDamping::Wrench plain{output.force_n, output.torque_nm};
@@ -275,7 +275,7 @@ bool HeldTool::follow() noexcept {
   if (is_first) proxy.reset(start_.value_or(sample.device), sample.parts);
   start_.reset();
   found.step = proxy.step(sample.goal, sample.parts);
-  // As far as the device and parts of the scene get before the next contacts come, if they go on like that.
+  // The reach covers the motion of device and parts of the scene until the next contacts come, if their speed stays the same.
   const double reach = proxy.local_reach(is_first ? 0.0 : travel_since_last(sample));
   proxy.find_local_contacts(sample.device, sample.parts, reach, found.contacts);
   found.contacts.is_held = found.contacts.is_held || found.step.is_frozen;

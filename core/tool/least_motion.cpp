@@ -6,14 +6,14 @@
 namespace hapton {
 namespace {
 
-// The active rows as Q R: Q has orthonormal columns, R is upper triangular. At most six columns, so it is made again when one is dropped.
+// The active rows as Q R: Q has orthonormal columns, R is upper triangular. At most six columns, so both are made again if one is dropped.
 class ActiveRows {
  public:
   // Coordinates of `row` along the active rows' span, and what is left of it.
   void split(const Vec6& row, Vec6& along, Vec6& rest) const {
     along.setZero();
     rest = row;
-    for (int pass = 0; pass < 2; ++pass) {  // twice: orthogonal to rounding (Kahan & Parlett)
+    for (int pass = 0; pass < 2; ++pass) {  // after the second pass, `rest` is orthogonal to them within rounding (Kahan & Parlett)
       for (int k = 0; k < count_; ++k) {
         const double share = q_.col(k).dot(rest);
         along[k] += share;
@@ -46,7 +46,7 @@ class ActiveRows {
   int count_ = 0;
 };
 
-// The bound that is missed by the most, if that is above the tolerance; none: -1.
+// The bound that y misses by the most, if by more than the tolerance; -1 if there is none.
 int find_worst(std::span<const MotionBound> bounds, const Vec6& y, double tolerance) {
   int worst = -1;
   double most = tolerance;
@@ -60,7 +60,7 @@ int find_worst(std::span<const MotionBound> bounds, const Vec6& y, double tolera
   return worst;
 }
 
-// The active bound whose multiplier reaches zero first when they change by -step * r, and at which step; none: -1 and infinity.
+// The active bound whose multiplier reaches zero first when they change by -step * r, and at which step; -1 and infinity if there is none.
 int find_blocking(const LeastMotion& found, const Vec6& r, double& step) {
   int blocking = -1;
   step = std::numeric_limits<double>::infinity();
@@ -73,7 +73,7 @@ int find_blocking(const LeastMotion& found, const Vec6& r, double& step) {
   return blocking;
 }
 
-// The bound is released, and the others are factorized again without it.
+// Releases the bound, and factorizes the others again without it.
 void release(int blocking, std::span<const MotionBound> bounds, LeastMotion& found, ActiveRows& rows) {
   --found.active_count;
   for (int k = blocking; k < found.active_count; ++k) {
@@ -94,9 +94,9 @@ void release(int blocking, std::span<const MotionBound> bounds, LeastMotion& fou
 }  // namespace
 
 LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bounds, double tolerance) noexcept {
-  // Of a row's length: what is left of a row that the active ones span is rounding.
+  // Share of a row's length: if no more of the row is left beside the span of the active rows, it is rounding: the row is in the span.
   constexpr double kDependent = 0x1p-40;
-  // Each bound is added a few times at most in practice; the limit only ends what rounding could repeat.
+  // Each bound is added a few times at most in practice; the limit only ends repetitions that rounding could cause.
   constexpr int kMaxRounds = 200;
   LeastMotion found;
   found.y = goal;

@@ -76,7 +76,7 @@ LocalContacts::Solution LocalContacts::solve(const Placement& device) const noex
   }
   Solution found = solution;
   bool is_found = find_motion(*this, wanted, inverse_root, found);
-  // In the curved metric the bounds may allow a motion that they would forbid in the flat one.
+  // In the curved metric the bounds may allow a motion that they would forbid in the plain one.
   if (is_found && found.active_count == 0) is_found = find_motion(*this, wanted, plain_inverse_root.asDiagonal(), found);
   if (!is_found) return solution;
   found.at = RigidMotion{proxy, found.motion.head<3>(), found.motion.tail<3>()}.at(1.0);

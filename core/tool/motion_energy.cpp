@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Bounds of the curvature along a step, over that of the coupling alone: the contacts make a step longer or shorter by these at most.
+// Bounds of the curvature along a step, in multiples of the coupling's own: these bound how much contacts make a step longer or shorter.
 constexpr double kMinCurvature = 0.125;
 constexpr double kMaxCurvature = 64.0;
 
@@ -28,13 +28,13 @@ Mat6 MotionEnergy::coupling_curvature() const noexcept {
 }
 
 void MotionEnergy::set_curvature(const Mat6& curvature) noexcept {
-  // In coordinates in which the coupling's own curvature is the identity.
+  // Works in coordinates in which the coupling's own curvature is the identity.
   const Vec6 unit = units(turn_length_);
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(unit.asDiagonal() * curvature * unit.asDiagonal());
   if (solver.info() != Eigen::Success) return set_plain();
   const Vec6 roots = solver.eigenvalues().cwiseMax(kMinCurvature).cwiseMin(kMaxCurvature).cwiseSqrt();
   const Mat6& axes = solver.eigenvectors();
-  // Not symmetric, as any root with root^T root = curvature will do.
+  // This root is not symmetric: any root with root^T root = curvature will do.
   root_ = roots.asDiagonal() * axes.transpose() * unit.cwiseInverse().asDiagonal();
   inverse_root_ = unit.asDiagonal() * axes * roots.cwiseInverse().asDiagonal();
 }

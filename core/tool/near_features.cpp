@@ -11,13 +11,13 @@ namespace {
 
 using Kind = FeaturePair::Kind;
 
-// A pair of triangles has 15 pairs of features, a bit each: the three vertices of each triangle with the face of the other one, and nine
+// A pair of triangles has 15 pairs of features, one bit each: the three vertices of each triangle with the face of the other one, and nine
 // pairs of edges.
 constexpr std::uint16_t kVertexBits = 0x3F;
 std::uint16_t vertex_bit(int corner, bool is_of_tool) { return static_cast<std::uint16_t>(1U << (2 * corner + (is_of_tool ? 0 : 1))); }
 std::uint16_t edge_bit(int tool_edge, int scene_edge) { return static_cast<std::uint16_t>(1U << (6 + 3 * tool_edge + scene_edge)); }
 
-// Whether the closest feature belongs to this triangle and is a local maximum of the surface along `outward`; a face always is.
+// Whether the closest feature belongs to this triangle and is a local maximum of the surface along `outward`; always true for a face.
 bool is_local_maximum_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature feature, const Vec3& outward) {
   if (is_edge(feature)) {
     const int k = edge_number(feature);
@@ -181,9 +181,9 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
     }
     double from_zero() const { return std::max(low, -high); }
   };
-  Range still;  // of the tool's corners from the scene's plane
-  Range moved;
-  Range end;  // of the motion, along the tool's normal
+  Range still;  // heights of the tool's corners above the scene triangle's plane, times the length of its normal
+  Range moved;  // the same over the whole motion
+  Range end;    // displacements of the tool's corners along the tool's normal; 0 at the start
   end.grow(0.0);
   for (int k = 0; k < 3; ++k) {
     const double at = scene.normal.dot(tool.corner[k] - scene.corner[0]);
@@ -192,7 +192,7 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
     moved.grow(at + scene.normal.dot(tool.moved[k]));
     end.grow(tool.normal.dot(tool.moved[k]));
   }
-  Range other;  // of the scene's corners from the tool's plane
+  Range other;  // heights of the scene's corners above the tool triangle's plane, times the length of its normal
   for (const Vec3& p : scene.corner) other.grow(tool.normal.dot(p - tool.corner[0]));
   const double span = (tool.corner[0] - scene.corner[0]).cwiseAbs().sum() + tool.box.diagonal() + scene.box.diagonal();
   const double scene_error = scene.normal_error * span;
@@ -210,7 +210,7 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
   return found;
 }
 
-// Triangles side by side in one plane are not separated by their own planes, but often by a plane of the axes.
+// Triangles side by side in one plane are not separated by their own planes, but often by a plane perpendicular to an axis.
 NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   const Vec3 above = tool.swept.low - scene.box.high;
   const Vec3 below = scene.box.low - tool.swept.high;
@@ -306,7 +306,7 @@ void NearFeatures::add(double distance_squared, std::uint16_t feature, Visit& vi
   }
 }
 
-// Skips a pair that stays apart over the motion: a fixed plane between its closest points separates it.
+// Adds the pair, unless it stays apart over the motion because a fixed plane between its closest points separates it.
 bool NearFeatures::add_if_near(Visit& visit) const noexcept {
   const FeaturePair& pair = visit.pair;
   if (known_.has(pair)) return true;
@@ -327,12 +327,12 @@ bool NearFeatures::add_if_near(Visit& visit) const noexcept {
   return true;
 }
 
-// A minimum between a vertex and a vertex or an edge is found as vertex_face, one between an edge and a vertex as face_vertex.
+// Minima of a tool vertex with a scene vertex or edge are found as vertex_face, those of a tool edge with a scene vertex as face_vertex.
 bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept {
   const SurfaceFeatures& scene = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
-  const Vec3 to_tool = gap.normal;                                           // outward from the scene, its frame
-  const Vec3 to_scene = -(placement_.orientation.conjugate() * gap.normal);  // outward from the tool, its axes
+  const Vec3 to_tool = gap.normal;                                           // outward from the scene, in the scene's frame
+  const Vec3 to_scene = -(placement_.orientation.conjugate() * gap.normal);  // outward from the tool, along the tool's axes
   const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn_ : 0.0);
   switch (pair.kind) {
     case Kind::vertex_face:

@@ -10,20 +10,20 @@
 namespace hapton {
 namespace {
 
-// What a motion adds to the distance of something at `at` from zero, where it is nearer after it.
+// How much a motion changes the distance |at| of something from zero, if it makes that smaller (a negative value); otherwise 0.
 Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
   const Lanes4 away = at < 0.0 ? -motion : motion;
   return detail::lane_min(away, Lanes4{});
 }
 
-// Of the positive ones of three lengths.
+// The sum of the squares of those of three lengths that are positive.
 double squared(const Lanes4& lengths) {
   const Lanes4 positive = detail::lane_max(lengths, Lanes4{});
   const Lanes4 squares = positive * positive;
   return squares[0] + squares[1] + squares[2];
 }
 
-// The direction that positive gaps along axes add up to; `at`: where the other body is along these.
+// The vector with the positive gaps as its parts along the axes; `at`: position of tool minus scene along the axes, for the signs.
 Vec3 direction_of(const Lanes4 (&axes)[3], const Lanes4& gaps, const Lanes4& at) {
   const Lanes4 positive = detail::lane_max(gaps, Lanes4{});
   const Lanes4 along_axes = at < 0.0 ? -positive : positive;
@@ -73,7 +73,7 @@ void ObbFront::ToolBox::place(const ObbTree::Node& tool, const LinearizedMotion&
   displacement_lanes = along(lanes, displacement);
   const double radius = half.norm();
   const double length = arm.norm();
-  still_slack = 0x1p-18 * radius + 0x1p-45 * (1.0 + length);  // the axes are orthonormal to 2^-20
+  still_slack = 0x1p-18 * radius + 0x1p-45 * (1.0 + length);  // the axes are orthonormal within 2^-20
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
@@ -112,10 +112,10 @@ ObbFront::Apart ObbFront::test(const ToolBox& tool, const ObbTree::Node& scene, 
   const Lanes4 still_tool = absolute(by_tool) - (tool.half_lanes + scene_size);
   const Lanes4 moved_scene = still_scene + approach(by_scene, along(axes, tool.displacement));
   const Lanes4 moved_tool = still_tool + approach(by_tool, tool.displacement_lanes);
-  // The axes are orthonormal to 2^-20, coordinates about 1.
+  // The axes are orthonormal within 2^-20, coordinates are about 1.
   const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
-  constexpr double kAxisLength = 1.0 - 0x1p-20;  // at least
-  // Gaps along axes that are at right angles add up.
+  constexpr double kAxisLength = 1.0 - 0x1p-20;  // least length of an axis
+  // The squares of gaps along perpendicular axes add up.
   Apart apart{std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
               largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance, Vec3::Zero()};
   if (wants_direction && apart.over_motion) {
@@ -141,8 +141,8 @@ void ObbFront::begin(const LinearizedMotion& motion, double distance) noexcept {
   find_places(float_at_least(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding), float_at_least(distance));
 }
 
-// A front has tens of thousands of pairs, and a walk begins at few of them: not where the tool has not come as far, nor where a plane is
-// between the boxes.
+// A front has tens of thousands of pairs; a walk begins at few of them. It leaves out pairs for which the tool has not travelled far enough
+// to come near, and pairs with a stored plane that separates the boxes over the motion.
 void ObbFront::find_places(float enough, float clearance) noexcept {
   constexpr std::size_t kLanes = SeparatingPlanes::kTogether;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -171,7 +171,7 @@ void ObbFront::find_places(float enough, float clearance) noexcept {
         if (visited_in_[i] != epoch_ || rest_until_[i] <= enough) places_.push_back(static_cast<std::uint32_t>(i));
       }
     }
-    // The walk changes what it begins at.
+    // The walk changes the bounds of the pairs at which it begins, so the block's bound is not known yet.
     lowest_[block] = -kInfinity;
     if (places_.size() > before) continue;
     lowest_[block] = kInfinity;
@@ -179,7 +179,7 @@ void ObbFront::find_places(float enough, float clearance) noexcept {
   }
 }
 
-// The pairs a few levels below the roots, as if a walk had ended there.
+// Starts the front with the pairs a few levels below the roots, as if a walk had ended at these.
 void ObbFront::begin_at_roots(const LinearizedMotion& motion, double distance) noexcept {
   travelled_ = 0.0;
   first_count_ = 0;
@@ -218,7 +218,7 @@ void ObbFront::put(std::size_t i, const End& end) noexcept {
 
 void ObbFront::put_again(std::size_t i, const End& end) noexcept {
   until(i) = std::max(until(i), end.until);
-  // Two bounds that leave out different features hold for those that both do not.
+  // Each bound leaves out other near features: the larger one holds for the features that both of them include.
   const bool is_again = visited_in_[i] == epoch_;
   rest_until_[i] = is_again ? std::max(rest_until_[i], end.rest_until) : end.rest_until;
   near_[i] = static_cast<std::uint16_t>(is_again ? near_[i] | end.near : end.near);

@@ -24,7 +24,7 @@ struct TreeTriangle {
   }
 
   std::array<Vec3, 3> corner;
-  Vec3 normal;  // as long as twice the area
+  Vec3 normal;  // its length is twice the area
   Vec3 centre;
   Mat3 spread = Mat3::Zero();  // second moments about the centre, doubled
   double area;                 // doubled
@@ -42,7 +42,7 @@ struct TreeTriangle {
 
 // A piece of a surface: the numbers of its triangles.
 struct SurfacePiece {
-  std::span<const TreeTriangle> items;  // of the whole surface
+  std::span<const TreeTriangle> items;  // all triangles of the surface
   std::span<std::uint32_t> numbers;
 
   std::size_t size() const { return numbers.size(); }
@@ -53,12 +53,12 @@ struct SurfacePiece {
 struct SortKey {
   double key;
   std::uint32_t id;
-  std::uint32_t number;  // of the triangle
+  std::uint32_t number;  // number of the triangle
 
   bool operator<(const SortKey& other) const { return key != other.key ? key < other.key : id < other.id; }
 };
 
-// The axes of the second moments of a piece of surface (Gottschalk et al., section 4). Of one triangle: its normal and its longest edge.
+// The axes of the second moments of a piece of surface (Gottschalk et al., section 4). For one triangle: its normal and longest edge.
 struct PieceAxes {
   Mat3 axes = Mat3::Identity();  // columns, from the shortest extent to the longest
 
@@ -142,7 +142,7 @@ struct PieceBend {
 class TreeBuilder {
  public:
   std::vector<TreeTriangle> items;
-  std::vector<std::uint32_t> numbers;  // of the items, leaf by leaf
+  std::vector<std::uint32_t> numbers;  // numbers of the items, leaf by leaf
   LargeVector<ObbTree::Node> nodes;
 
   void run() {
@@ -182,7 +182,7 @@ class TreeBuilder {
     build(node.link + 1, begin + half, end);
   }
 
-  // Orders triangles by their centres, or by their normals.
+  // Orders triangles along an axis by their centres, or by their normals.
   struct Along {
     Vec3 axis;
     bool is_by_normal;
@@ -298,7 +298,7 @@ class TreeJoiner {
     build(node.link + 1, objects.subspan(half));
   }
 
-  // A box along the coordinate axes, which it has in the order of its extents, the shortest first.
+  // A box along the coordinate axes. Its own axes are these in the order of its extents, the shortest first.
   static ObbTree::Node box_along(const Box& bounds) {
     const Vec3 size = bounds.high - bounds.low;
     std::array<int, 3> order = {0, 1, 2};
@@ -367,7 +367,7 @@ ObbTree ObbTree::about(const Vec3& p) const {
   for (Node& node : moved.nodes_) {
     const Vec3 centre = node.at() - p;
     for (int i = 0; i < 3; ++i) node.centre[i] = to_float(centre[i]);
-    // The axes are orthonormal to 2^-20.
+    // The axes are orthonormal within 2^-20.
     const double rounding = (node.at() - centre).norm() * (1.0 + 0x1p-16) + 0x1p-48 * (1.0 + centre.cwiseAbs().maxCoeff());
     for (float& half : node.half) half = rounded_up(half + rounding);
   }

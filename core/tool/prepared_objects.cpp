@@ -6,9 +6,9 @@
 namespace hapton {
 namespace {
 
-// A scene is within this of its frame's origin, local units; a new frame has it within 1.
+// Largest coordinate of the scene in a frame that still suits it, local units. In a new frame, too, all coordinates are within 1.
 constexpr double kFarthest = 1.0;
-// And its diagonal is at least this; in a new frame it is 1 to 2. Tolerances are in proportion to it.
+// Least diagonal of the scene in a frame that still suits it; in a new frame it is 1 to 2. Tolerances are in proportion to the local unit.
 constexpr double kMinDiagonal = 0.5;
 
 std::vector<Box> bounds_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// How far a box reaches from its centre along a normal that is given along the axes of its coordinates.
+// How far a box reaches from its centre along a normal, which is given in the frame of the box's coordinates.
 double reach_along(const ObbTree::Node& box, const Vec3& normal) {
   const Lanes4 axes[3] = {lanes_at(box.axes[0].data()), lanes_at(box.axes[1].data()), lanes_at(box.axes[2].data())};
   const Lanes4 reach = absolute(along(axes, normal)) * lanes_of(box.half_size());
@@ -34,8 +34,8 @@ void SeparatingPlanes::FloatMap::set(const Map& map) {
 
 // Rounding errors of find_gaps. With M = Map::size, the sum of the magnitudes of all products and terms (the centre of a box is within
 // sqrt(3) radii of the grip point), along_normals differs from its exact value by 2^-21 M at most: each product passes up to seven
-// roundings of 2^-24, and the map was rounded. The terms that follow are rounded by 2^-24 of each up to five times: of the result, of M,
-// and of radius times turned. The factors here are twice that or more.
+// roundings of 2^-24, and the map was rounded. The steps after that round up to five times, each time by at most 2^-24 of the result, of M,
+// and of radius times turned. The factors here are twice these errors or more.
 void SeparatingPlanes::begin(const LinearizedMotion& motion, double turned) noexcept {
   at_ = motion.from;
   turn_ = motion.orientation;
@@ -50,11 +50,11 @@ void SeparatingPlanes::begin(const LinearizedMotion& motion, double turned) noex
   turned_float_ = float_at_least(turned_ * (1.0 + kRounding));
   angle_float_ = float_at_least((motion.angle + motion.sagitta) * (1.0 + kRounding));
   start_error_ = float_at_least(start_error);
-  // Of the path of the centre, too.
+  // Also includes the error of the centre's path.
   over_error_ = float_at_least(start_error + kRounding * path.size(radius_) + 2.0 * radius_ * motion.sagitta);
 }
 
-// No longer than 1 once it is rounded, so that a gap along it is no larger than the distance.
+// The result is no longer than 1 after rounding, so that a gap along it is no larger than the distance.
 Vec3 SeparatingPlanes::normal_along(const Vec3& direction) noexcept {
   const Vec3 unit = direction * ((1.0 - 0x1p-22) / direction.norm());
   return {rounded_to_float(unit.x()), rounded_to_float(unit.y()), rounded_to_float(unit.z())};
@@ -68,7 +68,7 @@ double SeparatingPlanes::gap_along(const Vec3& normal, const ObbTree::Node& tool
 
 void SeparatingPlanes::put(std::size_t i, const Vec3& normal, double gap, const ObbTree::Node& tool) noexcept {
   const Vec3 arm = tool.at();
-  const double radius = tool.half_size().norm() * (1.0 + 0x1p-18);  // the axes are orthonormal to 2^-20
+  const double radius = tool.half_size().norm() * (1.0 + 0x1p-18);  // the axes are orthonormal within 2^-20
   const double rounding = 0x1p-45 * (1.0 + arm.cwiseAbs().sum() + at_.position.cwiseAbs().sum());
   Group& group = groups_[i / kTogether];
   const std::size_t lane = i % kTogether;

@@ -11,7 +11,7 @@ using Cell = Eigen::Vector3i;
 
 constexpr double kLargestCell = 1 << 20;
 
-// Whether a triangle, given from the middle of a box, meets it. reach_along: how far the box reaches along an axis.
+// Whether a triangle meets a box; its corners are relative to the box's middle. reach_along: how far the box reaches along an axis.
 template <class Reach>
 bool meets(const std::array<Vec3, 3>& corner, const Reach& reach_along) {
   const std::array<Vec3, 3> edge = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
@@ -32,7 +32,7 @@ bool meets(const std::array<Vec3, 3>& corner, const Reach& reach_along) {
   return !is_apart(edge[0].cross(edge[1]));
 }
 
-// From one cell to another, both included.
+// The cells of a box, from `first` to `last`, both included.
 struct VoxelRange {
   Cell first;
   Cell last;
@@ -40,20 +40,20 @@ struct VoxelRange {
   Vec3 size() const { return (last - first).cast<double>().array() + 1.0; }
 };
 
-// Also true for some ranges that it misses by less than the room.
+// Whether the triangle meets the cells; also true for some that it misses by less than kRoom.
 bool may_meet(const std::array<Vec3, 3>& corner, const VoxelRange& cells) {
-  constexpr double kRoom = 0x1p-20;  // in cells: far above the rounding of their numbers, which are below 2^20
+  constexpr double kRoom = 0x1p-20;  // in cells: far above the rounding of cell numbers, which are below 2^20
   const Vec3 half = 0.5 * cells.size();
   const Vec3 middle = cells.first.cast<double>() + half;
   const Vec3 wide = half.array() + kRoom;
   return meets({corner[0] - middle, corner[1] - middle, corner[2] - middle}, [&](const Vec3& axis) { return axis.cwiseAbs().dot(wide); });
 }
 
-// Calls use(cell) for each cell of the range that the triangle meets, until it returns false. Large ranges are halved, and halves that the
-// triangle misses left out, so that a long triangle takes the time of the cells that it meets, not of all cells of its box.
+// Calls use(cell) for each cell of the range that the triangle meets, until use returns false. Large ranges are halved, and halves that the
+// triangle misses are left out, so that a long triangle takes the time of the cells that it meets, not of all cells of its box.
 template <class Use>
 bool for_each_met(const std::array<Vec3, 3>& corner, const VoxelRange& cells, const Use& use) {
-  constexpr double kFew = 64.0;  // cells: so few are tested one by one
+  constexpr double kFew = 64.0;  // cells: a range of no more is tested cell by cell
   if (cells.size().prod() > kFew) {
     if (!may_meet(corner, cells)) return true;
     int axis = 0;
@@ -83,10 +83,10 @@ std::uint64_t key_of(const Cell& cell) {
 
 struct Crossing {
   Cell cell;
-  Vec3 area;  // of the triangle, along its normal
+  Vec3 area;  // area of the triangle, as a vector along its normal
 };
 
-// One voxel for the crossings of one cell.
+// Merges all crossings of a cell into one voxel.
 std::vector<SurfaceVoxel> merged(std::vector<Crossing> crossings) {
   std::stable_sort(crossings.begin(), crossings.end(),
                    [](const Crossing& a, const Crossing& b) { return key_of(a.cell) < key_of(b.cell); });
@@ -115,7 +115,7 @@ Result<std::vector<SurfaceVoxel>> find_surface_voxels(const TriangleMesh& mesh, 
                   grid.voxel_m * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()) / kLargestCell * 1.01);
     }
     const Vec3 area = 0.5 * (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-    // What only touches a side belongs to the cells on both sides of it.
+    // A triangle that only touches the side between two cells belongs to both.
     const Cell first = (low.array().ceil() - 1.0).matrix().cast<int>();
     const Cell last = high.array().floor().matrix().cast<int>();
     const bool fits = for_each_met(corner, {first, last}, [&](const Cell& cell) {

@@ -8,10 +8,10 @@ namespace {
 
 using Kind = FeaturePair::Kind;
 
-// From 0 on, how long above + rate t - bend t^2 / 2 stays at 0 or more; `above` is a distance less the floor. A distance at its floor may
-// be below it by rounding. Pre: bend >= 0.
+// How long, from t = 0 on, above + rate t - bend t^2 / 2 stays at 0 or more, with above = distance - floor. By rounding, a distance at its
+// floor may be a little below it. Pre: bend >= 0.
 double time_above(double distance, double floor, double rate, double bend) {
-  constexpr double kRounding = 0x1p-24;  // of the floor, which is 2^30 roundings of a distance
+  constexpr double kRounding = 0x1p-24;  // share of the floor, which is 2^30 times the rounding of a distance
   double above = distance - floor;
   if (!(above > -kRounding * floor)) return 0.0;
   above = std::max(above, 0.0);
@@ -21,7 +21,7 @@ double time_above(double distance, double floor, double rate, double bend) {
   return rate > 0.0 || above > 0.0 ? 1e300 : 1.0;
 }
 
-// What a rigid motion has at one instant: its velocity and bounds of accelerations. Positions are from the grip point at that instant.
+// The velocity of a rigid motion at one instant, and bounds of accelerations. Positions are from the grip point at that instant.
 struct MotionRates {
   Vec3 shift;
   Vec3 turn;
@@ -63,7 +63,7 @@ double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
   const double side = w.dot(normal) < 0.0 ? -1.0 : 1.0;
   normal *= side;
   const Vec3 velocity = m.velocity(gap.on_tool);
-  const Vec3 d1 = m.turn.cross(d);  // derivatives of d by the time
+  const Vec3 d1 = m.turn.cross(d);  // derivatives of d with respect to time
   const Vec3 d2 = m.turn.cross(d1);
   const Vec3 normal_rate = side * d1.cross(e);
   const double rate = velocity.dot(normal) + w.dot(normal_rate) - floor * m.turn_length;
@@ -97,7 +97,7 @@ double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placemen
   return std::max(in_scene, in_tool);
 }
 
-// The ends of the edges are pairs of a vertex and a face; between them the distance changes by no more than the sine times the length.
+// True if the pairs of the edges' ends with faces suffice: between the ends the distance changes by no more than the sine times the length.
 bool is_covered_by_ends(const FeaturePair& pair, const Placement& placement, const MotionRates& m, double floor) {
   const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
   const Vec3 e = pair.scene[1] - pair.scene[0];
@@ -127,7 +127,7 @@ double advance_time(const FeaturePair& pair, const FeatureGap& gap, const Placem
 
 double bound_time_of_impact(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor,
                             double until) noexcept {
-  // As a share of the whole motion. If an advance is shorter, the pair has reached its floor.
+  // Share of the whole motion: if an advance is shorter, the pair has reached its floor.
   constexpr double kMinAdvance = 0x1p-12;
   const MotionRates m(motion);
   if (pair.kind == Kind::edge_edge && is_covered_by_ends(pair, motion.from, m, floor)) return until;
@@ -135,7 +135,7 @@ double bound_time_of_impact(const FeaturePair& pair, const FeatureGap& gap, cons
   for (int advance = 1; time < until && advance < kMaxAdvances; ++advance) {
     const Placement placement = motion.at(time);
     const double more = advance_time(pair, measure_gap(pair, placement), placement, m, floor,
-                                     2.0 * (until - time));  // more than what is left, by more than rounding
+                                     2.0 * (until - time));  // exceeds the rest of the motion by more than rounding
     time += more;
     if (more < kMinAdvance) break;
   }

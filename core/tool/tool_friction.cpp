@@ -7,16 +7,16 @@
 namespace hapton {
 namespace {
 
-// Of the device's motion: what moves the tool by less is not a slide.
+// Share of the device's motion: if, without friction, the tool would move by no more along it, the device does not pull the tool onward.
 constexpr double kMinPull = 0x1p-10;
-// Of the same: what a tool that sticks moves by at most. One that slides moves by all of it.
+// Share of the device's motion: a tool that sticks moves by at most this. One that slides moves by all of it.
 constexpr double kSticks = 0.125;
-// Of the distance between device and tool: what the iteration leaves of a slip, 16 times what ends it (ContactCones).
+// Share of the distance between device and tool: the slip that the iteration leaves, 16 times the correction that ends it (ContactCones).
 constexpr double kLeftSlip = 0x1p-16;
 
 // Largest rotation in a step, rad, of a tool that was in contact. Where friction has turned it far from the device, the bounds of contacts,
 // which are linear about the tool's pose, do not hold along the path back: the next step continues with contacts found on that path. 100
-// rad/s at 1 kHz, twice what a hand turns at.
+// rad/s at 1 kHz, twice as fast as a hand turns.
 constexpr double kMaxTurn = 0.1;
 
 Placement displaced(const Placement& from, const Vec6& by) {

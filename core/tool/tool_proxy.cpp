@@ -11,21 +11,21 @@ namespace hapton {
 namespace {
 
 constexpr double kOffset = ToolProxy::kContactOffset;
-constexpr double kLargestTurn = 0.5;  // rad in a round: bounds are good for small ones
+constexpr double kLargestTurn = 0.5;  // rad in a round: the linear bounds are good for small turns
 constexpr int kMaxCorrections = 3;
-constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
-constexpr std::size_t kMaxFollowed = 96;     // or twice as many as a search found: with more, most of them are behind the tool
-constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
-// Pairs that a round begins with: within a share of its reach.
+constexpr std::size_t kManyFeatures = 1024;  // pairs of features; with more, the reach does not grow
+constexpr std::size_t kMaxFollowed = 96;     // pairs that are followed, or twice those of a search: of more, most are behind the tool
+constexpr double kNothing = 0x1p-10;         // of the offset: if no more of the motion is left, the device is reached
+// A round begins with the pairs within a distance: this share of its reach, ...
 constexpr double kNearShare = 0x1p-8;
-constexpr double kNear = 2.0;  // and offsets
-// The first part that is searched of a motion that no contact holds: it may lead straight into a surface, however far the last one went.
-constexpr double kFirstShare = 0x1p-8;  // of the motion
-constexpr double kMinFirst = 16.0;      // offsets
+constexpr double kNear = 2.0;  // ... plus this many offsets
+// If no contact holds a motion, a first part of it is searched alone: it may lead straight into a surface, however far the last one went.
+constexpr double kFirstShare = 0x1p-8;  // share of the motion
+constexpr double kMinFirst = 16.0;      // in offsets, at least
 constexpr int kMaxExtensions = 8;
-// Where a tool slides far below its device, a small slide brings it nearer by a far smaller distance.
+// While the device is far below the surface on which a tool slides, a small slide brings the tool nearer by a far smaller distance.
 constexpr double kMinGain = kOffset * 0x1p-12;
-constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
+constexpr double kGrowth = 4.0;  // factor of the reach, if it has ended a round, or of the part of a motion that is searched
 
 }  // namespace
 
@@ -131,7 +131,7 @@ void ToolProxy::make_bounds() noexcept {
   bound_count_ = 0;
   for (std::uint32_t p = 0; p < parts_.size(); ++p) {
     const ScenePart& part = *parts_[p];
-    // What the part's own motion is to the tool.
+    // The motion of the tool relative to the part, if the part moves and the tool does not.
     const Vec6 passing = part.is_moving() ? part.own(RigidMotion{proxy_}).shift_and_turn() : Vec6(Vec6::Zero());
     const std::span<const NearFeature> features = part.near().features();
     for (std::uint32_t i = 0; i < features.size(); ++i) {
@@ -154,8 +154,8 @@ void ToolProxy::make_bounds() noexcept {
   }
 }
 
-// Bounds are linear in the motion; gaps are not. Raises each bound by what the gap after the motion lacks. True if one was raised by
-// more than a bound's tolerance.
+// Bounds are linear in the motion; gaps are not. Raises each bound by how far the gap after the motion is below the linear one. True if one
+// whose gap is too small was raised by more than a bound's tolerance.
 bool ToolProxy::correct_bounds(const RigidMotion& motion) noexcept {
   const Vec6 y = energy_.to_coordinates(motion);
   bool is_corrected = false;
@@ -186,7 +186,7 @@ bool ToolProxy::solve(const Vec6& goal, LeastMotion& least) noexcept {
   const std::span<MotionBound> bounds(bounds_.data(), bound_count_);
   least = find_least_motion(goal, bounds, kTolerance);
   if (least.solved) return true;
-  // A pair below the offset asks for more than the others leave: zero motion is always allowed then, while no part moves.
+  // A pair below the offset may ask for more than the others leave: then zero motion is always allowed, if no part moves.
   for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].least = std::min(bounds_[i].least, yields_[i]);
   least = find_least_motion(goal, bounds, kTolerance);
   return least.solved;
@@ -196,7 +196,7 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
   make_bounds();
   if (!solve(energy_.goal_of(wanted), least_)) return RigidMotion{proxy_};
   RigidMotion motion = cut_to(reach, energy_.to_motion(proxy_, least_.y));
-  // What is left of a long motion, and what its curvature does to the gaps, is brought back within the bounds.
+  // Brings back within the bounds what has left them because a long motion was cut, and because its curvature changes the gaps.
   LeastMotion nearest;
   for (int correction = 0; bound_count_ > 0 && correction < kMaxCorrections; ++correction) {
     if (!correct_bounds(motion) && correction > 0) break;
@@ -230,8 +230,8 @@ bool ToolProxy::is_crossed(const RigidMotion& motion) const noexcept {
   return false;
 }
 
-// The share of the motion over which every pair stays at its floor: kFloor of the offset, or a little below where it is, but never below
-// kMinGap; a pair that is there already may only move apart.
+// The share of the motion over which every pair stays at its floor or above: kFloor of the offset, or a little below its present distance
+// if that is less, but never below kMinGap. A pair that is already nearer than kMinGap may only move apart.
 double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
   double until = 1.0;
   for (const auto& part : parts_) {
@@ -285,13 +285,13 @@ bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, doub
   return true;
 }
 
-// True if there is more to do.
+// Makes one round of a step. True if there is more to do.
 bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = motion_between(proxy_, device);
   const double radius = this->radius();
   const double left = wanted.length(radius);
   if (left > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
-    // Gaps differ by less than an offset from round to round, and so does the distance.
+    // From round to round the gaps, and so the distance to the device, vary by less than an offset: a smaller gain does not count.
     if (energy_.length(motion_between(progress_.best(), device)) < energy_.length(wanted) - kOffset) return_to_best();
     report.converged = false;
     return false;
@@ -325,12 +325,12 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   if (least_.solved) update_curvature();
   report.converged = false;
   if (motion.length(rest_radius()) <= kConverged * kOffset) {
-    // The bounds of a long motion leave none: those of a shorter one are better.
+    // The bounds for a long motion allow hardly any motion; those for a shorter one are better.
     reach_ = kShrinkage * reach;
     return reach_ > kOffset;
   }
   const double share = find_safe_share(motion);
-  // The motion that was found safe, and no other, leads to the device.
+  // The proxy is put at the device only if the motion that was found safe leads there.
   const RigidMotion rest{proxy_, wanted.shift - motion.shift, wanted.turn - motion.turn};
   if (share >= 1.0 && least_.active_count == 0 && rest.length(radius) <= kNothing * kOffset) {
     proxy_ = device;
@@ -344,7 +344,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   return true;
 }
 
-// A part that moves would come nearer than the offset, or than it is: the tool has no room.
+// True if a moving part would come nearer than the offset and nearer than it is now: the tool has no room.
 bool ToolProxy::is_squeezed_by(const RigidMotion& motion) const noexcept {
   for (const auto& part : parts_) {
     if (!part->is_moving()) continue;
@@ -421,7 +421,7 @@ void ToolProxy::carry(std::size_t first, std::size_t last, ToolProxyStep& report
   }
 }
 
-// The contacts' curvature belongs to the motion towards the device, not to that out of the way.
+// Computes without the contacts' curvature, which belongs to the motion towards the device, not to the motion out of the parts' way.
 void ToolProxy::carry_all(ToolProxyStep& report) noexcept {
   const auto is_there = [](const auto& part) { return part->is_arrived(); };
   if (std::all_of(parts_.begin(), parts_.end(), is_there)) return;
