@@ -7,15 +7,15 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstPiece = 0x1p-6;  // of a motion
-constexpr double kMinPiece = 0x1p-14;   // of a motion
-constexpr double kPieceGrowth = 4.0;    // from one piece to the next
-constexpr int kMaxInBox = 128;          // triangles in the box of a piece; if there are more, it is cut
-constexpr int kMaxCuts = 4;             // of pieces that are searched in boxes
-constexpr int kFewTests = 16;           // after which the next piece is longer
-constexpr int kFewInBall = 48;          // the same in a ball
-constexpr double kShortPiece = 0.25;    // of the clearance, among many triangles
-constexpr int kMinTests = 64;           // of a call, however little work is left
+constexpr double kFirstPiece = 0x1p-6;  // share of the whole motion
+constexpr double kMinPiece = 0x1p-14;   // share of the whole motion
+constexpr double kPieceGrowth = 4.0;    // factor from one piece to the next
+constexpr int kMaxInBox = 128;          // most triangles in the box of a piece; a piece whose box holds more is cut
+constexpr int kMaxCuts = 4;             // most cuts of pieces in one motion; after these, balls are searched instead of boxes
+constexpr int kFewTests = 16;           // after a cut: if a box needed no more tests than this, the next piece is longer
+constexpr int kFewInBall = 48;          // if a ball needed no more tests than this, the next piece is longer
+constexpr double kShortPiece = 0.25;    // share of the offset of the clearance: length of the first piece among many triangles
+constexpr int kMinTests = 64;           // tests of each search in a ball, however little work is left
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void StraightSweep::start(const Vec3& from, const Vec3& motion) noexcept {
   piece_ = kFirstPiece;
   first_ = kNever;
   cuts_ = 0;
-  is_crowded_ = crowded_length_ > 0.0;  // it goes on with pieces as long as the last ones
+  is_crowded_ = crowded_length_ > 0.0;  // continues with pieces as long as the last ones of the previous motion
   if (is_crowded_) piece_ = std::min(1.0, std::max(kMinPiece, crowded_length_ / motion.norm()));
   crowded_length_ = 0.0;
   least_tested_ = std::numeric_limits<int>::max();
@@ -47,7 +47,7 @@ StraightSweep::End StraightSweep::go_on(ProxyState& proxy, const Clearance& keep
       is_interrupted_ = !search_ball(proxy, keep, fixed, work, most_work);
       if (is_interrupted_ && done_ == 0.0) return End::interrupted;
       if (is_interrupted_) {
-        // What was searched before is free: the probe goes there, and the next call begins with this piece.
+        // The part of the motion before this piece is free: the probe goes to its end, and the next call begins with this piece.
         is_interrupted_ = false;
         crowded_length_ = (end_ - done_) * motion_.norm();
         first_ = done_;
@@ -83,7 +83,7 @@ bool StraightSweep::search_box(ProxyState& proxy, const Clearance& keep, int fix
   return fits;
 }
 
-// False: out of work.
+// False: the work of this step is used up.
 bool StraightSweep::search_ball(ProxyState& proxy, const Clearance& keep, int fixed, int& work, int most_work) noexcept {
   const double radius = keep.offset + 4.0 * keep.tolerance + 0.5 * (end_ - done_) * motion_.norm();
   for (int count = 0;; ++count) {
@@ -95,7 +95,7 @@ bool StraightSweep::search_ball(ProxyState& proxy, const Clearance& keep, int fi
   }
 }
 
-// Where the probe reaches as many triangles without moving, shorter boxes hold no fewer.
+// Cuts the piece, or changes to balls: where the probe reaches too many triangles even without moving, shorter boxes hold too many as well.
 void StraightSweep::shorten_piece(const Clearance& keep) noexcept {
   if (cuts_ < kMaxCuts && !is_among_many(keep)) {
     ++cuts_;
@@ -106,7 +106,7 @@ void StraightSweep::shorten_piece(const Clearance& keep) noexcept {
   piece_ = std::min(1.0, std::max(kShortPiece * keep.offset / motion_.norm(), kMinPiece));
 }
 
-// Among many triangles the next piece is longer if this one did not hold more than shorter ones, as along an edge that all of them share.
+// Among many triangles the next piece is longer if this one held hardly more of them than shorter ones, as along an edge that all share.
 void StraightSweep::choose_next_piece() noexcept {
   if (!is_crowded_) {
     if (cuts_ == 0 || tested_ <= kFewTests) piece_ *= kPieceGrowth;

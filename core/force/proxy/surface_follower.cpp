@@ -27,7 +27,7 @@ bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, con
   return true;
 }
 
-// A vertex costs more with more facets, and all twice as much with friction.
+// An event at a vertex costs more with more facets; with friction every event costs twice as much.
 void SurfaceFollower::spend() noexcept {
   const int units = 1 + (at_.on() == On::vertex ? static_cast<int>(at_.fan().size()) / kFacetsPerUnit : 0);
   work_left_ -= friction_.acts() ? 2 * units : units;
@@ -66,7 +66,7 @@ SurfaceFollower::Next SurfaceFollower::next_event(const Vec3& from, const Vec3& 
                                 : follow_at_vertex(from, to, time);
 }
 
-// To the projection of the device, or to the first edge on the path there.
+// Moves the point to the projection of the device onto the face, or to the first edge on the path to it.
 SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexcept {
   const double height = at_.a().height(device);
   if (height > kClear) return Next::airborne;
@@ -76,7 +76,7 @@ SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexc
   return again_if(at_.reach_edge(exit.edge, at_.point() + exit.time * (goal - at_.point())));
 }
 
-// Settles on a face, unless the point balances on a convex edge with the device beyond it: then it goes over to that face, or is free.
+// Settles on a face. If the point balances on a convex edge with the device beyond it, it crosses to the adjacent face instead, or is free.
 SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3& device) noexcept {
   at_.move_on_face(p);
   for (int k = 0; k < 3; ++k) {
@@ -92,7 +92,7 @@ SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3&
   return Next::settled;
 }
 
-// Onto the face that leads nearer to the device; if neither does, the edge is concave and the point moves along it.
+// Moves onto the face that leads nearer to the device; if neither face does, the edge is concave and the point moves along it.
 SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexcept {
   if (at_.is_free_over_edge(device)) return Next::airborne;
   if (const SurfacePoint::Facet* over = at_.find_over_edge(device)) {
@@ -107,8 +107,8 @@ SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexc
   return settle_on_edge(along, device);
 }
 
-// Settles on a concave edge, unless the point balances at an end of it with the device beyond: then it goes over the vertex there, or is
-// free.
+// Settles on a concave edge. If the point balances at an end of the edge with the device beyond that end, it moves over the vertex at the
+// end instead, or is free.
 SurfaceFollower::Next SurfaceFollower::settle_on_edge(double along, const Vec3& device) noexcept {
   at_.move_on_edge(along);
   at_.balance_on_edge();
@@ -121,7 +121,7 @@ bool SurfaceFollower::is_near_end_of_edge() const noexcept {
   return std::min(along, 1.0 - along) * face.length(at_.edge()) < kBalance;
 }
 
-// Where the vertex leads no farther than to the edge and its faces again, the point stays. Pre: is_near_end_of_edge().
+// The point stays if the vertex leads only back to the edge or its faces. Pre: is_near_end_of_edge().
 SurfaceFollower::Next SurfaceFollower::go_over_end(const Vec3& device) noexcept {
   const SurfacePoint::Facet face = at_.a();
   const int edge = at_.edge();
@@ -136,7 +136,7 @@ SurfaceFollower::Next SurfaceFollower::go_over_end(const Vec3& device) noexcept 
   return at_.land_on_edge(face.id, face.is_back(), edge, p) ? Next::settled : Next::unwalkable;
 }
 
-// In the steepest direction: over the face or edge of the vertex whose point nearest to the device is the nearest of all.
+// Moves in the steepest direction: over that face or edge at the vertex which comes nearest to the device.
 SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noexcept {
   const Vec3 to_device = device - at_.point();
   const SurfacePoint::Descent descent = at_.find_steepest(to_device, at_.least_slope(device));
@@ -169,8 +169,8 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
     const Next next = settle_on_face(to - height * at_.a().normal(), to);
     return next == Next::again ? Next::descend : next;
   }
-  // It returns over the edge that it just entered by, because the other face sent it back. Both decisions are rounding, so the edge holds
-  // it.
+  // The point leaves over the edge by which it just entered, because the other face sent it back. Both decisions are due to rounding, so
+  // the edge holds the point.
   const bool turns_back = exit == at_.entry_edge() && soonest <= time;
   time = soonest;
   const Vec3 device = on_path(from, to, time);
@@ -183,7 +183,7 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
 SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Vec3& to, double& time) noexcept {
   const ContactTriangle& face = at_.a().shape;
   const int edge = at_.edge();
-  const bool has_moved = time < 1.0;  // the device, since the last descent
+  const bool has_moved = time < 1.0;  // the device has moved since the last descent
   double soonest = 2.0;
   enum class Event : std::uint8_t { none, to_a, to_b, begin, end } event = Event::none;
   const auto consider = [&](double at_0, double at_1, Event which) {

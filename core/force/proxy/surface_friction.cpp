@@ -14,7 +14,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // A pull within this share of the cone's radius is on the cone: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
 constexpr double kMin = SurfacePoint::kMinPull;  // a shorter pull is mostly rounding
-constexpr int kMaxHalvings = 96;                 // a bound; Newton's method needs a few
+constexpr int kMaxHalvings = 96;                 // limits the rounds; Newton's method needs only a few
 
 constexpr auto kOnEdge = SurfacePoint::kOnEdge;
 constexpr auto kClear = SurfacePoint::kClear;
@@ -24,12 +24,12 @@ using On = SurfacePoint::On;
 SurfaceNext again_if(bool walkable) { return walkable ? SurfaceNext::again : SurfaceNext::unwalkable; }
 SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend : SurfaceNext::unwalkable; }
 
-// The pull of a device that moves straight, on a point at rest: start + t motion.
+// The pull on a point at rest by a device that moves straight: start + t motion.
 struct MovingPull {
   Vec3 start, motion;
 
   Vec3 at(double t) const { return start + t * motion; }
-  // When of_square |pull|^2 + of_height (normal . pull)^2 - bound, a polynomial in t, rises above zero.
+  // The time at which of_square |pull|^2 + of_height (normal . pull)^2 - bound, a polynomial in t, rises above zero.
   double time_of_rise(double of_square, const Vec3& normal, double of_height, double bound = 0.0) const {
     const double height = normal.dot(start);
     const double climb = normal.dot(motion);
@@ -63,11 +63,11 @@ double find_fall(double low, double high, Value&& value) {
 // Searches for the first moment, as a share of the remaining step, at which the pull on a point at rest exceeds its cone.
 struct SlipSearch {
   MovingPull pull;
-  double held;   // the coefficient that holds the point
+  double held;   // the coefficient of friction that holds the point
   double bound;  // square of the shortest pull that counts
   double soonest = kNever;
 
-  // Over a face, if the pull at that moment leads there: is_over(pull).
+  // Considers a slip over a face. It counts only if the pull at that moment leads onto the face: is_over(pull).
   template <class IsOver>
   void consider_face(const Vec3& normal, IsOver&& is_over) {
     const double t = pull.time_of_rise(1.0, normal, -(1.0 + held * held), bound);
@@ -79,7 +79,7 @@ struct SlipSearch {
   }
 };
 
-// From an edge: onto one of its faces, or along it.
+// Considers all slips from an edge: onto one of its faces, or along the edge.
 void search_from_edge(const SurfacePoint& at, SlipSearch& slip) {
   const auto is_over = [&](const SurfacePoint::Facet& facet, int k) {
     return [&facet, k](const Vec3& w) {
@@ -91,7 +91,7 @@ void search_from_edge(const SurfacePoint& at, SlipSearch& slip) {
   slip.consider_line(at.a().shape.edge(at.edge()) / at.a().shape.length(at.edge()), true);
 }
 
-// From a vertex: onto a face of its fan, or along an edge of it.
+// Considers all slips from a vertex: onto a face of its fan, or along an edge of the fan.
 void search_from_vertex(const SurfacePoint& at, SlipSearch& slip) {
   for (const SurfacePoint::FanFacet& facet : at.fan()) {
     slip.consider_face(facet.normal, [&](const Vec3& w) { return facet.inward[0].dot(w) > 0.0 && facet.inward[1].dot(w) > 0.0; });
@@ -105,14 +105,14 @@ struct CrossedEdge {
   double time = kNever;
 };
 
-// point: position of the point at a share of the remaining step; leave: the end of the search.
+// `point` gives the position of the point at a share of the remaining step; `leave` is the share at which the search ends.
 template <class Point>
 CrossedEdge find_crossed_edge(const SurfacePoint::Facet& facet, const SlidingPull& sliding, double leave, Point&& point) {
   CrossedEdge first;
   const Vec3 normal = facet.normal();
   for (int k = 0; k < 3; ++k) {
     const Vec3 inward = normal.cross(facet.shape.edge(k)) * facet.side;
-    // The point crosses an edge at most once: its speed across changes sign at most once, with inward . pull.
+    // The point crosses an edge at most once: its speed across the edge changes sign at most once, where inward . pull does.
     const double turn = std::min(leave, sliding.time_across(inward));
     const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
     double low = falls ? 0.0 : turn;
@@ -147,8 +147,8 @@ struct EdgeSlide {
     drawn = sign * direction.dot(motion);
   }
 
-  Vec3 direction;                  // of the edge, unit
-  Vec3 here, motion;               // of the device: its position from the edge's first corner, and its motion in the remaining step
+  Vec3 direction;                  // of the edge, a unit vector
+  Vec3 here, motion;               // the device's position from the edge's first corner, and its motion in the remaining step
   Vec3 sideways, sideways_motion;  // the parts of these perpendicular to the edge
   double sign;                     // 1: along `direction`; -1: against it
   double drawn;                    // motion of the device along the edge, in the direction of the slide
@@ -173,7 +173,7 @@ void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
   slips_ = false;
 }
 
-// Whether a pull moves the point: it exceeds the cone, or leaving the cone is the current event.
+// Whether a pull moves the point: the pull exceeds the cone, or the current event is that it leaves the cone.
 bool SurfaceFriction::moves(double pull_length, double depth) const noexcept {
   if (slips_) return true;
   const double cone = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
@@ -187,7 +187,7 @@ SurfaceNext SurfaceFriction::hold(double pull_length, double depth) noexcept {
   return SurfaceNext::settled;
 }
 
-// The share of the pull that the point moves until it is on the dynamic cone.
+// The share of the pull by which the point moves until the pull is on the dynamic cone.
 double SurfaceFriction::share_of_pull(double pull_length, double depth) noexcept {
   slides_ = true;
   drags_ = true;
@@ -227,7 +227,7 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
     if (!moves(pull_length, depth)) {
       at.balance_on_edge();
       hold(pull_length, depth);
-      drags_ = false;  // not along the edge
+      drags_ = false;  // the pull leads onto a face: no drag along the edge
       return SurfaceNext::settled;
     }
     at.leave_edge(*over);
@@ -303,7 +303,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
   if (slip.soonest > 1.0) {
     time = 1.0;
     if (at.on() == On::face) return SurfaceNext::settled;
-    const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // the point may be free there
+    const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // the point may be free at `to`
     return next == SurfaceNext::again ? SurfaceNext::descend : next;
   }
   time = std::min(1.0, time + slip.soonest * (1.0 - time));
@@ -347,7 +347,7 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   time = std::min(1.0, time + crossed.time * (1.0 - time));
   if (!at.reach_edge(crossed.edge, p)) return SurfaceNext::unwalkable;
   if (turns_back && at.on() == On::edge) {
-    // The adjacent face sent it back: both decisions are rounding.
+    // The adjacent face sent the point back: both decisions are due to rounding.
     at.balance_on_edge();
     drags_ = false;
     return SurfaceNext::again;
@@ -355,7 +355,7 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   return SurfaceNext::descend;
 }
 
-// Along an edge, at x = device - sign mu_d depth, until the device leads onto a face, the point stops, or the edge ends.
+// Slides along an edge, at x = device - sign mu_d depth, until the device leads onto a face, the point stops, or the edge ends.
 SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
   const int edge = at.edge();
   const double length = at.a().shape.length(edge);
@@ -369,7 +369,7 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
     slope = 0.0;
     return slide.speed(t);
   });
-  // Onto a face when its multiplier has reached zero.
+  // The point leaves onto a face when the multiplier of the other face has reached zero.
   enum class Event : std::uint8_t { none, to_a, to_b, end } event = Event::none;
   const Vec3 device = on_path(from, to, time);
   const auto consider_face = [&](const SurfacePoint::Facet& facet, int k, Event which) {

@@ -123,7 +123,7 @@ bool SurfacePoint::is_free_over_edge(const Vec3& device) const noexcept {
   return before_a && before_b ? true : before_a || before_b ? is_convex() : false;
 }
 
-// All triangle sides at the vertex, in order. False unless all are walkable.
+// Collects all triangle sides at the vertex, in order. False unless all are walkable.
 bool SurfacePoint::collect_fan() noexcept {
   fan_count_ = 0;
   vertex_lift_.height = 0.0;
@@ -164,7 +164,7 @@ bool SurfacePoint::collect_fan() noexcept {
   return true;
 }
 
-// Face normals weighted by angle (Baerentzen & Aanaes 2005): tells the side of a point whose closest point is the vertex.
+// Sum of the face normals, weighted by angle (Baerentzen & Aanaes 2005): tells on which side a point is whose closest point is the vertex.
 Vec3 SurfacePoint::vertex_normal() const noexcept {
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < fan_count_; ++i) {
@@ -177,9 +177,9 @@ Vec3 SurfacePoint::vertex_normal() const noexcept {
 
 // Pre: the vertex is the point of its faces closest to the device.
 bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
-  constexpr double kTell = 16.0;  // times the least descent: a shorter path may lead over the faces as well, by less than counts
+  constexpr double kTell = 16.0;  // times the least descent: a nearer device may also pull over the faces, by less than counts
   if (!(to_device.norm() > kTell * kMinPull)) return false;
-  if (is_at_boundary()) return true;  // the fan has both sides of the sheet: nothing lies behind it
+  if (is_at_boundary()) return true;  // the fan contains both sides of the sheet: nothing lies behind it
   if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
   return vertex_normal().dot(to_device) > 0.0;
 }
@@ -197,7 +197,7 @@ bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcep
 }
 
 // The closest feature of the fan decides: a face, an edge between two faces, or the vertex by its normal. Between two equally close
-// features the choice may be rounding; the signs are exact.
+// features the choice may be due to rounding; the signs are exact.
 bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
   if (is_at_boundary()) return true;
   const Vec3 off = p == p_ ? kShift : Vec3(p - p_);
@@ -268,7 +268,7 @@ SurfaceNext SurfacePoint::descend_along(const Descent& descent, const Vec3& devi
   const FanFacet facet = *descent.facet;
   if (descent.over_face) {
     turn_to(facet);
-    if (a().height(device) > kClear) return SurfaceNext::airborne;  // it leaves the surface at the vertex
+    if (a().height(device) > kClear) return SurfaceNext::airborne;  // the point leaves the surface at the vertex
     move_on_face(p_);
     corner_ = facet.corner;
     return SurfaceNext::again;
@@ -277,7 +277,7 @@ SurfaceNext SurfacePoint::descend_along(const Descent& descent, const Vec3& devi
   return is_free_over_edge(device) ? SurfaceNext::airborne : SurfaceNext::again;
 }
 
-// Near an edge, the device may continue behind the adjacent face.
+// The device comes out through the face. Near an edge it may continue behind the adjacent face: then the point is not released.
 SurfaceNext SurfacePoint::release(const Vec3& device, const Vec3& to) noexcept {
   const ContactTriangle& face = a().shape;
   move_on_face(device - a().height(device) * a().normal());
@@ -314,7 +314,7 @@ Vec3 SurfacePoint::lifted_again(double height) noexcept {
   return vertex_lift_.point;
 }
 
-// Near an edge or vertex other than the one the point is on.
+// Whether the point is near an edge or vertex other than the one it is on.
 bool SurfacePoint::is_near_edges(double within) const noexcept {
   for (int k = 0; k < 3; ++k) {
     const bool stands_on = on_ == On::edge && k == edge_;
@@ -324,7 +324,7 @@ bool SurfacePoint::is_near_edges(double within) const noexcept {
   return false;
 }
 
-// A function of its own, because lifted() runs in every step and setting up these planes costs more than the rest of it.
+// A function of its own, because lifted() runs in every step and setting up these planes costs more than the rest of lifted().
 Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   std::array<ContactPlane, kMaxPlanes> planes;
   Vec3 sum = Vec3::Zero();
@@ -348,8 +348,8 @@ Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
 }
 
-// At the boundary of a sheet, or at an edge as sharp, no direction leads away from both faces. The start is then moved outwards in the
-// face's plane: from above the face, a path round the boundary would pass through it within rounding.
+// At the boundary of a sheet, or at an equally sharp edge, no direction leads away from both faces. The point is then moved outwards in
+// the face's plane: a path that starts above the face and goes round the boundary would pass through the face within rounding.
 Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexcept {
   if (on_ == On::vertex) {
     const Vec3 to_device = device - p_;
@@ -399,7 +399,7 @@ Vec3 SurfacePoint::lifted_over_fan(double height) const noexcept {
   return least * kSteepest > 1.0 ? Vec3(p_ + (height / least) * up) : Vec3(p_ + over_widest_face(height));
 }
 
-// The shortest vector of height `height` above two planes through zero.
+// The shortest vector that ends `height` above two planes through zero.
 Vec3 SurfacePoint::between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
   const Vec3 sum = normal_a + normal_b;
   const double squared = sum.squaredNorm();
@@ -414,8 +414,8 @@ bool SurfacePoint::is_near_edge(const Facet& facet, int k, double within) const 
   return (p_ - facet.shape.corner(k) - along * facet.shape.edge(k)).squaredNorm() <= within * within;
 }
 
-// Adds the planes of nearby faces that a lift must clear: those beyond the edges near the point that are concave or nearly flat, and from
-// there on likewise; near a vertex these may be several.
+// Adds the planes of nearby faces that a lift must clear: those beyond concave edges near the point. The search crosses concave and nearly
+// flat edges and goes on from the faces beyond them; near a vertex it may find several.
 template <class Add>
 void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
   std::array<std::pair<std::uint32_t, bool>, kMaxNear> faces;

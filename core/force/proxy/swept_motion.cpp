@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
 constexpr double kFarthestGoal = 0x1p10;   // local units: a device farther out would cost significant digits
-constexpr double kRoundedShare = 0x1p-48;  // of a distance within the scene
+constexpr double kRoundedShare = 0x1p-48;  // local units: bound on the rounding of a distance within the scene
 
 // Limits a motion to the length that crosses the scene.
 Vec3 shortened(const Vec3& motion) {
@@ -28,7 +28,7 @@ bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) 
   most_work_ = most_work;
   if (has_settled_ || device != device_) forget_progress();
   device_ = device;
-  proxy.active_count = 0;  // until it has settled
+  proxy.active_count = 0;  // until the proxy has settled
   has_settled_ = settle(proxy, device);
   if (is_point_ && !sweep_.is_interrupted()) keep_ = clearance_;
   if (!has_settled_) ++counters_.unconverged;
@@ -93,20 +93,20 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
   return false;
 }
 
-// A motion that ran out of work in the last call goes on, unless others have moved the proxy since.
+// Continues a motion that the last call interrupted because its work was used up, unless something else has moved the proxy since.
 std::optional<bool> SweptMotion::finish_interrupted(ProxyState& proxy, const Vec3& device) noexcept {
   if (sweep_.is_interrupted() && sweep_.from() != proxy.position) sweep_.drop();
   if (!sweep_.is_interrupted()) return std::nullopt;
   if (go_on(proxy) == End::interrupted) return false;
-  if (proxy.contact_count == 0 && (device - proxy.position).norm() <= kRoundedShare) {  // there, after sweeping all of the way
+  if (proxy.contact_count == 0 && (device - proxy.position).norm() <= kRoundedShare) {  // arrived, and all of the way was swept
     proxy.settle_at(device);
     return true;
   }
   return std::nullopt;
 }
 
-// The next motion would be below its errors: a minimum, unless a sphere overlaps what it has not looked for, or a doubtful contact holds
-// it.
+// The next motion would be smaller than its errors, so the proxy is at a minimum, unless a sphere overlaps triangles that it has not
+// looked for, or a doubtful contact holds the proxy.
 std::optional<bool> SweptMotion::end_at_minimum(ProxyState& proxy, ConstrainedMotion& held, bool& has_forgotten) noexcept {
   if (is_blind(proxy)) {
     if (advance(proxy, Vec3::Zero()) == End::interrupted) return false;
@@ -122,7 +122,7 @@ std::optional<bool> SweptMotion::end_at_minimum(ProxyState& proxy, ConstrainedMo
   return true;
 }
 
-// A sphere with as many contacts as are kept may overlap others. A sweep without a motion finds those that it overlaps most.
+// A sphere that has the largest number of contacts may overlap more triangles. A sweep of length zero finds those that it overlaps most.
 bool SweptMotion::is_blind(const ProxyState& proxy) const noexcept {
   return !is_point_ && !has_looked_ && proxy.contact_count == ProxyState::kMaxContacts;
 }
@@ -134,10 +134,10 @@ void SweptMotion::note_progress(double distance) noexcept {
   nearest_ = std::min(nearest_, distance);
 }
 
-// With more contacts than are kept, those that hold the motion stay. A motion that is stopped at once makes progress as long as the
-// contacts that stopped it push it farther from the goal.
+// If there are more contacts than can be kept, those that hold the motion stay. A motion that is stopped at once makes progress as long as
+// the contacts that stopped it push the motion farther from the goal.
 void SweptMotion::fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept {
-  // Above the rounding of a length, which is not progress.
+  // Larger than the rounding of a length, which does not count as progress.
   constexpr double kFarther = 1.0 + 0x1p-40;
   bring_active_first(proxy, held);
   fixed_ = held.active_count;
@@ -165,8 +165,8 @@ bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const
   return false;
 }
 
-// Contacts that are too near lift the proxy. Where they leave no room for that, as in a slit narrower than the probe, it is as small as the
-// room. Between walls that are parallel within rounding, planes with no room between them meet far away.
+// Contacts that are too near lift the proxy. Where they leave no room for that, as in a slit narrower than the probe, the probe shrinks to
+// the room. The planes of walls that are parallel within rounding, with no room between them, meet far away: such a lift is no solution.
 ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
   constexpr double kFarthestLift = 8.0;  // offsets
   const auto constrain = [&] {
@@ -187,7 +187,7 @@ bool SweptMotion::is_too_near(const ProxyState& proxy) const noexcept {
                      [&](const ProxyContact& contact) { return keep_.offset - contact.separation.distance > 2.0 * keep_.slop; });
 }
 
-// The least distance from all surfaces, up to the probe's own size. Among too many triangles it may be less: `is_certain`.
+// The distance to the nearest surface, at most the probe's own size. Among too many triangles it may be less: then `is_certain` is false.
 double SweptMotion::find_room(const Vec3& p, bool& is_certain) noexcept {
   constexpr int kMaxTests = 256;  // about half of the work of a step (StepWork::kMax)
   double room = clearance_.offset;
@@ -202,7 +202,7 @@ double SweptMotion::find_room(const Vec3& p, bool& is_certain) noexcept {
   return room;
 }
 
-// False: the centre is on a surface, or the proxy is as small already.
+// False: the centre is on a surface, or the proxy is already that small.
 bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
   bool is_certain = false;
   const double room = find_room(p, is_certain);
@@ -211,8 +211,8 @@ bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
   return true;
 }
 
-// It never pushes the proxy: where a surface holds it, there is no more room. In a passage of changing width a sphere as large as the room
-// would stop at each narrower place.
+// Growth never pushes the proxy: where a surface holds the proxy, there is no more room. It fills only a share of the room: in a passage of
+// changing width, a sphere as large as the room would stop at each narrower place.
 void SweptMotion::grow_to_room(const Vec3& p) noexcept {
   constexpr double kShare = 0.5;
   bool is_certain = false;
@@ -221,13 +221,13 @@ void SweptMotion::grow_to_room(const Vec3& p) noexcept {
   keep_.offset = room >= clearance_.offset - clearance_.slop ? clearance_.offset : std::max(keep_.offset, kShare * room);
 }
 
-// Around an edge or a vertex that the device is near, the pull along the surface is small all the way to the minimum, however far that is:
-// each motion along it would leave the share depth / radius of the way. From the line through the edge and the device, the pull brings the
-// sphere straight back to the surface, to the minimum. The motion goes along the tangent to that line, or part of the way.
+// If the device is near the edge or vertex in contact, the pull along the surface is small all the way to the minimum, however far that is:
+// each motion by that pull would leave depth / radius of the way. From any position on the line through the edge and the device, the pull
+// takes the sphere straight to the minimum on the surface. So the motion goes along the tangent to that line, or part of the way.
 Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& device) const noexcept {
   constexpr double kMaxAngle = 0.25;     // rad
-  constexpr double kMinAngle = 0x1p-20;  // a nearer minimum is reached without
-  constexpr double kRounding = 0x1p-48;  // of positions; the normal has it as a share of the distance
+  constexpr double kMinAngle = 0x1p-20;  // rad; a minimum at a smaller angle is reached without this
+  constexpr double kRounding = 0x1p-48;  // rounding of positions; the normal's error is this over the distance
   const Vec3& motion = held.motion;
   if (is_point_ || held.active_count != 1) return motion;
   const auto& [triangle, shape, s] = proxy.contacts[static_cast<std::size_t>(held.active[0])];
@@ -241,7 +241,7 @@ Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held,
   if (!(length > 0.0)) return motion;
   const Vec3 out = device - s.nearest;
   const double angle = std::atan2(out.dot(turn) / length, out.dot(s.normal));
-  const double error = kRounding / s.distance * (device - proxy.position).norm() / length;  // of the direction, so of the angle
+  const double error = kRounding / s.distance * (device - proxy.position).norm() / length;  // of the direction, and so of the angle
   if (!(angle > kMinAngle + error)) return motion;
   return motion + turn * (std::max(1.0, s.distance * std::tan(std::min(angle, kMaxAngle)) / length) - 1.0);
 }
@@ -269,7 +269,7 @@ Material SweptMotion::material_of(const ProxyState& proxy, const ConstrainedMoti
   return material.mean();
 }
 
-// An edge or vertex contact of a point probe may exist by rounding only: drops such contacts, so that the next sweep shows whether they
+// An edge or vertex contact of a point probe may be due to rounding only. Drops such contacts, so that the next sweep shows whether they
 // block. Returns false if there are none.
 bool SweptMotion::forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept {
   if (!is_point_) return false;
@@ -288,20 +288,20 @@ void SweptMotion::bring_active_first(ProxyState& proxy, ConstrainedMotion& held)
     if (at[i] == i) continue;
     std::swap(proxy.contacts[i], proxy.contacts[at[i]]);
     for (int j = i + 1; j < held.active_count; ++j) {
-      if (at[j] == i) at[j] = at[i];  // swapped away above
+      if (at[j] == i) at[j] = at[i];  // this contact was swapped away above
     }
     at[i] = i;
   }
 }
 
-// Moves the proxy along `motion` until something stops it. contacts then has what it touches.
+// Moves the proxy along `motion` until something stops it. proxy.contacts then holds what the proxy touches.
 SweptMotion::End SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
   ++counters_.sweeps;
   sweep_.start(proxy.position, motion);
   return go_on(proxy);
 }
 
-// Out of work in the middle, the proxy stays where it is, and is not at the device.
+// If the work is used up in the middle of a sweep, the proxy stays where it is and does not count as being at the device.
 SweptMotion::End SweptMotion::go_on(ProxyState& proxy) noexcept {
   const End end = sweep_.go_on(proxy, keep_, fixed_, work_, most_work_);
   counters_.tests = sweep_.tests();

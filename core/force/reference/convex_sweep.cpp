@@ -6,10 +6,10 @@
 namespace hapton {
 namespace {
 
-// A bound on the time, not on the accuracy: Newton's iteration needs a few rounds; SweepHit::exhausted says if it was reached.
+// Limits the time, not the accuracy: Newton's iteration needs only a few rounds. SweepHit::exhausted tells whether the limit was reached.
 constexpr int kMaxRounds = 400;
-// At an edge or vertex a step is at most this many distances long, so that the direction's error, rounding / distance, moves the point by
-// at most this many roundings.
+// At an edge or vertex a step is at most this many times the distance to the triangle, so that the error of the direction, which is
+// rounding / distance, moves the point by at most this many times the rounding.
 constexpr double kLongestStep = 256.0;
 
 }  // namespace
@@ -29,7 +29,7 @@ SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const V
       if (above <= slop) return {t, true, false};
       t += above / approach;
     } else {
-      // Along an edge the direction is exact.
+      // The direction has no error along an edge, so only the part of the motion perpendicular to the edge counts.
       const double perpendicular = perpendicular_to(triangle, near.feature, motion).norm();
       const double doubt = perpendicular * rounding / near.distance;
       if (approach <= -doubt) return {until, false, false};

@@ -7,12 +7,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kEscapeGain = 4.0;      // contact offsets: height of a step that a point would not feel
+constexpr double kEscapeGain = 4.0;      // rest offsets: height of a step that a point would not feel
 constexpr double kOpenFace = 16.0;       // rest offsets: farther than this from its boundary, a face alone holds a point
 constexpr double kAtVertex = 32.0;       // rest offsets: this near to a vertex, a point is at the vertex
-constexpr double kMinSlope = 0x1p-30;    // of the distance to the device: a smaller slope does not lead away from a vertex
+constexpr double kMinSlope = 0x1p-30;    // share of the distance to the device: a smaller slope does not lead away from a vertex
 constexpr double kFarthestHeld = 64.0;   // rest offsets: farthest that another method's proxy may be off the surface
-constexpr double kSameHeight = 0x1p-10;  // relative: closer heights are equal
+constexpr double kSameHeight = 0x1p-10;  // relative: heights that differ by less count as equal
 
 }  // namespace
 
@@ -54,7 +54,7 @@ bool ReferenceProxy::escape(const Vec3& device) noexcept {
   return false;
 }
 
-// On one face only and not at its boundary: such a minimum is also one for a point.
+// Whether the proxy touches one face only, away from its boundary: such a minimum is also one for a point.
 bool ReferenceProxy::is_on_open_face() const noexcept {
   if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::face) return false;
   const PreparedTriangle& shape = state_.contacts[0].face.shape;
@@ -94,7 +94,7 @@ bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
   return true;
 }
 
-// One that starts with an overlap may go on with it: in a slit as wide as its sphere, it would get farther than it fits.
+// Places the proxy without overlaps: a proxy that starts with one may keep it, and would go farther into a slit than its sphere fits.
 void ReferenceProxy::place_clear(const Vec3& p) noexcept {
   place_held(p, false);
   if (rest_offset_ != kPointRadius) return;
@@ -105,8 +105,8 @@ void ReferenceProxy::place_clear(const Vec3& p) noexcept {
   if (out.feasible && out.point.norm() <= rest_offset_) state_.position += out.point;
 }
 
-// The proxy is put into contact with everything as near to p as the nearest face: what p is on. It then continues as if it had come there
-// itself. From a position only slightly beside an edge, friction would release it differently.
+// Puts the proxy into contact with all faces that are as near to p as the nearest one: those on which p lies. It then continues as if it
+// had moved there itself. From a position only slightly beside an edge, friction would release it differently.
 bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
   if (rest_offset_ != kPointRadius || frictionless_) return false;
   place_held(p, sliding);
@@ -157,7 +157,7 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
   return directions_;
 }
 
-// The vertex that a point in contact is at; nullptr: none.
+// The vertex at which a point in contact is; nullptr: it is at none.
 const Vec3* ReferenceProxy::find_vertex(const Pull& pull) const noexcept {
   if (rest_offset_ != kPointRadius || pull.strongest == nullptr) return nullptr;
   const Vec3* found = nullptr;
@@ -179,8 +179,8 @@ bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept
   return leave_along(Vec3(*vertex), descent, device);
 }
 
-// The point of a concave edge, formed by two faces, that a point proxy is at. Friction acts through the faces that lead away from the edge.
-// The proxy's sphere may have moved slightly up the face beyond and would slip from that face too early.
+// Finds the point of a concave edge, formed by two faces, at which a point proxy is. Friction acts through the faces that lead away from
+// the edge. The proxy's sphere may have moved slightly up the opposite face and would slip from that face too early.
 bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
   if (rest_offset_ != kPointRadius || pull.strongest == nullptr) return false;
   const PreparedTriangle& shape = pull.strongest->face.shape;
@@ -232,8 +232,8 @@ bool ReferenceProxy::is_held_at_edge(const Vec3& device, const Pull& pull) noexc
   return !exceeds_friction(descent.norm(), (to_device - descent).norm(), material_of(pull));
 }
 
-// At a vertex, friction too is decided along the steepest descent. The sphere touches only some of the faces, so its friction cone would be
-// about the normals of those.
+// At a vertex, friction too is decided along the steepest descent. The sphere touches only some of the faces at the vertex, so its friction
+// cone would be about the normals of these faces only.
 ReferenceProxy::AtVertex ReferenceProxy::slip_from_vertex(const Vec3& device, const Pull& pull) noexcept {
   const Vec3* vertex = has_friction() ? find_vertex(pull) : nullptr;
   if (vertex == nullptr) return AtVertex::elsewhere;
@@ -252,7 +252,7 @@ bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& descent, const 
   vertex_contacts_ = state_.contacts;
   // In a groove that bends at the vertex a lift may be blocked, from ahead or from behind.
   for (const double height : {8.0 * rest_offset_, 24.0 * rest_offset_}) {
-    // Far enough to come nearer in spite of the lift.
+    // Long enough to bring the proxy nearer to the device in spite of the lift.
     const double share = std::max(8.0, 4.0 * distance / slope) * height / slope;
     collect_near(start, 2.0 * kAtVertex * rest_offset_);
     for (const bool goes_to_vertex : {true, false}) {
@@ -283,7 +283,7 @@ void ReferenceProxy::list_faces_at(const Vec3& vertex) noexcept {
   }
 }
 
-// The vector to the point nearest to the device on the face or edge of the vertex where that point is farthest away. Zero: none.
+// The longest vector from the vertex to the point nearest to the device, over all faces and edges at the vertex. Zero: none leads nearer.
 Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept {
   Vec3 best = Vec3::Zero();
   const auto offer = [&](const Vec3& descent) {

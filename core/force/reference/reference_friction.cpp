@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The surface is nearer to the device by a point's radius.
+// The proxy of a point is above the surface by its radius, so the surface is nearer to the device by that.
 double ReferenceProxy::pressure_of(double depth) const noexcept {
   return rest_offset_ == kPointRadius ? std::max(0.0, depth - rest_offset_) : depth;
 }
@@ -29,7 +29,7 @@ bool ReferenceProxy::exceeds_friction(double pull, double depth, const Material&
   return exceeds;
 }
 
-// Coulomb friction: the part of the frictionless motion outside the cone.
+// Coulomb friction: keeps the part of the frictionless motion that lies outside the cone.
 Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const Vec3& motion = pull.motion.point;
   if (!has_friction() || pull.strongest == nullptr) return motion;
@@ -43,7 +43,7 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   return motion * ((length - material.friction_dynamic * pressure) / length);
 }
 
-// Friction on one plane, in closed form. Return mapping has an error of the square of the sub-step in every sub-step.
+// Friction on one plane, in closed form. Return mapping (limit_by_friction) has an error of second order in the sub-step, in each sub-step.
 void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexcept {
   if (!has_friction() || device_from == device_to) return;
   update_contacts();

@@ -8,15 +8,15 @@ namespace hapton {
 namespace {
 
 constexpr double kFarthest = 1e12;         // local units: a device farther out is clamped to this, so that its square stays finite
-constexpr int kMaxSubsteps = 1 << 20;      // a choice
-constexpr double kLargestRadius = 1024.0;  // of the box's diagonal; a larger sphere is so far away that digits are lost
-constexpr double kJump = 8.0;         // of the device's motion: a longer motion of the proxy is a jump, as no slide is that fast for long
+constexpr int kMaxSubsteps = 1 << 20;      // a free choice
+constexpr double kLargestRadius = 1024.0;  // in diagonals of the box; the centre of a larger sphere is so far away that digits are lost
+constexpr double kJump = 8.0;         // times the device's motion: a longer motion of the proxy is a jump; no slide is that fast for long
 constexpr double kMinPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
-constexpr std::size_t kLevels = 48;   // of halving: down to kMinPart for motions up to 2^9
-constexpr int kMaxHalvings = 1024;    // in one pass over a step
+constexpr std::size_t kLevels = 48;   // levels of halving: down to kMinPart for motions up to 2^9
+constexpr int kMaxHalvings = 1024;    // most halvings in one pass over a step
 constexpr std::size_t kMaxPrepared = std::size_t{1} << 17;  // 40 MB; triangles of larger scenes are prepared when they are gathered
 
-// Of the vertices that triangles name.
+// The box around those vertices that triangles use.
 Box bounds_of(const TouchScene& scene) {
   Box box;
   for (const TouchObject& object : scene.objects) {
@@ -164,7 +164,7 @@ void ReferenceMethod::follow(const Vec3& from, const Vec3& to, int substeps) noe
 }
 
 // Where a proxy under friction jumps, the result depends on where the device is at that moment, so the sub-step is halved until the moment
-// is known. Sub-steps of equal length would find it only to their length, and with twice as many would often find the same wrong moment.
+// is known. Sub-steps of equal length would find it only within their length, and twice as many would often find the same wrong moment.
 void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size_t level) noexcept {
   if (!proxy_->has_memory()) return proxy_->follow(from, to, {});
   ReferenceProxy::State& before = levels_[level];

@@ -12,21 +12,21 @@ namespace {
 
 // In the unit of the reference: the scene's diagonal lies in [1/2, 1).
 constexpr double kRounding = 0x1p-48;      // bound on the error of a distance between points within the scene
-constexpr double kErosion = 0x1p-47;       // largest loss of one motion from a distance that is already minimal: twice the rounding error
+constexpr double kErosion = 0x1p-47;       // most that one motion takes from a distance already at its minimum: twice the rounding error
 constexpr double kIdleGain = 0x1p-50;      // a motion that comes nearer to the device by less counts as idle
 constexpr int kIdleMotions = 8;            // a descent ends after this many idle motions in succession
-constexpr int kMaxMotions = 16000;         // of one descent; Counters::unconverged counts where these were too few
-constexpr int kMaxEscapes = 64;            // of one sub-step
-constexpr double kLocal = 0x1p-7;          // half side of the cube whose faces are listed: a few hundred of a million
-constexpr std::size_t kMaxContacts = 256;  // for one more the oldest is dropped
+constexpr int kMaxMotions = 16000;         // most motions of one descent; Counters::unconverged counts the descents that need more
+constexpr int kMaxEscapes = 64;            // most escapes in one sub-step
+constexpr double kLocal = 0x1p-7;          // half side of the cube whose faces are listed: a few hundred faces of a million
+constexpr std::size_t kMaxContacts = 256;  // one more replaces the oldest
 constexpr double kSteepest = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
   return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
 }
 
-// False only if the segment stays farther than `reach` from the box; reach includes the rounding of positions along the segment. The axes
-// are the edges of the box, and those perpendicular to one of them and to the segment.
+// False only if the segment stays farther than `reach` from the box; reach includes the rounding of positions along the segment. The
+// separating axes are the edges of the box, and the directions perpendicular to one of them and to the segment.
 bool comes_near(const Vec3& middle, const Vec3& half, const Vec3& low, const Vec3& high, double reach) {
   const Vec3 off = (0.5 * (low + high) - middle).cwiseAbs();
   const Vec3 side = 0.5 * (high - low) + Vec3::Constant(reach);
@@ -37,7 +37,7 @@ bool comes_near(const Vec3& middle, const Vec3& half, const Vec3& low, const Vec
          across.z() <= side.x() * length.y() + side.y() * length.x();
 }
 
-// The whole motion stays on one side of the triangle's plane, farther from it than `reach`.
+// Whether the whole motion stays on one side of the triangle's plane, farther from it than `reach`.
 bool stays_beside(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double reach) {
   if (!triangle.has_face) return false;
   const double height = triangle.normal.dot(from - triangle.corner[triangle.base]);
@@ -222,7 +222,7 @@ void ReferenceProxy::forget_boundaries_of_faces() noexcept {
   }
 }
 
-// Adds the face that a point is over, within its radius. If no motion was stopped by it, as over a row of coplanar slivers, only the
+// Adds the face that lies below a point, within its radius. If that face has stopped no motion, as in a row of coplanar slivers, only the
 // boundary of the next face is in contact.
 void ReferenceProxy::meet_face_below() noexcept {
   const auto is_boundary = [](const Contact& contact) { return contact.near.feature != TriangleFeature::face; };
@@ -240,8 +240,8 @@ void ReferenceProxy::meet_face_below() noexcept {
 ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   half_spaces_.clear();
   for (const Contact& contact : state_.contacts) {
-    // A proxy slightly too near is moved back to the rest offset. One that starts with an overlap (a reset in the surface) only may not go
-    // deeper.
+    // A proxy slightly too near is moved back to the rest offset. One that starts with an overlap (after a reset inside a surface) is only
+    // kept from going deeper.
     const double gap = rest_offset_ - contact.near.distance;
     half_spaces_.push_back({contact.near.direction, gap <= 2.0 * kTolerance ? gap : 0.0});
   }
@@ -267,8 +267,8 @@ ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   return result;
 }
 
-// Where the proxy jumps, its path matters, not only its end: it must not leave the surface beyond what holds the proxy. A point passes the
-// boundary by its radius. A sphere under friction passes it by so little that its path over the edge is that of slip().
+// Where the proxy jumps, its path matters, not only its end: the path must not leave the surface beyond the feature that holds the proxy. A
+// point passes the boundary by its radius. A sphere under friction passes it by so little that its path over the edge is that of slip().
 Vec3 ReferenceProxy::cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
   const double past = has_friction() && is_sphere() ? kShortestSlip * rest_offset_ : rest_offset_;
@@ -346,7 +346,7 @@ template <class FaceAt>
 ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
   const Vec3 half = 0.5 * motion;
   const Vec3 middle = state_.position + half;
-  // A device may be so far off that this rounding is more than all the rest.
+  // The device may be so far away that this rounding is larger than the other terms of `reach`.
   const double rounding = 0x1p-49 * (1.0 + state_.position.cwiseAbs().sum() + motion.cwiseAbs().sum());
   const double reach = rest_offset_ + 2.0 * kTolerance + rounding;
   FirstHit first;
@@ -366,8 +366,8 @@ ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::siz
   return first;
 }
 
-// Moves the proxy along the motion until it hits a triangle, which becomes a contact. True if it hit none. A hit before the motion leaves
-// the cube is the first of all.
+// Moves the proxy along the motion until it hits a triangle, which becomes a contact. True if it hits none. A hit before the motion leaves
+// the cube of listed faces is the first hit among all faces.
 bool ReferenceProxy::advance(const Vec3& motion) noexcept {
   list_local_faces();
   FirstHit first = find_first(motion, local_.size(), [&](std::size_t k) { return std::size_t{local_[k]}; });

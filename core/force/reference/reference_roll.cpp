@@ -29,8 +29,8 @@ bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
 }
 
 // The proxy has stopped but not at a minimum: on an edge or vertex with the device beyond it, it balances like a ball on a crest. It moves
-// round to either side if that is free and nearer to the device. The very boundary of a face counts as an edge. Friction would hold it
-// there.
+// round to either side if that is free and nearer to the device. A contact very near the boundary of a face counts as one at the edge.
+// Friction would hold the proxy on the crest.
 bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
   if (has_friction()) return false;
   for (int i = 0; i < pull.motion.count; ++i) {
@@ -53,13 +53,13 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
 bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexcept {
   const Vec3& normal = contact.near.direction;
   if ((device - pivot_of(contact)).dot(normal) >= 0.0) return false;
-  // Along an edge as well, because the edge may end here.
+  // Tries the directions along an edge as well, because the edge may end here.
   const TriangleFeature at = contact.near.feature;
   const Vec3 first = is_edge(at) ? Vec3(normal.cross(contact.face.shape.edge[edge_number(at)]).normalized()) : normal.unitOrthogonal();
   const Vec3 second = normal.cross(first);
   const Vec3 start = state_.position;
   const double tip = std::min(
-      kLongestTip, std::sqrt(kPointRadius / rest_offset_));  // climbs half a contact offset: over no convex edge that holds a sphere
+      kLongestTip, std::sqrt(kPointRadius / rest_offset_));  // climbs half a contact offset: it passes no convex edge that holds a sphere
   for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
     if (!go_round(contact, tangent, tip)) continue;
     if ((device - state_.position).squaredNorm() < (device - start).squaredNorm()) return true;

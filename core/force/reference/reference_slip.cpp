@@ -8,14 +8,14 @@ namespace hapton {
 namespace {
 
 constexpr double kLongestSlip = 0x1p-5;  // rest offsets, in one piece: the error of a piece is of fifth order
-constexpr double kMaxTurn = 0x1p-4;      // of the direction, in one piece
+constexpr double kMaxTurn = 0x1p-4;      // rad: turn of the direction in one piece
 constexpr double kStraight = 0x1p-20;    // rest offsets: over so short a motion a part of the surface is flat to 2^-41 rest offsets
 constexpr double kMinSine2 = 1e-10;      // squared sine of the angle between two parts: flatter ones have no curve in common
-constexpr int kMaxRounds = 8;            // of Newton's method
+constexpr int kMaxRounds = 8;            // rounds of Newton's method
 
 }  // namespace
 
-// The direction of steepest descent at p over the parts in contact; `parts` are as they are at p.
+// The direction of steepest descent at p over the parts in contact. `near` then holds their points closest to p.
 Vec3 ReferenceProxy::SlipParts::direction_at(const Vec3& p, const Vec3& device) noexcept {
   std::array<HalfSpace, 2> half_spaces;
   for (std::size_t i = 0; i < count; ++i) {
@@ -28,7 +28,7 @@ Vec3 ReferenceProxy::SlipParts::direction_at(const Vec3& p, const Vec3& device) 
   return length > 0.0 ? Vec3(motion.point / length) : Vec3(Vec3::Zero());
 }
 
-// Moves p to the given distances from the parts, the shortest way.
+// Moves p, by the shortest way, to where its distances from the parts are `near_distance`.
 bool ReferenceProxy::SlipParts::restore(Vec3& p) const noexcept {
   for (int round = 0; round < kMaxRounds; ++round) {
     std::array<Vec3, 2> normal;
@@ -88,7 +88,7 @@ bool ReferenceProxy::slip(const Vec3& device, const Pull& pull, const Vec3& moti
     if (!is_one_piece || !parts.restore(end)) continue;
     const Vec3 corner = start + 0.5 * h * first;
     if (advance(corner - start) && advance(end - state_.position)) return true;
-    if (h <= 2.0 * kShortestSlip * rest_offset_) return true;  // to where it is stopped
+    if (h <= 2.0 * kShortestSlip * rest_offset_) return true;  // the proxy has moved to where it is stopped
     state_.position = start;
   }
   const double shortest = std::min(length, kShortestSlip * rest_offset_);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kLoss =
-    1e-6;  // above the relative error of a squared distance: 12 roundings of 2^-24 (centre, difference, square and sum by axis)
+    1e-6;  // above the relative error of a squared distance: 12 roundings of 2^-24 (centre, difference, square and sum of each axis)
 
 float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
 float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
