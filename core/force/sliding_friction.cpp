@@ -109,8 +109,8 @@ FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept {
       const double length = now.pull.norm();
       if (!(radius > 0.0) || !(length > 0.0)) return {Vec3::Zero(), true};
       if (length > radius) now.pull *= radius / length;
-      // It slides on only if the device moves faster than the cone grows. The angle to the motion only decreases, so it then does not stop
-      // again.
+      // The proxy slides on only if the device moves faster than the cone grows. The angle between pull and motion only decreases, so the
+      // proxy then does not stop again.
       const bool outruns = now.pull.dot(input.motion) >= now.pull.norm() * widening;
       if (outruns && !(now.pull.norm() < radius * (1.0 - kOnCone))) {
         now.pull = SlidingPull(now.pull, (1.0 - t) * input.motion, radius, (1.0 - t) * widening).at(1.0);

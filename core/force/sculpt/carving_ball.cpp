@@ -13,9 +13,9 @@ namespace {
 // be ahead of the last carve, and by the error of linear interpolation inside a carve of two voxels' radius, 3 / (8 * 2) (decision 160).
 constexpr double kRoom = 0.5 + 0.2;
 constexpr double kCarveEvery = 0.5;  // motion of the centre from one carve to the next
-constexpr double kInside = 0.2;      // a ball that begins deeper in the material is inside
-constexpr double kMaxStepS = 2e-3;   // a longer step, as after lost samples, cuts no farther than this one
-constexpr double kMinEase = 1e-6;    // a shorter rest of the room or of the lag counts as zero
+constexpr double kInside = 0.2;      // a ball that begins deeper in the material counts as inside it
+constexpr double kMaxStepS = 2e-3;   // s: a longer step, as after lost samples, cuts no farther than a step of this length
+constexpr double kMinEase = 1e-6;    // a shorter remainder of `ease` or of the lag counts as zero
 
 // The clearance of a ball that just fits into its own carve. Inside a carve of radius R the field is less than the distance by up to
 // h^2 (1/R + 1/R + 1/R) / 8, since it is linear along each axis between nodes h apart, and by rounding.
@@ -97,7 +97,7 @@ Vec3 CarvingBall::touch(const CarvedField& field, const Input& input, const Mate
   return moved.centre;
 }
 
-// Coulomb friction as in the proxy method: moves the goal in the plane of the contact towards the proxy, by what friction holds.
+// Coulomb friction as in the proxy method: moves the goal in the plane of the contact towards the proxy, by the length that friction holds.
 Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const Material& material) noexcept {
   const Vec3 to_goal = goal - now_.centre;
   const double depth = -normal.dot(to_goal);
@@ -113,7 +113,7 @@ Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const
   return length > 0.0 ? Vec3(goal - pull * std::min(1.0, held / length)) : goal;
 }
 
-// The position on the path through free space at which the lag behind the goal is what is left of it after exponential decay (kCatchUpS).
+// The position on the path through free space at which the lag behind the goal is what exponential decay (kCatchUpS) leaves of the old one.
 Vec3 CarvingBall::catch_up(const Input& input, const Vec3& free) const noexcept {
   const double kept_m = now_.lag_m * std::exp(-input.dt_s / kCatchUpS);
   const Vec3 left = input.goal - free;
@@ -141,7 +141,7 @@ Vec3 CarvingBall::cut(const Input& input, Sculpture& sculpture, std::size_t body
   }
   const Vec3 from = now_.carved_to.value_or(centre);
   if (now_.carved_to && (centre - from).norm() < kCarveEvery * voxel) return centre;
-  // Another body was carved in this step, and a step has one carve: this ball waits where it is.
+  // Another body was carved in this step, and a step has only one carve: this ball goes no farther than through free space.
   if (sculpture.made()) return free;
   sculpture.carve(body, {.from_m = from, .to_m = centre, .radius_m = settings_.tool_radius_m});
   now_.carved_to = centre;

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMinPoints = 40.0;  // of the smallest ball: about 30 degrees apart
+constexpr double kMinPoints = 40.0;  // points of the smallest ball: about 30 degrees apart
 // In spacings of the field:
 constexpr double kGap = 0.05;           // rest offset of the ball: more than rounding and the curvature of a step take from it
 constexpr double kNear = 0.5;           // points with a smaller clearance bound a step along the surface
@@ -19,14 +19,14 @@ constexpr double kSlideStep = 0.35;     // longest step along the surface; a ste
 constexpr double kPushStep = 0.25;      // longest step out of the material
 constexpr double kSettled = 1e-5;       // a shorter step ends the search
 constexpr double kCandidateRoom = 1.0;  // motion of the centre for which the chosen candidates stay valid
-// Bounds of the work, for real time (decision 160 has the times); a share:
-constexpr double kShorter = 0.35;    // what is kept of a step that would end in the material
+// Bounds of the work, for real time (decision 160 has the times):
+constexpr double kShorter = 0.35;    // share that is kept of a step that would end in the material
 constexpr int kMaxEvaluations = 28;  // evaluations of the field at the points, in one move
 constexpr int kMaxAdvances = 32;     // steps of one advance
 
 }  // namespace
 
-// Points at equal areas on a spiral (Vogel 1979, on the sphere).
+// The points lie on a spiral, each with the same area of the sphere (Vogel 1979, there for a disc).
 FieldBall::FieldBall(double radius_m, double spacing_m) {
   const double area = 4.0 * std::numbers::pi * (radius_m / spacing_m) * (radius_m / spacing_m);
   const auto count = static_cast<std::size_t>(std::clamp(std::ceil(area), kMinPoints, double{kMaxPoints}));
@@ -58,7 +58,7 @@ FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3&
   };
   if ((centre - candidates.centre).norm() <= candidates.room_m) {
     for (std::size_t k = 0; k < candidates.count; ++k) evaluate(candidates.points[k]);
-    // Those that were left out are farther than what counts as near.
+    // The points that were left out have a clearance above `near`.
     nearest.clearance_m = std::min(nearest.clearance_m, near);
     return nearest;
   }

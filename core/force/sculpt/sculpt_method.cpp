@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-// Of a body in a sample: one that does not agree with the others by then goes on in the next sample. Bounds the time of a step (decision
-// 246 has the times).
+// Most turns of a body in a sample: a body that does not agree with the others by then goes on in the next sample. Bounds the time of a
+// step (decision 246 has the times).
 constexpr int kMaxTurns = 2;
 
 // Hooke's law, less damping along the extension; damping never makes the force attractive.
@@ -70,7 +70,7 @@ class SculptMethod::Parts final : public FeltParts {
     own.ball.reset(p_S);
     own.extension_m.setZero();
   }
-  // A body was there before the sample.
+  // The state of a body before the sample is known, so the body can always go on from there.
   bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
     if (is_other(part)) return others().resume(part, X_SO, p_S);
     method_.bodies_[body(part)].ball.restart_sample();
@@ -136,7 +136,7 @@ MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
   sculpture_->note_buttons(input.buttons, carve_buttons_);
   Parts parts(*this, input);
   const std::size_t others = others_.size();
-  // Part 0 has the last word also where all others move: they are hard, and the bodies are not.
+  // Part 0 is felt last even if all other objects move: those are hard, and the bodies are not.
   const MethodOutput output = proxy_.step(parts, others + bodies_.size(), true, input.p_SD, input.dt_s);
   if (output.object >= 0 && !is_body(output.object)) {
     for (std::size_t body = 0; body < bodies_.size(); ++body) {
@@ -162,7 +162,7 @@ void SculptMethod::reset(const Vec3& p_SD) noexcept {
 void SculptMethod::resume(const Vec3& p_SP) noexcept {
   reset(p_SP);
   if (others_.size() != 1 || !others_.has_still()) return;
-  // Where nothing moves, the other objects go on from exactly there.
+  // Where nothing moves, the other objects go on from exactly p_SP.
   others_.resume(0, Pose::Identity(), p_SP);
   for (Body& body : bodies_) {
     body.ball.reset(p_SP);

@@ -20,10 +20,10 @@ Sided from_behind(const SetTriangle& t) {
   return {{t.corner[0], t.corner[2], t.corner[1]}, {-t.normal[0], -t.normal[2], -t.normal[1]}, -t.face};
 }
 
-// One edge's B, n, R and d for P. d >= 0: P is on the triangle's side of R.
+// For one edge, in the terms of the FDH paper: B is the edge's point nearest to P, R the plane through B that contains the edge and n.
 struct EdgePlane {
-  Vec3 n;
-  double d;
+  Vec3 n;    // normal at B, a unit vector
+  double d;  // distance of P from R; d >= 0: P is on the triangle's side of R
 };
 
 // False if edge and normal span no plane, or if the two normals of a fan are equal.
@@ -32,8 +32,8 @@ bool make_edge_plane(const Vec3& a, const Vec3& b, const Vec3& na, const Vec3& n
   Vec3 B;
   Vec3 m;
   if (e.isZero(0.0)) {
-    // A degenerate triangle's edge of length zero: R is the plane in which the normal turns from na to nb. The direction in it that points
-    // to P takes the part of B, so both triangles at this R find the same normal.
+    // A degenerate triangle's edge of length zero: R is the plane in which the normal turns from na to nb. The direction in R that points
+    // to P sets the normal, as B does for other edges, so both triangles at this R find the same normal.
     m = na.cross(nb);
     const double mm = m.squaredNorm();
     if (!(mm > 0.0)) return false;
@@ -103,7 +103,7 @@ bool find_face_vcp(const Sided& t, const Vec3& P, double radius, SmoothVcp& vcp)
   return vcp.distance < radius;
 }
 
-// |DP| is never less than the distance to the points themselves.
+// D is a point of the fan's segment, so |DP| is never less than the distance of P from this segment.
 bool is_near_fan(const SetTriangle& t, const Vec3& P, double radius) {
   const Vec3& a = t.corner[0];
   const Vec3 e = (t.corner[1] == a ? t.corner[2] : t.corner[1]) - a;
@@ -191,10 +191,10 @@ void SmoothForceSum::add(const SetTriangle& triangle) noexcept {
   kept_[at] = {vcp, triangle.corner};
 }
 
-// Fig. 3: the line from the VCP to P passes through another triangle that has a VCP itself. The start of the line, on an edge that both
-// share, does not count.
+// Fig. 3 (FDH): whether the line from the VCP to P passes through another triangle that has a VCP itself. The start of the line, on an
+// edge that both share, does not count.
 bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
-  constexpr double kClear = 1e-6;  // of |DP|
+  constexpr double kClear = 1e-6;  // share of |DP|
   const StraightLine line(kept_[i].vcp.D, P_);
   for (std::size_t j = 0; j < count_; ++j) {
     if (j == i || !kept_[j].vcp.is_face) continue;

@@ -10,26 +10,26 @@
 namespace hapton {
 namespace {
 
-// Projections of the VCP per step, including the paper's one; stops as soon as the VCP no longer moves.
+// Most projections of the VCP in a step, including the one of the FDH paper; they stop as soon as the VCP no longer moves.
 constexpr int kProjections = 6;
 // Share of the tolerance by which the VCP stays outside the surface, so that rounding does not put it inside.
 constexpr double kContactOffset = 0.01;
-// Tolerances by which a point steps back from where the probe reaches an edge, to see which side it comes from.
+// In tolerances: how far a point steps back on the path of the probe from where the path reaches an edge, to find from which side it comes.
 constexpr double kStepBack = 100.0;
-// Of the scene's diagonal: a probe farther out is clamped to this, so that its path keeps enough digits near the surface.
+// In diagonals of the scene: a probe farther out is clamped to this, so that its path keeps enough digits near the surface.
 constexpr double kFarthest = 1e7;
-// Faces that the VCP may cross in a step.
+// Most faces that the VCP may cross in a step.
 constexpr int kLongestWalk = 256;
-// Of RADIUS: shorter motions count as zero.
+// Share of RADIUS: shorter motions count as zero.
 constexpr double kStill = 1e-6;
 
-// Whether the face is within `radius` of p. The plane rejects most before the triangle is tested.
+// Whether the face is within `radius` of p. The distance from the plane rejects most faces before the triangle is tested.
 bool is_within(const SetTriangle& face, const Vec3& p, double radius) {
   if (std::fabs(face.face.dot(p - face.corner[0])) > radius * (1.0 + 1e-9)) return false;
   return triangle_distance_squared(p, face.corner[0], face.corner[1], face.corner[2]) <= radius * radius;
 }
 
-// X, on the triangle's plane, is farther than margin from all its edges.
+// Whether X, on the triangle's plane, lies inside all edges of the triangle by more than `margin`.
 bool is_inside_edges(const SetTriangle& t, const Vec3& X, double margin) {
   for (int k = 0; k < 3; ++k) {
     const Vec3 e = t.corner[(k + 1) % 3] - t.corner[k];
@@ -84,8 +84,8 @@ void SmoothMethod::visit_along(const Vec3& from, const Vec3& to, Visit&& visit) 
   scene_->for_each_near(FdhSweep{from, to, tolerance}, visit);
 }
 
-// The first face on the path of a free probe: one that it passes through, or one that it comes within the tolerance of at an edge or
-// vertex, at its end, within a face, or where faces do not quite meet.
+// The first face on the path of a free probe: one that the path passes through, or one that it comes within the tolerance of: at an edge or
+// vertex, at the path's end, along a face, or where faces do not quite meet.
 SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noexcept {
   Hit passed;
   Hit grazed;
@@ -119,8 +119,8 @@ SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noe
 }
 
 // At an edge or vertex, the heights above single faces do not tell which side the probe comes from. A point slightly back on its path does:
-// of the faces closest to it, the one whose normal is best aligned with the direction to it. This needs no averaging as in Baerentzen &
-// Aanaes 2005.
+// of the faces closest to that point, the one whose normal is best aligned with the direction to the point tells the side. This needs no
+// mean of normals as in Baerentzen & Aanaes 2005.
 SmoothMethod::Hit SmoothMethod::seen_from(const Vec3& from, const Hit& grazed) noexcept {
   const double tolerance = scene_->tolerance();
   const Vec3 back = from - grazed.X;
@@ -180,7 +180,7 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
   return best;
 }
 
-// Fig. 4: of the points where the line from P outward leaves the inside, the one nearest to `near`. If there is none and the mesh is
+// Fig. 4 (FDH): of the points where the line from P outward leaves the inside, the one nearest to `near`. If there is none and the mesh is
 // inconsistently oriented, flipped two-sided faces count as well.
 SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double radius) noexcept {
   Hit best;
@@ -228,7 +228,7 @@ Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
     std::uint32_t triangle;
     Vec3 normal;
   };
-  constexpr std::size_t kMax = 64;  // enough for a vertex with more
+  constexpr std::size_t kMax = 64;  // enough also for a vertex with more faces
   std::array<Face, kMax> faces;
   std::size_t count = 0;
   const double radius = 0.5 * scene_->tolerance();
@@ -265,8 +265,8 @@ SmoothMethod::Hit SmoothMethod::find_obstacle(const SetTriangle& face, const Vec
   return find_block(V_ + lift * outward_at(V_), X + (lift * side_) * face.face);
 }
 
-// Moves V over the surface to the point nearest to P, from face to touching face, each step strictly nearer. True: it ends within a face.
-// Where more than two faces meet, it must see its target: parts that merely touch or intersect are not connected.
+// Moves V over the surface to the point nearest to P, from face to touching face, each step strictly nearer. True: V ends within a face.
+// Where more than two faces meet, nothing may lie between V and its target: parts that merely touch or intersect are not connected.
 bool SmoothMethod::descend(const Vec3& P) noexcept {
   const double touching = 0.5 * scene_->tolerance();
   for (int i = 0; i < kLongestWalk; ++i) {
@@ -319,7 +319,7 @@ Vec3 SmoothMethod::project_smoothly(const Vec3& P, double radius, Vec3& normal) 
   return V;
 }
 
-// Fig. 4: moves V from the last sample to this one. False: the probe is outside again.
+// Fig. 4 (FDH): moves V from the last sample to this one. False: the probe is outside again.
 bool SmoothMethod::track(const Vec3& P) noexcept {
   const Vec3 move = P - P_;
   const Vec3 W = V_ + move;
@@ -342,7 +342,7 @@ bool SmoothMethod::settle(const Vec3& P) noexcept {
   const double tolerance = scene_->tolerance();
   if (descend(P) && side_ * T_.face.dot(P - V_) <= tolerance) return true;
 
-  // Outside, unless P is behind every face that the VCP lies on, or something lies between them.
+  // The probe is outside, unless P is behind every face that the VCP lies on, or a face lies between VCP and P.
   if (is_behind_all(P)) return true;
   for (int i = 0; i < 4; ++i) {
     const Hit block = find_block(V_ + 2.0 * tolerance * outward_at(V_), P);

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// Of the scene's diagonal. Positions are accurate to 1e-15 of it (and 1e-16 of their distance from the origin).
+// Share of the scene's diagonal. Positions are accurate to 1e-15 of the diagonal (and 1e-16 of their distance from the origin).
 constexpr double kTolerance = 1e-7;
 
 }  // namespace
@@ -61,7 +61,7 @@ void SmoothScene::measure(Object& object) {
   for (const Vec3& v : object.surface.mesh.vertices) object.bounds.grow(v);
 }
 
-// From the objects' bounds, so that a moved object costs its own vertices only.
+// Uses the objects' bounds, so that after an object has moved only its own vertices need to be visited.
 void SmoothScene::measure_all() {
   Box all;
   for (const Object& object : objects_) all.grow(object.bounds);
@@ -94,8 +94,8 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   return out;
 }
 
-// An upper bound on the search radius: the farthest triangle of an earlier set of that size. Rounding may cost some of the set's size,
-// never its completeness.
+// An upper bound on the search radius: the farthest triangle of an earlier set of that size. Rounding may make the set smaller, but
+// never incomplete.
 double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept {
   using Three = detail::Of3<Lanes4>;
   constexpr double kRoom = 1.0 + 0x1p-20;  // far above the rounding of a distance

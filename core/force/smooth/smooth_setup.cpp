@@ -12,16 +12,16 @@ namespace {
 
 // Prediction time of the path: the slow task's period, 10 ms in haptics_node, with a margin.
 constexpr double kPredictionSeconds = 0.015;
-// Of RADIUS: if less than this is left at the end of the path, a new set is requested.
+// Share of RADIUS: if less than this is left at the end of the path, a new set is requested.
 constexpr double kMargin = 0.5;
-// Of the scene's diagonal: largest RADIUS derived from the data.
+// Share of the scene's diagonal: largest RADIUS derived from the data.
 constexpr double kLargestRadius = 0.01;
 // A distance within which a set of this size is complete nearly everywhere, with half of the set left as a margin for motion.
 double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
   return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_radius(std::max(1U, set_size / 2)));
 }
 
-// What is not rendered as the scene has it where the force builds up in a layer outside the surface: a line for describe(), or nothing.
+// A line for describe() about what is not rendered as in the scene if the force builds up in a layer outside the surface; empty: nothing.
 std::string note_bare_layer(const TouchScene& scene) {
   const auto has_effects = [](const TouchObject& object) {
     return object.effects.any() || object.material.friction_static > 0.0 || object.material.damping_ns_per_m > 0.0;
@@ -66,7 +66,7 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
   return std::unique_ptr<ForceMethod>(std::move(method));
 }
 
-// The scene that the slow task reads keeps the materials it was built with: it needs only their sides.
+// The scene that the slow task reads keeps the materials it was built with: it needs only whether they are two-sided.
 void SmoothMethod::set_materials(std::span<const Material> materials) noexcept {
   std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
 }
@@ -76,7 +76,7 @@ void SmoothMethod::set_materials(std::span<const Material> materials) noexcept {
 LocalSetRequest SmoothMethod::request() const noexcept {
   const Vec3& from = inside_ ? V_ : P_;
   Vec3 path = kPredictionSeconds * velocity_;
-  // A path longer than the set's radius would use up the set on its length.
+  // Around a path longer than the set's radius, the set's triangles would be used up along its length.
   const double length = path.norm();
   const double most = 0.5 * std::max(set_.radius, 0.0);
   if (length > most) path = most > 0.0 ? Vec3(path * (most / length)) : Vec3(Vec3::Zero());
@@ -107,7 +107,7 @@ void SmoothMethod::offer(const LocalSet& set) noexcept {
   ++counters_.offered;
 }
 
-// Whether a set about p could cover much more than the current one, taken nearby, does at best.
+// Whether a set about p could cover more than `radius`: not if the current set was taken near p and covers no more at its own centre.
 bool SmoothMethod::would_help(const Vec3& p, double radius) const {
   return set_.radius > radius || set_.distance_to_path(p) > 0.5 * radius;
 }

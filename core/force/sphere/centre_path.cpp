@@ -7,12 +7,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kMinStep = 0x1p-50;     // of a path's time
-constexpr double kAtCorner = 0x1p-44;    // local units; beyond the end of an edge by less, a contact is still on it
-constexpr double kSlopeError = 0x1p-11;  // of its length
+constexpr double kMinStep = 0x1p-50;     // share of a path's time
+constexpr double kAtCorner = 0x1p-44;    // local units: a contact that is beyond the end of an edge by less is still on the edge
+constexpr double kSlopeError = 0x1p-11;  // share of the slope's length
 
 double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& velocity) {
-  constexpr double kSmall = 0x1p-20;  // of the rate; too small to slow a search
+  constexpr double kSmall = 0x1p-20;  // share of the rate: an error too small to slow a search
   const double most = normal_error(at) * velocity.norm();
   if (at.feature != Feature::edge || most <= kSmall * std::fabs(at.normal.dot(velocity))) return most;
   const int k = triangle.boundary(at.nearest).edge;
@@ -21,7 +21,7 @@ double rate_error(const ContactTriangle& triangle, const Separation& at, const V
   return normal_error(at) * (velocity - along.dot(velocity) * along).norm() + kDirectionError * velocity.norm();
 }
 
-// How long a distance that begins `gap` above a level stays above it, at that rate and with at most that bend.
+// How long a distance that begins `gap` above a level stays above it, if it changes at the rate `approach` and bends by at most `bend`.
 double time_above(double gap, double approach, double bend) {
   const double root = std::sqrt(approach * approach + 2.0 * bend * std::max(gap, 0.0));
   return approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : bend > 0.0 ? (approach + root) / bend : 1.0;
@@ -69,7 +69,7 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   }
   path.chord_ = along;
   path.bend_across_ = across;
-  // Monotonic along the chord, so it stays between the ends (Fritsch and Carlson 1980).
+  // The cubic is monotonic along the chord, so it stays between the ends (Fritsch and Carlson 1980).
   if (std::min(pace[0], pace[1]) > 0.0 && std::max(pace[0], pace[1]) <= 3.0 * length) path.bulge_ = across;
   return path;
 }
@@ -104,7 +104,7 @@ double CentrePath::Guide::distance_to(const Vec3& p, Vec3& normal) const noexcep
   return distance;
 }
 
-// Returns the distance of p from the guides before.
+// Returns the distance of p from the guides before the step.
 double CentrePath::project_once(Vec3& p) const noexcept {
   std::array<Vec3, 2> normal;
   std::array<double, 2> short_by{};
@@ -193,7 +193,7 @@ double CentrePath::find_crossing(const Plane& plane, Range range) const noexcept
   return high;
 }
 
-// The time at which the cubic crosses, which is near that of the path.
+// The time at which the cubic crosses the plane, which is near the time at which the path does.
 double CentrePath::guess_crossing(const Plane& plane, Range range) const noexcept {
   constexpr int kMaxRounds = 12;           // a bound on the work: the time is a guess
   constexpr double kNearEnough = 0x1p-24;  // of the whole path
@@ -223,8 +223,8 @@ double CentrePath::find_turning_point(const Vec3& direction, double low, double 
   return before;
 }
 
-// The corner that guides the path and is nearest to it. An edge beyond, in line with the one that is touched, is as near all along the
-// path.
+// The corner at `nearest`, if it guides the path; -1: none. An edge beyond this corner, in line with the touched edge, is as near as the
+// corner all along the path.
 int CentrePath::find_guiding_corner(const ContactTriangle& triangle, unsigned guiding, const Vec3& nearest) const noexcept {
   for (int k = 0; k < 3; ++k) {
     if ((guiding >> k & 1U) != 0 && (triangle.corner(k) - nearest).squaredNorm() <= kAtCorner * kAtCorner) return k;
@@ -244,8 +244,8 @@ double CentrePath::time_to_leave_corner(const ContactTriangle& triangle, int cor
   return time;
 }
 
-// A step from a time at which the corner is the nearest point, in which the distance stays above `level` and its tolerance. Convex, it
-// stays above its tangent, less what the path bends. The rate is zero where the path rolls around the corner, but not where it passes it.
+// A step, from a time at which the corner is the nearest point, in which the distance stays above `level` less its tolerance. It is convex,
+// so above its tangent less the bend of the path. Its rate is zero where the path rolls around the corner, but not where it only passes.
 double CentrePath::step_past_corner(const ContactTriangle& triangle, const Level& level, int corner, double time) const noexcept {
   if (!(bend_ > 0.0)) return kMinStep;
   const double most = std::sqrt(level.tolerance / bend_);  // the bend takes half of the tolerance
@@ -257,15 +257,15 @@ double CentrePath::step_past_corner(const ContactTriangle& triangle, const Level
   return std::max(approach * most > room ? room / approach : most, kMinStep);
 }
 
-// How long the centre stays on the inner side of a plane, at least. `inwards`: unit.
+// How long the centre stays on the inner side of a plane, at least. `inwards` is a unit vector.
 double CentrePath::time_within(const Vec3& origin, const Vec3& inwards, const Place& here) const noexcept {
-  constexpr double kRounding = 0x1p-50;  // of a height over a plane, local units
+  constexpr double kRounding = 0x1p-50;  // local units: rounding of a height over a plane
   const double room = inwards.dot(here.point - origin);
   return room >= -kRounding ? time_above(room, inwards.dot(here.velocity), bend_) : 0.0;
 }
 
-// How long the nearest point of the triangle stays on that edge, ends included, at least. At each end either the plane through it across
-// the edge bounds the region, or, beyond the end, the plane across the other edge there: whichever is farther.
+// How long the nearest point of the triangle stays on that edge, ends included, at least. At each end the region is bounded by the plane
+// through the end across this edge, or by the plane through the end across the other edge at it, whichever is farther.
 double CentrePath::time_on_edge(const ContactTriangle& triangle, int edge, const Place& here) const noexcept {
   const int next = (edge + 1) % 3;
   const int before = (edge + 2) % 3;
@@ -278,7 +278,7 @@ double CentrePath::time_on_edge(const ContactTriangle& triangle, int edge, const
                    std::max(time_within(end, -along(edge), here), time_within(end, -along(next), here))});
 }
 
-// The same for a corner.
+// How long the nearest point of the triangle stays at that corner, at least.
 double CentrePath::time_at_corner(const ContactTriangle& triangle, int corner, const Place& here) const noexcept {
   const int before = (corner + 2) % 3;
   if (!(std::min(triangle.length(corner), triangle.length(before)) > 0.0)) return 0.0;
@@ -287,14 +287,14 @@ double CentrePath::time_at_corner(const ContactTriangle& triangle, int corner, c
 }
 
 // How long the distance from a line or point stays above `level`, at least, if it lies beside a line or point that guides the path. `off`:
-// from there to the centre. `turned`: the sine of the angle between the lines.
+// from the nearest point of the former to the centre. `turned`: the sine of the angle between the lines.
 //
 // Let P be the projection across the axis of the guide, or the identity for a point, r = P (c - origin) with |r| the guide's offset,
 // n = r / |r|, and P', r' = off, n' and f = |r'| the same for the other. As n . c' = 0 and n . c'' = -|P c'|^2 / |r|, with D = |r' - r|
 //
 //   f'' = n' . c'' + (|P' c'|^2 - (n' . c')^2) / f  >=  -2 D / f |c''| - |c'|^2 / f (|P' - P| + D / |r| + (2 D / f)^2)
 double CentrePath::time_beside(const Guide& guide, const Vec3& off, double turned, const Level& level, const Place& here) const noexcept {
-  constexpr double kRounding = 0x1p-50;  // of a position, local units
+  constexpr double kRounding = 0x1p-50;  // local units: rounding of a position
   const double distance = off.norm();
   if (!(distance > level.distance)) return 0.0;
   Vec3 normal;
@@ -308,7 +308,7 @@ double CentrePath::time_beside(const Guide& guide, const Vec3& off, double turne
   return time_above(distance - level.distance, rate - doubt, bend);
 }
 
-// How long the triangle stays that far, at least, if one of its edges or corners lies beside a line that guides the path.
+// How long the triangle's distance stays above `level`, at least, if one of its edges or corners lies beside a line that guides the path.
 double CentrePath::time_beside_line(const Guide& guide, const ContactTriangle& triangle, const Level& level,
                                     const Place& here) const noexcept {
   const auto by_edge = [&](int k) {
@@ -319,14 +319,14 @@ double CentrePath::time_beside_line(const Guide& guide, const ContactTriangle& t
   };
   if (here.separation.feature == Feature::edge) return by_edge(triangle.boundary(here.separation.nearest).edge);
   const int k = nearest_corner(triangle, here.separation.nearest);
-  Vec3 off = here.point - triangle.corner(k);  // from the line through the corner in parallel to the guide
+  Vec3 off = here.point - triangle.corner(k);  // from the line through the corner that is parallel to the guide
   off -= guide.direction.dot(off) * guide.direction;
   return std::max(
       {by_edge(k), by_edge((k + 2) % 3), std::min(time_at_corner(triangle, k, here), time_beside(guide, off, 0.0, level, here))});
 }
 
-// A step in which the distance stays above `level`, for a triangle that has an edge or corner beside one which guides the path, or a face
-// beside one: its distance hardly changes, however much the path bends.
+// A step in which the distance stays above `level`, for a triangle with an edge, corner or face that lies beside a guide of the path: the
+// distance of such a triangle hardly changes, however much the path bends.
 double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept {
   const Separation& at = here.separation;
   double most = 0.0;
@@ -349,8 +349,8 @@ double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Lev
 // When the distance falls to `level`, within a tolerance.
 CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                                          int& tests) const noexcept {
-  constexpr int kMaxRounds = 64;  // then the path is known to be free up to there, and no farther
-  constexpr int kFewRounds = 32;  // decide all ordinary cases
+  constexpr int kMaxRounds = 64;  // after these the path is known to be free up to the time reached, and no farther
+  constexpr int kFewRounds = 32;  // these decide all ordinary cases
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
   double time = from;
   for (int i = 0; i < kMaxRounds; ++i) {
@@ -386,15 +386,15 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
   return {time, false};
 }
 
-// A lower bound of the distance along the prefix. `start`, `approach`: the separation at its start, and a lower bound of its rate.
+// A lower bound of the distance along the prefix. `start`: the separation at its start; `approach`: a lower bound of its rate there.
 double CentrePath::least_by_ends(const ContactTriangle& triangle, const Separation& start, double approach,
                                  const Prefix& prefix) const noexcept {
   const double until = prefix.until;
   const Separation end = triangle.separation(prefix.end);
   const double rate = end.normal.dot(prefix.slope);
   const double recede = rate + normal_error(end) * prefix.slope.norm() + (guide_count_ > 0 ? kSlopeError * std::fabs(rate) : 0.0);
-  // Above start + approach t - bend_start / 2 t^2, and above end - recede (until - t) - bend_end / 2 (until - t)^2. Both are concave: until
-  // any time between, and from there on, each is least at an end. The time is about where the two parabolas cross.
+  // The distance is above start + approach t - bend_start / 2 t^2 and above end - recede (until - t) - bend_end / 2 (until - t)^2. The
+  // first serves up to `time`, about where they cross, the second after it. Both are concave, so each is least at an end of its interval.
   const double bend_start = bend_towards(start.normal);
   const double bend_end = bend_towards(end.normal);
   const double bend = 0.5 * (bend_start + bend_end);
@@ -415,7 +415,7 @@ CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const 
   const double approach = start.normal.dot(velocity) - rate_error(triangle, start, velocity);
   const double gap = start.distance - clearance.offset;
   const double low = clearance.offset - 0.5 * clearance.slop;
-  // The parabola at the start stays above.
+  // The parabola at the start stays above `low`.
   const double bent = 0.5 * bend_towards(start.normal) * until * until;
   const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - bent) : gap + approach * until - bent;
   if (clearance.offset + bottom > low) return {};
@@ -426,7 +426,7 @@ CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const 
   }
   ++tests;
   if (least_by_ends(triangle, start, approach, prefix) > low) return {};
-  // When it comes into contact, and whether it would come nearer than allowed after that.
+  // Finds when the centre comes into contact, and whether it would come nearer than allowed after that.
   const double level = gap > clearance.tolerance ? clearance.offset
                                                  : std::min(clearance.offset - 0.25 * clearance.slop, start.distance - clearance.tolerance);
   const Block block = find_below(triangle, {level, clearance.tolerance}, guiding, 0.0, until, tests);

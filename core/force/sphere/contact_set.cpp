@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// In a pull: where constraints balance, the device's motion decides.
+// Length of the device's motion that is added to a pull: where constraints balance, the motion decides.
 constexpr double kNudge = 0x1p-42;
 
 }  // namespace
@@ -97,9 +97,9 @@ bool ContactSet::restore_to_frame(Vec3& c, ContactFrame& frame, int& work) const
   return restore(c, frame, has_normals, work) && (has_normals ? frame.prepare() : find_frame(c, frame));
 }
 
-// `has_normals`: whether the frame's normals are those there.
+// `has_normals`: whether the frame's normals are those at the restored c.
 bool ContactSet::restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& work) const noexcept {
-  constexpr int kMaxRounds = 8;  // of Newton's method; then the tolerance decides
+  constexpr int kMaxRounds = 8;  // rounds of Newton's method; after these the tolerance decides
   for (int round = 0; round < kMaxRounds; ++round) {
     ++work;
     frame.measure(active(), c, clearance_.offset);

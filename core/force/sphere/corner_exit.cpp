@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kAround = 32.0;   // offsets; a corner within this distance is where the point is
+constexpr double kAround = 32.0;   // offsets; a corner within this distance of the centre is taken as the apex
 constexpr double kWedge = 4096.0;  // offsets; so far from its tip a wedge of 0.028 degrees holds the sphere
 
 // The position nearest to the planes, lines and points of contacts on faces, edges and vertices: the sum of the squared distances from them
@@ -36,7 +36,7 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
 }  // namespace
 
 // The vertex near the centre, or the point where three faces that hold the centre meet, or the vertex that three contacts have in common:
-// in a narrow corner the centre is far from it.
+// in a narrow corner the centre is far from its apex.
 bool CornerExit::find_apex(Vec3& apex) const noexcept {
   double nearest = kAround * contacts_.offset();
   bool any = false;
@@ -102,12 +102,12 @@ bool CornerExit::find_cone(double moved) noexcept {
   return memory_.has_cone;
 }
 
-// The cone has the planes of all faces go through the apex. A face beyond the apex, nearer than kThrough, then passes the centre, which
-// seems to be on its other side. Finds the nearest position that is on the same side of these planes as the centre is of the faces. It is
-// in the ball around the centre that no triangle reaches. False: there is none.
+// In the cone the planes of all faces go through the apex. If a face lies beyond the apex, nearer to it than kThrough, the centre may then
+// seem to be on the wrong side of the face. Finds the nearest position that is on the same side of these planes as the centre is of the
+// faces. The position is in the ball around the centre that no triangle reaches. False: there is none.
 bool CornerExit::find_beside(const Vec3& apex, Vec3& beside) noexcept {
   constexpr double kClear = 0x1p-4;  // offsets from a plane
-  constexpr int kMaxFaces = 48;      // with more of them there is no such position; a free choice
+  constexpr int kMaxFaces = 48;      // with more faces none is searched for; a free choice
   const double near = kThrough * contacts_.offset();
   std::array<ContactPlane, kMaxFaces> planes;
   int count = 0;
@@ -180,10 +180,10 @@ bool CornerExit::can_pass(const Vec3& target, double wide) noexcept {
   return is_free && !is_beyond_surface(target, within);
 }
 
-// Where the surface around the corner is closed and oriented, a target is on its other side if the path there does not cross it as often in
-// as out. Triangles smaller than the sphere are not sides of the cone, so its boundary may lead through them. False: it may also have an
-// end there. Edges without an adjacent triangle that run to and fro, within what counts as a closed crack, are not an end: they are left
-// where needles were removed (touch_resolution.h).
+// Where the surface around the corner is closed and oriented, a target is beyond it if the path to the target does not cross it as often
+// inwards as outwards. Triangles smaller than the sphere are not sides of the cone, so the cone's boundary may lead through them. False:
+// not beyond, or the surface may have an end. Edges without an adjacent triangle that run to and fro, within what counts as a closed crack,
+// are not an end: they are left where needles were removed (touch_resolution.h).
 bool CornerExit::is_beyond_surface(const Vec3& target, double within) noexcept {
   const Vec3& apex = memory_.cone.apex();
   Vec3 gap = Vec3::Zero();
@@ -211,7 +211,7 @@ bool CornerExit::is_beyond_surface(const Vec3& target, double within) noexcept {
   return balance != 0 && is_two_sided && gap.norm() <= crack && area.norm() <= crack * within;
 }
 
-// The shares of edge k between which it is that near to p; an empty span if it is nowhere.
+// The shares of edge k between which the edge is nearer to p than `within`; an empty span if it nowhere is.
 CornerExit::Part CornerExit::part_within(const ContactTriangle& shape, int k, const Vec3& p, double within) {
   const double middle = shape.along(k, p);
   const double squared = within * within - (shape.corner(k) + middle * shape.edge(k) - p).squaredNorm();

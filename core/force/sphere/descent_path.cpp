@@ -6,10 +6,10 @@
 namespace hapton {
 namespace {
 
-// Straight above an edge (with an axis) or a vertex (without): the direction, across the normal and the axis, in which a centre leaves.
-// What is left of a hint along these is rounding, and need not be across them: a second projection shows what of it is.
+// The direction, across the normal and the axis, in which a centre leaves a place straight above an edge (with an axis) or a vertex (with
+// none). What a projection leaves of a hint along these is rounding and need not be across them: a second projection keeps what truly is.
 Vec3 choose_side(const Vec3& normal, const Vec3& axis, const Vec3& hint) {
-  constexpr double kRounding = 0x1p-20;  // of what is left
+  constexpr double kRounding = 0x1p-20;  // share of what the first projection leaves
   const auto project = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal - axis.dot(v) * axis); };
   const Vec3 left = project(hint);
   const Vec3 sideways = project(left);
@@ -34,9 +34,9 @@ bool DescentPath::make(const Vec3& device, const Vec3& hint, bool is_unstable, C
 }
 
 bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
-  constexpr double kClose = 0.125;  // offsets: half of how near a centre has to be to its path (SphereFollower::is_near_path)
+  constexpr double kClose = 0.125;  // offsets: half of how near to its path a centre has to stay (SphereFollower::is_near_path)
   if (contacts_.active_count() != 2 || contacts_[0].part != Feature::face || contacts_[1].part != Feature::face) return false;
-  // At a larger angle the slop leads less far: slop / sine.
+  // At a larger angle the slop moves the centre less far: slop / sine.
   const double angle = contacts_.clearance().slop / (kClose * contacts_.offset());
   if (1.0 + contacts_[0].normal.dot(contacts_[1].normal) > 0.5 * angle * angle) return false;
   Vec3 end = centre_;
@@ -45,8 +45,8 @@ bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
   return true;
 }
 
-// Around an edge or a vertex in the steepest direction: along a helix, until it is level with the device along the edge, or closest to it
-// around the edge. The squared distance is the sum of both parts, and neither rises.
+// Path around an edge or vertex in the steepest direction: a helix, until the centre is level with the device along the edge, or closest to
+// it around the edge. The squared distance from the device is the sum of a part along and a part around the edge, and neither rises.
 CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, const Vec3& hint) const noexcept {
   const bool is_edge = contact.part == Feature::edge;
   const Vec3 normal = contact.proximity(centre_).normal;
@@ -92,13 +92,13 @@ bool DescentPath::descend_along_curve(const Vec3& device, const Vec3& hint, bool
 
 bool DescentPath::make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable,
                                    CentrePath& path) const noexcept {
-  constexpr int kMaxHalvings = 24;       // of the first length; a shorter piece is none
-  constexpr double kRounding = 0x1p-50;  // of a position, local units
+  constexpr int kMaxHalvings = 24;       // halvings of the first length; a shorter piece does not count
+  constexpr double kRounding = 0x1p-50;  // local units: rounding of a position
   const bool is_straight = contacts_.is_flat();
   ContactFrame here;
   if (!contacts_.find_frame(centre_, here)) return false;
   const double sense = here.along.dot(direction);
-  // A piece of that length. False: it ends on another curve, or no nearer.
+  // Makes a piece of the length `ahead`. False: it would end on another curve, or no nearer to the device.
   const auto go = [&](double ahead, bool must_lead_on) {
     Vec3 end = centre_ + ahead * direction;
     ContactFrame there;
@@ -110,14 +110,14 @@ bool DescentPath::make_curve_piece(const Vec3& direction, double length, const V
     if (!contacts_.restore_to_frame(end, there, work_)) return false;
     const Vec3 chord = end - centre_;
     const Vec3 pull = device - centre_;
-    // Half of what the squared distance loses. Within rounding nothing may be lost at the end of a descent.
+    // Half of what the squared distance from the device loses. At the end of a descent this may be nothing, within rounding.
     const double gain = chord.dot(pull - 0.5 * chord);
     if (!(gain > (is_unstable || must_lead_on ? 0.0 : -kRounding * pull.norm()))) return false;
     const Vec3 direction_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // opposite: the curve on the other side of a crest
     if (!(direction_there.dot(direction) > 1.0 - 2.0 * LocalMinimum::kTurn * LocalMinimum::kTurn)) return false;
     if (must_lead_on && !(direction_there.dot(device - end) > 0.0)) return false;
     const double length_there = chord.norm();
-    if (!(direction.dot(chord) > 0.5 * length_there)) return false;  // surfaces at a small angle: brought back to a place behind
+    if (!(direction.dot(chord) > 0.5 * length_there)) return false;  // surfaces at a small angle: the end was moved back to a place behind
     path = CentrePath::curved(centre_, end, length_there * direction, length_there * direction_there);
     contacts_.guide(path);
     return true;

@@ -28,10 +28,10 @@ class DragLegs::FlowSearch {
   double left() const noexcept { return target_ - end_.time; }
   double stability_there() const noexcept { return drag_.find_stability(there_); }
 
-  // The outcome, where the centre does not move or the leg is the last one.
+  // Begins the leg. Returns the outcome if the centre stops or jumps at once, or if the leg is the last one.
   std::optional<DragOutcome> begin(DragLeg& leg) noexcept {
-    constexpr double kSmallPull = 0x1p-9;  // of the offset
-    constexpr double kShort = 0x1p-5;      // of the offset
+    constexpr double kSmallPull = 0x1p-9;  // share of the offset
+    constexpr double kShort = 0x1p-5;      // share of the offset
     const Vec3 device = on_path(from_, to_, time_);
     if (!drag_.find_pull(legs_.centre_, device, pull_)) return DragOutcome::jumps;
     excess_rate_ = drag_.find_excess_rate(pull_, motion_);
@@ -64,8 +64,8 @@ class DragLegs::FlowSearch {
     travelled_ = 0.0;
   }
 
-  // To that length, from the start or from the last position, whichever is nearer. False: the centre is at the start again, and `shrink_`
-  // says how far it came.
+  // Moves the end of the leg to that length, from the start or from the last end, whichever is nearer. False: the end is at the start
+  // again, and `shrink_` says how far it came.
   bool go(double length) noexcept {
     constexpr double kOfFollowed = 0.75;  // the next length, as a share of what could be followed
     if (std::fabs(length - travelled_) >= length || legs_.contacts_.active_count() == 2) go_back();
@@ -83,7 +83,7 @@ class DragLegs::FlowSearch {
     return false;
   }
 
-  // To where `value()` reaches zero.
+  // Moves the end of the leg to where `value()` reaches zero.
   template <class Value>
   bool seek(double at_start, double at_end, double rounding, Value&& value) noexcept {
     length_ = find_zero(
@@ -93,9 +93,9 @@ class DragLegs::FlowSearch {
 
   // Shortens the leg until it is nearly a cubic, and ends it where the equilibrium vanishes or at the target.
   bool find_length(DragLeg& leg) noexcept {
-    constexpr int kMaxHalvings = 40;                        // then the centre jumps
-    constexpr int kFewHalvings = 3;                         // then the shortest leg is tried first
-    constexpr int kStepsOfLeg = OffsetDrag::kMaxSteps - 4;  // no longer than one integration leads, as far as the last one tells
+    constexpr int kMaxHalvings = 40;                        // after these the centre jumps
+    constexpr int kFewHalvings = 3;                         // after these the shortest leg is tried first
+    constexpr int kStepsOfLeg = OffsetDrag::kMaxSteps - 4;  // no longer than one integration reaches, judged by its last step
     const double most = find_most();
     // Along the curve of two contacts nothing is integrated.
     const double within_reach = has_one_contact() && legs_.step_ > 0.0 ? std::min(most, kStepsOfLeg * legs_.step_) : most;
@@ -107,7 +107,7 @@ class DragLegs::FlowSearch {
       leg.jumps = false;
       go_back();
       if (i == kFewHalvings) {
-        if (!go(std::ldexp(length_, kFewHalvings - kMaxHalvings))) return false;  // however short
+        if (!go(std::ldexp(length_, kFewHalvings - kMaxHalvings))) return false;  // not even the shortest leg
         off_ = (end_.centre - legs_.centre_).norm();
       }
       if (!flow_evenly()) continue;
@@ -122,7 +122,7 @@ class DragLegs::FlowSearch {
     }
   }
 
-  // To the end of the leg. False: it cannot be followed, turns too far, or is not a cubic; `shrink_` says how much shorter one is.
+  // Follows the leg to its end. False: it cannot be followed, turns too far, or is not nearly a cubic; `shrink_` is the share to try next.
   bool flow_evenly() noexcept {
     const Vec3& centre = legs_.centre_;
     if (!go(0.5 * length_)) return false;
@@ -134,11 +134,11 @@ class DragLegs::FlowSearch {
     const double uneven = (middle_.centre - guess).norm();
     const double most_off = kUnresolved + off_ + legs_.most_uneven((end_.centre - centre).norm());
     if (!(uneven > most_off)) return true;
-    shrink_ = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMaxShrunk, 0.5);  // of fourth order in the length
+    shrink_ = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMaxShrunk, 0.5);  // `uneven` is of fourth order in the length
     return false;
   }
 
-  // A little farther, to the target.
+  // Makes the leg a little longer if it then reaches the target.
   void lengthen(double most) noexcept {
     constexpr int kMaxRounds = 8;  // a bound on the work
     for (int round = 0; round < kMaxRounds && length_ < most && left() > 0.0; ++round) {
@@ -180,7 +180,7 @@ class DragLegs::FlowSearch {
     return true;
   }
 
-  // False: that is where the leg begins.
+  // False: the centre stops where the leg begins.
   bool end_where_it_stops(DragLeg& leg) noexcept {
     const double at_end = drag_.find_excess_rate(there_, motion_);
     if (!(at_end < -kMinExcessRate * speed_) || (is_at_target_ && comes_out_)) return true;
@@ -211,23 +211,23 @@ class DragLegs::FlowSearch {
     return DragOutcome::moves;
   }
 
-  static constexpr double kMaxShrunk = 0x1p-10;  // of the length, at once
-  static constexpr double kReleased = 0x1p-24;   // a pull at which the device counts as out
+  static constexpr double kMaxShrunk = 0x1p-10;  // least share of the length that is kept at once
+  static constexpr double kReleased = 0x1p-24;   // a pull so short that the device counts as out of the surface
 
   DragLegs& legs_;
   const OffsetDrag& drag_;
   const Vec3& from_;
   const Vec3& to_;
-  const double time_;  // where the leg begins, as all of the next six
+  const double time_;  // at the start of the leg, as the next six are
   const Vec3 motion_;
   const double speed_;
   OffsetDrag::Pull pull_;
   double excess_rate_ = 0.0;
   double stability_ = 0.0;
   Vec3 slope_;
-  bool comes_out_ = false;  // the device, of the surface, at the target
-  double target_ = 1.0;     // time
-  double length_ = 0.0;     // of the leg
+  bool comes_out_ = false;  // the device comes out of the surface at the target
+  double target_ = 1.0;     // time up to which the leg may go
+  double length_ = 0.0;     // of the leg, in the parameter of the flow
   double shrink_ = 0.5;     // the next length, as a share of this one
   double off_ = 0.0;        // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
   bool is_at_target_ = false;
@@ -243,7 +243,7 @@ DragOutcome DragLegs::make_flow_leg(const OffsetDrag& drag, const Vec3& from, co
   return FlowSearch(*this, drag, from, to, time).make(leg);
 }
 
-// To the point where the device comes out.
+// Makes the leg to the point where the device comes out.
 DragOutcome DragLegs::make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept {
   Vec3 end = device;
   if (!contacts_.restore(end, work_)) return DragOutcome::jumps;
