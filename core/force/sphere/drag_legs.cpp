@@ -1,4 +1,4 @@
-// Slips, and the drags that OffsetDrag follows; drag_flow_legs.cpp has those that it integrates.
+// The slips, and the drags computed by OffsetDrag::follow(). drag_flow_legs.cpp has the drags computed by OffsetDrag::flow().
 #include "core/force/sphere/drag_legs.h"
 
 #include <algorithm>
@@ -49,13 +49,13 @@ class DragLegs::SlipSearch {
     return std::min(turn, legs_.events_.distance_to_boundary(legs_.centre_, direction, farthest));
   }
 
-  // To that far along the pull. False: the drag cannot be computed there.
+  // Moves end_ to this length along the slip, and finds the pull there. False: one of the two cannot be computed.
   bool go(const Vec3& direction, double length) noexcept {
     end_.centre = legs_.centre_;
     return drag_.descend(device_, direction, length, end_, legs_.work_) && drag_.find_pull(end_.centre, device_, there_);
   }
 
-  // To where `value()` reaches zero.
+  // Shortens the slip so that it ends where `value()` reaches zero. False: the slip cannot be computed there.
   template <class Value>
   bool cut_at(SlipPath& slip, double at_start, double at_end, Value&& value) noexcept {
     length_ = find_zero(
@@ -64,7 +64,7 @@ class DragLegs::SlipSearch {
     return go(slip.direction, length_);
   }
 
-  // As far as a piece may go, or to the cone.
+  // Sets the length of the slip: the largest length of a piece, or to the cone if that is nearer. False: it cannot be computed.
   bool find_length(SlipPath& slip) noexcept {
     const double most = find_most(slip.direction);
     length_ = most;
@@ -81,7 +81,7 @@ class DragLegs::SlipSearch {
     return true;
   }
 
-  // By Newton's method. Where that does not lead to the cone, the length is as it was.
+  // Finds the length at which the pull is on the cone, by Newton's method. If it is not found, the length is `most`. False: go() failed.
   bool approach_cone(SlipPath& slip, double most) noexcept {
     length_ = pull_.excess() / stability_;
     for (int i = 0; i < kMaxRounds; ++i) {
@@ -107,8 +107,8 @@ class DragLegs::SlipSearch {
     return true;
   }
 
-  // Halves the slip until it is nearly a cubic. Along an edge that the device is straight below, the centre goes a long way before it turns
-  // from one side of the edge to the other, within an offset: a cubic over all of it would lead through the faces. False: it is not found.
+  // Halves the slip until it is nearly a cubic. If the device is straight below an edge, the centre moves far along the edge, then crosses
+  // to its other side within one offset: one cubic for all of this would lead through the faces. False: no such length is found.
   bool make_path(SlipPath& slip) noexcept {
     const Vec3& centre = legs_.centre_;
     const Vec3& direction = slip.direction;
@@ -135,19 +135,19 @@ class DragLegs::SlipSearch {
     return false;
   }
 
-  static constexpr int kMaxRounds = 8;     // of Newton's method
-  static constexpr int kMaxHalvings = 40;  // from the size of the scene to a thousandth of a contact offset
+  static constexpr int kMaxRounds = 8;     // rounds of Newton's method
+  static constexpr int kMaxHalvings = 40;  // enough to get from the size of the scene to a thousandth of a contact offset
 
   DragLegs& legs_;
   const OffsetDrag& drag_;
-  const OffsetDrag::Pull& pull_;  // where the slip begins
+  const OffsetDrag::Pull& pull_;  // at the start of the slip
   const Vec3& device_;
   const bool has_vanished_;
-  const double stability_;  // where the slip begins
-  double rounding_ = 0.0;   // of a pull
-  double length_ = 0.0;     // of the slip
+  const double stability_;  // at the start of the slip
+  double rounding_ = 0.0;   // rounding error of a pull
+  double length_ = 0.0;     // length of the slip
   OffsetDrag::Descent end_;
-  OffsetDrag::Pull there_;  // at end_
+  OffsetDrag::Pull there_;  // the pull at end_
 };
 
 bool DragLegs::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
@@ -200,11 +200,11 @@ class DragLegs::FollowSearch {
     }
   }
 
-  // Halves the time until the path is simple enough. The outcome, where it is another one.
+  // Halves the span until the path is simple enough. Returns the outcome if the search ends here; none: the search continues.
   std::optional<DragOutcome> find_end(DragLeg& leg) noexcept {
-    constexpr int kMaxHalvings = 40;      // then the centre jumps
-    constexpr int kTries = 3;             // on a curved part; then the leg is integrated
-    constexpr double kMinTime = 0x1p-44;  // of the step
+    constexpr int kMaxHalvings = 40;      // after these, the centre jumps
+    constexpr int kTries = 3;             // on a curved part; after these, the leg is integrated
+    constexpr double kMinTime = 0x1p-44;  // share of the step
     for (int i = 0;; ++i) {
       if (i == kTries && !is_flat_) return legs_.make_flow_leg(drag_, from_, to_, time_, leg);
       if (i == kMaxHalvings || (!(span_ > kMinTime) && span_ < release_span_)) return DragOutcome::jumps;
@@ -213,7 +213,7 @@ class DragLegs::FollowSearch {
     }
   }
 
-  // To the end of the span. False: it cannot be followed, or turns too far.
+  // Follows the device to the end of the span. False: the centre cannot follow, or its path turns too far.
   bool follow_span(DragLeg& leg) noexcept {
     const bool is_out = release_ < 1.0 && span_ >= release_span_;
     leg.time = span_ >= 1.0 - time_ ? 1.0 : time_ + span_;
@@ -245,7 +245,7 @@ class DragLegs::FollowSearch {
     return leg.is_clear;
   }
 
-  // To where `value(pull)` reaches zero.
+  // Ends the leg where `value(pull)` reaches zero. False: the centre cannot follow the device to that time.
   template <class Value>
   bool cut_at(DragLeg& leg, double at_start, double at_end, Value&& value) noexcept {
     const auto follow_to = [&](double then, Vec3& c) {
@@ -261,7 +261,7 @@ class DragLegs::FollowSearch {
     return leg.time <= time_ || follow_to(leg.time, end_);
   }
 
-  // One of two contacts whose multiplier turns negative ends the leg earlier.
+  // With two contacts: if the multiplier of one turns negative, ends the leg earlier, where it is zero.
   bool end_at_release(DragLeg& leg) noexcept {
     for (int i = 0; legs_.contacts_.active_count() == 2 && i < 2; ++i) {
       if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
@@ -294,7 +294,7 @@ class DragLegs::FollowSearch {
     }
     if (!drag_.find_pull(end_, device_at(leg.time), there_)) return DragOutcome::jumps;
     leg.path = CentrePath::curved(legs_.centre_, end_, part * rate_, part * drag_.find_rate(there_, motion_));
-    if (legs_.contacts_.active_count() == 2) legs_.contacts_.guide(leg.path);  // over a face the cubic stays in its plane
+    if (legs_.contacts_.active_count() == 2) legs_.contacts_.guide(leg.path);  // on a face it stays in the plane without a guide
     return DragOutcome::moves;
   }
 
@@ -302,22 +302,22 @@ class DragLegs::FollowSearch {
   const OffsetDrag& drag_;
   const Vec3& from_;
   const Vec3& to_;
-  const double time_;  // where the leg begins, as all that follows
+  const double time_;  // start of the leg; device_, pull_ and rate_ are those at this time
   const Vec3 motion_;
   const Vec3 device_;
   const bool is_flat_ = drag_.is_flat();
   OffsetDrag::Pull pull_;
   Vec3 rate_;
-  double release_ = std::numeric_limits<double>::infinity();  // when the device comes out, as a share of what is left
+  double release_ = std::numeric_limits<double>::infinity();  // when the device leaves the surface, as a share of the time left
   double release_span_ = 0.0;
-  double span_ = 0.0;  // time of the leg
+  double span_ = 0.0;  // duration of the leg
   bool is_straight_ = false;
   Vec3 middle_;
   Vec3 end_;
-  OffsetDrag::Pull there_;  // at end_
+  OffsetDrag::Pull there_;  // the pull at end_
 };
 
-// Flattened: nearly every step under friction comes here, and this way the search stays in registers.
+// Flattened, so that the search stays in registers: nearly every step under friction comes here.
 [[gnu::flatten]] DragOutcome DragLegs::make_followed_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
                                                          DragLeg& leg) noexcept {
   return FollowSearch(*this, drag, from, to, time).make(leg);

@@ -18,7 +18,7 @@ bool GatheredTriangles::is_clear_here(const Vec3& c, double short_by, int& work)
 }
 
 bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) noexcept {
-  constexpr int kMaxHalvings = 40;  // of the path; then it cannot be covered
+  constexpr int kMaxHalvings = 40;  // of the path; after these, it counts as impossible to cover
   const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
   const Vec3 end = path.at(until);
   if (covers(path.start(), room) && covers(end, room)) return true;
@@ -29,25 +29,25 @@ bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) 
   return false;
 }
 
-// Whether a ball of half that radius would hold nearly as many triangles: of even ones it would hold half, of slivers side by side seven
-// tenths, and at the tip of a fan all. Then a wider ball gathers fewer on the way.
+// Whether a ball of half this radius would hold nearly as many triangles. It would hold half of triangles of even shape, seven tenths of
+// slivers side by side, and all of those at the tip of a fan. If so, larger balls gather fewer triangles in total along a path.
 bool GatheredTriangles::are_slivers(double radius) const noexcept { return share_within(clearance_.offset + 0.5 * radius) > 0.625; }
 
 // The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
   constexpr double kSamePlace = 0.25;  // offsets
   if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
-  constexpr int kMaxGuesses = 2;  // gatherings that end at kMaxFew triangles; then one may fill the cache
-  // Triangles: with fewer the next radius is larger, with three times as many smaller; this and the next: free choices
+  constexpr int kMaxGuesses = 2;  // attempts that stop at kMaxFew triangles; after these, one may fill the cache
+  // With fewer triangles the next radius is larger, with more than three times as many smaller. This and kMaxFew are free choices.
   constexpr int kFew = 24;
   constexpr int kMaxFew = 256;
   constexpr double kWidest = 0.25;  // local units
-  constexpr double kDenser = 0.35;  // this and the next three: factors of the radius, a choice
+  constexpr double kDenser = 0.35;  // this and the next three: factors of the radius; free choices
   constexpr double kMuchWider = 4.0;
   constexpr double kWider = 1.4;
   constexpr double kLess = 0.7;
   constexpr double kWidestOfSlivers = 4.0;  // offsets
-  constexpr int kMaxHalvings = 2;           // of the radius, among slivers; then it may fall below the least one
+  constexpr int kMaxHalvings = 2;           // of the radius, among slivers; after these, it may fall below the least radius
   const double least = least_radius_;
   if (!(radius_ > 0.0)) radius_ = std::max(least, 0.5 * clearance_.offset);
   const double given = radius_;
@@ -57,7 +57,7 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
   bool has_room = true;
   int overflows = 0;
   for (int i = 0; has_room; ++i) {
-    // Where the triangles are much smaller than at the last place, the radius was too large.
+    // If the triangles here are much smaller than at the last place, the radius is too large: the first attempts stop early.
     is_guess = i < kMaxGuesses && last_count_ <= kMaxFew && radius_ > least;
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * radius_ / length)) : Vec3::Zero();
     int queried = 0;
@@ -65,7 +65,7 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
     const bool fits = NearTriangles::gather(geometry_, c + ahead, clearance_.offset + radius_ + 4.0 * clearance_.slop, queried,
                                             is_guess ? kMaxFew : NearTriangles::kCapacity);
     const int in_fans = queried_in_fans();
-    work += queried + queried / 4 - in_fans + in_fans / 4;  // in a large mesh each of the others waits for memory
+    work += queried + queried / 4 - in_fans + in_fans / 4;  // in a large mesh, each triangle outside of fans waits for memory
     if (!fits) {
       has_room = is_guess || radius_ > least;
       const bool are_narrow = are_slivers(radius_);
@@ -79,7 +79,7 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
       continue;
     }
     last_count_ = count();
-    // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
+    // Where the tree visits many triangles for each one that is near, as among slivers, a larger ball saves the most work.
     const int few = std::max(kFew, std::min(queried / 8, kMaxFew));
     if (count() < few) radius_ = std::min((count() < few / 4 ? kMuchWider : kWider) * radius_, kWidest);
     if (count() > 3 * few) {

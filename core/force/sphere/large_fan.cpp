@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// The corner of a face's triangle in which a fan meets that is convex or hollow as seen by the sphere; -1: the face is in none.
+// The corner of a face's triangle that is the tip of a large fan, convex or hollow as seen by the sphere; -1: there is no such fan.
 int LargeFan::fan_corner(const OffsetContact& face) const noexcept {
   const int convex = geometry_.convex_fan_corner(face.triangle, face.back);
   return convex >= 0 ? convex : geometry_.convex_fan_corner(face.triangle, !face.back);
@@ -19,11 +19,11 @@ int LargeFan::fan_corner(const OffsetContact& face) const noexcept {
 
 bool LargeFan::is_hollow_fan(const OffsetContact& face) const noexcept { return geometry_.convex_fan_corner(face.triangle, face.back) < 0; }
 
-// Whether the centre may go some way without coming near anything but the fan that it is on. Holds in a ball around a centre, so it need
-// not be found out in each step. Pre: the face is in a fan.
+// Whether the centre can move some way before the sphere comes near anything but the fan that it touches. The result holds in a ball around
+// the centre (room_), and is kept for later steps. Pre: the face is in a fan.
 bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, const Vec3& towards) noexcept {
   constexpr double kMinRoom = 0x1p-8;  // offsets
-  constexpr int kPlanesInUnit = 4;     // this and the next: how many cost one unit of work (step_work.h)
+  constexpr int kPlanesInUnit = 4;     // this and the next: how many of them cost one unit of work (step_work.h)
   constexpr int kSlotsInUnit = 16;
   const double least = kMinRoom * on.contacts.offset();
   const int face_corner = fan_corner(face);
@@ -36,7 +36,7 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
   const bool is_hollow = is_hollow_fan(face);
   const double enough = on.contacts.offset() + 2.0 * towards.norm();
   if (on.near.room_at(on.centre) < near + (is_hollow ? enough : 2.0 * least)) {
-    on.near.widen(enough);  // hardly more triangles of the fan, for many steps
+    on.near.widen(enough);  // a wider ball holds hardly more triangles of the fan, and serves many steps
     if (!on.near.gather(on.centre, is_hollow ? Vec3::Zero() : towards, on.work)) return false;
   }
   double room = on.near.room_at(on.centre) - near;
@@ -59,7 +59,7 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
   return room >= 2.0 * least;
 }
 
-// All contacts are with faces of the same fan, on one side. Pre: the first one is in a fan.
+// Whether all contacts are with faces of the same fan, on the same side. Pre: the first one is with a face in a fan.
 bool LargeFan::touches_one_fan(const SphereOnFan& on) const noexcept {
   const auto vertex_of = [&](const OffsetContact& face) { return geometry_.corners(face.triangle).vertices[fan_corner(face)]; };
   const OffsetContact& first = on.contacts[0];
@@ -69,7 +69,7 @@ bool LargeFan::touches_one_fan(const SphereOnFan& on) const noexcept {
   });
 }
 
-// The share of a straight motion that certainly stays in the room.
+// The share of a straight motion that certainly stays within room_.
 double LargeFan::share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept {
   const double left = room_.room - (c - room_.at).norm();
   const double length = motion.norm();
@@ -80,21 +80,21 @@ LargeFan::Crossing LargeFan::cross(SphereOnFan on, const Vec3& from, const Vec3&
   if (planes_.empty() || on.contacts.is_empty() || on.contacts[0].part != Feature::face) return Crossing::none;
   if (fan_corner(on.contacts[0]) < 0) return Crossing::none;
   const bool is_hollow = is_hollow_fan(on.contacts[0]);
-  // Before what has to look at all triangles around: a wall beside the fan is in contact, too.
+  // Tested first, because is_alone_with_fan() looks at all triangles nearby: a wall beside the fan may be in contact, too.
   if (is_hollow ? !touches_one_fan(on) : on.contacts.count() != 1) return Crossing::none;
   if (!is_alone_with_fan(on, on.contacts[0], to - from)) return Crossing::none;
   if (!is_hollow) return cross_convex_fan(on, from, to, time) ? Crossing::convex : Crossing::none;
   if (cross_hollow_fan(on, from, to, time)) return Crossing::hollow;
   if (room_.at == on.centre) return Crossing::none;
-  room_.room = -1.0;  // there may be more room around here
+  room_.room = -1.0;  // finds the room anew below: there may be more of it around this centre
   return is_alone_with_fan(on, on.contacts[0], to - from) && cross_hollow_fan(on, from, to, time) ? Crossing::hollow : Crossing::none;
 }
 
 // A convex fan touches the sphere with one face at a time. Where the device passes below an edge, the sphere rolls over that edge, however
-// small the angle is, and goes on over the next face with the device held. Stops, at the latest, where the sphere leaves the fan or its
-// room, or is released; events go on from there. False: that is here.
+// small its angle is, and continues over the next face with the device held. Stops at the latest where the sphere leaves the fan or its
+// room, or is released; the follower then continues with events. False: neither the centre nor the time has advanced.
 bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept {
-  constexpr int kFacesInUnit = 4;  // how many cost one unit of work (step_work.h)
+  constexpr int kFacesInUnit = 4;  // faces that cost one unit of work (step_work.h)
   OffsetContact face = on.contacts[0];
   const auto at_minimum = [&](const OffsetContact& over, const Vec3& device) {
     return Vec3(device + (on.contacts.offset() - over.normal.dot(device - over.shape.corner(0))) * over.normal);
@@ -102,7 +102,7 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
   const Vec3 start = on.centre;
   const double began = time;
   Vec3 c = on.centre;
-  bool settles = on.is_descending;  // with the device held
+  bool settles = on.is_descending;  // whether the centre moves with the device held
   for (int n = 0; on.work <= on.most_work; ++n) {
     on.work += n % kFacesInUnit == 0 ? 1 : 0;
     const double height = face.normal.dot(on_path(from, to, time) - face.shape.corner(0));
@@ -138,8 +138,8 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
   return has_moved || (time - began) * (to - from).norm() > LocalMinimum::kMinMotion;
 }
 
-// Rolls over an edge to the next face of the fan. False, and nothing has changed: that face is in no such fan, or the device would hold the
-// sphere on the edge, or it passes the tip.
+// Rolls over an edge to the next face of the fan. False, with nothing changed: that face is not in the same convex fan, the device would
+// hold the sphere on the edge, or the sphere would pass the tip or leave its room.
 bool LargeFan::cross_fan_edge(const SphereOnFan& on, int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept {
   const int corner = fan_corner(face);
   const TouchGeometry::Adjacent across = geometry_.adjacent(face.triangle, edge);
@@ -164,15 +164,15 @@ bool LargeFan::cross_fan_edge(const SphereOnFan& on, int edge, const Vec3& devic
   return true;
 }
 
-// In a hollow fan the centres that the planes allow are a convex set, of which the sphere is the point nearest to the device, whatever its
-// way was. So it goes there at once, as long as it stays in contact with faces of the fan, in its room. The nearest point moves no farther
-// than the device: where the room ends first, a part of the motion is certainly in it, or, with the device held, the point nearest to a
-// place on the way to the device.
+// In a hollow fan, the centres that the planes allow are a convex set. The sphere's centre is the point of this set nearest to the device,
+// whatever path led there. So it moves there at once, if it stays in contact with faces of the fan, within the room. The nearest point
+// moves no farther than the device. So if the room ends first, the centre follows a part of the device's motion that stays in the room or,
+// with the device held, moves to the point nearest to a place on the way to the device.
 bool LargeFan::cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept {
   const Vec3 device = on_path(from, to, time);
   const Vec3 rest = to - device;
   HollowPlace place;
-  // The device may be free on its way, so that only all of it tells where the sphere gets.
+  // The sphere may come free on the way, so only the whole motion of the device tells where the sphere ends.
   const bool has_room = share_in_fan_room(on.centre, rest) >= 1.0 &&
                         (!on.is_descending || rest.isZero(0.0) || share_in_fan_room(on.centre, device - on.centre) >= 1.0);
   if (has_room && find_in_hollow_fan(on, to, place)) {
@@ -198,9 +198,9 @@ void LargeFan::move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, boo
   on.is_descending = descends;
 }
 
-// The constrained minimum over all planes: the one that is violated most joins those that are active, until none is.
+// Finds the constrained minimum over all planes: adds the plane that is violated most to the active ones, until none is violated.
 bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept {
-  constexpr int kMaxRounds = 32;  // a bound on the work; then events go on
+  constexpr int kMaxRounds = 32;  // a bound on the work; after these, the follower continues with events
   std::array<ContactPlane, 4> planes;
   std::array<int, 4> of{};
   ConstrainedMotion held;
@@ -239,9 +239,9 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
   return true;
 }
 
-// The plane that a centre is least above, and its height there above the position in contact.
+// Returns the plane over which the centre c is lowest. `height`: its height over that plane, less the height in contact.
 int LargeFan::find_lowest_plane(SphereOnFan& on, const Vec3& c, double& height) noexcept {
-  constexpr int kPlanesInUnit = 64;  // how many cost one unit of work (step_work.h)
+  constexpr int kPlanesInUnit = 64;  // planes that cost one unit of work (step_work.h)
   const Vec3 off = c - room_.tip;
   int lowest = -1;
   double least = std::numeric_limits<double>::infinity();

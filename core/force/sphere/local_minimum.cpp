@@ -10,10 +10,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
+constexpr double kShallow = 0x1p-30;  // a barrier of at most this height does not count: the contact offset of the reference
 
-// Which contact of a frame another one replaces, whose normal lies in the span of the frame's: as its multiplier grows, theirs change, and
-// that one reaches zero first. `held`: from the device to the centre.
+// Returns the contact of a frame that a new contact replaces. The normal of the new one is a linear combination of the frame's. As its
+// multiplier grows, theirs change, and that of the replaced contact reaches zero first. `held`: from the device to the centre.
 int find_replaced(const ContactFrame& frame, const Vec3& normal, const Vec3& held) noexcept {
   int replaced = frame.count - 1;
   double least = std::numeric_limits<double>::infinity();
@@ -54,7 +54,7 @@ double LocalMinimum::find_turn(const Vec3& displacement) const noexcept {
 }
 
 bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept {
-  constexpr double kMinOff = 0x1p-40;  // local units: a device nearer to the edge or vertex has no direction from it
+  constexpr double kMinOff = 0x1p-40;  // local units: nearer to an edge or a vertex, the device has no direction from it
   if (contacts_.active_count() > 1) return contacts_.active_count() == 3 || solve_on_curve(device, c, work);
   const OffsetContact& contact = contacts_[0];
   const OffsetContact::Proximity at = contact.proximity(device);
@@ -64,8 +64,8 @@ bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept 
 }
 
 bool LocalMinimum::solve_on_curve(const Vec3& device, Vec3& c, int& work) const noexcept {
-  constexpr int kMaxRounds = 16;      // of Newton's method; a bound on the work
-  constexpr double kMaxSheer = 64.0;  // faces at a larger angle reach their common line in one step
+  constexpr int kMaxRounds = 16;      // rounds of Newton's method; a bound on the work
+  constexpr double kMaxSheer = 64.0;  // squared length of a dual vector; with shorter ones, two faces reach their common line in one step
   const bool is_line = contacts_.is_flat();
   Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -131,8 +131,8 @@ double LocalMinimum::time_off_axis(const Vec3& from, const Vec3& to, double time
   return std::min(1.0, time + c / (b + std::sqrt(b * b + a * c)));
 }
 
-// Whether a climb by kShallow leads out of a minimum: along the contacts on edges and vertices without one of them, away from that one.
-// The path climbs with slope a and turns down with curvature b: its height is a^2 / 2b.
+// Whether a climb by kShallow leads out of a minimum: over all contacts but one, away from that one, where edges and vertices bend the path
+// down. The path begins with the slope a and bends down with the curvature b: it climbs by a^2 / 2b.
 bool LocalMinimum::is_shallow(const Vec3& c, const Vec3& device, Vec3& direction) const noexcept {
   ContactFrame all;
   if (contacts_.count() < 2 || !contacts_.find_frame(c, all)) return false;
@@ -174,7 +174,7 @@ void activate_opposing(ContactSet& contacts, const Vec3& c, const Vec3& device, 
     contacts.activate(against);
     ContactFrame frame;
     if (contacts.find_frame(c, frame)) continue;
-    // It is redundant with the others, and replaces one of them.
+    // The new contact depends linearly on the others, and replaces one of them.
     const OffsetContact& added = contacts[contacts.deactivate_last()];
     if (!contacts.find_frame(c, frame)) return;
     contacts[find_replaced(frame, added.proximity(c).normal, c - device)] = added;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kAtMinimum = LocalMinimum::kAtMinimum;
 
-// When a multiplier reaches zero that is `at_begin` at first, and negative at the end. That of a new contact begins at zero, and may rise
-// before it falls to zero again.
+// Finds when a multiplier reaches zero. It is `at_begin` at the start, and negative at the end. The multiplier of a new contact starts at
+// zero, and may rise before it falls to zero again.
 template <class Value>
 double find_release(double begin, double at_begin, double end, double at_end, Value&& multiplier) {
   constexpr int kMaxGrowing = 8;         // quarterings of the leg, to find where a new multiplier has risen
@@ -38,8 +38,8 @@ double MinimumLegs::time_on_curve(const Vec3& from, const Vec3& to) const noexce
   return pace != 0.0 ? frame.along.dot(centre_ - from) / pace : 0.0;
 }
 
-// A piece of the curve where two offset surfaces meet, by length: near the end of a minimum the centre moves ever faster, and a piece made
-// by time would have to be ever shorter. Until the device arrives, or to where the minimum vanishes or a multiplier reaches zero.
+// Finds a piece of the curve where two offset surfaces meet, by its length: near the end of a minimum the centre moves ever faster, and
+// pieces by time would have to be ever shorter. The piece ends when the device arrives, the minimum vanishes or a multiplier reaches zero.
 class MinimumLegs::CurveSearch {
  public:
   CurveSearch(const MinimumLegs& legs, const Vec3& from, const Vec3& to, double time) noexcept
@@ -62,13 +62,13 @@ class MinimumLegs::CurveSearch {
     Vec3 centre = Vec3::Zero();
     ContactFrame frame;
     Vec3 along = Vec3::Zero();  // unit, in the direction of travel
-    double time = 0.0;          // of the device when this is its minimum
-    double stability = 0.0;     // then
+    double time = 0.0;          // the time at which this is the minimum for the device
+    double stability = 0.0;     // the stability of that minimum
   };
 
   // False: the device moves across the curve, or there is no minimum.
   bool begin() noexcept {
-    constexpr double kMinPace = 0x1p-10;  // of the device's speed, along the curve
+    constexpr double kMinPace = 0x1p-10;  // share of the device's speed that must be along the curve
     if (!legs_.contacts_.find_frame(legs_.centre_, here_)) return false;
     const double pace = here_.along.dot(motion_);
     if (!(std::fabs(pace) > kMinPace * motion_.norm())) return false;
@@ -77,8 +77,8 @@ class MinimumLegs::CurveSearch {
     return legs_.minimum_.find_stability(here_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kMinStability;
   }
 
-  // The place that far along the curve. It is the minimum when the device is level with it: a linear equation for the time. False: the
-  // curve turns too far, or does not lead there.
+  // Finds the place at the distance `ahead` along the curve. It is the minimum when the device crosses the plane normal to the curve there:
+  // a linear equation for the time. False: the curve turns too far, or does not lead there.
   bool find(double ahead, Place& place) const noexcept {
     place.centre = legs_.centre_ + ahead * direction_;
     if (!legs_.contacts_.restore_to_frame(place.centre, place.frame, legs_.work_)) return false;
@@ -86,7 +86,7 @@ class MinimumLegs::CurveSearch {
     if (!(direction_.dot(chord) > 0.5 * chord.norm())) return false;
     place.along = sense_ * place.frame.along;
     if (!(place.along.dot(direction_) > 1.0 - 2.0 * LocalMinimum::kTurn * LocalMinimum::kTurn))
-      return false;  // opposite: the curve on the other side of a crest
+      return false;  // turns too far, or is opposite: then it is the curve on the other side of a crest
     const double pace = place.along.dot(motion_);
     place.time = pace > 0.0 ? place.along.dot(place.centre - from_) / pace : std::numeric_limits<double>::infinity();
     const Vec3 device = from_ + std::min(place.time, 1.0) * motion_;
@@ -95,7 +95,7 @@ class MinimumLegs::CurveSearch {
   }
 
   bool go(double ahead) noexcept { return find(ahead, end_); }
-  // `value` of the place that far ahead; NaN: the curve does not lead there.
+  // A function of the distance ahead: `value` of the place there; NaN: the curve does not lead there.
   template <class Value>
   auto after(Value&& value) noexcept {
     return [this, value](double ahead) { return go(ahead) ? value(end_) : std::numeric_limits<double>::quiet_NaN(); };
@@ -105,7 +105,7 @@ class MinimumLegs::CurveSearch {
   // Zero where the minimum vanishes or the device arrives.
   double room(const Place& place) const noexcept { return std::max(-1.0, std::min(place.stability, left(place))); }
 
-  // As far as a piece may turn, less where the curve is not smooth enough. False: it is too sharp.
+  // Sets the length: as far as a piece may turn, or less if the curve is not smooth enough. False: the curve is too sharp.
   bool find_length() noexcept {
     constexpr int kMaxHalvings = 8;
     length_ = legs_.minimum_.longest_on_curve(here_, direction_);
@@ -118,9 +118,9 @@ class MinimumLegs::CurveSearch {
     return false;
   }
 
-  // Ends the piece earlier, or where the device arrives.
+  // If the minimum vanishes or the device arrives within the piece, ends the piece there. False: the curve does not lead there.
   bool end_where_it_vanishes(MinimumLeg& leg) noexcept {
-    constexpr double kNearZero = 0x1p-30;  // of a share of what is left
+    constexpr double kNearZero = 0x1p-30;  // rounding error of room()
     if (room(end_) > 0.0) return true;
     length_ = find_zero(0.0, 1.0, length_, room(end_), kNearZero, after([this](const Place& place) { return room(place); }));
     if (!go(length_)) return false;
@@ -132,7 +132,7 @@ class MinimumLegs::CurveSearch {
     return true;
   }
 
-  // Where the multiplier of that contact reaches zero. False: the curve does not lead there.
+  // If the multiplier of this contact turns negative, ends the piece where it is zero. False: the curve does not lead there.
   bool end_at_release(int contact, MinimumLeg& leg) noexcept {
     const auto multiplier = [&](const Place& place) {
       return place.frame.dual[contact].dot(place.centre - on_path(from_, to_, place.time));
@@ -166,20 +166,20 @@ class MinimumLegs::CurveSearch {
   const MinimumLegs& legs_;
   const Vec3& from_;
   const Vec3& to_;
-  const double time_;  // where the piece begins
+  const double time_;  // the time at which the piece begins
   const Vec3 motion_ = to_ - from_;
-  ContactFrame here_;   // at the start
-  Vec3 direction_;      // unit, of the curve there
-  double sense_ = 1.0;  // of that direction: 1 as the frame's there, -1 opposite
+  ContactFrame here_;   // the contact frame at the start
+  Vec3 direction_;      // unit, in the direction of travel at the start
+  double sense_ = 1.0;  // 1: direction_ is that of the frame at the start; -1: the opposite
   double length_ = 0.0;
   Place end_;
 };
 
 bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
-  constexpr int kMaxHalvings = 40;          // then there is no leg
-  constexpr double kMinTime = 0x1p-44;      // of the step
-  constexpr double kUneven = 0x1p-20;       // of the offset
-  constexpr double kUnevenShare = 0x1p-24;  // of the length of the piece
+  constexpr int kMaxHalvings = 40;          // after these, there is no leg
+  constexpr double kMinTime = 0x1p-44;      // share of the step
+  constexpr double kUneven = 0x1p-20;       // share of the offset
+  constexpr double kUnevenShare = 0x1p-24;  // share of the length of the piece
   const Vec3 device = on_path(from, to, time);
   const Vec3 motion = to - from;
   if (minimum_.is_on_axis(device)) {
@@ -188,15 +188,15 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
   }
   const bool is_straight = contacts_.is_flat();
   const Vec3 rate = is_straight ? Vec3::Zero() : minimum_.find_rate(centre_, device, motion);
-  // How far the centre is from the minimum for the device here: contacts at a small angle make a large distance of a small tolerance.
+  // The distance of the centre from the minimum for this device: if contacts meet at a small angle, a small tolerance makes it large.
   double off = -1.0;
   const auto find_off = [&] {
     Vec3 here = centre_;
     if (off < 0.0) off = minimum_.solve(device, here, work_) ? (here - centre_).norm() : 0.0;
     return off;
   };
-  // Whether the piece turns by little and a cubic keeps time with it: its speed changes by at most a factor of two, or its middle is
-  // checked. The piece begins at the centre, and no middle is nearer to the path from there than the centre is to the minimum.
+  // Whether the piece turns little and a cubic matches it in time: its speed changes by at most a factor of two, or its middle is near that
+  // of the cubic. The piece begins at the centre, so its middle may be off by as much as the centre is off the minimum.
   const auto is_even = [&](const Vec3& c, double then) {
     if (minimum_.find_turn(c - centre_) > 2.0 * LocalMinimum::kTurn) return false;
     const double part = then - time;
@@ -234,7 +234,7 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
   return true;
 }
 
-// The device is on the axis of the contact: the centre keeps its angle, and slides along an edge.
+// The device is on the axis of the contact: the centre keeps its angle about the axis, and slides along it if it is an edge.
 void MinimumLegs::make_on_axis(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
   leg.time = minimum_.time_off_axis(from, to, time);
   leg.released = -1;

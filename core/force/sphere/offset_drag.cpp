@@ -10,15 +10,15 @@
 namespace hapton {
 namespace {
 
-constexpr double kMaxError = 0x1p-36;    // error of one step of the integration
-constexpr double kConverged = 0x1p-50;   // local units: a step of Newton's method that is within rounding
+constexpr double kMaxError = 0x1p-36;    // largest error of one step of the integration
+constexpr double kConverged = 0x1p-50;   // local units: a shorter step of Newton's method is within rounding
 constexpr double kRestored = 0x1p-51;    // distance from the offset surface that rounding may leave
-constexpr int kFewRounds = 4;            // from then on Newton's method at least halves what is left, where there is a solution
+constexpr int kFewRounds = 4;            // after these, each round of Newton's method at least halves the error, if there is a solution
 constexpr double kFirstPiece = 0x1p-18;  // share of the offset
 
 }  // namespace
 
-// Weighted like ContactMaterial: equal coefficients stay exactly equal.
+// Weighted as in ContactMaterial, so that the mean of equal coefficients is exactly that coefficient.
 FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
   FrictionCoefficients result = friction_[0];
   double sum = 0.0;
@@ -38,7 +38,7 @@ bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const 
     const Vec3 normal = contacts_[0].proximity(c).normal;
     const double height = normal.dot(whole);
     pull.tangential = whole - height * normal;
-    pull.tangential -= normal.dot(pull.tangential) * normal;  // removes the rounding of the first
+    pull.tangential -= normal.dot(pull.tangential) * normal;  // removes the rounding error of the line before
     pull.length = pull.tangential.norm();
     pull.depth = -height;
     pull.normal = normal;
@@ -98,8 +98,8 @@ Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept 
   return direction * ((direction + pull.friction.dynamic_mu * pull.normal).dot(motion) / stability);
 }
 
-// A distance from a part of the surface changes over a step by its linear part and at most |step|^2 / (2 offset): what is then left needs
-// no other round.
+// Over a step, the distance from a part of the surface changes by its linear part and at most |step|^2 / (2 offset). True: what is left
+// after the step needs no further round.
 bool OffsetDrag::is_last_step(const Vec3& step) const noexcept { return step.squaredNorm() <= kRestored * offset_; }
 
 bool OffsetDrag::restore(Vec3& c) const noexcept {
@@ -107,7 +107,7 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
   return restore(c, uncounted);
 }
 
-// Two parts that face each other across a slit may have no point in common; then it ends where it no longer comes nearer.
+// Two parts that face each other across a slit may have no common point: then the search ends once it comes no nearer to both.
 bool OffsetDrag::restore(Vec3& c, int& tests) const noexcept {
   constexpr int kMaxRounds = 8;  // a bound on the work; see kFewRounds
   double most_before = std::numeric_limits<double>::infinity();
@@ -128,8 +128,8 @@ bool OffsetDrag::restore(Vec3& c, int& tests) const noexcept {
   return true;
 }
 
-// Dormand & Prince 5(4), from 0 to `length`. `step`: in, the first step, 0: the whole length; out, the last good one. rate(at, rate)
-// returns false where the rate is undefined. Returns how far it came.
+// Integrates from 0 to `length` (Dormand & Prince 5(4)). `step`: in, the first step, 0: the whole length; out, a good next step. rate(at,
+// rate) returns false where the rate is undefined. Returns the length that was integrated.
 template <class Rate>
 double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
   using State = Eigen::Vector4d;
@@ -177,7 +177,7 @@ double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, i
 // Removes the integration error: projects onto the surface, and onto the cone by a change of position or, where the cone hardly depends on
 // the position, of time.
 void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept {
-  constexpr double kSteep = 0.125;  // below it the cone hardly depends on the position
+  constexpr double kSteep = 0.125;  // below this stability or rate, the cone hardly depends on position or time
   restore(at.centre);
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kMinPull) || !(pull.depth > 0.0)) return;
@@ -198,8 +198,8 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   const double speed = motion.norm();
   if (!(speed > 0.0)) return false;
   if (contacts_.size() == 2) return flow_on_curve(from, motion, length, at, tests);
-  // The pull begins at zero, where it has no direction, and integrating from there would take many small steps. It points along the motion
-  // of the device, up to second order in this first piece.
+  // A pull that begins at zero has no direction there, and integrating from there would take many small steps. Over this first piece it
+  // points along the motion of the device, up to second order.
   Pull start;
   at.followed = 0.0;
   if (!find_pull(at.centre, from + at.time * motion, start)) return false;
@@ -235,7 +235,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   return true;
 }
 
-// Where the curve of two contacts meets the plane normal to `ahead` at that distance.
+// Moves c along the curve of two contacts, to the plane that is normal to `ahead` at the distance `length`. False: they do not meet.
 bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
   constexpr int kMaxRounds = 16;  // a bound on the work; see kFewRounds
   const Vec3 start = c;
@@ -260,9 +260,9 @@ bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int
   return restore(c, tests);
 }
 
-// The position on the curve, and the time at which |w| = mu d there.
+// Moves `at` along the curve by `length`, and finds the time at which |w| = mu d there (symbols: offset_drag.h).
 bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
-  constexpr int kMaxRounds = 16;  // of Newton's method; a bound on the work
+  constexpr int kMaxRounds = 16;  // rounds of Newton's method; a bound on the work
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
   const Vec3 ahead = direction_of(pull, motion);
@@ -308,7 +308,7 @@ bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const
 }
 
 bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
-  constexpr int kMaxRounds = 24;     // of Newton's method; a bound on the work
+  constexpr int kMaxRounds = 24;     // rounds of Newton's method; a bound on the work
   constexpr double kMaxTurn = 0.25;  // rad, in one step
   Pull before;
   if (!find_pull(c, from, before)) return false;
@@ -336,13 +336,13 @@ bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) c
   return contacts_.size() == 2 ? follow_on_curve(from, to, c, tests) : follow_on_face(from, to, c);
 }
 
-// Around an edge or a vertex, dc = w ds. Let R be the offset, and about the axis phi the angle from the centre to the device, rho the
-// device's distance from it; z is how far the device is ahead along the axis (of a vertex: zero). Then dphi = -rho / R sin phi ds and
-// dz = -z ds, so with s from the start
+// Around an edge or a vertex, dc = w ds. Let R be the offset, phi the angle about the axis from the centre to the device, rho the distance
+// of the device from the axis, and z the distance along the axis by which the device is ahead of the centre (0 for a vertex). Then dphi =
+// -rho / R sin phi ds and dz = -z ds, so with s = 0 at the start
 //
 //   tan(phi / 2) = tan(phi_0 / 2) exp(-rho / R s),   z = z_0 exp(-s).
 //
-// The parameter is R (phi_0 - phi) or z_0 - z, whichever begins faster, in units of length at the start.
+// The parameter is R (phi_0 - phi) or z_0 - z, whichever changes faster at the start, scaled to be the length of the path there.
 void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) const noexcept {
   constexpr double kMin = std::numeric_limits<double>::min();
   const OffsetContact& contact = contacts_[0];
@@ -367,7 +367,7 @@ void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) 
   double left = 0.0;    // exp(-s)
   if (is_by_angle) {
     turned = std::min(std::tan(std::min(0.5 * part / offset_, 1.5)), tangent);
-    const double lost = turned * (1.0 / tangent + tangent) / (1.0 + tangent * turned);  // share of the tangent
+    const double lost = turned * (1.0 / tangent + tangent) / (1.0 + tangent * turned);  // share of `tangent` that is lost
     left = lost < 1.0 ? std::exp(offset_ / rho * std::log1p(-lost)) : 0.0;
   } else {
     left = std::max(0.0, 1.0 - part / std::fabs(rise));
@@ -379,7 +379,7 @@ void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) 
   const double less = 2.0 * squared / (1.0 + squared);  // 1 - cosine
   const double climbed = is_by_angle ? rise * (1.0 - left) : std::copysign(std::min(part, std::fabs(rise)), rise);
   at.centre += offset_ * (sine * direction - less * normal) + climbed * axis;
-  // w there, in units of its faster component.
+  // w at the new position, in units of its faster component.
   const double side_there = side * (1.0 - less) - ahead * sine;
   const double rise_there = rise * left;
   const double scale = fast / pull / std::max(is_by_angle ? side_there : std::fabs(rise_there), kMin);

@@ -46,7 +46,7 @@ OffsetContact::Proximity OffsetContact::proximity(const Vec3& c) const noexcept 
   Vec3 off = c - origin();
   if (part == Feature::edge) {
     off -= axis.dot(off) * axis;
-    off -= axis.dot(off) * axis;  // removes the rounding of the first
+    off -= axis.dot(off) * axis;  // removes the rounding error of the line before
   }
   const double distance = off.norm();
   return {distance, distance > 0.0 ? Vec3(off / distance) : Vec3::UnitX()};

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Calls visit(direction, edge) for the edges of a triangle that end at a vertex: unit, from there.
+// Calls visit(direction, edge) for each edge of a triangle that has an end at `vertex`. direction: unit, away from the vertex.
 template <class Visit>
 void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, Visit&& visit) {
   const std::array<const Vec3*, 3> corner = {&corners.a, &corners.b, &corners.c};
@@ -24,7 +24,7 @@ void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, 
 }  // namespace
 
 bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
-  // A path over a face leaves it long before its end; only the other parts have boundaries that depend on the triangles nearby.
+  // A path over a face often leaves it long before its end, so triangles are gathered later. Edges and vertices need them for their exits.
   const bool is_curved = !contacts_.is_flat();
   if (is_curved && !near_.cover(path, event.time, work_)) return false;
   const double near = contacts_.offset() + path.bulge() + contacts_.clearance().slop;
@@ -77,7 +77,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
   return true;
 }
 
-// The first time at which a contact leaves its part, up to that of the event.
+// Finds the first time at which a contact leaves its part, up to the time of the event. If there is one, it becomes the event.
 void PathEvents::find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept {
   visit_exits(contacts_[contact], [&](const Exit& exit) {
     const double time = path.time_to_cross(exit.origin, exit.direction, kOnBoundary, prefix);
@@ -91,10 +91,10 @@ void PathEvents::find_first_exit(const CentrePath& path, int contact, CentrePath
   });
 }
 
-// Over an edge where the next face lies in the same plane nothing changes but the triangle. Follows the path over such faces, from the exit
-// in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
+// At an edge where the next face lies in the same plane, only the contact's triangle changes. Follows the path over such faces, from the
+// exit in `event`: until it leaves them (true: `event` has that exit, `contact` the face before it), or up to `until` (false).
 bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
-  constexpr int kMaxFaces = 1024;  // a bound on the work; then the last exit is the event
+  constexpr int kMaxFaces = 1024;  // a bound on the work; after these, the last exit is the event
   for (int n = 0; n < kMaxFaces; ++n) {
     work_ += path.is_straight() ? n % 2 : 2;
     OffsetContact level;
@@ -124,8 +124,8 @@ double PathEvents::time_off_face(const CentrePath& path, const ContactTriangle& 
   return first;
 }
 
-// The face beyond an edge, if its plane is the same within rounding where the centre at c crosses over to it. The normals of two needles in
-// one plane differ by the rounding of their corners, as a share of their heights: 2^-51 over 2^-15 at the most. A force turns by less.
+// Finds the face beyond an edge, if its plane is the same within rounding where the centre, at c, crosses to it. The normals of two needles
+// in one plane differ by the rounding of their corners over their heights: at most 2^-51 / 2^-15. The force turns by less than that.
 bool PathEvents::find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept {
   constexpr double kMaxTilt = 0x1p-36;  // rad
   const TouchGeometry::Adjacent across = near_.geometry().adjacent(contact.triangle, edge);
@@ -146,7 +146,7 @@ bool PathEvents::is_over(const ContactTriangle& shape, const Vec3& c) noexcept {
   return shape.inside(0, c) > 0.0 && shape.inside(1, c) > 0.0 && shape.inside(2, c) > 0.0;
 }
 
-// The contacts that cross level faces on the way are on the last of these before the event.
+// Moves contacts that cross faces of one plane on the way to the last of these faces before the event.
 void PathEvents::move_to_last_level_face(const CentrePath& path, const Event& event) noexcept {
   for (int i = 0; i < contacts_.active_count(); ++i) {
     LevelFaces& crossed = space_.crossed[i];
@@ -164,8 +164,8 @@ void PathEvents::move_to_last_level_face(const CentrePath& path, const Event& ev
   }
 }
 
-// Whether a triangle cannot stop the centre, whatever its distance. Triangles below the plane of a face are never nearer than the face, for
-// a centre that moves over it.
+// Whether a triangle cannot stop the centre, whatever its distance. Triangles below the plane of a face are never nearer than that face,
+// for a centre that moves over the face.
 bool PathEvents::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept {
   const std::uint32_t triangle = near_.triangle(slot);
   const ObjectGeometry::Corners corners = near_.geometry().corners(triangle);
@@ -178,10 +178,10 @@ bool PathEvents::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexc
   return !near_.material(triangle).two_sided && !near_.can_touch(triangle, near_.shape(slot), from);
 }
 
-// Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
-// checked for the cubic, with room for what the curve differs.
+// Finds the tangent planes at the ends of the path. Over a face both are its own plane. Over an edge the plane turns about the edge, and
+// only in one sense if the path does not turn back. This is checked for the cubic, with a margin for its difference from the curve.
 void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const noexcept {
-  // Share of the mean pace. A cubic does not turn back if at both ends it has 0 to 3 of it (Fritsch & Carlson 1980)
+  // Shares of the mean speed. A cubic does not turn back if its speed at both ends is 0 to 3 times the mean (Fritsch & Carlson 1980).
   constexpr double kMinPace = 0.25;
   constexpr double kMaxPace = 2.5;
   tangents.count = 0;
@@ -203,7 +203,7 @@ void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const
   }
 }
 
-// Such a triangle is below the tangent plane in each place of the path, and never nearer than the contact.
+// Whether a triangle is below the tangent planes of one contact all along the path: it is then never nearer than that contact.
 bool PathEvents::is_below(const Tangents& tangents, const ContactTriangle& shape) const noexcept {
   const double level = 0.25 * contacts_.clearance().slop;
   for (int i = 0; i < tangents.count; ++i) {
@@ -218,8 +218,8 @@ bool PathEvents::is_below(const Tangents& tangents, const ContactTriangle& shape
   return false;
 }
 
-// Collects the triangles that may come that near to the beginning of the path. Where they are many because the ball of gathered triangles
-// lies elsewhere, it is gathered again around the start. False: that cannot be done.
+// Collects the triangles that may come within `near` of the path, from its start to prefix.end. If they are many because the gathered ball
+// is not centred on the start, gathers triangles again around the start. False: they cannot be gathered.
 bool PathEvents::find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept {
   constexpr int kMany = 32;  // triangles; a free choice
   note_candidates(path.start(), prefix.end, near);
@@ -231,13 +231,13 @@ bool PathEvents::find_candidates(const CentrePath& path, double near, CentrePath
   return true;
 }
 
-// Collects the triangles that may come that near to the segment.
+// Collects the triangles that may come within `near` of the segment.
 void PathEvents::note_candidates(const Vec3& from, const Vec3& to, double near) noexcept {
   space_.count = 0;
   near_.visit_near(from, to, near, [&](int slot) { space_.candidates[space_.count++] = slot; });
 }
 
-// Calls visit(exit) for the boundaries of the part that a contact is on. Pre: for an edge or a vertex, note_candidates().
+// Calls visit(exit) for the boundaries of the part that a contact is on. Pre: for an edge or a vertex, call note_candidates() before.
 template <class Visit>
 void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexcept {
   const ContactTriangle& own = contact.shape;
@@ -270,8 +270,8 @@ void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexce
   }
 }
 
-// Whether the centre, in contact with that edge of a triangle, is far over its plane but not over the triangle. This is so at a needle that
-// rises by less than the slop, so that it was not hit: its face never holds the sphere.
+// Whether the centre, in contact with an edge of a triangle, is clearly inside that edge but clearly outside another one, as seen along the
+// normal. This is so at a needle that rises by less than the slop and so was not hit: its face never holds the sphere.
 bool PathEvents::is_past_needle(const ContactTriangle& shape, int edge, const Vec3& c) const noexcept {
   const auto height = [&](int k) { return shape.inside(k, c) / shape.length(k); };
   return height(edge) > contacts_.clearance().slop &&
@@ -279,8 +279,8 @@ bool PathEvents::is_past_needle(const ContactTriangle& shape, int edge, const Ve
 }
 
 double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, double most) noexcept {
-  constexpr double kBeyond = 1.25;          // of the distance, so that a leg of that length passes the boundary
-  constexpr double kMinDistance = 0x1p-10;  // of the offset
+  constexpr double kBeyond = 1.25;          // times the distance, so that a leg of that length passes the boundary
+  constexpr double kMinDistance = 0x1p-10;  // share of the offset
   if (contacts_[0].is_curved()) note_candidates(c, c, contacts_.offset() + contacts_.clearance().slop);  // for visit_exits
   const CentrePath path = CentrePath::straight(c, c + most * direction);
   CentrePath::Prefix prefix = path.prefix(1.0);
@@ -292,14 +292,14 @@ double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, do
   return kBeyond * exit.time * most + kMinDistance * contacts_.offset();
 }
 
-// Where its tangent turns by less than a quarter turn, the path lies in the triangle of its chord and the tangents at its ends, whose chord
-// is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a triangle is convex, so it
-// is never below its tangents, and a tangent is least at a corner of that triangle.
+// If its tangent turns by less than a quarter turn, the path lies in the triangle between its chord and the tangents at its ends. The chord
+// is the longest side of that triangle, whose height is at most half the chord times the sine of the turn. The distance to a mesh triangle
+// is convex, so it is never below its linear approximations, which are least at a corner of the triangle around the path.
 bool PathEvents::is_clear_over_face(const Vec3& c, const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept {
   if (!(direction.dot(direction_there) > 0.0)) return false;
   const Vec3 path = end - c;
   const double chord = path.norm();
-  // The most of a linear function on the path, less its value at the start; the same for the end.
+  // An upper bound of a linear function on the path, less its value at the start; the next one: less its value at the end.
   const auto most_from_start = [&](const Vec3& gradient) { return std::max({0.0, gradient.dot(path), chord * gradient.dot(direction)}); };
   const auto most_from_end = [&](const Vec3& gradient) {
     return std::max({0.0, -gradient.dot(path), -chord * gradient.dot(direction_there)});

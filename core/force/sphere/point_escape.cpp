@@ -15,15 +15,15 @@ namespace {
 constexpr double kPathRadii[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
 constexpr double kLiftHeights[] = {8.0, 32.0};          // offsets; height of a lift
 constexpr double kAboveCopies =
-    (CornerExit::kAbove + CornerExit::kThrough) / CornerExit::kAbove;  // of kAbove: above copies of these faces displaced by kThrough, too
+    (CornerExit::kAbove + CornerExit::kThrough) / CornerExit::kAbove;  // in units of kAbove: above faces moved by kThrough, too
 
 }  // namespace
 
-// Leaves the corner in the steepest direction in which the sphere fits: between two sheets that touch it does not. `pull` is the vector
-// from the apex to the device. If no direction on the boundary of the free space leads nearer to the device, the direction of the pull
-// itself may be free, at a reentrant corner: there the sphere is held beside the apex, and the point at the apex is not.
+// Leaves the corner in the steepest direction in which the sphere fits. Between two sheets that touch, it does not fit. `pull` is the
+// vector from the apex to the device. If no direction on the boundary of the free space leads nearer to the device, the direction of the
+// pull itself may be free. This is so at a reentrant corner that holds the sphere beside the apex, but would not hold a point at the apex.
 bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
-  constexpr int kMaxDirections = 8;  // tried in one call; a free choice
+  constexpr int kMaxDirections = 8;  // directions tried in one call; a free choice
   const Vec3 pull = device - corner_.cone.apex();
   TangentCone::Steepest steepest = corner_.cone.find_steepest(pull);
   // At the end of a groove, where no direction leads nearer by more than rounding, the point stays.
@@ -46,7 +46,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
       }
       if (pass(radius, true)) return true;
     }
-    // In so narrow a slit the sphere fits only farther from the apex.
+    // In a slit that is too narrow for these radii, the sphere fits only farther from the apex.
     const double room = 1.25 * CornerExit::kMaxOff * corner().distance_off_edge(steepest);
     if (room > kPathRadii[2] * clearance().offset && pass(room, false)) return true;
     steepest = corner_.cone.find_steepest(pull, steepest.slope);
@@ -63,15 +63,15 @@ bool SphereFollower::leave_reentrant_corner(const Vec3& device, const Vec3& moti
          });
 }
 
-// Leaves a minimum in the steepest direction that leads to one nearer to the device. False, with the state unchanged: no direction does, or
-// the work limit was reached before all were tried (has_untried_escapes_). The next call then continues with the first one not tried: the
-// directions before it may cost most of the work of a call.
+// Leaves a minimum in the steepest direction that leads to another minimum, nearer to the device. False, with the state unchanged: no
+// direction does, or the work limit was reached before all were tried (has_untried_escapes_). The next call then continues with the first
+// direction not tried: those before it may cost most of the work of a call.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || contacts_.is_empty()) return false;
   resumes_escapes_ = untried_escapes_at_ == centre_;
   if (!resumes_escapes_ && wedge().holds()) return false;
   escapes_ = 0;
-  // The path out begins at the centre.
+  // 0: the corner must be that of this very centre, because the path out begins here.
   bool has_left = corner().find_cone(0.0) && leave_corner(device, motion);
   if (!has_left && last_fly_over_ != motion_) {
     has_left = leave_slit_sideways(device, motion) || leave_by_flight(device, motion);
@@ -92,8 +92,8 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   };
   Vec3 over;
   if (minimum().is_shallow(centre_, device, over) && leads_over(over)) return true;
-  // Along each face in contact, to get over the boundary of a crack as narrow as the sphere, or over a ridge beyond which the surface falls
-  // away. So a short way to the projection of the device on the face says nothing about the gain.
+  // Tries to fly along each face in contact, over the boundary of a crack as narrow as the sphere, or over a ridge beyond which the surface
+  // falls away. So even a short way to the projection of the device on the face may gain much.
   const int touching = contacts_.count();
   for (int i = 0; i < touching; ++i) {
     const Vec3& normal = contacts_[i].shape.normal();
@@ -105,7 +105,7 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   return false;
 }
 
-// Over the boundary of a face that holds the centre in a slit: a minimum over the faces, but beyond the boundary the slit is wider.
+// Leaves over the boundary of a face that holds the centre in a slit: it is at a minimum over the faces, but the slit is wider beyond them.
 bool SphereFollower::leave_slit_sideways(const Vec3& device, const Vec3& motion) noexcept {
   constexpr double kBeyond = 32.0;  // offsets; a free choice
   if (!is_in_narrow_slit()) return false;
@@ -130,15 +130,15 @@ bool SphereFollower::move_past_corner(const Vec3& target, double radius) noexcep
   return true;
 }
 
-// Moves around the corner at this distance from the apex, a little above the faces of its boundary, to the direction `to`. ahead: in the
-// order of the boundary's pieces, or against it.
+// Moves around the corner at the distance `radius` from the apex, a little above the faces of its boundary, to the direction `to`. ahead:
+// true: in the order of the pieces of the boundary; false: against it.
 bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double radius, bool ahead) noexcept {
   constexpr double kQuarter = 0.5 * std::numbers::pi;
   const std::span<const TangentCone::Piece> boundary = corner_.cone.boundary();
   const int count = static_cast<int>(boundary.size());
   const double above = CornerExit::kAbove * clearance().offset;
   const auto go = [&](const Vec3& to_apex) { return fly_straight(corner_.cone.apex() + to_apex - centre_, 1.0); };
-  // Around the edge at the end of a piece, by less than a quarter turn at a time.
+  // Flies around the edge at the end of a piece, by at most a quarter turn at a time.
   const auto fly_about_edge = [&](const TangentCone::Piece& piece, bool forward) {
     const int steps = std::max(1, static_cast<int>(std::ceil(piece.opening / kQuarter - 0x1p-20)));
     const double each = piece.opening / steps;
@@ -150,7 +150,7 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double r
     }
     return true;
   };
-  // Over a piece, so that the path does not cut across the corner.
+  // Flies over a piece in steps, so that the path does not cut across the corner.
   const auto fly_over_piece = [&](const TangentCone::Piece& piece, const Vec3& from, const Vec3& end) {
     const double angle = std::acos(std::clamp(from.dot(end), -1.0, 1.0));
     const int steps = static_cast<int>(angle / (0.5 * kQuarter));
@@ -188,7 +188,7 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 // the first one of a call that continues (resumes_escapes_): the next call might have no more work for it.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
-  constexpr int kMaxEvents = 256;  // of one escape; bounds its work; a free choice
+  constexpr int kMaxEvents = 256;  // events of one escape; bounds its work; a free choice
   if (has_untried_escapes_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
   const bool is_last_try = resumes_escapes_;
@@ -244,7 +244,7 @@ Vec3 SphereFollower::find_lift(double height) noexcept {
   return up.solved && up.motion.norm() <= 64.0 * height ? up.motion : Vec3(Vec3::Zero());
 }
 
-// Moves the centre straight until it touches a triangle. False: it does before this share of the motion.
+// Moves the centre straight until it touches a triangle. False: that is before the given share of the motion, or the search failed.
 bool SphereFollower::fly_straight(const Vec3& motion, double share) noexcept {
   const CentrePath path = CentrePath::straight(centre_, centre_ + motion);
   Event event;

@@ -38,7 +38,7 @@ OffsetDrag SphereFollower::make_drag() noexcept {
           contacts_.offset()};
 }
 
-// The pull is inside the cone, and the centre sticks. On the cone the device drags it as soon as the device moves.
+// The pull is within the cone, so the centre sticks. If it is on the cone, the device drags the centre as soon as the device moves.
 SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept {
   const double cone = pull.friction.dynamic_mu * pull.depth;
   friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kMin;
@@ -48,7 +48,7 @@ SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept
   return Next::again;
 }
 
-// With the device held: one piece of path along the pull, until the pull is on the cone.
+// With the device held: moves the centre by one piece of path along the pull, at most to where the pull is on the cone.
 SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, const Vec3& motion) noexcept {
   Vec3 direction;
   if (!contacts_.find_active(centre_, device - centre_, motion, direction)) return Next::failed;
@@ -98,7 +98,7 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   return Next::again;
 }
 
-// With the device moving and the pull on the cone: until the end of the motion, or the next event.
+// With the device moving and the pull on the cone: moves the centre until the motion ends, or to the next event.
 SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, double& time) noexcept {
   contacts_.keep_active();
   const OffsetDrag drag = make_drag();
@@ -149,16 +149,16 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   return time >= 1.0 ? Next::settled : Next::again;
 }
 
-// A pull that is much shorter than the motion, and stays so, as along an edge that the device only just passes, is followed in pieces of a
-// few times its length. After many of them sweeps go on.
+// A pull that is and stays much shorter than the motion, as along an edge that the device only just passes, is followed in pieces of a few
+// times the length of the pull. True: there were so many short pieces that sweeps must continue the motion.
 bool SphereFollower::creeps(double gone) noexcept {
-  constexpr double kShort = 0x1p-24;  // local units, of the device
+  constexpr double kShort = 0x1p-24;  // local units: a shorter motion of the device counts as short
   constexpr int kMany = 256;          // drags; a free choice
   short_drags_ = gone < kShort ? short_drags_ + 1 : 0;
   return short_drags_ > kMany;
 }
 
-// When the device has dragged the centre along that share of a line.
+// The time at which the device has dragged the centre along the given share of a line.
 double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time,
                                     const DragLeg& leg, double share) noexcept {
   const Vec3 line = leg.path.at(1.0) - start;
@@ -173,7 +173,7 @@ double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, co
   return find_zero(time, share * length, leg.time, -(1.0 - share) * length, kNearZero, left_at);
 }
 
-// The pull on a centre that stays, resolved against all its contacts.
+// The reaction of all contacts to the pull on a centre that stays where it is.
 SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const noexcept {
   Reaction now;
   std::array<ContactPlane, ContactSet::kMax> planes;
@@ -192,11 +192,11 @@ SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const n
   return now;
 }
 
-// When a centre that sticks leaves the friction cone of its active contacts, and when it no longer slides. For each contact and each pair
-// that is a quadratic equation in time; a root is the event if those contacts are active then.
+// Finds the time at which the pull on a sticking centre leaves the friction cone of its active contacts, and that at which it is well
+// within the cone again. Each contact and each pair gives a quadratic equation for it; a root counts if those contacts are active then.
 class SphereFollower::StickSearch {
  public:
-  // start: the pull now; motion: of the device until the end; end: the pull then.
+  // start: the pull now; motion: that of the device until the end; end: the pull at the end.
   StickSearch(SphereFollower& follower, const Vec3& start, const Vec3& motion, const Vec3& end) noexcept
       : follower_(follower), start_(start), motion_(motion), end_(end), slides_(follower.friction_.slides) {}
 
@@ -221,7 +221,7 @@ class SphereFollower::StickSearch {
   Vec3 pull_at(double t) const noexcept { return start_ + t * motion_; }
   double mu_of(const FrictionCoefficients& friction) const noexcept { return slides_ ? friction.dynamic_mu : friction.static_mu; }
 
-  // Of the pull over the cone.
+  // The excess of the pull over the cone: positive outside of the cone.
   double excess_at(double t) const noexcept {
     const Vec3 pull = t < 1.0 ? pull_at(t) : end_;
     const Reaction now = follower_.find_reaction(pull);
@@ -245,19 +245,19 @@ class SphereFollower::StickSearch {
     if (restick_margin(t) >= -(4.0 * kOnCone * pull_at(t).norm())) restick_ = t;
   }
 
-  // When of_square |pull|^2 + of_part (direction . pull)^2 - bound rises to zero.
+  // The time at which of_square |pull|^2 + of_part (direction . pull)^2 - bound rises to zero; infinite: it does not.
   double rise(double of_square, const Vec3& direction, double of_part, double bound) const noexcept {
     const double rate = direction.dot(motion_);
     const double height = direction.dot(start_);
     const double now = of_square * start_squared_ + of_part * height * height - bound;
-    // Clearly above zero at the start: not the cone of the contacts that are active now.
+    // Clearly above zero at the start: so this is not the cone of the contacts that are active now.
     const bool is_above = now > 8.0 * kOnCone * start_squared_ + 4.0 * kMin * start_.norm();
     const double t = time_of_rise(of_square * motion_squared_ + of_part * rate * rate,
                                   of_square * start_dot_motion_ + of_part * rate * height, now, 2.0 * kOnCone * start_squared_);
     return is_above && t == 0.0 ? kInfinity : t;
   }
 
-  // Its cone, and the end of its contact.
+  // Considers the cone of one contact, and the end of that contact.
   void consider_contact(const Vec3& normal, const FrictionCoefficients& friction) noexcept {
     const double mu = mu_of(friction);
     consider_slip(rise(1.0, normal, -(1.0 + mu * mu), kMin * kMin));
@@ -270,7 +270,7 @@ class SphereFollower::StickSearch {
     if (height < 0.0 && there > 0.0) consider_slip(height / (height - there));
   }
 
-  // The cone of two contacts, about the line that they leave free.
+  // Considers the cone of two contacts, about the line along which they leave the centre free.
   void consider_pair(const Vec3& normal, const FrictionCoefficients& friction, const OffsetContact& other) noexcept {
     const Vec3 line = accurate_cross(normal, other.proximity(follower_.centre_).normal);
     if (!(line.norm() > 0x1p-40)) return;
@@ -285,7 +285,7 @@ class SphereFollower::StickSearch {
     }
   }
 
-  // With different materials the cone of a pair is none of these.
+  // With different materials, the cone of a pair is not one of those considered before: searches for the time at which the pull leaves it.
   void find_numerically() noexcept {
     const double end = excess_at(1.0);
     const double tolerance = 4.0 * kOnCone * (start_.norm() + motion_.norm()) + 2.0 * kMin;
@@ -305,7 +305,7 @@ class SphereFollower::StickSearch {
   double restick_ = kInfinity;
 };
 
-// Sticks until the pull leaves the cone of the active contacts. Flattened, so that the search stays in registers.
+// The centre sticks until the pull leaves the cone of the active contacts. Flattened, so that the search stays in registers.
 [[gnu::flatten]] SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Vec3 start = on_path(from, to, time) - centre_;
   const Vec3 motion = (1.0 - time) * (to - from);

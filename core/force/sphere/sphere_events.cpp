@@ -1,4 +1,4 @@
-// The contacts after an event on a piece of path, and flights: a centre without contact goes straight to the device, until it hits any.
+// Contacts after an event on a piece of path; flights: a centre without contacts goes straight to the device, or until it hits a triangle.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,9 +10,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kMinRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
+constexpr double kMinRise = 0x1p-45;  // rad: two faces at a smaller angle count as one plane at their common edge
 
-// Whether a triangle at an edge of the face lies beyond that edge. At the edge of a blade it is folded back under the face.
+// Whether another triangle at an edge of the face lies beyond that edge. At the edge of a blade it is folded back under the face instead.
 bool lies_beyond(const ContactTriangle& face, int edge, const ContactTriangle& other) {
   for (int k = 0; k < 3; ++k) {
     const Vec3& corner = other.corner(k);
@@ -24,12 +24,12 @@ bool lies_beyond(const ContactTriangle& face, int edge, const ContactTriangle& o
 
 }  // namespace
 
-// Whether the centre is nearer to a triangle than any centre in contact.
+// Whether the centre is nearer to a triangle than a centre in contact can be.
 bool SphereFollower::overlaps(const ContactTriangle& shape) const noexcept {
   return shape.separation(centre_).distance < clearance().offset - std::min(0x1p-28, 0.25 * clearance().offset);
 }
 
-// Changes the contacts for the event. False: it cannot.
+// Changes the contacts as the event demands. False: the centre cannot be in contact with all of them, or there are too many.
 bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noexcept {
   if (event.contact >= 0) {
     is_descending_ = true;
@@ -52,7 +52,7 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
     }
     if (contacts_.restore(centre_, work_)) return true;
     if (!is_point_) return false;
-    // No position fits it and the others. The others are hit again if they are in the way.
+    // No position fits this contact and the others: drops the others. They are hit again if they are in the way.
     contacts_.keep_only(event.contact);
     ++idle_;
     return contacts_.restore(centre_, work_);
@@ -65,7 +65,7 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
   return true;
 }
 
-// Across an edge of a face the adjacent face may rise by so little that it was not hit before. Returns a slot; -1: none.
+// Finds an adjacent face that rises beyond an edge by so little that it was not hit before. Returns its slot; -1: none.
 int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept {
   if (contact.part != Feature::face) return -1;
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
@@ -87,7 +87,7 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
   return rising;
 }
 
-// Across an edge of a face the adjacent face may be coplanar: that edge has no part of the offset surface. Returns a slot; -1: none.
+// Finds an adjacent face that is coplanar: their common edge has no part of the offset surface. Returns its slot; -1: none.
 int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept {
   if (contact.part != Feature::face) return -1;
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
@@ -103,7 +103,7 @@ int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit
   return level;
 }
 
-// Moves the contact to the part beyond the boundary.
+// Moves contact i to the part (face, edge or vertex) beyond the boundary that it crosses.
 void SphereFollower::move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept {
   OffsetContact& contact = contacts_[i];
   hint_ = direction;
@@ -115,7 +115,7 @@ void SphereFollower::move_to_next_part(int i, const Exit& exit, const Vec3& dire
                                          : OffsetContact::on_vertex(triangle, shape, exit.index);
 }
 
-// Straight to the device, and on with it.
+// Flies straight to the device; a centre that is already there flies on with the device.
 SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
   ++flights_;
   const Vec3 device = on_path(from, to, time);
@@ -127,9 +127,9 @@ SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, doubl
   return next;
 }
 
-// settled: arrived. again: a triangle was hit on the way. failed, too, where there are many near it: a sweep can be interrupted.
+// Returns settled: arrived; again: hit a triangle; failed: also if too many triangles are near the way, as only a sweep can be interrupted.
 SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
-  constexpr int kFanInUnit = 4;  // triangles that are neighbours in memory
+  constexpr int kFanInUnit = 4;  // triangles of a fan for each unit of work: they are neighbours in memory
   const Vec3 from = centre_;
   const Vec3 motion = to - from;
   std::uint32_t first = 0;

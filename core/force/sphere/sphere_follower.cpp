@@ -27,7 +27,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   if (!near_.is_clear(centre_, short_by + clearance().slop, work_)) return false;
   is_tracking_ = true;
   if (is_free) return true;
-  // Lifts the centre to the offset from all that it touches.
+  // Lifts the centre until it is at the offset from all triangles that it touches.
   constexpr int kMaxLifts = 3;
   for (int i = 0; i < kMaxLifts; ++i) {
     std::array<ContactPlane, ContactSet::kMax> planes;
@@ -91,7 +91,7 @@ SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to)
   return {std::max(0.0, (closest - half) / length), std::min(1.0, (closest + half) / length)};
 }
 
-// What has been tried in vain counts across the steps of a motion that is carried on.
+// Failed attempts are counted over all steps of a motion that is carried on from step to step (is_carried_).
 SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time, int most_work) noexcept {
   work_ = 0;
   most_work_ = most_work;
@@ -114,14 +114,14 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   is_carried_ = outcome == Outcome::exhausted;
   const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
   is_in_slit_ &= time >= 1.0 && !is_far;
-  if (is_carried_ && is_far) {  // places out there are too coarse to go on from
+  if (is_carried_ && is_far) {  // positions so far out are too coarse to continue from
     time = 1.0;
     is_descending_ = !contacts_.is_empty();
   }
   return outcome;
 }
 
-// While the device is beyond the resolution of positions, only its direction from the centre counts.
+// While the device is farther out than positions are resolved (kFar), only its direction from the centre counts.
 SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
@@ -140,20 +140,20 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     if (outcome != Outcome::settled || span.end >= 1.0) return outcome;
     is_with_device = contacts_.is_empty();
   }
-  if (is_with_device) {  // nothing to hit out there
+  if (is_with_device) {  // there are no triangles so far out
     centre_ = to;
     time = 1.0;
     return Outcome::settled;
   }
-  // Whether a centre is at a minimum depends on the direction alone, which turns as the centre moves. Each turn is about the same share of
-  // the last one, so every third goes where the sum of all that follow would lead.
+  // Whether a centre is at a minimum depends only on the direction to the device, which turns as the centre moves. Each turn is about the
+  // same share of the turn before, so every third turn goes to where the sum of all later ones would lead.
   std::array<double, 3> moved{};
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < kMaxTurns; ++i) {
     const Vec3 before = centre_;
     const Vec3 target = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
     is_descending_ = true;
-    if (target != far_target_) least_distance_ = std::numeric_limits<double>::infinity();  // that to another target says nothing
+    if (target != far_target_) least_distance_ = std::numeric_limits<double>::infinity();  // a distance to another target says nothing
     far_target_ = target;
     double part = 0.0;
     outcome = follow_near(target, target, part);
@@ -170,10 +170,10 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
   return outcome;
 }
 
-// A point that has crept by less than its offset in many events goes on by a sweep: within rounding, what holds it changes from one event
-// to the next. In a slit, where a sweep would push it out, the device first goes on to its end.
+// A point that has moved by less than its offset in many events continues by a sweep: within rounding, the contacts that hold it change
+// from one event to the next. In a slit, where a sweep would push it out, the device first moves on to the end of its motion.
 SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3& to, double& time) noexcept {
-  constexpr std::uint64_t kManyEvents = 24;  // of the 30 to 60 that a step's work is enough for; a choice
+  constexpr std::uint64_t kManyEvents = 24;  // of the 30 to 60 events for which the work of a step is enough; a free choice
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const bool slid = friction_.slides;
@@ -197,7 +197,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!contacts_.is_empty() && !has_stuck && (is_astray || !near_.is_clear_here(centre_, 2.0 * clearance().slop, work_))) {
     centre_ = start;
     contacts_.clear();
-    friction_ = {.slides = slid, .coefficients = {}};  // a sweep goes on from there with it
+    friction_ = {.slides = slid, .coefficients = {}};  // a sweep continues from the start with this state
     time = began;
     return Outcome::failed;
   }
@@ -224,7 +224,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   return is_in_slit_ ? Outcome::failed : Outcome::settled;
 }
 
-// The next event of a centre that is free, or held with or without friction. has_fans: there are large fans that it may cross.
+// Finds and applies the next event of a centre that is free, or held with or without friction. has_fans: it may cross large fans.
 SphereFollower::Next SphereFollower::follow_event(const Vec3& from, const Vec3& to, double& time, bool has_fans) noexcept {
   if (contacts_.is_empty()) return fly(from, to, time);
   if (has_friction_here()) {
@@ -235,7 +235,7 @@ SphereFollower::Next SphereFollower::follow_event(const Vec3& from, const Vec3& 
   return is_descending_ ? descend(on_path(from, to, time), to - from) : slide(from, to, time);
 }
 
-// Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
+// Whether many events had one place and hardly any motion of the device: within rounding, what holds the centre changes each time.
 bool SphereFollower::has_lingered() noexcept {
   constexpr int kMany = 64;  // events; a free choice
   if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kMinMotion) return ++lingering_ > 0;
@@ -246,8 +246,8 @@ bool SphereFollower::has_lingered() noexcept {
   return false;
 }
 
-// Events that make no progress: within rounding, the centre is at a point that may or may not be a minimum. A little later it is decided,
-// or the device has arrived.
+// Called after events without progress: within rounding, it is open whether the centre is at a minimum. Moves the device on a little, so
+// that this is decided or the device has arrived. False: it cannot.
 bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept {
   const double length = (to - from).norm();
   if (time >= 1.0 || !(length > 0.0) || skips_ > kMaxSkips) return false;
@@ -266,20 +266,20 @@ bool SphereFollower::note_move(const Vec3& from) noexcept {
   return has_moved;
 }
 
-// Progress: the device moves, or the centre comes nearer to it than at any time since the device moved.
+// Resets idle_ on progress: the device has moved, or the centre is nearer to it than at any time since the device last moved.
 void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
   const double distance = (device - centre_).norm();
   if (has_moved || distance < least_distance_ - kMinGain) idle_ = 0;
   if (has_moved || distance < least_distance_) least_distance_ = distance;
 }
 
-// The path is clear of everything by an offset. A centre farther from it than a part of that may be on the other side of a face.
+// The path keeps an offset from all triangles. A centre farther off the path than a part of that may be on the other side of a face.
 bool SphereFollower::is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept {
-  constexpr double kNear = 0.25;  // of the offset
+  constexpr double kNear = 0.25;  // share of the offset
   return (centre - path.at(share)).norm() <= kNear * clearance().offset;
 }
 
-// With the device held: one piece of the steepest descent, until the centre is at a minimum.
+// With the device held: moves the centre by one piece of the steepest descent, at most to a minimum.
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   if (is_point_ && contacts_.count() > 1) {
     contacts_.activate_all();  // also those of the last event, which find_active() has not seen
@@ -315,10 +315,10 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
                                                                     : descend_no_farther(device, is_unstable);
 }
 
-// Along an edge in a slit, the curve of both contacts may end nearer than positions are exact: there the slit opens, if within the error of
-// the edge's normal it does not stop a centre that moves over the other contact alone.
+// Along an edge in a slit, the curve of both contacts may end within the rounding of positions. True: the slit opens there, because within
+// the rounding of its normal the edge does not stop a centre that moves over the other contact alone.
 bool SphereFollower::opens_within_rounding(const CentrePath& path, const Vec3& pull) const noexcept {
-  constexpr double kRounding = 0x1p-51;  // local units, of a position; over the offset, the error of a normal
+  constexpr double kRounding = 0x1p-51;  // local units: the error of a position; divided by the offset, that of a normal
   if (!is_point_ || contacts_.active_count() != 2 || (path.end() - path.start()).norm() > LocalMinimum::kMinMotion) return false;
   const std::array<Vec3, 2> normal{contacts_[0].proximity(centre_).normal, contacts_[1].proximity(centre_).normal};
   const std::size_t weaker = normal[0].dot(pull) < normal[1].dot(pull) ? 1 : 0;
@@ -328,7 +328,7 @@ bool SphereFollower::opens_within_rounding(const CentrePath& path, const Vec3& p
          clearance().offset * normal[weaker].dot(over_other) > -kRounding * over_other.norm();
 }
 
-// There is no piece of a descent from here.
+// Called where no piece of a descent is found.
 SphereFollower::Next SphereFollower::descend_no_farther(const Vec3& device, bool is_unstable) noexcept {
   const bool may_drop = contacts_.active_count() == 2 && is_point_;
   if (!is_unstable) return drop_weaker(device - centre_);
@@ -340,7 +340,7 @@ SphereFollower::Next SphereFollower::descend_no_farther(const Vec3& device, bool
   return Next::wait;
 }
 
-// Until the first event on the path. `is_on_contacts`: the exact path stays at the offset from the active contacts.
+// Moves the centre to the first event on the path. `is_on_contacts`: the exact path stays at the offset from the active contacts.
 SphereFollower::Next SphereFollower::descend_along(const CentrePath& path, const Vec3& device, bool is_on_contacts) noexcept {
   Event event;
   if (!events_on().find(path, event)) return Next::failed;
@@ -364,7 +364,7 @@ SphereFollower::Next SphereFollower::descend_along(const CentrePath& path, const
   return apply_event(event, path) ? Next::again : Next::failed;
 }
 
-// Follows the device over the faces of a large fan. False: there is none, or it gets no farther like that.
+// Follows the device over the faces of a large fan. False: no fan here can be crossed, or this moves the centre no farther.
 bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Vec3 start = centre_;
   const double began = time;
@@ -381,7 +381,7 @@ bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) n
   return true;
 }
 
-// Whether two contacts are tangent within the tolerance: without one of them, the other still keeps the centre that far from it.
+// Whether two contacts count as one: either of them alone keeps the centre at the offset from both, within the tolerance.
 bool SphereFollower::are_one() const noexcept {
   const double cosine = contacts_[0].proximity(centre_).normal.dot(contacts_[1].proximity(centre_).normal);
   return clearance().offset * (1.0 - cosine) <= clearance().tolerance;
@@ -398,7 +398,7 @@ SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
   return Next::again;
 }
 
-// With the device moving: until the end of its motion, or the next event.
+// With the device moving: moves the centre until the device has arrived, or to the next event.
 SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, double& time) noexcept {
   contacts_.activate_all();
   if (contacts_.active_count() == 3) return stay(from, to, time);
@@ -435,20 +435,20 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   return time >= 1.0 ? Next::settled : Next::again;
 }
 
-// Applies the event at the end of a leg, or releases the contact whose multiplier is zero there. None: the leg reached its end without
-// either.
+// Applies the event at the end of a leg, or releases the contact whose multiplier is zero there. None: there was neither, and the leg was
+// followed to its end.
 std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
                                                             const Vec3& device) noexcept {
   if (!apply_event(event, path)) return Next::failed;
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
   ++idle_;
-  hint_ = contacts_[released].proximity(centre_).normal;  // where the others alone do not hold it, it goes away from this one
+  hint_ = contacts_[released].proximity(centre_).normal;  // if the others alone do not hold the centre, it moves away from this contact
   contacts_.remove(released);
   is_descending_ = !contacts_.is_empty();
   if (is_descending_) return Next::again;
   centre_ = device;
-  friction_ = {};  // free, with the device: it sticks where it lands, also within this motion
+  friction_ = {};  // the centre is free, at the device: it sticks where it lands, even within this motion
   return Next::again;
 }
 

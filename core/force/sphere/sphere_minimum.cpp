@@ -1,4 +1,4 @@
-// The centre at a local minimum: how it leaves one that has vanished, until when three contacts hold it, and a point in a slit.
+// The centre at a local minimum: how it leaves one that has vanished, for how long three contacts hold it, and a point in a slit.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// A face alone holds the centre, which is over the face's boundary within rounding, opposite to the device: a minimum of the face, but over
-// a convex edge it comes nearer. A point goes over likewise (SurfaceFollower::settle_on_face). False: it is not at the boundary.
+// If one face alone holds the centre and, within rounding, the centre is over the face's boundary: moves the contact to the edge. It is at
+// a minimum over the face, but may come nearer over a convex edge. Points do so, too (SurfaceFollower::settle_on_face). False: it does not.
 bool SphereFollower::roll_off_face() noexcept {
   if (is_point_ || contacts_.count() != 1 || contacts_[0].part != Feature::face || corner_tries_ > 0) return false;
   const OffsetContact held_by = contacts_[0];
@@ -17,7 +17,7 @@ bool SphereFollower::roll_off_face() noexcept {
   for (int k = 0; k < 3; ++k) {
     const Vec3 outwards = PathEvents::edge_of(face, k).direction;
     if (!(std::fabs(outwards.dot(centre_ - face.corner(k))) <= kBalance)) continue;
-    ++corner_tries_;  // it may balance at the next place as well
+    ++corner_tries_;  // the centre may balance at the next place, too
     hint_ = outwards;
     contacts_[0] = OffsetContact::on_edge(held_by.triangle, face, k);
     is_descending_ = true;
@@ -26,14 +26,14 @@ bool SphereFollower::roll_off_face() noexcept {
   return false;
 }
 
-// A minimum about to vanish moves too fast to follow, but has not vanished yet: go on a little later.
+// A minimum that is about to vanish, but has not yet, moves too fast to follow: moves the device on by a little.
 SphereFollower::Next SphereFollower::wait(const Vec3& from, const Vec3& to, double& time) const noexcept {
   if (time >= 1.0) return Next::settled;
   time = std::min(1.0, time + 4.0 * LocalMinimum::kAtAxis / (to - from).norm());
   return Next::again;
 }
 
-// Held by three contacts: multipliers are affine in time.
+// The centre is held by three contacts: their multipliers are affine functions of time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
   if (!contacts_.find_frame(centre_, frame)) return is_point_ ? stay_within_rounding(to, time) : Next::failed;
@@ -53,7 +53,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   const double opens = is_point_ && corner_tries_ < kMaxCornerTries ? corner().time_to_exit(from, to, time) : 2.0;
   if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
     time = opens;
-    // A failed attempt is not repeated in this step.
+    // Counts the attempts in this motion, except for one that ran out of work.
     ++corner_tries_;
     if (!leave_minimum(on_path(from, to, time), to - from) && has_untried_escapes_) --corner_tries_;
     return Next::again;
@@ -71,8 +71,8 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   return Next::again;
 }
 
-// Held by three contacts whose normals are in one plane within rounding, as two faces of one side of a slit and one of the other: what each
-// of them holds is not known, only whether all of them together hold the centre.
+// The centre is held by three contacts whose normals are in one plane within rounding, as with two faces on one side of a slit and one on
+// the other. It is not known how much each of them holds, only whether all together hold the centre.
 SphereFollower::Next SphereFollower::stay_within_rounding(const Vec3& to, double& time) noexcept {
   Vec3 descent;
   const bool is_held = contacts_.find_active(centre_, to - centre_, Vec3::Zero(), descent) && descent.norm() <= LocalMinimum::kAtMinimum;
@@ -82,7 +82,7 @@ SphereFollower::Next SphereFollower::stay_within_rounding(const Vec3& to, double
   return Next::settled;
 }
 
-// The minimum along the curve vanishes here; hint: the direction in which the centre came.
+// Notes that the minimum along the curve vanishes here. hint: the direction in which the centre was moving.
 SphereFollower::Next SphereFollower::lose_minimum(const Vec3& hint) noexcept {
   has_lost_minimum_ = true;
   is_descending_ = true;
@@ -105,7 +105,7 @@ bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
     }
     return true;
   };
-  const bool may_turn = idle_ <= kMaxIdle / 4;  // to and fro between two contacts leads nowhere
+  const bool may_turn = idle_ <= kMaxIdle / 4;  // otherwise it could go to and fro between two contacts
   for (const double sign : {1.0, -1.0}) {
     if (!is_open(sign * direction) || (sign < 0.0 && !may_turn)) continue;
     hint_ = sign * direction;
@@ -115,13 +115,13 @@ bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
 }
 
 bool SphereFollower::is_in_narrow_slit() const noexcept {
-  constexpr double kOpposite = 2.0 - 2.0 * 0.99;  // within 8 degrees, where contacts press with seven times the pull and more
+  constexpr double kOpposite = 2.0 - 2.0 * 0.99;  // normals within 8 degrees of opposite: contacts press with at least seven times the pull
   return contacts_.find_most_opposite(centre_) < kOpposite;
 }
 
-// In a slit, contacts at nearly opposite sides press with many times the pull, and a small turn of a normal decides where they let the
-// centre go. At an edge, within the hysteresis of its boundary (PathEvents::kOnBoundary), the normal may be a ten-thousandth beyond that of
-// the face that the centre is over. True: such a contact is on the face now.
+// In a slit, contacts on nearly opposite sides press with many times the pull, so a small turn of a normal decides where they release the
+// centre. For an edge, within the hysteresis at its boundary (PathEvents::kOnBoundary), the normal may be turned by a ten-thousandth beyond
+// that of the face that the centre is over. Moves such contacts to the face. True: there were any.
 bool SphereFollower::straighten_in_slit() noexcept {
   if (!is_in_narrow_slit() || !near_.covers(centre_, clearance().offset + clearance().slop)) return false;
   bool any = false;
@@ -140,18 +140,18 @@ bool SphereFollower::straighten_in_slit() noexcept {
   return any;
 }
 
-// Whether nearly opposite contacts hold the centre where a point would perhaps go on: parallel faces as far apart as the sphere is wide, or
-// what is not the wedge of two planes.
+// Whether nearly opposite contacts hold the sphere where the point that it stands for might move on: between parallel faces as far apart as
+// the sphere is wide, or where the free space is not a wedge between planes.
 bool SphereFollower::fills_slit() noexcept {
-  constexpr double kOpposite = 2.0 - 2.0 * 0.9;         // within 26 degrees
-  constexpr double kParallel = 2.0 / Wedge::kFarthest;  // rad; the tip of such a wedge is farther off than a way out would lead
+  constexpr double kOpposite = 2.0 - 2.0 * 0.9;         // normals within 26 degrees of opposite
+  constexpr double kParallel = 2.0 / Wedge::kFarthest;  // rad; the tip of a narrower wedge is farther away than any way out leads
   const double sum = contacts_.find_most_opposite(centre_);
   return sum < kOpposite && (sum < kParallel * kParallel || !wedge().holds());
 }
 
-// A slit is left to sweeps once for each place and sample: they may lead back here, and their motion be carried on.
+// Leaves a slit to sweeps only once for each place and sample: they may lead back here, and their motion may be carried on.
 bool SphereFollower::note_slit(bool has_device_moved) noexcept {
-  constexpr double kSamePlace = 2.0;  // offsets; as for other escapes, a smaller gain is none
+  constexpr double kSamePlace = 2.0;  // offsets; as for other escapes, a smaller gain does not count
   if (!has_device_moved && slit_at_ && (centre_ - *slit_at_).norm() <= kSamePlace * clearance().offset) return false;
   slit_at_ = centre_;
   return true;

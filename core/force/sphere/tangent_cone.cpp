@@ -9,12 +9,12 @@ namespace hapton {
 namespace {
 
 constexpr double kSameDirection = 0x1p-20;  // rad; closer directions count as equal
-constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed, unless it is the wedge at the end of an arc
+constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow counts as closed, unless it is the wedge at the end of an arc
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 
-// From `at` towards the middle of an arc with an end there. Where that end is off by what counts as the same direction, the tangent may
-// lead in front of an arc that the arc is behind.
+// The tangent at `at` towards the middle of an arc that has an end there. That end may be off `at` by an angle that counts as zero: then
+// the arc's own tangent may be on the wrong side of another arc.
 Vec3 heading_to_middle(const Vec3& middle, const Vec3& at) { return (middle - at.dot(middle) * at).normalized(); }
 
 }  // namespace
@@ -26,7 +26,7 @@ void TangentCone::begin(const Vec3& apex) {
 }
 
 Vec3 TangentCone::at_known_end(const Vec3& direction) const {
-  constexpr double kSame = 4.0 * kSameDirection * kSameDirection;  // a squared distance: that of twice kSameDirection
+  constexpr double kSame = 4.0 * kSameDirection * kSameDirection;  // the square of the distance 2 kSameDirection
   for (int i = 0; i < arc_count_; ++i) {
     const Arc& arc = arcs_[i];
     if ((arc.a - direction).squaredNorm() <= kSame) return arc.a;
@@ -35,7 +35,7 @@ Vec3 TangentCone::at_known_end(const Vec3& direction) const {
   return direction;
 }
 
-// Directions of ends that count as the same become the same.
+// Gives ends of arcs the same direction if their directions count as equal.
 void TangentCone::join_ends() {
   const int count = std::exchange(arc_count_, 0);
   for (int i = 0; i < count; ++i) {
@@ -61,7 +61,7 @@ bool TangentCone::add(const ContactTriangle& shape, double near) {
   return false;
 }
 
-// No arc is longer than a quarter circle, or than a corner of the triangle.
+// No arc is longer than a quarter circle, or than the angle at a corner of the triangle.
 bool TangentCone::add_arcs(const ContactTriangle& shape, double near) {
   for (int k = 0; k < 3; ++k) {
     if ((shape.corner(k) - apex_).norm() > near) continue;
@@ -83,7 +83,7 @@ bool TangentCone::is_on(const Arc& arc, const Vec3& direction) {
          std::fabs(arc.normal.dot(direction)) <= kSameDirection;
 }
 
-// The end of the arc, or where another arc meets it before.
+// The end of the arc, or the place before it where another arc meets this one.
 Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
   const Arc& own = arcs_[arc];
   Vec3 stop = ahead ? own.b : own.a;
@@ -104,9 +104,9 @@ Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
   return stop;
 }
 
-// From one piece to the next at the direction `at`: the first arc met by a rotation about `at` from `back` through `up`. Sheets that cross
-// at a small angle are one within rounding for a long way, so nothing leads into the slit between them; the wedge between two that meet at
-// the end of one has an exact tip.
+// Goes from one piece to the next at the direction `at`: to the first arc that a rotation about `at`, from `back` through `up`, meets.
+// Sheets that cross at a small angle are one within rounding for a long way, so the slit between them counts as closed. If two sheets meet
+// at the end of one of them, the wedge between them has an exact tip, and counts as open.
 TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
   Turned first;
   first.opening = std::numeric_limits<double>::infinity();
@@ -131,7 +131,7 @@ TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Ve
   return first;
 }
 
-// The direction on any arc that is closest to `inside`: nothing lies between. At an end of arcs, the arc that is met first from there.
+// Starts at the direction on any arc that is closest to `inside`: no arc lies between. At an end, takes the arc that a turn meets first.
 bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   double nearest = -2.0;
   bool is_end = false;
@@ -159,7 +159,7 @@ bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   return start.arc >= 0;
 }
 
-// The piece at which the walk was here before; -1: none.
+// The piece that began where the walk is now; -1: none.
 int TangentCone::find_again(const Walk& here) const {
   for (int i = 1; i < piece_count_; ++i) {
     const Walk& before = walks_[i];
@@ -168,8 +168,8 @@ int TangentCone::find_again(const Walk& here) const {
   return -1;
 }
 
-// From a needle between two directions that count as the same the walk turns back. So if it does not come back to its start, the ends of
-// the arcs are joined, if that helps.
+// At a needle between two directions that count as equal, the walk turns back. So if the walk does not return to its start, the ends of
+// arcs are joined and it is repeated. If that does not help, the ends stay as they were.
 bool TangentCone::find_boundary(const Vec3& inside) {
   if (walk_boundary(inside) && is_around_start_) return true;
   const int count = arc_count_;
@@ -181,8 +181,8 @@ bool TangentCone::find_boundary(const Vec3& inside) {
   return walk_boundary(inside);
 }
 
-// Between arcs that cross at a very small angle the start may be on a piece that no other one leads to. What the walk repeats is the
-// boundary.
+// Between arcs that cross at a very small angle, the start may be on a piece to which no other piece leads. The boundary is then the part
+// that the walk repeats.
 bool TangentCone::walk_boundary(const Vec3& inside) {
   piece_count_ = 0;
   is_around_start_ = true;
@@ -234,7 +234,7 @@ bool TangentCone::contains(const Vec3& direction) const {
   const Vec3& normal = arcs_[start.arc].normal;
   const Vec3 up = start.on_normal ? normal : Vec3(-normal);
   return std::ranges::any_of(boundary(), [&](const Piece& piece) {
-    if ((piece.normal - up).squaredNorm() > kClosed * kClosed) return false;  // of another arc, or of its other side
+    if ((piece.normal - up).squaredNorm() > kClosed * kClosed) return false;  // the piece is on another arc, or the other side of this one
     const Vec3 axis = piece.from.cross(piece.to);
     const bool is_past_from = piece.from.cross(start.from).dot(axis) >= 0.0 || (start.from - piece.from).norm() <= kSameDirection;
     const bool is_before_to = start.from.cross(piece.to).dot(axis) >= 0.0 || (start.from - piece.to).norm() <= kSameDirection;
@@ -256,7 +256,7 @@ TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull, double below)
     const double length = along.norm();
     const Vec3 axis = piece.from.cross(piece.to);
     if (!(length > 0.0)) continue;
-    // Where the pull is nearly normal to the piece, most of the difference is rounding: the part along the normal goes once more.
+    // If the pull is nearly normal to the piece, most of the difference is rounding: removes the part along the normal once more.
     const Vec3 rough = along / length;
     const Vec3 direction = (rough - piece.normal.dot(rough) * piece.normal).normalized();
     if (piece.from.cross(direction).dot(axis) > 0.0 && direction.cross(piece.to).dot(axis) > 0.0) offer(direction, i);

@@ -28,7 +28,7 @@ bool Wedge::holds() noexcept {
   return is_wedge && std::ranges::all_of(walls, [&](const Wall& wall) { return goes_on(wall, walls, slots, far); });
 }
 
-// The plane of the face that a contact is on; of an edge or a vertex, that of a face there which the centre is over at no other distance.
+// The plane of the face that a contact is on; for an edge or a vertex, that of a face there which the centre is over, at the offset.
 bool Wedge::find_wall(const OffsetContact& contact, Wall& wall) noexcept {
   if (contact.part == Feature::face) {
     wall = {contact.normal, contact.origin()};
@@ -51,8 +51,8 @@ int Wedge::find_face_there(const OffsetContact& contact) noexcept {
   return found;
 }
 
-// Whether the faces in the plane of a wall cover it that far from the centre: where one of them ends, another goes on, or the edge is below
-// another wall.
+// Whether the faces in the plane of a wall cover the wall up to the distance `far` from the centre: at each edge of one of them another one
+// continues, or the edge is below another wall.
 bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept {
   const auto is_in_plane = [&](const ContactTriangle& shape) {
     return !shape.normal().isZero(0.0) && std::max({std::fabs(wall.height(shape.corner(0))), std::fabs(wall.height(shape.corner(1))),
@@ -63,7 +63,7 @@ bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<con
       return &other != &wall && std::max(other.height(p), other.height(q)) <= 0.25 * contacts_.clearance().slop;
     });
   };
-  // On the other side of the edge.
+  // Whether `other` has edge k of `shape`, and lies on the other side of that edge.
   const auto continues = [&](const ContactTriangle& other, const ContactTriangle& shape, int k) {
     bool has_beyond = false;
     int shared = 0;
@@ -94,8 +94,8 @@ bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<con
   return any;
 }
 
-// Whether a plane through the line where two of the walls meet has the triangle below and the wedge above it. Its heights are means of
-// those over the two, with a weight for which all three corners are below.
+// Whether some plane through the line where two of the walls meet has the triangle below it and the wedge above it. The heights over that
+// plane are means of those over the two walls: searches for a weight for which all three corners are below.
 bool Wedge::is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept {
   const double rounding = 0.25 * contacts_.clearance().slop;
   for (std::size_t i = 0; i < walls.size(); ++i) {
