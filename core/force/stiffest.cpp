@@ -14,13 +14,13 @@ Stiffest stiffer_of(const Stiffest& a, const Stiffest& b) { return b.n_per_m > a
 
 bool has_image(const ImageMap& map, const SurfaceMaps& maps) { return map.is_on() && maps.triangles != nullptr; }
 
-// The bumps of a surface, by a formula or an image: what of them makes it stiff. None: it is smooth.
+// The bumps of a surface, given by a formula or an image: the properties that make it stiff. Without is_on(), the surface is smooth.
 struct Relief {
   const SurfaceBumps* bumps = nullptr;
   double slope = 0.0;
   double curvature_per_m = 0.0;
 
-  // pressed_n: 0 has no use for the curvature.
+  // pressed_n: the force that presses the surface; for 0 the curvature is not needed.
   Relief(const SurfaceEffects& effects, double pressed_n) {
     const SurfaceMaps& maps = effects.maps;
     if (effects.bumps.is_on()) {
@@ -50,7 +50,7 @@ double sideways_of(const Material& material, const SurfaceEffects& effects) {
 }
 
 double progressive_of(const SurfaceEffects& effects) {
-  return 2.0 * std::sqrt(kMaxPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kMaxPressedN
+  return 2.0 * std::sqrt(kMaxPressedN * effects.progressive.n_per_m2);  // 2 c d, at the depth d at which the force c d^2 is kMaxPressedN
 }
 
 double stiffest_in_layers(const Relief& relief, const TissueLayers& layers, double sideways_n_per_m, double pressed_n) {
@@ -61,7 +61,7 @@ double stiffest_in_layers(const Relief& relief, const TissueLayers& layers, doub
   return stiffest;
 }
 
-// Where the normal of a surface or its stiffness changes from place to place; 0: nowhere.
+// The largest stiffness where the normal or the stiffness of a surface changes from place to place; 0: neither changes.
 double stiffest_by_place(const Material& material, const SurfaceEffects& effects, double pressed_n) {
   const Relief relief(effects, pressed_n);
   const double sideways_n_per_m = sideways_of(material, effects);
@@ -84,22 +84,22 @@ struct SpaceGains {
   double viscosity_ns_per_m = 0.0;
 };
 
-// One for each type: an effect that is new has to say how stiff and how viscous it is.
+// One overload for each type of effect, so that a new type has to say how stiff and how viscous it is.
 struct SpaceGainsOf {
   SpaceGains operator()(const SpringEffect& spring) const { return {{spring.stiffness_n_per_m, StiffCause::spring_effect}}; }
   SpaceGains operator()(const SnapEffect& snap) const { return {{snap.stiffness_n_per_m(), StiffCause::snap_effect}}; }
-  // At the centre, where dx/dr is 1 / (sqrt(2) radius): its force is -max_force c x (1 + x^2)^(-3/2).
+  // Stiffest at the centre, where dx/dr is 1 / (sqrt(2) radius): its force is -max_force c x (1 + x^2)^(-3/2).
   SpaceGains operator()(const GravityWellEffect& well) const {
     const double c = 1.5 * std::sqrt(3.0);
     return {{well.max_force_n * c / (std::sqrt(2.0) * well.radius_m), StiffCause::gravity_well}};
   }
-  // No function of the position, but for its step at the border of a volume, whose energy passivity() states.
+  // No function of the position, except for a step at the border of a volume; passivity() states the energy of that step.
   SpaceGains operator()(const ConstantEffect&) const { return {}; }
   SpaceGains operator()(const WaveEffect&) const { return {}; }
   SpaceGains operator()(const BurstEffect&) const { return {}; }
-  // Of the velocity.
+  // A function of the velocity only.
   SpaceGains operator()(const ViscousEffect& viscous) const { return {{}, viscous.damping_ns_per_m}; }
-  // It has a limit of its own (find_stable_mass).
+  // A mass has its own limit (find_stable_mass).
   SpaceGains operator()(const MassEffect&) const { return {}; }
 };
 
@@ -129,7 +129,7 @@ Stiffest stiffest_spring_of(const Material& material, const SurfaceEffects& effe
 }
 
 Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& effects, double pressed_n) {
-  // All of them by name: one that is new has to be considered here, in stiffest_spring_of and in drag_of.
+  // Names all members, so that a new one has to be considered here, in stiffest_spring_of and in drag_of.
   [[maybe_unused]] const auto& [progressive, layers, bumps, viscosity, snap, tap, maps, texture, drag] = effects;
   const double n_per_m = stiffest_by_place(material, effects, pressed_n);
   if (!(n_per_m > 0.0)) return {};
@@ -167,8 +167,8 @@ double drag_of(const SurfaceEffects& effects) {
 
 double viscosity_of(const SpaceEffect& effect) { return std::visit(SpaceGainsOf(), effect).viscosity_ns_per_m; }
 
-// Convex in the force that a surface is pressed with, so below kMaxPressedN the chord is not less. In layers it is not: what pressing adds
-// counts in full.
+// The stiffness is a convex function of the force that presses the surface, so below kMaxPressedN its chord is an upper bound. In layers it
+// is not convex: there, what pressing adds counts in full.
 double LargestGains::by_place_at(double pressed_n) const noexcept {
   const double share = std::clamp(pressed_n / kMaxPressedN, 0.0, 1.0);
   return by_place_n_per_m - (1.0 - share) * of_pressing_n_per_m;

@@ -87,7 +87,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
     sample.commanded = X_SO_;
   }
   const MethodOutput result = method_->step(sample);
-  // One variable for every return: it is built where the caller wants it, and never copied.
+  // One variable for all returns, so that it is built in the caller's storage and never copied.
   TouchOutput output;
   output.contact = result.contact;
   output.object = result.object;
@@ -100,8 +100,8 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   return output;
 }
 
-// Corrects the last device point of the effects after the view transform changed: this is not a motion of the hand. A sample that is not
-// finite is left out: the effects go on from the one before it.
+// Corrects the last device point of the effects after the view transform has changed: this is not a motion of the hand. A sample that is
+// not finite is left out: the effects continue from the sample before it.
 void TouchStep::compensate_scene_motion(const TouchInput& input) noexcept {
   if (!input.p_WD.allFinite()) return;
   if (last_.X_WS.matrix() != input.X_WS.matrix())
@@ -117,19 +117,19 @@ Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);
 }
 
-// Not inlined, as add_effects: it would cost every step without moving effects.
+// Not inlined, for the same reason as add_effects: it would slow down every step without moving effects.
 [[gnu::noinline]] std::optional<SurfacePlace> TouchStep::place_frames(const MethodInput& sample, const MethodOutput& result) noexcept {
   effects_->place(frames_->place(sample));
   return result.contact && result.object >= 0 ? method_->find_place(result.object) : std::nullopt;
 }
 
-// The proxy on the mesh at rest, where the images are defined.
+// The position of the proxy on the mesh at rest, where the images are defined.
 Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept {
   if (place) return place->p_rest;
   return frames_ != nullptr ? frames_->at_rest(result.object, result.p_SP) : result.p_SP;
 }
 
-// Not inlined: its registers and stack would cost every step of a scene without effects.
+// Not inlined: its registers and stack would slow down every step of a scene without effects.
 [[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
                                                      const MethodOutput& result) noexcept {
   if (has_new_effects_) reset_effects(input);
@@ -170,7 +170,7 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
   return output;
 }
 
-// Poses at that time. After the end of all moves they do not change.
+// Computes the poses at this time. After the end of all moves they do not change.
 void TouchStep::place_commanded(double time_s) noexcept {
   if (placed_s_ >= commanded_until_s_ && time_s >= placed_s_) return;
   for (std::size_t n = 0; n < commanded_.size(); ++n) X_SO_[n] = commanded_[n].motion.pose_at(time_s);

@@ -14,8 +14,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kShareOfEdge = 0.05;    // of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
-constexpr std::size_t kMaxMeasured = 8;  // points whose nearest edge is searched; a free choice
+constexpr double kShareOfEdge = 0.05;    // share of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
+constexpr std::size_t kMaxMeasured = 8;  // points for which the nearest edge is searched; a free choice
 constexpr std::size_t kFewEdges = 64;    // added to the number of edges, so that a small mesh is examined completely; a free choice
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -41,7 +41,7 @@ std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh, const std::vecto
 
 struct Segment {
   Vec3 a, along;
-  double inverse_squared = 0.0;  // of its length; 0: it is a point
+  double inverse_squared = 0.0;  // 1 / (length squared); 0: the segment is a point
 
   Segment(const Vec3& from, const Vec3& to) : a(from), along(to - from) {
     const double squared = along.squaredNorm();
@@ -90,7 +90,7 @@ class PendingPoints {
 
  private:
   static constexpr std::uint32_t kLeafSize = 4;
-  static constexpr std::uint32_t kMaxMisses = 512;  // of one point
+  static constexpr std::uint32_t kMaxMisses = 512;  // misses of one point
 
   // True if the point is done now.
   bool try_point(Point& point, std::uint32_t edge, const Segment& segment) {
@@ -102,7 +102,7 @@ class PendingPoints {
   }
 
   std::vector<Point> points_;
-  MedianTree tree_;  // open: points that are not done
+  MedianTree tree_;  // `open` of a node: its points that are not done
   std::size_t work_ = 0;
 };
 
@@ -130,7 +130,7 @@ double find_squared_gap(const TriangleMesh& mesh, const std::vector<Edge>& borde
 }
 
 // The widest of the gaps at these points. Exact gaps are computed in descending order of the gaps found so far, which are upper bounds,
-// until no other can be wider. After kMaxMeasured points: an upper bound.
+// until no other gap can be wider. After kMaxMeasured points, the result is an upper bound.
 double find_widest_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, std::vector<PendingPoints::Point> points,
                        std::size_t& work) {
   const std::size_t count = std::min(points.size(), kMaxMeasured + 1);

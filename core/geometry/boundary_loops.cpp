@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-// It repeats no vertex.
+// A proper triangle repeats no vertex.
 bool is_proper(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
 
 // The edges of all proper triangles.
@@ -40,7 +40,7 @@ std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& piece
   return areas;
 }
 
-// As the ball gets through it that moves along the loop's normal.
+// The width of a loop: the diameter of the largest ball that gets through it, moving along the normal of the loop.
 double width_of(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, const Vec3& area, double length, double enough) {
   if (!(area.norm() > 0.0)) return 0.0;
   if (edges.size() == 3) return 4.0 * area.norm() / length;

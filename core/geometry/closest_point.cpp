@@ -18,7 +18,7 @@ struct SegmentPoint {
   double t;     // 0 at a, 1 at b
 };
 
-// The caller orders a and b canonically, so that both neighbours of an edge agree to the bit.
+// The caller orders a and b canonically, so that both triangles at an edge get the same result, to the bit.
 SegmentPoint closest_on_ordered_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 e = b - a;
   const Vec3 w = p - a;
@@ -110,8 +110,8 @@ PreparedTriangle::PreparedTriangle(const Vec3& a, const Vec3& b, const Vec3& c) 
   base = static_cast<int>(std::max_element(length2.begin(), length2.end()) - length2.begin());
   const int next = (base + 1) % 3;
   const int before = (base + 2) % 3;
-  // Longest x shortest loses the fewest digits. The error along the longest edge is removed again, so what remains is a rotation about that
-  // edge, which moves the triangle by no more than its own height times the angle.
+  // The cross product of the longest and the shortest edge loses the fewest digits. Its error along the longest edge is removed again, so
+  // what remains is a rotation about that edge, which moves the triangle by no more than its own height times the angle.
   const Vec3 raw = length2[next] < length2[before] ? edge[base].cross(edge[next]) : edge[before].cross(edge[base]);
   const double raw_length = raw.norm();
   if (raw_length > 0.0 && length2[base] > 0.0) {

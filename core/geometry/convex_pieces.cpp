@@ -15,24 +15,24 @@ namespace {
 
 using Box3 = Eigen::AlignedBox3d;
 
-// No cut is nearer to the side of a cell than this share of it, so that each makes progress.
+// No cut along a wall is nearer to the side of a cell than this share of the cell's size, so that each cut makes progress.
 constexpr double kNearestCut = 0.1;
-// A wall is square to an axis when it leans by at most this share of the cell.
+// A wall counts as normal to an axis if it extends along the axis by at most this share of the cell.
 constexpr double kSquare = 0.01;
 
-// A part of a triangle, convex.
+// A convex part of a triangle.
 struct Face {
   Vec3 normal;
   std::vector<Vec3> corners;
 };
 
-// What lies in a box-shaped cell.
+// The part of a solid in a box-shaped cell.
 struct Part {
   Box3 cell;
   std::vector<Face> faces;
-  std::vector<Vec3> inner;  // corners of the cell within the solid
-  double concavity = 0.0;   // how far a point is above the plane of a face, at most; 0: no farther than is allowed
-  std::size_t worst = 0;    // ... of this face
+  std::vector<Vec3> inner;  // corners of the cell that are within the solid
+  double concavity = 0.0;   // largest height of a point above the plane of a face; 0: not above the allowed one
+  std::size_t worst = 0;    // the face with that height
 
   ConvexPiece points() const {
     ConvexPiece all = inner;
@@ -41,7 +41,7 @@ struct Part {
   }
 };
 
-// Whether a face has a part on that side, or lies in the cut with the solid on that side.
+// Whether a face has a part on the side `sign` of the cut (see clip), or lies in the cut, with the solid on that side.
 bool is_on_side(const Face& face, int axis, double at, double sign) {
   double low = 0.0;
   double high = 0.0;
@@ -70,7 +70,7 @@ Face clip(const Face& face, int axis, double at, double sign) {
   return kept;
 }
 
-// The plane of a face, the same for all faces that lie in it but for rounding.
+// A key for the plane of a face: the same for all faces that lie in the plane, except for rounding.
 std::array<std::int64_t, 4> plane_of(const Face& face, const Vec3& origin, double extent) {
   constexpr double kSteps = 1.0 / FarPoints::kAgree;
   const double height = face.normal.dot(face.corners.front() - origin) / extent;
@@ -78,7 +78,7 @@ std::array<std::int64_t, 4> plane_of(const Face& face, const Vec3& origin, doubl
           std::llround(kSteps * height)};
 }
 
-// A surface has many faces in one plane: one of them stands for all. Returns how many points and boxes were looked at.
+// Finds the concavity of a part: of many faces in one plane, one stands for all. Returns how many points and boxes were looked at.
 std::size_t find_concavity(Part& part, double max_concavity) {
   FarPoints points(part.points());
   if (!(points.extent() > 0.0)) return 0;
@@ -100,7 +100,7 @@ struct Cut {
   double at = 0.0;
 };
 
-// Along the wall of the notch where it is square to an axis, as between the parts of a machined body; else through the middle.
+// Cuts along the wall of the notch if that is normal to an axis, as in a machined body; else across the middle of the longest side.
 Cut choose_cut(const Part& part) {
   Cut cut;
   const Face& wall = part.faces[part.worst];
@@ -147,7 +147,7 @@ class Splitter {
       for (const Face& face : part.faces) {
         if (is_on_side(face, axis, at, sign)) half.faces.push_back(clip(face, axis, at, sign));
       }
-      if (half.faces.empty()) continue;  // outside, or within the solid where nothing comes into contact
+      if (half.faces.empty()) continue;  // the cell is outside the solid, or so deep inside that nothing touches it
       finish(half);
       parts_.push_back(std::move(half));
     }

@@ -37,7 +37,7 @@ double corner_angle(const Mesh& mesh, std::size_t t, int k) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-// Normals from faces weighted by angles, given which corners share one. Without a face of non-zero area the normal stays zero.
+// Averages face normals, weighted by angles, over the corners that share a normal. Without a face of non-zero area it stays zero.
 void average_normals(ShadedMesh& mesh, std::size_t faces) {
   for (Vec3& n : mesh.normals) n.setZero();
   for (std::size_t t = 0; t < faces; ++t) {
@@ -118,7 +118,7 @@ void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
 
 namespace {
 
-// Unit; zero if there is none or it is not valid.
+// The authored normal of a corner, as a unit vector; zero if there is none or it is not valid.
 Vec3 valid_authored_normal(const TriangleMesh& mesh, std::size_t t, int k, const Vec3& face) {
   const Vec3 normal = mesh.authored_normals[t][k].cast<double>();
   const double length = normal.norm();
@@ -126,7 +126,7 @@ Vec3 valid_authored_normal(const TriangleMesh& mesh, std::size_t t, int k, const
   return normal.dot(face) > kFarthestTurn * length ? Vec3(normal / length) : Vec3(Vec3::Zero());
 }
 
-// Calls use(triangle, corner, normal) for every valid one.
+// Calls use(triangle, corner, normal) for every valid authored normal.
 template <class Use>
 AuthoredNormalReport for_each_authored(const TriangleMesh& mesh, Use&& use) {
   AuthoredNormalReport report;
@@ -151,7 +151,7 @@ AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh) {
 }
 
 AuthoredNormalReport use_authored_normals(const TriangleMesh& mesh, ShadedMesh& shaded) {
-  // One vertex may have any number of them.
+  // One vertex may have any number of authored normals.
   KeyTable<4> known(mesh.has_authored_normals() ? mesh.vertices.size() : 0);
   return for_each_authored(mesh, [&](std::size_t t, int k, const Vec3& normal) {
     const std::uint32_t vertex = mesh.triangles[t][k];
@@ -178,7 +178,7 @@ NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
       const bool unit = n.allFinite() && std::fabs(n.squaredNorm() - 1.0) < 1e-9;
       if (unit && (face.isZero(0.0) || n.dot(face) > kFarthestTurn)) continue;
       ++(unit ? report.turned_away : report.not_unit);
-      // Without area any direction is as good: such a triangle exerts no force of its own.
+      // Without an area, any direction will do: such a triangle exerts no force of its own.
       mesh.corner_normals[t][k] = static_cast<std::uint32_t>(mesh.normals.size());
       mesh.normals.push_back(face.isZero(0.0) ? Vec3(Vec3::UnitZ()) : face);
     }

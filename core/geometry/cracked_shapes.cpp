@@ -14,7 +14,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-// Uniform in a ball.
+// A random displacement, uniform in a ball.
 Vec3 draw_move(Random& random, double radius) {
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
   for (;;) {
@@ -33,7 +33,7 @@ TriangleMesh apart(const TriangleMesh& mesh) {
   return loose;
 }
 
-// The strip between two rows of vertices from left to right, each row numbered in order; the lower row comes first as seen from outside.
+// Adds the strip between two rows of vertices, each numbered from left to right. Seen from outside, `low` is the lower row.
 void add_strip(TriangleMesh& mesh, std::uint32_t low, int low_count, std::uint32_t high, int high_count) {
   int i = 0;
   int j = 0;
@@ -63,11 +63,11 @@ struct Waves {
 struct Sector {
   double from = 0.0;  // azimuth
   double to = 0.0;
-  double side = 1.0;  // above the equator, or below
+  double side = 1.0;  // 1: above the equator; -1: below
   int along_equator = 0;
 };
 
-// From the equator to the pole in rings, each of half as many vertices.
+// Adds rings of vertices from the equator to the pole, each with about half as many vertices as the ring before.
 void add_sector(TriangleMesh& mesh, const Waves& waves, const Sector& sector, int rings, double most_move, Random& random) {
   std::vector<std::uint32_t> first;
   std::vector<int> count;
@@ -134,7 +134,7 @@ TriangleMesh make_patched_box(const Vec3& size_m, double width, std::uint64_t se
 
 TriangleMesh make_patched_sphere(double radius_m, double relative_height, double width, std::uint64_t seed) {
   constexpr int kRings = 12;
-  constexpr double kSharpest = 12.0;  // curvature of the equator times the radius, per relative height
+  constexpr double kSharpest = 12.0;  // allowance for curvature: this times the relative height is added to that of a sphere
   Random random(seed);
   const Waves waves{radius_m, relative_height};
   // A chord of length L under a curvature c has the sagitta L^2 c / 8, which should be a quarter of the width.

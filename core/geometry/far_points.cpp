@@ -14,7 +14,7 @@ FarPoints::FarPoints(std::vector<Vec3> points) : points_(std::move(points)), tre
 double FarPoints::find_farthest(const Vec3& direction, const Vec3& from, double least) {
   double farthest = least;
   const Vec3 steepness = direction.cwiseAbs();
-  // The farther a box reaches in the direction, the nearer it is here.
+  // The farther a box reaches in the direction, the smaller is this distance, so visit_nearest_first visits it earlier.
   const auto distance = [&](std::uint32_t number) {
     return -(direction.dot(boxes_[number].centre - from) + steepness.dot(boxes_[number].half));
   };

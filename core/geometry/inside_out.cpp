@@ -12,13 +12,13 @@
 namespace hapton {
 namespace {
 
-// A volume below this share of its box is rounding: two sheets back to back have none.
+// A volume below this share of the cubed diagonal of the body's box is rounding: two sheets back to back have no volume.
 constexpr double kVolumeShare = 1e-9;
 
 struct Body {
   Eigen::AlignedBox3d box;
   double volume = 0.0;         // positive with the front outside
-  std::uint64_t boundary = 0;  // 0: closed
+  std::uint64_t boundary = 0;  // sum of scatter() over its edges, signed by direction; 0: closed
   std::size_t triangles = 0;
 };
 
@@ -35,10 +35,10 @@ bool is_closed(const Body& body) {
   return body.boundary == 0 && std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3);
 }
 
-// It has no surface, and goes to and fro along its edge: it would join a body to another one unnoticed.
+// A collapsed triangle has no surface, and goes to and fro along an edge: it would join two bodies unnoticed.
 bool is_collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// All pieces, by the vertex that represents the piece; vertices that represent none have no triangles.
+// All pieces, by the number of the vertex that represents the piece; the entries of other vertices have no triangles.
 std::vector<Body> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces) {
   for (const Triangle& t : mesh.triangles) {
     if (is_collapsed(t)) continue;
@@ -55,7 +55,7 @@ std::vector<Body> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces)
       body.box.extend(mesh.vertices[t[k]]);
     }
   }
-  // Relative to a point of the body, so that a small one far away keeps its digits.
+  // Positions are relative to the centre of the body's box, so that a small body far from the origin keeps its digits.
   for (const Triangle& t : mesh.triangles) {
     Body& body = bodies[pieces.root(t[0])];
     const Vec3 centre = body.box.center();

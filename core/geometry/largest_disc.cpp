@@ -24,18 +24,18 @@ double squared_distance(const Vec2& p, const Segment2& edge) {
   return (edge.first + share * along - p).squaredNorm();
 }
 
-// Whether the ray from p in the direction of y crosses it.
+// Whether the ray from p in the direction of +y crosses the edge.
 bool is_crossed(const Vec2& p, const Segment2& edge) {
   const Vec2& a = edge.first;
   const Vec2& b = edge.second;
   return (a.x() > p.x()) != (b.x() > p.x()) && p.y() < a.y() + (p.x() - a.x()) / (b.x() - a.x()) * (b.y() - a.y());
 }
 
-// The edges by columns of their extent along x, so that a point is compared with those near it. Pre: finite, at least one; they outlive it.
+// The edges in columns by their extent along x, to compare a point with the edges near it. Pre: finite, at least one; they outlive this.
 class EdgeColumns {
  public:
   EdgeColumns(const std::vector<Segment2>& edges, double low_x, double high_x) : edges_(edges), low_x_(low_x) {
-    // An edge is in each column that it reaches, so long edges allow few.
+    // An edge is in each column that it reaches, so long edges allow only few columns.
     const auto divide = [&](std::size_t count) {
       count_ = count;
       width_ = (high_x - low_x) / static_cast<double>(count);
@@ -60,7 +60,7 @@ class EdgeColumns {
   // Edges in a column, on average.
   double mean() const { return static_cast<double>(items_.size()) / static_cast<double>(count_); }
 
-  // The distance from the edges, negative outside. work: grows by the edges that were compared.
+  // The distance of p from the nearest edge, negative outside of the polygons. work: grows by the number of edges that were compared.
   double depth_of(const Vec2& p, double& work) const {
     const std::size_t own = column_of(p.x());
     double nearest = std::numeric_limits<double>::infinity();
@@ -80,7 +80,7 @@ class EdgeColumns {
 
  private:
   static constexpr std::size_t kMostColumns = 4096;
-  static constexpr std::size_t kMostTimes = 3;  // that an edge is in the columns, on average
+  static constexpr std::size_t kMostTimes = 3;  // most columns that an edge may be in, on average
 
   static bool is_nearer(double along, double squared) { return along <= 0.0 || along * along < squared; }
   double begin_of(std::size_t column) const { return low_x_ + width_ * static_cast<double>(column); }
@@ -105,21 +105,21 @@ class EdgeColumns {
   double low_x_;
   std::size_t count_ = 1;
   double width_ = 0.0;
-  std::vector<std::size_t> begins_;   // of each column in items_; and the end
+  std::vector<std::size_t> begins_;   // where each column begins in items_; then the end of the last
   std::vector<std::uint32_t> items_;  // numbers of edges
 };
 
 struct Square {
   Vec2 middle;
-  double half = 0.0;   // of its side
-  double depth = 0.0;  // of its middle
+  double half = 0.0;   // half of its side
+  double depth = 0.0;  // depth_of() its middle
   double most() const { return depth + half * std::sqrt(2.0); }
   bool operator<(const Square& other) const { return most() < other.most(); }
 };
 
 using Squares = std::priority_queue<Square>;
 
-// Turned so that they are longest along x.
+// Turns the edges so that they are longest along x.
 void align(std::vector<Segment2>& edges) {
   Vec2 mean = Vec2::Zero();
   for (const Segment2& edge : edges) mean += edge.first / static_cast<double>(edges.size());
@@ -136,7 +136,7 @@ void align(std::vector<Segment2>& edges) {
   for (Segment2& edge : edges) edge = {Vec2(turn * (edge.first - mean)), Vec2(turn * (edge.second - mean))};
 }
 
-// They cover all edges, and are no wider than these are high, unless that is too many.
+// Squares that cover all edges. Their side is the shorter one of the box around the edges, or longer, to limit their number.
 Squares cover(const EdgeColumns& edges, const Vec2& low, const Vec2& high, double& work) {
   const double most = std::clamp(kMaxWork / edges.mean(), 1.0, 1024.0);
   const Vec2 size = high - low;
@@ -163,7 +163,7 @@ double largest_disc(std::vector<Segment2> edges, double enough) {
     high = high.cwiseMax(edge.first).cwiseMax(edge.second);
   }
   const double narrowest = edges.empty() ? 0.0 : (high - low).minCoeff();
-  // Not a sliver of rounding.
+  // The polygons are no wider than `enough`, or a sliver within rounding.
   if (!(narrowest > std::max(enough, 0x1p-40 * (high - low).maxCoeff()))) return narrowest;
   const EdgeColumns columns(edges, low.x(), high.x());
   double work = 0.0;
@@ -181,7 +181,7 @@ double largest_disc(std::vector<Segment2> edges, double enough) {
       }
     }
   }
-  // No disc is wider than the narrower side of what they span.
+  // No disc is wider than the shorter side of the box around the edges.
   return std::min(2.0 * squares.top().most(), narrowest);
 }
 

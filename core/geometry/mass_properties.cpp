@@ -9,13 +9,13 @@ namespace hapton {
 
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) {
   if (!count_edges(mesh).closed()) return std::nullopt;
-  // Its volume would count as negative: the rest may have one above zero, and an inertia that no solid has.
+  // The volume of a body that is inside out would count as negative: the sum may be above zero, with an inertia that no solid has.
   if (count_closed_bodies(mesh).inside_out > 0) return std::nullopt;
   const MeshBounds bounds = compute_bounds(mesh);
   const Vec3 middle = bounds.centre();
 
-  // Of a tetrahedron with one corner at the origin and the others at a, b, c: volume det(a, b, c) / 6, first moment volume (a + b + c) / 4,
-  // second moment volume (a a' + b b' + c c' + s s') / 20 with s = a + b + c.
+  // A tetrahedron with one corner at the origin and the others at a, b, c has the volume det(a, b, c) / 6, the first moment volume (a + b +
+  // c) / 4, and the second moment volume (a a' + b b' + c c' + s s') / 20 with s = a + b + c.
   double volume = 0.0;
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
@@ -29,7 +29,7 @@ std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) 
     first += part / 4.0 * sum;
     second += part / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
   }
-  // What rounding may leave: each term is below extent^3, and takes fewer than eight roundings of 2^-53.
+  // The largest volume that may be rounding: each term is below extent^3, and takes fewer than eight roundings of 2^-53.
   const double rounding = 0x1p-50 * static_cast<double>(mesh.triangles.size()) * std::pow(bounds.extent(), 3);
   if (!(volume > rounding)) return std::nullopt;
 

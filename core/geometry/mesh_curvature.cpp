@@ -9,20 +9,20 @@
 namespace hapton {
 namespace {
 
-// Sums over the triangles round a vertex.
+// Sums over the triangles around a vertex.
 struct Ring {
   Vec3 laplacian = Vec3::Zero();  // sum of (cot a + cot b) (x - x_j)
   Vec3 normal = Vec3::Zero();     // area-weighted
-  double area = 0.0;              // mixed
+  double area = 0.0;              // mixed: of Voronoi cells, or of parts of obtuse triangles
 };
 
 void add_triangle(const TriangleMesh& mesh, const Triangle& triangle, std::vector<Ring>& rings) {
   const Vec3& a = mesh.vertices[triangle[0]];
-  const Vec3 normal = (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a);  // twice the area long
+  const Vec3 normal = (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a);  // its length is twice the area
   const double twice_area = normal.norm();
   if (!(twice_area > 0.0)) return;
   double cot[3];
-  double side_squared[3];  // opposite corner k
+  double side_squared[3];  // of the side opposite corner k
   int obtuse = -1;
   for (int k = 0; k < 3; ++k) {
     const Vec3& x = mesh.corner(static_cast<std::size_t>(&triangle - mesh.triangles.data()), k);
@@ -40,16 +40,16 @@ void add_triangle(const TriangleMesh& mesh, const Triangle& triangle, std::vecto
     const Vec3& x = mesh.vertices[triangle[k]];
     ring.laplacian += cot[last] * (x - mesh.vertices[triangle[next]]) + cot[next] * (x - mesh.vertices[triangle[last]]);
     ring.normal += normal;
-    // Voronoi area, or parts of the triangle where its circumcentre is outside.
+    // The Voronoi area, or a part of the triangle if its circumcentre is outside.
     ring.area += obtuse < 0    ? 0.125 * (side_squared[next] * cot[next] + side_squared[last] * cot[last])
                  : obtuse == k ? 0.25 * twice_area
                                : 0.125 * twice_area;
   }
 }
 
-// Of edges that are not between two triangles in opposite directions.
+// For each vertex, whether it is on an edge that is not shared by exactly two triangles, in opposite directions.
 std::vector<bool> find_open_vertices(const TriangleMesh& mesh) {
-  std::vector<std::pair<std::uint64_t, bool>> edges;  // ends, lower first; runs from the lower one
+  std::vector<std::pair<std::uint64_t, bool>> edges;  // the two ends, lower first; whether it runs from the lower one
   edges.reserve(3 * mesh.triangles.size());
   for (const Triangle& triangle : mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {

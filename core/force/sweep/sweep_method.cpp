@@ -152,7 +152,7 @@ void SweepMethod::test_triangle(const SweepLine& line, std::uint32_t triangle, D
     return;
   }
   ++counters_.collisions;
-  // The greatest depth beyond the collision point along the line is the first collision on it. Triangles that share the point (an edge, a
+  // The collision with the largest part of the line beyond it is the first one on the line. Triangles that share the point (an edge, a
   // vertex) are ordered by depth along the normal, then by number, so the order of the cells does not matter.
   const auto rank = [](const SweepCollision& c, std::uint32_t id) { return std::tuple(c.t, -c.depth, id); };
   if (!deepest.found || rank(collision, triangle) < rank(deepest.collision, deepest.triangle)) {
