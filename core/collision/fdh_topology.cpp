@@ -9,13 +9,13 @@
 namespace hapton {
 namespace {
 
-// Runs of this size and more are split along their widest axis only: a third of the work, and nearly always the same choice.
+// Ranges of this many items and more are split only along their widest axis: a third of the work, and nearly always the same cut.
 constexpr std::uint32_t kOneAxisFrom = 2048;
-// In the unit of the mesh, and a 1e-15th of the smallest mesh that a tree accepts. Below it the bins' scale (kBins over the extent) would
-// approach a float's largest number, 3.4e38, and a split gains nothing.
+// In the unit of the mesh: 1e-15 times the smallest extent of a mesh that a tree accepts. With a smaller extent of the centres, the scale
+// of the bins (kCutBins / extent) would approach the largest float, 3.4e38, and a split gains nothing.
 constexpr float kSmallestExtent = 1e-30F;
-// An axis thinner than this share of the widest is not worth a split: its centroids, each rounded to 2^-24 of the widest, have four bits
-// there.
+// An axis along which the centres extend by less than this share of the widest extent is not worth a split: the centres, each rounded to
+// 2^-24 of the widest extent, have only four bits along that axis.
 constexpr float kThinnestShare = 1e-6F;
 
 FloatBox box_of(const FdhItem& item) {
@@ -78,15 +78,15 @@ struct Builder {
     return cut.sides(range, static_cast<std::uint32_t>(middle - items.begin()), bins[cut.axis]);
   }
 
-  // Makes the node of a range of more than one leaf. Recursion: at most kMaxDepth deep.
+  // Makes the node of a range that does not fit into one leaf. Recursion: at most kMaxDepth deep.
   std::uint32_t make_node(const ItemRun& whole, int level) {
     const auto index = static_cast<std::uint32_t>(out.nodes.size());
     FdhTopology::Children nothing;
     nothing.fill(FdhTopology::kNothing);
     out.nodes.push_back(nothing);
     out.depth = std::max(out.depth, level);
-    // Halving reduces ceil(log2 n) = bit_width(n - 1) by one per level, so once that equals the levels left, halving ends in time; any
-    // other split leaves it unchanged at worst. At the root 28 <= kMaxDepth - 1, so it holds at every node.
+    // Halving reduces ceil(log2 n) = bit_width(n - 1) by at least one per level, so it ends in time if it begins when this number is the
+    // levels left. Other splits do not increase the number. At the root it is at most 28 <= kMaxDepth - 1, so it never exceeds them.
     const int levels_left = FdhTopology::kMaxDepth - level;
     const bool must_halve = static_cast<int>(std::bit_width(whole.size() - 1)) >= levels_left;
 

@@ -6,8 +6,8 @@
 namespace hapton {
 namespace {
 
-// Rounding bound of a plane's distance in TouchGeometry's local units, for a centre at most 2^6 units out: three products of a unit vector
-// and a length, each rounded by 2^-53, and their sums.
+// A bound on the rounding error of a distance from a plane, in TouchGeometry's local units, for a centre at most 2^6 units from the origin:
+// three products of a component of a unit vector and a length, each rounded by 2^-53, and their sums.
 constexpr double kRounding = 0x1p-44;
 
 using Lanes3 = std::array<Double4, 3>;
@@ -23,14 +23,14 @@ using Lanes3 = std::array<Double4, 3>;
   return {select(mask, set[0], clear[0]), select(mask, set[1], clear[1]), select(mask, set[2], clear[2])};
 }
 
-// 1 / x; for x too small for that, a large number.
+// 1 / x; if x is too small for that, a large finite number.
 [[gnu::always_inline]] inline Double4 inverse(const Double4& x) {
-  // Its inverse is finite; squares of edges on the grid are 2^-102 and more.
+  // The inverse of kMin is finite. Squared lengths of edges on the grid are 2^-102 or more.
   constexpr double kMin = 0x1p-900;
   return Double4(1.0) / max(Double4(kMin), x);
 }
 
-// The vector from the closest point of an edge to the query point. `from`: the same vector from the edge's start.
+// The vector from the closest point of an edge to the query point. `from`: the vector from the edge's start to the query point.
 [[gnu::always_inline]] inline Lanes3 from_edge(const Lanes3& from, const Lanes3& edge) {
   const Double4 at = min(Double4(1.0), max(Double4(0.0), dot(from, edge) * inverse(dot(edge, edge))));
   return {from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]};
@@ -56,7 +56,7 @@ void NearTriangles::bound(const Corners& corners, const Vec3& centre, Bounds& bo
   const Lanes3 ac = minus(corners.c, corners.a);
   const Lanes3 bp = minus(ap, ab);
   const Lanes3 bc = minus(ac, ab);
-  // From the three edges, and from the face, which is closest where the centre is inside the prism over it.
+  // away: the direction from the triangle's closest point, which is on an edge, or on the face if the centre is in the prism over it.
   Lanes3 away = from_edge(ap, ab);
   Double4 squared = dot(away, away);
   const auto take = [&](const Double4& mask, const Lanes3& other, const Double4& other_squared) {
@@ -75,13 +75,13 @@ void NearTriangles::bound(const Corners& corners, const Vec3& centre, Bounds& bo
   const Double4 sign = select(is_inside, select(dot(normal, ap) < zero, Double4(-1.0), one), one);
   const Double4 unit = sqrt(inverse(squared)) * sign;
   const Lanes3 u = {unit * away[0], unit * away[1], unit * away[2]};
-  // The support of the triangle along u, relative to corner a: zero, or one of the two edges.
+  // Minus the largest u . (x - corner a) over the points x of the triangle, which a corner reaches.
   const Double4 support = min(zero, min(zero - dot(u, ab), zero - dot(u, ac)));
   store(bounds.distance, dot(u, ap) + support - Double4(kRounding));
   for (std::size_t k = 0; k < 3; ++k) store(bounds.normal[k], u[k]);
 }
 
-// In batches, so that the memory of several triangles is prefetched at a time.
+// Works in batches, so that the memory of several triangles is prefetched at the same time.
 bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most) noexcept {
   geometry_ = &geometry;
   centre_ = centre;

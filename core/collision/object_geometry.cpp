@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kGrid = 0x1p-51;  // local units: two coordinates subtract exactly (decision 4)
+constexpr double kGrid = 0x1p-51;  // local units; the difference of two coordinates on this grid is exact (decision 4)
 
 Vec3 on_grid(const Vec3& p) { return (p / kGrid).array().round() * kGrid; }
 
@@ -89,10 +89,10 @@ ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
   return other;
 }
 
-// In [2, 4) doubles are the multiples of 2^-51.
+// Rounds to the grid: the doubles in [2, 4) are the multiples of 2^-51.
 void ObjectGeometry::move_vertex(std::uint32_t vertex, const Vec3& local) noexcept { vertices_[vertex] = (local.array() + 3.0) - 3.0; }
 
-// The margin of the search is above that of the pairs by far more than the trees' single precision, so no pair is missed.
+// The margin of the search exceeds that of the pair test by far more than the rounding of single-precision trees, so no pair is missed.
 std::vector<std::uint32_t> ObjectGeometry::find_near(const ObjectGeometry& other, const Box& bounds) const {
   constexpr double kTreeRounding = 0x1p-18;  // 64 times the 2^-24 of single precision
   std::vector<std::uint32_t> near;

@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// An object without bounds also gets a leaf, in the middle of the others, which is then emptied.
+// An object whose box is empty also gets a leaf, in the middle of the others; afterwards its box in the tree is made empty.
 ObjectHierarchy::ObjectHierarchy(std::span<const Box> bounds) : bounds_(bounds.begin(), bounds.end()) {
   Box all;
   for (const Box& box : bounds_) all.grow(box);

@@ -9,9 +9,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kBoxRoom = 0x1p-40;  // local units; a share at the boundary of two parts may be rounded to either
+constexpr double kBoxRoom = 0x1p-40;  // local units; rounding may put a share at the boundary of two parts into either
 
-// As ObjectGeometry::move_vertex does it: two such coordinates subtract exactly.
+// Rounds as ObjectGeometry::move_vertex does; the difference of two such coordinates is exact.
 double to_grid(double local) { return std::ldexp(std::rint(std::ldexp(local, 51)), -51); }
 
 }  // namespace
@@ -68,7 +68,7 @@ Result<void> ShapeStager::check(std::span<const Vec3> from, std::span<const Vec3
   return check_shape(shape, frame_, "half-way");
 }
 
-// As DeformingGeometry: so many that vertices move by less than half an edge in each.
+// The number of parts, as in DeformingGeometry: vertices move by at most half a mean edge in each, if kMaxTrees parts suffice for that.
 std::size_t ShapeStager::choose_count(double most_m) const {
   const double wanted = mean_edge_m_ > 0.0 ? std::ceil(2.0 * most_m / mean_edge_m_) : 1.0;
   return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxTrees)));
@@ -82,7 +82,7 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
   stage->from = to_local(from);
   stage->motion = to_local(to);
   for (std::size_t i = 0; i < stage->motion.size(); ++i) stage->motion[i] -= stage->from[i];
-  // The grid moves an end by less than this.
+  // Rounding both ends of a motion to the grid lengthens the motion by less than this.
   const double rounding_m = 0x1p-49 * frame_.unit_m;
   for (std::size_t v = 0; v < to.size(); ++v) stage->most_m = std::max(stage->most_m, (to[v] - from[v]).norm());
   if (stage->most_m > 0.0) stage->most_m += rounding_m;
@@ -97,7 +97,7 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
     const double end = static_cast<double>(part + 1) / static_cast<double>(count);
     WideBvh tree = tree_;
     tree.refit_all([&](std::size_t t) {
-      Box box;  // vertices move straight
+      Box box;  // enough for all times of the part: vertices move straight
       for (const std::uint32_t vertex : triangles_[t]) {
         box.grow(corner_at(vertex, begin));
         box.grow(corner_at(vertex, end));
@@ -115,7 +115,7 @@ StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<Shap
   shape(0.0);
 }
 
-// The oldest that is used no more.
+// Takes the oldest stage that is no longer used.
 std::unique_ptr<ShapeStage> StreamedGeometry::take_used() noexcept {
   if (used_count_ == 0) return std::move(ended_.stage);
   auto oldest = std::move(used_[0]);
@@ -153,7 +153,7 @@ double StreamedGeometry::travel_to(double time_s) const noexcept {
   return std::fabs(found.travelled_m + found.timed.share_at(time_s) * found.timed.stage->most_m - shaped_at_m_);
 }
 
-// Pre: one waits.
+// Pre: at least one stage waits.
 void StreamedGeometry::advance() noexcept {
   ObjectGeometry& object = geometry_.deforming_object();
   object.swap_tree(present_.stage->trees[part_]);

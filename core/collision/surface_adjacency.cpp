@@ -23,7 +23,7 @@ Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The height of a triangle over its longest edge is at least kMinHeight, far above the rounding of a plain cross product.
+// Whether the height of a triangle over its longest edge is at least kMinHeight. A plain cross product decides if it is 4 times that or more.
 bool is_high(const Corners& c) {
   const Vec3 ab = c[1] - c[0];
   const Vec3 ac = c[2] - c[0];
@@ -42,7 +42,7 @@ bool is_beyond(const Vec3& normal, const Vec3& at, const Corners& b, double marg
   return (h0 > least && h1 > least && h2 > least) || (h0 < -least && h1 < -least && h2 < -least);
 }
 
-// Whether a plane of triangle a separates b from it: its own plane, or one through an edge.
+// Whether a plane separates triangle b from a by more than `margin`: the plane of a, or one through an edge of a at a right angle to a.
 bool parts(const Corners& a, const Corners& b, double margin) {
   const Vec3 normal = accurate_cross(a[1] - a[0], a[2] - a[0]);
   if (is_beyond(normal, a[0], b, margin)) return true;
@@ -68,7 +68,7 @@ double segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3&
   return (r + s * u - t * v).norm();
 }
 
-// The sector between two edges from an apex at zero.
+// The sector between two edges from an apex at the origin.
 struct Sector {
   std::array<Vec3, 2> edge;
   Vec3 normal;
@@ -88,7 +88,7 @@ bool is_off(const Sector& sector, const Vec3& v) {
                      [&](const Vec3& edge) { return edge.dot(v) < 0.0 || edge.cross(v).norm() > kAngle * length * edge.norm(); });
 }
 
-// Whether two sectors with a common apex are farther apart than kMinAngle elsewhere: no edge of one is near the other, and they do not
+// Whether two sectors with a common apex are more than kMinAngle apart as seen from it: no edge of one is near the other, and they do not
 // intersect.
 bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3, 2>& edges_b) {
   const Sector a(edges_a[0], edges_a[1]);
@@ -100,7 +100,7 @@ bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3
   return !(a.is_over(line) && b.is_over(line)) && !(a.is_over(-line) && b.is_over(-line));
 }
 
-// Whether the angle between two triangles at their common edge is zero.
+// Whether the angle between two triangles at their common edge is at most kMinAngle.
 bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
   const Vec3 a = edge.cross(to_a);
   const Vec3 b = edge.cross(to_b);
@@ -134,7 +134,7 @@ bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const T
       ++shared;
     }
   }
-  if (shared > 0 && (repeats_vertex(s) || repeats_vertex(t))) return false;  // what sticks out there is no sector
+  if (shared > 0 && (repeats_vertex(s) || repeats_vertex(t))) return false;  // such a triangle forms no sector at its vertices
   if (shared == 3) return false;
   if (shared == 0) return are_apart(corners_of(vertices, s), corners_of(vertices, t), margin);
   const Vec3& apex = vertices[s[in_s[0]]];
@@ -150,7 +150,7 @@ bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const T
 
 namespace {
 
-// Pairs the half edges that share their upper vertex with at most one other.
+// Pairs each half edge that shares its upper vertex with at most one other of the list: with that one, or else with itself.
 template <class Pair>
 void pair_sorted(std::span<const std::uint32_t> high, std::span<const std::uint32_t> codes, std::size_t count, Pair&& pair) {
   std::vector<std::uint32_t> order(count);
@@ -170,8 +170,8 @@ SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Tri
   pair_edges(vertex_count, triangles);
 }
 
-// Half edges are listed by their lower vertex; among those of one vertex, the few with the same upper vertex are found. A list uses the
-// slots of the half edges' neighbours until those are known.
+// There is a list of half edges for each lower vertex; within a list, those with the same upper vertex are found. The links of a list are
+// stored in the slots for the half edges' neighbours until these are known.
 void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
   const auto place = [&](std::uint32_t code) -> std::uint32_t& { return sides_[code >> 3].adjacent[code >> 1 & 3U]; };
   LargeVector<std::uint32_t> last(vertex_count, kNone);
@@ -185,12 +185,12 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
       place(code) = std::exchange(last[std::min(from, to)], code);
     }
   }
-  // A half edge alone is its own partner.
+  // A half edge that is alone at its edge is its own partner.
   const auto pair = [&](std::uint32_t code, std::uint32_t other) {
     const bool flips = code == other || ((code ^ other) & 1U) == 0;
     place(code) = (other & ~1U) | (flips ? 1U : 0U);
   };
-  std::vector<std::uint32_t> high;  // of each half edge of a list, padded to a multiple of eight
+  std::vector<std::uint32_t> high;  // upper vertex of each half edge of a list, with room to read in eights
   std::vector<std::uint32_t> codes;
   for (std::size_t v = 0; v < vertex_count; ++v) {
     std::size_t count = 0;
@@ -229,7 +229,7 @@ std::size_t SurfaceAdjacency::walkable_count() const {
   return static_cast<std::size_t>(std::count_if(sides_.begin(), sides_.end(), [](const Sides& sides) { return sides.is_walkable != 0; }));
 }
 
-// Goes round a vertex from side to side, always over the edge that was not the entry. An open fan is traversed on both sides.
+// Goes round a vertex from side to side, each time across the edge that it did not enter by. An open fan is traversed on both sides.
 bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const {
   const std::uint32_t vertex = triangles[start][corner];
   std::uint32_t t = start;
@@ -248,13 +248,13 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
   return false;
 }
 
-// Finds even fans. The axis is the sum of the normals at the vertex: each normal is within 60 degrees of it, each triangle spans more than
-// kMinAngle about it, and all together go round once. So there is only one fan, and the sectors of its triangles do not overlap. Each
-// triangle adds its part, in any order; full turns are counted where they cross a half-plane that contains the axis. An edge gives both its
-// triangles the same numbers. Other fans are marked `broken`.
+// Finds even fans (Fan::even). The axis of a fan is the sum of the normals at its vertex. In an even fan each normal is within 60 degrees
+// of the axis, each triangle spans more than kMinAngle about it, and the triangles together go round it once. So there is only one fan, and
+// the sectors of its triangles do not overlap. Each triangle adds its part, in any order; full turns are counted where triangles cross a
+// half-plane that contains the axis. Both triangles at an edge compute the same numbers for it. Marks other fans as `broken`.
 SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
   struct Round {
-    Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any axis will do if it is the same for all
+    Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // may be rounded: all triangles at the vertex use the same
     std::uint16_t valence = 0;
     std::uint16_t turns = 0;
     bool is_even = true;
@@ -290,12 +290,12 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> ve
       const double along = axis.dot(normal);
       const double least = std::max(least_lean, kMin * kMin * squared[k] * squared[before]);
       round.is_even = round.is_even && along > 0.0 && along * along > least * axis.squaredNorm();
-      // Along the cross product of the axis and the coordinate axis that it deviates from most, of two, so that all triangles choose alike.
+      // side: the component along axis x X or axis x Y, with X or Y, whichever is farther from the axis: all triangles choose alike.
       const bool leans_from_x = std::fabs(axis.x()) <= std::fabs(axis.y());
       const auto side = [&](const Vec3& e) {
         return leans_from_x ? axis.z() * e.y() - axis.y() * e.z() : axis.x() * e.z() - axis.z() * e.x();
       };
-      // Both triangles at an edge take it from the vertex outwards.
+      // Both triangles at an edge use its direction from the vertex outwards.
       if (side(edge[k]) < 0.0 && side(-edge[before]) >= 0.0) ++round.turns;
     }
   }
@@ -322,14 +322,14 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_fans(std::span<const Vec3> vertice
     for (int c = 0; c < 3; ++c) {
       std::uint32_t& count = valence[triangles[start][c]];
       if (count > 0 && count <= kMaxValence && is_whole_fan(triangles, start, c, count)) fans[triangles[start][c]] = Fan::whole;
-      count = 0;  // each vertex once
+      count = 0;  // each vertex is visited once
     }
   }
   return found;
 }
 
-// Marks the triangles of large fans. Those of each that is not even are compared, and need no further test with each other. Returns the
-// number of tests.
+// Marks the triangles of large fans. In each large fan that is not even, compares the triangles with each other, so that they need no
+// further test. Returns the number of tests.
 std::size_t SurfaceAdjacency::compare_in_large_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles, double margin,
                                                     Fans& fans) {
   has_large_fans_ = !fans.large.empty();
@@ -362,11 +362,11 @@ void SurfaceAdjacency::note_large_fan(std::uint32_t vertex, std::span<const std:
   }
 }
 
-// A closed fan that goes round once is convex if it is at each of its edges.
+// A closed fan that goes round once is convex if it is convex at each of its edges.
 void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
                                        std::span<const Triangle> triangles) {
-  constexpr double kRounding = 0x1p-49;  // of a height: four times the grid of coordinates
-  // The corner of one in several fans is that of another.
+  constexpr double kRounding = 0x1p-49;  // rounding of a height: four times the grid of coordinates
+  // In a triangle that is in several large fans, the stored corner may be that of another fan.
   if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return (sides_[t].fan & kSeveral) != 0; })) return;
   bool is_front = true;
   bool is_back = true;
@@ -383,7 +383,7 @@ void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, st
   for (const std::uint32_t t : around) sides_[t].fan = static_cast<std::uint16_t>(sides_[t].fan | convex);
 }
 
-// Triangles whose sectors at the vertex are certainly apart are walkable beside each other, except where one repeats a vertex.
+// Two triangles whose sectors at the vertex are certainly apart leave each other walkable, unless one of them repeats a vertex.
 std::size_t SurfaceAdjacency::compare_at(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
                                          std::span<const Triangle> triangles, double margin) {
   const auto is_any = [&](auto&& is) { return std::any_of(around.begin(), around.end(), is); };
@@ -423,7 +423,7 @@ std::size_t SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std:
   }
   std::size_t tests = compare_in_large_fans(vertices, triangles, margin, found);
   const auto has_settled = [&](std::uint32_t v) { return fans[v] == Fan::even || fans[v] == Fan::compared; };
-  // Triangles with a common vertex that has an even fan need no test: that fan contains both.
+  // Triangles with a common vertex need no test if its fan is even, as those of an even fan are apart, or if its triangles were compared.
   BeyondPlane beyond(vertices, triangles);
   std::array<std::uint32_t, WideBvh::kWidth> item;
   struct Corners8 {

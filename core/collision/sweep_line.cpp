@@ -29,8 +29,8 @@ SweepOutcome compute_collision(const SweepLine& line, const TrianglePlane& plane
   const double t = height_from / drop;
   const Vec3 along = to - from;
   const Vec3 meet = from + t * along;
-  // Rounding: a height is a sum of three products and has an error of at most 4 epsilon of its terms, so t is uncertain by the heights'
-  // error over the drop, and the point by that share of the line, plus 4 epsilon of its own terms.
+  // Rounding: a height is a sum of three products, with an error of at most 4 epsilon times its terms. So the error of t is that of the
+  // heights divided by the drop; the error of the point is this share of the line, plus 4 epsilon times the point's own terms.
   const double scale = plane.extent + from.cwiseAbs().sum() + to.cwiseAbs().sum();
   const double rounding = 8.0 * kEpsilon * scale;
   const double along_error = std::min(1.0, rounding / std::abs(drop));

@@ -28,9 +28,9 @@ bool encloses(const Box& box, const std::vector<std::shared_ptr<const TriangleMe
          std::all_of(meshes.begin(), meshes.end(), [&](const auto& mesh) { return std::ranges::all_of(mesh->vertices, has); });
 }
 
-constexpr int kMaxBits = 28;  // for a triangle's number: SurfaceAdjacency packs it, an edge and a side into 32 bits
+constexpr int kMaxBits = 28;  // of a triangle's number: SurfaceAdjacency packs it with an edge and a side into 32 bits
 
-// Bits for twice the number of triangles, if there are enough: to seal cracks splits triangles (ObjectGeometry::make).
+// The bits for twice the number of triangles, if so many are free: sealing cracks splits triangles (ObjectGeometry::make).
 int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   const int bits = static_cast<int>(std::bit_width(most_triangles_of(meshes)));
   const bool has_room = bits < kMaxBits && meshes.size() <= (std::size_t{1} << (31 - bits));
@@ -171,7 +171,7 @@ void TouchGeometry::mark_unwalkable_near_others(std::uint32_t object) {
 }
 
 void TouchGeometry::clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept {
-  constexpr double kRounding = 0x1p-40;  // far above the rounding of a quotient: a longer part of the motion is searched
+  constexpr double kRounding = 0x1p-40;  // far above the rounding of a quotient: a slightly longer part of the motion is searched
   for (int k = 0; k < 3; ++k) {
     if (motion[k] == 0.0) continue;
     const double a = (box.low[k] - p[k]) / motion[k];
@@ -192,8 +192,8 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
   const bool none_below = ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
   const bool none_above = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
   if (!none_below && !none_above) return {};
-  // From exact determinants, not from side_p and side_q: the parameter must be accurate even if both ends are near the plane, because the
-  // order in which a segment passes two triangles decides on which side it arrives.
+  // The parameter comes from exact determinants, not from side_p and side_q. It must be accurate even if both ends are near the plane,
+  // because the order in which a segment passes two triangles decides on which side it arrives.
   const double from = orient3d(a, b, c, p);
   const double to = orient3d(a, b, c, q);
   return {from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0, side_p < 0.0};
@@ -248,7 +248,7 @@ void TouchGeometry::activate(const Vec3& p) noexcept {
 }
 
 // Finds how far p may move until an object that was not requested yet comes within reach (`range`, or the object's size if that is more).
-// The search uses bounds that are grown by each object's size, so that its distances are no larger than those.
+// The search visits boxes grown by each object's size: their distances are at most those of the objects less their sizes.
 void TouchGeometry::find_unrequested(const Vec3& p, double range) noexcept {
   searched_from_ = p;
   searched_range_ = range;

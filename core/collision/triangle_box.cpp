@@ -31,7 +31,7 @@ bool may_touch(const std::array<Vec3, 3>& triangle, const Vec3& box_low, const V
       return false;
     }
   }
-  // From the given corners, not the moved ones: each edge is then correct to its last bit, however short.
+  // The edges come from the given corners, not from the moved ones: each edge is then correct to its last bit, however short.
   const std::array<Vec3, 3> edges = {triangle[1] - triangle[0], triangle[2] - triangle[1], triangle[0] - triangle[2]};
   for (const Vec3& edge : edges) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -41,7 +41,7 @@ bool may_touch(const std::array<Vec3, 3>& triangle, const Vec3& box_low, const V
       }
     }
   }
-  // The normal has its own rounding, of the size of the edges' product, which the bound on its dot product must include.
+  // The normal has rounding errors of its own, in proportion to both edges; the bound on its dot product must include them.
   const Vec3 normal = edges[0].cross(edges[1]);
   const double edge_size = edges[0].cwiseAbs().sum() * edges[1].cwiseAbs().sum();
   const double height = normal.dot(corners[0]);

@@ -10,14 +10,14 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// One triangle relative to the other's plane, rotated so that corner 0 is strictly the highest or strictly the lowest.
+// A triangle and its heights over another's plane, renumbered in cycle so that corner 0 is strictly the highest or strictly the lowest.
 struct Turned {
   Corners corner;
-  std::array<double, 3> height;  // times twice the other's area, > 0 on the side of its normal
+  std::array<double, 3> height;  // times twice the other's area; > 0 on the side of the other's normal
   bool on_top = false;           // corner 0 is the highest
 };
 
-// orient3d of the plane with each corner; its first stage shares what the three have in common.
+// orient3d of the plane and each corner; the first stage, which may be inexact, computes the plane's normal once for all three corners.
 std::array<double, 3> heights_over(const Corners& plane, const Corners& corner) {
   const Vec3 u = plane[1] - plane[0];
   const Vec3 v = plane[2] - plane[0];
@@ -41,7 +41,7 @@ bool is_all_zero(const std::array<double, 3>& height) { return height[0] == 0.0 
 
 int sign_of(double x) { return x > 0.0 ? 1 : x < 0.0 ? -1 : 0; }
 
-// Pre: the signs differ, so one corner is alone on its side.
+// Pre: not all signs are equal, so the sign of one corner is strictly above or strictly below those of the other two.
 Turned turn(const Corners& corner, const std::array<double, 3>& height) {
   const std::array<int, 3> s = {sign_of(height[0]), sign_of(height[1]), sign_of(height[2])};
   int first = 0;
@@ -61,7 +61,7 @@ Turned turn(const Corners& corner, const std::array<double, 3>& height) {
   return {{corner[first], corner[second], corner[third]}, {height[first], height[second], height[third]}, on_top};
 }
 
-// Where the edge from corner 0 to corner i crosses the other's plane. Exact at a corner that lies in it.
+// Where the edge from corner 0 to corner i crosses the other triangle's plane. Exact if one of these corners lies in that plane.
 Vec3 pierce(const Turned& t, int i) {
   if (t.height[i] == 0.0) return t.corner[i];
   return t.corner[0] + t.height[0] / (t.height[0] - t.height[i]) * (t.corner[i] - t.corner[0]);
@@ -80,7 +80,7 @@ double shadow_area(const Vec3& p, const Vec3& q, const Vec3& r, int axis) {
   return orient3d(a, b, c, above);
 }
 
-// The axis along which the triangle's projection has an area, -1 for none.
+// An axis along which the projection of the triangle has an area. -1: there is none, because the triangle is degenerate.
 int find_shadow_axis(const Corners& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]).cwiseAbs();
   std::array<int, 3> axes = {0, 1, 2};
@@ -150,10 +150,10 @@ TriangleContact intersect_coplanar(const Corners& a, const Corners& b, int axis)
 
 }  // namespace
 
-// With u an edge of a from its corner 0 and v one of b, p and q where they cross the other's plane, and D = normal(a) x normal(b): det(u,
-// b0 - a0, v) = (q - p) . (v x u), and since u lies in a's plane and v in b's, D . (v x u) = (v . normal(a)) (u . normal(b)). So the sign
-// of that determinant tells which of p and q comes first along D, reversed once for each triangle whose corner 0 is the lowest. Along D a
-// triangle's two crossing points come in the order of its corners 2, 1 if a is on top and 1, 2 if b is on top.
+// Let u be an edge of a from its corner 0, v one of b, p and q the points where u and v cross the other's plane, and D = normal(a) x
+// normal(b). Then det(u, b0 - a0, v) = (q - p) . (v x u), and D . (v x u) = (v . normal(a)) (u . normal(b)), as u lies in a's plane and v
+// in b's. So the sign of det tells which of p and q comes first along D, reversed once for each triangle whose corner 0 is the lowest. Along D a
+// triangle's crossing points, on its edges to corners 1 and 2, come in the order 2, 1 if a is on top, and 1, 2 if b is on top.
 TriangleContact intersect_triangles(const TrianglePair& pair) noexcept {
   const std::array<double, 3> over_b = heights_over(pair.b, pair.a);
   if (is_beside(over_b)) return {};

@@ -6,11 +6,11 @@
 //
 // Corners have an error of u times their length, which `bound` limits; a difference of two, rounded again, has an error of eta = 4 u bound.
 // A determinant whose rows have lengths up to k, l and m then has an error of at most
-//   eta (k l + k m + l m)  for its rows (Hadamard), with k, l, m one eta longer, which covers the products of errors, and
-//   5 u k l m              for its arithmetic: a component of a cross product fma(a, b, -(c d)) has an error of u (|c d| + |a b - c d|),
+//   eta (k l + k m + l m)  from its rows (Hadamard), with k, l, m one eta longer to cover the products of errors, and
+//   5 u k l m              from its arithmetic: a component of a cross product fma(a, b, -(c d)) has an error of u (|c d| + |a b - c d|),
 //                          together 2 u k l, times m; three roundings in the dot product, 3 u k l m.
-// A crossing point base + t dir with t = d0 / (d0 - d1), both heights with an error of E: t has an error of E / |d0 - d1| (exactly so, with
-// the computed denominator) and 3 u; dir of eta, base of u bound, the sum of u bound.
+// A crossing point is base + t dir with t = d0 / (d0 - d1), both heights d with an error of E. The error of t is E / |d0 - d1| (exactly
+// so, with the computed denominator) plus 3 u, that of dir is eta, that of base u bound; the sum adds another u bound.
 
 namespace hapton {
 namespace {
@@ -34,13 +34,13 @@ Float8 dot(const Vec8& a, const Vec8& b) { return fma(a.z, b.z, fma(a.y, b.y, a.
 Vec8 cross(const Vec8& a, const Vec8& b) { return {fms(a.y, b.z, a.z * b.y), fms(a.z, b.x, a.x * b.z), fms(a.x, b.y, a.y * b.x)}; }
 Float8 squared(const Vec8& a) { return dot(a, a); }
 
-// other where the mask's sign bit is set.
+// `other` in the lanes where the sign bit of the mask is set, `one` in the others.
 Float8 choose(Float8 one, Float8 other, Float8 mask) { return select(mask, other, one); }
 Vec8 choose(const Vec8& one, const Vec8& other, Float8 mask) {
   return {choose(one.x, other.x, mask), choose(one.y, other.y, mask), choose(one.z, other.z, mask)};
 }
 
-// Rotated so that the corner alone on its side comes first.
+// A triangle, renumbered in cycle so that the corner that is alone on its side of the other triangle's plane comes first.
 struct Turned8 {
   Vec8 first, second, third;
   Float8 height[3];
@@ -60,7 +60,7 @@ Turned8 turn(const Vec8 corner[3], const Float8 height[3]) {
           {pick(height[0], height[1], height[2]), pick(height[1], height[2], height[0]), pick(height[2], height[0], height[1])}};
 }
 
-// The bound on a determinant's error, above, including the rounding of the bound itself. Pre: k, l, m already one eta longer.
+// The bound on a determinant's error (top of this file), with the rounding of the bound itself. Pre: k, l, m are already one eta longer.
 Float8 determinant_error(Float8 eta, Float8 k, Float8 l, Float8 m) {
   const Float8 pairs = k * l + m * (k + l);
   return 1.01F * eta * pairs + 5.1F * 0x1p-24F * k * (l * m);
@@ -115,7 +115,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Float8 k = edge_a + two_eta;
   const Float8 l = edge_b + two_eta;
   const Float8 between = sqrt(squared(minus(b[0], a[0]))) + two_eta;
-  const Float8 error_a = determinant_error(eta, l, l, between + k);  // of a's heights over b
+  const Float8 error_a = determinant_error(eta, l, l, between + k);  // bounds the error of a's heights over b's plane
   const Float8 error_b = determinant_error(eta, k, k, between + l);
 
   const Heights over_b = heights_over(cross(de, df), b[0], a, error_a);
@@ -123,8 +123,8 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Turned8 p = turn(a, over_b.height);
   const Turned8 q = turn(b, over_a.height);
 
-  // Along D a triangle's crossing points come in the order third, second corner if a is on top and second, third if b is on top.
-  const Float8 a_below = p.height[0];  // sign bit: the first corner is the lowest
+  // Along D (see intersect_triangles) the crossing points come in the order a's third, second corner if a is on top; b's in the reverse.
+  const Float8 a_below = p.height[0];  // sign bit set: the first corner is the lowest
   const Float8 b_below = q.height[0];
   const Vec8 low_a = minus(choose(p.third, p.second, a_below), p.first);
   const Vec8 high_a = minus(choose(p.second, p.third, a_below), p.first);
@@ -134,7 +134,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 low_turn = cross(low_a, firsts);
   const Vec8 high_turn = cross(high_a, firsts);
   const Float8 turned = (a_below ^ b_below) & kSign;
-  // > 0: b's crossing point is later than a's.
+  // > 0: b's crossing point comes later along D than a's.
   const Float8 low_high = dot(high_b, low_turn) ^ turned;
   const Float8 high_low = dot(low_b, high_turn) ^ turned;
   const Float8 low_low = dot(low_b, low_turn) ^ turned;
@@ -145,7 +145,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Float8 heights_clear = over_b.all_clear & over_a.all_clear;
   const Float8 clear = (least_order > order_error) & heights_clear;
 
-  // begin: the later of the low ends; end: the earlier of the high ones. Masks by sign bit.
+  // begin: the later of the two low ends; end: the earlier of the two high ends. The sign bits of these masks select b's.
   const Float8 begin_on_b = low_low ^ kSign;
   const Float8 end_on_b = high_high;
   const Float8 low_height_a = choose(p.height[2], p.height[1], a_below);
@@ -159,7 +159,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
       pierce(choose(p.first, q.first, end_on_b), choose(high_a, high_b, end_on_b), choose(p.height[0], q.height[0], end_on_b),
              choose(high_height_a, high_height_b, end_on_b), choose(error_a, error_b, end_on_b));
   const Float8 shift = max(k, l) * (max(begin.loose, end.loose) + 4.0F * 0x1p-24F) + 8.0F * 0x1p-24F * bound;
-  const Float8 error = 1.75F * shift;  // sqrt(3): of components to length
+  const Float8 error = 1.75F * shift;  // above sqrt(3): from the error of a component to that of the length
   const Float8 located = 0.00099F * min(edge_a, edge_b) > error;
 
   const Float8 beside = over_b.beside | over_a.beside;

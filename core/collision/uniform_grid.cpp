@@ -34,8 +34,8 @@ Result<void> check(std::size_t triangles, const std::array<int, 3>& division) {
 
 }  // namespace
 
-// Monotonic in x even with rounding (difference, product with a positive number and floor all are), so a point between two others never
-// falls into a cell outside of theirs. Where there is one cell the product may be that of infinity and zero.
+// The result is monotonic in x even with rounding (a difference, a product with a positive number and floor all are), so a point between
+// two others never falls outside the range of their cells. With a single cell, the product could be infinity times zero.
 int UniformGrid::cell_along(int axis, double x) const noexcept {
   if (division_[axis] == 1) return 0;
   const double cell = std::floor((x - low_[axis]) * cells_per_metre_[axis]);
@@ -44,7 +44,7 @@ int UniformGrid::cell_along(int axis, double x) const noexcept {
 
 CellBox UniformGrid::find_cells(const Vec3& low, const Vec3& high) const noexcept {
   CellBox box;
-  if (!((high.array() >= low_.array()).all() && (low.array() <= high_.array()).all())) {  // also where one is NaN
+  if (!((high.array() >= low_.array()).all() && (low.array() <= high_.array()).all())) {  // also if a coordinate is NaN
     return box;
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +54,7 @@ CellBox UniformGrid::find_cells(const Vec3& low, const Vec3& high) const noexcep
   return box;
 }
 
-// local: relative to the grid's corner, where the cells' limits are simple products.
+// local: the triangle relative to the grid's lowest corner, so that the limits of cells are simple products.
 bool UniformGrid::may_touch_cells(const std::array<Vec3, 3>& local, const CellBox& box) noexcept {
   ++work_;
   // How far a point may be outside of its cell's nominal limits because cell_along rounds.
@@ -72,7 +72,7 @@ void UniformGrid::for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& vis
   for_each_touched(local, box, visit);
 }
 
-// Halves the box along its longest side, and leaves out the halves that the triangle does not touch: what they contain it touches neither.
+// Halves the box along its longest side, and leaves out a half that the triangle does not touch: it touches no cell of that half.
 template <class Visit>
 void UniformGrid::for_each_touched(const std::array<Vec3, 3>& local, const CellBox& box, Visit& visit) {
   std::size_t axis = 0;

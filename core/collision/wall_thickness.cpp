@@ -7,10 +7,10 @@
 namespace hapton {
 namespace {
 
-// Two faces nearer than this share of the mesh's extent lie in one place: coordinates of mesh files are often single precision, of 24 bits.
+// Two faces nearer than this share of the mesh's extent count as one: coordinates of mesh files are often single precision, of 24 bits.
 constexpr double kSamePlace = 0x1p-20;
-// A ray meets a triangle up to this share of its size beyond its edges, so that none slips between two neighbours: the barycentric
-// coordinates are wrong by a few 2^-52 times the aspect ratio, so this holds for triangles up to a million times as long as high.
+// A ray also meets a triangle that it passes by up to this share of the triangle's size, so that none slips between two neighbours. The
+// error of barycentric coordinates is a few 2^-52 times the aspect ratio, so triangles may be a million times as long as high.
 constexpr double kBeyondEdge = 0x1p-30;
 
 bool share_vertex(const Triangle& s, const Triangle& t) {
@@ -20,7 +20,7 @@ bool share_vertex(const Triangle& s, const Triangle& t) {
   return false;
 }
 
-// Rays through the walls of one mesh, in coordinates of about 1 as the tree wants them.
+// Rays through the walls of one mesh. The tree is in coordinates of about 1, as it requires.
 class WallRays {
  public:
   explicit WallRays(const TriangleMesh& mesh)
@@ -34,7 +34,7 @@ class WallRays {
     return length > 0.0 ? Vec3(across / length) : Vec3(Vec3::Zero());
   }
 
-  // Thickness behind that point of a triangle, below width. Nothing: no wall, or a thicker one.
+  // The thickness of the wall behind the point p of triangle `from`, if it is less than width. Nothing: there is no wall, or a thicker one.
   std::optional<double> measure(std::uint32_t from, const Vec3& p, const Vec3& inward, double width) const {
     double nearest = width;
     std::uint32_t met = from;
@@ -65,7 +65,7 @@ class WallRays {
 
 }  // namespace
 
-// Möller & Trumbore (1997), with edges a little wider.
+// Möller & Trumbore (1997), with the edges moved outwards by kBeyondEdge.
 std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double most, const Vec3& a, const Vec3& b,
                                    const Vec3& c) noexcept {
   const Vec3 ab = b - a;
@@ -87,7 +87,7 @@ ThinWalls find_thin_walls(const TriangleMesh& mesh, double width) {
   if (mesh.triangles.empty()) return found;
   const WallRays rays(mesh);
   if (!(rays.extent() > 0.0)) return found;
-  // A ray longer than the mesh meets nothing more.
+  // At twice the extent, every ray has left the mesh.
   const double longest = std::min(width, 2.0 * rays.extent());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 normal = rays.normal(t);

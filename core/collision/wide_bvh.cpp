@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// An item's box; the item's number is stored in the unused fourth lane of low, encoded so that it is as fast to add as others.
+// An item's box. The unused fourth lane of `low` holds the item's number, encoded so that it is never subnormal and so not slow to add.
 struct Item {
   static constexpr std::uint32_t kNotSubnormal = 0x40000000U;
   FloatBox box;
@@ -25,9 +25,9 @@ Item make_item(const Box& box, std::uint32_t id) {
   return item;
 }
 
-constexpr std::uint32_t kFew = 64;  // items that fill one level of nodes
+constexpr std::uint32_t kFew = 64;  // items that fill a whole level of eight nodes
 static_assert(kFew == WideBvh::kWidth * WideBvh::kWidth);
-// Of larger runs the widest axis is nearly always the best, at a third of the work.
+// In larger runs only the widest axis is tried: it is nearly always the best, and this takes a third of the work.
 constexpr std::uint32_t kOneAxisAbove = 512;
 
 }  // namespace
@@ -43,7 +43,7 @@ struct WideBvh::Builder {
     return range;
   }
 
-  // Splits off a given number of items, which bounds the depth for any geometry.
+  // Splits off the first `count` items along the axis, which bounds the depth for any geometry.
   std::pair<ItemRun, ItemRun> split_off(const ItemRun& range, int axis, std::uint32_t count) {
     const std::uint32_t middle = range.begin + count;
     if (range.size() <= kFew) {
@@ -55,27 +55,27 @@ struct WideBvh::Builder {
     return {range_of(range.begin, middle), range_of(middle, range.end)};
   }
 
-  // Moves the `count` items that come first along the axis before the others, otherwise in order. Each item's rank is counted with eight
-  // comparisons at a time, without branches.
+  // Moves the `count` items that come first along the axis in front of the others; within both groups the order stays as it is. Each item's
+  // rank is counted with eight comparisons at a time, without branches.
   void part_few(const ItemRun& range, int axis, std::uint32_t count) {
     alignas(32) std::array<float, kFew> centres;
     centres.fill(std::numeric_limits<float>::infinity());
     const std::uint32_t size = range.size();
     for (std::uint32_t i = 0; i < size; ++i) centres[i] = items[range.begin + i].twice_centre(axis);
-    std::array<std::uint32_t, kFew> before;  // how many come before this one
+    std::array<std::uint32_t, kFew> before;  // for each item, how many come before it
     std::uint32_t candidates = 0;
-    float last = std::numeric_limits<float>::lowest();  // of those with fewer than `count` before them
+    float last = std::numeric_limits<float>::lowest();  // largest centre of the items with fewer than `count` before them
     for (std::uint32_t i = 0; i < size; ++i) {
       const Float8 own = Float8(centres[i]);
       Uint32x8 less = Uint32x8(0U);
       for (std::uint32_t j = 0; j < size; j += 8) {
         less = less + as_words(Float8::load(&centres[j]) < own);
       }
-      before[i] = 0U - sum(less);  // each is -1
+      before[i] = 0U - sum(less);  // a comparison that holds adds -1
       candidates += before[i] < count ? 1 : 0;
       last = before[i] < count ? std::max(last, centres[i]) : last;
     }
-    std::uint32_t surplus = candidates - count;  // of those equal to the last
+    std::uint32_t surplus = candidates - count;  // so many items at `last` belong to the others
     std::array<Item, kFew> others;
     std::uint32_t at = range.begin;
     std::uint32_t other = 0;
@@ -94,7 +94,7 @@ struct WideBvh::Builder {
     std::copy_n(others.begin(), other, items.begin() + at);
   }
 
-  // The bin of a centre on each axis: all axes have kCutBins over the extent of the centres.
+  // The bin of a centre along each axis: along all axes, kCutBins bins divide the extent of the centres.
   struct Binning {
     Float4 base;
     Float4 scale;
@@ -108,14 +108,14 @@ struct WideBvh::Builder {
     return {range.centres.low, Float4::load_unaligned(scale.data())};
   }
 
-  // In one pass. widest: -1 for all three axes, else this one alone.
+  // Fills the bins in one pass. widest: the only axis to fill; -1: all three.
   void fill_bins(const ItemRun& range, const Binning& binning, int widest, std::array<CutBins, 3>& bins) const {
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const Float4 centre = items[i].twice_centre();
       alignas(16) std::array<std::int32_t, 4> b;
       store(b.data(), binning.bins_of(centre));
       if (widest >= 0) {
-        // Neighbours fall into one bin: three sets of bins, so that successive additions do not wait for each other.
+        // Successive items often fall into one bin: three sets of bins, so that successive additions do not wait for each other.
         bins[i % 3][b[widest]].add(items[i].box, centre);
       } else {
         for (int k = 0; k < 3; ++k) bins[k][b[k]].add(items[i].box, centre);
@@ -129,8 +129,8 @@ struct WideBvh::Builder {
     }
   }
 
-  // Without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before the
-  // cut. bins: of the cut's axis.
+  // Works without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before
+  // the cut. bins: those of the cut's axis.
   std::pair<ItemRun, ItemRun> part_at(const BinnedCut& cut, const ItemRun& range, const Binning& binning, const CutBins& bins) {
     std::uint32_t at = range.begin;
     const Int4 last = Int4(cut.bin);
@@ -148,7 +148,7 @@ struct WideBvh::Builder {
     store(extent.data(), range.centres.high - range.centres.low);
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
     const std::uint32_t half = range.size() / 2;
-    // A run that fits into one level of full nodes is cut at whole nodes: fewer nodes, and no worse for items of similar size.
+    // A run that fits into eight nodes is cut at a multiple of kWidth items: fewer nodes, and no worse for items of similar size.
     if (range.size() <= kFew) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
     if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
     const bool one_axis = range.size() > kOneAxisAbove;
@@ -229,7 +229,7 @@ WideBvh::WideBvh(std::size_t count, const std::function<Box(std::size_t)>& box_o
   Builder builder{.items = {}, .nodes = nodes_};
   builder.items.reserve(count);
   for (std::size_t i = 0; i < count; ++i) builder.items.push_back(make_item(box_of(i), static_cast<std::uint32_t>(i)));
-  nodes_.reserve(count / 6 + 1);  // the usual number: moving them costs more than the unused rest
+  nodes_.reserve(count / 6 + 1);  // usually enough: moving the nodes would cost more than the unused rest
   builder.build(builder.range_of(0, static_cast<std::uint32_t>(count)), 1);
   if (nodes_.capacity() > nodes_.size() + nodes_.size() / 16) nodes_.shrink_to_fit();
   depth_ = builder.depth;
@@ -286,7 +286,7 @@ void WideBvh::refit(std::uint32_t item, const Box& box, const Parents& parents) 
   }
 }
 
-// Nodes come after those above them.
+// Goes backwards through the nodes: each comes after the one above it.
 void WideBvh::refit_all(const std::function<Box(std::size_t)>& box_of) {
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
