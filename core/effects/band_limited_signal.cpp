@@ -8,10 +8,10 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kWidth = BandLimitedSignal::kHalfWidth;
-// Table entries from one zero of the sinc function to the next; every stride divides it. Linear between entries: within 3e-5.
+// Table entries from one zero of the sinc function to the next, a multiple of every stride. Linear interpolation is exact to 3e-5.
 constexpr std::size_t kPerZero = 120;
 constexpr std::array<std::size_t, 8> kStrides = {1, 2, 3, 4, 5, 6, 8, 10};
-// Of the Kaiser window: 41 dB, with a transition of 0.1 of the rate over 24 samples (Kaiser and Schafer 1980).
+// Shape of the Kaiser window: 41 dB, with a transition of 0.1 of the sample rate over 24 samples (Kaiser and Schafer 1980).
 constexpr double kShape = 3.5;
 
 // The modified Bessel function of the first kind and order 0, by its power series.
@@ -26,7 +26,7 @@ double bessel_i0(double x) noexcept {
 }
 
 struct Kernel {
-  std::array<double, kWidth* kPerZero + 2> values = {};  // from the middle to the end, where it is zero
+  std::array<double, kWidth* kPerZero + 2> values = {};  // from the kernel's middle to its end, where it is zero
 
   Kernel() noexcept {
     values[0] = 1.0;
@@ -40,14 +40,14 @@ struct Kernel {
   }
 };
 
-// One side of the kernel: the weight of samples[j * direction] is that of the distance j + from, from 0 to 1.
+// The weighted sum over one side of the kernel: samples[j * direction] has the weight at the distance j + from. from: 0 to 1.
 double wing(const double* kernel, double from, std::size_t stride, const double* samples, std::ptrdiff_t direction) noexcept {
   const std::size_t step = kPerZero / stride;
   const double place = from * static_cast<double>(step);
   const auto entry = static_cast<std::size_t>(place);
   const double rest = place - static_cast<double>(entry);
   const double* at = kernel + entry;
-  // Sums side by side, so that one does not wait for the other.
+  // Several sums side by side, so that an addition does not wait for the one before it.
   constexpr std::size_t kSums = 4;
   static_assert(kWidth % kSums == 0);
   std::array<double, kSums> sums = {};
@@ -85,7 +85,7 @@ std::size_t BandLimitedSignal::stride_for(double samples_per_reading) noexcept {
 }
 
 double BandLimitedSignal::at(double since_newest, std::size_t stride) const noexcept {
-  // The newest sample has the index next_ + kKept - 1; the middle of the kernel is between the sample `middle`, or on it, and the next one.
+  // The newest sample has the index next_ + kKept - 1. The middle of the kernel is at the sample `middle`, or between it and the next one.
   const double* middle = samples_.data() + next_ + kKept - 1 - kWidth * stride;
   const double sum = wing(kernel_, since_newest, stride, middle, -1) + wing(kernel_, 1.0 - since_newest, stride, middle + 1, 1);
   return sum / static_cast<double>(stride);

@@ -20,14 +20,14 @@ struct ForceOf {
   }
 };
 
-// Position of the drawn tip: on the undeformed layer that resists, as the probe is drawn on an undeformed surface.
+// Where the tip is drawn: on the undeformed layer that resists, just as the probe is drawn on an undeformed surface.
 Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers,
                    const TissueLayers::State& state) noexcept {
   const bool resists = state.punctured < layers.count() && state.rest_m < depth_m;
   return resists ? Vec3(p_SP + (state.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
 }
 
-// U of SurfaceMaps: of the method's spring, and of the progressive part beside it, which no image scales.
+// U of SurfaceMaps: the energy of the method's spring, without that of the progressive part, which no image scales.
 double spring_energy(double method_n, double depth_m, double pressed_m) noexcept {
   return 0.5 * method_n / depth_m * pressed_m * pressed_m;
 }
@@ -131,7 +131,7 @@ void EffectStep::note_scene_moved(const Vec3& last_p_SD) noexcept {
   for (SurfaceFrame& frame : frames_) frame.move_last(last_p_SD);
 }
 
-// Frames that nobody has placed are not followed.
+// Resets the frames that place() has not placed.
 void EffectStep::advance_frames(const Vec3& p_SD, double dt_s) noexcept {
   for (std::size_t f = 0; f < frames_.size(); ++f) {
     if (f < X_SF_.size()) {
@@ -143,7 +143,7 @@ void EffectStep::advance_frames(const Vec3& p_SD, double dt_s) noexcept {
   X_SF_ = {};
 }
 
-// What goes on from surface to surface is turned from the frame where it was into this one.
+// Turns the state that goes on from surface to surface (friction, texture) from the frame of the last surface into this one.
 void EffectStep::carry_into(int frame) noexcept {
   const auto axes_of = [&](int which) {
     return which == kStill ? Mat3(Mat3::Identity()) : frames_[static_cast<std::size_t>(which)].axes();
@@ -184,16 +184,16 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   const Vec3 to_proxy = contact.p_SP - sample.p_SD;
   const double method_n = contact.force_n.norm();
   const Vec3 normal = method_n > 0.0 ? Vec3(contact.force_n / method_n) : Vec3(to_proxy.normalized());
-  // Along the normal: the contact point of method sweep lags by centimetres behind a hand that slides.
+  // Only the part along the normal counts: with method sweep, the contact point lags centimetres behind a hand that slides.
   const double depth_m = to_proxy.dot(normal);
   if (!(depth_m > 0.0)) {
-    in_contact_ = !begins;  // the contact begins with its first depth
+    in_contact_ = !begins;  // a contact begins only with the first depth above zero
     return contact.force_n;
   }
 
   // The depth below the bumps, and the force there along the normal. A method's force grows in proportion to the depth.
   const MapSample map = contact.map != nullptr ? *contact.map : MapSample();
-  const Vec3& p_SB = contact.place != nullptr ? contact.place->p_rest : contact.p_SP;  // where bumps are laid out
+  const Vec3& p_SB = contact.place != nullptr ? contact.place->p_rest : contact.p_SP;  // where the bumps are evaluated
   const double lowered_m = surface.bumps.is_on() ? surface.bumps.height_at(p_SB) : map.height_m;
   const double pressed_m = std::max(0.0, depth_m + lowered_m);
   double pressed_n = map.stiffness * method_n * (pressed_m / depth_m);
@@ -227,7 +227,7 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   return force_n;
 }
 
-// The friction of an image, or of the material where the method has none: a spring along the surface.
+// Adds the friction of an image, or that of the material if the method computes none: a spring along the surface.
 void EffectStep::add_friction(const Seen& seen, const SurfaceEffects& surface, const MapSample& map, const Press& press,
                               Vec3& force_n) noexcept {
   const bool has_friction_map = surface.maps.friction.is_on();
@@ -236,7 +236,7 @@ void EffectStep::add_friction(const Seen& seen, const SurfaceEffects& surface, c
     return;
   }
   const auto coefficients = has_friction_map ? SpringFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
-  // In the layer of method smooth there is a force without depth.
+  // In its layer, method smooth has a force at almost no depth, which would make this spring too stiff.
   const double spring_n_per_m = std::min(press.method_n / press.depth_m, surface.drag.stiffness_n_per_m);
   force_n += SpringFriction::force(press.begins ? Vec3(Vec3::Zero()) : seen.motion, press.normal, spring_n_per_m, std::abs(press.normal_n),
                                    coefficients, friction_);

@@ -11,18 +11,18 @@ namespace {
 // Q and P of both polynomials, side by side in one vector.
 using Lanes = Eigen::Array4d;
 
-// Products of factors 1 - 2 cos w z^-1 + z^-2. Coefficients are the same from both ends, so only the first half is multiplied, from c_0 = 1
-// to the middle. In front of it two zeros.
+// Products of factors 1 - 2 cos w z^-1 + z^-2. Their coefficients read the same from both ends, so only the first half is computed, from
+// c_0 = 1 to the middle. Two zeros stand in front of it.
 using Halves = std::array<Lanes, kMaxLines / 2 + 3>;
 constexpr std::size_t kFront = 2;
 
-// The number of factors of the lane.
+// The number of factors in a lane.
 std::size_t factors_of(const std::array<const LineSpectrum*, 2>& both, int lane) noexcept {
   const std::size_t p = both[lane / 2]->cosines.size();
   return lane % 2 == 0 ? (p + 1) / 2 : p / 2;
 }
 
-// The factors without a frequency make Q the same from both ends and P the same but for the sign: half of each gives all of C.
+// With the factors that have no frequency, Q reads the same from both ends, and P with the opposite sign: half of each gives all of C.
 void write(const Halves& halves, int lane, const LineSpectrum& spectrum) noexcept {
   const std::size_t p = spectrum.cosines.size();
   const bool is_even = p % 2 == 0;
@@ -41,7 +41,7 @@ void write(const Halves& halves, int lane, const LineSpectrum& spectrum) noexcep
 void multiply_out(const LineSpectrum& first, const LineSpectrum& second) noexcept {
   const std::array<const LineSpectrum*, 2> both = {&first, &second};
   const std::size_t most = std::max(factors_of(both, 0), factors_of(both, 2));
-  // A lane that has no such factor stays as it is. All are laid out first: what was just written by parts loads slowly as a whole.
+  // A lane without a factor i stays as it is. All factors are laid out first: a vector loads slowly just after its lanes were written.
   std::array<Lanes, kMaxLines / 2> twice, has;
   for (int lane = 0; lane < 4; ++lane) {
     const std::size_t factors = factors_of(both, lane);

@@ -26,7 +26,7 @@ struct MapRanges {
   Range value, u, v, uu, uv, vv;
 };
 
-// A part of a texel, from its middle, -1/2 to 1/2.
+// A part of a texel. Coordinates are relative to the texel's middle, -1/2 to 1/2.
 struct Part {
   std::array<double, 2> u = {-0.5, 0.5};
   std::array<double, 2> v = {-0.5, 0.5};
@@ -39,8 +39,8 @@ struct Part {
   }
 };
 
-// Polar form of the quadratic spline: with s = t its weights, and with both ends of an interval its control points there. A spline lies
-// within those of each of its derivatives. (Ramshaw, Blossoming, 1987.)
+// Polar form of the quadratic spline: s = t gives the weights at t; the two ends of an interval give its control points. The spline, and
+// each of its derivatives, lies within the range of its own control points. (Ramshaw, Blossoming, 1987.)
 Row weights(double s, double t) noexcept {
   const double before = 0.5 * (0.5 - s) * (0.5 - t);
   const double after = 0.5 * (0.5 + s) * (0.5 + t);
@@ -51,7 +51,7 @@ constexpr Row kBend = {1.0, -2.0, 1.0};
 
 double dot(const Row& a, const Row& b) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// The nine texels around one: rows are down, v.
+// A texel and its eight neighbours: rows go down, along v.
 struct Texels {
   std::array<Row, 3> at;
 
@@ -94,7 +94,7 @@ MapRanges ranges_of(const Texels& texels, const Part& part, const ImageMap& map)
   return ranges;
 }
 
-// Looser and several times faster bounds over a whole texel: by its texels in place of control points.
+// Looser bounds over a whole texel, several times faster to compute: from the nine texels in place of control points.
 MapRanges wide_ranges_of(const Texels& texels, const ImageMap& map) noexcept {
   const double scale = map.at_white - map.at_black;
   const double width = map.image->width();
@@ -130,8 +130,8 @@ double largest_eigenvalue_of(double trace, double determinant) noexcept {
   return 0.5 * (trace + std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant)));
 }
 
-// How lengths on the surface follow from texture coordinates: |a du + b dv|^2 = (a, b) G (a, b)'. Of all triangles the mean G, and the
-// least share with G of each <= share * mean.
+// How gradients along the surface follow from those in texture coordinates: |a du + b dv|^2 = (a, b) G (a, b)'. metric: the mean G of all
+// triangles, by area. share: the least number with G <= share * metric for each triangle.
 struct Mapping {
   Eigen::Matrix2d metric = Eigen::Matrix2d::Zero();
   double share = 0.0;
@@ -145,8 +145,8 @@ struct Mapping {
     }
     if (!(area > 0.0)) return;
     metric /= area;
-    // Where all texture coordinates lie on a line the mean has no inverse. This share of its trace makes one, and changes the result of a
-    // mapping that is up to a thousand times as long one way as the other by a thousandth at most.
+    // If all texture coordinates lie on a line, the mean has no inverse. Adding this share of its trace gives it one, and changes the
+    // result by at most a thousandth for a mapping that is up to a thousand times as long one way as the other.
     constexpr double kRegular = 1e-9;
     metric += kRegular * metric.trace() * Eigen::Matrix2d::Identity();
     if (!(metric.trace() > 0.0) || !metric.allFinite()) return;
@@ -164,7 +164,7 @@ struct Mapping {
     return metric;
   }
 
-  // Largest eigenvalue of the second derivative, and largest gradient, in a part of a texel. Both are convex in the derivatives.
+  // Largest eigenvalue of the second derivative, and largest gradient, in a part of a texel: at ends of the ranges, as both are convex.
   double curvature(const MapRanges& ranges) const noexcept {
     double largest = 0.0;
     for (const double uv : {ranges.uv.low, ranges.uv.high}) {
@@ -197,8 +197,8 @@ Texels texels_around(const SurfaceImage& image, int x, int y) noexcept {
   return texels;
 }
 
-// The largest of a quantity anywhere in the image, times kMapMargin. bound(ranges): at least the largest within these ranges, and exact
-// where each is one number.
+// The largest value of a quantity anywhere in the image, times kMapMargin. bound(ranges): at least the largest value within these ranges,
+// and exact if each range is a single number.
 template <class Bound>
 double find_largest(const ImageMap& map, const Bound& bound) {
   constexpr int kDeepest = 12;  // halvings of a texel; then the bound itself is the result
@@ -241,7 +241,7 @@ double largest_curvature(const ImageMap& map, const std::vector<MappedTriangle>&
   return find_largest(map, [&](const MapRanges& ranges) { return mapping.curvature(ranges); });
 }
 
-// In the plane of n and grad s: (s k, -f |grad s|; -f |grad s|, U curvature + sideways).
+// K in the plane of n and grad s is the matrix (s k + springs beside k, -f |grad s|; -f |grad s|, U curvature + sideways).
 double MappedSpring::largest_n_per_m(const ImageMap& share, const std::vector<MappedTriangle>& triangles) const {
   const Mapping mapping(triangles);
   return find_largest(share, [&](const MapRanges& ranges) {
@@ -253,7 +253,7 @@ double MappedSpring::largest_n_per_m(const ImageMap& share, const std::vector<Ma
   });
 }
 
-// -(v grad s' + grad s v') has the eigenvalue |v| |grad s| - v . grad s at most, v = n - grad h.
+// The largest eigenvalue of -(v grad s' + grad s v') is |v| |grad s| - v . grad s, with v = n - grad h.
 double MappedSpring::added_n_per_m(const ImageMap& share, const std::vector<MappedTriangle>& triangles, double slope) const {
   const Mapping mapping(triangles);
   return find_largest(share, [&](const MapRanges& ranges) {

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The three control values around a place along one side, their weights and the derivatives of these by the place in texels.
+// The three control values around a place along one side of the image, their weights, and the derivatives of these by the place in texels.
 struct SplineTaps {
   int index[3];
   double weight[3];
@@ -57,7 +57,7 @@ SurfaceImage::Sample SurfaceImage::sample(double u, double v) const noexcept {
   return sample;
 }
 
-// The derivative is a mean of the differences of neighbours, with weights that are not negative.
+// Each derivative is a mean of differences of neighbours, with weights that are not negative, so it is at most the largest difference.
 SurfaceImage::Vec2d SurfaceImage::steepest() const {
   Vec2d most = Vec2d::Zero();
   for (int y = 0; y < height_; ++y) {

@@ -41,8 +41,8 @@ MapSample SurfaceMaps::sample(const MapPlace& place) const noexcept {
   return sample;
 }
 
-// With edges e1, e2 and their normal m, the gradient of a linear function with differences d1, d2 along them is (d1 e2 - d2 e1) x m / |m|^2
-// up to sign: it gives d1 along e1 and d2 along e2.
+// With edges e1, e2 and their normal m, the gradient of a linear function with the differences d1, d2 along the edges is g = (d1 e2 - d2
+// e1) x m / |m|^2: g . e1 = d1 and g . e2 = d2.
 MapPlace map_gradients(const MappedTriangle& triangle) {
   const Vec3 e1 = triangle.corner[1] - triangle.corner[0];
   const Vec3 e2 = triangle.corner[2] - triangle.corner[0];

@@ -14,13 +14,13 @@ namespace {
 constexpr double kMaxTextureSpeed = 10.0;   // m/s
 constexpr double kMaxTextureForce = 100.0;  // N
 constexpr double kMaxTextureNumber = 1e6;   // any other number of a model
-// Of the range of speeds times that of forces. The weights of the corners divide by the area: in a triangle of less than this, fewer than
-// seven of their digits would be left, and a model has it by mistake.
+// As a share of the largest speed times the largest force. The weights of the corners divide by the area: in a smaller triangle, fewer than
+// seven of their digits would be left. Models have such a triangle only by mistake.
 constexpr double kMinTextureArea = 1e-9;
 // Samples of the impulse response whose energy counts.
 constexpr int kResponseSamples = 8192;
 
-// Within 1e-9 of the cosine for 0 to pi: the series of the sine of pi / 2 - x. Unlike that of a library, the same on every machine.
+// Within 1e-9 of the cosine for 0 to pi: the series of the sine of pi / 2 - x. Unlike the cosine of a library, the same on every machine.
 double cosine(double x) noexcept {
   const double t = 0.5 * std::numbers::pi - x;
   const double s = t * t;
@@ -31,7 +31,7 @@ double cosine(double x) noexcept {
 
 bool is_within(double value, double most) noexcept { return value >= 0.0 && value <= most; }
 
-// gap: between neighbours, and from 0 and pi.
+// gap: the least distance between neighbours, and of each frequency from 0 and pi.
 bool ascends(const std::vector<double>& frequencies, double gap) noexcept {
   double before = 0.0;
   for (const double frequency : frequencies) {
@@ -41,7 +41,7 @@ bool ascends(const std::vector<double>& frequencies, double gap) noexcept {
   return frequencies.empty() || std::numbers::pi - before >= gap;
 }
 
-// Root mean square of the signal: that of the noise times the length of the impulse response.
+// Root mean square of the signal: that of the noise times the square root of the energy of the impulse response.
 double rms_of(const TextureModel& model) {
   const auto cosines = [](const std::vector<double>& frequencies) {
     std::vector<double> made;
@@ -116,7 +116,7 @@ Result<TextureModels> TextureModels::make(double rate_hz, std::vector<TextureMod
     const TextureModel& a = models[triangles[t][0]];
     const TextureModel& b = models[triangles[t][1]];
     const TextureModel& c = models[triangles[t][2]];
-    // a = c + shares of (a - c) and (b - c), by Cramer's rule.
+    // Any place is c + shares of (a - c) and (b - c). Cramer's rule gives these shares.
     const double as = a.speed_m_per_s - c.speed_m_per_s, af = a.force_n - c.force_n;
     const double bs = b.speed_m_per_s - c.speed_m_per_s, bf = b.force_n - c.force_n;
     const double area = as * bf - af * bs;
@@ -138,7 +138,7 @@ TextureModels::Weights TextureModels::weights_at(std::size_t triangle, double sp
   return {a, b, 1.0 - a - b};
 }
 
-// The triangle whose least share is largest: the one with the place in it, or one of the border. Negative shares become zero.
+// Finds the triangle whose least weight is largest: it contains the place, or is one at the border. Negative weights become zero.
 TextureModels::Weights TextureModels::find(double speed_m_per_s, double force_n, std::size_t& triangle) const noexcept {
   const auto least = [](const Weights& w) { return std::min({w[0], w[1], w[2]}); };
   if (triangle >= triangles_.size()) triangle = 0;

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Far beyond any model: keeps the memory of a filter finite, however fast it changes.
+// Far beyond any model. This bound keeps the memory of a filter finite, however fast the filter changes.
 constexpr double kMaxAcceleration = 1e6;  // m/s^2
 
 }  // namespace

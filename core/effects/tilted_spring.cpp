@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// In the plane of n and the gradient g: k (1, -g) (1, -g)' + diag(0, c), c the rest along the surface.
+// K in the plane of n and the gradient g of the height: k (1, -g) (1, -g)' + diag(0, c), with c the sum of its terms along the surface.
 double TiltedSpring::largest_n_per_m() const noexcept {
   const double along = bending_n_per_m + sideways_n_per_m;
   const double trace = spring_n_per_m * (1.0 + slope_squared) + along;
@@ -14,11 +14,11 @@ double TiltedSpring::largest_n_per_m() const noexcept {
   return 0.5 * (trace + std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant)));
 }
 
-// With the phases a of the waves and q the largest -cos(a), the curvature is at most q times its amplitude, and one gradient at most
-// sqrt(1 - q^2) times its own, the others (of the grid) all of it. K grows with gradient and curvature, so in a range of q the first from
-// its lower and the second from its upper end bound it.
+// Let a be the phases of the waves, and q the largest -cos(a). Then the curvature is at most q times its amplitude; the gradient of that
+// wave is at most sqrt(1 - q^2) times its amplitude, those of the other waves (of a grid) at most their amplitudes. K grows with gradient
+// and curvature, so in a range of q, the gradient at its lower end and the curvature at its upper end bound K.
 double largest_on_bumps(const SurfaceBumps& bumps, double spring_n_per_m, double sideways_n_per_m, double pressed_n) noexcept {
-  constexpr int kRanges = 64;  // more bound it more tightly, and take longer
+  constexpr int kRanges = 64;  // more ranges give a tighter bound, and take longer
   const bool is_grid = bumps.pattern == SurfaceBumps::Pattern::grid;
   const double slope = bumps.slope() / (is_grid ? 3.0 : 1.0);  // of one wave
   const double curvature_per_m = slope * 2.0 * std::numbers::pi / bumps.length_m;
