@@ -8,20 +8,20 @@
 namespace hapton {
 namespace {
 
-// Rounds through all parts in a sample. Two planes at an angle converge by its squared cosine in each, and the quadratic program makes that
-// exact where the surfaces are planes; what is left converges over the next samples.
+// Rounds through all parts in a sample. With two planes, each round reduces the error by the squared cosine of their angle. Where the
+// surfaces are planes, the quadratic program makes the result exact; an error that is left decreases over the next samples.
 constexpr int kRounds = 6;
-// Without friction. A part that changes the face that it holds the proxy with, as in the sample in which a hand slides off an edge, changes
-// the planes: then the program is solved again in each second round. With friction what a part holds is not a plane, and more rounds make
-// the force less steady.
+// The same without friction. A part that holds the proxy with another face than before, as in the sample in which a hand slides off an
+// edge, changes the planes: then the program is solved again in every second round. With friction a part does not hold the proxy like a
+// plane, and more rounds make the force less steady.
 constexpr int kFrictionlessRounds = 12;
-// A part whose device point has moved by less than this goes on as it is: of the largest share, of the coordinates, whose rounding is
-// 2^-53, and of the lift.
+// A part is not felt again if its device point has moved by at most the larger of two distances: kAgree times the longest share plus
+// kRounding times the coordinates (whose rounding is 2^-53), and kAgreeLifts times the lift.
 constexpr double kAgree = 0x1p-26;
 constexpr double kRounding = 0x1p-46;
 constexpr double kAgreeLifts = 0.25;
-// A share this many times as long as the whole, and this many lifts: two parts hold the proxy against each other without end. Two planes
-// at 14 degrees have one of eight times.
+// A share longer than kMaxShare times the whole (device minus proxy) plus kMaxLifts lifts: two parts hold the proxy against each other
+// without end. Between two planes at 14 degrees, a share is eight times as long as the whole.
 constexpr double kMaxShare = 8.0;
 constexpr double kMaxLifts = 64.0;
 
@@ -95,10 +95,10 @@ void CommonProxy::lead(FeltParts& felt) noexcept {
   }
 }
 
-// Of the shares of all but the first part. whole_m: from the proxy to the device.
+// The largest length of a share of any part but the first that holds the proxy. whole_m: from the proxy to the device.
 double CommonProxy::limit_m(double whole_m) const noexcept { return kMaxShare * whole_m + kMaxLifts * lift_m_; }
 
-// The shares of the planes that hold the proxy, if there is room.
+// Replaces the shares by those that the planes holding the proxy have in the quadratic program, if none of these is too long.
 void CommonProxy::share_out() noexcept {
   std::size_t planes = 0;
   const Vec3 origin = common_;
@@ -123,7 +123,7 @@ void CommonProxy::share_out() noexcept {
   }
 }
 
-// Away from everything else that holds the proxy: a few parts, however many there are.
+// The lift of part i, away from every other part that holds the proxy: these are few, however many parts there are.
 Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
   Vec3 lift = Vec3::Zero();
   for (std::size_t n = 0; n < held_count_; ++n) {
@@ -134,7 +134,7 @@ Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
   return lift;
 }
 
-// One that has come to a share since the round began. In order: the sum of lift_of depends on it to the last bit.
+// Notes a part that has got a share since the round began. The list is in order: the last bit of the sum in lift_of depends on it.
 void CommonProxy::note_held(std::size_t i) noexcept {
   std::size_t n = held_count_;
   while (n > 0 && held_[n - 1] > i) --n;
@@ -145,8 +145,8 @@ void CommonProxy::note_held(std::size_t i) noexcept {
   ++held_count_;
 }
 
-// Feels the part, where its device point is another one than the last time in this sample. Returns whether that may matter to others: it
-// holds the proxy, or did.
+// Feels the part, unless its device point is the same as when the part was last felt in this sample. Returns whether that may matter to
+// others: the part holds the proxy, or did before.
 bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   Part& part = parts_[i];
   const Vec3 lift = holding_ > 0 ? lift_of(i) : Vec3(Vec3::Zero());
@@ -157,7 +157,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
     if ((follow - part.followed).norm() <= agree) return false;
   }
   const bool held_before = part.holds();
-  // What the others held in the last sample would be motion of the device as well.
+  // If others held the proxy only in the last sample, the change of their shares would look like motion of the device as well.
   part.with_others = is_shared_;
   part.is_shared = is_shared_ || part.was_with_others;
   part.output = felt.feel(i, part.X_SO, follow, {.is_correction = part.is_felt, .is_shared = part.is_shared});
@@ -208,7 +208,7 @@ void CommonProxy::begin_round() noexcept {
   is_shared_ = holding_ > 1 || (holding_ > 0 && is_led_);
 }
 
-// A part has come into contact in this sample, and another one was in contact before it, or is now.
+// Whether a part has come into contact in this sample, and another part is in contact now or was before the sample.
 bool CommonProxy::has_met_another() const noexcept {
   bool is_new = false;
   int touched = 0;
@@ -220,7 +220,7 @@ bool CommonProxy::has_met_another() const noexcept {
   return is_new && touched > 1;
 }
 
-// One part has followed the hand without what the other holds. Each goes on from where it was before the sample, lifted off the others.
+// One part has followed the hand without the share of another. Each begins again where it was before the sample, lifted off the others.
 void CommonProxy::begin_again(FeltParts& felt) noexcept {
   is_shared_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -234,7 +234,7 @@ void CommonProxy::begin_again(FeltParts& felt) noexcept {
   }
 }
 
-// Each part that holds the proxy may have another turn in this sample, and has no friction.
+// Whether each part that holds the proxy has no friction and may have another turn in this sample.
 bool CommonProxy::is_exact(const FeltParts& felt) const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     if (parts_[i].holds() && (!felt.is_frictionless(i) || parts_[i].turns >= felt.most_turns(i))) return false;
@@ -271,7 +271,7 @@ void CommonProxy::follow_in_series(FeltParts& felt) noexcept {
   }
 }
 
-// The parts that do not give way hold the proxy against it with a small part of what they would hold it with against a surface.
+// Divides the shares as between surfaces: parts that do not give way have had only a small part of their share against a surface.
 void CommonProxy::share_with_giving(const FeltParts& felt) noexcept {
   const Vec3 whole = p_SD_ - common_;
   const Vec3 held = goal_ - common_;
@@ -297,7 +297,7 @@ void CommonProxy::share_with_giving(const FeltParts& felt) noexcept {
   }
 }
 
-// Of all that hold the proxy, weighted by their shares. The mean is updated by differences, so equal values are kept exactly.
+// The mean over all parts that hold the proxy, weighted by their shares. It is updated by differences: equal values have an exact mean.
 double CommonProxy::find_mean_stiffness(const FeltParts& felt) noexcept {
   double mean = 0.0;
   double shares_m = 0.0;
@@ -313,7 +313,7 @@ double CommonProxy::find_mean_stiffness(const FeltParts& felt) noexcept {
   return mean;
 }
 
-// Of the device.
+// The velocity of the device relative to the part.
 Vec3 CommonProxy::velocity_past(const Part& part) const noexcept {
   if (!p_SD_before_ || !(dt_s_ > 0.0)) return Vec3::Zero();
   return (p_SD_ - part.X_SO * (part.X_before.inverse(Eigen::Isometry) * *p_SD_before_)) / dt_s_;

@@ -14,7 +14,7 @@ constexpr double kUnitRounding = 0x1p-52;
 // A candidate: the point nearest to the goal at which all planes of a set hold with equality.
 struct Trial {
   Vec3 y = Vec3::Zero();
-  std::array<double, 3> multipliers = {0, 0, 0};  // multipliers
+  std::array<double, 3> multipliers = {0, 0, 0};  // of the planes of the set, in order
   bool valid = false;
 };
 
@@ -23,11 +23,11 @@ Trial on_one(const Vec3& goal, const ContactPlane& a) {
   return {goal + multiplier * a.normal, {multiplier, 0, 0}, multiplier >= 0.0};
 }
 
-// Below this sine of the angle between planes their common point is found to the rounding of a plane's value only by a second, corrected
-// solution: the terms of the first cancel to that share.
+// If the sine of the angle between planes is below this, only a second, corrected solution finds their common point to the rounding of a
+// plane's value: the terms of the first solution cancel down to a share of this size.
 constexpr double kSmallSine = 0x1p-5;
 
-// The goal's component along the planes' common line, plus the line's point nearest to zero.
+// The goal's component along the common line of the planes, plus the point of that line nearest to the origin.
 Trial on_two(const Vec3& goal, const ContactPlane& a, const ContactPlane& b) {
   const Vec3 line = accurate_cross(a.normal, b.normal);
   const double sine_squared = line.squaredNorm();

@@ -23,7 +23,7 @@ bool joins(const Triangle& triangle, std::uint32_t a, std::uint32_t b) {
   return std::ranges::count(triangle, a) > 0 && std::ranges::count(triangle, b) > 0;
 }
 
-// Exactly one other face shares the edge, and each lies on the side that the other's normal points to.
+// Whether exactly one other face shares the edge, and each of the two lies on the side that the other's normal points to.
 bool is_concave(const TriangleMesh& mesh, const std::vector<NearFace>& faces, const NearFace& face, int k) {
   const std::uint32_t a = (*face.corners)[k];
   const std::uint32_t b = (*face.corners)[(k + 1) % 3];
@@ -49,7 +49,7 @@ bool is_certain_minimum(const TriangleMesh& mesh, TriangleBoxes& boxes, const Ve
     const Vec3& a = mesh.vertices[triangle[0]];
     const Vec3& b = mesh.vertices[triangle[1]];
     const Vec3& c = mesh.vertices[triangle[2]];
-    // Far from the origin the boxes of single precision let many more through.
+    // Far from the origin, the boxes, in single precision, also let through many triangles that are not near.
     const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - proxy).cwiseMax(proxy - a.cwiseMax(b).cwiseMax(c));
     if (beside.maxCoeff() > radius) continue;
     const PreparedTriangle shape(a, b, c);

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr double kStaysShare =
-    0.25;  // of the half side: larger than any contact offset moves the proxy, smaller than the distance to what is cut off
+    0.25;  // of the half side: more than any contact offset moves the proxy, less than the distance to the part that is cut off
 
 }  // namespace
 

@@ -6,11 +6,11 @@
 namespace hapton {
 namespace {
 
-// Of the extent. Choices, the same as those of hapton stress (stress_run.cpp).
+// Shares of the extent. Free choices, the same as those of hapton stress (stress_run.cpp).
 constexpr double kFallThroughShare = 0.0025;
 constexpr double kStuckShare = 0.10;
-// Of the larger force: twenty times the rounding of positions a million extents from the origin, 2^-33 of an extent, which is 5e-8 of
-// kFallThroughShare.
+// A share of the force, or of that at the depth kFallThroughShare if it is larger. Twenty times the rounding of positions a million extents
+// from the origin: that is 2^-33 of an extent, 5e-8 of kFallThroughShare.
 constexpr double kJumpRounding = 0x1p-20;
 
 bool is_finite(const ForceSample& step) { return step.force_n.allFinite() && step.proxy.allFinite(); }

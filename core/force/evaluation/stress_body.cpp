@@ -29,7 +29,7 @@ StressBody dirty(TriangleMesh touched, TriangleMesh solid) {
   return {.name = {}, .touched = std::move(touched), .solid = std::move(solid)};
 }
 
-// Some triangles get a vertex inside, as near to a corner as 1e-7 of their size: two of the three parts are needles. Still closed.
+// Some triangles get a vertex inside, as near to a corner as 1e-7 of their size: two of three parts are needles. The mesh stays closed.
 TriangleMesh with_needles(TriangleMesh mesh, std::uint64_t seed) {
   Random random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -51,7 +51,7 @@ TriangleMesh with_needles(TriangleMesh mesh, std::uint64_t seed) {
   return mesh;
 }
 
-// Adds degenerate triangles beside nine in ten triangles: a repeated corner, three corners in a line, one point.
+// Adds a degenerate triangle beside each triangle: one with a repeated corner, three corners in a line, or a single point.
 TriangleMesh with_zero_area(TriangleMesh mesh) {
   const std::size_t n = mesh.triangles.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -146,13 +146,13 @@ StressBody room_of(TriangleMesh shell, double probe_share) {
   return {.name = {}, .touched = flipped(shell), .solid = std::move(shell), .room = true, .probe_share = probe_share};
 }
 
-// Cracks and T-junctions, sealed as a mesh is when it is loaded for touch: the sealed mesh defines the solid.
+// A mesh with cracks and T-junctions, sealed as a mesh is when it is loaded for touch. The sealed mesh defines the solid.
 StressBody sealed(TriangleMesh cracked) {
   SealReport report;
   return clean(seal_cracks(std::move(cracked), report));
 }
 
-// width_share: of the widest gap, as a share of the extent. Cracks at every edge: a sphere, and a star with sharp spikes.
+// width_share: width of the widest gap, as a share of the extent. Cracks at every edge: a sphere, and a star with sharp spikes.
 StressBody sealed_tears(double width_share) { return sealed(make_shaken(ball(), width_share * kExtent, 1)); }
 StressBody sealed_star(double width_share) { return sealed(make_shaken(make_star(), 0.9 * width_share * kExtent, 2)); }
 // Faces with different tessellations, flat: a box.

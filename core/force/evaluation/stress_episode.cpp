@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Numbers of steps; free choices. Long walks, of 20,000 steps, find faults that need more steps than an ordinary episode has.
+// Numbers of steps and legs: free choices. Long walks, of 20,000 steps, find faults that need more steps than an ordinary episode has.
 constexpr std::size_t kLongestEpisode = 400;
 constexpr int kWalkSteps = 390;
 constexpr int kLongWalkLegs = 20;
@@ -124,7 +124,7 @@ void StressEpisode::slide(std::vector<Vec3>& positions) {
 
 void StressEpisode::tap(std::vector<Vec3>& positions) {
   const double step = extent_ * log_uniform(-3.5, -1.0);
-  // Along the normal, or from any direction in the free half space.
+  // The probe comes along the normal, or from any direction in the free half space.
   Vec3 from = up_;
   if (random_() % 2 == 0) {
     from = direction();

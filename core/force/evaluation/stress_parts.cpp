@@ -45,7 +45,7 @@ TriangleMesh posed(TriangleMesh mesh, const Mat3& rotation, const Vec3& offset) 
 
 void append(TriangleMesh& all, const TriangleMesh& part) { all = joined(all, part); }
 
-// What is cut out of the block: slots from above along all of y, undercuts from the sides, pockets from above. Widths of 0.1 % to 3 %.
+// What is cut out of the block: slots from above, all along y, undercuts from the sides, pockets from above; 0.1 % to 3 % wide.
 std::vector<Block> draw_cuts(const Block& block, Random& random) {
   const Vec3 size = block.high - block.low;
   const Vec3 beyond = 0.1 * size;
@@ -158,7 +158,7 @@ TriangleMesh make_cell_solid(const std::vector<double>& x_m, const std::vector<d
     }
     return is_solid(cell[0], cell[1], cell[2]);
   };
-  // The face of a cell on its lower or upper side along an axis.
+  // Adds the face of a cell on its lower or upper side along an axis.
   const auto add_face = [&](const std::array<int, 3>& cell, int axis, int upper) {
     std::array<int, 3> corner = cell;
     corner[axis] += upper;
@@ -250,7 +250,7 @@ TriangleMesh make_touching_parts() {
     }
   }
   append(all, moved(make_cylinder(0.4 * kSide, kSide, 24, 2), Vec3(-kSide, 0.0, 0.75 * kSide)));
-  // Hollow; its floor lies on the bricks.
+  // A hollow box whose floor lies on the boxes below.
   const Vec3 offset(kSide, 0.0, 0.75 * kSide);
   append(all, moved(make_box(Vec3(kSide, kSide, kSide), 2), offset));
   append(all, moved(flipped(make_box(Vec3::Constant(0.75 * kSide), 3)), offset));
