@@ -23,7 +23,7 @@ Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// Whether the height of a triangle over its longest edge is at least kMinHeight. A plain cross product decides if it is 4 times that or more.
+// Whether the height of a triangle over its longest edge is at least kMinHeight. A plain cross product suffices from four times that on.
 bool is_high(const Corners& c) {
   const Vec3 ab = c[1] - c[0];
   const Vec3 ac = c[2] - c[0];

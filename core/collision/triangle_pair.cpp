@@ -152,8 +152,8 @@ TriangleContact intersect_coplanar(const Corners& a, const Corners& b, int axis)
 
 // Let u be an edge of a from its corner 0, v one of b, p and q the points where u and v cross the other's plane, and D = normal(a) x
 // normal(b). Then det(u, b0 - a0, v) = (q - p) . (v x u), and D . (v x u) = (v . normal(a)) (u . normal(b)), as u lies in a's plane and v
-// in b's. So the sign of det tells which of p and q comes first along D, reversed once for each triangle whose corner 0 is the lowest. Along D a
-// triangle's crossing points, on its edges to corners 1 and 2, come in the order 2, 1 if a is on top, and 1, 2 if b is on top.
+// in b's. So the sign of det tells which of p and q comes first along D, reversed once for each triangle whose corner 0 is the lowest.
+// Along D a triangle's crossing points, on its edges to corners 1 and 2, come in the order 2, 1 if a is on top, and 1, 2 if b is on top.
 TriangleContact intersect_triangles(const TrianglePair& pair) noexcept {
   const std::array<double, 3> over_b = heights_over(pair.b, pair.a);
   if (is_beside(over_b)) return {};

@@ -69,7 +69,7 @@ Range range_of(const Texels& texels, const std::array<Row, a>& across, const std
   return range;
 }
 
-// scale: value per texel unit; width, height: image size in texels.
+// scale: the map's number per unit of a texel's value; width, height: image size in texels.
 MapRanges ranges_of(const Texels& texels, const Part& part, const ImageMap& map) noexcept {
   const double scale = map.at_white - map.at_black;
   const double width = map.image->width();

@@ -20,7 +20,7 @@ double TiltedSpring::largest_n_per_m() const noexcept {
 double largest_on_bumps(const SurfaceBumps& bumps, double spring_n_per_m, double sideways_n_per_m, double pressed_n) noexcept {
   constexpr int kRanges = 64;  // more ranges give a tighter bound, and take longer
   const bool is_grid = bumps.pattern == SurfaceBumps::Pattern::grid;
-  const double slope = bumps.slope() / (is_grid ? 3.0 : 1.0);  // of one wave
+  const double slope = bumps.slope() / (is_grid ? 3.0 : 1.0);  // slope of one wave
   const double curvature_per_m = slope * 2.0 * std::numbers::pi / bumps.length_m;
   double largest = 0.0;
   for (int i = 0; i < kRanges; ++i) {

@@ -17,9 +17,9 @@ namespace {
 struct Entry {
   std::string_view name;
   Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
-  bool supports_motion = false;       // its proxy is not crossed by a surface that moves onto it
+  bool supports_motion = false;       // no surface that moves onto its proxy crosses the proxy
   bool supports_deformation = false;  // DeformingMethod can run it
-  bool supports_spheres = false;      // as probe
+  bool supports_spheres = false;      // the probe may be a sphere
 };
 
 constexpr std::array kMethods = {

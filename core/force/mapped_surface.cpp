@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// Far above the contact offset of a proxy (2^-30 of the scene), far below anything that is felt.
+// A share of the size of the surface: far above the contact offset of a proxy (2^-30 of the scene), far below what can be felt.
 constexpr double kOnSurface = 0x1p-22;
 
 }  // namespace

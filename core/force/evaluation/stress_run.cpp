@@ -21,32 +21,32 @@
 namespace hapton {
 namespace {
 
-// Shares are of the extent. Those of a fault are the definition of it (meaning_of), choices that only have to stay the same.
+// Shares are of the extent. Those of a fault define the fault (meaning_of): free choices that only have to stay the same.
 constexpr double kFallThroughShare = 0.0025;
-constexpr double kUnsureShare = 2e-7;  // nearer to the surface PointInMesh may name either side
+constexpr double kUnsureShare = 2e-7;  // nearer to the surface than this, PointInMesh may name either side
 constexpr double kInsideShare = 1e-6;  // larger than a probe's contact offset and the rounding of an offset of a million extents
 constexpr double kStuckShare = 0.10;
 constexpr double kStuckGain = 0.01;
 constexpr double kUnconvergedGain = 0.001;
-constexpr double kTieShare = 1e-6;      // a device nearer to the surface has two valid proxies
+constexpr double kTieShare = 1e-6;      // a device nearer to the surface than this has two valid proxies
 constexpr double kOutsideShare = 1e-7;  // farther off than a contact offset (kRelative)
-constexpr double kBesideShare = 1e-6;   // farther than the reference lifts itself over a step
-constexpr double kClearShare = 0.05;    // of the contact offset that a proxy may keep: above rounding, so the side is certain
+constexpr double kBesideShare = 1e-6;   // more than the height of a ledge that the reference climbs over
+constexpr double kClearShare = 0.05;    // share of the contact offset that a proxy may keep: above rounding, so the side is certain
 constexpr double kCloseUpShares[] = {0x1p-10, 0x1p-18};
 constexpr double kCrackShare =
-    1e-5;  // at the entrance of a crack narrower than one of the two contact offsets, only the other proxy gets in
+    1e-5;  // at a crack that is narrower than the contact offset of the method or the reference, only the other proxy gets in
 constexpr double kProofOffsets = 4.0;    // radius, in contact offsets, of the proof that a position is a minimum
-constexpr double kThroughStep = 0.01;    // a longer step may have led round a boundary
+constexpr double kThroughStep = 0.01;    // a longer step may have led round a boundary edge
 constexpr double kRelative = 4e-9;       // a method may use this share of the extent as contact offset and leave it out of the force
-constexpr int kMaxCarried = 1024;        // steps that a motion may take
-constexpr std::size_t kMaxFindings = 1;  // of each fault in each motion
+constexpr int kMaxCarried = 1024;        // largest number of steps of a carried motion
+constexpr std::size_t kMaxFindings = 1;  // findings kept of each fault in each motion
 
 struct Crossing {
   Vec3 place = Vec3::Zero();
-  double height = 0.0;  // of the end that is nearer to the plane of the face, above that plane
+  double height = 0.0;  // of the segment's end that is nearer to the plane of the face, above that plane
 };
 
-// Where the segment crosses a face, well away from its edges. Tests every triangle.
+// Where the segment crosses a face, well away from the edges of the face. Tests every triangle that the segment may meet.
 std::optional<Crossing> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& from, const Vec3& to) {
   const Vec3 motion = to - from;
   for (const std::uint32_t i : boxes.find_near(0.5 * (from + to), 0.5 * motion.norm())) {
@@ -136,7 +136,7 @@ struct StressRun::Impl {
     }
   }
 
-  // From one free position to another straight through a face, with no boundary within ten such steps to slide round.
+  // Where the straight path between two free positions crosses a face, if no boundary it could lead round is within ten times its length.
   std::optional<Crossing> find_passage(const Vec3& from, const Vec3& to) const {
     const double step = (to - from).norm();
     if (!(step > 0.0) || step > kThroughStep * extent) return std::nullopt;
@@ -160,10 +160,10 @@ struct StressRun::Impl {
     return false;
   }
 
-  // The reference, which tests every triangle, gets there too: round an edge or vertex that the straight path cuts.
+  // Whether the reference, which tests every triangle, also reaches `to`: round an edge or a vertex past which the straight path cuts.
   bool leads_round(const Vec3& from, const Vec3& to) const {
     if ((reference->settle_from(from, to).p_SP - to).norm() <= kRelative * extent) return true;
-    // On its way the device may take the proxy round a corner that holds it where the device is at once at the end.
+    // A device that moves to its end may take the proxy round a corner. The corner holds the proxy if the device is at the end at once.
     reference->reset(from);
     reference->step({.p_SD = from});
     return (reference->step({.p_SD = to}).p_SP - to).norm() <= kRelative * extent;
@@ -172,7 +172,7 @@ struct StressRun::Impl {
   // A proxy may keep this contact offset and leave it out of the force.
   double slop() const { return extent * (kRelative + 1e-15 * settings.offset_extents); }
 
-  // Exact, however near the surface.
+  // Whether p is on the side where the proxy must not be. Exact, however near p is to the surface.
   bool is_beyond(const Vec3& p) const { return (std::fabs(compute_winding_number(body.solid, p)) > 0.5) != body.room; }
 
   // Where the reference starts: p, or a free point beside it if p lies on the closed surface up to rounding, where the reference could take
@@ -189,20 +189,20 @@ struct StressRun::Impl {
     return p;
   }
 
-  // The reference ends as soon as it has gained that: where the path is long and winding, the rest of it takes seconds.
+  // Whether the reference gains more than kUnconvergedGain on p. It stops as soon as it has: the rest of a long path takes seconds.
   bool gains(const Vec3& start, const Vec3& p, const Vec3& device) const {
     const double length = (p - device).norm();
     const double near_enough = (length - kUnconvergedGain * extent) * (1.0 - 0x1p-30);
     return length - (reference->settle_from(start, device, near_enough).p_SP - device).norm() > kUnconvergedGain * extent;
   }
 
-  // A little farther off: from within a contact offset of an edge or vertex, the reference may take the wrong side of a face.
+  // A start a little farther off: from within a contact offset of an edge or vertex, the reference may take the wrong side of a face.
   Vec3 outside_start(const Vec3& p, const Vec3& device) const {
     return clear_start(p + kOutsideShare * extent * (p - device).normalized());
   }
 
-  // For device positions on all sides of this one: where the path grazes a face or an edge, rounding decides on which side it passes. And
-  // for one on the path that it came by: a minimum that vanishes just here still held there.
+  // Whether the reference also gains for device positions all around this one: where its path grazes a face or an edge, rounding decides on
+  // which side it passes. And for one back on the device's path: there, a minimum that vanishes just here still held the proxy.
   bool gains_from_beside(const Vec3& p, const Vec3& device, const Vec3& before) const {
     for (int corner = 0; corner < 8; ++corner) {
       if (!gains_with_moved(kBesideShare * extent * corner_direction(corner), p, device)) return false;
@@ -212,7 +212,7 @@ struct StressRun::Impl {
     return !(length > 0.0) || gains_with_moved(std::min(length, kBesideShare * extent) / length * back, p, device);
   }
 
-  // From the same start, and from one that is moved along with the device where nothing is in between.
+  // Whether the reference gains from the same start, and from one that is moved along with the device, if no surface is in between.
   bool gains_with_moved(const Vec3& move, const Vec3& p, const Vec3& device) const {
     const Vec3 start = outside_start(p, device);
     if (!gains(clear_start(p), p, device + move)) return false;
@@ -220,13 +220,13 @@ struct StressRun::Impl {
     return gains(start + move, p + move, device + move);
   }
 
-  // The minimum is proved, even if the reference climbs over the step that holds the point.
+  // Whether p is proved to be a minimum, even if the reference climbs over the ledge of the surface that holds p.
   bool is_proved(const Vec3& p, const Vec3& device, double contact_offset) const {
     return probe_radius == 0.0 && is_certain_minimum(body.touched, boxes, p, device, kProofOffsets * contact_offset);
   }
 
-  // What holds the proxy may be lower than the steps that the reference lifts itself over in the whole body; these tests use points a
-  // thousand and a quarter of a million times smaller. start: clear_start(p).
+  // The ledge that holds the proxy may be lower than those that the reference climbs over in the whole body. These tests use parts of the
+  // body that are a thousand and a quarter of a million times smaller. start: clear_start(p).
   bool is_minimum_close_up(const Vec3& p, const Vec3& start, const Vec3& device) const {
     return probe_radius == 0.0 && std::any_of(std::begin(kCloseUpShares), std::end(kCloseUpShares), [&](double share) {
              return is_minimum_in_close_up(body.touched, boxes, settings.material, p, share * extent, start, device);
@@ -244,7 +244,7 @@ struct StressRun::Impl {
     if (!(gain > kUnconvergedGain * extent)) return;
     // A reference that ends on the other side of a closed surface has passed through it and proves nothing.
     if (is_wrong(end) && solid->compute_distance(end) > 2.0 * kInsideShare * extent && !is_wrong(p)) return;
-    // A device on the surface itself has two valid proxies: at the convex edge that it came in by, and at the device.
+    // A device on the surface itself has two valid proxies: one at the convex edge where the device came in, and one at the device.
     const double depth = solid ? solid->compute_distance(device) : extent;
     if (depth <= kTieShare * extent || is_near_boundary(p, kCrackShare * extent) || !gains(outside_start(p, device), p, device) ||
         !gains_from_beside(p, device, before))
@@ -267,7 +267,7 @@ struct StressRun::Impl {
     if (!output.contact && length > slop()) note(StressFault::broken, length);
   }
 
-  // Neither device without a force nor proxy may be inside. first: the output before a carried motion was finished. Pre: solid.
+  // Neither a device without a force nor a proxy may be inside. first: the output before a carried motion was finished. Pre: solid.
   void check_sides(const MethodOutput& first, const MethodOutput& output, const Vec3& device, const auto& note) const {
     if (!(first.contact && output.contact) && is_wrong(device)) {
       const double depth = solid->compute_distance(device);
@@ -281,8 +281,8 @@ struct StressRun::Impl {
     }
   }
 
-  // Where the touched body is not a solid, a probe that was free before and after a step has not gone through a surface. False: one of both
-  // positions is on the surface up to rounding, or beside the face that the path crosses and in its plane: then it has no side.
+  // If the touched body is not a solid: checks that a probe that is free before and after a step has not gone through a surface. False: one
+  // of the positions has no side: it is on the surface up to rounding, or beside the face that the path crosses and in its plane.
   bool check_through(const MethodOutput& output_before, const MethodOutput& output, double moved, const auto& note) const {
     if (output.contact || output_before.contact || probe_radius > 0.0) return true;
     const std::optional<Crossing> passage = find_passage(output_before.p_SP, output.p_SP);
@@ -305,7 +305,7 @@ struct StressRun::Impl {
     return (output.p_SP - device).norm() > kStuckShare * extent || (settings.compare_every > 0 && step % settings.compare_every == 0);
   }
 
-  // Out of work, a method carries the rest of a motion into the next step. The same sample again leads to where it can be judged.
+  // A method that is out of work carries the rest of a motion into the next step. Repeats the sample until the motion can be judged.
   MethodOutput finish(const MethodOutput& first, const Vec3& device, StressCount& count) {
     MethodOutput output = first;
     count.carried_steps += method->carried_from().has_value();
@@ -313,7 +313,7 @@ struct StressRun::Impl {
     return output;
   }
 
-  // On the side where the device must not be.
+  // Whether p is on the wrong side of a closed surface: there, the device needs a force and the proxy must not be.
   bool is_wrong(const Vec3& p) const { return solid && solid->is_inside(p) != body.room; }
 
   bool is_free(const Vec3& p) const {
@@ -359,11 +359,11 @@ struct StressRun::Impl {
   double extent;
   Vec3 offset;
   StressBody body;
-  mutable TriangleBoxes boxes;  // of what is touched
+  mutable TriangleBoxes boxes;  // of the triangles of body.touched
   TriangleMesh walk_mesh;
   SurfaceWalk walk;
   double probe_radius = 0.0;
-  double layer = 0.0;  // smooth: distance from the surface at which its force begins; it may add that much to the spring
+  double layer = 0.0;  // smooth: distance from the surface at which its force begins; its spring may be longer by that much
   std::optional<PointInMesh> solid;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary_edges;
   TouchScene scene;

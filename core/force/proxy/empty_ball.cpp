@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// Among too many triangles there is none. Triangles hardly nearer than the nearest so far are skipped: over a smooth surface there are
-// thousands, for a ball hardly larger.
+// Finds no ball among too many triangles. Skips triangles that are hardly nearer than the nearest one so far: over a smooth surface there
+// are thousands of them, and testing them would make the ball hardly larger.
 double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept {
-  constexpr double kHardlyNearer = 0.75 * 0.75;  // of squared distances
+  constexpr double kHardlyNearer = 0.75 * 0.75;  // a factor of squared distances
   const double widest = 64.0 * displacement + 4.0 * rest;
   double clear_squared = widest * widest;
   constexpr int kMaxTests = 256;  // about half of the work of a step (StepWork::kMax)

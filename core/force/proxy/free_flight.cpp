@@ -38,8 +38,8 @@ FreeFlight::Met FreeFlight::fly(const Vec3& from, const Vec3& to, bool slides, S
   return surface.land(first, hit.from_back, on_face, slides) ? Met::walkable : Met::other;
 }
 
-// A segment that crosses an edge passes through both its triangles within rounding. Only the one that p sees counts: p must lie on its side
-// of the wedge that the two form.
+// A segment that crosses an edge passes, within rounding, through both triangles at this edge. A triangle counts only if p sees its side
+// `back`: p must lie on that side of the wedge that the two triangles form.
 bool FreeFlight::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept {
   // Local units: 2^11 times the grid, above the rounding of a crossing; 2^-10 of the contact offset.
   constexpr double kNearEdge = 0x1p-40;
@@ -69,8 +69,8 @@ bool FreeFlight::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, b
   return true;
 }
 
-// The same at a vertex, where more than two triangles meet. Along the segment crossings from the front and from the back alternate, so the
-// side that is crossed once more than the other is met first.
+// The same at a vertex, where more than two triangles meet. Along the segment, crossings from the front and from the back alternate, so the
+// segment first meets the side that it crosses once more than the other.
 bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept {
   if (!vertex_.land(id, back, hit) || !vertex_.reach_vertex(k)) return true;
   int more = 0;
@@ -83,15 +83,15 @@ bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_
 }
 
 Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
-  // Local units, eight times the grid of coordinates: nearer, the direction is rounding.
+  // Local units, eight times the grid of coordinates: at a smaller distance, only rounding decides the direction.
   constexpr double kNoDirection = 0x1p-48;
   std::size_t count = 0;
   surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(clearance_.offset), [&](std::uint32_t id) {
     const ContactTriangle shape = surfaces_.shape_of(id);
     const Separation at = shape.separation(p);
     if (at.distance >= clearance_.offset || count == planes_.size() || !surfaces_.can_touch(id, p)) return;
-    // So near to the triangle the direction to its nearest point is rounding, also on an edge or a corner: the triangle's normal takes its
-    // place. On which side p lies is decided exactly.
+    // So near to the triangle, only rounding decides the direction to its nearest point, also on an edge or a corner: the triangle's normal
+    // is used instead. The side on which p lies is decided exactly.
     Vec3 normal = at.normal;
     const bool is_on_it = !(at.distance > kNoDirection) && !shape.normal().isZero(0.0);
     if (is_on_it || at.feature == Feature::face) {

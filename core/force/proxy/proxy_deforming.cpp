@@ -8,9 +8,9 @@
 namespace hapton {
 namespace {
 
-// Local units: farther off an edge than what counts as on it, far below what can be felt.
+// Local units: farther from an edge than a point that counts as on the edge, far below what can be felt.
 constexpr double kOffEdges = 0x1p-42;
-// By how much a flight to the nearest place goes beyond it: of the distance, and local units.
+// How far a flight to the nearest place goes beyond it, in local units: kBeyond times the distance, plus kMinBeyond.
 constexpr double kBeyond = 0x1p-20;
 constexpr double kMinBeyond = 0x1p-40;
 
@@ -23,7 +23,7 @@ Vec3 weights_on(const ContactTriangle& shape, const Vec3& p) {
 
 }  // namespace
 
-// Of several at an edge or vertex the one that faces p most.
+// Finds the nearest triangle; at an edge or vertex, of several that are equally near, the one that faces p most.
 std::optional<std::uint32_t> ProxyMethod::find_nearest(const Vec3& p, double reach, Separation& at) const noexcept {
   // Distances to triangles that share the closest point differ by their rounding, 2^-50.
   constexpr double kSame = 1.0 + 0x1p-40;
@@ -64,7 +64,7 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
     const double length = towards.norm();
     double time = 1.0;
     const Vec3 beyond = length > 0.0 ? Vec3(nearest.nearest + (kBeyond + kMinBeyond / length) * towards) : p;
-    // Exact at edges and vertices. It may pass beside the boundary of a sheet.
+    // A flight is exact at edges and vertices. It may miss the surface beside the boundary of an open one.
     if (length > 0.0 && flight_.fly(p, beyond, proxy_.slides, surface_, time) != FreeFlight::Met::walkable) surface_.leave();
     if (!surface_.is_on_surface()) {
       const ContactTriangle shape = surfaces_.shape_of(*id);

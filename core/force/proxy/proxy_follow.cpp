@@ -9,12 +9,12 @@ namespace {
 
 constexpr double kFarFromScene = 4.0;                 // local units: positions farther out are too coarse to be exact on the surface
 constexpr double kLift = 0.5 * SurfacePoint::kClear;  // distance from the surface at which a flight starts
-constexpr double kNarrow = 8.0;                       // contact offsets: a triangle whose middle is nearer to an edge has no room
+constexpr double kNarrow = 8.0;                       // contact offsets: a triangle whose middle is nearer to an edge than this has no room
 constexpr int kMaxLegs = 64;                          // flights in one step
 
 bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
 
-// The times between which a straight motion is not far from the scene. Empty: begin > end.
+// The times, 0 to 1, between which a straight motion is not far from the scene. There are none if begin > end.
 struct NearSpan {
   double begin = 0.0, end = 1.0;
 };
@@ -54,7 +54,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   if (near.end < 1.0 && !carried_from_) follow_piece(exit, device);
 }
 
-// The device has come from afar, to there.
+// The device has come from far away to this position near the scene.
 void ProxyMethod::come_near(const Vec3& device) noexcept {
   if (proxy_.is_free) return proxy_.settle_at(device);
   if (!surface_.is_on_surface()) sphere_.stop_tracking();
@@ -79,7 +79,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
   follow_after_sweep(last, device);
 }
 
-// Where sweeps get no nearer to the device, the proxy stays in the slit.
+// The proxy stays in the slit if sweeps get it no nearer to the device.
 void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept {
   is_close_ = true;
   const bool has_settled = sweep_to(device);
@@ -94,24 +94,24 @@ bool ProxyMethod::is_nearer_than_sphere(const Vec3& device) const noexcept {
 }
 
 // In a wedge whose tip is far away, the sphere that stands for the point is held far from the tip, perhaps by a face that ends before the
-// tip. A much smaller sphere gets past that end. True: the proxy comes nearer to the device like that, to a place where the larger one has
-// room.
+// tip. A much smaller sphere gets past the end of this face. True: with the smaller sphere, the proxy comes nearer to the device, to a
+// place where the larger sphere has room.
 bool ProxyMethod::sweep_past_slit(const Vec3& device) noexcept {
-  constexpr double kSmaller = 0x1p-6;  // of the larger radius; the slop and tolerance of such a sweep are still above rounding
-  constexpr double kRoom = 0.75;       // of the larger radius
+  constexpr double kSmaller = 0x1p-6;  // share of the larger radius; slop and tolerance of such a sweep are still above rounding
+  constexpr double kRoom = 0.75;       // share of the larger radius
   if (work_left_ <= 0) return false;
   swept_.keep_only(kSmaller * sphere_.offset());
   const bool has_settled = swept_.descend(proxy_, device, work_left_);
   work_left_ -= swept_.work();
   if (!has_settled) swept_.forget();
   if (!has_settled || proxy_.is_free) return has_settled;
-  clear_start();  // a sweep of the larger one would push it far aside where there is no room
+  clear_start();  // without room, a sweep of the larger sphere would push the proxy far aside
   return is_nearer_than_sphere(device) && !is_nearer_to_surface(proxy_.position, kRoom * sphere_.offset());
 }
 
-// Without work left it could only be interrupted, and would lose the contacts. A point is then carried, a few times in a motion and at
-// least once for each sample: where sweeps settle, it is farther from surfaces than the sphere that stands for it, and in a wedge whose tip
-// is far away it may be held where that sphere is not.
+// Lets the sphere follower go on. Without work left, it could only be interrupted, and would lose the contacts: then a point is carried, a
+// few times in a motion and at least once for each sample. Where sweeps settle, the point is farther from surfaces than the follower's
+// sphere, and in a wedge whose tip is far away, it may be held where that sphere is not.
 void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexcept {
   if (proxy_.is_free || swept_.is_shrunk()) return;
   if (work_left_ <= 0 && is_point_ && (last != device || ++tries_.sweep_carries <= kMaxFailures)) return carry(device);
@@ -120,7 +120,7 @@ void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexc
     copy_sphere_state(device);
 }
 
-// A sweep that begins nearer to a face than its clearance allows could pass it.
+// A sweep that begins nearer to a face than its clearance could pass through it: then it keeps only the sphere follower's distance.
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
   if (is_close_ && !proxy_.is_free) swept_.keep_only(sphere_.offset());
   const bool has_settled = swept_.descend(proxy_, device, std::max(work_left_, kMinSweptWork));
@@ -128,8 +128,8 @@ bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
   return has_settled;
 }
 
-// True if the step was finished on the surface and in free space. Otherwise the proxy is on the surface, or free, with the device at
-// `time`.
+// True if the step was finished on the surface and in free space. Otherwise the proxy is on the surface, or free, for the device position
+// at `time`.
 bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept {
   using Outcome = SurfaceFollower::Outcome;
   using Met = FreeFlight::Met;
@@ -187,7 +187,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   return true;
 }
 
-// Straight, while the device goes to its end: `time` is then that of the contact, if a walkable triangle was met.
+// Flies straight, while the device goes to its end: if the flight meets a walkable triangle, `time` becomes the time of the contact.
 FreeFlight::Met ProxyMethod::fly_to_device(const Vec3& from, const Vec3& device, double& time) noexcept {
   double until = 1.0;
   const FreeFlight::Met met = flight_.fly(from, device, false, surface_, until);
@@ -196,7 +196,7 @@ FreeFlight::Met ProxyMethod::fly_to_device(const Vec3& from, const Vec3& device,
   return met;
 }
 
-// The rest of the motion, from there on, follows with the next sample.
+// The rest of the motion, from the position `device` on, follows in the next step.
 void ProxyMethod::carry(const Vec3& device) noexcept {
   ++counters_.exhausted;
   carried_from_ = device;
@@ -204,7 +204,7 @@ void ProxyMethod::carry(const Vec3& device) noexcept {
 
 void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_surfaces(proxy_.position, kBeside * kContactOffset); }
 
-// At the end of a step that the surface holds.
+// Sets the state at the end of a step in which the surface holds the proxy.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   proxy_.position = surface_.lifted(kContactOffset);
   is_close_ = false;
@@ -222,7 +222,7 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   }
 }
 
-// Whether something is nearer to p than that.
+// Whether a triangle is nearer to p than `distance`.
 bool ProxyMethod::is_nearer_to_surface(const Vec3& p, double distance) const noexcept {
   bool any = false;
   geometry_.for_each_overlapping(Box{p, p}.inflated(distance), [&](std::uint32_t id) {
@@ -232,9 +232,9 @@ bool ProxyMethod::is_nearer_to_surface(const Vec3& p, double distance) const noe
   return any;
 }
 
-// Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer. On a triangle too
-// narrow for that, above the faces beside it as well where they are nearer. In the wedge between two faces it lifts farther away from its
-// tip, where the other face is not in the way.
+// Lifts the proxy to the distance that sweeps keep, and away from every edge, so that nothing beyond an edge is nearer. If the triangle is
+// too narrow for that and the faces beside it are nearer, lifts above these as well. In the wedge between two faces, lifts at a place
+// farther from the tip of the wedge, where the other face is not in the way.
 void ProxyMethod::lift_off_surface() noexcept {
   // From 512 contact offsets (kBeside) in five tries to 2^21 of them, 2^-9 of the scene.
   constexpr double kFarther = 8.0;
@@ -273,8 +273,8 @@ void ProxyMethod::lift_off_surface() noexcept {
   contact = {face.id, face.shape, {clearance_.offset, normal, from, Feature::face}};
 }
 
-// Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where this motion has lifted it off and was then
-// out of work: it would be lifted off again, and what that takes may leave no work to get farther.
+// Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where it was lifted off before this motion ran
+// out of work: it would be lifted off again, and that may leave no work to get farther.
 bool ProxyMethod::land_on_surface() noexcept {
   if (tries_.lifted && (proxy_.position - tries_.lifted->from).norm() <= 2.0 * tries_.lifted->by) return false;
   const auto active = proxy_.active();

@@ -9,9 +9,9 @@ namespace hapton {
 
 namespace {
 
-constexpr double kMinRadius = 0x1p-20;  // local units: corners that a smaller probe closes are too small for its digits
-// Local units: the centre of a larger sphere, which is as far from the scene, has too few digits for the contact offset. So has a device
-// that is farther out (SweptMotion).
+constexpr double kMinRadius = 0x1p-20;  // local units: digits are too few to tell the corners that a smaller probe closes
+// Local units. The centre of a larger sphere can be as far from the scene as its radius, where it has too few digits for the contact
+// offset. So has a device that is farther away (SweptMotion).
 constexpr double kLargestRadius = 0x1p10;
 
 std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& scene) {
@@ -65,7 +65,7 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
       shading_(settings.shading),
       is_point_(settings.probe_radius_m == 0.0),
       surface_(geometry_, materials_),
-      // A point's radius is the reference's, so the proxy fits wherever the reference does.
+      // The sphere that stands for a point is as large as in the reference, so the proxy fits wherever the reference does.
       sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.offset, clearance_.offset < kMinRadius),
       flight_(surfaces_, clearance_),
       swept_(surfaces_, clearance_, is_point_) {}
@@ -115,12 +115,12 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
   geometry_.place_probe(proxy_.position);
-  // On an edge or a vertex, no direction leads away from the surface for a sphere.
+  // A sphere whose centre is on an edge or a vertex has no direction that leads away from the surface.
   if (!is_point_ && has_sample_) proxy_.position = flight_.off_surface(proxy_.position, kContactOffset);
   last_device_ = proxy_.position;
 }
 
-// Where friction has changed, the proxy settles again at the beginning of the next step: what held it may hold it no longer.
+// If friction has changed, the proxy settles again at the beginning of the next step: what held the proxy may hold it no longer.
 void ProxyMethod::set_materials(std::span<const Material> materials) noexcept {
   bool is_friction_other = false;
   for (std::size_t i = 0; i < std::min(materials.size(), materials_.size()); ++i) {
@@ -180,7 +180,7 @@ void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept { sample_from_ =
 double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept {
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
-  if (geometry_.waiting_count() != waiting) {  // new objects are not in what they have found
+  if (geometry_.waiting_count() != waiting) {  // what the followers have found does not contain new objects
     sphere_.forget_near();
     swept_.drop_motion();
   }
@@ -231,8 +231,8 @@ Vec3 ProxyMethod::shaded(const Vec3& extension) noexcept {
   return result;
 }
 
-// On its way to the next contact, where a step ran out of work, the proxy has none. The material stays that of the object it touched last;
-// if there is none, it is the softest.
+// A proxy that ran out of work on its way to the next contact has no contact. The material is still that of the object that it touched
+// last; without such an object, it is the softest material.
 Material ProxyMethod::felt_material() const noexcept {
   if (proxy_.contact_count > 0) return surfaces_.mean_material(proxy_);
   if (touched_object_ >= 0) return materials_[static_cast<std::size_t>(touched_object_)];
@@ -250,7 +250,7 @@ Vec3 ProxyMethod::force_of(const Vec3& extension_m, const Vec3& velocity_m_per_s
   return std::max(0.0, spring.norm() - drag) * direction;
 }
 
-// Goes on from the last sample in the ball, because the probe may come back through a face.
+// Puts the proxy at the last sample in the ball and goes on from there, because the probe may come back through a face.
 void ProxyMethod::leave_ball() noexcept {
   if (!ball_.exists()) return;
   proxy_.position = within_limits(geometry_.to_local(ball_.last_sample()));

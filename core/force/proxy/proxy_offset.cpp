@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// True if that finished the step. Otherwise the proxy is where it stopped, with the device at `time`.
+// True if this finished the step. Otherwise the proxy is where the sphere follower stopped, for the device position at `time`.
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
   if (proxy_.is_free) {
     if (is_point_) clear_start();

@@ -1,4 +1,4 @@
-// The proxy's lines for people.
+// The text about the proxy that people read.
 #include <algorithm>
 #include <cmath>
 
