@@ -279,4 +279,6 @@ Result<void> DeviceHub::run(const StopSignal& stop) {
   return ended ? recorded : ended;
 }
 
+bool DeviceHub::has_device_failed() const { return parts_->network->device_status() == DeviceStatus::fault; }
+
 }  // namespace hapton

@@ -32,6 +32,8 @@ class DeviceHub {
 
   // Runs until IoSession::run ends, and prints a summary of the recording. Error: as IoSession::run, or of watchdog or recording.
   Result<void> run(const StopSignal& stop);
+  // After run(): its device stopped replying for good.
+  bool has_device_failed() const;
 
  private:
   struct Parts;

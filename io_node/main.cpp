@@ -37,26 +37,29 @@ Result<Hubs> open_hubs(const IoOptions& options, const Clock& clock) {
   return hubs;
 }
 
-// True: the hub ended without an error.
-bool run_hub(DeviceHub& hub, ServiceLiveness& service, std::size_t number, const StopSignal& stop) {
+// The exit code when a device has stopped replying for good: its systemd unit does not start io_node again then, only a person does.
+constexpr int kDeviceFailed = 3;
+
+// The exit code of this hub: 0 without an error.
+int run_hub(DeviceHub& hub, ServiceLiveness& service, std::size_t number, const StopSignal& stop) {
   hub.set_service(&service, number);
   const auto ended = hub.run(stop);
   service.leave(number);
   if (!ended) log_error("{}{}", name_prefix(hub.options()), ended.error().what);
-  return ended.has_value();
+  return ended ? 0 : hub.has_device_failed() ? kDeviceFailed : 1;
 }
 
-// Runs each hub in its own thread, so that the fault of one device does not stop the others.
-bool run_hubs(const Hubs& hubs, const StopSignal& stop) {
+// Runs each hub in its own thread, so that the fault of one device does not stop the others. Returns the largest of their exit codes.
+int run_hubs(const Hubs& hubs, const StopSignal& stop) {
   ServiceLiveness service(hubs.size());
   if (hubs.size() == 1) return run_hub(*hubs.front(), service, 0, stop);
-  std::vector<char> went_well(hubs.size(), 0);
+  std::vector<int> codes(hubs.size(), 0);
   std::vector<std::thread> threads;
   for (std::size_t n = 0; n < hubs.size(); ++n) {
-    threads.push_back(start_thread([&, n] { went_well[n] = run_hub(*hubs[n], service, n, stop) ? 1 : 0; }));
+    threads.push_back(start_thread([&, n] { codes[n] = run_hub(*hubs[n], service, n, stop); }));
   }
   for (std::thread& thread : threads) thread.join();
-  return std::all_of(went_well.begin(), went_well.end(), [](char well) { return well != 0; });
+  return *std::max_element(codes.begin(), codes.end());
 }
 
 int run(const IoOptions& options) {
@@ -69,7 +72,7 @@ int run(const IoOptions& options) {
   }
   for (const auto& hub : *hubs) print_text("{}\n", hub->describe());
   std::fflush(stdout);
-  return run_hubs(*hubs, stop) ? 0 : 1;
+  return run_hubs(*hubs, stop);
 }
 
 }  // namespace

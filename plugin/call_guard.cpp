@@ -4,8 +4,6 @@
 
 #include <fmt/core.h>
 
-#include "core/force/force_fade.h"
-
 namespace hapton {
 namespace {
 
@@ -73,7 +71,7 @@ void CallGuard::cut(const CutOff& cut_off) noexcept {
 
 PluginForce CallGuard::fade(double dt_s) noexcept {
   if (share_ <= 0.0) return {};
-  share_ -= std::min(dt_s, ForceFade::kMaxStepS) / kFadeS;
+  share_ -= dt_s / kFadeS;
   if (share_ <= 0.0) return {};
   return {.force_n = share_ * last_.force_n, .torque_nm = share_ * last_.torque_nm};
 }

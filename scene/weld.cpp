@@ -22,11 +22,10 @@ std::uint64_t mix(std::uint64_t h) {
   return h ^ (h >> 33);
 }
 
-// Differs from one process to the next, so that no file can be made whose vertices all come to the same slot. What is welded does not
-// depend on it.
+// Differs each time, so that no file can be made whose vertices all come to the same slot. What is welded does not depend on it.
 std::uint64_t random_start() {
-  static const std::uint64_t start = mix((std::uint64_t{std::random_device{}()} << 32) + std::random_device{}());
-  return start;
+  std::random_device random;
+  return mix((std::uint64_t{random()} << 32) + random());
 }
 
 std::uint64_t hash(const Vec3& p, std::uint64_t start) {

@@ -269,5 +269,16 @@ TEST(Plugins, ADeviceFromAFileIsDrivenAndItsFaultLatched) {
   ASSERT_TRUE(io.wait(kPatience));
 }
 
+// The systemd unit does not start io_node again after this code (RestartPreventExitStatus).
+TEST(Plugins, ADeviceThatFailsForGoodEndsWithACodeOfItsOwn) {
+  const ScratchFolder scratch;
+  const std::string device = "plugin:" + plugin("odd_device") + ":does=fault,after=500";
+  Program io("io_node", {"--bind", "127.0.0.1:" + find_free_port(), "--device", device}, scratch.path());
+  const auto ended = io.wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 3);
+  EXPECT_THAT(ended->err, HasSubstr("stopped replying"));
+}
+
 }  // namespace
 }  // namespace hapton::process

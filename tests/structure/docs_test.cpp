@@ -54,6 +54,9 @@ TEST(Units, AreStartedAgainHoweverOftenTheyEnd) {
     const auto service = std::ranges::find(lines, "[Service]");
     EXPECT_NE(std::find(service, lines.end(), "Restart=on-failure"), lines.end()) << entry.path();
     EXPECT_NE(std::find(lines.begin(), service, "StartLimitIntervalSec=0"), service) << entry.path() << " in [Unit]";
+    // But not after a device has failed for good: then a person does.
+    const bool is_hub = entry.path().filename() == "hapton-io.service";
+    EXPECT_EQ(std::find(service, lines.end(), "RestartPreventExitStatus=3") != lines.end(), is_hub) << entry.path();
   }
   EXPECT_EQ(units, 3);
 }
