@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// The arrays of a mesh are handed over as they are.
+// A plug-in reads the arrays of a mesh in place, without conversion.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t));
 
 hapton_material to_plugin(const Material& material) noexcept {
@@ -57,7 +57,7 @@ PluginMethod::~PluginMethod() {
   if (method_ != nullptr && api_.destroy != nullptr) call_plugin([&] { api_.destroy(method_); });
 }
 
-// The velocity is the hand's: a scene that is turned does not move it.
+// The velocity is that of the hand in the world: turning the scene does not change it.
 void PluginMethod::note_hand(const MethodInput& input, hapton_method_input& own) noexcept {
   const TouchInput in_scene{.p_WD = input.p_SD, .buttons = input.buttons};
   const TouchInput& touch = input.touch != nullptr ? *input.touch : in_scene;
@@ -92,7 +92,7 @@ void PluginMethod::ask(const MethodInput& input, PluginForce& given) {
 MethodOutput PluginMethod::step(const MethodInput& input) noexcept {
   MethodOutput output;
   output.p_SP = input.p_SD;
-  // A step of no duration is none of a sample's, for which alone a plug-in is called.
+  // A plug-in is called only for the step of a sample; a step without a duration belongs to none.
   if (!input.p_SD.allFinite() || !(input.dt_s > 0.0)) return output;
   const PluginForce felt = guard_.step(input.dt_s, [&](PluginForce& given) { ask(input, given); });
   output.force_n = felt.force_n;

@@ -19,7 +19,7 @@ std::string shape_of(const Doubles& array) {
   return text + ")";
 }
 
-// 16 numbers, row by row. Nothing: no rigid pose.
+// numbers: a matrix of 4 x 4, row by row. Nullopt: it is not a rigid pose.
 std::optional<Pose> pose_of(const double* numbers) {
   std::array<float, 12> rows = {};
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = static_cast<float>(numbers[k]);

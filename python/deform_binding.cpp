@@ -12,7 +12,7 @@
 namespace hapton::python {
 namespace {
 
-// The step on a surface whose shapes Python gives. Threads: any; a shape is prepared beside the steps.
+// The haptic step on a surface whose shapes Python gives. Threads: any; a shape can be prepared while steps run.
 class PythonDeform {
  public:
   PythonDeform(const PythonMesh& mesh, double reach_m, const Material& material) {
@@ -36,15 +36,15 @@ class PythonDeform {
  private:
   Result<double> hand_over(const std::vector<Vec3>& shape, double over_s);
 
-  std::mutex prepare_mutex_;  // before the other
+  std::mutex prepare_mutex_;  // locked before step_mutex_
   std::mutex step_mutex_;
   std::unique_ptr<StreamedMethod> method_;
   bool has_begun_ = false;
-  bool is_running_ = false;  // there was a step
-  double time_s_ = 0.0;      // the sum of all dt_s but the first
+  bool is_running_ = false;  // a step has run
+  double time_s_ = 0.0;      // the sum of all dt_s except the first
 };
 
-// Without the GIL. Twice at most: one stage waits at most, and may begin meanwhile.
+// Pre: the GIL is released. The loop runs at most twice: at most one stage waits, and only that stage can begin while `shape` is prepared.
 Result<double> PythonDeform::hand_over(const std::vector<Vec3>& shape, double over_s) {
   const std::scoped_lock prepares(prepare_mutex_);
   for (;;) {
@@ -58,7 +58,7 @@ Result<double> PythonDeform::hand_over(const std::vector<Vec3>& shape, double ov
     auto stage = method_->stager().make(from, shape);
     if (!stage) return tl::unexpected(stage.error());
     const double seconds = StreamedMethod::compute_time_s(**stage, over_s);
-    StreamedGeometry::Released released;  // destroyed after the lock
+    StreamedGeometry::Released released;  // declared before the lock, so that it is destroyed after the unlocking
     const std::scoped_lock lock(step_mutex_);
     if (method_->serial() != serial) continue;
     released = method_->offer(std::move(*stage), over_s);
@@ -120,7 +120,7 @@ py::dict PythonDeform::step(const Doubles& positions, const Doubles& dt_s) {
     const py::gil_scoped_release gil_released;
     const SteadyClock clock;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const std::scoped_lock lock(step_mutex_);  // for each, so that a shape can come in between
+      const std::scoped_lock lock(step_mutex_);  // locked for each step, so that a shape can be set between two steps
       const double dt = dt_s.data()[times == 1 ? 0 : i];
       if (std::exchange(is_running_, true)) time_s_ += dt;
       if (!has_begun_ && points[i].allFinite()) {

@@ -7,10 +7,10 @@ namespace hapton::python {
 namespace {
 
 constexpr double kMaxNumber = 1e6;
-constexpr double kMaxMassKg = 5.0;  // as in scene files, like the next
+constexpr double kMaxMassKg = 5.0;  // this limit and the next are those of scene files
 constexpr double kMaxFilterS = 1.0;
 
-// What Python holds: one of several laws.
+// What a field object of Python holds: one of several force laws.
 struct PythonField {
   Field law;
 };

@@ -60,7 +60,7 @@ FieldNodeState FieldNode::state() {
 }
 
 void FieldNode::run() {
-  // The memory of a whole Python is not locked; a denied priority is no reason to stop.
+  // The memory is not locked, because it is that of the whole Python process. If the priority is denied, the thread runs without it.
   (void)enter_realtime({.lock_memory = false});
   while (!is_stopping_.load(std::memory_order_relaxed)) {
     if (const auto state = link_->next(link_->clock().now_ns() + kNodeTurnNs)) {
@@ -76,7 +76,7 @@ void FieldNode::run() {
 void FieldNode::reply(const DeviceState& state) noexcept {
   if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
   if (take_law()) changed_sample_ = state.sample;
-  // However long no sample came: the time of the fields is that of the samples, and a hand that went far meanwhile was not fast.
+  // The whole time since the last sample, however long: with a shorter one, a hand that moved far meanwhile would seem fast.
   const double dt_s = seconds_between(last_ns_, state.sample_time_ns);
   if (dt_s < 0.0) follow_clock_back(state.sample_time_ns);
   last_ns_ = state.sample_time_ns;
@@ -89,14 +89,14 @@ void FieldNode::reply(const DeviceState& state) noexcept {
   note(state, force_n);
 }
 
-// Another hub, or one whose machine was started again: the time of the samples goes on from the one before.
+// The clock has stepped back: another hub, or the hub's machine has restarted. The node's time goes on from the previous sample.
 void FieldNode::follow_clock_back(std::int64_t sample_time_ns) noexcept {
   first_ns_ += ns_between(last_ns_, sample_time_ns);
   histogram_ns_ = 0;
   fade_.begin();
 }
 
-// Python holds the lock for as long as a pointer changes hands; otherwise the next sample takes the law.
+// Python holds the lock only briefly. If Python holds it now, the law is taken at the next sample.
 bool FieldNode::take_law() noexcept {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || next_ == nullptr || old_ != nullptr) return false;

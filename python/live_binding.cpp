@@ -299,7 +299,7 @@ py::dict describe_run(const NodeLink& link, double seconds) {
 
 // The last reply is a zero force, also after an exception of the function or Ctrl-C.
 py::dict run_force_function(const py::function& force, double seconds, const std::string& hub, const std::string& key_file) {
-  constexpr double kMaxS = 1e9;  // as the nodes' --seconds
+  constexpr double kMaxS = 1e9;  // the limit of the nodes' flag --seconds
   if (!(seconds > 0.0 && seconds <= kMaxS))
     raise_value_error(fmt::format("seconds is {}; give a time above 0, at most {:g}", seconds, kMaxS));
   const std::unique_ptr<NodeLink> link = open_or_raise([&] { return NodeLink::open(hub, key_file); });

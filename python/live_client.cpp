@@ -10,11 +10,11 @@ namespace hapton::python {
 namespace {
 
 constexpr double kClientPatienceS = 5.0;
-constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // the longest that a marker waits until it is sent
-constexpr std::size_t kMaxCarves = 1'000'000;                       // as Sculpture has them
+constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // longest time that a marker waits before it is sent
+constexpr std::size_t kMaxCarves = 1'000'000;                       // the limit of Sculpture
 constexpr auto kMovePatience = std::chrono::seconds(3);
 constexpr double kShapePatienceS = 5.0;
-constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
+constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // repeated until the forces use it: a datagram may be lost
 
 }  // namespace
 
@@ -48,7 +48,7 @@ std::optional<ProbeState> LiveClient::newest() {
 
 Result<std::uint32_t> LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
   if (is_stopping_.load()) return fail("this client is closed");
-  // Revisions go on from the one in use, which comes with the first state.
+  // The new revision follows the one in use, which the first ProbeState reports.
   for (int ms = 0; ms < 1000 && !newest(); ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const std::scoped_lock lock(mutex_);
   view_.X_WS = X_WS;
@@ -142,14 +142,14 @@ void LiveClient::take_move(const Message& message, Arrival arrival) {
   known_moves_.take(*move, arrival);
 }
 
-// Those of an earlier haptics process are void: the objects are whole again.
+// The carves of an earlier haptics process are void: with a new process, the objects are whole again.
 void LiveClient::take_carves(const Message& message, Arrival arrival) {
   const auto* carves = std::get_if<Carves>(&message);
   if (carves == nullptr) return;
   const std::scoped_lock lock(mutex_);
   const KnownCarves::News news = known_carves_.take(*carves, arrival);
   if (news.starts_anew) carves_.clear();
-  const std::size_t end = std::size_t{carves->first} + carves->count - 1;  // the first of the news is so many before
+  const std::size_t end = std::size_t{carves->first} + carves->count - 1;  // serial of the last carve; the new ones come last
   if (news.carves.empty() || end > kMaxCarves) return;
   if (carves_.size() < end) carves_.resize(end);
   std::copy(news.carves.begin(), news.carves.end(), carves_.begin() + static_cast<std::ptrdiff_t>(end - news.carves.size()));
@@ -201,7 +201,7 @@ void LiveClient::run() {
 
 void LiveClient::send_view(std::int64_t now_ns) noexcept {
   const std::scoped_lock lock(mutex_);
-  // Of another node that has turned the scene since: ours is over.
+  // If another node has turned the scene since, our view is obsolete and no longer sent.
   const std::uint32_t newest_in_use = std::max(others_view_.revision(), newest_ ? newest_->view_revision : 0U);
   if (view_.revision == 0 || now_ns < next_view_ns_ || newest_in_use >= view_.revision) return;
   next_view_ns_ = now_ns + kViewEveryNs;

@@ -15,7 +15,7 @@ std::optional<Unit> read_unit(const std::optional<std::string>& unit) {
   return value_or_raise(parse_unit(*unit));
 }
 
-// As doubles, which hold every index exactly: as integers, 0.9 and 1e30 would be converted without an error.
+// Indices are read as doubles, which hold each of them exactly. As integers, 0.9 and 1e30 would be converted without an error.
 PythonMesh make_mesh(const Doubles& vertices, const Doubles& triangles) {
   auto mesh = std::make_shared<TriangleMesh>();
   mesh->vertices = read_points(vertices, "vertices");

@@ -35,7 +35,7 @@ struct Columns {
   }
 };
 
-// The vector's memory becomes the array's, one number after the other in its last axis.
+// The array takes over the vector's memory; the numbers are in row-major order.
 template <class Number>
 py::array_t<Number> give_away(std::vector<Number>&& numbers, std::vector<py::ssize_t> shape) {
   auto owned = std::make_unique<std::vector<Number>>(std::move(numbers));
@@ -49,7 +49,7 @@ py::array_t<double> give_away(std::vector<double>&& numbers) {
   return give_away(std::move(numbers), {count});
 }
 
-// The shapes that programs gave to objects: a row for each, and if they are wanted their vertices, which may be larger than all else.
+// The shapes that programs gave to objects: a row for each, and on request their vertices, which may need more memory than all else.
 class Shapes {
  public:
   Shapes(std::int64_t start_ns, bool has_vertices) : collector_(start_ns), has_vertices_(has_vertices) {}
@@ -57,7 +57,7 @@ class Shapes {
   void add(const SessionEntry& entry, const Datagram* datagram) { collector_.add(entry, datagram, take_); }
   void finish() { collector_.finish(take_); }
   const std::vector<RecordedShape>& rows() const { return rows_; }
-  // {(process, object): (shapes, vertices, 3)}
+  // A dict: for each key (process, object), an array of the shape (shapes, vertices, 3).
   py::dict give_vertices() {
     py::dict given;
     for (auto& [of, array] : arrays_) {
@@ -89,7 +89,7 @@ class Shapes {
   RecordingShapeCollector collector_;
   bool has_vertices_;
   std::vector<RecordedShape> rows_;
-  std::map<std::pair<std::uint32_t, std::int32_t>, Array> arrays_;  // by process and object
+  std::map<std::pair<std::uint32_t, std::int32_t>, Array> arrays_;  // key: process and object
   const RecordingShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
 };
 

@@ -17,7 +17,7 @@
 namespace hapton::python {
 namespace {
 
-// All that a batch of a tool gives, an entry for each pose.
+// The results of a batch of steps of a tool, one entry for each pose.
 struct ToolBatch {
   explicit ToolBatch(std::size_t count)
       : force_n(make_points(count)),
@@ -61,15 +61,15 @@ class PythonTool {
 
   std::mutex mutex_;
   std::unique_ptr<ToolStep> tool_;
-  std::optional<SpaceStep> effects_;  // in free space; none: the scene has none
-  std::vector<ToolPart> parts_;       // of the scene that move
+  std::optional<SpaceStep> effects_;  // effects in free space; nullopt: the scene has no such effects
+  std::vector<ToolPart> parts_;       // parts of the scene that can move
   std::vector<Pose> X_SO_;
   bool has_begun_ = false;
-  bool is_running_ = false;  // there was a step
-  double time_s_ = 0.0;      // of the scene: the sum of all dt_s but the first
+  bool is_running_ = false;  // a step has run
+  double time_s_ = 0.0;      // scene time: the sum of all dt_s except the first
 };
 
-// Friction, damping, viscosity and the stiffest of the materials, as haptics_node has it.
+// Uses the friction, damping and viscosity of the scene's materials and the stiffness of the stiffest one, as haptics_node does.
 PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double rotational_nm_per_rad) {
   if (!(rotational_nm_per_rad >= 0.0 && rotational_nm_per_rad <= 1e6)) {
     raise_value_error(fmt::format("rotational_stiffness_nm_per_rad is {}; give at least 0, at most 1e6", rotational_nm_per_rad));

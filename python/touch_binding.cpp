@@ -24,7 +24,7 @@ Material make_material(double stiffness_n_per_m, double damping_ns_per_m, double
   return material;
 }
 
-// All that a batch gives, an entry for each position.
+// The results of a batch of steps, one entry for each position.
 struct Batch {
   explicit Batch(std::size_t count)
       : force_n(make_points(count)),
@@ -49,11 +49,11 @@ struct Batch {
   py::array_t<double> proxy_m;
   py::array_t<bool> contact;
   py::array_t<std::int32_t> object;
-  py::array_t<std::uint32_t> carve;  // the serial of what a step carved; 0: nothing
+  py::array_t<std::uint32_t> carve;  // serial of the carve that the step made; 0: it made none
   py::array_t<std::int64_t> step_ns;
 };
 
-// One for all positions, or one for each.
+// Raises an error unless there is one number for all positions, or one for each.
 void check_count(py::ssize_t given, std::size_t positions, const char* name) {
   const auto count = static_cast<std::size_t>(given);
   if (count == 1 || count == positions) return;
@@ -82,11 +82,11 @@ class PythonTouch {
   std::mutex mutex_;
   std::unique_ptr<TouchStep> touch_;
   bool has_begun_ = false;
-  bool is_running_ = false;  // there was a step
-  double time_s_ = 0.0;      // of the scene: the sum of all dt_s but the first
+  bool is_running_ = false;  // a step has run
+  double time_s_ = 0.0;      // scene time: the sum of all dt_s except the first
 };
 
-// Pre: the lock is held.
+// Pre: the caller holds mutex_.
 void PythonTouch::prepare(const TouchInput& input) {
   touch_->reset(input);
   has_begun_ = true;

@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kMaxEarly = 64;  // forces that wait for their cycle; it is written a few cycles later at most
+constexpr std::size_t kMaxEarly = 64;  // forces that wait for their cycle, which is recorded at most a few cycles later
 
 constexpr CycleColumn kCycleColumns[] = {
     {"t_s", "s", [](const CycleRow& r) { return r.sample_t_s; }},
@@ -91,7 +91,7 @@ void CycleTable::add_cycle(const SessionEntry& entry) {
   row.q_WT = cycle.device->q_WT;
   if (before_ && cycle.device->time_ns > before_->time_ns)
     row.v_WD = (cycle.device->p_WD - before_->p_WD) / seconds_between(before_->time_ns, cycle.device->time_ns);
-  // A flight record begins somewhere within the session.
+  // No sample counts as lost before the first row: a flight record begins somewhere within the session.
   if (before_ && cycle.sample > sample_before_ + 1) row.lost = cycle.sample - sample_before_ - 1;
   lost_ += row.lost;
   gaps_ += row.lost > 0 ? 1 : 0;
@@ -137,7 +137,7 @@ void CycleTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
   const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), force.echo_sample, is_before);
   if (found == waiting_.end()) {
-    // Its cycle is still to come. A force whose cycle was lost is dropped once kMaxEarly others wait.
+    // The cycle of this force is still to come. A force whose cycle was lost is dropped once kMaxEarly others wait.
     early_.emplace_back(force, time_ns);
     if (early_.size() > kMaxEarly) early_.pop_front();
     return;

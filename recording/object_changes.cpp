@@ -62,7 +62,7 @@ void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
   if (const auto* carves = std::get_if<Carves>(&datagram->message)) add_carves(*carves, datagram->header.sender, t_s);
 }
 
-// The haptics node repeats it once a second.
+// The haptics node repeats its setup once a second; only a change is added.
 void ObjectChanges::add_setup(const HapticsSetup& setup, std::uint64_t sender, double t_s) {
   const auto is_same = [&](const HapticsSetup& other) {
     return other.method == setup.method && other.scene == setup.scene && other.scene_hash == setup.scene_hash &&
@@ -72,7 +72,7 @@ void ObjectChanges::add_setup(const HapticsSetup& setup, std::uint64_t sender, d
     setups_.push_back({.t_s = t_s, .sender = sender, .setup = setup});
 }
 
-// The haptics node repeats the newest move of each object.
+// The haptics node repeats the newest move of each object; a repetition is not added.
 void ObjectChanges::add_move(const ObjectMove& move, std::uint64_t sender, double t_s) {
   if (move.source != move_source_) {
     move_process_ += move_source_ != 0 ? 1 : 0;

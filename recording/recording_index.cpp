@@ -21,7 +21,7 @@ double seconds_from(std::int64_t start_ns, std::int64_t time_ns) {
   return std::clamp(seconds_between(start_ns, time_ns), -kMaxSeconds, kMaxSeconds);
 }
 
-// The first one after that time.
+// The first element later than t_s.
 template <class Vector>
 auto find_after(const Vector& all, double t_s) {
   return std::upper_bound(all.begin(), all.end(), t_s, [](double t, const auto& one) { return t < one.t_s; });
@@ -79,7 +79,7 @@ void RecordingIndex::add_carves(const Carves& carves, double t_s) {
   const bool is_first = carves_.empty();
   if (is_first) carved_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
   if (news.starts_anew && !is_first) carved_before_ = 0;
-  // A hub that records requests them, and they come after it has begun.
+  // Carves that were made before the recording are received during it, on the hub's request. They belong to its beginning.
   std::vector<NumberedCarve> fresh;
   for (std::uint32_t n = 0; n < news.carves.size(); ++n) fresh.push_back({news.first + n, news.carves[n]});
   if (!is_first && !news.starts_anew) {
@@ -102,7 +102,7 @@ void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uin
     add_view({setup->view_revision, setup->X_WS}, t_s);
     if (setups_.empty() || !is_same(setups_.back().message, *setup)) add_later(setups_, t_s, *setup);
   }
-  // One that the hub rejects is followed at once by the one in use, which it sends back.
+  // If the hub rejects this view, it sends back the one in use, which follows at once.
   if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&message)) {
     if (note_said(last_moves_, move->object, {move->source, move->serial})) add_later(moves_, t_s, IndexedMove::of(*move));

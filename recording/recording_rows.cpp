@@ -8,7 +8,7 @@ namespace {
 
 // A moment up to this far ahead is reached by reading on, a later one by a seek.
 constexpr double kReadOnS = 2.0;
-// How long after it was taken a sample may have been recorded, so that it is found after a seek.
+// A sample may be recorded up to this long after it was taken; a seek begins that much earlier, so that it is found.
 constexpr double kSlackS = 0.3;
 
 bool has_reply(const CycleRow& row) { return row.p_WP.allFinite(); }
@@ -55,7 +55,7 @@ bool RecordingRows::read_entry() {
   return true;
 }
 
-// Reads until there is a row later than t_s, or the file ends; those of kBeforeS before t_s are there, too, unless the file has none.
+// Reads until rows_ has a row later than t_s, or the file ends. rows_ then also has the file's rows of the last kBeforeS before t_s.
 void RecordingRows::go_to(double t_s) {
   const bool is_near = table_ != nullptr && t_s - kBeforeS >= from_s_ && (rows_->empty() || t_s <= rows_->back().sample_t_s + kReadOnS);
   if (!is_near) jump(t_s);
@@ -74,7 +74,7 @@ std::deque<CycleRow>::const_iterator RecordingRows::find_after(double t_s) const
 const CycleRow* RecordingRows::at(double t_s) {
   go_to(t_s);
   const auto after = find_after(t_s);
-  // A gap in the recording, or other entries after its last sample: the sample before may be farther back.
+  // If the recording has a gap, or other entries after its last sample, the sample before t_s may be farther back.
   if (after == rows_->begin() && t_s > index_->begin_s()) {
     const auto spans = index_->spans_between(index_->begin_s(), t_s);
     if (!spans.empty()) {
@@ -106,7 +106,7 @@ std::optional<double> RecordingRows::next_s(double t_s) {
 }
 
 std::optional<double> RecordingRows::previous_s(double t_s) {
-  // The newest row at the next smaller double is the one before.
+  // The newest row until the next smaller double is the previous row.
   const double before_s = std::nextafter(t_s, -std::numeric_limits<double>::infinity());
   if (before_s < index_->begin_s()) return std::nullopt;
   const CycleRow* row = at(before_s);

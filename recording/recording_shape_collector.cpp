@@ -29,11 +29,11 @@ void RecordingShapeCollector::add(const SessionEntry& entry, const Datagram* dat
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
   if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) {
     begin_process(part->source, take);
-    if (part->serial <= closed_[part->object]) return;  // sent again, for a picture
+    if (part->serial <= closed_[part->object]) return;  // sent again at the request of a vision node
     open(part->object, part->serial, part->part.total, take).parts.add(part->part);
   } else if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) {
     begin_process(start->source, take);
-    // The haptics node repeats the newest one of each object.
+    // The haptics node repeats the newest ShapeStart of each object.
     if (start->serial <= started_[start->object]) return;
     started_[start->object] = start->serial;
     Open& shape = open(start->object, start->serial, start->total, take);
@@ -89,7 +89,7 @@ std::optional<std::uint64_t> RecordingShapeCollector::take_row(const RecordedSha
   return rows.vertices == shape.displacements_m.size() ? std::optional(rows.count++) : std::nullopt;
 }
 
-// In order: a shape that is not complete holds back later ones.
+// Shapes are handed on in order: a shape that is not complete holds back later ones.
 void RecordingShapeCollector::hand_on_whole(const Take& take) {
   while (!open_.empty() && open_.front().is_started && open_.front().parts.is_whole()) close_first(take);
 }

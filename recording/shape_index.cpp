@@ -15,7 +15,7 @@ bool is_of(const ShapeStart& start, std::uint32_t source, std::int32_t object, s
 
 }  // namespace
 
-// Only where parts still come: among the last ones, or those of before the recording, which are the first.
+// Searches only where parts can still arrive: the last shapes, and the first, which may have begun before the recording.
 IndexedShape* ShapeIndex::find_shape(std::uint32_t source, std::int32_t object, std::uint32_t serial) {
   const auto is_it = [&](const Timed<IndexedShape>& one) { return is_of(one.message.start, source, object, serial); };
   const auto last = shapes_.size() > kMaxOpen ? shapes_.end() - static_cast<std::ptrdiff_t>(kMaxOpen) : shapes_.begin();
@@ -33,7 +33,7 @@ const Timed<IndexedShape>* ShapeIndex::find_newest(std::uint32_t source, std::in
   return nullptr;
 }
 
-// Parts that are sent again, for a picture, are left out.
+// Parts that are sent again at the request of a vision node are left out.
 void ShapeIndex::add(const ObjectShape& shape, std::uint64_t position) {
   auto parts = std::ranges::find_if(
       open_, [&](const Parts& one) { return one.source == shape.source && one.object == shape.object && one.serial == shape.serial; });

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// What recordings are read for that only a haptics node may send (HubPeers).
+// True for those messages used from recordings that only a haptics node may send (HubPeers).
 bool is_of_haptics(const Message& message) {
   return std::visit(
       [](const auto& one) {
@@ -21,7 +21,7 @@ bool is_of_haptics(const Message& message) {
 }  // namespace
 
 bool TakenDatagrams::take(const SessionEntry& entry, const Datagram& datagram) noexcept {
-  // It is of no session.
+  // A Hello belongs to no session.
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
     if (hello->role == NodeRole::haptics) {
       joining_ = entry.peer;

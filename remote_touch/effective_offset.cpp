@@ -11,11 +11,11 @@ EffectiveOffset find_effective_offset(const std::vector<Vec3>& signal, const std
   const std::size_t count = std::min(signal.size(), reference.size());
   if (count == 0) return {};
   const std::size_t width = most_late + 1;
-  // Before its first sample the reference stays as that is.
+  // Before its first sample, the reference has the value of that sample.
   const auto difference = [&](std::size_t i, std::size_t late) { return (signal[i] - reference[i >= late ? i - late : 0]).norm(); };
   std::vector<double> cost(width);
   std::vector<double> next(width);
-  std::vector<std::int8_t> change(count * width, 0);  // of d, into this sample
+  std::vector<std::int8_t> change(count * width, 0);  // by how much `late` differs from that of the sample before: -1, 0 or 1
   for (std::size_t late = 0; late < width; ++late) cost[late] = difference(0, late);
   for (std::size_t i = 1; i < count; ++i) {
     std::int8_t* const into = change.data() + i * width;

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kStepCostShare = 0.05;  // of the reference's RMS, for a millisecond of change in lateness
+constexpr double kStepCostShare = 0.05;  // cost of a change of the lateness by 1 ms, as a share of the RMS of the zero-delay force
 
 double angle_deg(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi; }
 
@@ -36,7 +36,7 @@ void count_falls(const std::vector<ForceRow>& rows, double period_s, ForceCompar
   }
 }
 
-// A force is held until the next row.
+// The most energy that the force has given until any row. Each force is held until the next row.
 template <class Force>
 double most_given_j(const std::vector<ForceRow>& rows, Force force_of) {
   double given_j = 0.0;

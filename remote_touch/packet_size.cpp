@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kIpAndUdpBytes = 28;
-// Of a session that has run for an hour.
+// Numbers as in a session that has run for an hour at 1 kHz.
 constexpr std::uint64_t kSequence = 3'600'000;
 constexpr std::int64_t kTimeNs = 3'600'000'000'000;
 

@@ -8,10 +8,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kVelocityS = 0.1;    // over which the hand's velocity is a mean, as the haptics node has it
-constexpr double kFirstStepS = 1e-3;  // there is no sample before
+constexpr double kVelocityS = 0.1;    // time constant of the mean of the hand's velocity, as in haptics_node
+constexpr double kFirstStepS = 1e-3;  // duration of the first step, which has no sample before it
 
-// As if every tile had come: the largest there is.
+// The size of the largest status: one that reports every tile as received.
 std::size_t largest_status_bytes() {
   PatchStatus full;
   full.received.fill(0xff);
@@ -98,7 +98,7 @@ void RemotePatch::take_parts(std::int64_t now_ns) {
   }
 }
 
-// As the hub's patch thread: one at a time.
+// Makes one patch at a time, as the hub's patch thread does.
 void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
   (void)touch_.take_retired();
   maker_.note_hand(touch_.hand_at(p_WD, now_ns));

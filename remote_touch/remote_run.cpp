@@ -21,17 +21,17 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr double kPeriodS = 1e-3;
-constexpr double kMinWaitS = 0.5;  // that the hand waits for the scene to arrive before it begins
+constexpr double kMinWaitS = 0.5;  // shortest time that the hand waits for the scene to arrive before it begins
 constexpr double kMaxWaitS = 120.0;
 constexpr double kGreetingsHz = 10.0;     // HubClient::kHelloPeriodNs
 constexpr double kGreetingBytes = 110.0;  // about the size of the IP packet of a Hello or a Welcome
 constexpr double kLateShare = 1.5;        // largest delay of a force that the comparison considers, as a share of the round trip
-constexpr double kMinLateS = 0.03;        // but at least this, for short round trips
+constexpr double kMinLateS = 0.03;        // the comparison considers at least this delay, for short round trips
 
 // A method as a force law, in the chain from position to motors. A passive method without a governor gets the passivity controller here.
 class Rig {
  public:
-  // is_ideal: without encoder steps.
+  // is_ideal: positions are not rounded to encoder steps.
   Rig(const RemoteScene& scene, const RemoteDevice& device, const RemoteCase& which, bool is_ideal)
       : law_(*which.method, make_remote_touch(*which.method, scene, which.network, which.settings),
              {.limits = device.limits, .mechanics = mechanics_of(device.model)}, kPeriodNs),
@@ -173,7 +173,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, kPeriodNs, device.model.encoder_step_m, true);
-  constexpr double kStill = 0.01;  // of the depth, as in closed_loop/press.cpp
+  constexpr double kStill = 0.01;  // largest limit cycle as a share of the depth, as in closed_loop/press.cpp
   const bool is_still = measures.limit_cycle_m <= std::max(2.0 * device.model.encoder_step_m, kStill * std::fabs(measures.depth_m));
   return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kMinHeldN;
 }

@@ -14,13 +14,13 @@ namespace {
 constexpr double kClearanceM = 0.005;    // above the surface, where the path begins
 constexpr double kLeaveM = 0.010;        // above the surface, where the path ends
 constexpr double kApproachSpeed = 0.05;  // m/s
-constexpr double kSmoothM = 0.002;       // along the path: length constant with which its normal follows that of the surface
+constexpr double kSmoothM = 0.002;       // length constant, along the path, with which its normal follows that of the surface
 constexpr double kMaxCurvature = 15.0;   // 1/m
-constexpr double kProbeDepthM = 1e-4;    // under the surface, where a place is tried
-constexpr double kMaxDepths = 2.0;       // the proxy is no farther from the device than this many depths
-constexpr int kMaxDraws = 1000;          // of a path that the hand can follow
+constexpr double kProbeDepthM = 1e-4;    // depth below the surface at which is_free_above tries the contact
+constexpr double kMaxDepths = 2.0;       // largest distance from proxy to device, as a multiple of the path's depth
+constexpr int kMaxDraws = 1000;          // attempts to find a path that the hand can follow
 
-// Nothing is touched from far above down to just above the surface, and just below the surface this very place is touched.
+// Whether a device that comes down along `outward` touches nothing until just above p_SQ, and just below p_SQ touches the surface at p_SQ.
 bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {
   method.reset(p_SQ + kLeaveM * outward);
   for (const double share : {0.8, 0.6, 0.4, 0.2, 0.02}) {
@@ -31,7 +31,7 @@ bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {
   return below.contact && depth_m < 2.0 * kProbeDepthM;
 }
 
-// The proxy stays near the device all along: the hand slides over one surface, and does not go round behind another.
+// Whether the proxy stays near the device along the whole path: the hand slides over one surface, and does not get behind another one.
 bool is_followed(ForceMethod& method, const SlidePath& path, double most_m) {
   method.reset(path.rows.front().device_m());
   for (const SlideRow& row : path.rows) {
@@ -43,7 +43,7 @@ bool is_followed(ForceMethod& method, const SlidePath& path, double most_m) {
 
 class Walker {
  public:
-  // Pre: the walk outlives this, and nobody else walks it.
+  // Pre: `walk` outlives this object, and nothing else moves it meanwhile.
   Walker(SurfaceWalk& walk, std::uint32_t triangle, double heading_rad, double curvature) : walk_(walk), curvature_(curvature) {
     walk_.start(triangle, heading_rad);
     outward_ = walk_.normal();
@@ -69,7 +69,7 @@ SlidePath make_rows(Walker walker, const SlidePlan& plan) {
   const double per_row_m = kApproachSpeed * plan.period_s;
   for (double depth_m = -kClearanceM; depth_m < plan.depth_m; depth_m += per_row_m) path.rows.push_back(walker.row(depth_m));
   path.sliding = path.rows.size();
-  // The same path back, and forth again: a stroke is the same at every speed, and short enough that a mesh of 100 mm has one.
+  // The hand slides to and fro on the same path. The stroke has the same length at every speed, and fits on a mesh of 100 mm.
   const std::size_t there = std::max<std::size_t>(1, rows_of(plan.stroke_m / plan.speed_m_per_s, plan.period_s));
   for (std::size_t i = 0; i < rows_of(plan.slide_s, plan.period_s); ++i) {
     const std::size_t step = (i + 1) % (2 * there);

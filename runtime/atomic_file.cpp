@@ -41,7 +41,7 @@ std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers)
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, is_private ? 0600 : 0666);
   if (file < 0) return nullptr;
   (void)::fcntl(file, F_SETFL, O_WRONLY);
-  if (is_private) (void)::fchmod(file, 0600);  // fails on what is another user's, such as a device: it keeps its mode
+  if (is_private) (void)::fchmod(file, 0600);  // fails for another user's file, such as a device, which keeps its mode
   std::FILE* const stream = ::fdopen(file, "wb");
   if (stream == nullptr) {
     const int error = errno;

@@ -113,7 +113,7 @@ Result<void> ConfigFile::add(std::string_view key, const toml::node& node) {
   }
   flags_.push_back(flag);
   if (const toml::array* array = node.as_array()) {
-    // The flag alone would switch on what is off.
+    // For an empty list, the flag would be given without a value, which switches a yes-or-no flag on.
     if (array->empty()) return fail_at(node, fmt::format("'{}' is an empty list; give it a value, or leave the key out", key));
     arguments_.push_back(flag);
     for (const toml::node& element : *array) {
@@ -143,7 +143,7 @@ std::string ConfigFile::origin_of(std::string_view message) const {
   return is_ours ? fmt::format(" (from {})", path_) : "";
 }
 
-// None: there is no --config.
+// Nullopt: there is no --config.
 std::optional<std::string> find_config_path(const std::vector<std::string>& given) {
   constexpr std::string_view kFlag = "--config";
   for (std::size_t i = 0; i < given.size() && given[i] != "--"; ++i) {
@@ -165,12 +165,12 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// Of the command that was reached last: its long flags, and its commands.
+// Adds the long flags and the names of the commands of `app`.
 void add_words(const CLI::App& app, std::vector<std::string>& words) {
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
   }
-  // Groups of options are commands without a name to CLI11.
+  // For CLI11, a group of options is a command without a name.
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (command->get_name().empty() || command->get_display_name().starts_with("[Option Group")) {
       add_words(*command, words);

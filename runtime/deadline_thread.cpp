@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint32_t kDeadlinePolicy = 6;  // SCHED_DEADLINE
 constexpr std::uint64_t kResetOnFork = 1;     // SCHED_FLAG_RESET_ON_FORK
 
-// struct sched_attr of the kernel; this C library has none.
+// The kernel's struct sched_attr, which the C library does not declare.
 struct Attributes {
   std::uint32_t size = sizeof(Attributes);
   std::uint32_t policy = kDeadlinePolicy;

@@ -16,10 +16,10 @@ DescriptorRoom find_descriptor_room() {
   DescriptorRoom room{.allowed = limit.rlim_cur};
   std::error_code error;
   std::filesystem::directory_iterator open_ones("/proc/self/fd", error);
-  // The check itself needs a descriptor; if there is none, all are in use. Without /proc the number is unknown.
+  // The check itself needs a descriptor. If none is free, all are in use. Without /proc the number is unknown.
   if (error == std::errc::too_many_files_open) return {.allowed = room.allowed, .in_use = room.allowed};
   for (; !error && open_ones != std::filesystem::directory_iterator(); open_ones.increment(error)) ++room.in_use;
-  if (room.in_use > 0) --room.in_use;  // the one that listed them
+  if (room.in_use > 0) --room.in_use;  // the descriptor with which they are listed
   return room;
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kMaxKeptFiles = 100'000;
 
-// 0, or the errno. Never replaces another file, except on a file system that cannot promise that, where one that appears in between is
-// lost.
+// Returns 0, or the errno. Never replaces another file, except on a file system without RENAME_NOREPLACE: there, a file that is made at
+// `to` between the check and the renaming is lost.
 int rename_to_free_name(const std::filesystem::path& from, const std::filesystem::path& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;

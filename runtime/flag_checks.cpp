@@ -18,7 +18,7 @@ std::optional<double> find_number(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
 }
 
-// Rejects text that is not a number, and numbers for which `rejection` returns a reason; `advice` ends both lines.
+// Rejects text that is not a number, and numbers for which `rejection` returns a reason; `advice` ends both error messages.
 template <class Rejection>
 CLI::Validator check_number(Rejection rejection, const std::string& advice, const std::string& shown) {
   return CLI::Validator(

@@ -20,7 +20,7 @@ double LatencyHistogram::quantile_ns(double fraction) const noexcept {
     return 0.0;
   }
   const double clamped = std::isnan(fraction) ? 1.0 : std::clamp(fraction, 0.0, 1.0);
-  // 0.07 * 100 is a little above 7 in binary: what rounding alone lifted over a whole number is brought back below it.
+  // 0.07 * 100 is a little above 7 in binary. A product that only rounding lifted above a whole number is brought back below it.
   constexpr double kRounding = 1.0 - 4 * std::numeric_limits<double>::epsilon();
   const auto n = static_cast<double>(count_);
   const auto rank = static_cast<std::uint64_t>(std::clamp(std::ceil(clamped * n * kRounding), 1.0, n));

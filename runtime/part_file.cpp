@@ -15,9 +15,9 @@ bool is_in_dev(const std::filesystem::path& path) {
   return folder == "/dev" || folder == "/dev/fd";
 }
 
-// What a symbolic link leads to, though it may not exist yet: it keeps leading to what is written. Any other path as it is.
+// The file to which a symbolic link leads, even if it does not exist yet, so that the link is kept. Any other path is unchanged.
 std::filesystem::path follow_links(const std::filesystem::path& link) {
-  constexpr int kMaxLinks = 40;  // as the kernel
+  constexpr int kMaxLinks = 40;  // as in the kernel
   std::error_code error;
   std::filesystem::path path = link;
   for (int n = 0; n < kMaxLinks && std::filesystem::is_symlink(path, error); ++n) {
@@ -32,7 +32,7 @@ PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
   target_ = path_;
   part_ = path_;
-  // Standard output, though it may lead to a file.
+  // /dev/stdout and /dev/fd/N are written directly, even if they lead to a regular file.
   if (is_in_dev(path_)) return;
   const auto status = std::filesystem::status(path_, error);
   const bool is_other =

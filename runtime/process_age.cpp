@@ -19,7 +19,7 @@ constexpr int kWordsBefore = 19;
 std::optional<double> read_process_age_s(const std::string& stat_file) {
   std::ifstream file(stat_file);
   const std::string stat{std::istreambuf_iterator<char>(file), {}};
-  // The name stands in brackets, and may contain some itself.
+  // The program's name stands in brackets, and may itself contain brackets.
   const auto after_name = stat.rfind(')');
   if (after_name == std::string::npos) return std::nullopt;
   std::istringstream words(stat.substr(after_name + 1));

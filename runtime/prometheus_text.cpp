@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Inside the quotes of a label.
+// The text as it stands within the quotes of a label.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -29,7 +29,7 @@ constexpr std::array<std::int64_t, 19> kBoundsNs = {1'000,      2'000,       5'0
                                                     200'000,    500'000,     1'000'000,   2'000'000,   5'000'000,    10'000'000, 20'000'000,
                                                     50'000'000, 100'000'000, 200'000'000, 500'000'000, 1'000'000'000};
 
-// How many durations were at most that long: of a bucket of ours that a bound divides (1.6 % wide) none counts.
+// For each bound, how many durations were at most that long. A bucket of the histogram (1.6 % wide) that a bound divides does not count.
 std::array<std::uint64_t, kBoundsNs.size()> count_within(const LatencyHistogram& histogram) {
   std::array<std::uint64_t, kBoundsNs.size()> within = {};
   histogram.for_each_bucket([&](std::int64_t, std::int64_t upper_ns, std::uint64_t count) {
@@ -59,7 +59,7 @@ std::string hops_text(const LatencyReport& report) {
   return text;
 }
 
-// Counts as they are; a name that ends in _us is a time in seconds, and what is the longest of its kind so far is not a counter.
+// A count whose name ends in _us is written as a time in seconds, others unchanged. One that begins with longest_ is a gauge.
 std::string counters_text(const LatencyReport& report) {
   std::string text;
   for (const auto& [name, count] : report.counters) {

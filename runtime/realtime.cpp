@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-constexpr unsigned long kTimerSlackNs = 1;  // the least: 0 is the default of 50 us
+constexpr unsigned long kTimerSlackNs = 1;  // the smallest slack: 0 would select the default of 50 us
 
 std::string describe(int error) { return std::strerror(error); }
 
@@ -90,7 +90,7 @@ RealtimeItem lock_memory() {
 
 RealtimeItem hold_low_latency() {
   RealtimeItem item{.name = "wake-up latency", .requested = "0 us", .obtained = false, .reason = {}, .remedy = {}};
-  // The request lives as long as the file is open: held once per process, closed by its end.
+  // The request holds as long as the file is open. A process opens it once; the end of the process closes it.
   static std::atomic<int> held = -1;
   if (held >= 0) {
     item.obtained = true;

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Empty when it can be read; else why not.
+// Empty if the file can be read, otherwise the reason why it cannot.
 std::string find_obstacle(const struct stat& status, std::size_t max_bytes) {
   if (S_ISDIR(status.st_mode)) return "it is a folder";
   if (!S_ISREG(status.st_mode)) return "it is not a regular file, copy it to one";

@@ -29,9 +29,9 @@ bool ServiceNotify::send(std::string_view text) const {
   sockaddr_un to = {};
   to.sun_family = AF_UNIX;
   std::memcpy(to.sun_path, socket_path_.data(), socket_path_.size());
-  if (to.sun_path[0] == '@') to.sun_path[0] = '\0';  // an abstract one
+  if (to.sun_path[0] == '@') to.sun_path[0] = '\0';  // the address of an abstract socket begins with a zero byte
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_path_.size());
-  // A manager that hangs must not hold up the caller, which has more to do than this.
+  // A service manager that hangs must not block the caller, which has other work to do.
   constexpr int kFlags = MSG_NOSIGNAL | MSG_DONTWAIT;
   const bool is_sent =
       ::sendto(socket, text.data(), text.size(), kFlags, reinterpret_cast<const sockaddr*>(&to), size) == static_cast<ssize_t>(text.size());

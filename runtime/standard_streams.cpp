@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// The system gives the lowest number that is free.
+// open() returns the lowest descriptor that is free, so closed standard streams are filled first.
 void open_standard_streams() {
   int opened = 0;
   do {

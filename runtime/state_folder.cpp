@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// The XDG specification: a relative path is to be ignored.
+// The XDG specification requires that a relative path is ignored.
 std::filesystem::path absolute_path_in(const char* variable) {
   const char* value = std::getenv(variable);
   const std::filesystem::path path = value != nullptr ? value : "";

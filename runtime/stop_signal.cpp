@@ -20,7 +20,7 @@ void on_signal(int signal) {
   if (signal == SIGUSR1) {
     reports.fetch_add(1, std::memory_order_relaxed);
   } else if (stop_flag.exchange(true, std::memory_order_relaxed)) {
-    // The second request: the orderly stop hangs. SIG_DFL and raise are safe here; the signal takes effect when the handler returns.
+    // A second request: the orderly stop hangs. signal and raise are safe in a handler; the signal takes effect when the handler returns.
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }

@@ -29,7 +29,7 @@ void read_switches(std::istream& status, ThreadUsage& usage) {
   }
 }
 
-// "cpu user nice system idle iowait irq softirq steal ...", in ticks.
+// Line of /proc/stat: "cpu user nice system idle iowait irq softirq steal ...", in ticks.
 double read_stolen_s() {
   std::ifstream stat("/proc/stat");
   std::string name;

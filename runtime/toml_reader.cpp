@@ -167,7 +167,7 @@ std::vector<TomlReader> TomlReader::tables(std::string_view key) {
 }
 
 TomlReader TomlReader::table(std::string_view key) {
-  static const auto& none = *new toml::table;  // without a destructor: StoppableCalls
+  static const auto& none = *new toml::table;  // never destroyed: a thread of StoppableCalls may use it while the program ends
   const toml::node* node = table_->find(key);
   if (node != nullptr && !node->is_table())
     table_->fail_at(*node, "'{}'{} must be a table, begun by a line [{}]", key, table_->in_where(), key);

@@ -19,7 +19,7 @@ constexpr std::string_view kSampleColumn = ",sample";
 constexpr std::string_view kButtonsColumn = ",buttons";
 constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
 constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
-constexpr double kQuaternionTolerance = 0.01;                      // of the length: text with two digits
+constexpr double kQuaternionTolerance = 0.01;                      // of the quaternion's length, whose numbers may have only two digits
 constexpr double kFarthestM = 1e6;                                 // io_node's safety governor rejects poses farther out, too
 constexpr double kLongestS = 1e9;                                  // 31 years
 constexpr std::size_t kMaxTrajectoryBytes = std::size_t{1} << 34;  // a day at 1 kHz; more would take all memory
@@ -33,7 +33,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-// What an error shows of the file's own text: short, and nothing that could upset a terminal.
+// The file's own text as an error message shows it: short, and without characters that could disturb a terminal.
 std::string quoted(std::string_view text) {
   std::string shown(text.substr(0, 40));
   for (char& c : shown) {
@@ -60,7 +60,7 @@ class Parser {
   }
 
  private:
-  // The next line that says something.
+  // The next line that is neither empty nor a comment.
   std::optional<std::string_view> next_line() {
     while (!rest_.empty()) {
       const auto end = rest_.find('\n');
@@ -157,7 +157,7 @@ class Parser {
   const std::string& name_;
   std::vector<TrajectoryRow> rows_;
   long line_number_ = 0;
-  int columns_ = 0;  // of numbers
+  int columns_ = 0;  // columns of time and pose; 0: the header was not read yet
   bool has_buttons_ = false;
   bool has_samples_ = false;
 };

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// Some 20 to 50 us: calls within one step follow each other closer than that, and waking a thread takes 5 to 50.
+// These take about 20 to 50 us. Calls within one step follow each other faster than that, and waking a thread takes 5 to 50 us.
 constexpr int kSpins = 2000;
 
 }  // namespace

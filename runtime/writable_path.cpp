@@ -58,7 +58,7 @@ Result<void> check_lengths(const fs::path& path, std::size_t added) {
   return {};
 }
 
-// Tries it with a folder, which it removes: permissions alone say too little for a network share, for /proc and for a file system that has
+// Makes a folder there and removes it again: permissions alone do not tell, for a network share, for /proc and for a file system that has
 // no more room for files.
 bool can_create_in(const fs::path& folder) {
   std::string name = (folder / ".hapton-XXXXXX").string();

@@ -6,10 +6,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarthestM = 1e6;  // m; beyond any device, and its square is finite
+constexpr double kFarthestM = 1e6;  // farther than any device reaches; its square is finite
 constexpr double kUnit = 1e-3;      // tolerance of the length of a unit quaternion, as on the link (kUnitTolerance)
 
-// False for NaN: it fails every comparison.
+// False if a number is NaN, which fails every comparison.
 bool is_pose(const DeviceSample& sample) {
   return sample.p_WD.cwiseAbs().maxCoeff() <= kFarthestM && sample.p_WD.allFinite() &&
          std::abs(sample.q_WT.squaredNorm() - 1.0) <= 2.0 * kUnit;

@@ -27,7 +27,7 @@ void PassivityController::observe(double max_force_n, const Vec3& moved_m) noexc
   given_j_ = std::max(given_j_ + mean_force_n_.dot(moved_m) + hidden_j - dissipated_j, -kMaxCreditM * max_force_n);
 }
 
-// Once a window: int b v^2 dt is at least b motion^2 / time.
+// Above 0 only at the end of a window. The integral of b v^2 over its time is at least b motion^2 / time.
 double PassivityController::take_dissipated_j(const Vec3& moved_m) noexcept {
   window_moved_m_ += moved_m;
   window_s_ += period_s_;
@@ -40,8 +40,8 @@ double PassivityController::take_dissipated_j(const Vec3& moved_m) noexcept {
   return dissipated_j;
 }
 
-// The root of f (v T + f T^2 / 2 m) = credit. The velocity now is the mean one and what the force has added since the middle of the period,
-// to a mass between ours and an infinite one: the faster away, the less is allowed.
+// The root of f (v T + f T^2 / 2 m) = credit. v, the velocity now, is the mean velocity plus what the force has added since the middle of
+// the period. The mass is at least mass_kg, and may be infinite: of the two, the one with the larger v counts, which allows less force.
 double PassivityController::largest_allowed_n(const Vec3& direction) const noexcept {
   const double half_s = 0.5 * period_s_;
   const double gained = std::max(0.0, half_s * mean_force_n_.dot(direction) / device_.mass_kg);
@@ -66,7 +66,7 @@ Vec3 PassivityController::shape(const Vec3& wanted_n, double most_damping) noexc
   }
   const double squared_speed = mean_velocity_m_per_s_.squaredNorm();
   if (given_j_ > 0.0 && squared_speed > 0.0) {
-    // At most the force that stops the mass within the period.
+    // The damping force is at most the one that stops the mass within the period.
     const double most = std::min(most_damping, device_.mass_kg / period_s_);
     force_n -= std::min(most, given_j_ / (period_s_ * squared_speed)) * mean_velocity_m_per_s_;
     has_limited_ = true;

@@ -10,16 +10,16 @@
 namespace hapton {
 namespace {
 
-// Far from where a difference of two times would overflow.
+// Small enough that a difference of two times cannot overflow.
 constexpr std::int64_t kLatestNs = std::int64_t{1} << 62;
 
-// A damper as a share of the stiffest wall: B = K x 2 ms is what stays passive with room to spare at 1 kHz (Colgate and Brown,
-// "Factors affecting the Z-width of a haptic display", 1994: virtual damping must stay below the device's own). Without a stiffness to go
-// by: all of the force at 1 m/s.
+// The largest damping, from the device's largest stiffness: B = K x 2 ms stays passive with room to spare at 1 kHz (Colgate and Brown,
+// "Factors affecting the Z-width of a haptic display", 1994: virtual damping must stay below the device's own). If that stiffness is not
+// known, the damping is such that its force reaches max_force at 1 m/s.
 constexpr double kDampingS = 0.002;
 
-// Motors that report as much are a fault (DeviceCondition::motor_temperature). It can be reset when their temperature and the load of the
-// thermal budget are below kCoolAgain: at the limit itself it would soon latch again.
+// A motor temperature (DeviceCondition::motor_temperature) of kTooHot or more is a fault. It can be reset when the temperature and the load
+// of the thermal budget are at most kCoolAgain: at kTooHot itself it would soon latch again.
 constexpr double kTooHot = 1.0;
 constexpr double kCoolAgain = 0.9;
 
@@ -32,7 +32,7 @@ double SafetyGovernor::most_damping_n_s_per_m() const noexcept {
   return stiffness > 0.0 ? kDampingS * stiffness : limits_.device().max_force_n;
 }
 
-// What passed since the last call; the wrench that is out was on the motors meanwhile.
+// Returns the time since the last call. The motors had the wrench out_ during that time.
 double SafetyGovernor::advance(std::int64_t now_ns) noexcept {
   now_ns = std::clamp(now_ns, std::int64_t{0}, kLatestNs);
   if (!std::exchange(has_begun_, true)) now_ns_ = now_ns;
@@ -82,7 +82,7 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
   } else {
     check_motion(sample);
   }
-  // However short it was shut: a ramp follows.
+  // A gate that was closed, however briefly, is followed by a ramp up.
   is_open_ = is_open_ && gate() == GovernorState::live;
 }
 
@@ -146,14 +146,14 @@ GovernorState SafetyGovernor::state() const noexcept {
   return state == GovernorState::live && ramp_up_.share(now_ns_) < 1.0 ? GovernorState::ramping : state;
 }
 
-// Of max_force and of max_torque: what the budgets leave.
+// The share of max_force and of max_torque that the thermal budget and the energy budget allow.
 double SafetyGovernor::allowed_share() const noexcept {
   const DeviceLimits& limits = limits_.now();
   if (limits.max_force_n == 0.0) return 0.0;
   return std::min(thermal_.allowed_n(limits) / limits.max_force_n, energy_.share(limits.max_force_n));
 }
 
-// The requested force, reduced for where the device is and how it moves.
+// The requested force, limited and damped for the position and the motion of the device.
 Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   const DeviceLimits& limits = limits_.now();
   const double most_damping = most_damping_n_s_per_m();
@@ -192,7 +192,7 @@ const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, s
   return out_;
 }
 
-// ramp: of what is wanted; share: of the limits; left_s: until nothing may be left.
+// ramp: share of the requested wrench; share: share of the limits that may be used; left_s: time until the output has to be zero.
 void SafetyGovernor::follow(double ramp, double share, double left_s, double passed_s) noexcept {
   const DeviceLimits& limits = limits_.now();
   const double limit_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);

@@ -7,10 +7,10 @@
 namespace hapton {
 namespace {
 
-// Beyond is a slip of a unit, and no arithmetic to trust.
+// A limit outside this range is probably in a wrong unit, and results computed with it could not be trusted.
 bool usable(double limit) { return limit > kMinUsableLimit && limit < 1e9; }
 
-// Fast enough that `most` is gone within kLongestReleaseNs.
+// The slew rate, or more if needed to bring `most` to zero within kLongestReleaseNs.
 double release_rate(double slew, double most) {
   return std::max(usable(slew) ? slew : 0.0, most / (1e-9 * static_cast<double>(kLongestReleaseNs)));
 }

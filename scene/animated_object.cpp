@@ -19,10 +19,10 @@ Result<const MeshAnimation*> find_animation(const std::string& name, const MeshF
   return fail("has no animation '{}': it has {}", printable(name), names);
 }
 
-// How long a motion takes from its last pose back to the first at its mean speed: 0 if it ends there. Exporters leave out the frame that
-// would repeat the first.
+// How long a motion takes from its last pose back to the first at its mean speed: 0 if it ends at the first. Exporters leave out the frame
+// that would repeat the first.
 double find_seam_s(const KeyframeMotion& motion) {
-  constexpr double kSame = 1e-6;  // of the path: numbers of a file have seven digits
+  constexpr double kSame = 1e-6;  // share of the path, below which the ends are equal: numbers of a file have seven digits
   const std::vector<Keyframe>& keyframes = motion.keyframes();
   double path_m = 0.0;
   double turned_rad = 0.0;
@@ -38,7 +38,7 @@ double find_seam_s(const KeyframeMotion& motion) {
   return share > kSame ? share * (last.time_s - first.time_s) : 0.0;
 }
 
-// All parts of an animation begin again together: after the longest way back. What deforms has none.
+// All parts of an animation begin again together, after the longest way back. An animation with a part that deforms has no way back.
 void close_loops(std::vector<ObjectSpec>& parts) {
   double seam_s = 0.0;
   for (const ObjectSpec& part : parts) {
@@ -68,7 +68,7 @@ Result<std::vector<ObjectSpec>> split_animated(const ObjectSpec& object, const s
       still.nodes.push_back(part.node);
       continue;
     }
-    // What deforms is an object of its own.
+    // A part that deforms is an object of its own.
     const auto same = [&](const ObjectSpec& each) { return !deforms && each.animated_morphs == nullptr && each.animated == motion; };
     const auto own = [&](const ObjectSpec& each) { return deforms && each.nodes == std::vector{part.node}; };
     auto found = std::find_if(moving.begin(), moving.end(), [&](const ObjectSpec& each) { return same(each) || own(each); });

@@ -15,7 +15,7 @@ struct ExportLine {
   bool is_measure = false;
   std::int32_t object = -1;
   double length_m = 0.0;
-  std::string_view name;  // of the object
+  std::string_view name;  // the object's name
 };
 
 std::vector<ExportLine> list_lines(const Annotations& annotations, const ObjectPoses& X_SO, std::size_t scene_objects) {
@@ -56,7 +56,7 @@ std::string data_array(std::string_view type, std::string_view name, const std::
   return text + "        </DataArray>\n";
 }
 
-// VTK's cells: point numbers one after the other, and where each ends.
+// Cells as VTK stores them: the point numbers of all cells in a row, and for each cell where its numbers end.
 struct VtpCells {
   std::vector<std::size_t> connectivity, offsets;
   std::vector<int> kind, object;
@@ -100,7 +100,7 @@ std::string write_annotations_obj(const Annotations& annotations, const ObjectPo
   return text;
 }
 
-// Cell data are those of the vertices first, then of the lines: the order of vtkPolyData.
+// The cell data begin with those of the vertices, then come those of the lines: the order of vtkPolyData.
 std::string write_annotations_vtp(const Annotations& annotations, const ObjectPoses& X_SO, std::size_t scene_objects) {
   VtpCells dots;
   VtpCells lines;

@@ -16,9 +16,9 @@ constexpr std::string_view kSchema = "hapton.annotations/1";
 // A million carves are about 100 MB.
 constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 constexpr double kFarthestM = 1e6;
-constexpr double kMaxCarveM = 1000.0;  // radius and length, as messages have them
+constexpr double kMaxCarveM = 1000.0;  // largest radius and length, as in messages
 constexpr std::size_t kMaxObjects = 1'000'000;
-// Of a quaternion's length from one: the text has all its digits, and somebody may have typed three.
+// Largest deviation of a quaternion's length from 1: files are written with all digits, but a person may type only three.
 constexpr double kUnitSlack = 1e-3;
 
 // A text in quotes: a quote, a backslash or a control character is escaped.
@@ -53,7 +53,7 @@ void write_press(std::string& text, const CarvedPress& press) {
   text += "\n]\n";
 }
 
-// A number with a point, so that TOML takes it for one that need not be whole; all digits.
+// A number with all its digits, and with a point or an exponent, so that TOML does not read it as an integer.
 std::string number_text(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
@@ -74,7 +74,7 @@ void write_entry(std::string& text, const Measure& measure) {
                       point_text(to.p_O));
 }
 
-// The numbers of the file's objects in the scene; those that it does not have follow after its own.
+// Maps the numbers of objects in the file to those in the scene. Objects that the scene does not have get the numbers after its own.
 class ObjectNumbers {
  public:
   ObjectNumbers(std::span<const std::string> names, Annotations& annotations) : scene_count_(names.size()), annotations_(annotations) {
@@ -189,12 +189,12 @@ class AnnotationsParser {
     }
   }
 
-  // The scene's number of the object that the file gives that number.
+  // The number in the scene of the object whose number in the file is `node`.
   std::int32_t find_object(const toml::node& node) {
     const auto given = node.value_exact<std::int64_t>();
     if (!given || *given < 0 || static_cast<std::size_t>(*given) >= objects_.count()) {
       reject(node, "an object is a number in the list 'objects', from 0 to {}", static_cast<std::int64_t>(objects_.count()) - 1);
-      return {};  // of a file that is not read
+      return {};  // not used: the file is rejected
     }
     return objects_[static_cast<std::size_t>(*given)];
   }
@@ -356,7 +356,7 @@ std::string write_annotations(const Annotations& annotations, std::uint64_t scen
   std::string text = fmt::format("schema = \"{}\"\nscene_hash = \"{:016x}\"\nobjects = [", kSchema, scene_hash);
   for (const std::string& name : annotations.objects) text += fmt::format("\n  {},", quote(to_valid_utf8(name)));
   text += annotations.objects.empty() ? "]\n" : "\n]\n";
-  std::size_t presses = 0;  // that are written
+  std::size_t presses = 0;  // number of presses written so far
   const auto write_presses = [&](std::size_t until) {
     for (; presses < std::min(until, annotations.carved.size()); ++presses) write_press(text, annotations.carved[presses]);
   };

@@ -114,7 +114,7 @@ Result<void> read_layers(const toml::table& table, const std::string& material_n
     }
     effects.layers.add(*layer);
   }
-  // Layers replace the spring and the damper of the material. One-sided, so that a needle inside the body can leave it after a restart.
+  // Layers replace the spring and damper of the material. It must be one-sided, so that a needle in the body can leave it after a restart.
   if (material.two_sided) reader.fail_at("layer", "layers in [material.{}] need 'two_sided = false'", printable(material_name));
   if (material.damping_ns_per_m > 0.0) reader.fail_at("damping_ns_per_m", "layers have no 'damping_ns_per_m': give them 'drag_ns_per_m'");
   if (effects.progressive.is_on()) reader.fail_at("progressive_n_per_m2", "layers have no 'progressive_n_per_m2': leave it out");
@@ -325,7 +325,7 @@ Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t numbe
   TableReader reader(table, fmt::format("[[effect]] {}", number));
   std::vector<std::string_view> names;
   for (const EffectType& one : effect_types()) names.push_back(one.name);
-  names.emplace_back("plugin");  // library_effect.h
+  names.emplace_back("plugin");  // see library_effect.h
   reader.require("type");
   std::size_t type = 0;
   reader.read_choice("type", names, type);

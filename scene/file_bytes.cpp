@@ -18,7 +18,7 @@ Result<std::string> read_all(int file, const std::string& name, std::size_t max_
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return fail("{}: the file is empty: save, export or copy it again", name);
   if (size > max_bytes) return fail("{}: has {} bytes, more than the {} that can be loaded", name, size, max_bytes);
-  std::string bytes(size + 1, '\0');  // one more than there should be: a file that is still being written has it
+  std::string bytes(size + 1, '\0');  // one byte more than the file's size, to notice a file that has grown
   std::size_t done = 0;
   while (done <= size) {
     const ssize_t got = read(file, bytes.data() + done, size + 1 - done);

@@ -23,10 +23,10 @@ Result<std::optional<SceneTool>> find_tool(const ToolChoice& choice, const Scene
 }
 
 std::vector<ToolFlaw> find_tool_flaws(const TriangleMesh& tool, const Scene& scene) {
-  // Needles and tables are tools, too, and many a stylus ends far from its tip.
-  constexpr double kSmall = 1e-3;  // of the scene
+  // The limits are wide: a needle or a table can be a tool too, and the grip point of a stylus may be far from its tip.
+  constexpr double kSmall = 1e-3;  // kSmall, kLarge and kFarOfScene: shares of the scene's extent
   constexpr double kLarge = 10.0;
-  constexpr double kFar = 2.0;  // of the tool
+  constexpr double kFar = 2.0;  // share of the tool's extent
   constexpr double kFarOfScene = 0.5;
   std::vector<ToolFlaw> flaws;
   Eigen::AlignedBox3d box;

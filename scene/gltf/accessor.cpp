@@ -37,7 +37,7 @@ Result<Layout> layout_of(const Json& json, const std::string& where, std::size_t
   return Layout{*count, *offset, *component_type, item_bytes};
 }
 
-// The values where they lie in the file.
+// The values, used in place in the file's buffer.
 Result<Accessor> in_view(Buffers& buffers, const Json& view_index, const Layout& layout, const std::string& where) {
   const Result<Buffers::View> view = buffers.view(view_index, where + ".bufferView");
   if (!view) return tl::unexpected(view.error());
@@ -57,7 +57,7 @@ Result<Accessor> in_view(Buffers& buffers, const Json& view_index, const Layout&
   return result;
 }
 
-// Zeros where the file gives no values [3.6.2.3]. How many is bounded by what the file holds elsewhere, never by the count alone.
+// Zeros where the file gives no values (glTF 2.0, 3.6.2.3). Their number is bounded by the bytes read so far, not only by the count.
 Result<std::string> dense_values(Buffers& buffers, const Json& json, const Layout& layout, const std::string& where) {
   if (member(json, "bufferView").is_null()) {
     if (layout.count > buffers.bytes_read()) {
@@ -74,7 +74,7 @@ Result<std::string> dense_values(Buffers& buffers, const Json& json, const Layou
   return values;
 }
 
-// The items that a sparse accessor replaces, and by what [3.6.2.3].
+// Replaces the items that a sparse accessor names by its values (glTF 2.0, 3.6.2.3).
 std::optional<Error> replace_items(Buffers& buffers, const Json& sparse, const Layout& layout, const std::string& where,
                                    std::string& values) {
   const auto count = count_of(member(sparse, "count"), where + ".sparse.count");
@@ -112,7 +112,7 @@ std::optional<Error> replace_items(Buffers& buffers, const Json& sparse, const L
 
 Result<Accessor> in_own_values(Buffers& buffers, const Json& json, const Layout& layout, const std::string& where) {
   const Json& sparse = member(json, "sparse");
-  // The zeros are bounded by the bytes that were read, so those of the replacements come first.
+  // dense_values bounds the number of zeros by the bytes read so far, so the replacements are read first.
   if (sparse.is_object()) {
     const auto read_first = buffers.view(member(member(sparse, "values"), "bufferView"), where + ".sparse.values.bufferView");
     if (!read_first) return tl::unexpected(read_first.error());

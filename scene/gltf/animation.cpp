@@ -15,7 +15,7 @@
 namespace hapton::gltf {
 namespace {
 
-// A turn of at most this is not a deformation: numbers in a file have seven digits.
+// A motion or scale that deviates from a rigid one by at most this is no deformation: numbers in a file have seven digits.
 constexpr double kRigid = 1e-5;
 
 template <class Value>
@@ -28,22 +28,22 @@ struct Track {
 struct NodeTracks {
   std::optional<Track<Vec3>> translation;
   std::optional<Track<Quat>> rotation;
-  std::optional<Track<std::vector<double>>> weights;  // as many as the node has targets
+  std::optional<Track<std::vector<double>>> weights;  // at each time, one for each morph target of the node
 };
 
 struct LeftOut {
-  std::size_t scales = 0;  // and all else that is not a translation, rotation or weight
+  std::size_t scales = 0;  // channels of scales, and all others but translations, rotations and weights
   std::size_t steps = 0;
   std::size_t deformed = 0;
 };
 
-// What the animations of a file may take. Channels may share a sampler, and parts the nodes above them, so that the size of the file bounds
-// neither memory nor time: there is a bound that small files keep, and some for each byte that large ones have.
+// Bounds the memory and time that the animations of a file take. The size of the file alone does not bound them: channels may share a
+// sampler, and parts may share the nodes above them. Each bound is a constant, enough for small files, plus an amount for each byte read.
 class AnimationBudget {
  public:
   explicit AnimationBudget(const Buffers& buffers) : buffers_(buffers) {}
 
-  // False: these are too many.
+  // False: the bound is exceeded.
   bool take_numbers(std::size_t count) { return take(numbers_, count, std::size_t{1} << 22, 16); }
   bool take_keyframes(std::size_t count) { return take(keyframes_, count, std::size_t{1} << 22, 4); }
   bool take_poses(std::size_t count) { return take(poses_, count, std::size_t{1} << 24, 16); }
@@ -55,9 +55,9 @@ class AnimationBudget {
   }
 
   const Buffers& buffers_;
-  std::size_t numbers_ = 0;    // of all channels
-  std::size_t keyframes_ = 0;  // of all parts
-  std::size_t poses_ = 0;      // of nodes: on the way to each part, at rest and at each of its keyframes
+  std::size_t numbers_ = 0;    // numbers in all channels
+  std::size_t keyframes_ = 0;  // keyframes of all parts
+  std::size_t poses_ = 0;      // poses of the nodes on the path to each part, at rest and at each of its keyframes
 };
 
 template <class Value, class Mix>
@@ -72,10 +72,10 @@ Value value_at(const Track<Value>& track, double time, const Mix& mix) {
 
 struct NodeAtRest {
   Eigen::Affine3d X_PN;
-  Mat3 R_PN;  // the rotation in it; the rest scales, and may mirror
+  Mat3 R_PN;  // the rotation in X_PN, whose remaining factor scales and may mirror
 };
 
-// A node's own transform at a time: what is animated replaces what the node says.
+// A node's own transform at a time: an animated translation or rotation replaces the one at rest.
 Eigen::Affine3d local_at(const NodeTracks* tracks, const NodeAtRest& rest, double time) {
   Eigen::Affine3d moved = rest.X_PN;
   if (tracks == nullptr) return moved;
@@ -109,7 +109,7 @@ tl::unexpected<Error> too_many_numbers(const std::string& where) {
   return fail("{}: the channels of all animations have more numbers than the file can be meant to have: {}", where, kExportAgain);
 }
 
-// A row of `width` numbers at each time: one item of that type, or for SCALARs `width` of them, as weights have them [3.11].
+// A row of `width` numbers at each time: one item of that type, or `width` items of type SCALAR, as for weights (glTF 2.0, 3.11).
 Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, const std::string& where, const char* type,
                                  std::size_t width, AnimationBudget& budget) {
   auto times = read_times(document, sampler, where);
@@ -153,12 +153,12 @@ Result<Track<Quat>> to_rotations(const NumberTrack& numbers, const std::string& 
   return track;
 }
 
-// The same at all times: such a channel neither jumps nor scales.
+// True if the values are the same at all times: such a channel does not jump, even with STEP, and a scale does not change.
 bool is_constant(const NumberTrack& track) {
   return std::all_of(track.values.begin(), track.values.end(), [&](const auto& row) { return row == track.values.front(); });
 }
 
-// Exporters write a scale for each bone: it is left alone where it is that of the node at rest.
+// Exporters write a scale for each bone. A channel that keeps the scale of the node at rest changes nothing, and needs no note.
 bool is_scale_at_rest(const Document& document, const Json& sampler, const Json& node, const std::string& where, AnimationBudget& budget) {
   const auto scales = read_numbers(document, sampler, where, "VEC3", 3, budget);
   if (!scales || !is_constant(*scales) || !member(node, "matrix").is_null()) return false;
@@ -198,7 +198,7 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
       continue;
     }
     const auto targets = morphs.find(*node);
-    if (path == "weights" && targets == morphs.end()) continue;  // of no triangles, or a note says that they cannot be read
+    if (path == "weights" && targets == morphs.end()) continue;  // the node has no triangles, or a note says that its morphs cannot be read
     const auto numbers = path == "weights" ? read_numbers(document, sampler, from, "SCALAR", targets->second.displacements.size(), budget)
                          : path == "rotation" ? read_numbers(document, sampler, from, "VEC4", 4, budget)
                                               : read_numbers(document, sampler, from, "VEC3", 3, budget);
@@ -218,7 +218,7 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
   return tracks;
 }
 
-// The nodes of the file, as they hang under each other.
+// The nodes of the file, each with its parent.
 class NodeTree {
  public:
   static Result<NodeTree> make(const Json& root) {
@@ -238,7 +238,7 @@ class NodeTree {
     return tree;
   }
 
-  // From the root down. Pre: the node hangs in one place, not under itself.
+  // The nodes from the root down to `node`. Pre: no node has two parents or is its own ancestor.
   std::vector<std::size_t> path_to(std::size_t node) const {
     std::vector<std::size_t> path = {node};
     while (parents_[path.back()] && path.size() <= parents_.size()) path.push_back(*parents_[path.back()]);
@@ -252,7 +252,7 @@ class NodeTree {
   std::vector<NodeAtRest> locals_;
 };
 
-// The pose of a path's last node, or of the one at `end`; tracks: null at rest.
+// The pose of the path's last node. tracks: null for the pose at rest.
 Eigen::Affine3d pose_of_path(const NodeTree& tree, std::span<const std::size_t> path, const std::map<std::size_t, NodeTracks>* tracks,
                              double time) {
   Eigen::Affine3d X_FN = Eigen::Affine3d::Identity();
@@ -268,7 +268,7 @@ void add_times(const NodeTracks& tracks, std::set<double>& times) {
   if (tracks.rotation) times.insert(tracks.rotation->times.begin(), tracks.rotation->times.end());
 }
 
-// Beyond the weights at rest, which the mesh has already. All begin again together: the last are held to the end.
+// The weights less those at rest, which the mesh already contains. The last are held until duration_s: all parts begin again together.
 std::vector<MorphKey> find_weights(const Track<std::vector<double>>& track, const std::vector<double>& at_rest, double duration_s) {
   std::vector<MorphKey> keys;
   for (std::size_t i = 0; i < track.times.size(); ++i) {
@@ -279,7 +279,7 @@ std::vector<MorphKey> find_weights(const Track<std::vector<double>>& track, cons
   return keys;
 }
 
-// None: it does not move, or would be deformed.
+// Nullopt: the part does not move, or it would be deformed.
 Result<std::optional<KeyframeMotion>> find_motion(const NodeTree& tree, const std::map<std::size_t, NodeTracks>& tracks, std::size_t node,
                                                   double duration_s, AnimationBudget& budget, LeftOut& left_out) {
   const std::vector<std::size_t> path = tree.path_to(node);
@@ -354,7 +354,7 @@ Result<void> read_animations(const Document& document, RawMesh& raw) {
     if (animation.name.empty()) animation.name = fmt::format("animation {}", a);
     for (const MeshPart& part : raw.parts) {
       if (animation.motions.contains(part.node) || animation.weights.contains(part.node)) continue;
-      if (!member(nodes[part.node], "skin").is_null()) continue;  // its skeleton is what would move it
+      if (!member(nodes[part.node], "skin").is_null()) continue;  // its skeleton would move it, not its node
       auto motion = find_motion(*tree, *tracks, part.node, animation.duration_s, budget, left_out);
       if (!motion) return tl::unexpected(motion.error());
       if (*motion) animation.motions.emplace(part.node, std::move(**motion));
