@@ -70,7 +70,7 @@ std::uint32_t turn_scene(LiveClient& client, const Doubles& scene_pose) {
     for (int k = 0; k < 4; ++k) rows[static_cast<std::size_t>(4 * i + k)] = static_cast<float>(pose.matrix()(i, k));
   }
   auto revision = [&] {
-    const py::gil_scoped_release gil_released;  // it may wait for the hub's first state
+    const py::gil_scoped_release gil_released;  // turn_scene may wait for the hub's first state
     return client.turn_scene(rows);
   }();
   return value_or_raise(std::move(revision));

@@ -26,7 +26,7 @@ constexpr double kMaxWaitS = 120.0;
 constexpr double kGreetingsHz = 10.0;     // HubClient::kHelloPeriodNs
 constexpr double kGreetingBytes = 110.0;  // about the size of the IP packet of a Hello or a Welcome
 constexpr double kLateShare = 1.5;        // largest delay of a force that the comparison considers, as a share of the round trip
-constexpr double kMinLateS = 0.03;        // the comparison considers at least this delay, for short round trips
+constexpr double kMinLateS = 0.03;        // the largest delay considered is at least this, for short round trips
 
 // A method as a force law, in the chain from position to motors. A passive method without a governor gets the passivity controller here.
 class Rig {

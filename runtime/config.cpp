@@ -251,7 +251,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
   }
   require_exact_numbers(app);
   try {
-    std::reverse(arguments.begin(), arguments.end());  // the order CLI11 wants
+    std::reverse(arguments.begin(), arguments.end());  // parse() takes the arguments in reverse order
     app.parse(arguments);
   } catch (const CLI::Success& help) {
     return app.exit(help);

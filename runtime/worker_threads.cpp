@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// These take about 20 to 50 us. Calls within one step follow each other faster than that, and waking a thread takes 5 to 50 us.
+// These spins take about 20 to 50 us. Calls within one step follow each other faster than that, and waking a thread takes 5 to 50 us.
 constexpr int kSpins = 2000;
 
 }  // namespace

@@ -101,7 +101,7 @@ Result<void> check_writable_file(const fs::path& file) {
     return fail("{} cannot be written: it is a folder; give the name of a file", file.string());
   }
   const PartPath part(file);
-  const fs::path& target = part.target();  // what a link leads to
+  const fs::path& target = part.target();  // the file to which a link leads
   if (auto fits = check_lengths(target, part.part().native().size() - target.native().size()); !fits) return fits;
   if (!fs::exists(file, error)) {
     const fs::path folder = target.parent_path();

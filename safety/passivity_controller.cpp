@@ -51,7 +51,7 @@ double PassivityController::largest_allowed_n(const Vec3& direction) const noexc
   // If no force can take back the whole deficit, take back as much as one can.
   const double root = std::sqrt(std::max(0.0, moved_m * moved_m + 4.0 * m_per_n * credit_j));
   if (moved_m <= 0.0) return (root - moved_m) / (2.0 * m_per_n);
-  return credit_j > 0.0 ? 2.0 * credit_j / (moved_m + root) : 0.0;  // without cancellation
+  return credit_j > 0.0 ? 2.0 * credit_j / (moved_m + root) : 0.0;  // this form of the root has no cancellation
 }
 
 Vec3 PassivityController::shape(const Vec3& wanted_n, double most_damping) noexcept {

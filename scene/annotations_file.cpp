@@ -106,7 +106,7 @@ class ObjectNumbers {
   std::vector<std::int32_t> numbers_;
 };
 
-// Reads the tables of the file; ends with an error at the first entry that is not a table.
+// Reads the tables of the file, and ends at the first error.
 class AnnotationsParser {
  public:
   AnnotationsParser(const toml::table& table, std::span<const std::string> names) : table_(table), objects_(names, read_.annotations) {}

@@ -235,7 +235,7 @@ struct EffectType {
   std::vector<std::string_view> keys;
 };
 
-// Never destroyed: the thread that reads a scene may still be there when the program ends.
+// Never destroyed: the thread that reads a scene may still run when the program ends.
 const std::vector<EffectType>& effect_types() {
   static const auto& types = *new std::vector<EffectType>{
       {"spring", SpringEffect(), {"position_m", "stiffness_n_per_m", "max_force_n"}},
