@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t kMaxShownObjects = 4096;
 constexpr std::size_t kDeepestGroup = 16;
-constexpr std::size_t kDeepestShown = 256;  // groups around an object, with those that instances show: each takes some of the stack
+constexpr std::size_t kDeepestShown = 256;  // groups around an object, with those that instances show: each level uses some of the stack
 
-// What the table leaves out is that of what it shows.
+// The pose in a table of a group or instance. What the table leaves out is taken from the group or object that it shows.
 Similarity pose_of(const GroupSpec& given, const Similarity& shown) {
   return {given.scale.value_or(shown.scale), given.q.value_or(shown.q), given.p.value_or(shown.p)};
 }
@@ -28,7 +28,7 @@ bool is_in_range(const ObjectSpec& object) {
                      [&](const KeyframeSpec& one) { return !one.p_SM || is_near(*one.p_SM); });
 }
 
-// What is directly in a group, or in none: numbers of the file's objects, instances and groups.
+// What is directly in a group, or in no group: indices of the file's objects, instances and groups.
 struct Members {
   std::vector<std::size_t> objects;
   std::vector<std::size_t> instances;
@@ -37,14 +37,14 @@ struct Members {
   bool empty() const { return objects.empty() && instances.empty() && groups.empty(); }
 };
 
-// Where objects are put: what the groups and instances around them say.
+// What the groups and instances around an object set: its pose, the beginning of its name, and defaults.
 struct Surroundings {
   Similarity pose = {};
-  std::string prefix = {};  // of names
+  std::string prefix = {};  // of the object's name
   std::string material = {};
   std::size_t material_line = 0;
   std::optional<std::array<double, 3>> colour = {};
-  std::size_t instance_line = 0;  // of the outermost instance; 0: none
+  std::size_t instance_line = 0;  // of the outermost instance; 0: no instance
 
   void take_defaults(const GroupSpec& spec) {
     if (!spec.material.empty()) {
@@ -79,7 +79,7 @@ class Expansion {
     return {};
   }
 
-  // groups_.size(): in none.
+  // The index of the group with this name. groups_.size(): the name is empty, which means no group.
   Result<std::size_t> find_group(const std::string& name, std::size_t line) const {
     if (name.empty()) return groups_.size();
     if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
@@ -111,7 +111,7 @@ class Expansion {
     return {};
   }
 
-  // "outer/inner/", and "" for no group. Pre: find_group finds all, and no group is inside itself.
+  // The path of a group: "outer/inner/", or "" for no group. Pre: find_group finds all names, and no group is inside itself.
   std::string path_of(const std::string& group) const {
     if (group.empty()) return {};
     return path_of(groups_[numbers_.find(group)->second].group) + group + "/";
@@ -133,7 +133,7 @@ class Expansion {
     return {};
   }
 
-  // What 'of' may name.
+  // Lists the objects that 'of' may name, and checks that each 'of' names one object or one group.
   Result<void> name_targets() {
     for (std::size_t o = 0; o < objects_.size(); ++o) targets_[path_of(objects_[o].group) + name_of(objects_[o])].push_back(o);
     std::set<std::string, std::less<>> names;
@@ -155,7 +155,7 @@ class Expansion {
     return {};
   }
 
-  // An object in a group has the group's name before its own.
+  // Proposes a name in place of an unknown 'of'. The full name of an object in a group begins with the group's name.
   std::string hint(const GroupSpec& instance) const {
     std::vector<std::string_view> known;
     for (const auto& [name, objects] : targets_) {
@@ -183,7 +183,7 @@ class Expansion {
     return {};
   }
 
-  // around: with the defaults of an instance, which replace those of the group.
+  // instance: the one that shows the group; its defaults replace those of the group. Null: the group is shown in its own place.
   Result<void> show_group(std::size_t group, const std::string& name, const Similarity& pose, Surroundings around,
                           const GroupSpec* instance = nullptr) {
     if (open_.size() == kDeepestShown) {
@@ -212,7 +212,7 @@ class Expansion {
     ObjectSpec object = objects_[targets_.find(instance.of)->second.front()];
     const Similarity pose = pose_of(instance, pose_of(object));
     move_by(pose.then(pose_of(object).inverse()), object);
-    object.scale = pose.scale;  // without rounding
+    object.scale = pose.scale;  // exactly, without the rounding of move_by
     object.q_SM = pose.q;
     object.p_SM = pose.p;
     object.name = instance.name;
@@ -252,11 +252,11 @@ class Expansion {
   const std::vector<ObjectSpec>& objects_;
   const std::vector<GroupSpec>& groups_;
   const std::vector<GroupSpec>& instances_;
-  std::map<std::string, std::size_t, std::less<>> numbers_;               // of groups, by name
-  std::vector<Members> members_;                                          // of each group; the last one: of none
-  std::map<std::string, std::vector<std::size_t>, std::less<>> targets_;  // objects by their name in the scene
-  std::vector<std::size_t> open_;                                         // groups around what is being shown
-  std::map<std::string, std::size_t> names_;                              // of all objects shown, with the lines of their instances
+  std::map<std::string, std::size_t, std::less<>> numbers_;               // indices of groups, by name
+  std::vector<Members> members_;                                          // of each group; the last one: of no group
+  std::map<std::string, std::vector<std::size_t>, std::less<>> targets_;  // indices of objects, by their name in the scene
+  std::vector<std::size_t> open_;                                         // indices of the groups around what is being shown
+  std::map<std::string, std::size_t> names_;                              // names of all objects shown, with the lines of their instances
   std::vector<ObjectSpec> shown_;
 };
 

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// Names of groups are put before those of their objects: long ones could not be read, nor sent over the link.
+// The name of a group is put before those of its objects: long ones would be hard to read, and too long to be sent over the link.
 constexpr std::size_t kLongestName = 60;
 
 std::size_t line_of_key(const toml::table& table, std::string_view key) {

@@ -22,7 +22,7 @@ Error large_image(unsigned width, unsigned height) {
   return {fmt::format("is {} x {} texels: make it at most {} on a side", width, height, kMaxImageSide)};
 }
 
-// A PNG file without what says how its values become colours: libpng would convert them to sRGB.
+// A PNG file without the chunks that say how its values become colours: with these chunks, libpng would convert the values to sRGB.
 std::string without_colour_space(const std::string& bytes) {
   constexpr std::size_t kFrame = 12;  // length, type and checksum of a chunk
   std::string kept(kPngBegin);
@@ -37,7 +37,7 @@ std::string without_colour_space(const std::string& bytes) {
   return kept;
 }
 
-// Leaves red, green and blue.
+// Removes alpha, so that red, green and blue remain.
 void drop_alpha(std::vector<std::uint8_t>& values) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -57,7 +57,7 @@ Result<ImageTexels> decode_png(const std::string& bytes, TexelKind kind) {
   }
   // Without this, libpng takes 16-bit values for linear light if the file does not say what they are, and makes them brighter.
   png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
-  // With alpha in the output too: without it, libpng would multiply the colours by alpha.
+  // RGBA instead of RGB: if the output had no alpha, libpng would multiply the colours by it.
   png.format = kind == TexelKind::grey ? PNG_FORMAT_GRAY : PNG_FORMAT_RGBA;
   ImageTexels texels{static_cast<int>(png.width), static_cast<int>(png.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
   const bool is_read = png_image_finish_read(&png, nullptr, texels.values.data(), 0, nullptr) != 0;
@@ -76,7 +76,7 @@ struct JpegFault {
 [[noreturn]] void leave_jpeg(j_common_ptr jpeg) { std::longjmp(reinterpret_cast<JpegFault*>(jpeg->err)->back, 1); }
 void ignore_message(j_common_ptr) {}
 
-// Nothing with a destructor is made between setjmp and what may jump back to it. False: broken.
+// No object with a destructor is created between setjmp and the calls that may jump back to it. False: the file is broken.
 bool read_jpeg_rows(jpeg_decompress_struct& jpeg, JpegFault& fault, const std::string& bytes, TexelKind kind,
                     std::vector<std::uint8_t>& values) {
   if (setjmp(fault.back) != 0) return false;
@@ -91,7 +91,7 @@ bool read_jpeg_rows(jpeg_decompress_struct& jpeg, JpegFault& fault, const std::s
     JSAMPROW row = values.data() + jpeg.output_scanline * row_size;
     jpeg_read_scanlines(&jpeg, &row, 1);
   }
-  // A file cut short gives grey rows and a warning.
+  // For a file that is cut short, libjpeg returns grey rows and counts a warning.
   return jpeg.err->num_warnings == 0;
 }
 

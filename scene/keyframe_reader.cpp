@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 constexpr double kMaxTimeS = 86400.0;  // a day
-// What a hand pushes on a desk: a lighter body would follow a stylus as if it had no mass, a heavier one would not move.
+// Masses that a hand can push on a desk: a lighter body would follow a stylus as if it had no mass, a heavier one would not move.
 constexpr double kMinMassKg = 0.001;
 constexpr double kMaxMassKg = 100.0;
 

@@ -38,7 +38,7 @@ void need_both(TableReader& reader, std::string_view image, std::string_view num
   if (reader.has(numbers) && !reader.has(image)) reader.fail_at(numbers, "'{}' has no effect without '{}'", numbers, image);
 }
 
-// Error: what a relief by an image excludes.
+// Error: a key or a damping that cannot be combined with a relief from an image.
 void be_alone(TableReader& reader, std::string_view image, const Material& material) {
   for (const char* key : {"bump_length_m", "bump_pattern", "bump_direction"}) {
     if (reader.has(key)) reader.fail_at(key, "'{}' belongs to bumps by a formula: leave it out, or leave out '{}'", key, image);
@@ -51,7 +51,7 @@ void be_alone(TableReader& reader, std::string_view image, const Material& mater
   }
 }
 
-// An image, or the mesh's own.
+// Reads normal_map: an image file, or true for the mesh's own normal map.
 void read_normals(const toml::table& table, TableReader& reader, const Material& material, MapSpec& spec) {
   if (reader.has("normal_map_scale") && !reader.has("normal_map")) {
     reader.fail_at("normal_map_scale", "'normal_map_scale' has no effect without 'normal_map'");
@@ -128,7 +128,7 @@ void read_viscosity(const toml::table& table, TableReader& reader, const Surface
 
 std::string_view key_of_height(const MapSpec& spec) { return spec.normal_scale ? "normal_map" : "bump_map"; }
 
-// Length and height of the images on the surface, m: by the mean of the gradients of the texture coordinates. Pre: these have an area.
+// Width and height of the images on the surface, m, from the mean gradients of the texture coordinates. Pre: these have an area.
 Eigen::Vector2d find_image_size(const std::vector<MappedTriangle>& triangles) {
   double area = 0.0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -141,16 +141,16 @@ Eigen::Vector2d find_image_size(const std::vector<MappedTriangle>& triangles) {
   return area * sum.cwiseInverse();
 }
 
-// Without the last bits: objects that share a mesh differ in them by their poses.
+// The length without its last bits, in which objects that share a mesh may differ because of their poses.
 double to_key(double length_m) {
-  constexpr int kBits = 40;  // of heights, 24 are kept
+  constexpr int kBits = 40;  // heights keep 24
   if (!std::isfinite(length_m)) return 0.0;
   int exponent = 0;
   const double mantissa = std::frexp(length_m, &exponent);
   return std::ldexp(std::round(std::ldexp(mantissa, kBits)), exponent - kBits);
 }
 
-// The material whose normal map all triangles of the mesh have. Error: there is none, or not one for all.
+// The material whose normal map all triangles of the mesh use. Error: a triangle has none, or the triangles use several.
 Result<const VisualMaterial*> find_normals(const MeshAppearance& appearance, const std::string& object) {
   const VisualMaterial* found = nullptr;
   for (const TriangleAppearance& triangle : appearance.triangles) {

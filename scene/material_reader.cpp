@@ -14,14 +14,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A list of tables of numbers.
+// Largest depth of a value: a list of tables of numbers.
 constexpr int kDeepestNumbers = 3;
 
 void read_number(TableReader& reader, const MaterialLimit& limit, double& value) {
   reader.read(limit.key, value, 0.0, limit.most, limit.above_zero);
 }
 
-// where: the table as errors speak of it.
+// where: what error messages call the table.
 Result<MaterialSpec> read_table(const toml::table& table, const std::string& where, const std::string& name) {
   MaterialSpec spec;
   Material& material = spec.material;
@@ -65,7 +65,7 @@ struct TomlPlace {
   }
 };
 
-// A value that scene files have none of becomes an empty table, which every reader rejects.
+// Adds a JSON value. If scene files have no such type, an empty table is added, which every reader rejects.
 void add_value(const Json& json, int depth, const TomlPlace& to) {
   if (json.is_boolean()) return to.add(json.get<bool>());
   if (json.is_number()) return to.add(json.get<double>());
@@ -82,7 +82,7 @@ void add_value(const Json& json, int depth, const TomlPlace& to) {
   to.add(std::move(table));
 }
 
-// What a key that names an image, and one that has its numbers, are called in a mesh file.
+// An image for forces: in a scene file, the keys of the image and of its numbers; in a mesh file, the property that has the image.
 struct HapticMap {
   const char* image_key;
   const char* numbers_key;
@@ -127,7 +127,7 @@ Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshAppea
     if (table.contains(map.image_key)) {
       return fail("{}: '{}' is not for extras.hapton: the image is the texture of '{}'", where, map.image_key, map.property);
     }
-    // Bumps by a formula have a height too.
+    // The height has a meaning without an image: bumps by a formula have one too.
     if (map.image != &HapticMaterial::height && table.contains(map.numbers_key) && !(haptic.*map.image)) {
       return fail("{}: '{}' has no effect without a texture in '{}': add one, or leave it out", where, map.numbers_key, map.property);
     }

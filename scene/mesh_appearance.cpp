@@ -45,7 +45,7 @@ Eigen::Vector2f texcoord_of(double right, double up) {
   return Eigen::Vector2d(right, 1.0 - up).cast<float>();
 }
 
-// IEC 61966-2-1.
+// From linear light to sRGB (IEC 61966-2-1).
 float to_srgb(double linear) {
   const double clamped = std::clamp(std::isfinite(linear) ? linear : 0.0, 0.0, 1.0);
   return static_cast<float>(clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1.0 / 2.4) - 0.055);

@@ -35,12 +35,12 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
   Result<TriangleMesh> mesh = cut(**file, path, object, appearance, maps);
   if (!mesh) return tl::unexpected(mesh.error());
   if (object.haptic_material) keep_haptic_material(*object.haptic_material, *mesh, appearance, maps);
-  appearance.drop_unused_images();  // each part of a file has the list of all
+  appearance.drop_unused_images();  // each part of a file lists the images of all its parts
   ReadyMesh ready;
   std::vector<Vec3> vertices = mesh->vertices;
   ready.given_hash = hash_mesh(*mesh);
   if (maps_ != AppearanceReading::off || object.haptic_material) {
-    for (TextureImage& image : maps.images) image.bytes = {};  // the materials have them
+    for (TextureImage& image : maps.images) image.bytes = {};  // the materials contain them
     ready.map = {{},
                  std::make_shared<const TriangleMesh>(*mesh),
                  std::make_shared<const MeshAppearance>(object.haptic_material ? std::move(maps) : appearance)};

@@ -29,7 +29,7 @@ std::string extension_of(const std::filesystem::path& path) {
 
 bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
 
-// Names of materials that the faces have and none of the libraries.
+// Adds a note about materials that faces name, but that no library contains.
 void note_unknown_materials(RawMesh& raw) {
   std::size_t count = 0;
   std::string first;
@@ -42,10 +42,10 @@ void note_unknown_materials(RawMesh& raw) {
                                   count > 1 ? fmt::format(", as {} in all,", count) : ""));
 }
 
-// "mtllib" may name several files; one name may have blanks.
+// The files that "mtllib" lines name. A line may name several files, or one whose name contains blanks.
 std::vector<std::string> list_libraries(const std::vector<std::string>& lines, const std::filesystem::path& folder) {
   std::vector<std::string> names;
-  // Some programs name one before each object.
+  // Some programs name the same library before each object.
   std::set<std::string, std::less<>> known;
   const auto add = [&](std::string_view name) {
     if (known.emplace(name).second) names.emplace_back(name);

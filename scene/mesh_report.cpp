@@ -13,9 +13,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kCrackShare = 1e-3;  // of the longest side
+constexpr double kCrackShare = 1e-3;  // of the mesh's longest side
 
-// "tissue: stiffness, friction".
+// For example "tissue: stiffness, friction from an image".
 std::string describe(const HapticMaterial& material) {
   std::string text = material.name.empty() ? "(no name)" : printable(material.name, kLongestShownName);
   const char* before = ": ";
@@ -98,7 +98,7 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
 
 namespace {
 
-// The flaws besides boundary edges because of which a surface is not closed.
+// The flaws, other than boundary edges, that prevent a surface from being closed.
 std::string describe_flaws(const MeshTopology& t) {
   std::string text;
   if (t.nonmanifold_edges > 0) text += fmt::format("; {} non-manifold edges", t.nonmanifold_edges);
@@ -163,7 +163,7 @@ namespace {
 
 using MeshJson = nlohmann::ordered_json;
 
-// The changes by sealing, and the mesh after it.
+// What sealing changed, and what is still open after it.
 MeshJson sealed_to_json(const MeshReport& report) {
   MeshJson json;
   append_sealing(json, report.sealed);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::string_view kKeyOfTheScene = "fit_m";
 
-// The parameters of an effect from a plug-in have any names.
+// Does not search the parameters of a plug-in effect, which may have any names.
 const toml::node* find_key_below(const toml::node& node) {
   const toml::node* found = nullptr;
   if (const toml::table* table = node.as_table()) {
@@ -27,7 +27,7 @@ Result<void> find_misplaced_key(const toml::table& scene) {
   for (const auto& [name, node] : scene) {
     if (name.str() == kKeyOfTheScene) continue;
     const toml::node* found = find_key_below(node);
-    // A table of that name is a material.
+    // A table of this name is not misplaced: it is a material that is called fit_m.
     if (found == nullptr || found->is_table()) continue;
     return fail(
         "{}'{}' is a key of the whole scene, and TOML gives it to the table above it: move it above the first line that begins with [",

@@ -12,13 +12,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kMinBlue = 0.1;      // of a unit normal: a slope of 10
-constexpr double kGrid = 65535.0;     // heights are rounded to this many steps, so that every machine has the same
-constexpr int kMaxSide = 2048;        // of the image that is transformed
-constexpr double kUnitLength = 0.25;  // a mean length of the normals farther than this from 1, or
-constexpr double kUpright = 0.3;      // a mean of blue below this: no normal map
+constexpr double kMinBlue = 0.1;      // least z of a unit normal: a slope of 10
+constexpr double kGrid = 65535.0;     // heights are rounded to this many steps, so that they are the same on every machine
+constexpr int kMaxSide = 2048;        // largest side of the image that is transformed
+constexpr double kUnitLength = 0.25;  // an image is no normal map if the mean length of its normals differs from 1 by more than this,
+constexpr double kUpright = 0.3;      // or if their mean z is below this
 
-// Slopes of the relief along u and v, as real and imaginary part: both are transformed at once.
+// Slopes of the relief along u (the real part) and along v (the imaginary part), so that one transform handles both.
 struct SlopeField {
   int width = 0;
   int height = 0;
@@ -39,7 +39,7 @@ Result<SlopeField> read_slopes(const ImageTexels& numbers, double scale) {
     length += normal.norm();
     upright += normal.z();
     const double up = std::max(normal.z(), kMinBlue * std::max(normal.norm(), kMinBlue));
-    field.slopes.emplace_back(-scale * normal.x() / up, scale * normal.y() / up);  // v runs down
+    field.slopes.emplace_back(-scale * normal.x() / up, scale * normal.y() / up);  // plus, because v increases downwards
   }
   const auto count = static_cast<double>(field.slopes.size());
   if (std::fabs(length / count - 1.0) > kUnitLength || upright / count < kUpright) {
@@ -64,7 +64,7 @@ SlopeField halve(SlopeField& field) {
   return half;
 }
 
-// In place, along both axes.
+// Fourier transform in place, along both axes.
 void transform(SlopeField& field, bool is_inverse) {
   Eigen::FFT<double> fft;
   const auto line = [&](int count, auto&& at) {
@@ -83,13 +83,13 @@ void transform(SlopeField& field, bool is_inverse) {
   for (int x = 0; x < field.width; ++x) line(field.height, [&](int y) -> std::complex<double>& { return field.at(x, y); });
 }
 
-// Radians a metre of the wave number k. The highest one of an even count has no direction: 0.
+// Radians per metre of the wave number k. The highest wave number of an even count has no direction, so it gives 0.
 double frequency(int k, int count, double length_m) {
   if (2 * k == count) return 0.0;
   return 2.0 * std::numbers::pi * (2 * k < count ? k : k - count) / length_m;
 }
 
-// From the transform of both slopes to that of the height, wave by wave: i wu H is nearest to the one, i wv H to the other.
+// Turns the transform of both slopes into that of the height H: for each wave, i wu H and i wv H come nearest to the two slopes.
 void integrate(SlopeField& field, const Eigen::Vector2d& image_m) {
   constexpr std::complex<double> kI(0.0, 1.0);
   const auto height_of = [&](const std::complex<double>& here, const std::complex<double>& opposite, double wu, double wv) {
@@ -103,7 +103,7 @@ void integrate(SlopeField& field, const Eigen::Vector2d& image_m) {
     for (int x = 0; x < field.width; ++x) {
       const int other_x = (field.width - x) % field.width;
       const int other_y = (field.height - y) % field.height;
-      if (other_y < y || (other_y == y && other_x < x)) continue;  // the height is real: with its opposite
+      if (other_y < y || (other_y == y && other_x < x)) continue;  // already done together with its opposite, because the height is real
       const std::complex<double> here = field.at(x, y);
       const std::complex<double> opposite = field.at(other_x, other_y);
       const double wu = frequency(x, field.width, image_m.x());
@@ -127,7 +127,7 @@ Result<Relief> relief_of_normals(const ImageTexels& numbers, const Eigen::Vector
   const auto is_lower = [](const std::complex<double>& a, const std::complex<double>& b) { return a.real() < b.real(); };
   const auto [lowest, highest] = std::minmax_element(field->slopes.begin(), field->slopes.end(), is_lower);
   const auto height_m = static_cast<double>(static_cast<float>(highest->real() - lowest->real()));
-  // Of a flat map rounding is left.
+  // For a flat map, only rounding errors remain.
   if (!(height_m > 0x1p-40 * image_m.maxCoeff())) return fail("is flat: all of its normals are the same");
   std::vector<float> texels;
   texels.reserve(field->slopes.size());

@@ -49,7 +49,7 @@ double weight_at(const std::vector<MorphSpec::Key>& keys, double time_s) {
   return from.weight + (time_s - from.time_s) / (after->time_s - from.time_s) * (after->weight - from.weight);
 }
 
-// At the times of all morphs.
+// The weights of all morphs at each time at which one of them has a key.
 std::vector<MorphKey> join_keys(const std::vector<MorphSpec>& morphs) {
   std::set<double> times;
   for (const MorphSpec& morph : morphs) {
@@ -63,7 +63,7 @@ std::vector<MorphKey> join_keys(const std::vector<MorphSpec>& morphs) {
   return keys;
 }
 
-// The farthest that a vertex comes from a point, in any shape.
+// The largest distance of a vertex from the pivot, over the shapes at all keys.
 double radius_of_shapes(const Vec3& pivot, const TriangleMesh& mesh, const MeshDeformation& deformation) {
   double most = 0.0;
   for (const MorphKey& key : deformation.keys()) {
@@ -103,7 +103,7 @@ Result<void> check_speed(const MeshDeformation& deformation, double motion_m_per
   return {};
 }
 
-// Of a scene file's morphs.
+// The deformation by the morphs of a scene file.
 Result<MeshDeformation> place_morphs(const ObjectSpec& object, const std::string& name, const SceneFit& fit, const TriangleMesh& mesh) {
   std::vector<MorphTarget> targets;
   for (const MorphSpec& morph : object.morphs) {
@@ -114,7 +114,7 @@ Result<MeshDeformation> place_morphs(const ObjectSpec& object, const std::string
   return MeshDeformation(std::move(targets), join_keys(object.morphs), object.motion.loops);
 }
 
-// The file has a vertex as often as it has normals there; all of them must go together.
+// Assigns displacements to the vertices in_file. The mesh file repeats a vertex for each of its normals; all copies must move together.
 Result<std::vector<std::vector<Vec3>>> match_vertices(const MeshMorphs& morphs, const std::vector<Vec3>& in_file, const std::string& name) {
   constexpr double kSame = 1e-6;  // of the longest displacement: numbers in a file have seven digits
   const auto key_of = [](const Vec3& p) { return std::array{p.x(), p.y(), p.z()}; };
@@ -128,7 +128,7 @@ Result<std::vector<std::vector<Vec3>>> match_vertices(const MeshMorphs& morphs, 
   }
   for (std::size_t i = 0; i < morphs.at_rest.size(); ++i) {
     const auto place = places.find(key_of(morphs.at_rest[i]));
-    if (place == places.end()) continue;  // of no triangle
+    if (place == places.end()) continue;  // belongs to no triangle
     for (std::size_t t = 0; t < matched.size(); ++t) {
       Vec3& displacement = matched[t][place->second];
       if (is_matched[place->second] && (displacement - morphs.displacements[t][i]).norm() > kSame * longest) {
@@ -145,7 +145,7 @@ Result<std::vector<std::vector<Vec3>>> match_vertices(const MeshMorphs& morphs, 
   return matched;
 }
 
-// Of a mesh file's animation. Targets that it leaves at 0 are not needed.
+// The deformation by an animation of a mesh file. Targets whose weight is 0 at all keys are left out.
 Result<MeshDeformation> place_animation(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
                                         const std::vector<Vec3>& in_file) {
   const auto& [morphs, keys] = *object.animated_morphs;

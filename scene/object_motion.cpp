@@ -13,8 +13,8 @@ namespace hapton {
 namespace {
 
 constexpr double kSameTurn = 1e-9;  // rad: a turn this close to half a turn counts as one
-// The largest difference between the first and the last keyframe of a loop, over the object's radius: numbers of a binary file have seven
-// digits.
+// The largest permitted difference between the first and the last keyframe of a loop, divided by the object's radius: numbers of a binary
+// file have seven digits.
 constexpr double kSameEnd = 1e-5;
 // Relative tolerance of the speed limit: the least time that the error message names must be accepted.
 constexpr double kSpeedRounding = 1e-9;
@@ -65,7 +65,7 @@ Result<void> check_turns(const MotionSpec& given, const std::vector<Keyframe>& k
   return {};
 }
 
-// An animation has one speed for all of it.
+// An animation has one speed factor for all its keyframes, so the error names the fastest motion.
 Result<void> check_animation_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
   double fastest = 0.0;
   for (std::size_t i = 1; i < motion.keyframes().size(); ++i) fastest = std::max(fastest, motion.fastest_m_per_s(i - 1, radius_m));

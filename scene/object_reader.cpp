@@ -22,7 +22,7 @@ void read_scale(TableReader& reader, double& scale) {
 
 namespace {
 
-// What moves it, deforms it or carves it.
+// Reads what moves, deforms or carves the object.
 Result<void> read_changes(const toml::table& table, const std::string& name, ObjectSpec& spec) {
   auto motion = read_motion(table, name);
   if (!motion) return tl::unexpected(motion.error());
@@ -39,7 +39,7 @@ Result<void> read_changes(const toml::table& table, const std::string& name, Obj
   return {};
 }
 
-// A tool has a grip, and no material yet.
+// The keys of an object, or of the tool, which has a grip but no material.
 std::vector<std::string_view> keys_of(const std::string& name) {
   std::vector<std::string_view> keys = {"name",     "mesh",         "part",       "unit",  "scale",
                                         "rotation", "rotation_deg", "position_m", "color", "seal_cracks"};

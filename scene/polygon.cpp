@@ -7,7 +7,7 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-// Newell's normal: twice the area vector, whatever the polygon's shape. Taken about the first corner against cancellation.
+// Newell's normal: twice the area vector of a polygon of any shape. Computed relative to the first corner, to avoid cancellation.
 Vec3 area_normal(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices) {
   const Vec3& origin = vertices[corners[0]];
   Vec3 normal = Vec3::Zero();
@@ -19,7 +19,7 @@ Vec3 area_normal(std::span<const std::uint32_t> corners, std::span<const Vec3> v
 
 double turn(const Vec2& a, const Vec2& b, const Vec2& c) { return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()); }
 
-// The polygon seen along its normal, counter-clockwise.
+// Projects the polygon along the largest axis of its normal. The result is counter-clockwise.
 std::vector<Vec2> flatten(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, const Vec3& normal) {
   int drop = 0;
   normal.cwiseAbs().maxCoeff(&drop);
@@ -44,9 +44,9 @@ bool add_fan(std::span<const std::uint32_t> corners, std::vector<Triangle>& into
   return true;
 }
 
-// Cuts the ears of a polygon, given seen along its normal. Of each corner it keeps up to where the others are known to be outside of its
-// triangle: that holds until the triangle is another one, whatever is cut elsewhere. So all tests together are at most four times the
-// square of the corners.
+// Cuts the ears of a polygon, which flatten has projected. For each corner it stores up to which number the others are known to be outside
+// the corner's triangle. This stays true until that triangle changes, whatever is cut elsewhere. So all tests together are at most four
+// times the square of the number of corners.
 class EarCutter {
  public:
   explicit EarCutter(const std::vector<Vec2>& flat)
@@ -79,7 +79,7 @@ class EarCutter {
   std::size_t work() const { return work_; }
 
  private:
-  // A corner that turns left with no other corner in or on its triangle.
+  // An ear is a corner that turns left and has no other corner in or on its triangle.
   bool is_ear(std::size_t corner) {
     const Vec2& a = flat_[before_[corner]];
     const Vec2& b = flat_[corner];
@@ -103,8 +103,8 @@ class EarCutter {
   }
 
   const std::vector<Vec2>& flat_;
-  std::vector<std::size_t> before_, next_;  // in the ring of those that are left
-  std::vector<std::size_t> outside_;        // of each corner: the others below this number are not in its triangle, or cut
+  std::vector<std::size_t> before_, next_;  // neighbours in the ring of the corners that are not cut
+  std::vector<std::size_t> outside_;        // of each corner: the others below this number are outside its triangle, or cut
   std::vector<bool> is_cut_;
   std::size_t work_ = 0;
 };

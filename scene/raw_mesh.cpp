@@ -27,7 +27,7 @@ const std::array<Eigen::Vector3f, 3> kNoNormals = {Eigen::Vector3f::Zero(), Eige
 bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals,
                           const PolygonAppearance* appearance_of) {
   if (normals.empty() && appearance_of == nullptr) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
-  // Over the polygon's own corners: one vertex may occur in it twice, with two normals.
+  // Triangulates indices of the polygon's own corners, because one vertex may occur in it twice, with two normals.
   std::vector<std::uint32_t> own(corners.size());
   std::iota(own.begin(), own.end(), 0U);
   std::vector<Vec3> points;

@@ -34,7 +34,7 @@ std::optional<Eigen::Vector3f> read_colour(TextCursor& cursor) {
   return colour;
 }
 
-// "d 0.4", "d -halo 0.4" or "Tr 0.6". None: not a number.
+// Reads the number of "d 0.4", "d -halo 0.4" or "Tr 0.6". None: not a number.
 std::optional<float> read_share(TextCursor& cursor) {
   std::string_view word = cursor.word_in_line();
   if (word == "-halo") word = cursor.word_in_line();
@@ -43,13 +43,13 @@ std::optional<float> read_share(TextCursor& cursor) {
   return static_cast<float>(std::clamp(value, 0.0, 1.0));
 }
 
-// Opacity 0 to 1; what is not fully opaque is blended.
+// Sets the opacity, 0 to 1. A material that is not fully opaque is blended.
 void set_opacity(VisualMaterial& material, float opacity) {
   material.alpha = opacity;
   material.alpha_mode = opacity < 1.0F ? AlphaMode::blend : AlphaMode::opaque;
 }
 
-// An image of heights or normals, by its usual names.
+// Whether the keyword names an image of heights or normals.
 bool is_bump_map(std::string_view keyword) {
   constexpr std::array<std::string_view, 6> kNames = {"map_Bump", "map_bump", "bump", "norm", "map_Kn", "disp"};
   return std::find(kNames.begin(), kNames.end(), keyword) != kNames.end();
@@ -58,11 +58,11 @@ bool is_bump_map(std::string_view keyword) {
 struct ImageLine {
   std::string name;
   TextureWrap wrap = TextureWrap::repeat;
-  Eigen::Vector2f scale = Eigen::Vector2f::Ones();  // -s and -o, u and v, v upwards: u of the image = scale u + shift
+  Eigen::Vector2f scale = Eigen::Vector2f::Ones();  // options -s and -o: the place in the image is scale (u, v) + shift, v upwards
   Eigen::Vector2f shift = Eigen::Vector2f::Zero();
 };
 
-// The next number, if a word follows it: the last word is the name.
+// Takes the next number only if a word follows it, because the last word is the name of the image.
 bool take_number(TextCursor& options, double& value) {
   TextCursor ahead = options;
   if (!parse_number(ahead.word_in_line(), value) || TextCursor(ahead).word_in_line().empty()) return false;
@@ -70,8 +70,8 @@ bool take_number(TextCursor& options, double& value) {
   return true;
 }
 
-// "u [v [w]]" of -s and -o. The numbers that are left out stay as they are; w is of images with depth.
-// False: there is none.
+// Reads "u [v [w]]" after -s or -o. The numbers that are left out stay as they are; w is for images with depth, and is ignored.
+// False: there is no number.
 bool read_pair(TextCursor& options, Eigen::Vector2f& pair) {
   double value = 0.0;
   int count = 0;
@@ -81,7 +81,7 @@ bool read_pair(TextCursor& options, Eigen::Vector2f& pair) {
   return count > 0;
 }
 
-// What an option of an image has after it. False: it is not known, or not valid.
+// Reads the values of an option of an image. False: the option is unknown, or its values are not valid.
 bool read_option(std::string_view option, TextCursor& options, ImageLine& line) {
   constexpr std::array<std::string_view, 7> kOneWord = {"-blendu", "-blendv", "-cc", "-boost", "-texres", "-imfchan", "-type"};
   double ignored = 0.0;
@@ -89,7 +89,7 @@ bool read_option(std::string_view option, TextCursor& options, ImageLine& line) 
     line.wrap = options.word_in_line() == "on" ? TextureWrap::clamp : TextureWrap::repeat;
   } else if (option == "-s" || option == "-o") {
     return read_pair(options, option == "-s" ? line.scale : line.shift);
-  } else if (option == "-t" || option == "-mm" || option == "-bm") {  // three numbers, two, one, or fewer
+  } else if (option == "-t" || option == "-mm" || option == "-bm") {  // at most three numbers, two or one
     for (int k = option == "-t" ? 3 : option == "-mm" ? 2 : 1; k > 0 && take_number(options, ignored);) --k;
   } else if (std::find(kOneWord.begin(), kOneWord.end(), option) != kOneWord.end()) {
     (void)options.word_in_line();
@@ -99,8 +99,8 @@ bool read_option(std::string_view option, TextCursor& options, ImageLine& line) 
   return true;
 }
 
-// What follows options such as "-s 1 1 1" is the name, blanks and all; after an option that is not known or not valid it is the last word.
-// It may have quotes around it.
+// All that follows options such as "-s 1 1 1" is the name of the image, including blanks. After an option that is unknown or not valid, the
+// last word is the name. The name may have quotes around it.
 ImageLine read_image_line(TextCursor& cursor) {
   ImageLine line;
   std::string_view name = cursor.rest_of_line();
@@ -116,7 +116,7 @@ ImageLine read_image_line(TextCursor& cursor) {
   return line;
 }
 
-// Files that were written on another machine name folders of it: the image is beside the mesh as well.
+// A file that was written on another machine may name folders of that machine, so the image is also searched beside the mesh.
 std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& name) {
   const std::filesystem::path given = folder / name;
   std::error_code ignored;
@@ -125,7 +125,7 @@ std::filesystem::path find_image(const std::filesystem::path& folder, const std:
   return std::filesystem::exists(beside, ignored) ? beside : given;
 }
 
-// Texcoords count downwards: down = 1 - v.
+// Texture coordinates count downwards, the MTL file's v upwards: down = 1 - v.
 void place_image(const ImageLine& line, VisualMaterial& material) {
   material.wrap = {line.wrap, line.wrap};
   material.image_scale = line.scale;

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Keywords that carry no triangles. A keyword that is in neither list becomes a note, so that nothing is dropped silently.
+// Keywords to skip, because they carry no triangles. Any other unknown keyword becomes a note, so that nothing is dropped silently.
 bool is_decoration(std::string_view keyword) {
   for (const std::string_view known :
        {"s", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "mg"}) {
@@ -94,7 +94,7 @@ class ObjReader {
     return std::nullopt;
   }
 
-  // Some programs write red, green and blue behind the position. What cannot be read is not a colour.
+  // Some programs write red, green and blue after the position. Anything but three numbers is ignored.
   void read_colour() {
     std::array<double, 3> channels = {};
     for (double& channel : channels) {
@@ -124,7 +124,7 @@ class ObjReader {
     material_ = known->second;
   }
 
-  // Of a corner "vertex/texture/normal".
+  // The appearance of a face corner "vertex/texture/normal".
   CornerAppearance appearance_of(std::string_view word, std::uint32_t vertex) const {
     CornerAppearance appearance;
     if (vertex < colours_.size()) appearance.colour = colours_[vertex];
@@ -138,7 +138,7 @@ class ObjReader {
     return appearance;
   }
 
-  // Normals are welcome, not needed: one that cannot be read is none, and its corners get computed ones.
+  // Normals are optional: one that cannot be read counts as missing, and normals are computed for its corners.
   void read_normal() {
     Eigen::Vector3d normal;
     bool is_read = true;
@@ -147,7 +147,7 @@ class ObjReader {
     normals_.push_back(is_read ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f(Eigen::Vector3f::Zero()));
   }
 
-  // Of "vertex/texture/normal", the normal.
+  // The normal of a face corner "vertex/texture/normal"; zero: it has none, or its number is wrong.
   Eigen::Vector3f normal_of(std::string_view word) {
     const auto first = word.find('/');
     const auto second = first == std::string_view::npos ? first : word.find('/', first + 1);
@@ -198,7 +198,7 @@ class ObjReader {
   void add_notes() {
     if (unknown_ > 1) raw_.notes.push_back(fmt::format("{} lines in all have keywords that were skipped", unknown_));
     if (bad_normals_ > 0) raw_.notes.push_back(fmt::format("{} vertex normals cannot be read: computed there", bad_normals_));
-    // An OBJ file contains no counts: of a file cut at a line's end, this is the only sign.
+    // An OBJ file contains no counts, so unused vertices are the only sign that a file was cut at the end of a line.
     const auto loose = std::count(is_in_face_.begin(), is_in_face_.end(), false);
     if (loose > 0) {
       raw_.notes.push_back(fmt::format("{} of {} vertices belong to no face: the file may have been cut short", loose, is_in_face_.size()));
@@ -213,14 +213,14 @@ class ObjReader {
   RawMesh raw_;
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;
-  std::vector<Eigen::Vector3f> corner_normals_;  // of corners_; empty: the file has none
+  std::vector<Eigen::Vector3f> corner_normals_;  // one for each of corners_; empty: the file has no normals
   std::vector<Eigen::Vector2f> texcoords_;
-  std::vector<std::array<std::uint8_t, 3>> colours_;  // of the vertices, as far as they have one
-  std::vector<CornerAppearance> corner_appearances_;  // of corners_; empty: nothing is said of them
+  std::vector<std::array<std::uint8_t, 3>> colours_;  // of the vertices up to the last one that has a colour
+  std::vector<CornerAppearance> corner_appearances_;  // one for each of corners_; empty: the file gives no appearance
   std::map<std::string, std::uint32_t> materials_;
-  std::uint32_t material_ = TriangleAppearance::kNoMaterial;  // that holds from here on
+  std::uint32_t material_ = TriangleAppearance::kNoMaterial;  // of the faces that follow
   std::vector<bool> is_in_face_;                              // of each vertex
-  std::string object_;                                        // the names that hold from here on
+  std::string object_;                                        // object_ and group_: names for the faces that follow
   std::string group_;
   std::size_t unknown_ = 0;
   std::size_t bad_normals_ = 0;

@@ -17,12 +17,12 @@
 namespace hapton {
 namespace {
 
-// Values of an ASCII body. Lines do not matter, as in most readers.
+// Values of an ASCII body. A line end is the same as a blank, as in most readers.
 class AsciiValues {
  public:
   AsciiValues(std::string_view body, const PlyHeader& header) : cursor_(body, header.body_line) {}
 
-  // Null when it was read, else why not.
+  // Null: the value was read. Otherwise: why it was not.
   const char* read(PlyType /*type*/, double& value) {
     const std::string_view word = cursor_.word();
     if (word.empty()) return "the file ends too early: cut short; copy or export it again";
@@ -30,7 +30,7 @@ class AsciiValues {
   }
   std::string place() const { return fmt::format("line {}", cursor_.line()); }
   std::size_t bytes_left() const { return cursor_.bytes_left(); }
-  // From the next word on. Nothing can be read after this.
+  // The number of bytes from the next word to the end. Nothing can be read after this call.
   std::size_t end() {
     const std::size_t word = cursor_.word().size();
     return word == 0 ? 0 : word + cursor_.bytes_left();
@@ -124,15 +124,15 @@ class BodyReader {
     return std::nullopt;
   }
 
-  // Bytes behind the last element. Call once, at the end.
+  // The number of bytes after the last element. Call once, at the end.
   std::size_t end() { return values_.end(); }
-  // The vertices or the faces have places in textures.
+  // Whether the vertices or the faces have texture coordinates.
   bool has_texcoords() const { return has_texcoords_ || has_face_texcoords_; }
 
  private:
   std::optional<Error> at_place(std::string_view what) const { return Error{fmt::format("{}: {}", values_.place(), what)}; }
 
-  // The header's count against the bytes there are, before anything is allocated for it.
+  // Checks that the rest of the file can hold as many elements as the header says, before memory is allocated for them.
   std::optional<Error> check_size(const PlyElement& element) const {
     std::size_t least = 0;
     for (const PlyProperty& property : element.properties) least += Values::least_bytes(property.list_count.value_or(property.type));
@@ -185,7 +185,7 @@ class BodyReader {
     return std::nullopt;
   }
 
-  // Normals are read when all three coordinates are there: places 3 to 5.
+  // Normals are read only if all three coordinates are given; these go to places 3 to 5.
   void find_normal_axes(const PlyElement& element, std::vector<int>& axes) {
     std::array<std::vector<std::size_t>, 3> found;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
@@ -199,7 +199,7 @@ class BodyReader {
     for (std::size_t axis = 0; axis < 3 && has_normals_; ++axis) axes[found[axis][0]] = 3 + static_cast<int>(axis);
   }
 
-  // Where each value of a vertex goes: position, normal, colour, place in the texture, alpha.
+  // Places of the values of a vertex: position, normal, colour, texture coordinates, alpha.
   static constexpr std::size_t kPlaces = 12;
   static constexpr int kColourPlace = 6;
   static constexpr int kTexcoordPlace = 9;
@@ -218,12 +218,12 @@ class BodyReader {
     return static_cast<std::uint8_t>(std::lround(std::isfinite(channel) ? std::clamp(channel, 0.0, 255.0) : 255.0));
   }
 
-  // What brings a channel of that type to 255.
+  // The factor that scales a colour channel of this type to the range 0 to 255.
   static double scale_of(PlyType type) {
     return type == PlyType::f32 || type == PlyType::f64 ? 255.0 : type == PlyType::u16 ? 1.0 / 257.0 : 1.0;
   }
 
-  // The properties of those names, all of them or none, go to the places from there on.
+  // Assigns the places from `place` on to the properties with these names, in this order: to all of them, or (false) to none.
   static bool find_all(const PlyElement& element, std::initializer_list<std::string_view> names, int place, std::vector<int>& axes) {
     std::vector<int> found = axes;
     for (const std::string_view name : names) {
@@ -236,7 +236,7 @@ class BodyReader {
     return true;
   }
 
-  // Of the same type as the colours, whose scale it has.
+  // Assigns a place to alpha, if it has the type of the colours, because it is scaled as they are.
   static bool find_alpha(const PlyElement& element, int place, std::vector<int>& axes) {
     const auto type_of = [&](std::string_view name) {
       const auto found = std::find_if(element.properties.begin(), element.properties.end(), [&](const auto& p) { return p.name == name; });
@@ -283,13 +283,13 @@ class BodyReader {
     return std::nullopt;
   }
 
-  // Where each value of a face goes: the channels of its colour, the number of its texture, alpha; the last two are lists.
+  // Places of the values of a face: the channels of its colour, the number of its texture, alpha, and two lists.
   static constexpr int kTexturePlace = 3;
   static constexpr int kFaceAlphaPlace = 4;
   static constexpr int kCornersPlace = 5;
   static constexpr int kCornerTexcoordsPlace = 6;
 
-  // Colours and places in the texture that the vertices have count more than those of the faces.
+  // Colours and texture coordinates of the vertices take precedence over those of the faces.
   void find_face_places(const PlyElement& element, std::vector<int>& places) {
     has_face_colours_ = !has_colours_ && (find_all(element, {"red", "green", "blue"}, 0, places) ||
                                           find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, 0, places));
@@ -359,7 +359,7 @@ class BodyReader {
     return appearance;
   }
 
-  // A face without places, or with the number of a texture that the file does not name, has none.
+  // A face without texture coordinates, or with the number of a texture that the file does not name, has no material.
   std::uint32_t material_of_face() const {
     if (has_texcoords_) return 0;
     const double texture = face_values_[kTexturePlace];
@@ -400,10 +400,10 @@ class BodyReader {
   std::vector<Eigen::Vector3f> normals_;  // of the vertices; empty: the file has none
   std::vector<Eigen::Vector3f> corner_normals_;
   bool wants_appearance_;
-  std::vector<CornerAppearance> vertex_appearances_;  // of the vertices; empty: the file says nothing of them
+  std::vector<CornerAppearance> vertex_appearances_;  // of the vertices; empty: the file gives them no appearance
   std::vector<CornerAppearance> corner_appearances_;
-  std::vector<double> face_texcoords_;                        // of this face: two for each corner
-  std::array<double, kFaceAlphaPlace + 1> face_values_ = {};  // of this face
+  std::vector<double> face_texcoords_;                        // of the present face: two for each corner
+  std::array<double, kFaceAlphaPlace + 1> face_values_ = {};  // of the present face
   bool has_alpha_ = false;
   bool has_face_alpha_ = false;
   bool has_face_colours_ = false;
@@ -415,8 +415,8 @@ class BodyReader {
   bool seen_faces_ = false;
 };
 
-// PLY does not say what its alpha means: it is drawn as what it covers, as in MeshLab. Zero everywhere is what programs write that know of
-// no alpha.
+// PLY does not say what its alpha means: here it is opacity, as in MeshLab. If it is zero everywhere, the program that wrote the file does
+// not support alpha.
 void blend_by_alpha(RawMesh& raw) {
   std::uint8_t least = 255;
   std::uint8_t most = 0;

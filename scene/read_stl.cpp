@@ -15,8 +15,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
 
-constexpr std::size_t kHeaderBytes = 84;    // 80 of anything, then the triangle count
-constexpr std::size_t kTriangleBytes = 50;  // normal, 3 corners, 2 bytes of anything
+constexpr std::size_t kHeaderBytes = 84;    // 80 arbitrary bytes, then the triangle count
+constexpr std::size_t kTriangleBytes = 50;  // normal, 3 corners, 2 arbitrary bytes
 
 std::uint32_t triangle_count(std::string_view bytes) {
   std::uint32_t count = 0;
@@ -24,7 +24,7 @@ std::uint32_t triangle_count(std::string_view bytes) {
   return count;
 }
 
-// Keywords come in either case.
+// Keywords may be in upper or lower case.
 bool is(std::string_view word, std::string_view keyword) {
   return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(), [](char a, char b) { return (a | 0x20) == b; });
 }
@@ -101,7 +101,7 @@ class AsciiStlReader {
   }
 
   std::optional<Error> read_facet() {
-    // Exporters often leave the normal wrong; the winding says the same.
+    // The normal is skipped: exporters often write a wrong one, and the winding gives the same direction.
     if (auto error = expect("normal")) return error;
     for (int k = 0; k < 3; ++k) {
       if (cursor_.word().empty()) return unexpected_word("", "a normal");

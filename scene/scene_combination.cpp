@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// The first object that has the property; null: none has.
+// The first object that has the property; null: no object has it.
 template <class Is>
 const SceneObject* find_object(const Scene& scene, const Is& is) {
   const auto found = std::find_if(scene.objects.begin(), scene.objects.end(), is);
@@ -25,7 +25,7 @@ std::string_view describe_deformation(const SceneObject& object) {
   return object.program_shape != nullptr ? "is deformed by programs" : "deforms";
 }
 
-// "FILE: line 3: object 'lid'".
+// For example "FILE: line 3: object 'lid'".
 std::string name_at(const std::filesystem::path& path, const SceneObject& object) {
   const std::string line = object.line == 0 ? std::string() : fmt::format("line {}: ", object.line);
   return fmt::format("{}: {}object '{}'", path.string(), line, printable(object.name));

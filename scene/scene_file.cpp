@@ -44,7 +44,7 @@ struct SceneSpec {
   std::optional<Vec3> fit_m;
   std::optional<SceneFit> workspace;  // in place of fit_m
   SceneView view;
-  bool is_plain = false;  // stands for a mesh file alone
+  bool is_plain = false;  // the scene is a single mesh file
 };
 
 Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
@@ -101,7 +101,7 @@ Result<void> read_tool(const toml::table& table, SceneSpec& spec) {
   return {};
 }
 
-// Turns the objects, so that what is left is a fit.
+// Turns the objects by the rotation of [workspace], so that the rest of it is a SceneFit.
 Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
   const auto workspace = read_workspace(table);
   if (!workspace) return tl::unexpected(workspace.error());
@@ -133,14 +133,14 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
   if (const auto read = read_tool(table, spec); !read) return tl::unexpected(read.error());
   if (const auto set = set_workspace(table, spec); !set) return tl::unexpected(set.error());
-  if (const auto probes = read_probes(table); !probes) return tl::unexpected(probes.error());  // of use to haptics_node
+  if (const auto probes = read_probes(table); !probes) return tl::unexpected(probes.error());  // only checked; haptics_node uses them
   auto view = read_view(table);
   if (!view) return tl::unexpected(view.error());
   spec.view = std::move(*view);
   return spec;
 }
 
-// Fits all meshes together into the box of spec.fit_m, or the workspace around what it has of them.
+// Fits all meshes together into the box of spec.fit_m, or applies [workspace] to them, whatever parts of them it contains.
 Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
   if (spec.workspace) {
     apply_fit(*spec.workspace, meshes);
@@ -160,7 +160,7 @@ Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std:
   return *fit;
 }
 
-// In its pose from the mesh's origin, then held where its grip is, as large as the scene.
+// Adds the tool: its mesh, in its pose, is moved so that the grip point is the origin, and scaled as the scene is.
 Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folder, MeshCache& cache, Scene& scene) {
   Result<PosedMesh> posed = make_posed_mesh(spec, folder, cache, scene.notes);
   if (!posed) return tl::unexpected(posed.error());
@@ -174,7 +174,7 @@ Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folde
   return {};
 }
 
-// Effects that an object places go to it; its box is that of the mesh as it is touched.
+// Adds the effects. One that names an object is placed at it, by the box of the mesh that is touched.
 Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
   for (const EffectSpec& effect : spec.effects) {
     scene.effects.push_back({.name = effect.name, .effect = effect.effect, .on = effect.on});
@@ -197,7 +197,7 @@ Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
   return {};
 }
 
-// One that plays an animation becomes one for each motion.
+// An object that plays an animation becomes one object for each motion in it.
 Result<std::vector<ObjectSpec>> split_objects(const SceneSpec& spec, const std::filesystem::path& folder, MeshCache& cache,
                                               std::vector<std::string>& notes) {
   std::vector<ObjectSpec> objects;
@@ -221,7 +221,7 @@ struct FeltObject {
   MaterialSpec material;
 };
 
-// The objects with their materials. One that the scene file gives no material has those of its mesh file: it becomes one object for each.
+// The objects with their materials. One without a material in the scene file becomes one object for each material of its mesh file.
 Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std::filesystem::path& folder, MeshCache& cache,
                                                std::vector<std::string>& notes) {
   std::vector<FeltObject> felt;
@@ -270,13 +270,13 @@ Result<std::optional<SculptSettings>> make_felt_sculpt(const ObjectSpec& object,
   return std::optional(*made);
 }
 
-// Of what deforms the object.
+// The line in the scene file of what deforms the object.
 std::size_t deforms_line(const ObjectSpec& object) {
   if (object.program_shape.is_on) return object.program_shape.line;
   return object.morphs.empty() ? object.motion.animation_line : object.morphs.front().line;
 }
 
-// A surface snaps when it is not touched; where the point of the last contact is then, one that deforms does not tell.
+// Snap pulls towards the plane of the last contact after contact has ended. On a surface that deforms, nothing tells where it is then.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
                                                                const TriangleMesh& mesh, std::vector<std::string>& notes) {
   if ((object.deforms() || object.program_shape.is_on) && material.effects.snap.is_on()) {
@@ -286,7 +286,7 @@ Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec&
   return make_motion(object, name_of(object), fit, mesh, notes);
 }
 
-// With all that it is besides its mesh. Takes the mesh, and adds what decides on touch to the scene's hash.
+// Makes an object with all its properties. Takes the mesh out of `posed`, and adds to the scene's hash what matters for touch.
 Result<SceneObject> make_object(FeltObject& felt, PosedMesh& posed, const SceneFit& fitted, MapMaker& map_maker, TextureCache& textures,
                                 Scene& scene) {
   auto& [object, material] = felt;
@@ -382,7 +382,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   return scene;
 }
 
-// A mesh file that says how it feels.
+// Loads a mesh file that has haptic materials.
 Result<Scene> load_felt_mesh_as_scene(const std::filesystem::path& path, const SceneLoading& loading) {
   SceneSpec spec;
   spec.is_plain = true;

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// "scaled by 0.1"; empty: in its size.
+// For example "scaled by 0.1"; empty: the scale is 1.
 std::string describe_scale(double scale) {
   const std::string digits = fmt::format("{:.4g}", scale);
   return digits == "1" ? std::string() : fmt::format("scaled by {}", digits);
@@ -26,7 +26,7 @@ void scale_widths(SealReport& sealed, double scale) {
 
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
   if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are at one point, so the scene cannot be scaled to a size");
-  constexpr double kMax = 1e100;  // m; and its inverse: squares stay finite and keep their digits
+  constexpr double kMax = 1e100;  // largest coordinate, m; 1/kMax is the least size: squares stay finite and keep their digits
   const double longest_m = box.sizes().maxCoeff();
   if (!(longest_m > 1.0 / kMax && box.min().cwiseAbs().maxCoeff() < kMax && box.max().cwiseAbs().maxCoeff() < kMax)) {
     return fail("the scene is {:.4g} m long, from {:.4g} m on, which cannot be scaled to a size", longest_m, box.min().x());

@@ -19,7 +19,7 @@ class Hash {
   std::uint64_t value() const noexcept { return state_; }
 
  private:
-  std::uint64_t state_ = 0x243F6A8885A308D3ULL;  // pi
+  std::uint64_t state_ = 0x243F6A8885A308D3ULL;  // digits of pi
 };
 
 void add_mesh(Hash& hash, const TriangleMesh& mesh) {
@@ -42,7 +42,7 @@ void add_normals(Hash& hash, const TriangleMesh& mesh) {
   }
 }
 
-// Every number of every effect: those that are off count too, so that no change is missed.
+// Adds every number of the effect: those that are off count too, so that no change is missed.
 void add_volume(Hash& hash, const EffectVolume& volume) {
   volume.for_each_number([&](double number) { hash.add(number); });
 }
@@ -107,7 +107,7 @@ void add_maps(Hash& hash, const SurfaceMaps& maps) {
     }
   }
   for (const ImageMap* map : {&maps.height, &maps.stiffness, &maps.friction}) add_map(hash, *map);
-  // Scenes of before it existed keep their hash.
+  // Scenes without a viscosity map keep the hash that they had before these maps existed.
   if (maps.viscosity.is_on()) add_map(hash, maps.viscosity);
 }
 
@@ -139,7 +139,7 @@ void add_surface(Hash& hash, const SurfaceEffects& e) {
   hash.add(e.viscosity.damping_ns_per_m);
   for (const double number : {e.snap.stiffness_n_per_m, e.snap.range_m}) hash.add(number);
   for (const double number : {e.tap.ns_per_m, e.tap.frequency_hz, e.tap.decay_s, e.tap.max_force_n}) hash.add(number);
-  // A scene without them has the hash that it had before there were any.
+  // Scenes without maps and recorded textures keep the hash that they had before these existed.
   if (e.maps.is_on()) add_maps(hash, e.maps);
   if (e.texture.is_on()) add_texture(hash, e.texture);
 }
@@ -212,7 +212,7 @@ void add_motions(Hash& hash, const TouchScene& scene) {
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const TouchObject& object = scene.objects[o];
     if (object.deformation == nullptr) continue;
-    // Which one it is counts where another one could deform alike. Elsewhere the hash is the one that older recordings have.
+    // Where another object could deform alike, the object's number counts too. Elsewhere the hash stays the one of older recordings.
     const auto has_as_many = [&](const TouchObject& other) { return other.mesh->vertices.size() == object.mesh->vertices.size(); };
     if (std::ranges::count_if(scene.objects, has_as_many) > 1) hash.add(std::uint64_t{o});
     hash.add(hash_deformation(*object.deformation));
@@ -240,7 +240,7 @@ std::uint64_t hash_scene(const TouchScene& scene) {
     for (const double value : {m.stiffness_n_per_m, m.damping_ns_per_m, m.friction_static, m.friction_dynamic}) hash.add(value);
     hash.add(std::uint64_t{m.two_sided});
   }
-  // Force shading uses them.
+  // Force shading uses these normals.
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     if (!scene.objects[o].mesh->has_authored_normals()) continue;
     hash.add(std::uint64_t{o});

@@ -10,9 +10,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 24;  // as load_scene
+constexpr std::size_t kMaxBytes = std::size_t{1} << 24;  // the same as in load_scene
 
-// As read_object numbers its lines.
+// Reads the accepted findings of each object, by the line of its mesh, as in SceneObject::line.
 Result<void> read_accepted(const toml::table& scene, SceneLayout& layout) {
   const toml::array* objects = scene["object"].as_array();
   if (objects == nullptr) return {};

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint32_t kSaid = 1;
 constexpr std::uint32_t kSealed = 2;
 constexpr std::uint32_t kFitted = 4;
-constexpr std::uint32_t kUnitAt = 3;  // the bits from here on: 0 no unit, else 1 + its number
+constexpr std::uint32_t kUnitAt = 3;  // the unit is in the bits from this one on: 0 for no unit, otherwise 1 + its number
 constexpr std::uint32_t kUnits = static_cast<std::uint32_t>(Unit::in) + 1;
 
 }  // namespace

@@ -31,7 +31,7 @@ std::string_view name_of(Passivity passivity) {
 
 Passivity passivity_of(const SceneEffect& effect) { return SwitchedEffect(effect.effect, effect.on).passivity(); }
 
-// Counted from 1. Pre: it has one.
+// The number of the button that switches the effect, counted from 1. Pre: it has a button.
 int button_number(const SceneEffect& effect) { return 1 + std::countr_zero(effect.on.button); }
 
 std::vector<std::string> names_of(const SurfaceEffects& effects) {
@@ -71,7 +71,7 @@ std::string describe_sculpt(const SculptSettings& sculpt) {
                      1e3 * sculpt.tool_radius_m, 1e3 * sculpt.voxel_m);
 }
 
-// Who moves it in a running session.
+// What moves or deforms the object in a running session: the stylus, or programs.
 std::string describe_mover(const SceneObject& object) {
   if (object.is_movable) return ", movable";
   if (object.program_shape != nullptr) {
@@ -109,7 +109,7 @@ std::string describe(const SceneTool& tool) {
                      tool.mesh->triangles.size(), size.x(), size.y(), size.z(), describe(box.centre()));
 }
 
-// Fit or workspace, groups, instances, camera, lights and the tool.
+// Describes fit or workspace, groups, instances, probes, camera, lights and the tool.
 std::string describe_setting(const SceneReport& report) {
   const SceneLayout& layout = *report.layout;
   std::string text;
@@ -143,7 +143,7 @@ InfoJson to_json(const SceneCamera& camera) {
           {"view_angle_deg", camera.view_angle_deg}};
 }
 
-// With the color times the intensity.
+// "color" is the colour times the intensity.
 InfoJson to_json(const SceneLight& light) {
   InfoJson json;
   json[light.has_position ? "position_m" : "direction"] = to_array(light.has_position ? light.towards_or_p_W : Vec3(-light.towards_or_p_W));

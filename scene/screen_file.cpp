@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kScreenSchema = "hapton.screen/1";
 constexpr std::size_t kMaxScreenBytes = std::size_t{1} << 20;
-// Larger and farther away than any wall of projectors.
+// Largest size and distance: more than any wall of projectors needs.
 constexpr double kMaxScreenM = 100.0;
 constexpr std::array<std::string_view, 6> kScreenKeys = {"schema", "position_m", "rotation", "rotation_deg", "width_m", "height_m"};
 

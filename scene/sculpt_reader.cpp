@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMaxMm = 1e6;
 constexpr double kMaxButton = 32.0;
-// A carve takes time with the cube of its radius: 27,000 nodes here. The points of the ball that touches are 2.6 voxels apart.
+// A carve takes time with the cube of its radius: at this limit 27,000 nodes. The ball's points of touch are then 2.6 voxels apart.
 constexpr double kMaxVoxelsOfRadius = 12.0;
 
 void read_length(TableReader& reader, const char* key, std::optional<double>& value) {

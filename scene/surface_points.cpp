@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// Candidates for each point that is kept. More: a more even spread, in quadratic time.
+// Candidates for each point that is kept. More candidates spread the points more evenly, but take more time.
 constexpr std::size_t kCandidatesOfAPoint = 32;
 // A triangle is seen edge-on from the front if its normal makes an angle with the view direction whose cosine is below this: a hand that
 // comes from the front slides off it.

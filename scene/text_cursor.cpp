@@ -36,7 +36,7 @@ std::string_view without_plus(std::string_view word) {
   return plus ? word.substr(1) : word;
 }
 
-// A number that no double can hold: strtod says on which side it is, in the locale of the file, not in that of the program.
+// For a number that no double can hold: strtod returns infinity or about zero. It uses the "C" locale, as files do, not the program's.
 double too_small_or_too_large(std::string_view word) {
   static locale_t const kPlain = newlocale(LC_ALL_MASK, "C", nullptr);
   return strtod_l(std::string(word).c_str(), nullptr, kPlain);

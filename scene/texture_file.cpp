@@ -16,17 +16,17 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 
-// The largest of the toolkit has 184 kB.
+// The largest file of the Haptic Texture Toolkit has 184 kB.
 constexpr std::size_t kMaxTextureFileBytes = std::size_t{1} << 22;
 constexpr double kMmPerM = 1000.0;
 constexpr double kMaxTextureCount = 1000.0;
 
-// Reads elements; the first error stays, and what is read after it is zero.
+// Reads elements. Keeps the first error; a value that cannot be read is 0 or empty.
 class TextureXml {
  public:
   const std::optional<Error>& error() const { return error_; }
 
-  // Null and an error: there is none.
+  // Null, with an error: there is no such element.
   const Element* child(const Element& parent, const char* name) {
     const Element* found = parent.FirstChildElement(name);
     if (found == nullptr) set_error(parent, "<{}> has no <{}>: export it again", printable(parent.Name()), name);
@@ -83,7 +83,7 @@ class TextureXml {
     if (found != expected) set_error(where, "there are {} {}, but <{}> is {}: export it again", found, what, count_name, expected);
   }
 
-  // A unit that is not given is the toolkit's.
+  // A unit that is not given is the one that the toolkit uses.
   void expect_unit(const Element& set, const char* name, std::string_view unit) {
     const Element* found = set.FirstChildElement(name);
     if (found != nullptr && text(*found) != unit) {
@@ -110,7 +110,7 @@ std::vector<TextureModel> read_texture_models(TextureXml& xml, const Element& se
     model.speed_m_per_s = xml.number(*one, "speedMod") / kMmPerM;
     model.force_n = xml.number(*one, "forceMod");
     model.ar = xml.values(*one, "ARlsf", ar, "numARCoeff");
-    // The toolkit's gain belongs to the MA part.
+    // In the toolkit, the gain belongs to the moving-average (MA) part.
     if (ma > 0) {
       model.ma = xml.values(*one, "MAlsf", ma, "numMACoeff");
       model.gain = xml.number(*one, "gain");

@@ -16,7 +16,7 @@ bool ToolObstacles::has_damping() const {
 
 namespace {
 
-// The number of the part that an object belongs to; adds it where it is new.
+// The number of the part that an object moves with, from 1; 0: it stands still. Adds the part if it is new.
 int find_part(const TouchObject& object, int number, std::vector<ToolPart>& parts) {
   if (object.command_pivot) {
     parts.push_back({.commanded = number});

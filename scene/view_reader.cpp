@@ -8,8 +8,8 @@ namespace {
 constexpr double kMinViewAngleDeg = 1.0;
 constexpr double kMaxViewAngleDeg = 120.0;
 constexpr double kMaxIntensity = 10.0;
-// Sine of the angle between `up` and the line of sight, below which it does not say what is up: far above the rounding of numbers that
-// people write.
+// Smallest sine of the angle between `up` and the line of sight. Below it, `up` gives no clear direction in the picture. It is far above
+// the rounding of numbers that people write.
 constexpr double kMinUprightness = 1e-3;
 
 Result<SceneCamera> read_camera(const toml::table& table) {

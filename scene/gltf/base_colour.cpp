@@ -33,7 +33,7 @@ void read_factor(const Json& rgba, BaseColour& base) {
 
 bool is_black(const BaseColour& base) { return base.has_colour && (base.colour.array() <= 0.0).all(); }
 
-// With its strength; none: it emits nothing.
+// The colour of the light that the material emits, times its strength. None: it emits no light.
 std::optional<Vec3> emission_of(const Json& material) {
   const std::optional<Vec3> factor = colour_of(member(material, "emissiveFactor"));
   if (!factor || (factor->array() <= 0.0).all()) return std::nullopt;

@@ -42,7 +42,7 @@ Result<Buffers::View> Buffers::compressed_view(std::size_t index, const Json& co
     if (!bytes) return tl::unexpected(bytes.error());
     Result<std::string> decoded = decode_meshopt(*bytes, *layout, name);
     if (!decoded) return tl::unexpected(decoded.error());
-    // Any number of views may share the same bytes.
+    // Any number of views may share the same bytes, so the sum over all views has a limit.
     unfolded_bytes_ += decoded->size();
     if (unfolded_bytes_ > kMeshoptBytesOfAByte * bytes_read_) {
       return fail("{}: its compressed views unfold to more than the {} bytes of its buffers can hold: {}", name, bytes_read_, kExportAgain);
@@ -52,7 +52,7 @@ Result<Buffers::View> Buffers::compressed_view(std::size_t index, const Json& co
   return View{unfolded->second, layout->stride};
 }
 
-// buffer, byteOffset and byteLength, which a buffer view and its compression both have.
+// The bytes that the keys buffer, byteOffset and byteLength select. A buffer view and its compression extension both have these keys.
 Result<std::string_view> Buffers::range(const Json& json, const std::string& name) {
   const auto length = count_of(member(json, "byteLength"), name + ".byteLength");
   const auto offset = count_or(member(json, "byteOffset"), 0, name + ".byteOffset");

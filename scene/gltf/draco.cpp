@@ -4,7 +4,7 @@
 
 #ifdef HAPTON_DRACO
 
-// Draco's own headers do not keep our warnings.
+// Draco's own headers cause these warnings.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wshadow"
@@ -25,14 +25,14 @@
 namespace hapton::gltf {
 namespace {
 
-// Draco takes memory for what its header promises. A regular mesh of one repeated pattern takes the fewest bits: a plane grid of half a
-// million triangles has 22 triangles a byte (tests/scene/gltf/draco_test.cpp measures it); the bound leaves ten times that, and a small
-// mesh its tables.
+// Draco allocates memory for the counts in its header. A regular mesh of one repeated pattern needs the fewest bits: a plane grid of half
+// a million triangles has 22 triangles per byte (tests/scene/gltf/draco_test.cpp measures it). The limit is about ten times that. Small
+// meshes stay far below it, because tables take most of their bytes.
 constexpr std::size_t kMaxTrianglesOfAByte = 256;
 constexpr std::size_t kMaxAttributes = 64;
 constexpr std::size_t kMaxBytesOfAPoint = 1024;
 
-// Sets limits to one of Draco's decoders at the two places where it takes memory by what the stream promises.
+// One of Draco's decoders, with limits at the two places where it allocates memory for counts that the stream states.
 template <class Decoder>
 class Bounded : public Decoder {
  public:
@@ -40,7 +40,7 @@ class Bounded : public Decoder {
   bool exceeded() const { return exceeded_; }
 
  protected:
-  // Both kinds begin with two counts: vertices and faces (edgebreaker), faces and points (sequential). A triangle has three of either.
+  // Both kinds begin with two counts: vertices and faces (edgebreaker), or faces and points (sequential). Each is at most 3 per triangle.
   bool DecodeConnectivity() override {
     draco::DecoderBuffer ahead = *this->buffer();
     std::uint32_t first = 0;
@@ -71,7 +71,7 @@ std::optional<Error> decode_with(std::string_view bytes, std::size_t max_triangl
   Bounded<Decoder> decoder(max_triangles);
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
-  // The library throws nothing of its own; what it is built on may, when memory runs out.
+  // Draco throws no exceptions itself, but the standard library that it uses may, when memory runs out.
   try {
     const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, &mesh);
     if (status.ok()) return std::nullopt;
@@ -103,7 +103,7 @@ std::optional<Error> decode_any(std::string_view bytes, std::size_t max_triangle
   return decode_with<draco::MeshSequentialDecoder>(bytes, max_triangles, where, mesh);
 }
 
-// The component types of accessors [3.6.2.2]; 0 for any other.
+// The number that glTF 2.0 gives this type as the component type of an accessor [3.6.2.2]. 0: glTF has no such type.
 std::size_t component_type_of(draco::DataType type) {
   switch (type) {
     case draco::DT_INT8:
@@ -123,7 +123,7 @@ std::size_t component_type_of(draco::DataType type) {
   }
 }
 
-// Values of a hostile stream lie anywhere in its memory, so they are copied out, never read in place as Draco's own ConvertValue does.
+// A hostile stream may place values anywhere in its memory. So each value is copied, not read in place as by Draco's own ConvertValue.
 DracoValues values_of(const draco::Mesh& mesh, std::uint32_t id) {
   const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
   if (attribute == nullptr || attribute->buffer() == nullptr || attribute->num_components() < 1) return {};
@@ -148,12 +148,12 @@ Eigen::Vector3f read_vector(const char* bytes, bool normalized) {
   std::memcpy(components.data(), bytes, sizeof components);
   const Eigen::Vector3f value(static_cast<float>(components[0]), static_cast<float>(components[1]), static_cast<float>(components[2]));
   if (!std::is_integral_v<Component> || !normalized) return value;
-  return (value / static_cast<float>(std::numeric_limits<Component>::max())).cwiseMax(-1.0F);  // as of accessors [3.6.2.2]
+  return (value / static_cast<float>(std::numeric_limits<Component>::max())).cwiseMax(-1.0F);  // as in accessors [3.6.2.2]
 }
 
 using VectorReader = Eigen::Vector3f (*)(const char*, bool);
 
-// The component types that glTF and KHR_mesh_quantization allow for positions and normals; null for any other.
+// Reads three components of a type that glTF or KHR_mesh_quantization allows for positions and normals. Null: it is another type.
 VectorReader reader_of(std::size_t component_type) {
   switch (component_type) {
     case 5120:
@@ -171,7 +171,7 @@ VectorReader reader_of(std::size_t component_type) {
   }
 }
 
-// Three numbers a point; empty when there is no such attribute, or not of three numbers of a type that glTF has.
+// One vector per point. Empty: there is no such attribute, or its values are not three numbers of a type that reader_of knows.
 std::vector<Eigen::Vector3f> vectors_of(const draco::Mesh& mesh, std::uint32_t id) {
   const DracoValues values = values_of(mesh, id);
   const VectorReader read = reader_of(values.component_type);

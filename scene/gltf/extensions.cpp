@@ -12,10 +12,10 @@ namespace {
 constexpr std::array<std::string_view, 7> kRead = {"KHR_mesh_quantization",   "KHR_draco_mesh_compression", "EXT_meshopt_compression",
                                                    "EXT_mesh_gpu_instancing", "KHR_node_visibility",        "EXT_mesh_manifold",
                                                    "MPEG_haptic_material"};
-// What drafts of the standard called it, with another structure.
+// The name of MPEG_haptic_material in drafts of the standard, where it had another structure.
 constexpr std::string_view kEarlierHaptics = "MPEG_material_haptic";
 
-// Surfaces, images, light, sound, motion and descriptions; any other extension may contain geometry that is not read.
+// Prefixes of extensions for surfaces, images, light, sound, motion and descriptions. Any other one may contain geometry that is not read.
 constexpr std::array<std::string_view, 22> kHarmless = {"KHR_materials_",
                                                         "KHR_texture_",
                                                         "EXT_texture_",

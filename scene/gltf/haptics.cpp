@@ -15,23 +15,23 @@ namespace hapton::gltf {
 namespace {
 
 constexpr const char* kHapticExtension = "MPEG_haptic_material";
-constexpr std::array<std::string_view, 3> kHapticTypes = {"High_Resolution", "Low_Resolution", "Other"};  // the best first
-constexpr std::string_view kReferenceType = "Reference";  // into haptic data of another file
+constexpr std::array<std::string_view, 3> kHapticTypes = {"High_Resolution", "Low_Resolution", "Other"};  // best first
+constexpr std::string_view kReferenceType = "Reference";  // refers to haptic data in another file
 
-// A property of a haptic material: its textures, and the key of its numbers.
+// A property of a haptic material: the key of its textures, and the key in extras.hapton of the numbers that give these a unit.
 struct HapticProperty {
   const char* name;
-  const char* numbers;  // without them it is ignored, with a note
+  const char* numbers;  // if this key is missing, the property is ignored, with a note
   std::optional<std::size_t> HapticMaterial::*image;
 };
 
-// The extension leaves open what a custom texture is: with these numbers, a viscosity.
+// The extension does not define what a custom texture means. With the key viscosity_map_ns_per_m it is a viscosity.
 constexpr std::string_view kCustom = "custom";
 constexpr std::array<HapticProperty, 4> kProperties = {{{"vibrotactileTexture", "bump_height_m", &HapticMaterial::height},
                                                         {"stiffness", "stiffness_map_n_per_m", &HapticMaterial::stiffness},
                                                         {"friction", "friction_map_range", &HapticMaterial::friction},
                                                         {"custom", "viscosity_map_ns_per_m", &HapticMaterial::viscosity}}};
-// Lists and tables inside each other. A key of a material has three at most; a file may have millions, which would exhaust the stack.
+// Largest depth of nested lists and tables. Keys of a material need 3 at most, but a file may nest millions and so exhaust the stack.
 constexpr int kDeepestExtras = 16;
 constexpr std::size_t kMaxHapticImageBytes = std::size_t{1} << 28;
 constexpr std::array<std::string_view, 2> kNotFelt = {"vibration", "temperature"};
@@ -56,14 +56,14 @@ Result<std::string> read_image_bytes(const Document& document, const Json& json,
   return document.buffers.copy_for_image(member(json, "bufferView"), where + ".bufferView");
 }
 
-// The texture of one property that is used: the best of its types. Null: the list has none that is supported. Error: an entry that the
-// extension does not allow.
+// Chooses the texture of a property that is used: the one with the best type. Null: no texture of the list has a supported type. Error:
+// an entry that the extension does not allow.
 Result<const Json*> choose_texture(const Json& list, const std::string& where) {
   const Json* best = nullptr;
   std::size_t best_type = kHapticTypes.size();
   if (!list.is_array()) return fail("{} is not a list of textures: {}", where, kExportAgain);
   for (std::size_t i = 0; i < list.size(); ++i) {
-    // The extension's schema has High_Resolution where it is not said.
+    // If the type is missing, the extension's schema defines it as High_Resolution.
     const Json& given = member(list[i], "type");
     const std::string type = given.is_null() ? std::string(kHapticTypes[0]) : text_of(given);
     const auto found = std::find(kHapticTypes.begin(), kHapticTypes.end(), type);
@@ -79,10 +79,10 @@ Result<const Json*> choose_texture(const Json& list, const std::string& where) {
   return best;
 }
 
-// A sampler's wrap mode in one direction [5.26].
+// Whether the texture repeats in one direction, by the wrap mode of its sampler (glTF 2.0 [5.26]).
 Result<bool> repeats(const Json& sampler, const char* key, const std::string& where) {
   const Json& value = member(sampler, key);
-  constexpr int kRepeat = 10497, kMirroredRepeat = 33648, kClampToEdge = 33071;  // OpenGL's
+  constexpr int kRepeat = 10497, kMirroredRepeat = 33648, kClampToEdge = 33071;  // numbers of OpenGL
   if (value.is_null() || value == kRepeat) return true;
   if (value == kMirroredRepeat || value == kClampToEdge) return false;
   return fail("{}.{} is none of {}, {} and {}: {}", where, key, kRepeat, kClampToEdge, kMirroredRepeat, kExportAgain);
@@ -112,7 +112,7 @@ class HapticReader {
       const Json& list = member(json, property.name);
       if (list.is_null()) continue;
       const bool has_numbers = !member(numbers, property.numbers).is_null();
-      // Without numbers it may be anything.
+      // Without these numbers, a custom texture may mean anything.
       if (property.name == kCustom && !has_numbers) {
         if (!list.empty()) note_custom(where);
         continue;
@@ -172,7 +172,7 @@ class HapticReader {
     raw_.notes.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  // where: of the property's list of textures.
+  // where: JSON path of the property's list of textures.
   Result<HapticPlace> read_texture_of(const Json& item, const std::string& where, std::optional<std::size_t>& image) {
     const Json& info = member(item, "texture");
     const Json& textures = member(document_.root, "textures");
@@ -219,7 +219,7 @@ class HapticReader {
   const Document& document_;
   const std::filesystem::path& folder_;
   RawMesh& raw_;
-  std::map<std::string, std::size_t> numbers_;  // of the images: by file, or by their place in this one
+  std::map<std::string, std::size_t> numbers_;  // index of an image in maps.images, by its file or its JSON path
 };
 
 }  // namespace

@@ -8,7 +8,7 @@ constexpr double kMaxExactInteger = 9007199254740992.0;  // 2^53
 }  // namespace
 
 const Json& member(const Json& object, const char* key) {
-  static const auto& none = *new Json;  // without a destructor: StoppableCalls
+  static const auto& none = *new Json;  // never destroyed: a thread of StoppableCalls may use it while the program ends
   if (!object.is_object()) return none;
   const auto found = object.find(key);
   return found == object.end() ? none : *found;

@@ -13,13 +13,13 @@
 namespace hapton::gltf {
 namespace {
 
-// The images of base colour textures [3.9.2], each read once [3.8.3]; a note says why one is missing.
+// The images of base colour textures (glTF 2.0 [3.9.2]). Each image is read once [3.8.3]; a note says why one is missing.
 class TextureImages {
  public:
   TextureImages(const Document& document, const std::filesystem::path& folder, RawMesh& raw)
       : document_(document), folder_(folder), raw_(raw) {}
 
-  // Of RawMesh::appearance. Pre: the file has it.
+  // The image's index in RawMesh::appearance. None: it is missing. Pre: the file has an image with this index.
   std::optional<std::size_t> find(std::size_t index) {
     const auto [known, is_new] = known_.try_emplace(index);
     if (is_new) known->second = read(index);
@@ -55,7 +55,7 @@ class TextureImages {
   const Document& document_;
   const std::filesystem::path& folder_;
   RawMesh& raw_;
-  std::map<std::size_t, std::optional<std::size_t>> known_;  // by number in the file; none: it is missing
+  std::map<std::size_t, std::optional<std::size_t>> known_;  // by index in the file; none: the image is missing
 };
 
 std::optional<std::size_t> read_texture(const Document& document, const Json& info, const std::string& where, TextureImages& images,
@@ -74,7 +74,7 @@ std::optional<std::size_t> read_texture(const Document& document, const Json& in
   return images.find(*image);
 }
 
-// A sampler's wrapS or wrapT [5.26]; what is absent repeats.
+// Reads wrapS or wrapT of a sampler [5.26]. If it is missing, the texture repeats.
 TextureWrap read_wrap(const Json& sampler, const char* key, const std::string& where, RawMesh& raw) {
   const Json& value = member(sampler, key);
   if (value.is_null() || value == 10497) return TextureWrap::repeat;
@@ -84,7 +84,7 @@ TextureWrap read_wrap(const Json& sampler, const char* key, const std::string& w
   return TextureWrap::repeat;
 }
 
-// Of a texture that has an image.
+// Reads the two wrap modes of a texture that has an image.
 std::array<TextureWrap, 2> read_wraps(const Document& document, const Json& info, const std::string& where, RawMesh& raw) {
   const auto texture = index_of(member(info, "index"), member(document.root, "textures"), where);
   if (!texture) return {};
@@ -100,7 +100,7 @@ std::array<TextureWrap, 2> read_wraps(const Document& document, const Json& info
   return {read_wrap(samplers[*index], "wrapS", name, raw), read_wrap(samplers[*index], "wrapT", name, raw)};
 }
 
-// alphaMode and alphaCutoff [3.9.4].
+// Reads alphaMode and alphaCutoff [3.9.4].
 void read_alpha(const Json& json, const std::string& where, VisualMaterial& material, RawMesh& raw) {
   const Json& mode = member(json, "alphaMode");
   if (mode == "BLEND") material.alpha_mode = AlphaMode::blend;
@@ -111,7 +111,7 @@ void read_alpha(const Json& json, const std::string& where, VisualMaterial& mate
   const Json& cutoff = member(json, "alphaCutoff");
   if (cutoff.is_null()) return;
   if (cutoff.is_number() && std::isfinite(cutoff.get<double>()) && cutoff.get<double>() >= 0.0) {
-    // Beyond 2 it means the same, and 2 is safe in single precision.
+    // A cutoff above 2 has the same effect as 2, which is safe in single precision.
     material.alpha_cutoff = static_cast<float>(std::min(2.0, cutoff.get<double>()));
   } else {
     raw.notes.push_back(fmt::format("{}.alphaCutoff is not a number of 0 or more: 0.5 is used", where));
@@ -120,7 +120,7 @@ void read_alpha(const Json& json, const std::string& where, VisualMaterial& mate
 
 bool is_same(const TexturePlace& a, const TexturePlace& b) { return a.set == b.set && a.place.matrix() == b.place.matrix(); }
 
-// normalTexture [3.9.3]. place: of the material's texture coordinates, which all images for forces use.
+// Reads normalTexture [3.9.3]. place: that of the material's base colour texture; all images for forces use its texture coordinates.
 void read_normals(const Document& document, const Json& json, const std::string& where, TextureImages& images, const TexturePlace& place,
                   VisualMaterial& material, RawMesh& raw) {
   const Json& texture = member(json, "normalTexture");
@@ -142,7 +142,7 @@ void read_normals(const Document& document, const Json& json, const std::string&
   material.normals = read_texture(document, texture, where, images, raw);
 }
 
-// Two numbers, or those that stand for none.
+// The two numbers of `value`; `absent` if it is missing.
 Result<Eigen::Vector2d> pair_or(const Json& value, const Eigen::Vector2d& absent, const std::string& where) {
   if (value.is_null()) return absent;
   return numbers_of<2>(value, where).map([](const std::array<double, 2>& pair) { return Eigen::Vector2d(pair[0], pair[1]); });
@@ -150,7 +150,7 @@ Result<Eigen::Vector2d> pair_or(const Json& value, const Eigen::Vector2d& absent
 
 }  // namespace
 
-// offset T, rotation R counter-clockwise in the image, scale S: T R S, by the extension's own matrices.
+// The transform is T R S, as in the extension's own matrices: scale S, then rotation R counter-clockwise in the image, then offset T.
 Result<TexturePlace> read_texture_place(const Json& info, const std::string& where) {
   TexturePlace place;
   const auto set = count_or(member(info, "texCoord"), 0, where + ".texCoord");
@@ -219,7 +219,7 @@ void read_texcoords(const Document& document, const Json& json, const Primitive&
   }
 }
 
-// Three or four components; the fourth is alpha, which is linear.
+// Reads colours of three or four components. The fourth is alpha, which is linear and needs no conversion to sRGB.
 void read_colours(const Document& document, const Json& json, const Primitive& primitive, const std::string& where,
                   VertexAppearances& appearances) {
   if (!has_attribute(json, primitive, "COLOR_0")) return;

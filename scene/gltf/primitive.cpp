@@ -26,7 +26,7 @@ Error too_many(const std::string& where, std::size_t max_triangles) {
   return {fmt::format("{} has more than {} triangles: simplify it", where, max_triangles)};
 }
 
-// All targets may name one accessor, or none: the file's size bounds neither their number nor what they take.
+// All targets may use the same accessor, or none, so the size of the file does not bound how many displacements they have together.
 std::optional<Error> check_morphs(std::size_t targets, std::size_t vertices, const std::string& where, std::size_t max_triangles) {
   const std::size_t most = most_morph_displacements(max_triangles);
   if (vertices == 0 || targets <= most / vertices) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<Error> read_positions(const Accessor& accessor, Primitive& primiti
   return std::nullopt;
 }
 
-// Normals are welcome, not needed: where they cannot be read they are computed.
+// Normals are optional: if they cannot be read, they are computed later.
 void read_normals(const Document& document, const Json& index, const std::string& where, Primitive& primitive) {
   if (index.is_null()) return;
   const auto normals = read_accessor(document, index, where + ".attributes.NORMAL", "VEC3", 3);
@@ -52,7 +52,7 @@ void read_normals(const Document& document, const Json& index, const std::string
   for (std::size_t i = 0; i < normals->count; ++i) primitive.normals.push_back(vector_at(*normals, i));
 }
 
-// Of the positions alone. Who does not deform it misses nothing.
+// Reads displacements of positions only. If a target cannot be read, all are dropped: only an object that deforms needs them.
 void read_morphs(const Document& document, const Json& targets, const std::string& where, Primitive& primitive) {
   for (std::size_t t = 0; t < size_of_array(targets); ++t) {
     std::vector<Vec3>& displacements = primitive.morphs.emplace_back(primitive.positions.size(), Vec3::Zero());
@@ -69,7 +69,7 @@ void read_morphs(const Document& document, const Json& targets, const std::strin
   if (primitive.has_bad_morphs) primitive.morphs.clear();
 }
 
-// Targets that move vertices may turn their normals [3.7.2.2]. Pre: the morphs are read.
+// Morph targets may also change the normals (glTF 2.0 [3.7.2.2]). Pre: the morphs are read.
 void turn_normals(const Document& document, const Json& targets, std::span<const double> weights, const std::string& where,
                   Primitive& primitive) {
   for (std::size_t t = 0; t < std::min(weights.size(), size_of_array(targets)) && !primitive.normals.empty(); ++t) {
@@ -82,7 +82,7 @@ void turn_normals(const Document& document, const Json& targets, std::span<const
   }
 }
 
-// The shape at rest. Error: it is not finite.
+// Moves the positions to the shape at rest. Error: a position is not finite.
 std::optional<Error> deform(std::span<const double> weights, const std::string& where, Primitive& primitive) {
   for (std::size_t t = 0; t < std::min(weights.size(), primitive.morphs.size()); ++t) {
     if (weights[t] == 0.0) continue;
@@ -134,9 +134,9 @@ std::optional<Error> make_triangles(const std::vector<std::uint32_t>& corners, s
   return std::nullopt;
 }
 
-constexpr std::size_t kMaxUnfolded = 16;  // more than any material uses; each takes memory of its own
+constexpr std::size_t kMaxUnfolded = 16;  // more attributes than any material uses; each needs memory of its own
 
-// Texture coordinates and colours of a compressed primitive.
+// The names of the attributes of a compressed primitive to decompress: texture coordinates and colours.
 std::vector<std::string> unfoldable_attributes(const Json& draco) {
   std::vector<std::string> names;
   const Json& attributes = member(draco, "attributes");
@@ -148,7 +148,7 @@ std::vector<std::string> unfoldable_attributes(const Json& draco) {
   return names;
 }
 
-// Whether integers stand for fractions is said by the accessor that describes them [3.6.2.2].
+// The accessor that describes the attribute says whether its integers stand for fractions (key normalized, [3.6.2.2]).
 Accessor unfolded_accessor(const Document& document, const Json& json, const std::string& name, const std::string& where,
                            const DracoValues& values, std::size_t count) {
   Accessor result;
@@ -173,7 +173,7 @@ Result<std::uint32_t> draco_id_of(const Json& draco, const char* attribute, cons
   return static_cast<std::uint32_t>(*id);
 }
 
-// What an exporter put into integers it means as a fraction of their range, when it says so [3.6.2.2]. Draco keeps the integers.
+// If the exporter says so, integers stand for fractions of their range [3.6.2.2]. Draco itself keeps the integers.
 Result<std::optional<Primitive>> read_draco(const Document& document, const Json& json, const Json& draco, const std::string& where,
                                             std::size_t max_triangles) {
   const std::string name = where + ".extensions.KHR_draco_mesh_compression";
@@ -200,7 +200,7 @@ Result<std::optional<Primitive>> read_draco(const Document& document, const Json
     if (mesh->others[i].bytes.empty()) continue;
     primitive.unfolded->emplace(names[i], unfolded_accessor(document, json, names[i], name, mesh->others[i], mesh->positions.size()));
   }
-  // It unfolds to a list, whatever the mode.
+  // The decompressed data are a triangle list, whatever the mode of the primitive is.
   if (auto error = make_triangles(mesh->corners, kTriangleList, name, max_triangles, primitive)) return tl::unexpected(std::move(*error));
   const auto promised = accessor_count(document, member(json, "indices"), where + ".indices");
   const auto mode = count_or(member(json, "mode"), kTriangleList, where + ".mode");
@@ -239,7 +239,7 @@ Result<std::optional<Primitive>> read_primitive(const Document& document, const 
       draco.is_object() ? read_draco(document, json, draco, where, max_triangles) : read_plain(document, json, *mode, where, max_triangles);
   const Json& targets = member(json, "targets");
   if (!primitive || !*primitive || size_of_array(targets) == 0) return primitive;
-  // Draco orders the vertices anew.
+  // Draco changes the order of the vertices, so the displacements of the targets cannot be assigned to them.
   (*primitive)->has_bad_morphs = draco.is_object();
   if (draco.is_object()) return primitive;
   if (auto error = check_morphs(size_of_array(targets), (*primitive)->positions.size(), where, max_triangles)) {

@@ -16,7 +16,7 @@ std::uint32_t word_at(std::string_view bytes, std::size_t at) {
 
 }  // namespace
 
-// Header and chunks of section [4.4].
+// Reads the header and the chunks of a GLB file (glTF 2.0, section 4.4).
 Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles,
                          AppearanceReading appearance) {
   constexpr std::size_t kHeaderBytes = 12;

@@ -38,7 +38,7 @@ std::optional<Error> check_version(const Json& root) {
   return Error{fmt::format("is glTF version '{}', only 2.x can be read: export it as glTF 2.0", printable(version))};
 }
 
-// The nodes of the scene to show [3.5.1]; of a file without scenes, those that are no one's children.
+// The root nodes of the scene to show [3.5.1]. If the file has no scenes: all nodes that are not a child of another node.
 Result<std::vector<std::size_t>> root_nodes(const Json& root) {
   const Json& nodes = member(root, "nodes");
   const Json& scenes = member(root, "scenes");
@@ -71,10 +71,10 @@ Result<std::vector<std::size_t>> root_nodes(const Json& root) {
   return roots;
 }
 
-// Shown unless KHR_node_visibility says otherwise; what hangs under a hidden node is hidden with it.
+// A node is shown unless KHR_node_visibility hides it. All nodes below a hidden node are hidden too.
 bool is_hidden(const Json& node) { return member(extension_of(node, "KHR_node_visibility"), "visible") == false; }
 
-// Those that have an image of normals [3.9.3].
+// The number of materials that have a normal map [3.9.3].
 std::size_t count_normal_maps(const Json& materials) {
   std::size_t count = 0;
   for (std::size_t m = 0; m < size_of_array(materials); ++m) count += member(materials[m], "normalTexture").is_null() ? 0 : 1;
@@ -83,7 +83,7 @@ std::size_t count_normal_maps(const Json& materials) {
 
 class SceneReader {
  public:
-  // places: of the materials' textures; empty if the appearance is not wanted. haptic_places: of the haptic materials' textures.
+  // places: the texture place of each material; empty if the appearance is not wanted. haptic_places: the same for the haptic materials.
   SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_appearance,
               std::vector<HapticPlace> haptic_places, RawMesh& raw)
       : document_(document),
@@ -93,7 +93,7 @@ class SceneReader {
         haptic_places_(std::move(haptic_places)),
         raw_(raw) {}
 
-  // Depth first with its own stack, so that a deep chain of nodes cannot exhaust ours. Each node hangs in one place [3.5.2].
+  // Goes depth first, with a list instead of recursion: a deep chain of nodes could exhaust the stack. Each node has one parent [3.5.2].
   std::optional<Error> read(const std::vector<std::size_t>& roots) {
     const Json& nodes = member(document_.root, "nodes");
     std::vector<bool> visited(size_of_array(nodes), false);
@@ -142,7 +142,7 @@ class SceneReader {
  private:
   struct Pending {
     std::size_t node;
-    Eigen::Affine3d X_SP;  // parent in the scene
+    Eigen::Affine3d X_SP;  // pose of the parent in the scene
   };
 
   std::optional<Error> add_node(const Json& node, std::size_t index, const Eigen::Affine3d& X_SN) {
@@ -189,7 +189,7 @@ class SceneReader {
     return std::nullopt;
   }
 
-  // How the vertices of a primitive feel, as what is seen of them.
+  // How the vertices of a primitive feel, in the form in which their appearance is stored.
   Result<VertexAppearances> read_haptics(const Json& json, std::uint32_t material, const Primitive& primitive, const std::string& where) {
     const std::size_t vertices = primitive.positions.size();
     VertexAppearances haptics{.material = material, .has_colours = false, .vertices = std::vector<CornerAppearance>(vertices)};
@@ -200,14 +200,14 @@ class SceneReader {
     return haptics;
   }
 
-  // What is seen and felt of a primitive's vertices.
+  // How a primitive's vertices look and feel.
   struct Surface {
     const VertexAppearances& appearances;
     const VertexAppearances& haptics;
   };
 
-  // Any number of nodes and primitives may share what the file has once. Where they add triangles, these are counted; without any, all
-  // would be read again for each, for hours.
+  // Counts what is read. Any number of nodes and primitives may share data that the file contains once. If they add triangles, these are
+  // limited. But without triangles, the same data could be read again for each node, which would take hours.
   std::optional<Error> count_read(std::size_t items) {
     read_ += items;
     if (read_ <= kReadOfATriangle * max_triangles_) return std::nullopt;
@@ -238,7 +238,7 @@ class SceneReader {
     return add_morphs(primitive, first, X_SN);
   }
 
-  // All primitives of a mesh have as many targets [3.7.2.2]; what has fewer is not moved by the others.
+  // All primitives of a mesh have the same number of targets [3.7.2.2]. If one has fewer, the other targets do not move it.
   std::optional<Error> add_morphs(const Primitive& primitive, std::size_t first, const Eigen::Affine3d& X_SN) {
     if (primitive.morphs.empty()) return std::nullopt;
     MeshMorphs& morphs = raw_.morphs[raw_.parts.back().node];
@@ -262,8 +262,8 @@ class SceneReader {
     return std::nullopt;
   }
 
-  // A mirroring transform turns the winding round [3.7.4]. Normals go by the inverse transpose, which keeps them at right angles to the
-  // surface.
+  // A mirroring transform reverses the winding [3.7.4]. Normals are multiplied by the inverse transpose, which keeps them at right angles
+  // to the surface.
   void add_triangles(const Primitive& primitive, std::uint32_t first, const Eigen::Affine3d& X_SN, const Surface& surface) {
     const bool is_mirrored = X_SN.linear().determinant() < 0;
     const Eigen::Matrix3d turn = X_SN.linear().inverse().transpose();
@@ -283,7 +283,7 @@ class SceneReader {
     }
   }
 
-  // Of the last triangle.
+  // Adds the appearance of the last triangle.
   void add_appearance(const VertexAppearances& appearances, const Triangle& local, MeshAppearance& into) {
     if (appearances.vertices.empty()) return;
     const auto& seen = appearances.vertices;
@@ -291,7 +291,7 @@ class SceneReader {
     into.triangles.push_back({appearances.material, appearances.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
   }
 
-  // Three vertices, three displacements, and a morph target, a weight, an instance and a primitive.
+  // Items per permitted triangle: three vertices, three displacements, and a morph target, a weight, an instance and a primitive.
   static constexpr std::size_t kReadOfATriangle = 10;
 
   const Document& document_;
@@ -307,7 +307,7 @@ class SceneReader {
   std::size_t bad_morphs_ = 0;
   std::size_t odd_weights_ = 0;
   std::size_t displacements_ = 0;  // of the morph targets of all instances
-  std::size_t read_ = 0;           // of all nodes, see count_read
+  std::size_t read_ = 0;           // items read for all nodes, see count_read
 };
 
 }  // namespace
@@ -335,7 +335,7 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
   for (std::string& note : describe_undrawn_materials(*root)) raw.notes.push_back(std::move(note));
   for (std::string& note : describe_unsupported_extensions(*root)) raw.notes.push_back(std::move(note));
   raw.end_parts();
-  // An error here is a note only: a scene that plays no animation needs none.
+  // An error here becomes only a note, because a scene that plays no animation does not need them.
   if (const auto read = read_animations(document, raw); !read) {
     raw.notes.push_back(fmt::format("its animations cannot be read: {}", read.error().what));
   }

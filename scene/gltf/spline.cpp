@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kShareOfRange = 1.0 / 256.0;
 
-// One number between two keyframes, over a share from 0 to 1 of the time between them: tangents are of that time.
+// One number between two keyframes, as a function of the share s of the time between them, 0 to 1. The tangents are derivatives by s.
 struct Cubic {
   double from = 0.0;
   double leaving = 0.0;
@@ -33,7 +33,7 @@ Cubic cubic_of(const std::vector<double>& times, const std::vector<std::vector<d
   return {rows[3 * i + 1][k], span * rows[3 * i + 2][k], rows[3 * i + 4][k], span * rows[3 * i + 3][k]};
 }
 
-// Of all numbers, on the curve.
+// The largest range that one of the numbers covers on its curve.
 double find_range(const std::vector<double>& times, const std::vector<std::vector<double>>& rows) {
   double range = 0.0;
   for (std::size_t k = 0; k < rows[0].size(); ++k) {
@@ -52,7 +52,7 @@ double find_range(const std::vector<double>& times, const std::vector<std::vecto
   return range;
 }
 
-// A chord over 1/n of the share is off by at most an eighth of the second derivative over n^2.
+// A straight piece over 1/n of the share is off by at most an eighth of the second derivative, divided by n^2.
 int count_pieces(double most_bent, double tolerance) {
   if (!(most_bent > 0.0) || !(tolerance > 0.0)) return 1;
   return static_cast<int>(std::clamp(std::ceil(std::sqrt(most_bent / (8.0 * tolerance))), 1.0, static_cast<double>(kMaxPieces)));

@@ -5,7 +5,7 @@
 namespace hapton::gltf {
 namespace {
 
-// An attribute of the instances of a node; a missing attribute is the identity.
+// An attribute of the instances of a node (EXT_mesh_gpu_instancing). A missing attribute stands for the identity.
 struct InstanceAttribute {
   const char* name;
   std::string_view type;
