@@ -37,11 +37,11 @@ std::string without_colour_space(const std::string& bytes) {
   return kept;
 }
 
-// Removes alpha, so that red, green and blue remain.
-void drop_alpha(std::vector<std::uint8_t>& values) {
+// Removes alpha, the last of the channels of each texel.
+void drop_alpha(std::vector<std::uint8_t>& values, std::size_t channels) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i % 4 != 3) values[kept++] = values[i];
+    if (i % channels != channels - 1) values[kept++] = values[i];
   }
   values.resize(kept);
 }
@@ -57,13 +57,13 @@ Result<ImageTexels> decode_png(const std::string& bytes, TexelKind kind) {
   }
   // Without this, libpng takes 16-bit values for linear light if the file does not say what they are, and makes them brighter.
   png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
-  // RGBA instead of RGB: if the output had no alpha, libpng would multiply the colours by it.
-  png.format = kind == TexelKind::grey ? PNG_FORMAT_GRAY : PNG_FORMAT_RGBA;
+  // With alpha in the output: without it, libpng would multiply grey values and colours by it.
+  png.format = kind == TexelKind::grey ? PNG_FORMAT_GA : PNG_FORMAT_RGBA;
   ImageTexels texels{static_cast<int>(png.width), static_cast<int>(png.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
   const bool is_read = png_image_finish_read(&png, nullptr, texels.values.data(), 0, nullptr) != 0;
   png_image_free(&png);
   if (!is_read) return tl::unexpected(broken_image());
-  if (kind == TexelKind::numbers) drop_alpha(texels.values);
+  drop_alpha(texels.values, kind == TexelKind::grey ? 2 : 4);
   return texels;
 }
 

@@ -25,13 +25,21 @@ TEST(GreyImage, ReadsGreyPngAsItIs) {
 }
 
 // Where a file does not say what its values are, libpng takes those of 16 bits for linear light.
-TEST(GreyImage, TakesTheUpperEightOfSixteenBits) {
+TEST(GreyImage, RoundsSixteenBitsToEight) {
   const auto image = decode_grey_image(picture::grey_16_png_of(4, 1, {0x00, 0x00, 0x40, 0x40, 0x80, 0x80, 0xFF, 0xFF}));
   ASSERT_TRUE(image) << image.error().what;
   EXPECT_FLOAT_EQ(image->texels()[0], 0.0F);
   EXPECT_FLOAT_EQ(image->texels()[1], 64.0F / 255.0F);
   EXPECT_FLOAT_EQ(image->texels()[2], 128.0F / 255.0F);
   EXPECT_FLOAT_EQ(image->texels()[3], 1.0F);
+}
+
+TEST(GreyImage, IgnoresAlpha) {
+  const auto grey = decode_grey_image(picture::png_of(3, 1, {255, 255, 255, 128, 255, 0}, PNG_FORMAT_GA));
+  const auto colour = decode_grey_image(picture::png_of(2, 1, {255, 255, 255, 255, 255, 255, 255, 10}, PNG_FORMAT_RGBA));
+  ASSERT_TRUE(grey && colour);
+  for (const float value : grey->texels()) EXPECT_FLOAT_EQ(value, 1.0F);
+  for (const float value : colour->texels()) EXPECT_FLOAT_EQ(value, 1.0F);
 }
 
 TEST(GreyImage, ReadsColoursAsTheirLuminance) {
