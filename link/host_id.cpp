@@ -11,14 +11,14 @@
 namespace hapton {
 namespace {
 
-// FNV-1a: never sent unkeyed (see handshake.cpp), so it need not hide anything.
+// FNV-1a. The result is sent only after it was hashed with a key (handshake.cpp), so this hash need not hide its text.
 std::uint64_t hash(const std::string& text) {
   std::uint64_t value = 0xCBF29CE484222325U;
   for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
   return value;
 }
 
-// "time:[4026531834]"; empty before Linux 5.6.
+// For example "time:[4026531834]"; empty before Linux 5.6.
 std::string time_namespace() {
   std::array<char, 64> name = {};
   const ssize_t size = readlink("/proc/self/ns/time", name.data(), name.size());

@@ -120,7 +120,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
     return;
   }
   const bool was_joined = state() == JoinState::joined && header.session == session_;
-  if (was_joined && !welcome.accepted && header.send_time_ns < accepted_at_ns_) return;  // overtaken by one that accepts this node
+  if (was_joined && !welcome.accepted && header.send_time_ns < accepted_at_ns_) return;  // sent before the welcome that accepted this node
   if (header.session != session_) {
     retired_session_ = session_ != 0 ? session_ : retired_session_;
     session_ = header.session;

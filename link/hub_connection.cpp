@@ -9,7 +9,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kJoinTurnNs = 20 * kNanosecondsPerMillisecond;  // between two checks of the state
-// Longer than the place of a haptics node that has just died stays taken (HubPeers::kHapticsTimeoutNs).
+// Longer than the hub keeps the place of a haptics node that has just died (HubPeers::kHapticsTimeoutNs).
 constexpr std::int64_t kRejectedNs = 200 * kNanosecondsPerMillisecond;
 
 KeyRole key_role_of(NodeRole role) {

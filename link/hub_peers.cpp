@@ -162,8 +162,8 @@ PeerEvent HubPeers::reject(const Address& to, NodeRole role, std::int64_t now_ns
 }
 
 PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
-  // For a peer that was dropped and returns, our sequence numbers continue: lower ones would count as old. Another one may have taken its
-  // place meanwhile, so no peer begins below what any that was here has got.
+  // If a peer was dropped and returns, the hub's sequence numbers continue: the peer would treat lower ones as old. Another peer may have
+  // taken its place meanwhile, so no peer's numbers begin below the highest number that any replaced peer has got.
   const auto known = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.sender == header.sender; });
   Peer& peer = peers_[place];
   const std::uint64_t sent = std::max({known != peers_.end() ? known->sent : 0, sent_to_replaced_, peer.sent});
@@ -205,7 +205,7 @@ std::size_t HubPeers::find(std::uint64_t sender) const noexcept {
 std::size_t HubPeers::find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept {
   if (role == NodeRole::haptics) {
     const Peer& holder = peers_[kHapticsSlot];
-    // Two living processes cannot share an address: one that comes from the holder's is its successor.
+    // Two running processes cannot share an address: a haptics node at the holder's address is its successor.
     const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_received_ns > haptics_timeout_ns_;
     return is_free ? kHapticsSlot : kNowhere;
   }

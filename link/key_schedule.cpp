@@ -15,7 +15,7 @@ constexpr std::string_view kHandshakeLabel = "hapton handshake";
 constexpr std::string_view kPskLabel = "hapton psk";
 
 static_assert(std::tuple_size_v<Secret> == crypto_aead_aes256gcm_KEYBYTES);
-static_assert(kProtocolVersion < 128);  // one byte, as here as at the start of a datagram
+static_assert(kProtocolVersion < 128);  // the version takes one byte here and at the start of a datagram
 
 class Hash {
  public:

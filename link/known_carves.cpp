@@ -17,7 +17,7 @@ KnownCarves::News KnownCarves::take(const Carves& carves, Arrival arrival) noexc
   if (carves.count == 0) return news;
   const std::uint32_t last = carves.first + (carves.count - 1);
   if (last <= complete_) return news;
-  // Of those here the first ones may be known.
+  // The first carves of this message may be known already.
   const std::uint32_t known = complete_ >= carves.first ? complete_ - carves.first + 1 : 0;
   news.carves = std::span(carves.carves).subspan(known, carves.count - known);
   news.first = carves.first + known;

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Another haptics process may have another scene, too.
+// Forgets everything at the first move of another haptics process, because that process may have another scene.
 void KnownMoves::take(const ObjectMove& move, Arrival arrival) {
   const MoveSource::Verdict verdict = source_.note(move, arrival);
   if (verdict == MoveSource::Verdict::old) return;
@@ -25,7 +25,7 @@ void KnownMoves::note_name(std::string_view name, std::int32_t object) {
   if (names_.size() < kMaxObjects || names_.contains(object)) names_.insert_or_assign(object, std::string(name));
 }
 
-// Where the object was before its first known move is not known: it stands where that one began, from before the beginning of scene time.
+// Where the object was before its first known move is unknown: it counts as at rest at that move's start since before scene time 0.
 CommandedMotion KnownMoves::begin_motion(const ObjectMove& first) {
   const CommandedMove move = to_command(first);
   CommandedMotion motion(move.from.p_S);

@@ -73,7 +73,7 @@ std::optional<KnownShapes::Place> KnownShapes::find(std::size_t object, std::int
   const Object* const found = find_object(object);
   if (found == nullptr) return std::nullopt;
   const Object& own = *found;
-  if (own.starts.empty()) return Place();  // none has been announced: at rest
+  if (own.starts.empty()) return Place();  // no shape has been announced: the object is at rest
   const ShapeStart* start = &own.starts.front();
   for (const ShapeStart& one : own.starts) {
     if (one.start_ns < scene_time_ns) start = &one;
@@ -147,7 +147,7 @@ std::optional<ShapeStatus> KnownShapes::take_request(std::int64_t now_ns) {
   return std::nullopt;
 }
 
-// Runs of parts that are missing; the last one that there is room for goes to the end.
+// Requests each run of missing parts; the last run for which there is room extends to the end of the shape.
 void KnownShapes::request_runs(std::size_t object, const ShapeStart& start, const ShapeParts* parts, std::vector<ShapeStatus>& into) const {
   const std::uint32_t all = ShapePart::count_parts(start.total);
   const auto is_missing = [&](std::uint32_t part) { return parts == nullptr || !parts->has(part); };

@@ -34,7 +34,7 @@ class Descriptor {
   int number_;
 };
 
-// How systemd hands a credential to a service that is not root: root's own, with an access list that shows as the group's right to read.
+// How systemd gives a credential to a service that is not root: root owns the file, and its access list shows as group read permission.
 bool is_systemd_credential(const struct stat& found) {
   return found.st_uid == 0 && found.st_gid == 0 && (found.st_mode & 07777) == (S_IRUSR | S_IRGRP);
 }
@@ -57,7 +57,7 @@ struct KeyFile {
   KeyFile(const KeyFile&) = default;
   KeyFile& operator=(const KeyFile&) = default;
 
-  // None: no label of ours.
+  // None: the label is not one of Hapton's.
   std::optional<KeyRole> role() const {
     for (std::uint8_t byte = static_cast<std::uint8_t>(KeyRole::master); byte <= kLastKeyRole; ++byte) {
       if (label == KeyFile(static_cast<KeyRole>(byte), {}).label) return static_cast<KeyRole>(byte);
@@ -67,7 +67,7 @@ struct KeyFile {
 };
 static_assert(sizeof(KeyFile) == kKeyFileBytes);
 
-// Whoever may change a folder on the path to a file can replace the file; in a folder with the sticky bit (/tmp) only its owner can.
+// Anyone who may write to a folder on a file's path can replace the file; in a folder with the sticky bit (/tmp) only the file's owner can.
 Result<void> check_folders_above(const std::filesystem::path& path, const std::filesystem::path& named) {
   for (std::filesystem::path folder = path.parent_path(); !folder.empty(); folder = folder.parent_path()) {
     struct stat found = {};
@@ -84,7 +84,7 @@ Result<void> check_folders_above(const std::filesystem::path& path, const std::f
 Result<void> check_folders(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::path named = std::filesystem::absolute(path, error);
-  if (error) return {};  // then the file cannot be opened either, and that says more
+  if (error) return {};  // the file cannot be opened then, and that error says more
   if (const auto good = check_folders_above(named, path); !good) return good;
   const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
   return error ? Result<void>() : check_folders_above(real, path);
@@ -115,13 +115,13 @@ Result<void> check(const std::filesystem::path& path, const struct stat& found) 
   return check_size(path, found.st_size);
 }
 
-// 0, or the errno of what failed; then there is no such file afterwards, unless it was there before.
+// Returns 0, or the errno of what failed; after a failure the file does not exist, unless it existed before.
 int write_new_file(const std::filesystem::path& path, const KeyFile& key) {
   const Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode));
   if (file.number() < 0) return errno;
   const ssize_t written = write(file.number(), &key, sizeof key);
   int error = written == static_cast<ssize_t>(sizeof key) ? 0 : written < 0 ? errno : ENOSPC;
-  // Whatever the umask is.
+  // Sets the mode whatever the umask is.
   if (error == 0 && (fchmod(file.number(), kMode) != 0 || fsync(file.number()) != 0)) error = errno;
   if (error != 0) unlink(path.c_str());
   return error;
@@ -238,8 +238,8 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
     const bool is_new = std::filesystem::create_directories(folder, error);
     if (is_new) std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
     if (error) return fail_to_share(path, error.value());
-    // Written to a temporary file and then linked to its name, which succeeds only once: nobody reads half a key, and all read the same
-    // one.
+    // Writes a temporary file and then links it to the final name, which succeeds only once: no process reads half a key, and all
+    // processes read the same key.
     const std::filesystem::path beside =
         folder / fmt::format("master.{}.{:016x}", getpid(), (std::uint64_t{randombytes_random()} << 32) | randombytes_random());
     if (const int failure = write_new_file(beside, make_master()); failure != 0) return fail_to_share(beside, failure);

@@ -4,7 +4,7 @@
 #include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
-// The messages that change materials to and from their form in proto/hapton.proto.
+// Converts the messages that change materials to and from their form in proto/hapton.proto.
 namespace hapton {
 namespace {
 

@@ -16,7 +16,7 @@ Key key_of(const Address& address) { return {address.ip, address.port}; }
 
 struct InFlight {
   std::int64_t arrives_ns = 0;
-  std::uint64_t order = 0;  // breaks ties: first sent, first there
+  std::uint64_t order = 0;  // breaks ties: the datagram sent first arrives first
   Address from;
   std::vector<std::byte> bytes;
 };

@@ -30,10 +30,10 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr auto kPatience = std::chrono::seconds(2);            // for a client to send its request and to read
-constexpr std::size_t kMaxClients = 16;                        // one or two ask; for one more the oldest is closed
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // where the process has no descriptor left
-constexpr std::size_t kMaxRequestBytes = 8192;                 // a scraper sends some hundred
+constexpr auto kPatience = std::chrono::seconds(2);            // for a client to send its request, and to read the reply
+constexpr std::size_t kMaxClients = 16;                        // usually one or two ask; a further one closes the oldest
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // if the process has no descriptor left
+constexpr std::size_t kMaxRequestBytes = 8192;                 // a scraper sends a few hundred
 
 // A browser that was directed here by another name (DNS rebinding) sends that name as Host. A client without Host is not a browser.
 bool is_host_ours(std::string_view host) {
@@ -152,7 +152,7 @@ struct MetricsEndpoint::State {
     }
   }
 
-  // In the context's thread: a text has come.
+  // Runs in the context's thread after a new text was set.
   void reply_to_waiting() {
     for (const std::weak_ptr<Client>& one : order)
       if (const auto client = one.lock()) client->reply_if_waiting();
@@ -163,7 +163,7 @@ struct MetricsEndpoint::State {
     return served;
   }
 
-  std::deque<std::weak_ptr<Client>> order;  // as they came
+  std::deque<std::weak_ptr<Client>> order;  // oldest first
   std::atomic<bool> is_requested{false};
   std::mutex mutex;
   std::string served;

@@ -2,7 +2,7 @@
 #include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
-// The messages that move objects to and from their form in proto/hapton.proto.
+// Converts the messages that move objects to and from their form in proto/hapton.proto.
 namespace hapton {
 
 void write(const MoveRequest& from, wire::MoveRequest& to) {

@@ -13,7 +13,7 @@ static_assert(kKeyBytes == crypto_scalarmult_BYTES && kKeyBytes == crypto_scalar
 
 using Nonce = std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES>;
 
-// Section 12.4 of the Noise specification, as all sections below: 32 bits of zeros, then n, big-endian.
+// 32 bits of zeros, then n, big-endian: section 12.4 of the Noise specification, as are all sections named below.
 Nonce nonce_of(std::uint64_t n) noexcept {
   Nonce nonce = {};
   for (std::size_t i = 0; i < 8; ++i) nonce[nonce.size() - 1 - i] = static_cast<std::uint8_t>(n >> (8 * i));
@@ -29,7 +29,7 @@ void hmac(const Key& key, std::span<const std::uint8_t> text, std::uint8_t last,
   sodium_memzero(&state, sizeof state);
 }
 
-// Section 4.3. out3 may be null; out1 may be the chaining key.
+// The function HKDF of section 4.3. out3 may be null; out1 may be the chaining key.
 void hkdf(const Key& chaining_key, std::span<const std::uint8_t> input, Key& out1, Key& out2, Key* out3) noexcept {
   Key temp;
   hmac(chaining_key, input, 0, false, temp);
@@ -121,7 +121,7 @@ bool HandshakeState::mix_shared_secret() noexcept {
   const bool is_good = crypto_scalarmult(shared.data(), own_secret_.data(), their_public_.data()) == 0;
   if (is_good) mix_key(shared);
   sodium_memzero(shared.data(), shared.size());
-  sodium_memzero(own_secret_.data(), own_secret_.size());  // not needed any more
+  sodium_memzero(own_secret_.data(), own_secret_.size());  // no longer needed
   return is_good;
 }
 

@@ -10,13 +10,13 @@
 #include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
-// The messages of touch across a slow network to and from their form in proto/hapton.proto.
+// Converts the messages for touch across a slow network to and from their form in proto/hapton.proto.
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kDeforms = 4;  // in PatchBody.motion: it deforms as well
+constexpr std::uint32_t kDeforms = 4;  // bit of PatchBody.motion: the body also deforms
 
-// Its size in records of that many bytes; none when it is not whole, is empty or has too many.
+// The number of records of `each` bytes; 0 if the bytes are not a whole number of records, or are more than `most` records.
 std::size_t count_records(const std::string& bytes, std::size_t each, std::size_t most) {
   return bytes.size() % each == 0 && bytes.size() / each <= most ? bytes.size() / each : 0;
 }
@@ -33,7 +33,7 @@ bool read_bounds(const Field& field, PatchBody& to) {
   return true;
 }
 
-// Some of a motion's keyframes: each later than the one before. Another motion has none.
+// Reads some of a motion's keyframes: each must be later than the one before. Without motion by keyframes there must be none.
 template <class Field>
 bool read_keys(const Field& field, PatchBody& to) {
   constexpr int kNumbers = 8;
@@ -55,7 +55,7 @@ bool read_keys(const Field& field, PatchBody& to) {
   return true;
 }
 
-// Some of a deformation's weights over time: each key later than the one before.
+// Reads some of a deformation's weights over time: each key must be later than the one before.
 bool read_weights(const wire::PatchDeformation& from, PatchDeformation& to) {
   const std::size_t each = PatchDeformation::numbers_of_key(to.target_count);
   const auto count = static_cast<std::size_t>(from.keys().size());
@@ -72,7 +72,7 @@ bool read_weights(const wire::PatchDeformation& from, PatchDeformation& to) {
   return true;
 }
 
-// Of a tile and of a material: the same fields by the same rules.
+// For PatchTile and PatchMaterial, which have the same fields with the same rules.
 template <class Message, class Wire>
 void write_material(const Message& from, Wire& to) {
   to.set_object(from.object);

@@ -63,7 +63,7 @@ void write(const DeviceState& from, wire::DeviceState& to) {
   if (from.scene_time_ns >= 0) to.set_scene_time_ns(from.scene_time_ns);
 }
 
-// What is cleared keeps its memory.
+// Cleared fields keep their memory for the next message.
 template <class Wire>
 void write_push(const std::optional<ObjectPush>& push, Wire& to) {
   to.clear_push_force_n();

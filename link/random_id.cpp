@@ -9,8 +9,8 @@ namespace hapton {
 
 std::uint64_t make_random_id() {
   std::uint64_t id = 0;
-  // Up to 256 bytes are returned completely or not at all; without them (a kernel before 3.17) process and time still distinguish two
-  // starts.
+  // getrandom returns up to 256 bytes completely or not at all. Without them (a kernel before 3.17), the process number and the time still
+  // distinguish two starts.
   if (getrandom(&id, sizeof id, 0) != static_cast<ssize_t>(sizeof id)) {
     timespec now = {};
     clock_gettime(CLOCK_REALTIME, &now);

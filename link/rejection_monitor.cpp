@@ -35,7 +35,7 @@ std::optional<Flood> RejectionMonitor::take(std::int64_t now_ns) noexcept {
   std::optional<Flood> flood;
   std::uint64_t noted = 0;
   for (const Seen& seen : seen_) noted += seen.count;
-  // Each noted rejection represents this many.
+  // Each noted rejection stands for this many, counting those that the kernel filtered.
   const double weight = noted == 0 ? 0.0 : static_cast<double>(noted + filtered_) / static_cast<double>(noted);
   for (std::size_t n = 0; n < kRejections; ++n) {
     const auto rejection = static_cast<Rejection>(n);

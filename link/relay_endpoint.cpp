@@ -23,7 +23,7 @@ using asio::ip::udp;
 using boost::system::error_code;
 
 constexpr int kBufferBytes = 1 << 20;
-// So that the two directions draw different numbers from one seed: 2^64 over the golden ratio.
+// Makes the two directions draw different random numbers from one seed. The number is 2^64 divided by the golden ratio.
 constexpr std::uint64_t kOtherDirection = 0x9E3779B97F4A7C15ULL;
 
 enum class Direction : std::uint8_t { to_hub, to_nodes };
@@ -97,7 +97,7 @@ error_code RelayEndpoint::State::open(const udp::endpoint& at) {
   error_code error;
   socket.open(at.protocol(), error);
   if (error) return error;
-  // A smaller buffer costs only losses under a flood.
+  // With a smaller buffer only more datagrams of a flood are lost.
   socket.set_option(asio::socket_base::receive_buffer_size(kBufferBytes), error);
   socket.bind(at, error);
   if (error) return error;
@@ -110,7 +110,7 @@ error_code RelayEndpoint::State::open(const udp::endpoint& at) {
 void RelayEndpoint::State::listen() {
   socket.async_receive_from(asio::buffer(buffer), from, [this](const error_code& error, std::size_t bytes) {
     if (error == asio::error::operation_aborted) return;
-    // Other errors mean that a node is gone: nothing to forward, no reason to end.
+    // Other errors mean that a node is gone: there is nothing to forward, and the relay continues.
     if (!error) {
       const std::int64_t now_ns = clock.now_ns();
       ++to_hub.received;
@@ -254,7 +254,7 @@ void RelayEndpoint::State::set_timer() {
   if (wanted_ns == 0) return;
   timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wanted_ns)));
   timer.async_wait([this](const error_code& error) {
-    if (error) return;  // set again meanwhile
+    if (error) return;  // the timer was set again meanwhile
     timer_ns = 0;
     deliver_due();
   });

@@ -33,7 +33,7 @@ struct Varint {
 };
 constexpr Varint tag_of(std::uint32_t field, WireType type) { return Varint(field << 3 | static_cast<std::uint32_t>(type)); }
 
-// The three below visit the same layout: its size, its bytes from a message, a message from its bytes.
+// The three classes below visit the same layout: they compute its size, write a message, and read a message.
 
 class FixedSize {
  public:
@@ -53,7 +53,7 @@ class FixedSize {
   std::size_t size_ = 0;
 };
 
-// Pre: there is room.
+// Pre: there is room for the whole layout at `at`.
 class FixedWriter {
  public:
   static constexpr bool kReads = false;
@@ -90,7 +90,7 @@ class FixedWriter {
   std::byte* at_;
 };
 
-// Reads nothing any more after the first byte that is not as expected.
+// Reads nothing more after the first byte that is not as expected.
 class FixedReader {
  public:
   static constexpr bool kReads = true;
@@ -293,12 +293,12 @@ std::size_t encode_as(std::uint32_t field, const Header& header, const Message& 
   return size;
 }
 
-// Pre: the reader is behind the header.
+// Pre: the reader has read the header.
 template <class Message>
 bool decode_as(std::uint32_t field, FixedReader& reader, const Header& header, Datagram& datagram) {
   reader.expect(tag_of(field, WireType::length_delimited));
   if (!reader.is_good() || reader.left() < 2) return false;
-  // The length is that of all that follows.
+  // The length must be that of all bytes after it.
   const std::size_t left = reader.left();
   reader.expect(Varint(left - (left - 1 < 0x80 ? 1 : 2)));
   Message message;

@@ -9,7 +9,7 @@ namespace {
 
 using namespace seal;
 
-// As Noise has it for AES-256-GCM: 32 bits of zeros, then the counter, big-endian.
+// The nonce that Noise specifies for AES-256-GCM: 32 bits of zeros, then the counter, big-endian.
 std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES> nonce_of(std::uint64_t counter) {
   std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES> nonce = {};
   store(__builtin_bswap64(counter), nonce.data() + 4);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
+// Rejected datagrams that one call skips after its deadline, so that a flood of them cannot hold up the caller.
 constexpr int kMaxRejectedPerPoll = 64;
 // While the worker thread is at work the wait is cut into pieces of this length.
 constexpr std::int64_t kWorkerPollNs = kNanosecondsPerMillisecond / 2;
@@ -59,7 +59,7 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
     if (bytes != 0) return {.bytes = bytes, .from = received.from};
     ++rejected;
   }
-  // In a flood there is always something to receive.
+  // In a flood there is always something to receive, so the loop does not get to its own check.
   request_if_silent(clock_.now_ns());
   return {};
 }
@@ -86,11 +86,11 @@ void SealedClient::request_if_due(std::int64_t now_ns) noexcept {
   request(now_ns);
 }
 
-// Only when nothing waits to be received, or after much that was rejected: to a node that was busy for long, the hub only seems silent.
+// Called only if nothing waits to be received, or after many rejections: to a node that was busy for long, the hub only seems silent.
 void SealedClient::request_if_silent(std::int64_t now_ns) noexcept {
   if (!is_hub_silent(now_ns)) return;
   if (!handshake_.is_pending()) return begin(now_ns);
-  // A rekeying interrupted by a timeout continues at the rate of a search.
+  // A rekeying that a timeout interrupts continues at the request rate of a search for the hub.
   next_request_ns_ = std::min(next_request_ns_, now_ns + kRequestPeriodNs);
 }
 
@@ -125,7 +125,7 @@ void SealedClient::take_finished() noexcept {
 void SealedClient::change_over() noexcept {
   ++counts_.handshakes;
   previous_ = std::move(channel_);
-  previous_ends_ns_ = 0;  // set when the hub has changed over, too
+  previous_ends_ns_ = 0;  // set when the hub uses the new channel, too
   channel_ = handshake_.take_channel();
   last_received_ns_ = clock_.now_ns();
   timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.replied_request_ns(), 0, kMaxTripNs);

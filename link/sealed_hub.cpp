@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
+// Rejected datagrams that one call skips after its deadline, so that a flood of them cannot hold up the caller.
 constexpr int kMaxRejectedPerPoll = 64;
 
 Rejection rejection_of(OpenStatus status) noexcept {
@@ -85,7 +85,7 @@ void SealedHub::reject(Rejection rejection, const Address& from) noexcept {
   watch_.note(rejection, from);
 }
 
-// The worst of the datagrams that the socket rejected or dropped.
+// The worst flood of rejected datagrams, counting those that the socket rejected or filtered.
 std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
   const SocketCounts socket = endpoint_.socket_counts();
   const std::uint64_t oversized = socket.oversized - oversized_noted_;
@@ -163,7 +163,7 @@ void SealedHub::promote(Session& session) noexcept {
       other.state = State::retiring;
       other.ends_ns = session.last_received_ns + kOverlapNs;
     } else {
-      other = Session();  // of those that were replaced, one at most is still received in
+      other = Session();  // only the session just replaced still receives for a while
     }
   }
   session.state = State::live;
@@ -246,7 +246,7 @@ std::span<SealedHub::Session> SealedHub::places_of(KeyRole role, std::array<Sess
   return std::span(sessions).subspan(std::accumulate(kRolePlaces.begin(), before, std::size_t{0}), *before);
 }
 
-// A free slot, otherwise that of the oldest candidate if there are many, otherwise of a peer silent for long; null if there is none.
+// With many candidates the oldest one's slot; otherwise a free one, that of a peer silent for long, or the oldest candidate's; else null.
 SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_t now_ns) noexcept {
   Session* free_place = nullptr;
   Session* oldest_candidate = nullptr;
@@ -271,8 +271,8 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
   return quietest != nullptr ? quietest : oldest_candidate;
 }
 
-// Its last reply may still be under way. Where the places for candidates are all taken, one that has a reply waits for that, so that
-// far nodes do not displace each other's; candidates older than any round trip do not count.
+// The last reply to this address may still be under way. If all places for candidates are taken, an address that has a candidate gets no
+// further one, so that far nodes do not displace each other's candidates; candidates older than any round trip do not count.
 bool SealedHub::had_reply_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept {
   std::int64_t wait_ns = 0;
   std::int64_t newest_ns = 0;
@@ -289,7 +289,7 @@ bool SealedHub::had_reply_lately(const Address& address, KeyRole role, std::int6
   return wait_ns != 0 && (now_ns - newest_ns < wait_ns || young >= most_candidates(places));
 }
 
-// An address belongs to one program. The holder of another role's key who can forge that address must not end its session.
+// An address belongs to one program. A holder of another role's key who can forge that address must not end that program's session.
 bool SealedHub::is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept {
   return std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
     return session.state == State::live && session.address == address && session.role != role &&

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// The enumerations of the file are ours.
+// The file's enumerations have the same values as those of the code.
 static_assert(static_cast<int>(session::FAULT_ENERGY) == static_cast<int>(SessionFault::energy) &&
               session::Fault_MAX == session::FAULT_ENERGY);
 static_assert(static_cast<int>(session::MISS_CAUSE_MACHINE_STALLED) == static_cast<int>(MissCause::machine_stalled) &&
@@ -21,7 +21,7 @@ static_assert(static_cast<int>(session::MISS_CAUSE_MACHINE_STALLED) == static_ca
 
 constexpr std::size_t kCheckBytes = 5;  // one of tag, four of value
 constexpr char kCheckTag = 0x7D;        // field 15, fixed32
-// No message of ours comes near it; a length above it is damage.
+// No message of Hapton comes near this size; a greater length is damage.
 constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 
 std::uint32_t check_of(std::string_view bytes) {

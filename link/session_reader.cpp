@@ -10,7 +10,7 @@ constexpr std::size_t kRefillBytes = 1 << 20;  // 1 MiB at a time
 
 }  // namespace
 
-// Moves unread bytes to the front and reads more; false if there was nothing more, or nothing that could be read.
+// Moves unread bytes to the front and reads more; false at the end of the file, or if nothing could be read.
 bool SessionReader::refill() {
   buffer_.erase(0, begin_);
   buffer_offset_ += begin_;
@@ -18,7 +18,7 @@ bool SessionReader::refill() {
   const std::size_t before = buffer_.size();
   buffer_.resize(before + kRefillBytes);
   file_->read(buffer_.data() + before, kRefillBytes);
-  // Where a disk fails, or a share on the network, the file goes on.
+  // If a disk or a network share fails, this is not the end of the file: it is reported.
   if (file_->bad()) {
     problem_ = fmt::format("{}: cannot be read after {} entries, at byte {}: {}", path_.string(), entries_, buffer_offset_ + before,
                            std::strerror(errno));

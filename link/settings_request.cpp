@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;   // choices, this and kTunePatienceNs: what a person waits for
+constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;   // chosen, as kTunePatienceNs: as long as a person would wait
 constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node sends its setup once a second
 constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
 constexpr std::int64_t kTunePatienceNs = 5 * kNanosecondsPerSecond;
@@ -18,7 +18,7 @@ constexpr std::int64_t kRepeatSettingNs = kNanosecondsPerSecond / 2;  // a datag
 
 std::uint32_t make_request_number() { return static_cast<std::uint32_t>(make_random_id()) | 1U; }
 
-// What is sent and received meanwhile.
+// Sends requests, keeps the replies, and waits until they confirm the change.
 class SettingsTalk {
  public:
   SettingsTalk(HubClient& client, const Clock& clock) : client_(client), clock_(clock) {}
@@ -63,13 +63,13 @@ class SettingsTalk {
   std::optional<MaterialState> materials_;
 };
 
-// The hub's welcomes name the rate that it has.
+// Each welcome of the hub names its present servo rate.
 bool SettingsTalk::confirm_rate(double rate_hz) {
   const auto holds = [&] { return rate_hz == 0.0 || std::abs(client_.servo_rate_hz() - rate_hz) <= 1e-3 * rate_hz; };
   return repeat_until(kReplyPatienceNs, Settings{.servo_rate_hz = rate_hz}, holds);
 }
 
-// The haptics node's reply to the method request.
+// Waits for the haptics node's reply to the request for a method.
 Result<std::string> SettingsTalk::confirm_method(const Settings& settings) {
   const char* const method = settings.method.data();
   if (!wait_until(kSetupPatienceNs, [&] { return setup_.has_value(); })) {

@@ -9,7 +9,7 @@
 #include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
-// The messages about objects that programs deform to and from their form in proto/hapton.proto.
+// Converts the messages about objects that programs deform to and from their form in proto/hapton.proto.
 namespace hapton {
 namespace {
 
@@ -33,7 +33,7 @@ bool read_part(const Message& from, ShapePart& to) {
   const std::string& bytes = from.displacements();
   if (bytes.size() != to.count() * kBytesOfOne) return false;
   std::memcpy(to.displacements_m.data(), bytes.data(), bytes.size());
-  // False for NaN as well.
+  // Also false for NaN.
   const auto is_length = [](float x) { return std::abs(x) <= static_cast<float>(kMaxWireMagnitude); };
   return std::all_of(to.displacements_m.begin(), to.displacements_m.end(),
                      [&](const ShapePart::Displacement& one) { return std::all_of(one.begin(), one.end(), is_length); });
@@ -116,7 +116,7 @@ bool read(const wire::ShapeStart& from, ShapeStart& to) {
   to.end_ns = from.end_ns();
   if (to.source == 0 || to.total == 0 || to.total > ShapePart::kMaxVertices) return false;
   if (to.start_ns < 0 || to.end_ns < to.start_ns || !is_wire_time(to.end_ns)) return false;
-  // Of an object at rest there is nothing before.
+  // Serial 0 is the object at rest: no shape comes before that.
   if (to.serial == 0 ? to.before != 0 : to.before >= to.serial) return false;
   return read_object_number(from.object(), to.object);
 }

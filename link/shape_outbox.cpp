@@ -45,7 +45,7 @@ Result<std::uint32_t> ShapeOutbox::give(std::string_view object, std::span<const
   if (const auto checked = check_shape(displacements_m, over_s); !checked) return tl::unexpected(checked.error());
   const std::scoped_lock lock(mutex_);
   shape.head.shape = ++newest_;
-  // What has begun is finished first, so that a program that is too fast still has some of its shapes become whole.
+  // A shape that is partly sent is finished first, so that some shapes arrive whole even if the program gives shapes too fast.
   std::erase_if(shapes_, [&](const Shape& one) {
     return is_same_object(one.head, shape.head) && (one.next == 0 || one.next >= one.displacements_m.size());
   });

@@ -14,7 +14,7 @@ void SourceFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_tr
   program_[size_++] = {code, jump_true, jump_false, k};
 }
 
-// The IP version, the source's words, its port; a mismatch jumps to the last instruction.
+// Compares the IP version, the words of the source's address, and its port; a mismatch jumps to the last instruction, which rejects.
 SourceFilter::SourceFilter(const Address& peer) noexcept {
   const bool v4 = is_v4(peer);
   const std::uint8_t words = v4 ? 1 : 4;

@@ -21,11 +21,11 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
-constexpr std::int64_t kAcceptPauseNs = 100'000'000;  // where the process has no descriptor left
+constexpr std::int64_t kAcceptPauseNs = 100'000'000;  // if the process has no descriptor left
 constexpr int kMaxAcceptsAtOnce = 8;                  // so that neither new connections nor datagrams keep the others waiting
 constexpr int kMaxDatagramsAtOnce = 64;
 constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of the waiting data: older data is of no use
-constexpr int kTriesForAPort = 32;            // free for TCP and UDP alike
+constexpr int kTriesForAPort = 32;            // to find one that is free for TCP and UDP
 
 std::int64_t monotonic_ns() {
   timespec now = {};
@@ -33,7 +33,7 @@ std::int64_t monotonic_ns() {
   return now.tv_sec * kSecondNs + now.tv_nsec;
 }
 
-// A file descriptor, closed with this.
+// A file descriptor that is closed with this object.
 class Descriptor {
  public:
   explicit Descriptor(int number = -1) : number_(number) {}
@@ -53,7 +53,7 @@ class Descriptor {
 
 Descriptor make_socket(const Address& like, int type) {
   Descriptor socket(::socket(address_family(like), type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  // IPv4 as well, whatever the machine's default is.
+  // An IPv6 socket also serves IPv4, whatever the machine's default is.
   const int no = 0;
   if (socket.get() >= 0 && !is_v4(like)) ::setsockopt(socket.get(), IPPROTO_IPV6, IPV6_V6ONLY, &no, sizeof no);
   return socket;
@@ -64,14 +64,14 @@ void set_option(const Descriptor& socket, int level, int name, int value) { ::se
 void prepare(const Descriptor& connection) {
   set_option(connection, IPPROTO_TCP, TCP_NODELAY, 1);
   set_option(connection, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
-  // A host that was switched off ends no connection: it is asked for a reply, and where data waits for it, that counts as one.
+  // A host that is switched off does not end its connection: it is asked for a reply; if data waits for it, the data is the question.
   set_option(connection, SOL_SOCKET, SO_KEEPALIVE, 1);
   set_option(connection, IPPROTO_TCP, TCP_KEEPIDLE, StreamEndpoint::kMaxSilentS / 2);
   set_option(connection, IPPROTO_TCP, TCP_KEEPINTVL, StreamEndpoint::kMaxSilentS / 4);
   set_option(connection, IPPROTO_TCP, TCP_USER_TIMEOUT, 1000 * StreamEndpoint::kMaxSilentS);
 }
 
-// 0, or the system's error.
+// Returns 0, or the system's errno.
 int bind_to(const Descriptor& socket, const Address& address) {
   SocketAddress system = to_socket_address(address);
   return ::bind(socket.get(), system.get(), system.size) == 0 ? 0 : errno;
@@ -79,7 +79,7 @@ int bind_to(const Descriptor& socket, const Address& address) {
 
 class SocketStreams final : public StreamEndpoint {
  public:
-  // 0, or the system's error.
+  // Returns 0, or the system's errno.
   int open(const Address& at);
   int open_to_connect();
 
@@ -118,7 +118,7 @@ class SocketStreams final : public StreamEndpoint {
   std::vector<Connection> connections_;
   std::vector<pollfd> polled_;
   Id last_id_ = 0;
-  std::int64_t accepts_from_ns_ = 0;  // none before: the process has no descriptor left
+  std::int64_t accepts_from_ns_ = 0;  // accepts none before: the process had no descriptor left
   std::array<std::byte, 65536> buffer_;
 };
 
@@ -161,7 +161,7 @@ std::size_t SocketStreams::count_open() const {
 
 void SocketStreams::wake() noexcept {
   const std::uint64_t one = 1;
-  // A counter that is full has woken already.
+  // If the counter is full, the wait ends anyway.
   [[maybe_unused]] const ssize_t written = ::write(waker_.get(), &one, sizeof one);
 }
 
@@ -210,7 +210,7 @@ void SocketStreams::flush(Connection& connection) {
 }
 
 void SocketStreams::poll_until(std::int64_t deadline_ns) {
-  // A negative descriptor is passed over.
+  // ppoll ignores a negative descriptor.
   const bool accepts = monotonic_ns() >= accepts_from_ns_;
   const auto all =
       std::to_array<pollfd>({{waker_.get(), POLLIN, 0}, {accepts ? listening_.get() : -1, POLLIN, 0}, {datagrams_.get(), POLLIN, 0}});
@@ -261,13 +261,13 @@ void SocketStreams::finish_connecting(Connection& connection, Listener& listener
   prepare(connection.socket);
   connection.is_connecting = false;
   flush(connection);
-  // The listener may open connections: no reference is good after it.
+  // The listener may open connections, which invalidates references to connections.
   const Id id = connection.id;
   const Address peer = connection.peer;
   listener.on_connected(id, peer);
 }
 
-// One buffer's worth: the others are to have their turn.
+// Receives at most one buffer, so that the other connections get their turn.
 void SocketStreams::receive(Id id, Listener& listener) {
   Connection* connection = find(id);
   if (connection == nullptr) return;
@@ -281,13 +281,13 @@ void SocketStreams::accept_some(Listener& listener) {
     SocketAddress from;
     Descriptor socket(::accept4(listening_.get(), from.get(), &from.size, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) {
-      // Without a descriptor for it the caller stays in line, and would wake every wait at once.
+      // Without a free descriptor the caller stays in the queue, and would end every wait at once.
       if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) accepts_from_ns_ = monotonic_ns() + kAcceptPauseNs;
       return;
     }
     if (count_open() >= kMaxConnections) {
       close(listener.choose_connection_to_evict());
-      // Now: for the next one that connects, the listener would choose the same again.
+      // Forgets it now: for the next caller the listener would choose the same connection again.
       forget_closed(listener);
       // A connection above the limit is closed silently.
       if (count_open() >= kMaxConnections) continue;

@@ -30,10 +30,10 @@ using boost::system::error_code;
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kNothingPrepared = std::numeric_limits<std::int64_t>::min();
-// A receive blocks this long at most (and a scheduler tick or two more); further away than kFarNs a deadline cannot be missed by it.
+// A receive blocks this long at most (plus a scheduler tick or two), so it cannot miss a deadline that is farther away than kFarNs.
 constexpr std::int64_t kBlockingNs = 8'000'000;
 constexpr std::int64_t kFarNs = 20'000'000;
-// Foreign datagrams that one receive skips after its deadline, so that a flood cannot hold it.
+// Foreign datagrams that one receive skips after its deadline, so that a flood cannot hold it up.
 constexpr int kMaxPassedOver = 64;
 constexpr int kReceiveBufferBytes = 1 << 20;  // a second of 10 kHz traffic to a node that is paused
 
@@ -63,11 +63,11 @@ class UdpEndpoint final : public Endpoint {
  private:
   enum class Attempt : std::uint8_t {
     received,
-    passed_over,  // something came that is not a datagram of ours: empty, too long, or the news that a peer is not there
+    passed_over,  // no datagram of Hapton: it was empty or too long, or an error said that a peer is not there
     nothing,
   };
 
-  // Set for a deadline, for the waits until then.
+  // A timer that prepare_wait has set, and the deadline for which it is set.
   struct Timer {
     int file = -1;
     std::int64_t deadline_ns = kNothingPrepared;
@@ -143,7 +143,7 @@ bool UdpEndpoint::send(const Address& to, std::span<const std::byte> datagram) n
   if (!endpoint || datagram.size() > kMaxDatagramBytes) {
     return false;
   }
-  // A rejection that an earlier datagram brought back is reported on the next call; it says nothing about this one: try again.
+  // If an earlier datagram was refused, the next call reports it; that says nothing about this datagram: try again.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (sendto(socket_.native_handle(), datagram.data(), datagram.size(), MSG_DONTWAIT, endpoint->data(),
                static_cast<socklen_t>(endpoint->size())) >= 0) {
@@ -209,7 +209,7 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
     return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
   const Address sender = from_endpoint(from);
-  // With MSG_TRUNC the size of a datagram longer than the buffer is reported; our nodes send none.
+  // With MSG_TRUNC recvfrom returns the full size of a datagram longer than the buffer; Hapton's nodes send none.
   const bool is_oversized = bytes == 0 || static_cast<std::size_t>(bytes) > into.size();
   filter_.note_received(sender, into.first(std::min(static_cast<std::size_t>(bytes), into.size())), is_oversized);
   if (is_oversized) return Attempt::passed_over;
@@ -229,7 +229,7 @@ void UdpEndpoint::update_filter(std::int64_t now_ns) noexcept {
   if (action == FloodFilter::Action::install) {
     const auto program = filter_.program();
     const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
-    // If it fails (no memory), the reader's budget still bounds the cost of a flood.
+    // If this fails (no memory), the limits on datagrams per receive still bound the cost of a flood.
     (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached);
   } else if (action == FloodFilter::Action::remove) {
     const int unused = 0;
@@ -245,14 +245,14 @@ bool UdpEndpoint::accept_only(const Address& peer) noexcept {
 }
 
 Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
-  // Three ways to wait, the cheapest that will do: within recvfrom while the deadline is far, which sets no precise timer and is one system
-  // call; by ppoll when it is near; not at all when it has passed.
+  // There are three ways to wait; this uses the cheapest that suffices. While the deadline is far: in recvfrom, which sets no precise timer
+  // and is one system call. When the deadline is near: by ppoll. When it has passed: not at all.
   std::int64_t now_ns = monotonic_ns();
   if (filters_floods_ && filter_.is_due(now_ns)) update_filter(now_ns);
   for (int passed_over = 0; passed_over < kMaxPassedOver; now_ns = monotonic_ns()) {
     const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
     const bool is_past = deadline_ns <= now_ns;
-    // After a wait that found nothing, there is no need for another system call.
+    // After a wait that found nothing, no other system call is needed.
     if (!is_past && !is_far && !wait_readable(deadline_ns)) return {};
     Received received;
     const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);

@@ -23,7 +23,7 @@ using boost::system::error_code;
 class BeastEndpoint final : public WebSocketEndpoint {
  public:
   bool open(const Address& to, std::int64_t timeout_ns) {
-    // The stream's own time limits would be restarted by every byte.
+    // The stream's own time limits are off: every byte would restart them.
     stream_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(), websocket::stream_base::none(), false});
     stream_.read_message_max(kMaxMessageBytes);
     const bool is_there = run(timeout_ns, [&](auto&& done) {
@@ -65,7 +65,7 @@ class BeastEndpoint final : public WebSocketEndpoint {
  private:
   beast::tcp_stream& lowest() { return beast::get_lowest_layer(stream_); }
 
-  // Starts one operation and waits for its end. One that takes too long ends the connection: half a message is of no use.
+  // Starts one operation and waits for its end. If it takes too long, the connection ends: half a message is of no use.
   template <class Start>
   bool run(std::int64_t timeout_ns, Start&& start) {
     if (is_over_) return false;

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-// Made by cmake/HaptonBytes.cmake from what protoc says (proto/CMakeLists.txt).
+// Made by cmake/HaptonBytes.cmake from the output of protoc (proto/CMakeLists.txt).
 extern "C" const unsigned char hapton_wire_schema[];
 extern "C" const std::size_t hapton_wire_schema_size;
 
