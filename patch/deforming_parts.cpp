@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kSpeedRounding = 1e-6;     // above what scenes may be off by (1e-9, scene/object_deformation.cpp)
-constexpr double kFloatRounding = 0x1p-23;  // of a displacement, which comes as a float
+constexpr double kSpeedRounding = 1e-6;     // more than the tolerance of scenes (1e-9, scene/object_deformation.cpp)
+constexpr double kFloatRounding = 0x1p-23;  // relative, of a displacement, which is received as a float
 
 bool is_same_deformation(const PatchDeformation& a, const PatchDeformation& b) {
   return a.first_tile == b.first_tile && a.tile_count == b.tile_count && a.displaced_count == b.displaced_count &&

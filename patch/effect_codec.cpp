@@ -18,7 +18,7 @@ namespace hapton {
 namespace {
 
 using Triangles = std::vector<MappedTriangle>;
-constexpr double kWhole = 65535.0;  // of a texel
+constexpr double kWhole = 65535.0;  // the 16-bit number of a texel at the highest value of its image
 constexpr int kMaxImageSide = 4096;
 constexpr int kTriangleNumbers = 15;
 constexpr std::size_t kModelNumbers = 4;
@@ -33,9 +33,9 @@ std::vector<double> to_vector(const Field& field) {
   return {field.begin(), field.end()};
 }
 
-// --- there
+// --- writing
 
-// What several surfaces have in common is written once. As in effect_numbers.h, what is written names all members.
+// Writes once what several surfaces share. As in effect_numbers.h, the functions name all members of what they write.
 class EffectWriter {
  public:
   explicit EffectWriter(wire::SceneEffects& to) : to_(to) {}
@@ -136,7 +136,7 @@ class EffectWriter {
   std::vector<const TextureModels*> models_;
 };
 
-// --- and back
+// --- reading
 
 SwitchedEffect no_effect() { return ConstantEffect(); }
 
@@ -172,7 +172,7 @@ bool read_layers(std::span<const double> numbers, TissueLayers& layers) {
 
 class EffectReader {
  public:
-  // False: something that the surfaces have in common is not as it has to be.
+  // False: one of the things that surfaces share (images, triangles, models) is invalid.
   bool read_shared(const wire::SceneEffects& from) {
     return std::all_of(from.images().begin(), from.images().end(), [this](const auto& one) { return add(one); }) &&
            std::all_of(from.triangles().begin(), from.triangles().end(), [this](const auto& one) { return add(one); }) &&
@@ -194,7 +194,7 @@ class EffectReader {
   }
 
  private:
-  static constexpr double kMaxHeightM = 10.0;  // choices, as NumberReader has them
+  static constexpr double kMaxHeightM = 10.0;  // chosen limits, as in NumberReader
   static constexpr double kMaxNumber = 1e9;
 
   bool read(const wire::SceneEffects::Map& from, double least, double most, ImageMap& to) const {
@@ -263,8 +263,8 @@ class EffectReader {
     return true;
   }
 
-  static constexpr double kMaxMassKg = 5.0;      // as scene files have it
-  static constexpr float kMaxCoordinate = 1e6F;  // m, and of texture coordinates: a choice
+  static constexpr double kMaxMassKg = 5.0;      // as in scene files
+  static constexpr float kMaxCoordinate = 1e6F;  // of positions (m) and of texture coordinates; chosen
 
   std::vector<std::shared_ptr<const SurfaceImage>> images_;
   std::vector<std::shared_ptr<const Triangles>> triangles_;

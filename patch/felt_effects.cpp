@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// The numbers of their frames, by object.
+// For each object, the number of its body's frame; adds each moving body to `bodies` once.
 std::vector<int> frames_of(const std::vector<int>& body_of, std::vector<std::size_t>& bodies) {
   std::vector<int> frames;
   for (const int body : body_of) {
@@ -21,7 +21,7 @@ std::vector<int> frames_of(const std::vector<int>& body_of, std::vector<std::siz
   return frames;
 }
 
-// Surfaces with the same triangles share what is prepared of them: any number of surfaces may name one list.
+// Surfaces with the same list of triangles share one MappedSurface, because any number of surfaces may name one list.
 std::vector<std::unique_ptr<MapFinder>> make_finders(const std::vector<SurfaceEffects>& surfaces) {
   std::vector<std::unique_ptr<MapFinder>> finders;
   std::map<const void*, std::shared_ptr<const MappedSurface>> prepared;
@@ -61,7 +61,7 @@ void FeltEffects::continue_hand_motion(const FeltEffects& other) noexcept {
   has_last_ = true;
 }
 
-// A scene that was moved is not a motion of the hand.
+// A motion of the scene must not count as a motion of the hand.
 void FeltEffects::compensate_scene_motion(const TouchInput& input) noexcept {
   if (has_last_ && last_.X_WS.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_.p_WD));
   last_ = input;
@@ -81,7 +81,7 @@ void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::op
     contact.force_n = input.X_WS.linear().transpose() * output->force_n;
     contact.p_SP += input.X_WS.linear().transpose() * output->visual_offset_m;
     contact.contact = true;
-    // Past the edge of a patch there is no object, unless another body is touched there.
+    // Past the edge of a patch the output names no object, unless another body is touched: the object touched last stays.
     if (!output->is_beyond || output->object >= 0) touched_ = output->object;
     contact.object = touched_;
     const int frame = frame_of(touched_);

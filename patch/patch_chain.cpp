@@ -27,7 +27,7 @@ std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodie
   return bodies;
 }
 
-// In their order, so that one which another has replaced still goes before that.
+// In the order in which they were taken, so that a move still takes effect before the move that has replaced it.
 void PatchChain::note_moves(const MoveTable& moves) noexcept {
   moves.visit_recent([this](const ObjectMove& move) { note_move(move); });
   for (const ObjectMove& move : moves.moves()) note_move(move);
@@ -89,7 +89,7 @@ void PatchChain::start_body(std::size_t body, const Start& start, double age_s) 
   touches_[body].start_at(to_frame(X_SO, start.p_SP), X_SO.linear().transpose() * start.outward, age_s);
 }
 
-// Once it is known where they are. What stands still has gone on from there already.
+// Called once the places of the new bodies are known. Body 0, which stands still, has already continued from the proxy.
 void PatchChain::start_new_bodies() noexcept {
   are_new_ = false;
   if (!start_) return;
@@ -97,7 +97,7 @@ void PatchChain::start_new_bodies() noexcept {
   proxy_.go_on_from(start_->p_SP);
 }
 
-// Of a single body nothing else notes it; the bodies that replace it begin there.
+// With a single body nothing else notes the proxy; the bodies that replace this one start there.
 void PatchChain::note_single_proxy() noexcept {
   if (has_arrived_ && body_count() == 1) start_ = {touches_[0].proxy(), touches_[0].outward(), time_s_};
 }
@@ -146,7 +146,7 @@ std::optional<PatchOutput> PatchChain::step_bodies(const TouchInput& input) noex
   return output;
 }
 
-// A part whose result is not a force is not felt: its proxy is placed where it is asked to be.
+// A part for which no force can be computed yet gives none: its proxy is reported where the device point is.
 class PatchChain::Felt final : public FeltParts {
  public:
   Felt(PatchChain& chain, const TouchInput& input) : chain_(chain), input_(input) {}
@@ -154,7 +154,7 @@ class PatchChain::Felt final : public FeltParts {
   Pose pose(std::size_t part) const noexcept override { return chain_.pose_of(part, input_.time_s); }
   void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { (void)resume(part, X_SO, p_S); }
   bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
-    // Where its proxy was before this sample is not known, or may be inside its present shape.
+    // Fails if the proxy before this sample is unknown, or may be inside the part's present shape.
     if (chain_.deforms(part) || !chain_.had_force_[part] || chain_.touches_[part].is_beyond()) return false;
     chain_.touches_[part].go_on_from(to_frame(X_SO, p_S));
     return true;
@@ -171,7 +171,7 @@ class PatchChain::Felt final : public FeltParts {
       chain_.has_all_ = false;
       return output;
     }
-    // A new beginning within the sample is no other force.
+    // A correction begins the same sample again: no other patch has taken over.
     sum.is_handed_over = sum.is_handed_over || (felt->is_handed_over && !turn.is_correction);
     sum.is_beyond = sum.is_beyond || felt->is_beyond;
     sum.difference_n += felt->difference_n;

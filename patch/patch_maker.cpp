@@ -12,18 +12,18 @@ namespace hapton {
 namespace {
 
 constexpr double kLeadS = 0.01;  // how far ahead of the hand the next patch is centred: about the time that a small one takes to make
-// A new patch is due when the hand is farther than this from the centre of the newest one, over its radius, ...
+// A new patch is due when the hand's distance from the centre of the newest one is more than this share of its radius, ...
 constexpr double kLeaveShare = 0.35;
 constexpr double kGrowth = 1.3;            // ... when the scene is known in a radius that is larger by this factor, ...
-constexpr std::size_t kMoreTriangles = 2;  // ... or when there is time for so many times its triangles
-constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid, on which a vertex moves by 0.87 steps at most
+constexpr std::size_t kMoreTriangles = 2;  // ... or when there is time for this many times its triangles
+constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid; rounding to it moves a vertex by at most 0.87 steps
 constexpr double kVelocityS = 0.02;        // time constant of the hand's velocity
 constexpr double kMinSpeed = 0.05;         // m/s: a hand at rest may start to move
-constexpr double kTimeShare = 0.5;         // of the time until the hand is out of a patch, for making the next one
+constexpr double kTimeShare = 0.5;         // share of the time until the hand leaves a patch that making the next one may take
 constexpr double kMakeShare = 0.3;         // weight of the newest duration in the mean
-constexpr double kPathShare = 1.5;         // radius of a patch over PathBall::radius_m: the proxy may go around an obstacle
+constexpr double kPathShare = 1.5;         // ratio of a patch's radius to PathBall::radius_m: the proxy may go around an obstacle
 constexpr double kWiden = 2.0;             // factor on that radius for each patch that did not reach the hand
-constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // until a patch over the path counts as one that did not reach
+constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // then a patch over the path counts as not reaching the hand
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void PatchMaker::note_made(double seconds) noexcept {
 
 bool PatchMaker::is_left() const noexcept { return !p_SC_ || (std::isfinite(radius_m_) && distance_m() >= kLeaveShare * radius_m_); }
 
-// The number of triangles for which there is time before the hand is out of the newest patch.
+// The number of triangles for which there is time before the hand leaves the newest patch.
 std::size_t PatchMaker::affordable() const noexcept {
   if (!p_SC_) return few_;
   const double room_m = std::max(radius_m_ - distance_m(), 0.0);
@@ -81,7 +81,7 @@ std::unique_ptr<Patch> PatchMaker::make_over_path(const PatchStore& store, std::
   return make(store, ball.p_SC, known_m, widening_ * kPathShare * ball.radius_m, generation);
 }
 
-// Parts of the scene along the path are missing: makes a patch where the hand is; contact continues from above the plane (PatchTouch).
+// Parts of the scene along the path are missing: makes a patch at the hand; contact continues from above the plane (see PatchTouch).
 std::unique_ptr<Patch> PatchMaker::make_without_path(const PatchStore& store, std::uint32_t generation) {
   if (!is_path_incomplete_) p_SC_.reset();
   auto patch = make_if_left(store, generation);
@@ -89,7 +89,7 @@ std::unique_ptr<Patch> PatchMaker::make_without_path(const PatchStore& store, st
   return patch;
 }
 
-// Null: the shape that the surface has is not known.
+// Null: the present shape of the surface is not known.
 Result<std::unique_ptr<ForceMethod>> PatchMaker::make_touch(const PatchStore& store, const TouchScene& scene, Patch& patch) {
   MethodSettings settings;
   settings.probe_radius_m = store.begin().probe_radius_m;
@@ -107,7 +107,7 @@ std::unique_ptr<PatchShape> PatchMaker::make_stage_if_due(const PatchStore& stor
   return stream != nullptr ? shaper_.make_next(*stream, store.shapes(), hand_.scene_time_ns) : nullptr;
 }
 
-// least_m: the patch gets as many triangles as this radius takes, even if there is no time for them.
+// least_m: the patch gets all triangles that this radius needs, even if there is no time for so many.
 std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m,
                                         std::uint32_t generation) {
   std::size_t most = affordable();

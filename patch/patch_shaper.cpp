@@ -27,7 +27,7 @@ Result<std::unique_ptr<StreamedMethod>> PatchShaper::make(const MethodSettings& 
   stager_ = (*method)->share_stager();
   base_.assign(stager_->rest().begin(), stager_->rest().end());
   serial_ = 0;
-  // It has had this shape since before anything was felt.
+  // The surface has had this shape since before the first step: its stage takes no time.
   if (place->before != 0) {
     auto first = make_stage(parts, shapes, place->before);
     if (first == nullptr) return fail("the surface on the grid of its parts cannot take its present shape");

@@ -15,17 +15,17 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPlanEveryNs = 20'000'000;     // the hand moves 2 cm at 1 m/s meanwhile
+constexpr std::int64_t kPlanEveryNs = 20'000'000;     // at 1 m/s the hand moves 2 cm in this time
 constexpr std::int64_t kMinPatienceNs = 150'000'000;  // the hub's status comes ten times a second
 constexpr std::uint32_t kReordered = 64;              // a part this many serials before the newest received one counts as lost
-// Where the round trip is longer than this a part that got lost would be missed for long: it is sent again before it can be confirmed.
+// If the round trip is longer than this, a lost part would be missing for long: each part is sent again before it can be confirmed.
 constexpr double kLongRoundTripS = 0.3;
-constexpr double kBurstBytes = 5000.0;  // four datagrams at once, however long nothing was sent
-// Envelope, seal, UDP and IP round a part's own numbers.
+constexpr double kBurstBytes = 5000.0;  // at most four datagrams at once, however long nothing was sent
+// What the envelope, the seal, UDP and IP add to a part's own numbers.
 constexpr double kOverheadBytes = 150.0;
-// A move that the hub has not confirmed by then, and a round trip later, is sent again: it confirms within 50 ms.
+// A move that the hub has not confirmed after this time and a round trip is sent again; the hub confirms within 50 ms.
 constexpr std::int64_t kMovePatienceNs = 70'000'000;
-constexpr int kMaxMoveRepeats = 8;  // then it counts as received
+constexpr int kMaxMoveRepeats = 8;  // after so many a move counts as received
 
 bool is_same(const Material& a, const Material& b) {
   return a.stiffness_n_per_m == b.stiffness_n_per_m && a.damping_ns_per_m == b.damping_ns_per_m && a.friction_static == b.friction_static &&
@@ -49,7 +49,7 @@ double bytes_of(const PatchDeformation& deformation) {
 double bytes_of(const PatchDisplacements& displaced) { return kOverheadBytes + 12.0 * displaced.vertex_count; }
 double bytes_of(const PatchStream& stream) { return kOverheadBytes + 120.0 + 2.0 * stream.vertex_count; }
 
-// What PatchSource sends.
+// The size of a message that PatchSource sends; 0 for other messages.
 double compute_bytes(const Message& message) {
   return std::visit(
       []<class Kind>(const Kind& one) {
@@ -115,21 +115,21 @@ void PatchSource::accept(const PatchStatus& status) noexcept {
     if (serial_ - serial >= kSerials) break;
     Item& item = items_[in_flight_[serial % kSerials]];
     const bool is_received = ((status.received[back / 8] >> (back % 8)) & 1U) != 0;
-    // A material changes: what the hub has received may be the one before.
+    // A material can change after it was sent: the hub may have received the older one.
     const bool is_current = item.first_serial != 0 && serial >= item.first_serial;
     if (is_received && is_current && item.state != State::held) {
       item.state = State::held;
       item.serial = serial;
       ++counts_.held;
     } else if (!is_received && item.state == State::held && item.serial == serial) {
-      return begin_again();  // it was confirmed before: the status that said that the hub begins again was lost
+      return begin_again();  // confirmed before: the status in which the hub said that it begins again was lost
     } else if (!is_received && back >= kReordered && item.state == State::sent && item.serial == serial) {
       item.state = State::missing;
     }
   }
 }
 
-// The hub has started again: what it had is gone.
+// The hub has started again and has lost what it had received.
 void PatchSource::begin_again() noexcept {
   std::fill(items_.begin(), items_.end(), Item());
   counts_.held = 0;
@@ -165,7 +165,7 @@ void PatchSource::set_materials(const std::vector<Material>& materials) {
   planned_ns_ = 0;
 }
 
-// Of a box to where the hand is; what lies ahead counts as farther away by half of how far ahead it is.
+// From the box to the hand or to its expected places; such a place counts as farther away, by half its distance from the hand.
 double PatchSource::distance_of(const Box& bounds, std::uint32_t body) const noexcept {
   const std::array<Vec3, 3>& ahead = ahead_[body];
   double nearest = std::sqrt(bounds.distance_squared(ahead[0]));
@@ -175,7 +175,7 @@ double PatchSource::distance_of(const Box& bounds, std::uint32_t body) const noe
   return nearest;
 }
 
-// How near a part has to be to be sent: what moves may come towards the hand, too.
+// A part is sent if it is within this distance of the hand, in steps of the grid; a moving body may also come towards the hand.
 double PatchSource::reach_of(std::uint32_t body) const noexcept {
   const double moves = scene_.bodies[body].moves() ? kMaxSurfaceSpeed : 0.0;
   return (options_.least_reach_m + 2.0 * (0.1 + round_trip_s_) * (options_.fastest_m_per_s + moves)) / scene_.grid.step_m;
@@ -189,7 +189,7 @@ void PatchSource::plan(std::int64_t now_ns) {
   std::reverse(planned_.begin(), planned_.end());
 }
 
-// What is valid for all of the scene.
+// Plans the parts that concern the whole scene, wherever the hand is.
 void PatchSource::plan_bodies(std::int64_t now_ns) {
   for (std::size_t item = 0; item < item_of_cell(0); ++item) {
     if (is_due(items_[item], now_ns)) planned_.push_back(item);
@@ -199,7 +199,7 @@ void PatchSource::plan_bodies(std::int64_t now_ns) {
   }
 }
 
-// One that deforms is felt when all of it is there.
+// A deforming body can be felt only when all of it has arrived, so all its parts are planned.
 template <class Add>
 void PatchSource::plan_deforming(std::uint32_t body, Add&& add) {
   for (std::size_t part = 0; part < weight_parts_.size(); ++part) {
@@ -211,7 +211,7 @@ void PatchSource::plan_deforming(std::uint32_t body, Add&& add) {
   for (std::size_t n = 0; n < own.stream_count; ++n) add(item_of_stream(own.first_stream + n));
 }
 
-// The cells nearest to the hand first, each before its tiles: without its cell a tile is of no use.
+// Plans the cells nearest to the hand first, each cell before its tiles: a tile without its cell is of no use.
 void PatchSource::plan_tiles(std::int64_t now_ns) {
   const double lead_s = 0.1 + round_trip_s_;
   for (std::size_t body = 0; body < ahead_.size(); ++body) {
@@ -232,7 +232,7 @@ void PatchSource::plan_tiles(std::int64_t now_ns) {
     if (body.deforms()) consider(body.bounds, b, first_body + b);
     if (body.root >= 0) consider_node(static_cast<std::size_t>(body.root));
   }
-  // What has not been sent comes before what may have arrived.
+  // Parts that have not been sent come before parts that may have arrived.
   std::vector<std::size_t> again;
   const auto add = [&](std::size_t item) {
     if (items_[item].state == State::missing && planned_.size() < kPlanned) planned_.push_back(item);
@@ -308,7 +308,7 @@ PatchDeformation PatchSource::make_deformation(const WeightPart& part) const {
   return message;
 }
 
-// Null: none.
+// A move that has to be sent now; null: none.
 PatchSource::MoveItem* PatchSource::find_due_move(std::int64_t now_ns) noexcept {
   const std::int64_t wait_ns = kMovePatienceNs + static_cast<std::int64_t>(1e9 * std::min(round_trip_s_, 10.0));
   const auto due = std::find_if(moves_.begin(), moves_.end(), [&](const MoveItem& item) {
@@ -320,7 +320,7 @@ PatchSource::MoveItem* PatchSource::find_due_move(std::int64_t now_ns) noexcept 
 std::optional<Message> PatchSource::take_move(MoveItem& item, std::int64_t now_ns) {
   if (!pay(item.move, now_ns)) return std::nullopt;
   item.sent_ns = now_ns;
-  // The hub confirms only the last 64 moves of all objects.
+  // The hub confirms only the last 64 moves of all objects: an older move would be repeated without end.
   item.is_held = ++item.repeats >= kMaxMoveRepeats;
   ++counts_.moves_repeated;
   return item.move;
@@ -380,7 +380,7 @@ bool PatchSource::pay(const Message& message, std::int64_t now_ns) noexcept {
 }
 
 std::optional<Message> PatchSource::take(std::int64_t now_ns) {
-  // Smaller parts would take the bandwidth away from a move for as long as there are any: they wait for it.
+  // Parts wait while a move is due: smaller parts would take the bandwidth from the move until all of them were sent.
   if (MoveItem* const move = find_due_move(now_ns)) return take_move(*move, now_ns);
   if (now_ns - planned_ns_ >= kPlanEveryNs || planned_ns_ == 0) plan(now_ns);
   while (!planned_.empty() && !is_due(items_[planned_.back()], now_ns)) planned_.pop_back();
@@ -414,7 +414,7 @@ bool can_make(const MethodSettings& settings, const TouchScene& deforming) {
 bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m) {
   const auto deforms = [](const TileBody& body) { return body.deforms(); };
   if (std::none_of(scene.bodies.begin(), scene.bodies.end(), deforms)) return true;
-  // As over a link without delay, loss or limit.
+  // Sends all parts, as over a link without delay, loss or limit.
   PatchSource source(scene, probe_radius_m, 0, 1, {.bits_per_s = 1e15, .least_reach_m = 1e6});
   PatchStore store;
   std::int64_t now_ns = kPlanEveryNs;

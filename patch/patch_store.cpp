@@ -14,13 +14,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kSmaller = 0.8;           // factor on the radius of a piece that has too many triangles
+constexpr double kSmaller = 0.8;           // factor that reduces the radius of a piece with too many triangles
 constexpr std::size_t kMoreThanThere = 2;  // a piece may have this many times the triangles of the tiles at its centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Above what scenes may be off by (1e-9, scene/object_motion.cpp), so that what a haptics node has accepted is accepted here.
+// More than the tolerance of scenes (1e-9, scene/object_motion.cpp), so that a motion that a haptics node has accepted is accepted here.
 constexpr double kSpeedRounding = 1e-6;
-constexpr double kUnitRounding = 1e-9;  // of the length of a quaternion of doubles
+constexpr double kUnitRounding = 1e-9;  // of the length of a unit quaternion
 
 bool is_same_body(const PatchBody& a, const PatchBody& b) {
   return a.motion == b.motion && a.deforms == b.deforms && a.all_keys == b.all_keys && a.loops == b.loops && a.lowest == b.lowest &&
@@ -49,7 +49,7 @@ void PatchStore::clear() {
   shapes_ = KnownShapes();
 }
 
-// The shapes are of the haptics process, whatever the epoch.
+// Keeps the shapes: they belong to the haptics process, whatever the epoch.
 void PatchStore::drop_parts() {
   begin_.reset();
   bodies_ = {};
@@ -63,7 +63,7 @@ void PatchStore::drop_parts() {
   status_ = {};
 }
 
-// False: of an epoch that is over. Epochs count up around the 32-bit circle.
+// False: the part is of an epoch that is over. Epochs count up modulo 2^32.
 bool PatchStore::adopt(std::uint32_t epoch, std::uint32_t serial) {
   const bool is_newer = status_.epoch == 0 || static_cast<std::int32_t>(epoch - status_.epoch) > 0;
   if (epoch == 0 || serial == 0 || (epoch != status_.epoch && !is_newer)) {
@@ -116,7 +116,7 @@ void PatchStore::accept(const PatchEffects& effects) {
   confirm(effects.serial);
 }
 
-// False: they are none that a scene may have, and all that came of them is dropped.
+// False: no scene may have these effects; all their parts are dropped.
 bool PatchStore::complete_effects() {
   if (!begin_ || effects_ || begin_->effect_bytes == 0 || !effect_parts_.is_whole(begin_->effect_bytes)) return true;
   const std::string bytes = effect_parts_.join();
@@ -131,7 +131,7 @@ bool PatchStore::complete_effects() {
 
 namespace {
 
-// Those of a cube on the way up to the whole one.
+// Visits the empty children of `above`, one of the cubes that contain the cell.
 template <class Visit>
 void visit_empty_children(const PatchCell& cell, const CellKey& above, Visit&& visit) {
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
@@ -141,7 +141,7 @@ void visit_empty_children(const PatchCell& cell, const CellKey& above, Visit&& v
 
 }  // namespace
 
-// Itself, the way up, and what is empty beside it.
+// How many cells this one adds: itself, the cubes that contain it, and their empty children.
 std::size_t PatchStore::count_new_cells(const PatchCell& cell) const {
   std::size_t count = 0;
   const auto note = [&](const CellKey& key) { count += cells_.contains(key_of(cell.body, key)) ? 0 : 1; };
@@ -212,7 +212,7 @@ void PatchStore::accept(const PatchBody& body) {
   if (complete_deforming(own)) confirm(body.serial);
 }
 
-// False: it moves as nothing may, and all that came of it is dropped.
+// False: no body may move like this; all that has come of it is dropped.
 bool PatchStore::complete(Body& body) const {
   if (body.is_known || std::find(body.has_key.begin(), body.has_key.end(), false) != body.has_key.end()) return true;
   if (!is_possible(body)) {
@@ -232,7 +232,7 @@ bool PatchStore::is_possible(const Body& body) const {
 
 void PatchStore::accept(const PatchMaterial& material) {
   if (!adopt(material.epoch, material.serial)) return;
-  // An object has a tile at least.
+  // Each object has at least one tile, so there are at most as many materials as tiles.
   if (!material_serials_.contains(material.object) && material_serials_.size() >= kMaxTiles) {
     ++counts_.rejected;
     return;
@@ -265,7 +265,7 @@ bool PatchStore::has_bodies() const noexcept {
   return std::all_of(bodies_.begin(), bodies_.begin() + begin_->body_count, is_there);
 }
 
-// Two points of it are so far apart.
+// Some two points of the body are widest_m apart: its radius is at least half of that, whatever the pivot.
 bool PatchStore::is_wide_enough(const PatchBody& body) const noexcept {
   if (body.motion == PatchBody::Motion::still || !has_triangles(body)) return true;
   const double widest_m = grid_.step_m * (to_vector(body.highest) - to_vector(body.lowest)).maxCoeff();
@@ -307,7 +307,7 @@ PatchStore::Search PatchStore::search_at(const Vec3& p_S, std::uint32_t body) co
   return search;
 }
 
-// The distance to the nearest place below this cell of which not all is known, if it is less than best. In steps.
+// The distance, in steps, to the nearest place in this cell that is not fully known; `best` if that is less.
 double PatchStore::find_unknown(const CellKey& key, const Search& search, double best) const {
   const double distance = std::max(search.least, std::sqrt(key.bounds().distance_squared(search.p)));
   if (distance >= best) return best;
@@ -355,9 +355,9 @@ PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::si
     for (const std::uint32_t tile : near) triangles += tiles_.contains(tile) ? tiles_.at(tile).triangle_count : 0;
     return triangles;
   };
-  // Where tiles lie across each other, those at one point alone may be too many.
+  // Where tiles overlap, the tiles at one point alone may have too many triangles.
   most_triangles = std::max(most_triangles, kMoreThanThere * find(0.0));
-  // Twice the grid's diagonal contains it from anywhere near.
+  // A ball of twice the grid's diagonal contains the whole grid if its centre is anywhere near.
   const double widest_m = std::ldexp(grid_.step_m, kPatchGridBits + 2);
   for (int smaller = 0; smaller < 100; ++smaller, piece.radius_m = std::min(kSmaller * piece.radius_m, widest_m)) {
     piece.triangles = find(piece.radius_m);

@@ -9,7 +9,7 @@
 #include "patch/object_joiner.h"
 #include "patch/patch_store.h"
 
-// The bodies that deform: what has come of them, and when they are felt.
+// The bodies that deform: which of their parts have come, and when they can be felt.
 namespace hapton {
 
 PatchStore::Body* PatchStore::find_deforming(std::uint32_t tile) noexcept {
@@ -18,7 +18,7 @@ PatchStore::Body* PatchStore::find_deforming(std::uint32_t tile) noexcept {
   return found != bodies_.end() ? found : nullptr;
 }
 
-// Tiles and displacements may have come before.
+// Tiles and displacements may have come before their deformation: the first part of it counts them.
 void PatchStore::accept(const PatchDeformation& deformation) {
   if (!adopt(deformation.epoch, deformation.serial)) return;
   const std::uint64_t end = std::uint64_t{deformation.first_tile} + deformation.tile_count;
@@ -64,7 +64,7 @@ std::size_t PatchStore::count_streams() const noexcept {
   return count;
 }
 
-// Each object is one body: the shapes that are known of it have as many vertices as that one says.
+// An object must not be in two bodies: the one body states how many vertices the known shapes of the object have.
 bool PatchStore::is_of_another_body(const PatchStream& stream) const noexcept {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (b != stream.body && bodies_[b].stream.has_begun() && bodies_[b].stream.object() == stream.object) return true;
@@ -91,7 +91,7 @@ void PatchStore::accept(const PatchStream& stream) {
   if (complete_deforming(bodies_[stream.body])) confirm(stream.serial);
 }
 
-// An epoch has at most one for each body; of those before, others may be known.
+// An epoch has at most one such object for each body. If more are known, some are of earlier epochs: drops these.
 void PatchStore::add_shaped_object(const PatchStream& stream) {
   shapes_.add_object(static_cast<std::size_t>(stream.object), stream.total);
   if (shapes_.count_objects() <= bodies_.size()) return;
@@ -114,7 +114,7 @@ bool PatchStore::accept_shape(const Message& message, Arrival arrival) {
   return true;
 }
 
-// False: it deforms as nothing may, and what came of its deformation is dropped.
+// False: no body may deform like this; what has come of its deformation is dropped.
 bool PatchStore::complete_deforming(Body& body) {
   if (body.whole.mesh != nullptr || !body.is_known || !begin_) return true;
   if (!body.parts.is_whole() && !body.stream.is_whole()) return true;
@@ -161,7 +161,7 @@ TouchObject PatchStore::join_streamed(Body& body) const {
   return whole;
 }
 
-// In all shapes, but for the rounding of displacements.
+// Whether all shapes of the body are within its bounds, but for the rounding of displacements.
 bool PatchStore::is_within_bounds(const Body& body, const TouchObject& whole) const {
   const Box shapes = whole.deformation != nullptr ? bounds_of_all_shapes(*whole.mesh, *whole.deformation)
                                                   : bounds_with_reach(*whole.mesh, *whole.stream_reach_m);
@@ -174,7 +174,7 @@ const StreamedParts* PatchStore::find_stream(std::uint32_t body) const noexcept 
   return bodies_[body].whole.stream_reach_m ? &bodies_[body].stream : nullptr;
 }
 
-// One that deforms. What programs deform has a shape that is known, or no program has deformed it yet.
+// Whether a deforming body can be felt: it is complete and, if programs deform it, a shape is known or no program has deformed it yet.
 bool PatchStore::is_felt(const Body& body) const {
   if (body.whole.mesh == nullptr || !body.whole.stream_reach_m) return body.whole.mesh != nullptr;
   const auto object = static_cast<std::size_t>(body.stream.object());
@@ -183,7 +183,7 @@ bool PatchStore::is_felt(const Body& body) const {
   return shapes_.find_next(object, std::max(serial, 1U) - 1, std::numeric_limits<std::int64_t>::max()) != nullptr;
 }
 
-// All of it, or what is known before: that it is nowhere nearer.
+// All of the body; before it can be felt, an empty piece: the body is nowhere nearer than radius_m.
 PatchStore::Piece PatchStore::make_deforming(const Body& body, double radius_m) const {
   Piece piece;
   piece.radius_m = radius_m;

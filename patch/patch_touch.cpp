@@ -11,8 +11,8 @@ namespace hapton {
 
 namespace {
 
-constexpr double kNanosecond = 1e-9;    // that a stage begins before the one before it has ended: rounding
-constexpr double kTimeRounding = 1e-6;  // share of the time of a stage, whose ends are rounded to the grid of the parts
+constexpr double kNanosecond = 1e-9;    // s, by which a stage may begin before the end of the last one: rounding
+constexpr double kTimeRounding = 1e-6;  // share of a stage's duration: its two shapes are rounded to the grid of the parts
 
 }  // namespace
 
@@ -27,7 +27,7 @@ void PatchTouch::forget() noexcept {
 }
 
 void PatchTouch::set_generation(std::uint32_t generation) noexcept {
-  // The hand has not moved: what comes takes over from where the probe was.
+  // The hand has not moved: the next patch takes over from where the probe was.
   if (std::exchange(generation_, generation) != generation) is_over_ = is_on_grid_ = has_arrived_ = false;
 }
 
@@ -49,7 +49,7 @@ void PatchTouch::go_on_from(const Vec3& p_SP) noexcept {
   stiffness_n_per_m_ = force_n_ = beyond_s_ = 0.0;
 }
 
-// Those of the objects that it has: both are in the order of the scene. True: any.
+// Sets the materials of those objects that the patch has; both are in the order of the scene. True: at least one was set.
 bool PatchTouch::tune(Patch& patch, const PatchMaterials& materials) noexcept {
   if (patch.step == nullptr || patch.material_version >= materials.version) return false;
   patch.material_version = materials.version;
@@ -96,8 +96,8 @@ PathBall PatchTouch::path_ball() const noexcept {
   return {0.5 * (low + high), 0.5 * (high - low).norm()};
 }
 
-// Within a patch the last step has followed the device to last_p_SD_, with the proxy at p_SP_; before it is handed over, the step's device
-// starts at the proxy.
+// A patch in use has followed the device to last_p_SD_ in its last step, with the proxy at p_SP_. In a patch that has not taken over yet,
+// the first step begins with the device at the proxy.
 bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
   if (patch.generation != generation_) return false;
   if (std::isinf(patch.radius_m)) return true;
@@ -107,8 +107,8 @@ bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
   return from_centre + around < patch.radius_m;
 }
 
-// Where the scene lies below the rounding of a place, the proxy could not be told from it. A patch of a scene that is over says nothing of
-// the next one.
+// False: the coordinates of the device point are so large that their rounding exceeds lift_m, so the proxy could not be distinguished from
+// the surface. A patch of an earlier generation sets no limit, because its scene is over.
 bool PatchTouch::is_place(const Vec3& p_SD) const noexcept {
   constexpr double kRounding = 0x1p-52;  // of a coordinate
   const bool is_any = patch_ == nullptr || patch_->generation != generation_;
@@ -119,7 +119,7 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
   if (!is_place(p_SD)) return std::nullopt;
   if (input.is_correction && is_placed_) return correct(input, p_SD);
-  // A hand that enters the surface before its tiles have come is held by it once they are there.
+  // If the hand enters a surface before the surface's tiles have come, the surface holds the hand once they have come.
   if (!is_placed_) {
     start_at(p_SD, Vec3::Zero());
     newest_p_SD_ = p_SD;
@@ -198,7 +198,7 @@ std::optional<SurfacePlace> PatchTouch::find_place(int object) const noexcept {
   return patch_->step->method().find_place(static_cast<int>(found - patch_->objects.begin()));
 }
 
-// No patch takes over meanwhile.
+// Computes the last sample again with a corrected device point; no patch takes over in it.
 std::optional<PatchOutput> PatchTouch::correct(const TouchInput& input, const Vec3& p_SD) noexcept {
   newest_p_SD_ = p_SD;
   if (path_.empty() && patch_ != nullptr && reaches(*patch_, p_SD)) return step_patch(input, p_SD, false);
@@ -222,8 +222,8 @@ void PatchTouch::take_offered(const DevicePath::Place& newest) noexcept {
   is_over_ = false;
 }
 
-// The last proxy within is out of this patch's reach: the plane has brought the hand here, so the proxy is where the plane holds it, and
-// the surface, which may have risen meanwhile, below a place somewhat farther out, as far as this patch knows what is there.
+// The last proxy within the old patch is out of this patch's reach. The plane has brought the hand here: the proxy starts where the plane
+// holds it, and somewhat farther out because the surface may have risen on the way, as far as this patch knows what is there.
 bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   if (patch.generation != generation_ || outward_S_.isZero(0.0)) return false;
   const double depth_m = std::max((p_SP_ - p_SD).dot(outward_S_), 0.0);
@@ -231,7 +231,7 @@ bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - 4.0 * patch.lift_m;
   const double wanted_m = depth_m + kRise * along_m;
   const double rise_m = std::min(wanted_m, kMaxRoom * room_m);
-  // A start below the surface would be a fall-through: a small patch has to grow first.
+  // A start below the surface would be a fall-through: a patch that is too small for the rise has to grow first.
   const double least_m = std::min(wanted_m, kMinRise * force_n_ / stiffness_n_per_m_);
   if (!(rise_m > 0.0 && rise_m >= least_m)) return false;
   p_SP_ = p_SD + rise_m * outward_S_;
@@ -242,7 +242,7 @@ bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
 
 void PatchTouch::hand_over(const TouchInput& input) noexcept {
   is_over_ = true;
-  // A new beginning within the sample is on the same patch.
+  // A correction begins the sample again on the same patch.
   counts_.handed_over += input.is_correction ? 0 : 1;
   if (patch_->step == nullptr) return;
   TouchInput start = input;
@@ -252,13 +252,13 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
   } else {
     patch_->step->reset(start);
   }
-  // Where a surface deforms, the proxy was there as it was before this sample.
+  // If a surface deforms, the proxy was here on the shape that the surface had before this sample: begins with that shape.
   if (patch_->deforms) {
     start.time_s -= input.dt_s;
     start.is_correction = false;
     (void)patch_->step->step(start);
   }
-  // The hand did not go from there to the device: damping must not see that motion.
+  // The hand did not move from the start to the device point: this step keeps damping from seeing that motion.
   (void)patch_->step->step(input);
 }
 
@@ -270,8 +270,8 @@ std::optional<Vec3> PatchTouch::carried_from() const noexcept {
   return is_over_ && patch_ != nullptr && patch_->step != nullptr ? patch_->step->method().carried_from() : std::nullopt;
 }
 
-// The plane past the edge has damping of its own, and that of the surface may have taken all of the force, or added to it. Between several
-// objects the stiffness is a mean of theirs (ProxyMethod): the force is as felt, within what the softest and the stiffest of them give.
+// The plane past the edge has damping of its own, so the surface's damping, which may have taken all of the force or added to it, is left
+// out. Between several objects the stiffness is a mean (ProxyMethod): the force felt, within what the softest and the stiffest give.
 double PatchTouch::undamped_force_n(const TouchOutput& touched, double depth) const noexcept {
   const auto object = static_cast<std::size_t>(touched.object);
   const bool is_known = touched.contact && touched.object >= 0 && object < patch_->materials.size();
@@ -280,7 +280,7 @@ double PatchTouch::undamped_force_n(const TouchOutput& touched, double depth) co
   return std::clamp(touched.force_n.norm(), least->stiffness_n_per_m * depth, most->stiffness_n_per_m * depth);
 }
 
-// could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.
+// could_go_on: the patch before this step held the proxy and reaches this sample, so if another takes over, the force of both is known.
 PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
   PatchOutput output;
   const bool begins = !is_over_;

@@ -14,15 +14,15 @@
 namespace hapton {
 namespace {
 
-// A cell with more tiles than this is divided: as many as two screens of geometry round a fingertip, and a datagram of half the size.
+// A cell with more tiles than this, up to 1,536 triangles, is divided. Its datagram has room for more (PatchCell::kMaxTiles).
 constexpr std::size_t kTilesInCell = 24;
-// Of eight children together, times the tiles of their parent: where more, tiles lie across each other, and dividing parts little. (A
-// surface has 2 to 4.)
+// The tiles of eight children together, over those of their parent (2 to 4 for a surface). If the ratio is larger, tiles overlap each other
+// and dividing would separate little, so the cell is not divided.
 constexpr std::size_t kMaxSpread = 5;
 
 struct GridTriangle {
   std::array<GridPoint, 3> corners;
-  Vec3 centre = Vec3::Zero();  // three times, in steps
+  Vec3 centre = Vec3::Zero();  // times three, in steps
 };
 
 std::vector<GridTriangle> to_grid(const TriangleMesh& mesh, const PatchGrid& grid) {
@@ -41,7 +41,7 @@ std::vector<GridTriangle> to_grid(const TriangleMesh& mesh, const PatchGrid& gri
   return triangles;
 }
 
-// False: they do not fit one tile.
+// False: the triangles do not fit into one tile.
 bool fill_tile(std::span<const GridTriangle> triangles, PatchTile& tile, Box& bounds) {
   if (triangles.size() > PatchTile::kMaxTriangles) return false;
   std::array<GridPoint, PatchTile::kMaxVertices> known;
@@ -65,7 +65,7 @@ bool fill_tile(std::span<const GridTriangle> triangles, PatchTile& tile, Box& bo
   return true;
 }
 
-// Calls visit with each vertex in all shapes between which the others are: vertices move straight from key to key.
+// Calls visit with vertices of shapes that bound all other shapes: between two keys each vertex moves on a straight line.
 template <class Visit>
 void visit_shapes(const TouchObject& object, Visit&& visit) {
   for (const Vec3& vertex : object.mesh->vertices) visit(vertex);
@@ -91,7 +91,7 @@ int longest_axis(std::span<const GridTriangle> triangles) {
   return axis;
 }
 
-// Where to cut: whole tiles on the lower side, so that few are half empty.
+// The number of triangles on the lower side of a cut: those of whole tiles, so that few tiles are half empty.
 std::size_t find_cut(std::size_t count) {
   constexpr std::size_t kWhole = PatchTile::kMaxTriangles;
   const std::size_t tiles = (count + kWhole - 1) / kWhole;
@@ -127,12 +127,12 @@ PatchTile tile_of(std::size_t object, const Material& material) {
   return tile;
 }
 
-// Makes the octree, wide before deep, so that where it has to end early it is as coarse everywhere.
+// Makes the octree breadth first, so that, if it has to end early, it is equally coarse everywhere.
 class CellDivider {
  public:
   CellDivider(TiledScene& scene, std::uint32_t body) : scene_(scene), body_(body) {}
 
-  // first: of the body's tiles, which are the last ones.
+  // first: the first of the body's tiles, which are the last ones of the scene so far.
   void divide(std::size_t first) {
     std::vector<std::uint32_t> all(scene_.tiles.size() - first);
     std::iota(all.begin(), all.end(), static_cast<std::uint32_t>(first));
@@ -149,7 +149,7 @@ class CellDivider {
  private:
   struct Open {
     std::size_t node = 0;
-    std::vector<std::uint32_t> tiles;  // that it overlaps
+    std::vector<std::uint32_t> tiles;  // those that overlap the node's cube
     std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
   };
 
@@ -177,7 +177,7 @@ class CellDivider {
     }
   }
 
-  // A leaf. What no datagram can list is never sent: the hub then takes that place for unknown.
+  // Makes a leaf. A leaf with more tiles than a datagram can list is never sent: to the hub its place stays unknown.
   void close(Open& open) {
     if (open.tiles.size() > PatchCell::kMaxTiles) scene_.has_unlisted = true;
     if (open.tiles.empty() || open.tiles.size() > PatchCell::kMaxTiles) return;
@@ -196,7 +196,7 @@ double radius_about(const Vec3& point, const TouchObject& object) {
   return most;
 }
 
-// How far each target moves the vertices of the tiles of a body.
+// Adds to the scene how far each morph target moves the vertices of the tiles of a body.
 class Displacer {
  public:
   Displacer(const TouchObject& object, TiledScene& tiled) : deformation_(*object.deformation), tiled_(tiled) {
@@ -241,7 +241,7 @@ class Displacer {
   std::map<GridPoint, std::size_t> vertices_;
 };
 
-// Bounds of all shapes: whole steps, and one more for the rounding of displacements.
+// Bounds of all shapes, rounded outwards to whole steps, and one step more for the rounding of displacements.
 Box bounds_in_steps(const TouchObject& object, const PatchGrid& grid) {
   Box bounds;
   visit_shapes(object, [&](const Vec3& vertex) { bounds.grow(grid.to_steps(vertex)); });
@@ -258,7 +258,7 @@ void add_deformation(const TouchObject& object, TileBody& body, TiledScene& tile
   body.displaced_count = tiled.displaced.size() - body.first_displaced;
 }
 
-// Which vertices of the mesh those of the tiles of a body are. Of several in one place the last one counts, as in ShapeStager.
+// Adds which vertex of the mesh each vertex of a body's tiles is. Of several vertices in one place the last counts, as in ShapeStager.
 void add_streams(const TouchObject& object, std::uint32_t number, TileBody& body, TiledScene& tiled) {
   const TriangleMesh& mesh = *object.mesh;
   std::map<GridPoint, std::uint32_t> vertices;

@@ -51,7 +51,7 @@ void CallGuard::judge(std::int64_t spent_ns, bool has_returned, const PluginForc
 CutOff CallGuard::find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept {
   if (!has_returned) return {.reason = CutOff::Reason::exception};
   if (!given.force_n.allFinite() || !given.torque_nm.allFinite()) return {.reason = CutOff::Reason::not_finite};
-  // Norms of the largest numbers are infinite, and so above any limit.
+  // If a component is so large that the norm overflows, the norm is infinite, and so above any limit.
   const double force_n = given.force_n.norm();
   const double torque_nm = given.torque_nm.norm();
   if (force_n > kRounding * max_force_n_) return {.reason = CutOff::Reason::too_strong, .value = force_n, .limit = max_force_n_};

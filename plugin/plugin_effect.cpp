@@ -26,7 +26,7 @@ PluginEffect::~PluginEffect() {
 
 PluginForce PluginEffect::step(const hapton_effect_input& input) noexcept {
   return guard_.step(input.dt_s, [&](PluginForce& given) {
-    // Its own copy: whatever it writes there, the next effect gets what was measured.
+    // The effect gets its own copy: whatever it writes to it, the next effect gets the measured values.
     const hapton_effect_input own = input;
     hapton_effect_output output = {};
     api_.step(effect_, &own, &output);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 constexpr std::size_t kWhySize = 512;
-constexpr double kMaxForceN = 100.0;  // as every effect of a scene
+constexpr double kMaxForceN = 100.0;  // as for every effect of a scene
 constexpr double kMaxTorqueNm = 10.0;
 constexpr char kHowToCompile[] = "compile the plug-in with: gcc -shared -fPIC -o FILE.so FILE.c";
 
@@ -30,10 +30,10 @@ constexpr unsigned kMachine = EM_X86_64;
 #elif defined(__aarch64__)
 constexpr unsigned kMachine = EM_AARCH64;
 #else
-constexpr unsigned kMachine = EM_NONE;  // not known here: the loader decides
+constexpr unsigned kMachine = EM_NONE;  // another processor: the loader decides
 #endif
 
-// The loader maps what the headers promise, and dies where the file ends before.
+// The loader maps the segments that the headers announce; if the file is too short for them, the program dies.
 bool holds_its_segments(const Elf64_Ehdr& header, std::string_view bytes) {
   if (header.e_phentsize != sizeof(Elf64_Phdr)) return false;
   for (std::size_t n = 0; n < header.e_phnum; ++n) {
@@ -67,13 +67,13 @@ std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash) {
   return hash;
 }
 
-// The loader gives the code that it has for a path, whatever the file holds by now. False: it is that of other bytes than these.
+// For a path that it has loaded before, the loader gives that code again, whatever the file holds now. False: the code is of other bytes.
 bool is_code_of(const void* handle, std::uint64_t hash_of_bytes) {
   struct Loaded {
     std::mutex mutex;
     std::map<const void*, std::uint64_t> hashes;
   };
-  static auto& loaded = *new Loaded;  // without a destructor: StoppableCalls
+  static auto& loaded = *new Loaded;  // never destroyed: threads of StoppableCalls may outlive main()
   const std::scoped_lock lock(loaded.mutex);
   return loaded.hashes.try_emplace(handle, hash_of_bytes).first->second == hash_of_bytes;
 }
@@ -144,7 +144,7 @@ Error PluginFile::explain_missing(const char* symbol) const {
                       symbol)};
 }
 
-// abi, size of the constant, then sizes of what is exchanged: the first words of each kind.
+// Checks the first words of the constant: the ABI version, its own size, then the sizes of the structures that are exchanged.
 Result<const std::uint32_t*> PluginFile::find(const char* symbol, std::initializer_list<std::size_t> sizes) const {
   const auto* words = static_cast<const std::uint32_t*>(::dlsym(handle_, symbol));
   if (words == nullptr) return tl::unexpected(explain_missing(symbol));
