@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// A cell with more tiles than this, up to 1,536 triangles, is divided. Its datagram has room for more (PatchCell::kMaxTiles).
+// A cell with more tiles than this is divided. They hold up to 1,536 triangles; a datagram can list more (PatchCell::kMaxTiles).
 constexpr std::size_t kTilesInCell = 24;
 // The tiles of eight children together, over those of their parent (2 to 4 for a surface). If the ratio is larger, tiles overlap each other
 // and dividing would separate little, so the cell is not divided.
