@@ -64,7 +64,7 @@ void set_option(const Descriptor& socket, int level, int name, int value) { ::se
 void prepare(const Descriptor& connection) {
   set_option(connection, IPPROTO_TCP, TCP_NODELAY, 1);
   set_option(connection, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
-  // A host that is switched off does not end its connection: it is asked for a reply; if data waits for it, the data is the question.
+  // A host that is switched off does not end its connection: keep-alive packets ask it for a reply, or the data that waits for it does.
   set_option(connection, SOL_SOCKET, SO_KEEPALIVE, 1);
   set_option(connection, IPPROTO_TCP, TCP_KEEPIDLE, StreamEndpoint::kMaxSilentS / 2);
   set_option(connection, IPPROTO_TCP, TCP_KEEPINTVL, StreamEndpoint::kMaxSilentS / 4);
@@ -118,7 +118,7 @@ class SocketStreams final : public StreamEndpoint {
   std::vector<Connection> connections_;
   std::vector<pollfd> polled_;
   Id last_id_ = 0;
-  std::int64_t accepts_from_ns_ = 0;  // accepts none before: the process had no descriptor left
+  std::int64_t accepts_from_ns_ = 0;  // no accept before this: the process had no descriptor left
   std::array<std::byte, 65536> buffer_;
 };
 
