@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/force/deforming_method.h"
@@ -18,11 +19,12 @@ constexpr double kGrowth = 1.3;            // ... when the scene is known in a r
 constexpr std::size_t kMoreTriangles = 2;  // ... or when there is time for this many times its triangles
 constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid; rounding to it moves a vertex by at most 0.87 steps
 constexpr double kVelocityS = 0.02;        // time constant of the hand's velocity
-constexpr double kMinSpeed = 0.05;         // m/s: a hand at rest may start to move
-constexpr double kTimeShare = 0.5;         // share of the time until the hand leaves a patch that making the next one may take
-constexpr double kMakeShare = 0.3;         // weight of the newest duration in the mean
-constexpr double kPathShare = 1.5;         // ratio of a patch's radius to PathBall::radius_m: the proxy may go around an obstacle
-constexpr double kWiden = 2.0;             // factor on that radius for each patch that did not reach the hand
+constexpr std::int64_t kRetryNs = 50 * kNanosecondsPerMillisecond;  // after no shape of the body was known; a free choice
+constexpr double kMinSpeed = 0.05;                                  // m/s: a hand at rest may start to move
+constexpr double kTimeShare = 0.5;  // share of the time until the hand leaves a patch that making the next one may take
+constexpr double kMakeShare = 0.3;  // weight of the newest duration in the mean
+constexpr double kPathShare = 1.5;  // ratio of a patch's radius to PathBall::radius_m: the proxy may go around an obstacle
+constexpr double kWiden = 2.0;      // factor on that radius for each patch that did not reach the hand
 constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // then a patch over the path counts as not reaching the hand
 
 }  // namespace
@@ -54,7 +56,7 @@ std::size_t PatchMaker::affordable() const noexcept {
 bool PatchMaker::can_grow() const noexcept { return is_limited_ && affordable() >= kMoreTriangles * triangles_; }
 
 std::unique_ptr<Patch> PatchMaker::make_if_due(const PatchStore& store, std::uint32_t generation) {
-  if (!has_hand_ || !store.has_begun() || failed_at_ == store.revision()) return nullptr;
+  if (!has_hand_ || !store.has_begun() || (failed_at_ == store.revision() && hand_.scene_time_ns < retry_ns_)) return nullptr;
   return hand_.is_beyond ? make_over_path(store, generation) : make_if_left(store, generation);
 }
 
@@ -125,6 +127,8 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     auto method = make_touch(store, piece.scene, *patch);
     if (!method || *method == nullptr) {
       failed_at_ = store.revision();
+      // A shape that begins later makes it possible without another part.
+      retry_ns_ = method ? hand_.scene_time_ns + kRetryNs : std::numeric_limits<std::int64_t>::max();
       return nullptr;
     }
     patch->step = std::make_unique<TouchStep>(std::move(*method));

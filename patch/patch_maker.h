@@ -70,6 +70,7 @@ class PatchMaker {
   std::int64_t made_ns_ = 0;                // PatchHandState::time_ns when it was made
   bool is_path_incomplete_ = false;         // Patch::is_path_incomplete
   std::optional<std::uint64_t> failed_at_;  // PatchStore::revision() at which no patch could be made
+  std::int64_t retry_ns_ = 0;               // the scene time from which it is tried again at that revision
   double widening_ = 1.0;                   // power of kWiden
   PatchShaper shaper_;                      // makes the stages of a body that programs deform
   double triangle_s_ = kFirstMakeS;         // mean time to make a patch, for each triangle
