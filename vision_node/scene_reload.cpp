@@ -11,12 +11,12 @@
 namespace hapton {
 namespace {
 
-// As SceneWatcher of haptics_node: a change counts at the second look that sees it.
+// As in SceneWatcher of haptics_node. A saved file is read at the second check that finds it in the same state.
 constexpr std::chrono::milliseconds kPollPeriod(500);
-// A force has the processor first.
+// Low priority: the computation of forces gets the processor first.
 constexpr int kReloadNiceness = 10;
 
-// A picture has no room for the folders of a file, nor for all keys that there are: the log has them.
+// The picture has no room for the folders of a path, nor for the list of all known keys; the log shows both.
 std::string shorten(std::string text, const std::filesystem::path& path) {
   const std::string whole = path.string();
   if (const std::size_t at = text.find(whole); at != std::string::npos) text.replace(at, whole.size(), path.filename().string());
@@ -38,7 +38,7 @@ void SceneReload::start() {
 }
 
 void SceneReload::run() {
-  (void)::setpriority(PRIO_PROCESS, 0, kReloadNiceness);  // of this thread alone
+  (void)::setpriority(PRIO_PROCESS, 0, kReloadNiceness);  // on Linux: of this thread only
   do {
     poll();
   } while (calls_.sleep(kPollPeriod));

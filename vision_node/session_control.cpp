@@ -24,7 +24,7 @@ bool SessionControl::press_key(char key) {
       step(rows_.next_s(moment_s));
       return true;
     case ',': {
-      // From the sample that is shown, which may be older than the moment.
+      // Step back from the shown sample, which may be earlier than the moment.
       const CycleRow* shown = rows_.at(moment_s);
       step(shown != nullptr ? rows_.previous_s(shown->sample_t_s) : std::nullopt);
       return true;
@@ -45,7 +45,7 @@ bool SessionControl::press_key(char key) {
       player_.seek(player_.begin_s());
       return true;
     default:
-      // The dials, the hand and the pen of a live session.
+      // These keys control dials, hand and pen of a live session; they have no effect on a recording.
       return key != 0 && std::string_view("xXyYzZ0hpdluUwt").find(key) != std::string_view::npos;
   }
 }
@@ -67,7 +67,7 @@ bool SessionControl::handle(const WindowEvent& event, const std::optional<std::a
       player_.hold(true);
       drag(event, size);
     }
-    is_used = true;  // there is no hand to be led
+    is_used = true;  // a recording has no hand to lead
   } else if (event.kind == Kind::release && event.button == WindowEvent::Button::left) {
     dragged_from_px_.reset();
     player_.hold(false);

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::array kSpeeds = {SessionPlayer::kSlowest, 0.25, 0.5, 1.0, 2.0, 4.0, SessionPlayer::kFastest};  // of play; free choices
+constexpr std::array kSpeeds = {SessionPlayer::kSlowest, 0.25, 0.5, 1.0, 2.0, 4.0, SessionPlayer::kFastest};  // play speeds; free choices
 
 }  // namespace
 

@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-// The scene that the recording names, with the unit and fit that haptics_node used, unless the command line gives others.
+// Loads the scene that the recording names, with the unit and fit that haptics_node used, unless the command line gives others.
 Result<Scene> load_recorded_scene(const VisionOptions& options, const RecordingIndex& index) {
   const HapticsSetup* setup = index.find_setup(index.begin_s());
   if (!options.is_scene_given && setup == nullptr) {

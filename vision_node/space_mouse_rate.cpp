@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// A slower frame must not make what it moves jump.
+// The longest time that counts: after a slow frame, what the SpaceMouse moves must not jump.
 constexpr double kLongestStepS = 0.1;
 
 }  // namespace

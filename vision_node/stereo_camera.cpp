@@ -7,8 +7,8 @@ namespace {
 
 // The largest sphere that is comfortable to view from arm's length.
 constexpr double kDeskRadius = 0.2;
-// A smaller one is viewed from nearer, in proportion: from the desk's distance its pixels would be below the resolution of single
-// precision.
+// A smaller sphere is viewed from a proportionally shorter distance: from kDeskDistance, its pixels would be smaller than the resolution
+// of single precision.
 constexpr double kSmallRadius = 0.002;
 // A small margin round the framed object.
 constexpr double kMargin = 1.06;
@@ -18,7 +18,7 @@ Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {
   return Vec3(screen.eyes_aside_m.x(), screen.eyes_aside_m.y(), screen.distance_m) + side * screen.ipd_m * screen.to_right_V;
 }
 
-// The nearest that is drawn, as a share of the distance: nearer the depth buffer would have no resolution left for the rest.
+// The smallest depth that is drawn, as a share of the distance to the screen. With a smaller one, the depth buffer would be too coarse.
 constexpr double kNearShare = 0.05;
 
 void place_picture(const Framing& framing, PictureSize size, StereoScreen& screen) {
@@ -41,7 +41,7 @@ void place_picture(const Framing& framing, PictureSize size, StereoScreen& scree
 
 void place_eyes(const Framing& framing, StereoScreen& screen) {
   const double scale = compute_viewer_scale(framing, screen.width_m);
-  const double grown = scale * kDeskDistance / framing.distance_m;  // exactly 1 where the screen's width is not known, or where it is
+  const double grown = scale * kDeskDistance / framing.distance_m;  // exactly 1 if the screen's width is not known, or if its place is
   const Vec3 from_desk = framing.head.p_RH - Head().p_RH;
   screen.distance_m = grown * framing.distance_m + scale * from_desk.z();
   screen.eyes_aside_m = scale * from_desk.head<2>();
@@ -78,7 +78,7 @@ StereoScreen compute_screen(const Framing& framing, PictureSize size) {
   StereoScreen screen;
   place_picture(framing, size, screen);
   place_eyes(framing, screen);
-  // What is drawn lies around the screen's plane, or around a place before or behind a screen that is elsewhere.
+  // What is drawn lies around p_WC: in the screen's plane, or, if the framing gives the screen's place, in front of it or behind it.
   const double before_m = framing.screen ? (framing.screen->X_WR.inverse(Eigen::Isometry) * framing.p_WC).z() : 0.0;
   screen.near_m = std::max(kNearShare * screen.distance_m, screen.distance_m - std::max(0.0, before_m) - framing.depth_m);
   screen.far_m = screen.distance_m - std::min(0.0, before_m) + framing.depth_m;
@@ -98,7 +98,7 @@ Mat4 compute_view_matrix(const StereoScreen& screen, Eye eye) {
   return (screen.X_WV * X_VE).inverse(Eigen::Isometry).matrix();
 }
 
-// A point (x, y, -d) of the screen plane must land on x / (w/2), y / (h/2) when x, y are counted from the screen's centre. Seen
+// A point (x, y, -d) of the screen plane must land on x / (w/2), y / (h/2) when x, y are measured from the screen's centre. Seen
 // from the eye, that centre lies at (c_x, c_y) = (-e_x, -e_y). With perspective division by -z:
 //   x_ndc = (2 d / w) (x / -z) - 2 c_x / w, and alike for y. Depth is OpenGL's, -1 at near, 1 at far.
 Mat4 compute_projection_matrix(const StereoScreen& screen, Eye eye) {

@@ -34,7 +34,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kScreenshotSamples = 8;  // a pixel; a free choice, as a screenshot may take longer than a frame
+constexpr int kScreenshotSamples = 8;  // for each pixel; a free choice, because a screenshot may take longer than a frame
 
 }  // namespace
 
@@ -48,11 +48,11 @@ struct StereoView::Window {
   bool swapped = false;
   // The window is destroyed after what is drawn in it.
   vtkNew<vtkRenderWindow> window;
-  std::unique_ptr<WindowListener> listener;  // none off screen
+  std::unique_ptr<WindowListener> listener;  // null if the window is off screen
   std::vector<std::unique_ptr<EyeView>> eyes;
   std::unique_ptr<SceneLayers> layers;
   std::unique_ptr<EyeComposer> composer;
-  bool composes = false;  // in this mode, rather than VTK
+  bool composes = false;  // in this mode `composer` combines the two pictures, not VTK
   std::unique_ptr<ProbeFigure> probe;
   std::unique_ptr<ProbeFigure> other_probe;
   AnnotationFigure annotations;
@@ -62,11 +62,11 @@ struct StereoView::Window {
   HeadsetEyes headset_eyes;
   TeachFigure teach;
   Pose X_WS = Pose::Identity();
-  std::optional<Vec3> p_WP;  // the tip; none before it was first set
+  std::optional<Vec3> p_WP;  // position of the tip; empty until it is first set
   bool stale = true;
-  // Of the frame being drawn.
+  // The rest is about the frame that is being drawn.
   bool is_prepared = false;
-  bool is_whole = false;  // in full detail whatever it takes
+  bool is_whole = false;  // it is drawn in full detail, however long that takes
   std::function<void()> before_probe;
 
   vtkOpenGLRenderWindow* opengl() { return vtkOpenGLRenderWindow::SafeDownCast(window); }
@@ -79,7 +79,7 @@ struct StereoView::Window {
   void render();
   void render_both_eyes();
   void let_vtk_compose(bool is_let);
-  // Of an eye's picture; no view: beside all of them.
+  // A pixel of one eye's picture. view is null for a position outside all pictures.
   struct PixelOfEye {
     EyeView* view = nullptr;
     int x = 0;
@@ -168,7 +168,7 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   view->has_hud = !settings.plain && mode != StereoMode::openxr;  // in a headset nobody sees the corners
   if (view->has_hud) view->hud.add_to(renderer);
   if (!settings.plain && mode == StereoMode::openxr) headset_panel.add_to(renderer);
-  // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
+  // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: both are up to date.
   vtkNew<vtkCallbackCommand> begin_pass;
   begin_pass->SetClientData(this);
   begin_pass->SetCallback([](vtkObject* begun, unsigned long, void* self, void*) {
@@ -199,7 +199,7 @@ void StereoView::Window::begin(EyeView& view) {
   view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
 }
 
-// Draws the scene of all eyes, then everything that moves. VTK's framebuffer is bound.
+// Draws the scene for all eyes, then calls before_probe, which sets the probe. Pre: VTK's framebuffer is bound.
 void StereoView::Window::prepare() {
   std::vector<ScenePass> passes;
   for (const auto& view : eyes) {
@@ -223,7 +223,7 @@ void StereoView::Window::render() {
   window->Render();
 }
 
-// Everything is of one sample of the probe: what is prepared for the first eye is that of the second, too.
+// Both pictures show the same sample of the probe: prepare() runs only in the pass of the first eye, and its result serves both.
 void StereoView::Window::render_both_eyes() {
   EyeView& view = *eyes.front();
   const Eye first = swapped ? Eye::right : Eye::left;
@@ -238,7 +238,7 @@ void StereoView::Window::render_both_eyes() {
   composer->compose(framebuffer, size, mode == StereoMode::anaglyph);
 }
 
-// For a picture with smooth edges, whose pixels VTK has in a framebuffer of its own.
+// True lets VTK combine the two pictures, as smooth edges require: VTK then holds the pixels in a framebuffer of its own.
 void StereoView::Window::let_vtk_compose(bool is_let) {
   if (!composes) return;
   window->SetStereoRender(is_let ? 1 : 0);
@@ -411,14 +411,14 @@ void StereoView::draw(std::function<void()> before_probe) {
     Eye& eye = window_->eyes.front()->eye;
     eye = eye == Eye::left ? Eye::right : Eye::left;
   }
-  // VTK copies a picture to the window in three steps by shaders; if VTK composes nothing, one is enough.
+  // VTK copies a picture to the window in three steps, with shaders. If VTK combines nothing, one step is enough: present().
   const bool is_composed = vtk_stereo_type(window_->mode) != 0 && !window_->composes;
   const bool is_headset = window_->mode == StereoMode::openxr;
   window_->window->SetSwapBuffers(!is_headset && (is_composed || window_->settings.msaa > 0));
   window_->before_probe = std::move(before_probe);
   window_->composes ? window_->render_both_eyes() : window_->render();
   window_->before_probe = {};
-  // A headset waits for its pictures, and nobody for the window's.
+  // The headset waits for its pictures; nobody waits for the picture in the window.
   if (is_headset) return window_->headset->take_frame();
   if (window_->window->GetSwapBuffers() == 0 && !window_->settings.offscreen) present(window_->opengl());
   window_->window->WaitForCompletion();
@@ -438,13 +438,13 @@ std::uint64_t StereoView::scenes_drawn() const { return window_->layers->drawn()
 Picture StereoView::read_picture() { return read_window_picture(window_->window); }
 
 Result<void> StereoView::save_png(const std::filesystem::path& file) {
-  // Tried first, because VTK would write its own lines about it to stderr, and block on a pipe without a reader.
+  // Opens the file first: if that fails, VTK would write its own lines to stderr, or block on a pipe without a reader.
   PartPath part(file);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> tried(open_file_for(part.part(), FileReaders::everyone), &std::fclose);
   if (!tried) {
     return fail("cannot write the screenshot {}: does its folder exist, and is it writable?", file.string());
   }
-  // Once, for a picture that stays, smooth edges are worth their time.
+  // Smooth edges take time, which is well spent on a single picture that is kept.
   window_->window->SetMultiSamples(std::max(kScreenshotSamples, window_->settings.msaa));
   window_->window->SwapBuffersOn();
   window_->is_whole = true;
@@ -462,7 +462,7 @@ std::vector<WindowEvent> StereoView::poll_events() {
   if (!window_->listener) return {};
   std::vector<WindowEvent> events = window_->listener->poll();
   if (window_->mode == StereoMode::openxr)
-    window_->headset->enter(window_->headset_eyes.size);  // VTK has taken the size of a resized window
+    window_->headset->enter(window_->headset_eyes.size);  // after a resize, VTK uses the size of the window
   for (WindowEvent& event : events) {
     const Eigen::Vector2i at = window_->headset->find_pixel(event.x_px, event.y_px);
     event.x_px = at.x();

@@ -39,7 +39,7 @@ SurfaceFinder::Found SurfaceFinder::find_closest(const Vec3& p, std::span<const 
     }
     return (least + moved_m) * (least + moved_m);
   };
-  // Any point of the surface bounds the search.
+  // The distance to any point of the surface, here to triangle 0, bounds the search.
   tree_.visit_nearest(p - origin_, look_at(0), [&](std::uint32_t t, double) { return look_at(t); });
   return found;
 }

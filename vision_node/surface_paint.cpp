@@ -10,7 +10,7 @@ namespace {
 
 std::uint8_t to_byte(double channel) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(channel, 0.0, 1.0))); }
 
-// What is never drawn has no alpha and the least cutoff. Blended, the same cutoff leaves out what nobody could see.
+// A mask with a cutoff above 1 gets alpha 0, so that it is never drawn. A blended surface gets cutoff 1: only invisible parts are left out.
 void set_alpha(const VisualMaterial& material, const CornerAppearance& corner, VertexPaint& paint) {
   if (material.alpha_mode == AlphaMode::opaque) return;
   paint.alpha = to_byte(material.alpha * corner.alpha / 255.0);

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kTeachNiceness = 10;  // as for levels of detail: nodes and frames come first
+constexpr int kTeachNiceness = 10;  // as for levels of detail: the nodes and the drawing of frames have priority
 
 TeachShapes make_notice(std::string text) {
   TeachShapes nothing;
@@ -41,7 +41,7 @@ class TeachBuilder::Work {
   TeachShapes make_of_tree(const Request& request);
 
   TouchScene scene_;
-  // The thread's own, made when first needed.
+  // Used only by the thread, which makes each of them when it first needs it.
   std::unique_ptr<SmoothScene> smooth_;
   std::unique_ptr<UniformGrid> grid_;
   std::unique_ptr<TeachCurvature> curvature_;
@@ -87,7 +87,7 @@ int TeachBuilder::Work::tree_depth() {
 }
 
 void TeachBuilder::Work::run() {
-  // Of this thread alone: a force has the processor first.
+  // For this thread only: the computation of forces gets the processor first.
   (void)setpriority(PRIO_PROCESS, 0, kTeachNiceness);
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -138,7 +138,7 @@ TeachBuilder::~TeachBuilder() { work_->stop(); }
 
 void TeachBuilder::request(const TeachChoice& choice, const TeachProbe& probe) {
   work_->request(choice, probe);
-  // Preparing a large scene takes seconds and cannot be interrupted: a person who quits does not wait for it.
+  // Preparing a large scene takes seconds and cannot be interrupted. The thread is detached, so quitting does not wait for it.
   if (!std::exchange(is_started_, true)) start_thread([work = work_] { work->run(); }).detach();
 }
 

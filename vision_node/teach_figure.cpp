@@ -19,14 +19,14 @@
 namespace hapton {
 namespace {
 
-// Shares of the picture.
+// Position and size of the scale of colours, as shares of the picture; and its number of steps.
 constexpr double kScaleLeft = 0.02;
 constexpr double kScaleWidth = 0.015;
 constexpr double kScaleLow = 0.35;
 constexpr double kScaleHigh = 0.70;
 constexpr int kScaleSteps = 32;
 
-// Points of one colour each, for one actor.
+// Points for one actor, each point with its own colour.
 class ColouredPoints {
  public:
   ColouredPoints() { colours_->SetNumberOfComponents(3); }
@@ -61,7 +61,7 @@ TeachFigure::TeachFigure() {
   lines_->GetProperty()->SetLineWidth(1.0F);
   lines_->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
   lines_->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -4.0);
-  // On the surface that they are part of: nearer by more than the depth buffer's steps.
+  // The triangles lie on the surface of the scene: they are drawn nearer than it, by more than the resolution of the depth buffer.
   triangles_->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
   triangles_->GetMapper()->SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0);
   vtkNew<vtkPolyDataMapper2D> mapper;

@@ -22,13 +22,13 @@ constexpr TeachColour kHull = {255, 200, 90};
 constexpr TeachColour kCell = {120, 200, 255};
 constexpr TeachColour kHere = {255, 255, 255};
 constexpr TeachColour kNotKnown = {230, 210, 60};
-// Of the scene's diagonal: a triangle so near to the probe is in contact. Methods keep the proxy off the surface by less.
+// Share of the scene's diagonal: a triangle counts as touched up to this distance from the probe. The gap that methods keep is smaller.
 constexpr double kContactShare = 2e-4;
-// Of the diagonal: half the side of the square that stands for a plane, and the length of a normal.
+// Share of the scene's diagonal: half the side of the square that stands for a plane, and the length of a normal.
 constexpr double kPlaneShare = 0.03;
 
 void add_triangle(TeachShapes& shapes, const std::array<Vec3, 3>& corner, const TeachColour& colour) {
-  // Darker inside, so that the sides are seen.
+  // The interior is darker, so that the edges are visible.
   TeachColour inside = colour;
   for (std::uint8_t& part : inside) part = static_cast<std::uint8_t>(part * 3 / 5);
   shapes.triangles.push_back({corner, {inside, inside, inside}});
@@ -67,7 +67,7 @@ std::vector<Contact> find_contacts(const SmoothScene& scene, const TeachProbe& p
   return found;
 }
 
-// Of the surface towards the probe: the face's, on the side where the force goes.
+// The normal of the face, on the side to which the force points; without a force, the penetration vector takes its place.
 Vec3 normal_of(const Contact& contact, const TeachProbe& probe) {
   const Vec3 away = probe.force_S_n.squaredNorm() > 0.0 ? probe.force_S_n : Vec3(probe.p_SP - probe.p_SD);
   return away.dot(contact.triangle.face) < 0.0 ? Vec3(-contact.triangle.face) : contact.triangle.face;

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kDotsPerInch = 72;  // vtkWindow's: a point is a pixel
+constexpr int kDotsPerInch = 72;  // the default of vtkWindow: a point is one pixel
 
 }  // namespace
 

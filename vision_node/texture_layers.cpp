@@ -7,13 +7,13 @@
 namespace hapton {
 namespace {
 
-// The number is a byte beside a vertex's colour, and 0 means none.
+// A vertex stores the number of its layer in one byte (VertexPaint::layer), and 0 means no layer.
 constexpr std::size_t kMaxLayers = 255;
-// Of all layers of one mesh; more is invisible in a picture of a few megapixels.
+// For all layers of one mesh together; more would make no visible difference in a picture of a few megapixels.
 constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 constexpr int kMaxSide = 4096;
 
-// The largest image decides, each side for itself, within what all layers together may take.
+// The size of every layer: the largest width and the largest height of the images, reduced until all layers are within the limits.
 std::pair<int, int> choose_size(const std::vector<Texels>& images) {
   int width = 1;
   int height = 1;
@@ -40,7 +40,7 @@ std::vector<bool> find_used(const MeshAppearance& appearance) {
   return is_used;
 }
 
-// The same layers, with the same numbers.
+// Whether both appearances give the same layers, with the same numbers.
 bool have_same_images(const MeshAppearance& a, const MeshAppearance& b) {
   if (&a == &b) return true;
   const std::vector<bool> is_used = find_used(a);

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// More than a double's rounding of a time of days, less than the time between two samples.
+// More than the rounding error of a double for a time of several days, less than the time between two samples.
 constexpr double kSameMomentS = 1e-6;
 
 int column_of(const RecordingIndex& index, double t_s) {
@@ -18,7 +18,7 @@ int column_of(const RecordingIndex& index, double t_s) {
 std::vector<TimeLineShown::Band> make_bands(const RecordingIndex& index) {
   std::vector<TimeLineShown::Band> bands;
   int last = -2;
-  constexpr double kWidth = 1.0 / kTimeLineColumns;  // of a column, as a share of the line
+  constexpr double kWidth = 1.0 / kTimeLineColumns;  // width of a column, as a share of the line
   for (const RecordingSpan& span : index.spans()) {
     if (!span.is_contact) continue;
     const double from_s = RecordingIndex::kSpanS * static_cast<double>(span.number);

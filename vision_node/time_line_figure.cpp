@@ -18,11 +18,11 @@ constexpr LineColour kTrack = {92, 98, 108};
 constexpr LineColour kContactBand = {90, 230, 120};
 constexpr LineColour kMarkerTick = {120, 200, 255};
 constexpr LineColour kFaultTick = {240, 80, 70};
-// Narrower ones could not be seen, pixels.
+// Widths, pixels. A band narrower than kMinBand could not be seen.
 constexpr double kMinBand = 1.0;
 constexpr double kTickWidth = 2.0;
 
-// Rectangles of several colours, for one actor, which is drawn once.
+// Rectangles of several colours for one actor, so that all are drawn at once.
 class ColouredBoxes {
  public:
   ColouredBoxes() { colours_->SetNumberOfComponents(3); }
@@ -54,7 +54,7 @@ void TimeLineFigure::add_to(vtkRenderer* renderer) {
   vtkNew<vtkPolyDataMapper2D> mapper;
   mapper->SetInputData(shape_);
   line_->SetMapper(mapper);
-  // A post with a head at either end.
+  // The mark of the moment: a vertical post with a triangle at each end.
   moment_corners_->SetNumberOfPoints(10);
   vtkNew<vtkCellArray> cells;
   const vtkIdType post[4] = {0, 1, 2, 3};
@@ -105,7 +105,7 @@ void TimeLineFigure::draw_line(const TimeLineShown& line, const TimeLinePlace& p
     boxes.add(kContactBand, from, std::max(x_of(band.to), from + kMinBand), place.bottom_px, top);
   }
   const double over = 0.35 * place.height_px;
-  for (const bool is_fault : {false, true}) {  // a fault is not hidden by a marker
+  for (const bool is_fault : {false, true}) {  // faults last, so that no marker hides one
     for (const auto& tick : line.ticks) {
       if (tick.is_fault != is_fault) continue;
       const double x = x_of(tick.at);

@@ -10,10 +10,10 @@
 namespace hapton {
 namespace {
 
-// How far a corner of the panel may be moved from the middle of the workspace towards its edge.
+// Largest distance of the panel's corners from the middle of the workspace, as a share of the distance to the workspace's edge.
 constexpr double kWithin = 0.92;
 
-// By how much `along` may be multiplied so that `from + along` stays in the box.
+// The largest factor for which `from + factor * along` is inside the box from -half to half; at least 0.
 double find_room(const Vec3& from, const Vec3& along, const Vec3& half) {
   double room = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
@@ -55,7 +55,7 @@ void TouchMenu::open(const StereoScreen& screen, const Vec3& p_WC) {
   const Vec3 right = screen.X_WV.linear().col(0);
   const Vec3 up = screen.X_WV.linear().col(1);
   const Vec3 half = kWithin * 0.5 * workspace_size_m();
-  // As far as all its corners stay inside: to the right first, then up.
+  // Moves the panel as far as all its corners stay in the workspace: to the right first, then up.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& along : {right, up}) {
     double room = std::numeric_limits<double>::infinity();

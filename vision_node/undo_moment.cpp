@@ -7,13 +7,13 @@
 namespace hapton {
 namespace {
 
-using Place = std::array<double, 4>;  // of a carve's beginning, and its object
+using Place = std::array<double, 4>;  // number of the carved object, and where the carve begins
 
 Place place_of(int object, const Carve& carve) {
   return {static_cast<double>(object), carve.from_m.x(), carve.from_m.y(), carve.from_m.z()};
 }
 
-// Serials of the carves of the list by their places; those of a place ascend.
+// The serials of the list's carves by their places, in ascending order for each place.
 std::map<Place, std::vector<std::uint32_t>> list_places(const CarveList& list) {
   std::map<Place, std::vector<std::uint32_t>> places;
   list.for_each({}, [&](const MadeCarve& made) { places[place_of(made.object, made.carve)].push_back(made.serial); });
@@ -22,8 +22,8 @@ std::map<Place, std::vector<std::uint32_t>> list_places(const CarveList& list) {
 
 }  // namespace
 
-// Both lists are in the order in which things were done, so a press is looked for after those before it. Carves that change nothing are not
-// in the list, so any carve of a press will do.
+// Both lists are in the order of the actions, so the search for a press begins after the press before it. Carves that change nothing are
+// not in the list, so a press is found by its first carve that is.
 CarveMoments::CarveMoments(const CarveList& list, std::uint32_t source, const std::vector<CarvedPress>& saved) : source_(source) {
   serials_.assign(1, 0);
   if (saved.empty()) return;

@@ -24,8 +24,8 @@ bool ViewCulling::may_see(const DetailCluster& cluster) const {
     const Vec3f towards = cluster.cone_apex - p_UE_;
     return towards.dot(cluster.cone_axis) < cluster.cone_cutoff * towards.norm();
   }
-  // All fronts: the same with the normals turned round. The apex lies behind the planes of the triangles, so the test is that of the sphere
-  // (meshopt_Bounds).
+  // Only backs: none is seen if all triangles show their fronts. The same test with reversed normals, but the apex lies behind the planes
+  // of the triangles, so the bounding sphere takes its place (meshopt_Bounds).
   const Vec3f away = p_UE_ - cluster.centre;
   return away.dot(cluster.cone_axis) < cluster.cone_cutoff * away.norm() + cluster.radius;
 }

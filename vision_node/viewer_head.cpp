@@ -16,7 +16,7 @@ void ViewerHead::move(const Vec3& by_m) {
   if (is_possible(moved_by(seen_, moved_m_ + by_m), ipd_m_)) moved_m_ += by_m;
 }
 
-// A tracked head that comes near the screen takes no move with it that would lead through the screen.
+// Leaves out the moves while the tracked head is so near the screen that they would lead through it.
 Head ViewerHead::head() const {
   const Head moved = moved_by(seen_, moved_m_);
   return is_possible(moved, ipd_m_) ? moved : seen_;
@@ -31,7 +31,7 @@ double compute_eye_motion_m(const Head& from, const Head& to, double ipd_m) {
 std::string describe_head(const Head& head, const Head& home) {
   constexpr double kShownM = 0.01;  // unit of the shown position; less than half of it is not shown
   if ((head.p_RH - home.p_RH).norm() < 0.5 * kShownM) return {};
-  // A zero has no sign.
+  // Adding 0.0 turns -0 into 0, which is shown without a sign.
   const auto cm = [](double length_m) { return std::round(100.0 * length_m) + 0.0; };
   return fmt::format("head {:.0f} {:.0f} {:.0f} cm", cm(head.p_RH.x()), cm(head.p_RH.y()), cm(head.p_RH.z()));
 }

@@ -87,7 +87,7 @@ void ViewerWindow::choose_teach(const UserRequests& requests) {
   const TeachChoice before = teach_;
   if (requests.next_teach) teach_ = next_teach(teach_);
   if (requests.next_level) teach_ = next_level(teach_, teacher_->tree_depth());
-  if (teach_ == before) return;  // a tree of one level; nothing would be requested
+  if (teach_ == before) return;  // the tree has only one level: there would be nothing new to request
   view_.teach_figure().hide();
   step_.set_teaching(teach_.view == TeachView::off ? std::string() : std::string(teach_name(teach_.view)) + ": being prepared");
 }
@@ -145,7 +145,7 @@ void ViewerWindow::show(const VisionStep::Shown& shown) {
   view_.set_plots(shown.plots);
 }
 
-// When the window was resized. In side_by_side a display may stretch the halves or not.
+// Checks the shape of the picture against --screen after each resize. Not in side_by_side: only some displays stretch the halves.
 void ViewerWindow::check_aspect() {
   if (!options_.screen || view_.mode() == StereoMode::side_by_side) return;
   PictureSize size = view_.picture_size();
@@ -164,7 +164,7 @@ void ViewerWindow::follow_head() {
   step_.set_head_notice(head_tracker_->describe(now_ns));
 }
 
-// Of motions that came together only the last one counts.
+// Of consecutive motions of the mouse, only the last one is handled.
 void ViewerWindow::handle_events(const TakeEvent& take, const FindSurface& find_surface) {
   const std::vector<WindowEvent> events = view_.poll_events();
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -192,7 +192,7 @@ void ViewerWindow::refine_scene() {
 }
 
 Result<void> ViewerWindow::take_screenshot(const std::filesystem::path& file) {
-  // Those in the window may be older than its probe and its bar of the force.
+  // The texts in the window may be older than the probe and the force bar in it.
   const VisionStep::Texts texts = step_.compose_texts(clock_.now_ns());
   view_.set_hud(texts.hud, texts.help, texts.notice);
   if (auto saved = view_.save_png(file); !saved) return saved;

@@ -20,7 +20,7 @@
 namespace hapton {
 namespace {
 
-// Up to the separator, which is taken away as well.
+// Removes the text up to the separator from `rest`, and the separator as well; returns the text.
 std::string_view take_word(std::string_view& rest, char separator) {
   const std::size_t end = std::min(rest.find(separator), rest.size());
   const std::string_view word = rest.substr(0, end);
@@ -44,12 +44,12 @@ Result<Vec3> parse_triple(std::string_view text) {
   std::string_view rest = text;
   const bool is_one =
       parse_number(take_word(rest, ','), numbers.x()) && parse_number(take_word(rest, ','), numbers.y()) && parse_number(rest, numbers.z());
-  constexpr double kMax = 1e6;  // of each number, in its unit; keeps what is computed from it finite
+  constexpr double kMax = 1e6;  // for each number, in its unit, so that results computed from it are finite
   if (!is_one || !(numbers.cwiseAbs().array() <= kMax).all()) return fail("'{}' is not a triple; give X,Y,Z without spaces", text);
   return numbers;
 }
 
-// What the words about the viewer's head say.
+// The texts of the options about the viewer's head, not parsed yet.
 struct HeadWords {
   std::string source = "keys";
   std::string at_mm = "0,0,600";
@@ -94,7 +94,7 @@ void add_head_options(CLI::App& app, HeadWords& words, VisionOptions& options) {
       ->needs(head);
 }
 
-// Pre: each of the words is accepted.
+// Pre: each text has passed the check of its option.
 void set_head(const HeadWords& words, VisionOptions& options) {
   options.head = {1e-3 * *parse_triple(words.at_mm), turn_by_degrees(*parse_triple(words.turn_deg))};
   HeadSource& source = options.head_source;
@@ -105,7 +105,7 @@ void set_head(const HeadWords& words, VisionOptions& options) {
   source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_by_degrees(*parse_triple(words.tracker_turn_deg));
 }
 
-// A recording in place of a hub. Pre: the app has all flags of a live session.
+// Adds the options that show a recording in place of a hub. Pre: the app already has all flags of a live session.
 void add_session_options(CLI::App& app, VisionOptions& options) {
   const auto session =
       app.add_option("--session", options.session,
@@ -135,7 +135,7 @@ void add_session_options(CLI::App& app, VisionOptions& options) {
       ->needs(frames);
 }
 
-// Where the viewer is, unless --screen says where the screen is.
+// Adds the options that say where the viewer is, and --screen, which says where the screen is instead.
 void add_view_options(CLI::App& app, VisionOptions& options) {
   const auto screen = app.add_option("--screen", options.screen_file,
                                      "File (TOML) that hapton screen wrote: draws in true size on a screen that stands there, so "
@@ -155,14 +155,14 @@ void add_view_options(CLI::App& app, VisionOptions& options) {
       ->excludes(screen);
 }
 
-// What the words about a headset's room say.
+// The texts of the options about a headset's room, not parsed yet.
 struct RoomWords {
   std::string space = "local";
   std::string at_m;
   std::string turn_deg = "0,0,0";
 };
 
-// Below the eyes of someone who sits or stands, and at the height of a table: where hands are.
+// Defaults of --workspace-m, where hands are: below the eyes of someone who sits or stands, and at the height of a table.
 constexpr const char* kBeforeTheEyes = "0,-0.25,-0.5";
 constexpr const char* kAboveTheFloor = "0,1,-0.5";
 
@@ -179,14 +179,14 @@ void add_room_options(CLI::App& app, RoomWords& words) {
       ->capture_default_str();
 }
 
-// Pre: each of the words is accepted.
+// Pre: each text has passed the check of its option.
 void set_room(const RoomWords& words, VisionOptions& options) {
   options.room = words.space == "stage" ? RoomSpace::stage : RoomSpace::local;
   const std::string at_m = !words.at_m.empty() ? words.at_m : options.room == RoomSpace::stage ? kAboveTheFloor : kBeforeTheEyes;
   options.X_OW = Eigen::Translation3d(*parse_triple(at_m)) * Pose(turn_by_degrees(*parse_triple(words.turn_deg)));
 }
 
-// What is parsed once all is given.
+// The texts of options that are parsed after the whole command line was read.
 struct VisionWords {
   std::vector<std::string> hubs;
   std::string stereo = "auto";
@@ -203,7 +203,7 @@ struct VisionWords {
   bool no_depth_cues = false;
 };
 
-// The hub, and the scene and tool that are drawn.
+// Adds the options for the hub, and for the scene and tool that are drawn.
 void add_scene_options(CLI::App& app, VisionOptions& options, VisionWords& words) {
   app.add_option("--hub", words.hubs,
                  "Where io_node is: HOST or HOST:PORT (default: 127.0.0.1); if given twice, the hand of the second hub is shown as well")
@@ -251,7 +251,7 @@ void add_probe_options(CLI::App& app, VisionOptions& options) {
       ->check(between(0.0, 1.0));
 }
 
-// What is drawn and how, besides scene and probe, and what turns it.
+// Adds the options for what is drawn besides scene and probe, for how it is drawn, and for the dials that turn the scene.
 void add_drawing_options(CLI::App& app, VisionOptions& options, VisionWords& words) {
   app.add_flag("--no-depth-cues", words.no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start: degrees about the x axis")

@@ -16,10 +16,10 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;  // between two looks at the scene file
-constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;   // from a look of one node at the file to one of the other
-constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;   // without a reply, before the user is notified
-// How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer. A choice.
+constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;  // between two messages to the hub about our scene
+constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;   // tolerated between both nodes' readings of a saved file
+constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;   // time without a reply until the user is notified
+// The longest wait for a message: a pressed key or an uncovered window is handled after this time at the latest. A free choice.
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -55,7 +55,7 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
 
 Result<void> VisionSession::run(const StopSignal& stop) {
   Result<void> shown = show_until_end(stop);
-  // Whatever the end is: a person who draws must not lose it.
+  // Even if the loop ended with an error: a person's strokes and measures must not be lost.
   const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
   if (shown) shown = take_last_screenshot();
   if (!shown && !saved) log_error("{}", saved.error().what);
@@ -65,16 +65,16 @@ Result<void> VisionSession::run(const StopSignal& stop) {
 Result<void> VisionSession::show_until_end(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
-  // Before the hub is joined: what takes long only once delays no probe.
+  // Before the hub is joined, so that work that takes long only the first time does not delay a probe.
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
   view_.prepare_shaders();
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
-    // A headset sets the pace itself.
+    // With a headset, begin_headset_turn() waits for the time of the next frame.
     is_for_headset_ = begin_headset_turn();
     receive_from_hub(is_for_headset_ ? 0 : std::min(clock_.now_ns() + kTurnNs, end_ns));
     follow_scene();
     attend_window();
-    // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
+    // Before drawing, while the received states are fresh: a slow frame then neither makes a message look lost nor delays one.
     send_pending();
     if (other_ != nullptr) other_->update(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
@@ -86,7 +86,7 @@ Result<void> VisionSession::show_until_end(const StopSignal& stop) {
 
 Result<void> VisionSession::take_last_screenshot() {
   if (options_.screenshot.empty() || moment_.taken()) return {};
-  draw();  // what has changed since the last frame is in it as well
+  draw();  // so that the screenshot shows what has changed since the last frame
   if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
   if (moment_.missed_contact()) {
     log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
@@ -139,7 +139,7 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   }
 }
 
-// A picture shows the newest; a stroke has a point of each.
+// A picture shows only the newest state; a stroke gets a point from each state.
 void VisionSession::take_state(const ProbeState& state) {
   received_ns_ = hub_.receive_time_ns();
   step_.receive(state, received_ns_);
@@ -163,12 +163,12 @@ void VisionSession::annotate(const UserRequests& requests) {
   step_.set_annotations(annotator_->describe());
 }
 
-// newest: empty if there is none.
+// newest: a new notice; empty: there is none.
 void VisionSession::show_notice(std::string newest) {
   if (notice_.update(std::move(newest), clock_.now_ns())) step_.set_happened(notice_.line());
 }
 
-// Before the messages of the hub that was joined.
+// Call it before the messages of a newly joined hub are handled.
 void VisionSession::note_join() {
   if (hub_.state() != JoinState::joined || (was_joined_ && hub_.counts().joins == joins_)) return;
   log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
@@ -227,7 +227,7 @@ void VisionSession::set_live_scene(LiveScene* scene) {
   window_.set_teacher(&scene->teacher());
 }
 
-// Before drawing, and outside of it: what a frame draws is not exchanged under it.
+// Pre: no frame is being drawn, because this may replace the objects that a frame draws.
 void VisionSession::follow_scene() {
   if (live_ == nullptr) return;
   if (const auto change = live_->follow(clock_.now_ns())) {
@@ -241,7 +241,7 @@ void VisionSession::follow_scene() {
   compare_scene();
 }
 
-// If the file is watched, haptics_node may have read it earlier: by a moment, or by what the picture takes to read it.
+// If the file is watched, haptics_node may read it before this node: another scene then counts only kSceneReadNs after this node's reading.
 void VisionSession::compare_scene() {
   if (scene_hash_ == 0 || haptic_hash_ == 0) return;
   bool is_other = haptic_hash_ != scene_hash_;
@@ -274,13 +274,13 @@ void VisionSession::attend_window() {
   show_notice(window_.take_numbered_screenshot());
 }
 
-// There the head is where it is: the workspace moves instead.
+// A person wears the headset, so requests to move the head move the workspace instead.
 void VisionSession::move_in_headset(const UserRequests& requests) {
   if (requests.reset_head) headset_->recentre();
   headset_->move_viewer(requests.head_by_m);
 }
 
-// Under the pointer: the scene, or the menu where that is nearer to the viewer.
+// The point under the pointer: on the menu if that is nearer to the viewer, otherwise on the scene.
 std::optional<Vec3> VisionSession::find_surface(const WindowEvent& event) {
   const std::optional<Vec3> scene = view_.pick(event.x_px, event.y_px);
   if (annotator_ == nullptr) return scene;
@@ -336,8 +336,8 @@ void VisionSession::draw() {
   const VisionStep::Shown shown = step_.compose(begin_ns);
   window_.show(shown);
   if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
-  // While the scene was drawn the probe has moved on; but where objects move, all is of one sample: the probe must not leave a surface that
-  // carries it.
+  // The probe moves on while the scene is drawn, so its newest sample is drawn. But if objects move, scene and probe are drawn from one
+  // sample: the probe must not leave a surface that carries it.
   const bool is_moving = moved_ != nullptr && moved_->has_motion();
   if (is_moving) moved_->place_moving();
   view_.draw([this, &shown, is_moving] {
@@ -358,14 +358,14 @@ bool VisionSession::other_wants_picture(std::int64_t now_ns) {
   return other_->wants_picture(at.sizes, at.screen, at.picture);
 }
 
-// One that came while the frame was drawn is in it.
+// Acknowledges the newest probe state: the frame shows it even if it came while the scene was drawn.
 void VisionSession::report_frame(std::int64_t begin_ns, std::int64_t end_ns) {
   const VisionStep::Screen at = window_.where();
   if (const auto drawn = step_.end_frame(begin_ns, end_ns, at)) acknowledge(*drawn, end_ns);
   if (other_ != nullptr) other_->end_frame(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
 }
 
-// A frame with the state of before, as one of a scene that was turned, or of the other hand, says nothing of how old a state becomes.
+// Only the first frame with a state tells how old it is when shown; later ones (the scene was turned, the other hand moved) do not.
 void VisionSession::acknowledge(FrameAck drawn, std::int64_t end_ns) {
   const StateAcks::Kind kind = acks_.note(received_ns_, end_ns);
   if (kind == StateAcks::Kind::none) return;
@@ -380,12 +380,12 @@ void VisionSession::acknowledge(FrameAck drawn, std::int64_t end_ns) {
 
 namespace {
 
-// A probe of which there is a new sample every millisecond, on a circle.
+// A simulated probe that moves on a circle, with a new sample every millisecond.
 class BenchProbe {
  public:
   explicit BenchProbe(double radius_m) : radius_m_(radius_m) {}
 
-  // The newest at that time.
+  // The newest sample at now_ns.
   ProbeShown newest(std::int64_t now_ns) {
     sample_ns_ = now_ns / kNanosecondsPerMillisecond * kNanosecondsPerMillisecond;
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(sample_ns_ % kRoundNs) / static_cast<double>(kRoundNs);
@@ -396,7 +396,7 @@ class BenchProbe {
   std::int64_t sample_ns() const { return sample_ns_; }
 
  private:
-  // in which the simulated probe goes round once; a free choice
+  // Time for one turn of the simulated probe; a free choice.
   static constexpr std::int64_t kRoundNs = 1000 * kNanosecondsPerMillisecond;
   double radius_m_;
   std::int64_t sample_ns_ = 0;
@@ -439,7 +439,7 @@ std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plot
   FrameLog unprepared;  // while the levels of detail are made, which happens once
   while (view.detail_progress() < 1.0) turn_with_probe(unprepared);
   for (int i = 0; i < frames; ++i) turn_and_draw(log, {});
-  FrameLog moving;  // with a probe, which takes time itself
+  FrameLog moving;  // frames with a moving probe, which takes time to draw
   for (int i = 0; i < frames; ++i) turn_with_probe(moving);
   const PictureSize size = view.picture_size();
   const std::string before = unprepared.draw_time().count() == 0 ? std::string()

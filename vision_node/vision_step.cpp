@@ -16,7 +16,7 @@ constexpr std::int64_t kHudPeriodNs = 400'000'000;
 // A frame that is drawn anyway shows newer numbers, at a rate that can still be read.
 constexpr std::int64_t kHudRefreshNs = 100'000'000;
 
-// The hub repeats its view four times a second.
+// How long to wait for the hub's view, which the hub repeats four times a second.
 constexpr std::int64_t kViewWaitNs = 600'000'000;
 
 // haptics_node repeats every 200 ms that it prepares its scene; one that is silent for this long has ended.
@@ -45,7 +45,7 @@ void VisionStep::receive(const ProbeState& state, std::int64_t received_ns) {
   plots_.receive(state, received_ns);
   connected_ = true;
   moved_ = true;
-  knows_view_ |= !has_state_since_joining_ && state.view_revision == 0;  // there is none
+  knows_view_ |= !has_state_since_joining_ && state.view_revision == 0;  // 0: the hub has no view
   has_state_since_joining_ = true;
   sender_.confirm(state.view_revision);
 }
@@ -80,7 +80,7 @@ void VisionStep::handle(const WindowEvent& event, const Screen& where, const std
   send_dials(before);
 }
 
-// Dials that stay where they are send nothing: an adopted pose is theirs only to a float's precision.
+// Sends nothing if the dials have not changed: an adopted pose equals the pose that they give only to a float's precision.
 void VisionStep::send_dials(const Dials& before) {
   if (interaction_.dials() != before) sender_.set(dialled_pose());
 }
@@ -134,8 +134,8 @@ bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
          is_head_at_rest_ && now_ns - scene_moved_ns_ >= kRestNs;
 }
 
-// This node does not turn the scene by joining: the view that the hub has comes first. Where the hub's first state says that there is one,
-// it may have been lost, or the hub may get it from the haptics node.
+// Joining must not turn the scene: the view that the hub has comes first. If the hub's first state says that there is a view, this node
+// waits for it: its datagram may have been lost, or the hub may first have to get it from the haptics node.
 bool VisionStep::may_send_view(std::int64_t now_ns) {
   if (!has_state_since_joining_) return false;
   if (knows_view_ || has_sent_view_ || keeps_own_dials()) return true;
@@ -189,7 +189,7 @@ bool VisionStep::may_draw(std::int64_t now_ns) const {
          static_cast<double>(now_ns - last_start_ns_) >= 1e9 / settings_.max_rate_hz;
 }
 
-// Nothing that lies behind the screen, or before it up to half way to the eyes, moves farther in the picture than an eye does.
+// A point behind the screen, or in front of it by at most half its distance from the eyes, moves in the picture no farther than an eye.
 bool VisionStep::has_head_moved(const Screen& where) const {
   const double moved_m = compute_eye_motion_m(head_shown_, head_.head(), settings_.ipd_m);
   const double pixels_per_m = compute_viewer_scale(settings_.home, where.screen.width_m) / where.screen.width_m * where.picture.width_px;
@@ -230,7 +230,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
   shown.X_WS = scene_pose();
   shown.framing = interaction_.camera().apply(settings_.home);
-  if (!is_head_at_rest_) head_shown_ = head_.head();  // less would have the whole scene drawn again for nothing that can be seen
+  if (!is_head_at_rest_) head_shown_ = head_.head();  // a smaller motion is invisible, but would redraw the whole scene
   shown.framing.head = head_shown_;
   shown.probe = newest_probe();
   if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || needs_redraw_ || contact() != hud_contact_ ||

@@ -18,10 +18,10 @@
 namespace hapton {
 namespace {
 
-// A force has the processor first, and so has the picture.
+// Low priority: the computation of forces and the picture get the processor first.
 constexpr int kExportNiceness = 10;
 
-// A name of a scene file may have any letters.
+// Replaces characters that could trouble a file name: names in a scene file may have any characters.
 std::string name_for_file(const std::string& name) {
   std::string letters = name;
   for (char& letter : letters) {
@@ -74,7 +74,7 @@ void WindowExport::finish() {
 }
 
 void WindowExport::run() {
-  (void)::setpriority(PRIO_PROCESS, 0, kExportNiceness);  // of this thread alone
+  (void)::setpriority(PRIO_PROCESS, 0, kExportNiceness);  // on Linux: of this thread only
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return is_ending_ || !jobs_.empty(); });

@@ -12,7 +12,7 @@ namespace {
 
 WindowEvent::NavigationKey find_navigation_key(const char* symbol) {
   using NavigationKey = WindowEvent::NavigationKey;
-  // X's names.
+  // The names of keys in the X Window System.
   static constexpr std::array<std::pair<std::string_view, NavigationKey>, 7> kNavigationKeys = {{{"Left", NavigationKey::left},
                                                                                                  {"Right", NavigationKey::right},
                                                                                                  {"Up", NavigationKey::up},
@@ -29,7 +29,7 @@ WindowEvent::NavigationKey find_navigation_key(const char* symbol) {
 }  // namespace
 
 WindowListener::WindowListener(vtkRenderWindow* window) {
-  // VTK warns that the library with its own mouse styles is not linked; we bring our own.
+  // VTK would warn that its library of mouse styles is not linked; we do not need it, because we handle the mouse ourselves.
   vtkObject::GlobalWarningDisplayOff();
   interactor_ = vtkSmartPointer<vtkRenderWindowInteractor>::New();
   vtkObject::GlobalWarningDisplayOn();

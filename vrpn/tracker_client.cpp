@@ -73,7 +73,7 @@ bool TrackerClient::receive_message(const Message& message) {
   }
 }
 
-// A description has the id that it defines in its sender field. The server may give an id a new meaning at any time.
+// A description carries the id that it defines in its field `sender`. The server may give an id a new meaning at any time.
 void TrackerClient::receive_sender(const Message& message) {
   const std::string_view name = name_of(message);
   if (name == device_) {
@@ -113,7 +113,7 @@ void TrackerClient::receive_position(const Message& message) {
   const std::optional<SensorPose> pose = position_of(message);
   if (!pose || pose->sensor != sensor_ || !pose->p_m.allFinite()) return;
   const double length = pose->q.norm();
-  if (!(length > kMinQuaternionNorm && length < kMaxQuaternionNorm)) return;  // NaN as well
+  if (!(length > kMinQuaternionNorm && length < kMaxQuaternionNorm)) return;  // rejects NaN as well
   newest_ = TrackerPose{pose->p_m, pose->q.normalized()};
 }
 

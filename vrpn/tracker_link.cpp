@@ -7,7 +7,7 @@ namespace hapton::vrpn {
 namespace {
 
 constexpr std::size_t kLongestDevice = 64;
-// Reads in one call, each of the endpoint's buffer: a quarter of a megabyte in all, 2,500 reports.
+// Largest number of reads in one call. Each takes up to the endpoint's buffer: a quarter of a megabyte in all, enough for 2,500 reports.
 constexpr int kMaxReads = 4;
 
 }  // namespace

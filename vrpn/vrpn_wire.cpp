@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kCookie = "vrpn: ver. 07.38  0";
 constexpr std::string_view kUnderstood = "vrpn: ver. 07.";
-constexpr std::size_t kLongestName = 100;  // a vrpn_CNAME
+constexpr std::size_t kLongestName = 100;  // the size of a vrpn_CNAME
 
 template <class Unsigned>
 void put(Bytes& out, Unsigned value) {
@@ -39,7 +39,7 @@ double read_double(std::span<const std::byte> bytes, std::size_t at) {
 
 std::size_t padded(std::size_t bytes) { return (bytes + kPadding - 1) / kPadding * kPadding; }
 
-// One message from its header on; ends with the body padded. The length counts the header and the body without its padding.
+// Writes one message: first the header; at the end the padding of the body, and the length, which counts header and body without padding.
 class MessageWriter {
  public:
   MessageWriter(Bytes& out, const Header& header) : out_(out), start_(out.size()) {
@@ -87,7 +87,7 @@ void append_description(Bytes& out, std::int32_t kind, std::int32_t id, std::str
 void append_position(Bytes& out, const Header& header, std::int32_t sensor, const Vec3& p_m, const Quat& q) {
   const MessageWriter writer(out, header);
   put_int(out, sensor);
-  put_int(out, sensor);  // so that what follows lies aligned
+  put_int(out, sensor);  // padding: the numbers that follow are then aligned
   put_vector(out, p_m);
   put_quat(out, q);
 }
@@ -155,7 +155,7 @@ void append_contact_point(Bytes& out, const Header& header, const Vec3& p_m, con
   put_quat(out, is_contact ? q : Quat(0.0, 0.0, 0.0, 0.0));
 }
 
-// VRPN's clients read a body of this size, whatever the text's length.
+// The body has a fixed size: VRPN's clients read all of it, whatever the text's length.
 void append_error_text(Bytes& out, const Header& header, std::string_view text) {
   constexpr std::size_t kTextBytes = 1024;
   constexpr std::int32_t kError = 2, kLevel = 0;

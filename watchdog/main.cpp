@@ -1,5 +1,5 @@
 // hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and releases
-// the force when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. It checks from
+// the force when io_node is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. It checks from
 // two threads: one with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is denied, an ordinary one,
 // which runs when the kernel throttles the first or another real-time program uses all CPU time. With PRIORITY 0 both are ordinary threads.
 #include <poll.h>
@@ -27,7 +27,7 @@ namespace {
 
 using namespace hapton;
 
-// io_node may have had one more force in transit when it ended; three, one check apart.
+// Number of cuts after io_node has ended, one check period apart: it may have had one more force in transit.
 constexpr int kCutsAfterEnd = 3;
 // Runtime of SCHED_DEADLINE in each period.
 constexpr std::int64_t kRuntimeNs = 100'000;
@@ -109,16 +109,16 @@ int main(int argc, char** argv) {
     print_text(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
-  // It must outlive io_node briefly: signals that end io_node's unit or terminal are ignored, and so are SIGPIPE, as its stderr may be
-  // closed, and SIGABRT, by which systemd ends a unit that hangs.
+  // This process must outlive io_node briefly: it ignores the signals that end io_node's unit or terminal, SIGPIPE, because its stderr may
+  // be closed, and SIGABRT, which systemd sends to a unit that hangs.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
   WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, number, 0))};
-  if (::getppid() != number) return 0;  // io_node has ended already; at a first start no force was exerted yet
+  if (::getppid() != number) return 0;  // io_node has ended already; if this is its first watchdog, no force was exerted yet
   if (process.file < 0) {
     print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", number, std::strerror(errno));
     return 2;
   }
-  // Whether these two got their scheduling: io_node logs what its own threads did not get, and has the same rights.
+  // Both ignore whether they got their scheduling: io_node has the same rights, and logs what its own threads did not get.
   std::thread second = start_thread([&] {
     if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     watch(memory.page(), process, false);

@@ -36,7 +36,7 @@ void ForceCutter::close_device() noexcept {
   has_write_failed_ = false;
 }
 
-// What has its node by then is another device, until the page says so.
+// A device that gets the same /dev node later counts as another device: it is not opened until the page names a device again.
 void ForceCutter::close_if_unplugged() noexcept {
   pollfd device = {.fd = device_, .events = 0, .revents = 0};
   if (device_ < 0 || ::poll(&device, 1, 0) <= 0 || (device.revents & (POLLERR | POLLHUP)) == 0) return;
@@ -48,7 +48,7 @@ bool ForceCutter::kill_process() noexcept {
   pollfd ended = {.fd = process_.file, .events = POLLIN, .revents = 0};
   had_ended_ = process_.file >= 0 && ::poll(&ended, 1, 0) > 0 && (ended.revents & POLLIN) != 0;
   if (had_ended_ || process_.file < 0) return had_ended_;
-  // Before the signal: another thread may see its end, and report it, at once.
+  // Set before the signal: another thread may notice and report the end of the process at once.
   const bool was_killed = process_.is_killed.exchange(true);
   const bool is_sent = ::syscall(SYS_pidfd_send_signal, process_.file, SIGKILL, nullptr, 0) == 0;
   if (!is_sent) process_.is_killed.store(was_killed);

@@ -31,10 +31,10 @@ Result<void> WatchdogSupervisor::spawn() {
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawnattr_init(&attributes);
-  // Nothing else of ours: a socket that it kept would hold our port after our death.
+  // Besides the standard streams the child gets only the shared memory: a socket that it kept would hold our port after our end.
   ::posix_spawn_file_actions_adddup2(&actions, memory_->file(), kHeartbeatFile);
   ::posix_spawn_file_actions_addclosefrom_np(&actions, kHeartbeatFile + 1);
-  // A group of its own: Ctrl-Z and Ctrl-C at the terminal are for us.
+  // The child gets its own process group: Ctrl-Z and Ctrl-C at the terminal then reach only this process.
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::string program = program_.string();
   std::string process = std::to_string(::getpid());
@@ -53,8 +53,8 @@ Result<void> WatchdogSupervisor::spawn() {
   return {};
 }
 
-// Kills a watchdog that hangs. One that is in an uninterruptible sleep ends when that does, which must not hold this process up. False:
-// another one is in the same state already.
+// Kills a watchdog that hangs. If it is in an uninterruptible sleep, it ends only after that, and this process must not wait for it. False:
+// it has not ended, nor has another one that was killed earlier.
 bool WatchdogSupervisor::end() {
   ::kill(process_, SIGKILL);
   SteadyClock clock;
@@ -76,16 +76,16 @@ std::optional<Result<void>> WatchdogSupervisor::restart_if_dead(std::int64_t now
     const bool has_timed_out = now_ns - memory_->page().watchdog_beat_ns.load() > kPeerTimeoutNs;
     if (!has_ended && !has_timed_out) return std::nullopt;
     if (!has_ended && !end()) {
-      started_ns_ = now_ns;  // again in a while
+      started_ns_ = now_ns;  // tries again after kPeerTimeoutNs
       return Result<void>(
           fail("the kernel does not let the watchdog process {} end; the device may not answer: check its cable", process_));
     }
-    // Its id may soon be another process's.
+    // The kernel may soon give its id to another process.
     process_ = 0;
   }
   const Result<void> restarted = spawn();
   restarts_ += restarted ? 1 : 0;
-  if (!restarted) started_ns_ = now_ns;  // again in a while
+  if (!restarted) started_ns_ = now_ns;  // tries again after kPeerTimeoutNs
   return restarted;
 }
 

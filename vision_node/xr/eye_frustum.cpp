@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The near plane: a stylus directly before the eyes is still drawn.
+// Distance of the near plane: so short that a stylus directly in front of the eyes is still drawn.
 constexpr double kNearestM = 0.02;
 // The least distance of the image plane: well beyond the near plane, also when the head is in the workspace.
 constexpr double kNearestPlaneM = 0.1;

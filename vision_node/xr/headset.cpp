@@ -15,15 +15,15 @@
 
 #include "vision_node/xr/openxr_error.h"
 
-// After all others: Xlib's macros (None, Success, Bool ...) break other headers.
+// Included after all others: Xlib's macros (None, Success, Bool ...) break other headers.
 #include <X11/Xlib.h>
-// After Xlib.h.
+// Included after Xlib.h.
 #include <GL/glx.h>
 #define XR_USE_PLATFORM_XLIB
 #define XR_USE_GRAPHICS_API_OPENGL
-// After the headers that these two macros need.
+// Included after the headers that the two macros require.
 #include <openxr/openxr.h>
-// After openxr.h.
+// Included after openxr.h.
 #include <openxr/openxr_platform.h>
 
 namespace hapton {
@@ -41,7 +41,7 @@ T make_struct(XrStructureType type) {
   return made;
 }
 
-// None: the pose is not rigid, or not finite. OpenXR has unit quaternions of single precision.
+// None: the pose is not rigid, or not finite. OpenXR gives unit quaternions in single precision.
 std::optional<Pose> to_pose(const XrPosef& pose) {
   constexpr double kOffUnit = 0.01;  // far above the rounding of single precision
   const Quat q(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z);
@@ -52,8 +52,8 @@ std::optional<Pose> to_pose(const XrPosef& pose) {
 
 FieldOfView to_fov(const XrFovf& fov) { return {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown}; }
 
-// The format of the textures, the first one offered of those we can use. Our images are encoded in sRGB: an sRGB format declares that, and
-// the headset shows the same colours as the window.
+// The format of the textures: of those that we can use, in our order of preference, the first that the runtime offers. Our images are
+// encoded in sRGB: an sRGB format declares that, so that the headset shows the same colours as the window.
 std::optional<std::int64_t> choose_format(const std::vector<std::int64_t>& offered) {
   for (const std::int64_t wanted : {GL_SRGB8_ALPHA8, GL_SRGB8, GL_RGBA8, GL_RGB8}) {
     if (std::ranges::find(offered, wanted) != offered.end()) return wanted;
@@ -89,7 +89,7 @@ struct Headset::Runtime {
 
   ~Runtime() { destroy(); }
 
-  // False, and the runtime is lost, if the call failed.
+  // Returns false and marks the runtime as lost if the call failed.
   bool check(XrResult result, std::string_view call) {
     if (XR_SUCCEEDED(result)) return true;
     lose(fmt::format("{}: {}", call, openxr_name(result)));

@@ -5,8 +5,8 @@
 namespace hapton {
 namespace {
 
-// The horizontal part of the unit view direction above which it gives the heading (60 degrees up or down). Below, the direction from the
-// left to the right ear does, which is exact without roll.
+// If the horizontal part of the unit view direction is at least this (up to 60 degrees up or down), that direction gives the heading.
+// Otherwise the direction from the left to the right ear does, which is exact if the head has no roll.
 constexpr double kLevelEnough = 0.5;
 
 double find_heading_rad(const Pose& X_LH) {
