@@ -20,13 +20,13 @@ namespace {
 
 const Vec3 kInk(0.10, 0.80, 1.0);
 const Vec3 kRule(0.98, 0.98, 0.95);
-// Lines are this share of the picture's height wide, in pixels, and at least kMinWidthPx.
+// The width of lines in pixels is this share of the picture's height, and at least kMinWidthPx.
 constexpr double kWidthShare = 1.0 / 240.0;
 constexpr double kMinWidthPx = 2.0;
 constexpr double kDotInWidths = 2.5;
 constexpr double kRuleInWidths = 0.7;
 constexpr std::size_t kMaxLabels = 12;
-// How much nearer than they are lines are drawn, in pixels' widths at their depth.
+// Lines are drawn nearer to the eye than they are: by this many pixels' widths at their depth, besides twice the strokes' bound.
 constexpr double kLiftPx = 1.0;
 
 // Polylines, and single points as dots.
@@ -40,7 +40,7 @@ class LineShape {
   }
   void add_dot(const Vec3& p) { add({p}); }
 
-  // Hidden where there is nothing.
+  // Shows the shape, or hides the actor if the shape is empty.
   void show_in(vtkActor* actor) {
     vtkNew<vtkPolyData> data;
     data->SetPoints(points_);
@@ -70,9 +70,9 @@ void dress_line(vtkActor* actor, const Vec3& colour) {
   LineShape().show_in(actor);
 }
 
-// Moves each point towards the eye by `lift`: x, y and w of the clip coordinates stay, and z becomes that of the nearer depth. With the
-// depth w along the viewing direction, z = a w + b, where b = -2 f n / (f - n): at the depth w - lift the same pixel has the z of
-// a + b / (w - lift), which is b lift / (w - lift) more after the division's w is put back.
+// Moves each point towards the eye by `lift`: x, y and w of the clip coordinates stay, and z becomes that of the nearer depth. At the depth
+// w along the viewing direction, z = a w + b, with b = -2 f n / (f - n), so z / w = a + b / w. At the depth w - lift, z / w is
+// a + b / (w - lift). The z that gives this when it is divided by the unchanged w is a w + b + b lift / (w - lift).
 void lift_lines(vtkActor* actor) {
   actor->GetShaderProperty()->AddVertexShaderReplacement(
       "//VTK::PositionVC::Impl", true,
@@ -202,7 +202,7 @@ void AnnotationFigure::build_measures() {
 void AnnotationFigure::aim(const StereoScreen& screen, Eye eye, PictureSize size) {
   const EyeDepths depths = compute_eye_depths(screen, eye);
   const double scale = 2.0 * depths.far_m * depths.near_m / (depths.far_m - depths.near_m);
-  // A pixel at the depth w is w width / (distance width_px) wide.
+  // At the depth w, a pixel is w * screen.width_m / (depths.eye_m * size.width_px) wide.
   const double share = kLiftPx * screen.width_m / (depths.eye_m * size.width_px);
   for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_.Get(), measures_.Get()}) {
     vtkUniforms* uniforms = actor->GetShaderProperty()->GetVertexCustomUniforms();

@@ -22,7 +22,7 @@ namespace {
 
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
-// Numbered by the objects of another scene: by name, as those of a file.
+// Numbers the objects as another scene does. They are found by name, as when a file is read.
 Result<Annotations> renumber(const Annotations& given, const Scene& from, const Scene& to) {
   auto read = parse_annotations(write_annotations(given, from.given_hash), list_names(to), to.given_hash);
   if (!read) return tl::unexpected(read.error());
@@ -92,7 +92,7 @@ void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved, co
 
 void Annotator::change_objects(const Scene& scene) {
   Annotations before = pen_.annotations();
-  before.carved_before.clear();  // as the file had it: done_ knows
+  before.carved_before.clear();  // these are the numbers of the file; done_ has the present ones
   auto read = renumber(before, *scene_, scene);
   if (!read) log_warning("what was drawn is left out: {}", read.error().what);
   Annotations kept;
@@ -111,7 +111,7 @@ void Annotator::change_objects(const Scene& scene) {
   held_ = -1;
 }
 
-// The carves of the file may be others than those that it began with, which are the pen's.
+// Renumbers the carves that were saved last. Those with which the file began are the pen's; the file may have others by now.
 void Annotator::renumber_saved(std::vector<std::string> objects, const Scene& scene) {
   Annotations saved;
   saved.objects = std::move(objects);
@@ -121,8 +121,8 @@ void Annotator::renumber_saved(std::vector<std::string> objects, const Scene& sc
   saved_carved_ = read ? std::move(read->carved) : std::vector<CarvedPress>();
 }
 
-// The point of the drawn surface that is closest to the probe: of a ball its surface, not its centre, and where the surface felt differs
-// from the one drawn (sealed cracks, bumps), the latter. States that come while a finder is made wait in the socket.
+// The point of the drawn surface that is closest to the probe. It is not the centre of a sphere probe, and it is on the drawn surface also
+// where that differs from the felt one (sealed cracks, bumps). States that come while a finder is made wait in the socket.
 std::optional<AnnotatedSurfaces::Touched> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
   const auto object = static_cast<std::size_t>(state.object);
   const bool is_known = state.contact && state.object >= 0 && object < scene_->objects.size() && !is_other_scene_;
@@ -185,7 +185,7 @@ void Annotator::receive(const ObjectPose& pose) {
     ObjectPose& rest = at_rest_[static_cast<std::size_t>(pose.object)];
     if (was_held) {
       moves_.push_back({rest, pen_.annotations().entries.size(), now()});
-      moves_.back().moment.saved = 0;  // another haptics_node does not know of it
+      moves_.back().moment.saved = 0;  // another haptics_node does not know of this move
     }
     rest = pose;
   }
@@ -205,7 +205,7 @@ void Annotator::receive(const ObjectPose& pose) {
     X_SO_[o] = put_down_of(each).pose();
     if (!each.p_m.isZero(0.0) || each.q.coeffs() != Quat::Identity().coeffs()) put_down.push_back(put_down_of(each));
   }
-  // Poses of objects of another scene stay in the file.
+  // Objects that only another scene has keep their poses in the file.
   for (const PutDown& given : pen_.annotations().put_down) {
     if (static_cast<std::size_t>(given.object) >= scene_->objects.size()) put_down.push_back(given);
   }
@@ -287,7 +287,7 @@ std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize
   return menu_.find_behind(compute_eye_position(screen, Eye::centre), screen.X_WV * on_screen_V);
 }
 
-// Of a scene in which nothing deforms these are the pen's own.
+// In a scene in which nothing deforms, these are the pen's own annotations.
 const Annotations& Annotator::place_entries() {
   if (!surfaces_.has_deforming()) return pen_.annotations();
   placed_ = surfaces_.place(pen_.annotations());
@@ -317,7 +317,7 @@ void Annotator::show(const Pose& X_WS) {
   if (has_new_place) show_objects();
   if (has_new_place || has_new_shape || has_new_pen) show_current();
   if (has_new_shape || has_new_entries) figure.set_entries(place_entries(), scene_->objects.size());
-  // Lengths in the corner.
+  // The text in the corner shows lengths, which may have changed.
   if (has_new_place || has_new_shape) ++own_revision_;
   view_.menu_figure().set(menu_, pen_.mode());
 }
@@ -360,7 +360,7 @@ Result<void> Annotator::write_files(const std::filesystem::path& file) {
   return {};
 }
 
-// Without a file of its own, under the next free name.
+// Without --annotations FILE, saves under the next free name.
 void Annotator::save() {
   note_entries();
   std::filesystem::path file = options_.file;
@@ -368,7 +368,7 @@ void Annotator::save() {
     file = fmt::format("hapton_annotations_{:03}.toml", i);
   }
   if (auto written = write_files(file); !written) {
-    // A person who draws must not lose it to a full disk.
+    // What a person has drawn must not be lost because a disk is full: the program goes on.
     log_warning("{}", written.error().what);
     notice_ = "NOT SAVED: " + written.error().what;
     return;

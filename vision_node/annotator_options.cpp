@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Two functions of one button would both happen.
+// If a button had two functions, each press would do both.
 Result<void> check_buttons(const AnnotatorOptions& options) {
   const std::pair<const char*, int> all[] = {
       {"--draw-button", options.draw_button}, {"--measure-button", options.measure_button}, {"--menu-button", options.menu_button}};

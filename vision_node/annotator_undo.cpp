@@ -12,16 +12,16 @@
 namespace hapton {
 namespace {
 
-// A datagram may be lost; a scene that is being built again takes longer than that.
+// The request is repeated so often, as a datagram may be lost; haptics_node may be building the scene again, which takes longer.
 constexpr std::int64_t kRequestEveryNs = 100'000'000;
-constexpr std::int64_t kRequestTimeoutNs = 10'000'000'000;  // two round trips of the slowest network, with loss, until it is moved
-// Of carves: material is put back in a fraction of a second, after a million carves in some ten.
+constexpr std::int64_t kRequestTimeoutNs = 10'000'000'000;  // until the object moves: two round trips of the slowest network, with loss
+// Longest wait until carves are undone: haptics_node takes a fraction of a second, and about ten seconds after a million carves.
 constexpr std::int64_t kUndoTimeoutNs = 20'000'000'000;
 
 }  // namespace
 
-// What happened last: an object was put down, material was carved, or something was drawn or measured. One after the other, where the key
-// is pressed again before haptics_node has done it.
+// Undoes what happened last: an object was put down, material was carved, or something was drawn or measured. If the key is pressed again
+// before haptics_node has undone that, one undo follows the other.
 void Annotator::undo() {
   if (is_undoing()) {
     ++more_undos_;
@@ -50,7 +50,7 @@ std::uint32_t Annotator::find_carve(const UndoMoment& moment) const {
   return carved_ == nullptr ? 0 : CarveMoments(carved_->list(), carved_->source(), saved_carved_).find_serial(moment);
 }
 
-// Where an object was put down after everything else. While one is held, it cannot be moved.
+// Undoes that an object was put down, if that happened last. While the stylus holds an object, this only shows a notice.
 bool Annotator::undo_move(std::uint32_t newest_carve) {
   if (moves_.empty() || pen_.annotations().entries.size() > moves_.back().entries) return false;
   if (newest_carve != 0 && newest_carve > find_carve(moves_.back().moment)) return false;
@@ -72,14 +72,14 @@ std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
   if (!request_) return std::nullopt;
   const auto object = static_cast<std::size_t>(request_->object);
   if (poses_[object].serial != request_->serial) {
-    request_.reset();  // it has been moved
+    request_.reset();  // the object has been moved
     return std::nullopt;
   }
   if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestTimeoutNs;
   if (now_ns >= request_end_ns_) {
     log_warning("{} was not put back: haptics_node is busy, or does not reply", scene_->objects[object].name);
     request_.reset();
-    moves_.push_back(*undone_move_);  // it can be tried again
+    moves_.push_back(*undone_move_);  // so that the person can try again
     more_undos_ = 0;
     return std::nullopt;
   }
@@ -90,7 +90,7 @@ std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
 
 void Annotator::note_entries() { done_.resize(pen_.annotations().entries.size(), now()); }
 
-// The carves of the last press of the button, if nothing was drawn or measured since.
+// Undoes the carves of the last press of the button, if nothing was drawn or measured since.
 bool Annotator::undo_carves(std::uint32_t newest_carve) {
   if (newest_carve == 0 || (!done_.empty() && newest_carve <= find_carve(done_.back()))) return false;
   carve_undo_ = CarveUndo{.source = carved_->source(), .serial = newest_carve};
@@ -118,8 +118,8 @@ std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
   return carve_undo_;
 }
 
-// Whether haptics_node began with the carves of the file: the first one of some press is in the list, even if it is undone now. Carves that
-// change nothing are not.
+// Whether haptics_node began with the carves of the file: its list then has the first carve of at least one press of the file, even if it
+// is undone now. Carves that change nothing are not in the list.
 bool Annotator::has_given_carves() const {
   const auto place_of = [](const Carve& carve) { return std::array{carve.from_m.x(), carve.from_m.y(), carve.from_m.z()}; };
   std::set<std::array<double, 3>> given;
@@ -131,7 +131,7 @@ bool Annotator::has_given_carves() const {
   return is_there;
 }
 
-// Once, when all carves have come.
+// Checks this once, as soon as all carves have come.
 void Annotator::check_given_carves() {
   if (are_given_checked_ || carved_ == nullptr || !carved_->is_complete()) return;
   are_given_checked_ = true;
@@ -140,12 +140,12 @@ void Annotator::check_given_carves() {
               options_.file.string(), options_.file.string());
 }
 
-// All that is saved, in the order in which it was made. What haptics_node has not begun with, or is of another scene, stays in the file.
+// Everything that is saved, in the order in which it was made. Carves of the file that haptics_node lacks, or of another scene, stay.
 Annotations Annotator::collect() const {
   Annotations all = pen_.annotations();
   all.carved_before.clear();
   if (carved_ == nullptr || carved_->source() == 0) {
-    all.carved = saved_carved_;  // none came yet, or none since the scene was read again
+    all.carved = saved_carved_;  // no carve has come yet, or none since the scene was read again
     for (const UndoMoment& moment : done_) all.carved_before.push_back(moment.saved);
     return all;
   }

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kFaultsListed = 20;  // the first ones; this and the next: free choices
+constexpr std::size_t kFaultsListed = 20;  // how many faults are listed, from the first; this and the next: free choices
 constexpr std::size_t kMarkersListed = 20;
 
 const char* name_of(const Message& message) {

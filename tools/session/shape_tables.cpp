@@ -24,12 +24,12 @@ Result<void> ShapeTables::open_table() {
 
 namespace {
 
-// A recording may have several scenes, so an object of another haptics process may have other vertices.
+// One array for each object of each haptics process: another process may have had another scene, with other vertices of the object.
 std::string array_name(const RecordedShape& shape) { return fmt::format("shapes_{}_{}.npy", shape.process, shape.start.object); }
 
 }  // namespace
 
-// Pre: it has a row.
+// Pre: the shape has a row.
 Result<NpyFile*> ShapeTables::find_file(const RecordedShape& shape) {
   const std::string name = array_name(shape);
   auto found = arrays_.find(name);
@@ -67,7 +67,7 @@ Result<void> ShapeTables::close() {
   return done_;
 }
 
-// The table last: it names the arrays.
+// Keeps the table last, because it names the arrays.
 Result<void> ShapeTables::keep() {
   for (auto& [name, array] : arrays_) {
     if (auto kept = array.keep(); !kept) return kept;

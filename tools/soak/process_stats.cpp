@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// The number after "NAME:" in a file of such lines; -1 if there is none.
+// The number after "NAME:" in a file with lines of that form; -1 if no line begins with this name.
 std::int64_t read_number(const std::filesystem::path& file, const std::string& name) {
   std::ifstream lines(file);
   for (std::string line; std::getline(lines, line);) {

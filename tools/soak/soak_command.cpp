@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kFewestSamples = 10.0;  // observations, without which no trend can be found; a free choice
+constexpr double kFewestSamples = 10.0;  // a trend cannot be found from fewer observations; a free choice
 constexpr double kSecondsAnHour = 3600.0;
 
 int run(const SoakOptions& options) {

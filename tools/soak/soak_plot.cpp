@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// One panel: columns of soak.csv against the hours.
+// A panel shows columns of soak.csv against the time in minutes; this is one of the columns.
 struct Curve {
   std::string column;
   std::string title;

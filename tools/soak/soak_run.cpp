@@ -27,12 +27,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSamplesInARun = 120.0;     // observations in a run, whatever its length; a free choice
+constexpr double kSamplesInARun = 120.0;     // observations in a run of any length; a free choice
 constexpr double kShortestInterval_s = 2.0;  // between observations, s; a free choice
 constexpr double kPollPeriod_s = 0.1;        // the longest sleep before a stop is noticed, s; a free choice
-constexpr double kProgressEvery_s = 10.0;    // least interval of progress lines, s
-constexpr double kMaxProgressLines = 60.0;   // in a run, whatever its length; a free choice
-constexpr double kFirstForce_s = 30.0;       // longest wait for the first force: large meshes; a free choice
+constexpr double kProgressEvery_s = 10.0;    // least time between two progress lines, s
+constexpr double kMaxProgressLines = 60.0;   // most progress lines in a run of any length; a free choice
+constexpr double kFirstForce_s = 30.0;       // longest wait for the first force, s: large meshes need it; a free choice
 
 // The nodes of this run.
 struct Nodes {
@@ -81,7 +81,7 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
   nodes.nodes.reserve(2);
   std::vector<std::string> haptics = {"--hub", *hub_at, "--scene", options.scene.string()};
   std::vector<std::string> io = {"--bind", *hub_at, "--rate", fmt::format("{}", options.rate_hz), "--out", options.out.string()};
-  if (options.cpu >= 0) {  // on one CPU neither can spin for the other
+  if (options.cpu >= 0) {  // on one CPU a node that spins would take the time that the other needs
     haptics.insert(haptics.end(), {"--spin", "0"});
     io.insert(io.end(), {"--spin-reply", "0"});
   }
@@ -97,13 +97,13 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
 
 std::int64_t counter(const Json& report, const char* name) { return static_cast<std::int64_t>(json_number_of(report, "counters", name)); }
 
-// Samples the nodes, each sample compared with the first and the previous one.
+// Samples the nodes, and compares each sample with the first and the previous one.
 class NodeSampler {
  public:
   NodeSampler(const SoakOptions& options, Nodes& nodes, std::unique_ptr<HubReader> reader)
       : rate_hz_(options.rate_hz), nodes_(nodes), reader_(std::move(reader)) {}
 
-  // Reads the hub until a force, and with --vision a frame, was counted.
+  // Reads the hub until it has counted a force, and with --vision also a frame.
   Result<void> wait_for_force(const StopSignal& stop) {
     const double end_s = now_s() + kFirstForce_s;
     while (now_s() < end_s && !stop.stop_requested()) {

@@ -12,18 +12,18 @@
 namespace hapton {
 namespace {
 
-// Of the run, or at least kWarmUpSeconds, but never more than kMaxWarmUpShare of a short one.
+// Share of the run that is warm-up and not judged. The warm-up has at least kWarmUpSeconds, but at most kMaxWarmUpShare of a short run.
 constexpr double kWarmUpShare = 0.1;
 constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
 constexpr double kMaxWarmUpShare = 0.5;
-constexpr double kMemoryShare = 0.01;    // of the memory, plus kMemoryKib: growth that is not a leak
+constexpr double kMemoryShare = 0.01;    // growth of at most this share of the memory, plus kMemoryKib, is not a leak
 constexpr double kMemoryKib = 1024.0;    // KiB: 1 MiB
-constexpr double kHalf = 0.5;            // a whole descriptor or thread is more than that
-constexpr double kRateShare = 0.99;      // of the requested rate, which the median observation must have
+constexpr double kHalf = 0.5;            // a smaller change of a count passes: one more descriptor or thread is larger
+constexpr double kRateShare = 0.99;      // the median of the observed rates must be at least this share of the requested rate
 constexpr double kDriftMs = 100.0;       // a sample's own uncertainty: the report and the clock are not read at the same instant
-constexpr double kDriftShare = 1e-4;     // more than any quartz is off
-constexpr std::size_t kFewSamples = 5;   // a median of thirds says nothing of less
-constexpr std::size_t kMaxPoints = 512;  // of which the trend is found, as its work grows with their square; a free choice
+constexpr double kDriftShare = 1e-4;     // no quartz clock is off by so much
+constexpr std::size_t kFewSamples = 5;   // the medians of thirds of fewer observations say nothing
+constexpr std::size_t kMaxPoints = 512;  // the trend is found from at most so many, as its work grows with their square; a free choice
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -36,7 +36,7 @@ double warm_up_s(double seconds) { return std::max(kWarmUpShare * seconds, std::
 
 double median_of(std::span<const double> values) { return median({values.begin(), values.end()}); }
 
-// All pairs of a long series would take minutes: it is thinned to medians of neighbours.
+// The slopes of all pairs of a long series would take minutes to compute, so neighbours are replaced by their median.
 std::vector<double> thin(std::span<const double> values, std::size_t block) {
   std::vector<double> thinned;
   for (std::size_t i = 0; i < values.size(); i += block)
@@ -54,7 +54,7 @@ double median_slope(const std::vector<double>& times, const std::vector<double>&
   return slopes.empty() ? 0.0 : median(std::move(slopes));
 }
 
-// The samples that count, one quantity after the other.
+// The samples after the warm-up; each quantity is taken from them as a series.
 class Series {
  public:
   explicit Series(const SoakRun& run) {
