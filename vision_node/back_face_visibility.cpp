@@ -25,7 +25,7 @@ bool shows_backs(const SceneObject& object) {
   return object.material.two_sided && !has_fronts_outside(*object.mesh);
 }
 
-// A vertex where a body touches an open piece, which are then one piece, is of no closed body.
+// A body and an open piece that share a vertex count as one piece, which is not closed: so all triangles at a vertex agree.
 void mark_without_back(const TriangleMesh& mesh, const MeshAppearance* appearance, DetailLevel& full) {
   if (appearance != nullptr && shows_inner_sides(*appearance)) return;
   const std::vector<bool> outward = find_outward_triangles(mesh);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMinZoom = 0.1;  // of the first view; this and the next: free choices
+constexpr double kMinZoom = 0.1;  // relative to the zoom of the first view; this and the next: free choices
 constexpr double kMaxZoom = 100.0;
 // look_at() leaves a margin of a tenth of the radius around the object.
 constexpr double kMargin = 1.1;
@@ -17,7 +17,7 @@ constexpr double kMargin = 1.1;
 void CameraView::orbit(double yaw_by_rad, double pitch_by_rad) {
   if (!std::isfinite(yaw_by_rad) || !std::isfinite(pitch_by_rad)) return;
   yaw_rad = std::remainder(yaw_rad + yaw_by_rad, 2.0 * std::numbers::pi);
-  // Twice the steepest pitch, so that every pitch can be reached from every initial view.
+  // The limit is twice the steepest pitch, so that every pitch can be reached from every initial view.
   pitch_rad = std::clamp(pitch_rad + pitch_by_rad, -2.0 * kSteepestPitch, 2.0 * kSteepestPitch);
 }
 
@@ -41,7 +41,7 @@ Framing CameraView::apply(const Framing& home) const {
   seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepestPitch, kSteepestPitch);
   seen.view_m /= zoom;
   seen.aside_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.aside_m / zoom);
-  // If the screen's width is known, the whole viewer scales with the picture, the distance of the eyes included.
+  // If the screen's width is known, compute_screen() scales the whole viewer with the picture, including the distance of the eyes.
   if (!(home.screen_width_m > 0.0)) seen.ipd_m /= std::max(1.0, zoom);
   seen.depth_m += pan_m.norm();
   return seen;

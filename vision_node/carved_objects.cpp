@@ -13,11 +13,11 @@
 namespace hapton {
 namespace {
 
-// Between two surfaces: as often as a picture shows them.
+// Time from one computation of the surfaces to the next: a picture shows them no more often.
 constexpr std::chrono::milliseconds kEvery(33);
-// As DetailBuilder: the servo loop and the haptics node may live on the same cores.
+// A low priority as in DetailBuilder: the servo loop and the haptics node may run on the same cores.
 constexpr int kNiceness = 5;
-// Carves that the thread has not taken: of ten seconds and more, so that it has to stand still for that.
+// Most carves that wait for the thread: they come in ten seconds or more, so the thread has to stand still for that time.
 constexpr std::size_t kMaxWaiting = 65'536;
 
 Vec3 to_point(const Carves::Point& p) { return {p[0], p[1], p[2]}; }
@@ -51,7 +51,7 @@ void CarvedObjects::take(const Carves& carves, Arrival arrival) {
   if (!has_any_) return;
   {
     const std::lock_guard lock(mutex_);
-    // Those left out here are missing, and so requested again.
+    // Carves that are left out here count as missing, and are requested again.
     if (count_waiting() >= kMaxWaiting) return;
     const KnownCarves::News news = known_.take(carves, arrival);
     if (!news.starts_anew && news.carves.empty()) return;
@@ -87,7 +87,7 @@ void CarvedObjects::add_order(const MadeCarve& made) {
   is_busy_ = true;
 }
 
-// The one that the next carve is of. Pre: the mutex is held.
+// The order to which the next carve is added. Pre: the mutex is held.
 CarvedObjects::Order& CarvedObjects::open_order() const {
   if (orders_.empty() || orders_.back().wanted) orders_.emplace_back();
   return orders_.back();
@@ -151,7 +151,7 @@ void CarvedObjects::run() {
     is_busy_ = !orders_.empty();
     ordered_.wait_until(lock, next, [this] { return stop_; });
   }
-  // Who wants a copy gets it; the rest is not drawn any more.
+  // Requests for a copy of the fields are still fulfilled. Orders after the last of them would only be drawn, which is not needed any more.
   while (!orders.empty() && !orders.back().wanted) orders.pop_back();
   carry_out(orders);
 }
@@ -203,7 +203,7 @@ void CarvedObjects::apply(const Order& order) {
   for (const MadeCarve& made : order.carves) apply(made);
 }
 
-// The fields change in this thread alone.
+// Needs no lock, because only this thread changes the fields.
 CarvedObjects::Fields CarvedObjects::copy_fields() const {
   Fields fields;
   for (const auto& [number, surface] : surfaces_) fields.try_emplace(number, surface.field());
@@ -217,7 +217,7 @@ void CarvedObjects::apply(const MadeCarve& made) {
     for (auto& [number, surface] : surfaces_) surface.undo(applied_, static_cast<int>(number), made.undone);
     return;
   }
-  // One that comes after its undo changes nothing.
+  // A carve that comes after its undo changes nothing.
   const auto carved = surfaces_.find(static_cast<std::size_t>(made.object));
   if (carved != surfaces_.end() && applied_.is_active(made.serial)) carved->second.carve(made.carve);
 }

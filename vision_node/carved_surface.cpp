@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-// A coarser level lies about this far from the finest, where the surface has an edge.
+// At an edge of the surface a coarser level lies about this far from the finest level, in steps of the coarser level's grid.
 constexpr double kErrorInSteps = 0.5;
-// A cluster whose triangles point in nearly all directions is never seen from behind as a whole.
+// Least cosine between a cone's axis and the normals: a cluster with normals in nearly all directions never shows only its back.
 constexpr float kMinConeCosine = 0.1F;
 
 Vec3f unit_or_up(const Vec3f& v) {
@@ -22,7 +22,7 @@ Vec3f normal_of(const std::vector<FlatVertex>& vertices, const std::uint32_t* co
   return unit_or_up((vertices[corners[1]].position - a).cross(vertices[corners[2]].position - a));
 }
 
-// As meshoptimizer bounds its clusters, which have fewer triangles than a block may have: a cone that all planes of the triangles contain.
+// Finds a cone as meshoptimizer does (its clusters have fewer triangles than a block may have): the apex is behind all triangles' planes.
 void bound_directions(const std::vector<FlatVertex>& vertices, const std::vector<std::uint32_t>& indices, DetailCluster& cluster) {
   Vec3f sum = Vec3f::Zero();
   for (std::size_t i = 0; i < indices.size(); i += 3) sum += normal_of(vertices, &indices[i]);
@@ -99,8 +99,8 @@ void CarvedSurface::compute(std::size_t number) {
   }
 }
 
-// Both triangles of a quad end at a vertex of their own, which has their normal: that of the quad, as its diagonals span it. An edge
-// between them would show where the quad is bent.
+// Both triangles of a quad end at a vertex that only they have. It has the normal of the quad: the cross product of its diagonals. If each
+// triangle had its own normal, the edge between them would show where the quad is bent.
 CarvedSurface::Piece CarvedSurface::make_piece(const SurfaceNet& net) const {
   Piece piece;
   piece.vertices.reserve(net.positions.size() + net.quads.size());

@@ -25,7 +25,7 @@ std::string name_of(const TextureImage& image) { return printable(std::filesyste
 Error broken(const TextureImage& image) { return {fmt::format("texture {}: is broken", name_of(image))}; }
 Error too_large(const TextureImage& image) { return {fmt::format("texture {}: is larger than {} on a side", name_of(image), kMaxSide)}; }
 
-// By libpng itself: VTK's reader ends the program where a file in memory is cut short.
+// Calls libpng itself: VTK's reader ends the program if a file in memory is cut short.
 Result<Texels> decode_png(const TextureImage& image) {
   png_image png = {};
   png.version = PNG_IMAGE_VERSION;
@@ -41,7 +41,7 @@ Result<Texels> decode_png(const TextureImage& image) {
   return is_read ? Result<Texels>(std::move(texels)) : tl::unexpected(broken(image));
 }
 
-// VTK writes its own lines about a broken file to stderr.
+// Silences VTK, which writes its own lines about a broken file to stderr.
 class QuietVtk {
  public:
   QuietVtk() : was_(vtkObject::GetGlobalWarningDisplay()) { vtkObject::GlobalWarningDisplayOff(); }
@@ -53,7 +53,7 @@ class QuietVtk {
   int was_;
 };
 
-// Grey or in colours. VTK's first row is the lowest.
+// Copies an image in grey or in colours. VTK's first row is the lowest.
 Texels copy_texels(vtkImageData* data) {
   const int* size = data->GetDimensions();
   const int components = data->GetNumberOfScalarComponents();

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Kept anchors: those of all points that there may be, and of as many that were replaced while a stroke was drawn.
+// Most anchors that are kept: one for each point of all annotations, and as many for points that were replaced while a stroke was drawn.
 constexpr std::size_t kMaxAnchors = 2 * kMaxAnnotationPoints;
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 constexpr double kCell = 0.02;       // m: side of a square of the grid; a free choice
-constexpr double kMaxOfWidth = 0.2;  // of the picture, for the scale bar; a free choice
+constexpr double kMaxOfWidth = 0.2;  // longest scale bar, as a share of the picture's width; a free choice
 
 }  // namespace
 
@@ -55,7 +55,7 @@ std::vector<LineSegment> make_ground_grid() {
 
 Vec3 shadow_light() { return Vec3(-0.25, 1.0, 0.35).normalized(); }
 
-// p' = p - (p_y - h) / l_y l
+// p' = p - (p_y - h) / l_y l, with the ground's height h and the direction l towards the light.
 Mat4 compute_shadow_matrix(const Vec3& towards_light) {
   const Vec3 slope = towards_light / towards_light.y();
   Mat4 m = Mat4::Identity();

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-using Far = std::pair<float, std::uint32_t>;  // squared distance, what
+using Far = std::pair<float, std::uint32_t>;  // squared distance; first index of the triangle, or number of the cluster
 
 // Ties are ordered by number, so that two pictures of the same view are equal.
 void sort(std::vector<Far>& all) {

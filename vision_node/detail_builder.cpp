@@ -14,14 +14,14 @@
 namespace hapton {
 namespace {
 
-// Of a mesh with more triangles a rough level is made first: it takes a tenth of the time of a good one.
+// For a mesh with so many triangles or more a rough level is made first, in a tenth of the time that a good one takes.
 constexpr std::size_t kLarge = 200'000;
 constexpr std::size_t kRoughTriangles = 60'000;
-// The first good level of a large mesh; each further one has half as many triangles as the one before.
+// The first good level of a large mesh has its number of triangles divided by this, and each further level half as many.
 constexpr std::size_t kFirstOfLarge = 4;
 constexpr std::size_t kCoarsest = 2'000;
 constexpr std::size_t kErrorSamples = 4'000;
-// The servo loop and the haptics node may live on the same cores.
+// A low priority, because the servo loop and the haptics node may run on the same cores.
 constexpr int kNiceness = 10;
 
 bool has_texture_or_alpha(const DetailLevel& level) {
@@ -50,7 +50,7 @@ class DetailBuilder::Work {
 
   std::vector<std::shared_ptr<const DetailLevel>> full_;
   std::chrono::seconds longest_wait_;
-  double total_ = 0.0;  // triangles to work through
+  double total_ = 0.0;  // triangles of all meshes that get levels
   std::atomic<bool> stop_{false};
   std::atomic<double> progress_{0.0};
   std::mutex mutex_;
@@ -97,7 +97,7 @@ void DetailBuilder::Work::wait_for_begin() {
 
 void DetailBuilder::Work::run() {
   wait_for_begin();
-  // Of this thread alone, as Linux has it. If it fails, the work is the same.
+  // Under Linux this sets the priority of this thread only. If it fails, the thread does the same work.
   (void)setpriority(PRIO_PROCESS, 0, kNiceness);
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
     if (full_[i]->triangles() >= kLarge) build_rough(i);
@@ -110,7 +110,7 @@ void DetailBuilder::Work::run() {
 
 void DetailBuilder::Work::build_rough(std::size_t object) {
   const DetailLevel& full = *full_[object];
-  // The fast simplification mixes positions of a texture, and the opaque with the rest.
+  // The fast simplification mixes texture positions, and opaque parts with transparent ones.
   if (has_texture_or_alpha(full)) return;
   auto rough = make_rough_level(full, kRoughTriangles);
   if (!rough || stop_) return;
@@ -146,7 +146,7 @@ void DetailBuilder::Work::build(std::size_t object) {
 
 DetailBuilder::DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full, std::chrono::seconds longest_wait)
     : work_(std::make_shared<Work>(std::move(full), longest_wait)) {
-  // A level of ten million triangles takes many seconds, and meshoptimizer cannot be interrupted: a person who quits does not wait for it.
+  // Nobody waits for this thread to end: a level of ten million triangles takes many seconds, and meshoptimizer cannot be interrupted.
   if (work_->has_any()) start_thread([work = work_] { work->run(); }).detach();
 }
 

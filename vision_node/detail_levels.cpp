@@ -14,18 +14,18 @@
 namespace hapton {
 namespace {
 
-// A level has about this many clusters: few enough to be examined one by one in each frame, small enough to be skipped as a whole when seen
-// from behind. meshoptimizer takes 255 vertices and 512 triangles at most, triangles by fours.
+// A level has about this many clusters: few enough to be examined one by one in each frame, and small enough to be skipped as a whole when
+// seen from behind. meshoptimizer takes at most 255 vertices and 512 triangles, and the number of triangles must be a multiple of four.
 constexpr std::size_t kClusters = 2000;
 constexpr std::size_t kClusterVertices = 255;
 constexpr std::size_t kMinClusterTriangles = 16;
 constexpr std::size_t kMaxClusterTriangles = 256;
 constexpr float kConeWeight = 0.8F;
-// A level that saves less is not worth its memory.
+// A level with more than this share of the triangles that it was made from is not worth its memory.
 constexpr double kWorthwhile = 0.8;
-// Squared; no two points of U's cube are so far apart.
+// More than every distance between two points of U's cube, and than its square.
 constexpr double kBeyondU = 64.0;
-// A triangle whose three corners have one texture position, or collinear ones, does not reach every other position.
+// Largest relative residual at a texture position that a triangle reaches. It misses some if its texture corners coincide or are collinear.
 constexpr double kRelativeResidual = 1e-6;
 constexpr float kAnyError = std::numeric_limits<float>::max();
 
@@ -38,7 +38,7 @@ DetailCluster whole(const DetailLevel& level) {
   return cluster;
 }
 
-// A level of these triangles, with the vertices they use and no others, in the order they are used.
+// Gives the level the vertices that its triangles use and no others, in the order in which they are used.
 void take_vertices(const DetailLevel& from, DetailLevel& level) {
   std::vector<unsigned int> remap(from.positions.size());
   const std::size_t used =
@@ -76,7 +76,7 @@ double difference(const VertexPaint& paint, const Vec3& tint, double alpha) {
   return most;
 }
 
-// How far on the triangle's plane it is from the point of the triangle nearest to p to what looks like the paint.
+// Distance in the triangle's plane from its point nearest to p to the place that looks like the wanted paint.
 double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const DetailLevel& level, std::size_t triangle,
                     const VertexPaint& wanted) {
   const auto paint = [&](std::size_t k) -> const VertexPaint& { return level.paints[level.indices[3 * triangle + k]]; };
@@ -96,7 +96,7 @@ double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const Det
   double slip = difference(wanted, tint, alpha) * longest;
   const Eigen::Vector2d away = wanted.texcoord.cast<double>() - texcoord;
   if (wanted.layer == 0 || away.isZero()) return slip;
-  // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (b - a, c - a of the texture coordinates).
+  // A step (s, t) along the two edges changes the texture position by texcoord_edges * (s, t), and the position by edges * (s, t).
   Eigen::Matrix2d texcoord_edges;
   texcoord_edges << (paint(1).texcoord - paint(0).texcoord).cast<double>(), (paint(2).texcoord - paint(0).texcoord).cast<double>();
   Eigen::Matrix<double, 3, 2> edges;
@@ -120,7 +120,7 @@ DetailFrame frame_detail(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return frame;
   const MeshBounds bounds = compute_bounds(mesh);
   frame.centre = bounds.centre();
-  // A mesh of one point has no size; any scale shows it.
+  // A mesh whose vertices coincide has no size, so any scale shows it.
   if (bounds.extent() > 0.0) frame.scale_m = 0.5 * bounds.extent();
   return frame;
 }

@@ -25,7 +25,7 @@ std::optional<EdgePointer> find_edge_pointer(const StereoScreen& screen, Eye eye
   const EyeDepths depths = compute_eye_depths(screen, eye);
   const bool is_behind = p_V.z() >= depths.eye_m - depths.near_m;
   const Vec2 middle(0.5 * size.width_px, 0.5 * size.height_px);
-  // A point beside the eye or behind it has no pixel; its direction is that to its side.
+  // A point beside the eye or behind it has no pixel: the pointer then shows to which side of the eye the point is.
   const Vec2 away = is_behind ? Vec2(p_V.head<2>()) : Vec2(project_to_pixel(screen, eye, size, p_W) - middle);
   if (!is_behind && (away.cwiseAbs().array() <= middle.array()).all()) return std::nullopt;
   if (!(away.norm() > 0.0) || !std::isfinite(away.norm())) return std::nullopt;

@@ -13,7 +13,7 @@ constexpr const char* kComposerVertexShader = R"(#version 150
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
 )";
 
-// In whole numbers, as VTK has them. table: the parts of red, green and blue in the grey of a pixel, and of each colour in itself.
+// Uses whole numbers, as VTK does. table: what a value adds to a pixel's grey as red, as green and as blue, and what it keeps as a colour.
 constexpr const char* kComposerFragmentShader = R"(#version 150
 uniform sampler2D first, second, table;
 uniform int has_colours;
@@ -35,7 +35,7 @@ void main() {
 }
 )";
 
-// vtkRenderWindow::StereoRenderComplete, with its default saturation; its masks are red, and green and blue.
+// As vtkRenderWindow::StereoRenderComplete does with its default saturation: red from the first picture, green and blue from the second.
 std::array<std::uint8_t, 4 * 256> make_anaglyph_table() {
   constexpr float kSaturation = 0.65F;
   constexpr double kShares[3] = {0.3086, 0.6094, 0.0820};
@@ -49,7 +49,7 @@ std::array<std::uint8_t, 4 * 256> make_anaglyph_table() {
   return table;
 }
 
-// The state that GlStateGuard does not save: textures, in units that VTK does not use for a whole picture.
+// Saves the textures of three units, which GlStateGuard does not save. VTK does not use these units for a whole picture.
 class TextureState {
  public:
   TextureState() {

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Lets VTK draw the static scene as the first prop of a renderer, which clears nothing before. clang-format is off because VTK's macros
+// Lets VTK draw the static scene as the first prop of a renderer that clears nothing. clang-format is off because VTK's macros
 // have no semicolon.
 // clang-format off
 class SceneProp : public vtkProp {
@@ -69,7 +69,7 @@ Eye EyeView::eye_now() const {
   return (camera_->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
 }
 
-// The view matrix that VTK computes from position, focal point and up is exactly ours. Its projection is not (off-axis), and is replaced.
+// The view matrix that VTK computes from position, focal point and up is exactly ours. VTK's projection is replaced: ours is off-axis.
 void EyeView::aim(const StereoScreen& screen) {
   const Eye now = eye_now();
   const Vec3 p_WE = compute_eye_position(screen, now);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kOne = 511.0F;         // 1 as a signed number of 10 bits
 constexpr std::uint32_t kMask = 1023;  // 10 bits
-// No triangle has taken this corner as its last. A packed normal never has the top bits set.
+// Marks a vertex that is not yet the last corner of a triangle. A packed normal never has the top bits set.
 constexpr std::uint32_t kFree = 0xFFFFFFFFU;
 
 }  // namespace
@@ -18,7 +18,7 @@ std::uint32_t pack_normal(const Vec3f& unit) {
   std::uint32_t packed = 0;
   for (int k = 0; k < 3; ++k) {
     const float exact = std::clamp(unit[k], -1.0F, 1.0F) * kOne;
-    const auto step = static_cast<int>(exact + std::copysign(0.5F, exact));  // std::lround, without a call for each
+    const auto step = static_cast<int>(exact + std::copysign(0.5F, exact));  // as std::lround, but without a function call for each
     packed |= (static_cast<std::uint32_t>(step) & kMask) << (10 * k);
   }
   return packed;

@@ -19,9 +19,9 @@ namespace {
 using BarColour = std::array<unsigned char, 3>;
 constexpr BarColour kGround = {14, 17, 22};
 constexpr BarColour kFrame = {120, 126, 134};
-constexpr BarColour kForce = {90, 230, 120};  // as the curve of the force
-constexpr BarColour kFull = {240, 80, 70};    // as the limit there
-// Shares of the picture: between the lines of both corners.
+constexpr BarColour kForce = {90, 230, 120};  // as the curve of the force in the plots
+constexpr BarColour kFull = {240, 80, 70};    // as the limit of the force in the plots
+// Shares of the picture's height: the bar stands between the lines of text in the upper and in the lower corner.
 constexpr double kBarLow = 0.37;
 constexpr double kBarHeight = 0.26;
 constexpr double kWidthInLetters = 0.8;
