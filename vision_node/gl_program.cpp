@@ -40,7 +40,7 @@ Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view frag
   glBindAttribLocation(made.program_, 4, "finish");
   for (const GLuint shader : {*first, *second}) {
     glAttachShader(made.program_, shader);
-    glDeleteShader(shader);  // with the program
+    glDeleteShader(shader);  // the shader is deleted together with the program
   }
   glLinkProgram(made.program_);
   GLint ok = 0;

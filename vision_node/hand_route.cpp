@@ -9,28 +9,28 @@
 namespace hapton {
 namespace {
 
-// Shares of the picture's smaller side. Lower obstacles are slid over, and the tip keeps this distance from others.
+// Share of the picture's smaller side: the tip slides over obstacles that are lower than this, and keeps this distance from others.
 constexpr double kClearance = 0.02;
-// Between two samples on the path, and between the circles of a search for a way out.
+// Shares of the picture's smaller side: between two samples on the path, and between two circles of the search for a way out.
 constexpr double kStep = 0.01;
 constexpr double kCircle = 0.0025;
-constexpr int kDirections = 24;  // of the search, in each circle
+constexpr int kDirections = 24;  // of the search, on each circle
 constexpr int kAround = 8;       // points on a circle around a pixel, all of which must be open; a free choice
-// Of the clearance: distance from the visible surface at which a path through the air begins; it may end on the surface.
+// Share of the clearance: distance from the visible surface at which a path through the air begins; it may end on the surface.
 constexpr double kInFront = 0.5;
-// Of the clearance: how far a tip in the air may be behind the depth picture of a surface in front of which it is, because that picture is
-// coarse.
+// Share of the clearance: a tip in the air that is up to this far behind the depth picture of a surface counts as in front of the surface,
+// because that picture is coarse.
 constexpr double kNoise = 0.1;
 // The hand comes no nearer to the viewer than this share of the distance to the visible surface.
 constexpr double kNearest = 0.25;
 
 struct Sight {
   bool is_clear = true;
-  double nearest_m = std::numeric_limits<double>::infinity();  // of the surface along it
+  double nearest_m = std::numeric_limits<double>::infinity();  // of the visible surface along the line
 };
 
-// From a pixel at one depth to another pixel at another. Along a straight line the inverse of the depth is linear in the picture. slack:
-// how far behind the visible surface it may be at its beginning and at its end.
+// Looks along the straight line from a pixel at one depth to another pixel at another depth; on it the inverse of the depth is linear in
+// the picture. slack: how far behind the visible surface the line may be at its beginning and at its end.
 Sight look_along(const VisibleDepth& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
                  double slack_to_m) {
   const double side_px = std::min(seen.size().width_px, seen.size().height_px);
@@ -46,7 +46,7 @@ Sight look_along(const VisibleDepth& seen, const Vec2& from, double from_m, cons
   return sight;
 }
 
-// Nothing nearer than that depth at the pixel and around it.
+// Whether nothing is nearer than that depth, at the pixel and on a circle around it.
 bool is_open(const VisibleDepth& seen, const Vec2& pixel, double depth_m, double radius_px) {
   if (seen.depth_m(pixel) < depth_m) return false;
   for (int i = 0; i < kAround; ++i) {
@@ -79,8 +79,8 @@ double find_farthest_m(const VisibleDepth& seen, const Vec2& pixel) {
   return farthest_m;
 }
 
-// Whether the tip is behind the visible surface there. For a tip in contact, the direction of its offset tells which side it touches: the
-// back of a thin sheet is as far away as its front.
+// Whether the tip is behind the visible surface at this pixel. If the tip touches, the direction of its offset tells which side it touches:
+// the back of a thin sheet is as far away as its front.
 bool is_behind(const VisibleDepth& seen, const LedTip& tip, const Vec2& pixel, double tip_m, double clearance_m) {
   if (tip.offset_m.isZero()) return tip_m > find_farthest_m(seen, pixel) + kNoise * clearance_m;
   const double surface_m = seen.depth_m(pixel);
@@ -98,12 +98,12 @@ Vec3 route_hand(const VisibleDepth& seen, const LedTip& led, const Vec3& p_WG) {
   const double clearance_px = kClearance * std::min(seen.size().width_px, seen.size().height_px);
   const Vec2 tip = seen.pixel_of(led.p_WP);
   const Vec2 goal = seen.pixel_of(p_WG);
-  const double under_m = seen.depth_m(tip);  // the surface that is seen where the tip is
+  const double under_m = seen.depth_m(tip);  // the surface that is seen at the tip's pixel
   const bool hidden = is_behind(seen, led, tip, tip_m, clearance_m);
   const bool touches_front = !led.offset_m.isZero() || tip_m <= under_m + kNoise * clearance_m;
   const bool slides = !hidden && touches_front && tip_m > under_m - clearance_m;
   if (!hidden) {
-    // To the surface, however deep within it the goal is.
+    // The path ends at the surface, however deep within it the goal is.
     const double surface_m = std::min(goal_m, seen.depth_m(goal));
     const Sight sight =
         look_along(seen, tip, tip_m, goal, surface_m, slides ? clearance_m : -kInFront * clearance_m, slides ? clearance_m : 0.0);

@@ -9,9 +9,9 @@
 namespace hapton {
 namespace {
 
-// So that a tracker that loses the head again and again does not fill the log.
+// Least time between two log lines: a tracker that loses the head again and again does not fill the log.
 constexpr std::int64_t kLogPauseNs = 5'000'000'000;
-// A running server has replied by then.
+// A running server has replied within this time.
 constexpr std::int64_t kFirstPoseTimeoutNs = 1'000'000'000;
 
 }  // namespace

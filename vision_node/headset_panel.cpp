@@ -13,8 +13,8 @@
 namespace hapton {
 namespace {
 
-constexpr int kFontPx = 40;  // of the letters' image, whatever their size in the world
-// 6 mm are half a degree at 0.65 m, where the workspace is by default.
+constexpr int kFontPx = 40;  // size of the letters in their image, whatever their size in the world
+// A line of 6 mm appears as half a degree at 0.65 m, where the workspace is by default.
 constexpr double kLineM = 0.006;
 constexpr double kNoticeM = 0.012;
 // The workspace of the memo is 0.267 x 0.19 x 0.381 m (docs/frames.md); scenes stay below its upper edge.
@@ -22,14 +22,14 @@ const Vec3 kFactsAt(-0.19, 0.11, -0.19);
 const Vec3 kHelpAt(0.02, 0.11, -0.19);
 const Vec3 kNoticeAt(0.0, 0.16, -0.10);
 
-// Bar and curves are those of a picture of this size, of which they take the left and the right edge.
+// Bar and curves are placed as in a picture of this size: the bar at its left edge, the curves at its right edge.
 constexpr PictureSize kPanelSize = {400, 400};
 constexpr int kBarFontPx = 12;
 constexpr double kBarPixelM = 0.0006;   // the bar is 62 mm high
 constexpr double kPlotPixelM = 0.0009;  // a curve is 122 mm wide
 const Vec3 kBarAt(-0.189, -0.109, -0.19);
 const Vec3 kPlotsAt(-0.082, -0.115, -0.19);
-// Of what is drawn over something else, towards the viewer.
+// Each rectangle is this much nearer to the viewer than the one that it covers.
 constexpr double kBeforePx = 0.5;
 
 void stand(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m) {
@@ -43,7 +43,7 @@ void stand(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m)
   actor->VisibilityOff();
 }
 
-// Shows the label `of`, which has a position in pixels of a flat picture, at that place of the panel: its lower left corner is p_W.
+// Shows the label `of`, which has a position in pixels of a flat picture, at the same place of the panel whose lower left corner is p_W.
 void show_label(vtkTextActor3D* actor, vtkTextActor* of, const Vec3& p_W, double pixel_m) {
   const double* at = of->GetPosition();
   const double scale = pixel_m * of->GetTextProperty()->GetFontSize() / kFontPx;
@@ -54,7 +54,7 @@ void show_label(vtkTextActor3D* actor, vtkTextActor* of, const Vec3& p_W, double
   if (actor->GetInput() == nullptr || std::string_view(actor->GetInput()) != of->GetInput()) actor->SetInput(of->GetInput());
 }
 
-// In one plane they would flicker.
+// Separates the rectangles in depth: in one plane they would flicker.
 void separate_rectangles(vtkPolyData* from, vtkPolyData* to) {
   vtkNew<vtkPoints> points;
   for (vtkIdType i = 0; i < from->GetNumberOfPoints(); ++i) {
@@ -78,7 +78,7 @@ void place(vtkTextActor3D* text, const Vec3& p_W, double line_m) {
   text->VisibilityOff();
 }
 
-// A text that did not change is not set: VTK would draw its letters again.
+// A text is set only if it has changed: otherwise VTK would draw its letters again.
 void show(vtkTextActor3D* actor, std::string_view text) {
   const std::string owned(text);
   actor->SetVisibility(!owned.empty());

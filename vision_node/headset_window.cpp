@@ -3,7 +3,7 @@
 #include <vtkOpenGLFramebufferObject.h>
 #include <vtkXOpenGLRenderWindow.h>
 
-// Last: its macros (None, Success, Bool ...) break other headers.
+// Included last: its macros (None, Success, Bool ...) break other headers.
 #include <GL/glx.h>
 
 namespace hapton {

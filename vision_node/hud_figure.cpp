@@ -15,11 +15,11 @@
 namespace hapton {
 namespace {
 
-// Share of the picture's height: below the lines in the corner, above what is looked at.
+// Height of the notice, as a share of the picture's height: below the lines of text in the corner, above what the person looks at.
 constexpr double kNoticeHeight = 0.79;
 constexpr double kLineSpacing = 1.15;
 
-// A text that did not change is not set: VTK would draw its letters again.
+// A text is set only if it has changed: otherwise VTK would draw its letters again.
 void set_text(vtkTextActor* actor, std::string_view text) {
   const std::string owned(text);
   actor->SetVisibility(!owned.empty());
@@ -47,7 +47,7 @@ void HudFigure::add_to(vtkRenderer* renderer) {
   warning->SetVerticalJustificationToCentered();
   scale_label_->GetTextProperty()->SetJustificationToCentered();
   scale_label_->GetTextProperty()->SetBackgroundOpacity(0.0);
-  // A line with an upright end at either side.
+  // The scale bar: a line with a short upright line at each end.
   scale_corners_->SetNumberOfPoints(6);
   vtkNew<vtkCellArray> lines;
   for (vtkIdType i = 0; i < 6; i += 2) {
@@ -103,7 +103,7 @@ void HudFigure::set_pointer(const std::optional<EdgePointer>& pointer, PictureSi
   const Vec2 corners[3] = {pointer->at_px + along, pointer->at_px + across, pointer->at_px - across};
   for (vtkIdType i = 0; i < 3; ++i) pointer_corners_->SetPoint(i, corners[i].x(), corners[i].y(), 0.0);
   pointer_corners_->Modified();
-  // Farther inside the picture, by the width of the text.
+  // Moves the label farther inside the picture, to make room for the width of its text.
   const Vec2 label = pointer->at_px - 1.5 * along - Vec2(2.5 * length * pointer->towards.x(), 0.0);
   pointer_label_->SetPosition(label.x(), label.y());
 }

@@ -13,13 +13,13 @@ namespace {
 
 constexpr float kForceLifetimeUs = 20'000.0F;  // kCommandTimeoutNs of io_node's governor
 
-// Where no force can be, "free, 0.00 N" would say that all is well.
+// If there can be no force, "free, 0.00 N" would say that all is well.
 bool is_without_force(ProbeStatus status) {
   return status != ProbeStatus::ok && status != ProbeStatus::out_of_reach && status != ProbeStatus::too_small &&
          status != ProbeStatus::hand_inside;
 }
 
-// Ten marks of the energy budget; empty while the device has given the hand no more than it took.
+// Ten marks that show how much of the energy budget is used; empty while the device has given the hand no more than it took.
 std::string energy_text(std::uint32_t percent) {
   constexpr std::uint32_t kMarks = 10;  // of the bar, 10 % each
   if (percent == 0) return {};
@@ -37,7 +37,7 @@ std::string hand_text(const HudFacts& facts) {
   return text;
 }
 
-// Its force alone may be that of an effect in free space.
+// Whether a held object is in contact. A force alone does not show this: it may be that of an effect in free space.
 bool is_held_in_contact(const ProbeState& s) {
   constexpr double kRounding = 1e-9;  // m, rad: a pose that goes through a matrix comes back rounded
   return s.contact && !(s.visual_offset_m.norm() < kRounding && s.visual_turn.norm() < kRounding);
@@ -45,11 +45,11 @@ bool is_held_in_contact(const ProbeState& s) {
 
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;
-  // It has joined the hub, but does not reply yet.
+  // haptics_node has joined the hub, but does not reply yet.
   if ((s.status == ProbeStatus::no_haptics || s.status == ProbeStatus::ok) && facts.preparing_s > 0.0) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
   }
-  // It replies, but too late.
+  // haptics_node replies, but too late.
   if (s.status == ProbeStatus::no_haptics && s.round_trip_p50_us > kForceLifetimeUs) {
     return fmt::format("NO FORCE: replies of haptics_node take {:.0f} ms, a force lasts {:.0f} ms", 1e-3F * s.round_trip_p50_us,
                        1e-3F * kForceLifetimeUs);
@@ -68,7 +68,7 @@ std::string force_text(const HudFacts& facts) {
                      hand_text(facts), energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
 }
 
-// Millimetres down to the smallest scene: people compare it with the size that they know.
+// In millimetres even if the scene is tiny: people compare the size with the one that they know.
 std::string size_text(double length_m) {
   if (length_m >= 10.0) return fmt::format("{:.0f} m", length_m);
   if (length_m >= 1.0) return fmt::format("{:.2g} m", length_m);
@@ -105,7 +105,7 @@ std::string compose_hud(const HudFacts& facts) {
   if (!facts.recording.empty()) text += facts.recording + "\n";
   if (facts.connected) {
     text += fmt::format("servo {:.0f} Hz", s.servo_rate_hz);
-    // None is measured while no haptics_node replies.
+    // No round trip is measured while no haptics_node replies.
     if (s.round_trip_p99_us > 0.0F)
       text += fmt::format("   round trip p50 {:.0f}  p99 {:.0f} us", s.round_trip_p50_us, s.round_trip_p99_us);
     text += "\n" + force_text(facts) + "\n";

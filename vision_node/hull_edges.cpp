@@ -7,7 +7,7 @@ namespace {
 
 using Polygon = std::vector<Vec3>;
 
-// The part of it where normal . p <= limit (Sutherland and Hodgman).
+// The part of the polygon where normal . p <= limit (Sutherland and Hodgman).
 Polygon clip_polygon(const Polygon& polygon, const Vec3& normal, double limit) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -21,7 +21,7 @@ Polygon clip_polygon(const Polygon& polygon, const Vec3& normal, double limit) {
   return kept;
 }
 
-// A square in the plane that is larger than the box.
+// A square that is larger than the box, in the plane normal . p = limit.
 Polygon make_square(const Vec3& middle, const Vec3& normal, double limit, double size) {
   const Vec3 n = normal.normalized();
   const Vec3 u = n.unitOrthogonal();
@@ -50,7 +50,7 @@ std::vector<HullEdge> find_hull_edges(const std::vector<HullSlab>& slabs) {
       for (std::size_t i = 0; i < face.size(); ++i) edges.emplace_back(face[i], face[(i + 1) % face.size()]);
     }
   }
-  // Two faces meet at each edge; what is no longer than a rounding is a corner.
+  // Two faces meet at each edge, but it is kept once. An edge that is no longer than a rounding error is a corner.
   const double same = 1e-7 * size;
   std::vector<HullEdge> once;
   for (const HullEdge& edge : edges) {

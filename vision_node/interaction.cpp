@@ -13,21 +13,21 @@ namespace {
 // How far a key, a pixel of the mouse or a notch of the wheel turns or moves something: choices.
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
-constexpr double kTurnRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;  // of the stylus: a hand's width of mouse is a quarter of a turn
-constexpr double kWheelTurnRadians = 10.0 * std::numbers::pi / 180.0;    // of the stylus, a notch; a free choice
+constexpr double kTurnRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;  // of the stylus: over a hand's width the mouse turns it a quarter
+constexpr double kWheelTurnRadians = 10.0 * std::numbers::pi / 180.0;    // of the stylus, for each notch; a free choice
 constexpr double kZoomPerNotch = 1.1;                                    // factor, also of the keys + and -; a free choice
 constexpr double kHeadStepM = 0.01;  // of the viewer's head, for each press of an arrow key; a free choice
-// Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm of a picture of 300: a newton or two
-// with the softest of the shipped materials), one notch of the wheel, and how deep and how far off it may be moved.
+// Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm in a picture of 300 mm: a newton or two
+// with the softest of the shipped materials), the step of one notch of the wheel, and how deep and how far off the hand may be moved.
 constexpr double kPressShare = 0.01;
 constexpr double kWheelShare = 0.005;
 constexpr double kDeepest = 0.1;
 constexpr double kFarthestOff = -0.5;
-constexpr std::int64_t kHandResendNs = 100'000'000;  // of the same target, as a datagram may be lost
-constexpr std::int64_t kFarewellNs = 30'000'000;     // between the messages that end it
-constexpr int kFarewells = 4;                        // messages that end the motion of the hand: one may be lost
+constexpr std::int64_t kHandResendNs = 100'000'000;  // interval at which a target is sent again, as a datagram may be lost
+constexpr std::int64_t kFarewellNs = 30'000'000;     // between the messages that end the motion of the hand
+constexpr int kFarewells = 4;                        // number of those messages: one may be lost
 
-// Keys of what the window does not do itself.
+// Keys of requests that the caller carries out.
 constexpr std::array<std::pair<char, bool UserRequests::*>, 19> kRequestKeys = {{
     {'f', &UserRequests::look_at_scene},
     {'m', &UserRequests::next_stereo},

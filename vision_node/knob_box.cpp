@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// After this time a datagram counts as lost: some round trips of the slowest usual link, yet unnoticed by a hand.
+// After this time a datagram counts as lost: some round trips of the slowest usual link, but too short for a hand to notice.
 constexpr std::int64_t kResendNs = 50'000'000;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -33,12 +33,12 @@ std::optional<Dials> find_dials(const Pose& X_WS, const Vec3& p_WC) {
   const Mat3 R = X_WS.linear();
   const double sin_y = -R(2, 0);
   const double cos_y = std::hypot(R(0, 0), R(1, 0));
-  // At a quarter turn about y, the dials x and z turn about one axis.
+  // At a quarter turn about y, the dials x and z turn about the same axis.
   const bool is_quarter = cos_y < kPrecision;
   const double x = is_quarter ? std::atan2(sin_y * R(0, 1), R(1, 1)) : std::atan2(R(2, 1), R(2, 2));
   const double z = is_quarter ? 0.0 : std::atan2(R(1, 0), R(0, 0));
   const Vec3 degrees = Vec3(x, std::atan2(sin_y, cos_y), z) * (180.0 / std::numbers::pi);
-  // Dials that were turned by keys stand at round numbers.
+  // Dials that were turned by keys are at round numbers.
   const Vec3 round = (degrees * 1e3).array().round() / 1e3;
   for (const Vec3& tried : {round, degrees}) {
     const Dials dials{tried};
@@ -104,7 +104,7 @@ bool ViewTransformSender::adopt(const ViewTransform& view, bool any_revision) {
   note_newest();
   due_ = false;
   confirmed_ = view.revision;
-  has_received_ = true;  // so its revision is not taken for that of an earlier vision node
+  has_received_ = true;  // so that this revision is not taken for one of an earlier vision node
   return is_other;
 }
 

@@ -33,7 +33,7 @@ void LabelFigure::place(const std::vector<InkLabel>& labels, const StereoScreen&
     const Vec2 at = project_to_pixel(screen, eye, size, labels[i].p_W);
     text->SetPosition(at.x(), at.y());
     text->GetTextProperty()->SetFontSize(font);
-    // A text that did not change is not set: VTK would draw its letters again.
+    // A text is set only if it has changed: otherwise VTK would draw its letters again.
     if (text->GetInput() == nullptr || labels[i].text != text->GetInput()) text->SetInput(labels[i].text.c_str());
   }
 }

@@ -17,7 +17,7 @@ std::vector<std::string_view> split(std::string_view text, std::string_view gap)
   return parts;
 }
 
-// As many parts in each line as fit.
+// Puts as many parts into each line as fit.
 std::vector<std::string> pack(std::string_view text, std::string_view gap, const Fits& fits) {
   std::vector<std::string> lines;
   for (const std::string_view part : split(text, gap)) {

@@ -47,7 +47,7 @@ const std::vector<PlotContent>& LivePlots::update(std::int64_t now_ns) {
   if (!is_shown_) plots_.clear();
   if (!is_shown_ || (!plots_.empty() && now_ns - curves_ns_ < kPeriodNs)) return plots_;
   curves_ns_ = now_ns;
-  // Without a new state the force is still the last one: the hub sends no state that would be drawn the same.
+  // Without a new state the force is still the last one: the hub does not send states that would look the same.
   if (newest_n_) force_n_.add(now_ns, *newest_n_);
   plots_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kMinAxisMostN),
             make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kMinTopMs)};

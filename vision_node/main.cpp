@@ -40,13 +40,13 @@ int give_up(const Error& error) {
   return 1;
 }
 
-// A command line that is invalid.
+// Reports an invalid command line, and returns the exit code for it.
 int reject_options(const Error& error) {
   log_error("{}", error.what);
   return 2;
 }
 
-// Before anything is shown: at the end it would be too late.
+// Checks this before anything is shown: at the end it would be too late to choose another file.
 Result<void> check_screenshot(const std::filesystem::path& file) {
   if (file.empty()) return {};
   if (file.extension() != ".png" && file.extension() != ".PNG") {
@@ -60,7 +60,7 @@ Result<void> check_screenshot(const std::filesystem::path& file) {
   return {};
 }
 
-// Another hand's connection to its hub.
+// The connection to the hub of another hand.
 struct OtherLink {
   OtherLink(std::unique_ptr<Endpoint> socket, const Clock& clock, const RoleKey& key, const Address& hub, const VisionOptions& options)
       : endpoint(std::move(socket)),
@@ -74,7 +74,7 @@ struct OtherLink {
   OtherHand hand;
 };
 
-// Null if there is none to show.
+// Null if no other hand is to be shown.
 Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options, const Clock& clock) {
   if (options.other_hub.empty()) return std::unique_ptr<OtherLink>();
   const auto hub = parse_address(options.other_hub);
@@ -86,13 +86,13 @@ Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options,
   return std::make_unique<OtherLink>(std::move(*endpoint), clock, *key, *hub, options);
 }
 
-// Null if there is none.
+// Null if no head tracker was asked for.
 Result<std::unique_ptr<HeadTracker>> open_head_tracker(const VisionOptions& options) {
   if (!options.head_source.tracker) return std::unique_ptr<HeadTracker>();
   return HeadTracker::open(options.head_source, 1e-3 * options.ipd_mm);
 }
 
-// Null if none was asked for.
+// Null if no headset was asked for.
 Result<std::unique_ptr<Headset>> connect_headset(const VisionOptions& options) {
   if (options.view.stereo != StereoMode::openxr) return std::unique_ptr<Headset>();
   return Headset::connect();
@@ -138,7 +138,7 @@ Error explain_no_hub(const Address& hub, double seconds) {
                       to_string(hub), seconds)};
 }
 
-// 0, or the exit code for what does not go together or is not there.
+// Returns 0, or the exit code if options do not go together, or if something that they need is missing.
 int check(VisionOptions& options) {
   if (const auto sound = check_annotator_options(options.annotations); !sound) return reject_options(sound.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
@@ -200,7 +200,7 @@ int run(VisionOptions& options) {
   const auto ended = session.run(stop);
   print_text("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
   if (!ended) return give_up(ended.error());
-  // If only a picture was requested, it exists.
+  // If only a picture was requested, it has been written: then it does not matter that there was no hub.
   if (options.seconds > 0.0 && client.counts().joins == 0 && options.screenshot.empty() && !stop.stop_requested()) {
     return give_up(explain_no_hub(*hub, options.seconds));
   }

@@ -22,7 +22,7 @@ namespace {
 constexpr double kLetters = 0.5;
 constexpr double kMargin = 0.6;
 constexpr double kGap = 0.04;
-// The letters' height above the panel: enough for a depth buffer of 24 bits at any scale of the scene.
+// Height of the letters above the panel: enough for a depth buffer of 24 bits at any scale of the scene.
 constexpr double kAbove = 0.1;
 
 using Colour = std::array<unsigned char, 3>;

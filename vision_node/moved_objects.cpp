@@ -105,7 +105,7 @@ bool MovedObjects::set_time(std::int64_t scene_time_ns) {
       weights_[o] = scene_.objects[o].deformation->weights_at(time_s);
       has_moved = has_moved || weights_[o] != drawn_weights_[o];
     }
-    // Of a time for which no shape is known, it stays as it is drawn.
+    // If no shape is known for this time, the object stays as it is drawn.
     if (const auto place = shapes_.find(o, scene_time_ns)) {
       shape_places_[o] = place;
       has_moved = has_moved || place != drawn_shapes_[o];
@@ -131,7 +131,7 @@ void MovedObjects::place_moving() {
 
 void MovedObjects::draw_shape(std::size_t object) {
   if (!shape_places_[object]) return;
-  // What was taken since the time was set may have made another place of it.
+  // Shapes that came after the time was set may have changed the place, which says between which shapes the object is.
   const auto place = shape_place(object);
   if (!place || drawn_shapes_[object] == place) return;
   drawn_shapes_[object] = place;
@@ -166,7 +166,7 @@ std::vector<Pose> MovedObjects::poses() const {
   return poses;
 }
 
-// Of one that is not known yet any pose is better than none; all are repeated.
+// If no pose of the object is known yet, any pose is better than none; all poses are repeated.
 bool MovedObjects::is_overtaken(const ObjectPose& pose, Arrival arrival) const {
   const auto number = static_cast<std::size_t>(pose.object);
   return arrival == Arrival::reordered && pose.object >= 0 && number < known_.size() && known_[number].serial != 0;

@@ -87,7 +87,7 @@ bool Pen::undo() {
     return true;
   }
   finish_stroke();
-  // What is down now must be pressed again to draw on.
+  // A draw button that is down now must be pressed again to draw on.
   ignored_buttons_ |= last_buttons_ & settings_.draw_buttons;
   if (annotations_.entries.empty()) return false;
   undone_.push_back(std::move(annotations_.entries.back()));

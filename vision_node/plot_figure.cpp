@@ -19,7 +19,7 @@ using Colour = std::array<unsigned char, 3>;
 constexpr Colour kGrid = {120, 126, 134};
 constexpr Colour kLimit = {240, 80, 70};
 constexpr std::array<Colour, PlotFigure::kMax> kCurves = {{{90, 230, 120}, {120, 200, 255}}};
-// Without a value for longer than this a curve has a gap.
+// A curve has a gap where it has no value for longer than this.
 constexpr double kGapS = 1.0;
 
 // Lines of several colours, for one actor.
@@ -62,7 +62,7 @@ class ColouredLines {
   Colour colour_ = kGrid;
 };
 
-// Frame, half of the scale, limit and curve. at: the place in the picture of shares of the frame.
+// Adds the frame, a line at half of the scale, the limit and the curve. at: finds the place in the picture from shares of the frame.
 template <class At>
 void add_curve(const PlotContent& plot, const Colour& colour, At&& at, ColouredLines& lines) {
   lines.add_line(kGrid, {at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(0, 0)});
@@ -94,7 +94,7 @@ void PlotFigure::add_to(vtkRenderer* renderer) {
   }
 }
 
-// Above the scale bar and its label, the first plot on top.
+// The plots are above the scale bar and its label, with the first plot on top.
 PlotFigure::Frame PlotFigure::place(std::size_t plot, PictureSize size, double lift_px) {
   const double edge = 0.03 * std::min(size.width_px, size.height_px);
   const Vec2 each(0.34 * size.width_px, 0.13 * size.height_px);
@@ -121,11 +121,11 @@ void PlotFigure::set(const std::vector<PlotContent>& plots, PictureSize size, do
         lines);
     vtkTextProperty* style = titles_[i]->GetTextProperty();
     style->SetFontSize(std::clamp(std::min(size.width_px / 52, size.height_px / 52), 9, 32));
-    // A title that is wider than its frame begins to the left of it, and ends where it ends.
+    // A title that is wider than its frame begins to the left of the frame, and ends at the frame's right edge.
     const bool is_wide = measure_text_width_px(style, plots[i].title) > frame.size.x();
     is_wide ? style->SetJustificationToRight() : style->SetJustificationToLeft();
     titles_[i]->SetPosition(frame.at({is_wide ? 1.0 : 0.0, 1}).x(), frame.at({0, 1}).y() + 3.0);
-    // A text that did not change is not set: VTK would draw its letters again.
+    // A text is set only if it has changed: otherwise VTK would draw its letters again.
     if (titles_[i]->GetInput() == nullptr || plots[i].title != titles_[i]->GetInput()) titles_[i]->SetInput(plots[i].title.c_str());
   }
   lines.show_in(lines_);

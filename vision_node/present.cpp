@@ -7,7 +7,7 @@
 
 #include "vision_node/gl_target.h"
 
-// Last: its macros (None, Success, Bool ...) break other headers.
+// Included last: its macros (None, Success, Bool ...) break other headers.
 #include <GL/glx.h>
 
 namespace hapton {

@@ -20,11 +20,11 @@ namespace {
 constexpr double kHeadToShaftRadius = 2.6;  // of the arrow's head; these three: free choices, in radii of the shaft
 constexpr double kHeadLengthInRadii = 7.0;
 constexpr double kLimitToShaftRadius = 3.2;
-// A point has no visible shadow, so it gets a wider one.
+// Radius of the shadow in radii of the tip: a shadow as small as the tip of a point probe would not be seen.
 constexpr double kShadowInRadii = 2.0;
-// From the tip's middle to where the arrow begins.
+// From the middle of the tip to the beginning of the arrow, in radii of the tip.
 constexpr double kGapInRadii = 1.8;
-// Share of the depth range, at its front: the tip is in front of the arrow.
+// Share of the depth range, at its near end, for the tip's ghost: smaller than that of the arrow, so that the tip is in front.
 constexpr double kTipShare = 5e-4;
 
 void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambient, double specular) {
@@ -40,7 +40,7 @@ void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambie
   material->SetSpecularPower(30.0);
 }
 
-// The original once more, dotted over everything.
+// Draws the original once more, dotted, over everything.
 void make_ghost(vtkActor* ghost, vtkActor* original, double share = kGhostShare) {
   // A mapper of its own, because a mapper has one shader.
   vtkNew<vtkPolyDataMapper> mapper;
@@ -51,7 +51,7 @@ void make_ghost(vtkActor* ghost, vtkActor* original, double share = kGhostShare)
   show_through(ghost, share);
 }
 
-// A ring round the shaft at each newton.
+// A ring round the shaft for each newton.
 vtkSmartPointer<vtkPolyData> make_rings(const ProbeSizes& sizes, int newtons) {
   const double s = sizes.arrow_radius_m;
   std::vector<std::pair<double, double>> profile = {{0.0, 0.0}};
@@ -62,7 +62,7 @@ vtkSmartPointer<vtkPolyData> make_rings(const ProbeSizes& sizes, int newtons) {
   return make_lathe(profile);
 }
 
-// Unit quaternion that turns the z axis to the direction.
+// Unit quaternion that turns the z axis into the direction.
 Quat turn_z_to(const Vec3& direction) { return Quat::FromTwoVectors(Vec3::UnitZ(), direction); }
 
 void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& scale) {
@@ -163,7 +163,7 @@ void ProbeFigure::place_shadow(const ProbeShown& probe) {
   const auto p_WS = find_shadow(probe.p_WP);
   shadow_->SetVisibility(throws_shadow_ && p_WS.has_value());
   if (!throws_shadow_ || !p_WS) return;
-  // Over the scene's own shadow, by as much as that lies over the ground.
+  // The probe's shadow is above the scene's own shadow, by about as much as that is above the ground.
   const double above = 0.5 * sizes_.tip_radius_m;
   place(shadow_, *p_WS + above * Vec3::UnitY(), turn_z_to(Vec3::UnitY()),
         {kShadowInRadii * tip_radius_m_, kShadowInRadii * tip_radius_m_, 1.0});
@@ -177,7 +177,7 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   limit_->SetVisibility(shown && probe.force_n.norm() * sizes_.arrow_m_per_n > sizes_.arrow_max_m);
   if (!shown) return;
   const Quat along = turn_z_to(arrow);
-  // Beside the tip, so that it does not hide the contact.
+  // The arrow begins beside the tip, so that it does not hide the contact.
   const Vec3 from = probe.p_WP + arrow / length * (kGapInRadii * tip_radius_m_);
   const double head = std::min(1.0, 0.6 * length / (kHeadLengthInRadii * sizes_.arrow_radius_m));
   const double shaft = length - 0.99 * head * kHeadLengthInRadii * sizes_.arrow_radius_m;
@@ -192,7 +192,7 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   vtkPolyDataMapper::SafeDownCast(rings_->GetMapper())->SetInputData(rings(newtons));
 }
 
-// Made when they are first needed: all of them would take tens of milliseconds before the first frame.
+// Rings are made when they are first needed: to make all of them would take tens of milliseconds before the first frame.
 vtkPolyData* ProbeFigure::rings(int newtons) {
   auto& shape = ring_shapes_[static_cast<std::size_t>(newtons)];
   if (shape == nullptr) shape = make_rings(sizes_, newtons);

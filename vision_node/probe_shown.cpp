@@ -14,7 +14,7 @@ namespace {
 // Framing::view_m (metres) for which the defaults of ProbeSizes were chosen: a workspace on a desk.
 constexpr double kDeskView = 0.3;
 
-// A smaller change of the force bar is not seen.
+// A smaller change of the force bar cannot be seen.
 constexpr double kForceShare = 0.01;
 
 double force_share(const ProbeShown& probe) {
@@ -71,7 +71,7 @@ int find_set_size(std::string_view method) {
 
 bool touches_surface(const ProbeState& state) { return state.contact && (state.object >= 0 || !state.visual_offset_m.isZero(0.0)); }
 
-// The stylus leans 55 degrees up from the right: it turns about the axis at right angles to z and to that direction.
+// Leans the stylus towards the direction 55 degrees up from the right: it turns about the axis at right angles to z and to that direction.
 Quat make_lean(double angle_rad) {
   constexpr double kTowards = 55.0 * std::numbers::pi / 180.0;
   return Quat(Eigen::AngleAxisd(angle_rad, Vec3(-std::sin(kTowards), std::cos(kTowards), 0.0)));

@@ -76,17 +76,17 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
     window_.refine_scene();
   }
   if (options_.screenshot.empty() || screenshot_moment_.taken()) return {};
-  draw();  // what has changed since the last frame is in it as well
+  draw();  // so that the screenshot also has what has changed since the last frame
   return window_.take_screenshot(options_.screenshot);
 }
 
-// The screenshot of --at.
+// Takes the screenshot of --at.
 Result<void> RecordedSession::take_moment() {
   if (auto completed = complete_moment(); !completed) return completed;
   return window_.take_screenshot(options_.screenshot);
 }
 
-// Draws it, after waiting for the teaching view and for carved objects, which other threads compute.
+// Draws the moment, after waiting for the teaching view and for carved objects, which other threads compute.
 Result<void> RecordedSession::complete_moment() {
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other threads; a free choice
   window_.finish_teaching();
@@ -95,12 +95,12 @@ Result<void> RecordedSession::complete_moment() {
     clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   }
   if (auto shown = show_moment(); !shown) return shown;
-  window_.step().request_redraw();  // its texts are of this moment
+  window_.step().request_redraw();  // so that the texts in the picture are those of this moment
   draw();
   return {};
 }
 
-// For a video: one picture after the other, each of its moment, however long it takes.
+// Writes the pictures of a video one after the other: each shows its own moment, however long it takes to draw.
 Result<void> RecordedSession::write_frames(const StopSignal& stop) {
   auto folder = FrameFolder::open(options_.frames);
   if (!folder) return tl::unexpected(folder.error());
@@ -154,7 +154,7 @@ void RecordedSession::begin_export() {
   if (marks_ != nullptr) export_.begin({*scene_, marks_->placed(), marks_->X_SO(), carved_});
 }
 
-// newest: empty if there is none. True: the picture has another line.
+// newest: empty if there is no new notice. Returns whether the picture gets another line.
 bool RecordedSession::show_notice(std::string newest) {
   if (std::string exported = export_.take_notice(); !exported.empty()) newest = std::move(exported);
   const bool is_new = notice_.update(std::move(newest), clock_.now_ns());
@@ -162,7 +162,7 @@ bool RecordedSession::show_notice(std::string newest) {
   return is_new;
 }
 
-// Returns a line for the picture; empty: there is none.
+// Returns a line for the picture, or an empty text.
 std::string RecordedSession::attend_window() {
   const auto take = [this](const WindowEvent& event) {
     return control_.handle(event, view_.find_picture_pixel(event.x_px, event.y_px), view_.picture_size());

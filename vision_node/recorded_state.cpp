@@ -81,7 +81,7 @@ std::optional<RecordedState> find_recorded_state(const RecordingIndex& index, Re
 }
 
 double find_recorded_rate_hz(const RecordingIndex& index, double t_s) {
-  // Whole spans only; within the first second of the recording, those that follow.
+  // Counts whole spans only: those of the last second. In the first second of the recording, those of this first second.
   const double to_s = std::max(t_s, std::min(index.begin_s() + 1.0, index.end_s())) - RecordingIndex::kSpanS;
   const double from_s = std::max(to_s - 1.0 + RecordingIndex::kSpanS, index.begin_s() + RecordingIndex::kSpanS);
   const auto spans = index.spans_between(from_s, to_s);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The present shape of an object leads there.
+// Whether the wanted shape is the shown one or follows it, so that what was loaded can be kept.
 bool is_next(const IndexedShape* shown, const IndexedShape* wanted) {
   if (shown == nullptr) return true;
   return wanted != nullptr && wanted->start.source == shown->start.source && wanted->start.serial >= shown->start.serial;

@@ -16,21 +16,21 @@
 namespace hapton {
 namespace {
 
-// The smallest framed size: a scene of one point still gives a picture.
+// Smallest framed radius, so that even a scene of one point gives a picture.
 constexpr double kMinRadius = 1e-6;
-// Of the workspace's longest side: a smaller scene is a speck in it (io_node/scene_reach.cpp).
+// Share of the workspace's longest side: a smaller scene is a speck in it (io_node/scene_reach.cpp).
 constexpr double kSpeck = 0.02;
-// A scene whose middle is more than this many radii away lies apart: a sphere round the workspace's centre would be mostly empty. If its
-// distance is this many times the size of it and of the workspace, a picture of both would show neither.
+// A scene lies apart if its middle is farther from the workspace's centre than the workspace's radius and kApart of its own radii: a sphere
+// round that centre would be mostly empty. Beyond kFarApart times the sum of both radii, a picture of both would show neither.
 constexpr double kApart = 2.0;
 constexpr double kFarApart = 10.0;
-// A little air around the workspace.
+// Leaves some space around the workspace.
 constexpr double kMargin = 1.04;
 constexpr int kFitTurns = 8;
 
 double workspace_radius_m() { return 0.5 * workspace_size_m().norm(); }
 
-// Around the workspace's centre.
+// Frames a sphere around the workspace's centre that contains the scene.
 Framing frame_in_workspace(const Scene& scene, double ipd_m) {
   double squared_radius = kMinRadius * kMinRadius;
   for (const SceneObject& object : scene.objects) {
@@ -46,7 +46,7 @@ Framing frame_with_workspace(const Vec3& p_WO, double radius_m, double ipd_m) {
   return frame_sphere(0.5 * (from_m + to_m) * p_WO / apart_m, 0.5 * (to_m - from_m), ipd_m);
 }
 
-// Widens the view until all points are in the picture as well as the present disc, and moves the screen in its plane until they are in the
+// Widens the view until the picture shows all points as well as the present disc, and moves the screen in its plane until they are in the
 // middle.
 void fit(Framing& framing, PictureSize size, std::span<const Eye> eyes, const std::vector<Vec3>& points) {
   const Vec2 disc = Vec2::Constant(0.5 * framing.view_m);
@@ -76,7 +76,7 @@ std::vector<Vec3> workspace_corners() {
   return corners;
 }
 
-// auto is for one eye on an ordinary screen; where it is not, little is cut off.
+// Mode `auto` uses one eye on an ordinary screen. On others, where it uses two, little of the workspace is cut off.
 std::span<const Eye> eyes_of(StereoMode mode) {
   static constexpr std::array<Eye, 1> kOne = {Eye::centre};
   static constexpr std::array<Eye, 2> kTwo = {Eye::left, Eye::right};
@@ -94,7 +94,7 @@ Pose start_pose(const VisionOptions& options) {
   return dials.compute_pose(Vec3::Zero());
 }
 
-// In true size, with the scene and the workspace wherever they are.
+// Frames in true size: the scene and the workspace stay where they are.
 Framing frame_on_screen(const Scene& scene, const VisionOptions& options) {
   Framing framing = frame_in_workspace(scene, 1e-3 * options.ipd_mm);
   framing.distance_m = kDeskDistance;
@@ -106,14 +106,14 @@ Framing frame_on_screen(const Scene& scene, const VisionOptions& options) {
   return framing;
 }
 
-// Yaw, pitch and roll of a screen with that normal, whose y axis is as near to `up` as it can be.
+// Sets yaw, pitch and roll for a screen with that normal, whose y axis is as near to `up` as possible.
 void turn_to(const Vec3& towards_viewer, const Vec3& up, Framing& framing) {
   const Vec3 z = towards_viewer.normalized();
   const Vec3 x = up.cross(z).normalized();
   const Vec3 y = z.cross(x);
   const double steepness = std::clamp(z.y(), -1.0, 1.0);
   framing.pitch_rad = std::clamp(std::asin(steepness), -kSteepestPitch, kSteepestPitch);
-  // From straight above or below, yaw and roll are the same: the picture's top, or its bottom, gives the yaw.
+  // From straight above or below, yaw and roll turn about the same axis: the picture's top, or its bottom, gives the yaw.
   const bool is_steep = std::abs(std::asin(steepness)) > kSteepestPitch;
   const Vec3 ahead = !is_steep ? z : steepness > 0.0 ? Vec3(-y) : y;
   framing.yaw_rad = std::atan2(ahead.x(), ahead.z());
@@ -122,7 +122,7 @@ void turn_to(const Vec3& towards_viewer, const Vec3& up, Framing& framing) {
   framing.roll_rad = std::atan2(level.cross(x).dot(z), level.dot(x));
 }
 
-// The viewer is as large as the distance: depth looks the same at every scale.
+// The distance of the eyes grows with the viewing distance, so depth looks the same at every scale.
 Framing frame_by_camera(const SceneCamera& camera, const Scene& scene, const VisionOptions& options) {
   Framing framing;
   framing.p_WC = camera.p_WC;
@@ -130,7 +130,7 @@ Framing frame_by_camera(const SceneCamera& camera, const Scene& scene, const Vis
   framing.ipd_m = 1e-3 * options.ipd_mm * framing.distance_m / kDeskDistance;
   framing.view_m = 2.0 * framing.distance_m * std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
   turn_to(camera.p_WE - camera.p_WC, camera.up, framing);
-  // Whatever the dials do.
+  // The depth is enough for the scene in every position of the dials.
   double squared_radius = workspace_radius_m() * workspace_radius_m();
   for (const SceneObject& object : scene.objects) {
     for (const Vec3& p_S : object.mesh->vertices) squared_radius = std::max(squared_radius, p_S.squaredNorm());

@@ -6,9 +6,9 @@
 namespace hapton {
 namespace {
 
-// Triangles of one part: some milliseconds, a delay that the probe's frame tolerates.
+// Triangles that are drawn at a time. They take some milliseconds; a frame that shows the probe can wait that long.
 constexpr std::size_t kPart = 60'000;
-// As many triangles as there are; ScenePainter multiplies the number by 3.
+// More triangles than any scene has. It is not the largest number, because ScenePainter multiplies it by 3.
 constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max() / 8;
 
 bool same_screen(const StereoScreen& a, const StereoScreen& b) {
@@ -72,7 +72,7 @@ void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& for
   }
 }
 
-// The target is bound, with the background in it.
+// Binds the target and copies the background into it.
 void SceneLayers::begin(Layer& here, GlTarget& target) {
   const bool is_new = here.background.shape(target.size(), target.format());
   if (is_new || !same_screen(here.background_pass.screen, here.pass.screen) || here.background_pass.depth_cues != here.pass.depth_cues ||

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// The shaders compute in the eye's frame, in eyes' distances.
+// The shaders compute in the eye's frame; their unit of length is the distance of the eyes from the screen.
 void set_lights(const GlProgram& program, const std::vector<SceneLight>& lights, const StereoScreen& screen, Eye eye) {
   if (lights.empty()) return program.set("light", screen.light_V);
   const Mat4 X_EW = compute_view_matrix(screen, eye);

@@ -25,11 +25,11 @@ namespace {
 
 // Triangles of the preview of a large mesh, until its first level of detail is made.
 constexpr std::size_t kPreviewTriangles = 150'000;
-// A level with more triangles casts no shadow, since drawing one costs too much: a large mesh before its levels are made.
+// A level with more triangles casts no shadow, as drawing it costs too much. A large mesh has no smaller level until its levels are made.
 constexpr std::size_t kShadowTriangles = 20'000;
 // An object larger than the workspace extends through its ground, and a shadow there has no meaning.
 constexpr double kShadowRadii = 1.0;
-// Height of the shadow above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
+// Height of the shadow above the grid, as a share of the eyes' distance from the screen: enough for a depth buffer of 24 bits.
 constexpr double kAboveGround = 1e-3;
 
 }  // namespace
@@ -39,22 +39,22 @@ struct ScenePainter::Object {
   DetailFrame frame;
   Vec3 colour;
   double radius_m = 0.0;         // around frame.centre
-  Pose X_SO = Pose::Identity();  // moved by this, frame S
+  Pose X_SO = Pose::Identity();  // pose in frame S of an object that moves
   bool is_shown = true;
   std::shared_ptr<const DetailLevel> whole;       // read by the builder
   std::shared_ptr<const TextureLayers> textures;  // null: none
   bool is_painted = false;                        // its vertices have colours of their own
   bool is_finished = false;                       // some of those have alpha, or a texture that does not repeat
-  bool has_blended = false;                       // some triangles show what is behind
+  bool has_blended = false;                       // some of its triangles show what is behind them
   FlatLevel full;
   bool is_preview = false;  // full is only a part of its triangles, until all of them are ready to be drawn
   FlatBuffers full_vertices;
-  std::vector<FlatLevel> coarser;  // from the finest
+  std::vector<FlatLevel> coarser;  // from the finest to the coarsest
   std::vector<FlatBuffers> coarser_vertices;
   bool has_rough = false;
-  bool is_reshaped = false;       // the builder's levels are not of its shape
+  bool is_reshaped = false;       // the builder's levels do not have its present shape
   std::size_t triangles = 0;      // in full detail
-  std::vector<LevelFacts> facts;  // full, then coarser
+  std::vector<LevelFacts> facts;  // of full, then of coarser
 
   const FlatLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : full; }
   GLuint vertices(std::size_t i) const { return i > 0 ? coarser_vertices[i - 1].array : full_vertices.array; }
@@ -70,7 +70,7 @@ struct ScenePainter::Object {
 
 ScenePainter::ScenePainter() = default;
 
-// With its colours and images where the mesh has some.
+// Makes the full level, with the mesh's colours and images if it has any.
 DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, SharedTextures& textures, Object& object) {
   object.is_painted = shown.appearance != nullptr && shown.appearance->triangles.size() == shown.mesh->triangles.size();
   if (!object.is_painted) return make_level_of(*shown.mesh, object);
@@ -96,7 +96,7 @@ ScenePainter::~ScenePainter() {
     release(object->full_vertices);
     for (FlatBuffers& vertices : object->coarser_vertices) release(vertices);
   }
-  const GLuint arrays[] = {line_vertices_, empty_vertices_}, buffers[] = {line_buffer_, index_buffer_};  // 0 is ignored
+  const GLuint arrays[] = {line_vertices_, empty_vertices_}, buffers[] = {line_buffer_, index_buffer_};  // OpenGL ignores 0
   glDeleteVertexArrays(2, arrays);
   glDeleteBuffers(2, buffers);
 }
@@ -145,7 +145,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   }
   painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));
   for (const auto& object : painter->objects_) {
-    // All of a large mesh would take a tenth of a second; the builder makes them.
+    // Preparing all triangles of a large mesh would take a tenth of a second here; the builder does it in its thread.
     object->is_preview = object->whole->triangles() > kPreviewTriangles;
     DetailLevel first = object->is_preview ? thin_out(*object->whole, kPreviewTriangles) : *object->whole;
     if (object->whole->triangles() < DetailBuilder::kMinTriangles) divide_into_clusters(first);  // the builder divides the others
@@ -162,7 +162,7 @@ void ScenePainter::place_object(std::size_t object, const Pose& X_SO, bool is_sh
   objects_[object]->is_shown = is_shown;
 }
 
-// Without what was made of its shape before.
+// Drops what was made of the object's shape before.
 void ScenePainter::begin_reshape(Object& object) {
   object.is_reshaped = true;
   object.is_preview = false;
@@ -234,7 +234,7 @@ void ScenePainter::complete() {
 }
 
 std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
-  // Where the object comes nearest to the viewer a metre has the most pixels.
+  // A metre has the most pixels where the object comes nearest to the viewer.
   const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.centre());
   const EyeDepths depths = compute_eye_depths(pass.screen, pass.eye);
   const double nearest_m = std::max(depths.near_m, depths.eye_m - p_VO.z() - object.radius_m);
@@ -298,7 +298,7 @@ void ScenePainter::paint_lines(const ScenePass& pass) const {
   single_->set("colour", kSceneGrid);
   glDrawArrays(GL_LINES, 0, grid_corners_);
   single_->set("colour", kSceneBox);
-  // Except the three edges at the corner nearest to the viewer, in front of the scene.
+  // Draws all edges except the three at the corner nearest to the viewer, which would be in front of the scene.
   const auto edges = make_workspace_box();
   const Vec3 nearest = find_nearest_corner(compute_eye_position(pass.screen, Eye::centre));
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -341,7 +341,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glFrontFace(GL_CCW);
-  // From the picture's centre to the far end of the scene, in eyes' distances; beyond every depth without haze.
+  // Haze from a little before the picture's centre to the scene's far end, in eyes' distances; without haze both are beyond every depth.
   const bool is_hazy = pass.depth_cues && !pass.plain;
   for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
     program->use();
@@ -412,11 +412,11 @@ std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, co
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
   const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
   const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();
-  // In eyes' distances, so that a scene of any size is in the range of single precision.
+  // The unit is the eyes' distance from the screen, so that a scene of any size is in the range of single precision.
   Mat4 to_eye = X_EU;
   to_eye.topRows<3>() /= pass.screen.distance_m;
   const bool shows_backs = !pass.cull || object.shown.shows_backs;
-  const bool culls = !shows_backs || part.stage == PaintStage::solid;  // then first fronts, then backs
+  const bool culls = !shows_backs || part.stage == PaintStage::solid;  // if it also shows backs, fronts are drawn first, then backs
   std::size_t sent = 0;
   for (const bool backs : {false, true}) {
     if (backs && !(shows_backs && culls)) break;
