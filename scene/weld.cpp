@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffU;
-// How many vertices ahead the slot of the table is prefetched: for a large mesh it is in no cache, and each vertex reads one.
+// The slot of a vertex in the hash table is prefetched this many vertices ahead: for a large mesh the slots are in no cache.
 constexpr std::size_t kAhead = 16;
 
 std::uint64_t mix(std::uint64_t h) {
@@ -22,7 +22,8 @@ std::uint64_t mix(std::uint64_t h) {
   return h ^ (h >> 33);
 }
 
-// Differs each time, so that no file can be made whose vertices all come to the same slot. What is welded does not depend on it.
+// The start value of the hash. It differs each time, so that nobody can make a file whose vertices all get the same slot. The result of
+// welding does not depend on it.
 std::uint64_t random_start() {
   std::random_device random;
   return mix((std::uint64_t{random()} << 32) + random());
@@ -34,7 +35,7 @@ std::uint64_t hash(const Vec3& p, std::uint64_t start) {
   return h;
 }
 
-// Numbers the corners by first use; same(v) is the vertex that represents v.
+// Numbers the vertices in the order in which the triangles first use them; same(v) is the vertex that represents v.
 template <class Same>
 void renumber(TriangleMesh& mesh, Same same) {
   std::vector<std::uint32_t> new_index(mesh.vertices.size(), kNone);
@@ -61,7 +62,7 @@ void renumber(TriangleMesh& mesh, Same same) {
 
 void weld_vertices(TriangleMesh& mesh) {
   for (Vec3& vertex : mesh.vertices) vertex.array() += 0.0;  // -0 becomes 0
-  // Open addressing, at most half full.
+  // A hash table with open addressing, at most half full.
   std::vector<std::uint32_t> slots(std::bit_ceil(2 * mesh.vertices.size() + 1), kNone);
   const std::size_t mask = slots.size() - 1;
   const std::uint64_t start = random_start();

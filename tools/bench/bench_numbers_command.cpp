@@ -33,7 +33,7 @@ struct NumbersOptions {
   bool quick = false;
 };
 
-// The memo's unit is measured by another part of the bench, in the same run.
+// Another part of the bench measures the haptons, the unit of the memo, in the same run.
 void fill_in_haptons(const NumbersOptions& options, NumbersReport& report) {
   HaptonRunSettings settings;
   settings.pairs.seed = options.settings.seed;
@@ -51,7 +51,7 @@ void fill_in_haptons(const NumbersOptions& options, NumbersReport& report) {
   }
 }
 
-// Three processes of this program's own folder, where they are built: a gateway's may lack one.
+// Runs three programs from the folder of this program. The folder on a gateway may lack one; the note then says why nothing is measured.
 void fill_in_round_trip(const NumbersOptions& options, NumbersReport& report) {
   LatencyRunOptions run;
   run.seconds = options.quick ? 3.0 : 10.0;
@@ -72,7 +72,7 @@ void fill_in_round_trip(const NumbersOptions& options, NumbersReport& report) {
   }
 }
 
-// Those named, else every mesh of the project.
+// Loads the meshes that the options name or, if they name none, every mesh of the project.
 Result<std::vector<NamedMesh>> load_meshes(const NumbersOptions& options) {
   const std::filesystem::path folder = options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder);
   std::vector<std::string> files = options.files;

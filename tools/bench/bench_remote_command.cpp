@@ -20,7 +20,7 @@ struct RemoteOptions {
   LoopFlags loop;
   std::vector<std::string> meshes;
   std::string folder;
-  std::string methods;  // these four, like meshes: empty: by what is measured
+  std::string methods;  // for this and the next three, as for meshes, empty means: as in RemoteDefaults
   std::string speeds;
   std::string round_trips;
   std::string losses;
@@ -39,7 +39,7 @@ struct RemoteOptions {
   std::filesystem::path trace;
 };
 
-// What is measured where nothing else is requested.
+// The values of the options that are not given.
 struct RemoteDefaults {
   std::vector<std::string> meshes;
   std::string methods;
@@ -130,7 +130,7 @@ Result<void> run_processes(const RemoteOptions& options, const RemoteGrid& grid,
   return options.csv.empty() ? Result<void>() : write_file_atomically(options.csv, processes_to_csv(*rows));
 }
 
-// Beside the --csv file.
+// The path of the CSV file for the walls, beside the --csv file.
 std::filesystem::path walls_of(const std::filesystem::path& csv) {
   std::filesystem::path walls = csv;
   if (!csv.empty()) walls.replace_filename(csv.stem().string() + "_walls.csv");

@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kDrawSeconds = 300.0;  // for software rendering on a slow machine
+constexpr double kDrawSeconds = 300.0;  // limit for drawing all frames; enough for software rendering on a slow machine
 
 Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, LocalVision& vision, std::string& line) {
   std::vector<std::string> arguments = {"--scene",      settings.scene.string(), "--stereo",
@@ -90,7 +90,7 @@ void measure_latencies(const PapersNodesSettings& settings, PapersReport& report
 }  // namespace
 
 void measure_paper_nodes(const PapersNodesSettings& settings, PapersReport& report) {
-  LocalVision vision;  // keeps a virtual display, where one is needed, for both
+  LocalVision vision;  // keeps a virtual display for both measurements, if one is needed
   measure_stereo(settings, vision, report);
   measure_latencies(settings, report);
 }

@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-constexpr int kPanelWidth = 640;  // pixels; this and the next: free choices
+constexpr int kPanelWidth = 640;  // pixels; this and kPanelHeight are free choices
 constexpr int kPanelHeight = 620;
-// About the width of the axes, and of a label in font 8.
+// Approximate sizes, in pixels, of the axes, of a letter and a line of a label in font 8, and of a mark.
 constexpr double kAxesWidth = 540.0;
 constexpr double kAxesHeight = 430.0;
 constexpr double kLetterWidth = 8.0;
@@ -36,7 +36,7 @@ constexpr std::array kStyles = {
     Style{"reference sphere", 1, "#7f7f7f"},
 };
 
-// gnuplot reads _ and the like as markup.
+// Removes _ and similar characters, which gnuplot reads as markup.
 std::string plain(std::string text) {
   std::replace(text.begin(), text.end(), '_', ' ');
   std::erase_if(text, [](char c) { return c == '\'' || c == '{' || c == '}' || c == '^' || c == '@' || c == '\\'; });
@@ -60,7 +60,7 @@ struct Axes {
   Range time, error;  // microseconds, percent
 };
 
-// Whole decades around all marks, extended by these factors above and below.
+// Whole decades that hold all marks, with room for a factor of room_below under them and of room_above over them.
 template <class Figure>
 Range range_of(const std::vector<ParetoMark>& marks, double room_below, double room_above, Figure&& figure) {
   double low = 1e300;
@@ -72,14 +72,14 @@ Range range_of(const std::vector<ParetoMark>& marks, double room_below, double r
   return {std::pow(10.0, std::floor(std::log10(low / room_below))), std::pow(10.0, std::ceil(std::log10(high * room_above)))};
 }
 
-// Where the labels of one panel go: above or below their marks, each in the first line where it touches no mark and no other label.
+// Places the labels of one panel above or below their marks, each in the first line where it touches no mark and no other label.
 class LabelPlaces {
  public:
   LabelPlaces(const Axes& axes, const std::vector<ParetoMark>& marks) : axes_(axes) {
     for (const ParetoMark& mark : marks) taken_.push_back({across(mark), up(mark), kMarkSize, kMarkSize});
   }
 
-  // The height of the label's middle, in percent.
+  // Returns the height of the label's middle on the error axis, in percent.
   double place(const ParetoMark& mark, bool above) {
     const double step = above ? 1.0 : -1.0;
     Box box{across(mark), up(mark) + step * kLineHeight, kLetterWidth * static_cast<double>(mark.label.size()), kLineHeight};
@@ -126,7 +126,7 @@ std::string front_of(const std::vector<ParetoMark>& marks, const std::string& bl
   return text + "EOD\n";
 }
 
-// The line that marks without error are lifted to.
+// The line at kMinShownError, at which marks with a smaller error are drawn.
 std::string floor_of(const Range& error) {
   const double floor = 100.0 * kMinShownError;
   if (error.low > floor) return {};

@@ -12,10 +12,10 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxTries = 64;     // patches for one sample; each is wider than the one before
+constexpr int kMaxTries = 64;     // patches tried for one sample; each is wider than the one before
 constexpr double kAgainS = 1e-9;  // duration of a step that is repeated on a larger patch: too short for any motion
-constexpr std::int64_t kTickNs = 100 * kNanosecondsPerMillisecond;  // longer than the maker waits for a patch to be taken
-constexpr double kSlowS = 1e3;  // reported to the maker as the time to make a patch, so that it keeps patches small
+constexpr std::int64_t kTickNs = 100 * kNanosecondsPerMillisecond;  // per patch: longer than the maker waits for a patch to reach the hand
+constexpr double kSlowS = 1e3;  // reported as the time to make a patch, so that the maker keeps patches small
 
 TriangleMesh on_grid(TriangleMesh mesh, const PatchGrid& grid) {
   for (Vec3& vertex : mesh.vertices) vertex = grid.at(grid.round(vertex));

@@ -12,12 +12,12 @@
 namespace hapton {
 namespace {
 
-// Watched on until the last late force has come.
+// The simulation goes on after the hand has left, until the last late force has arrived.
 SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s) {
   return {.seed = seed, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s + 2.0 * grid.jitter_s};
 }
 
-// Every method along one path across one network.
+// Measures every method along one path over one network.
 Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, const SlidePath& path, const RemoteKey& where,
                           std::vector<RemoteRow>& rows) {
   RemoteRow row;
@@ -72,7 +72,7 @@ Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(cons
 
 }  // namespace
 
-// The device's workspace has its middle at the origin.
+// Moves the middle of the mesh to the origin, since the middle of the device's workspace is there.
 Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh) {
   TriangleMesh moved = *mesh.mesh;
   const Vec3 centre = compute_bounds(moved).centre();
@@ -147,7 +147,7 @@ Result<std::string> trace_remote(const RemoteGrid& grid) {
       "{}\n{}\n",
       mesh->name, grid.stiffness_n_per_m, 1e3 * speed, 1e3 * round_trip_s, 1e3 * grid.jitter_s, 100.0 * loss, grid.seed, columns);
   const auto add = [&](const Vec3& v, int digits) {
-    // No "-0.0000".
+    // Writes 0 in place of "-0.0000".
     for (int k = 0; k < 3; ++k)
       fmt::format_to(std::back_inserter(csv), ",{:.{}f}", std::fabs(v[k]) < 0.5 * std::pow(10.0, -digits) ? 0.0 : v[k], digits);
   };

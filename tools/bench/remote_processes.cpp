@@ -20,13 +20,13 @@
 namespace hapton {
 namespace {
 
-// Choices, all generous for a busy machine.
+// Free choices, all generous enough for a busy machine.
 constexpr double kJoinS = 2.0;       // time for the nodes to join, besides kJoinTrips round trips
 constexpr double kJoinTrips = 8.0;   // round trips for joining, with lost datagrams
-constexpr double kSceneShare = 1.5;  // time for sending the scene, as a multiple of that in the simulation
+constexpr double kSceneShare = 1.5;  // time for sending the scene, as a multiple of the time that the simulation needs
 constexpr double kGraceS = 20.0;     // time for the hub to write its report
 constexpr double kLateShare = 1.5;   // largest time offset of the force that is searched, as a multiple of the round trip
-constexpr double kMinLateS = 0.03;   // its least value: above the 20 ms for which a force is used
+constexpr double kMinLateS = 0.03;   // least value of that largest offset: above the 20 ms for which a force is used
 
 // A mesh as a scene file for the programs, and the same scene for the comparison.
 struct ProcessScene {
@@ -124,7 +124,7 @@ std::string path_to_csv(const SlidePath& path, double wait_s) {
   return positions_to_csv(rows);
 }
 
-// Pre: row has its key.
+// Pre: the key of the row (RemoteKey) is set, with its method.
 Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, const SlidePath& path, const std::filesystem::path& folder,
                          RemoteProcessRow& row) {
   auto simulated = run_prescribed(scene.simulated, path, grid.device, make_remote_case(grid, row));

@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-// One figure of a run, as it is written everywhere.
+// One figure of a run, with its name in the CSV and the JSON.
 struct Figure {
   std::string_view name;
   std::function<double(const RemoteRow&)> of;
@@ -59,7 +59,7 @@ struct Spread {
   double worst = 0.0;
 };
 
-// Over meshes and seeds.
+// The rows of all meshes and seeds for one method, speed, round trip and loss.
 struct Cell {
   const RemoteMethod* method = nullptr;
   double speed_m_per_s = 0.0;
@@ -220,9 +220,9 @@ namespace {
 
 constexpr std::array kColors = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
 constexpr double kMinDrawnPercent = 1e-4;  // %
-constexpr double kMinShownMs = 1.0;        // a round trip of 0 is drawn there: the axis is logarithmic
+constexpr double kMinShownMs = 1.0;        // a round trip of 0 is drawn at this value, since the axis is logarithmic
 
-// Lines of "round trip, value", one block.
+// One data block of gnuplot, with a line "round trip, value" for each round trip.
 template <class Value>
 std::string block_of(const RemoteGrid& grid, const std::string& name, Value value_at) {
   std::string block = fmt::format("${} << EOD\n", name);

@@ -12,10 +12,10 @@
 namespace hapton {
 namespace {
 
-// Eight of each are drawn at most: no two methods may look alike.
+// Colour and mark of each method: enough for eight methods, no two of which may look alike.
 constexpr std::array kColours = {"#0050c8", "#e69f00", "#d55e00", "#cc79a7", "#009e73", "#7f7f7f", "#56b4e9", "#000000"};
 constexpr std::array kMarks = {7, 9, 11, 5, 13, 15, 4, 6};
-// The force of a sample takes less than a microsecond.
+// The time axis begins here: methods that compute only the force of a sample take less than a microsecond.
 constexpr double kMinUs = 0.1;
 // The smallest error that is drawn, as the axis is logarithmic.
 constexpr double kMinPercent = 1e-4;

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Long walks come on top: one where a variant gets 10,000 steps, then one for every 40,000.
+// A variant gets long walks in addition: one if it has at least 10,000 steps, and one more for every further 40,000.
 constexpr std::uint64_t kStepsOfTheFirstWalk = 10000;
 constexpr std::uint64_t kStepsToEarnAWalk = 40000;
 
@@ -54,7 +54,7 @@ Result<StressCount> run_one(const StressBody& body, const StressPlan& plan, cons
   auto run = make_run(body, plan, variant);
   if (!run) return tl::unexpected(run.error());
   StressCount count;
-  // Some episodes find no free position and take no step; their number is limited, too.
+  // Some episodes find no free position and take no step, so the number of episodes is limited, too.
   for (std::uint64_t episode = 0; count.steps < steps && episode < 16 + steps; ++episode) run->run_episode(episode, count);
   const std::uint64_t walks = (steps + kStepsToEarnAWalk - kStepsOfTheFirstWalk) / kStepsToEarnAWalk;
   for (std::uint64_t walk = 0; walk < walks; ++walk) run->run_episode(kFirstLongWalk + walk, count);

@@ -48,7 +48,7 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
   std::vector<StressBody> bodies;
   std::vector<std::string> names = options.bodies;
   if (names.empty() && options.files.empty()) {
-    // Of all bodies those that the method has a probe for.
+    // All bodies whose probe the method supports.
     const bool has_spheres = supports_spheres(options.plan.method.name);
     for (const std::string_view name : stress_body_names()) {
       if (has_spheres || !name.starts_with("probe-")) names.emplace_back(name);
@@ -56,7 +56,7 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
   }
   for (const std::string& name : names) {
     StressBody body = make_stress_body(name);
-    // A finding may name a file as its body, so that its command can be repeated literally.
+    // A finding may name a mesh file as its body, and its command must be repeatable literally: so --body accepts a mesh file, too.
     if (body.touched.triangles.empty() && is_mesh_file_name(name)) {
       auto file = load_touch_mesh(name, std::nullopt, sealing);
       if (!file) return tl::unexpected(file.error());
@@ -145,7 +145,7 @@ Result<bool> run_stress(StressOptions& options) {
   return sum.total_faults() == 0;
 }
 
-// What is tested, for how long.
+// Adds the options that say what is tested and for how long.
 void add_method_and_bodies(const CommandLine& command, StressOptions& options) {
   StressPlan& plan = options.plan;
   command.add_option("--method", plan.method.name, "Force method, one of: " + method_names()).shows_default();

@@ -17,9 +17,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint64_t kEpisodeSteps = 250;  // of one motion; a free choice
+constexpr std::uint64_t kEpisodeSteps = 250;  // steps of one motion; a free choice
 
-// The names are part of it, so that a body alone goes through what it went through among others. FNV-1a.
+// The seed depends on the names, so that a body that is tested alone gets the same motions as among others. FNV-1a.
 std::uint64_t seed_of(std::uint64_t seed, const std::string& body, const std::string& tool) {
   std::uint64_t hash = 0xCBF29CE484222325U ^ seed;
   for (const char c : body + "/" + tool) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
@@ -41,9 +41,9 @@ std::vector<StressTool> make_tools() {
           {"bracket", make_prism({{0.0, 0.0}, {0.2, 0.0}, {0.2, 0.05}, {0.05, 0.05}, {0.05, 0.2}, {0.0, 0.2}}, 0.1, 2)}};
 }
 
-constexpr std::uint64_t kInsideEvery = 4;  // episodes: one of them begins inside the body, which one depends on body, tool and seed
+constexpr std::uint64_t kInsideEvery = 4;  // one of so many episodes begins inside the body; which one depends on body, tool and seed
 
-// One tool on one body at one scale.
+// The episodes of one tool on one body at one scale.
 class ToolEpisodes {
  public:
   ToolEpisodes(ToolStep& step, double size, std::uint64_t seed) : step_(step), size_(size), random_(seed) {
@@ -59,13 +59,13 @@ class ToolEpisodes {
     device.linear() = turn_by(3.0 * draw()).toRotationMatrix();
     X_SO_ = Pose::Identity();
     step_.reset(input(device));
-    const double speed = size_ * std::pow(10.0, -3.5 + 2.0 * uniform(0.0, 1.0));  // a step
-    const double turn = 0.05 * std::pow(uniform(0.0, 1.0), 2.0);                  // 50 rad/s at 1 kHz
+    const double speed = size_ * std::pow(10.0, -3.5 + 2.0 * uniform(0.0, 1.0));  // metres per step
+    const double turn = 0.05 * std::pow(uniform(0.0, 1.0), 2.0);                  // radians per step; up to 50 rad/s at 1 kHz
     const double jitter = uniform(0.0, 1.0) < 0.3 ? uniform(0.0, 2.0) : 0.1;
     const Vec3 axis = draw().normalized();
     Vec3 towards = -device.translation().normalized();
     count.overlaps += step_.step(input(device)).proxy.is_blocked ? 1 : 0;
-    // The path to the body, from where it is not touched, is made at once.
+    // The way to the body, on which the tool touches nothing, is made in one step.
     if (!begins_inside) device.translation() *= 0.7;
     for (std::uint64_t n = 0; n < kEpisodeSteps; ++n) {
       if (n % 50 == 49) towards = (towards + 0.7 * draw()).normalized();
@@ -90,7 +90,7 @@ class ToolEpisodes {
 
   ToolInput input(const Pose& device) const { return {.X_WD = device, .X_SO = {&X_SO_, step_.moving_count()}}; }
 
-  // It strays about where it began, slower than the device.
+  // The body strays around the place where it began, more slowly than the device.
   void move_body(double speed, double turn, double jitter) {
     if (step_.moving_count() == 0) return;
     X_SO_.translation() += 0.5 * speed * (draw() - X_SO_.translation() / (0.3 * size_));
@@ -98,7 +98,7 @@ class ToolEpisodes {
     X_SO_.linear() = Quat(X_SO_.linear()).normalized().toRotationMatrix();
   }
 
-  // Of the part, where the tool feels it.
+  // The placement of the tool relative to the part, at the place where the tool feels the part.
   Placement own(std::size_t part) const {
     const Placement& at = step_.proxy().placement();
     return part == 0 ? at : step_.proxy().part_placement(part - 1).inverse() * at;
@@ -112,7 +112,7 @@ class ToolEpisodes {
     count.unconverged += out.proxy.converged ? 0 : 1;
     count.squeezed += out.proxy.is_squeezed ? 1 : 0;
     for (std::size_t p = 0; p < checks_.size(); ++p) {
-      // The smallest gap that ToolProxy allows, less 2^-12 of it
+      // The smallest gap that ToolProxy allows, less 2^-12 of it for rounding.
       constexpr double kMin = (1.0 - 0x1p-12) * ToolProxy::kMinGap * ToolProxy::kContactOffset;
       if (checks_[p]->penetrates(own(p))) {
         ++count.penetrations;
@@ -123,8 +123,8 @@ class ToolEpisodes {
   }
 
   ToolStep& step_;
-  std::vector<std::unique_ptr<PenetrationCheck>> checks_;  // of what stands still, then of each part
-  Pose X_SO_ = Pose::Identity();                           // of the body, if it moves
+  std::vector<std::unique_ptr<PenetrationCheck>> checks_;  // for the objects that stand still, then for each moving part
+  Pose X_SO_ = Pose::Identity();                           // pose of the body, if it moves
   double size_;
   std::mt19937_64 random_;
 };

@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-constexpr const char* kDevice = "model-a";  // that of the simulated device
+constexpr const char* kDevice = "model-a";  // the default: the model of the simulated device
 constexpr int kFound = 1;                   // exit code: findings
-constexpr int kCannotCheck = 2;             // as for a command line that cannot be read
+constexpr int kCannotCheck = 2;             // exit code: the same as for a command line that cannot be read
 
 struct CheckOptions {
   std::string file;
@@ -27,11 +27,11 @@ struct CheckOptions {
   LoopFlags loop;
   SceneCheckSettings settings;
   std::optional<double> delay_ms;
-  std::optional<double> probe_radius_m;  // none: as the scene file has it, or a point
+  std::optional<double> probe_radius_m;  // none: the radius in the scene file, or else a point
   bool json = false;
 };
 
-// As haptics_node loads it: a plain mesh is fitted to the workspace.
+// Loads the scene as haptics_node does: a plain mesh is fitted to the workspace.
 Result<Scene> load(const CheckOptions& options) {
   if (options.file.ends_with(".toml")) {
     if (!options.unit.empty()) return fail("{}: a scene file names its units itself: leave --unit out", options.file);
@@ -66,7 +66,7 @@ Result<bool> run(CheckOptions& options) {
     settings.accepted = std::move(layout->accepted);
     probes = std::move(layout->probes);
   }
-  // As haptics_node takes it.
+  // As in haptics_node: the first probe of the scene file, unless --probe-radius is given.
   if (!probes.empty()) settings.probe_radius_m = probes.front().radius_m.value_or(0.0);
   if (options.probe_radius_m) settings.probe_radius_m = *options.probe_radius_m;
   auto check = check_scene(options.file, *scene, settings);

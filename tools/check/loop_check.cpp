@@ -17,12 +17,12 @@
 namespace hapton {
 namespace {
 
-// Whole N/m, rounded down: a value that is asked for must not be above the limit.
+// Whole N/m, rounded down: a value that the report recommends must not be above the limit.
 std::string at_most(double stiffness_n_per_m) { return fmt::format("{:.0f}", std::floor(stiffness_n_per_m)); }
 
 std::string shown_name(const SceneEffect& effect) { return fmt::format("effect {}", effect.name); }
 
-// "model-a in hand light at 1000 Hz with forces after 0.5 ms".
+// For example "model-a in hand light at 1000 Hz with forces after 0.5 ms".
 std::string describe_loop(const NamedLoop& loop, double rate_hz, double delay_s) {
   return fmt::format("{} at {:g} Hz with forces after {:.3g} ms", loop.title(), rate_hz, 1e3 * delay_s);
 }
@@ -56,7 +56,7 @@ HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, doub
 
 namespace {
 
-// What is stiff: "4,200 N/m sideways on its bumps at 8.5 N", and what to do, if the limit is `most_n_per_m`.
+// A stiffness, where the hand feels it (" on its bumps, pressed with 8.5 N"), and the advice that keeps it to most_n_per_m.
 struct StiffPart {
   double n_per_m = 0.0;
   std::string where = {};
@@ -89,7 +89,7 @@ StiffPart spring_part(const Stiffest& stiffest) {
           .fix = [key](double most_n_per_m) { return fmt::format("set {} to {} or less", key, at_most(most_n_per_m)); }};
 }
 
-// The object with this share of the height of its bumps.
+// The effects with the bumps lowered to this share of their height.
 SurfaceEffects with_lower_bumps(SurfaceEffects effects, double share) {
   effects.bumps.height_m *= share;
   effects.maps.height.at_black *= share;
@@ -97,7 +97,7 @@ SurfaceEffects with_lower_bumps(SurfaceEffects effects, double share) {
   return effects;
 }
 
-// The largest such share that is not stiffer than that; 0: none.
+// The largest share of the height at which the object is not stiffer than most_n_per_m; 0: there is none.
 double find_share_of_height(const SceneObject& object, double most_n_per_m, double pressed_n) {
   double low = 0.0;
   double high = 1.0;
@@ -120,7 +120,7 @@ std::string lower_bumps(const SceneObject& object, double most_n_per_m, double p
                      rounded_down(share));
 }
 
-// Where its normal or its stiffness changes from place to place.
+// The part that is stiff because the normal or the stiffness of the surface changes from place to place.
 StiffPart part_by_place(const SceneObject& object, double n_per_m, double pressed_n, double most_n_per_m) {
   SurfaceEffects alone = object.effects;
   alone.maps.stiffness.image = nullptr;
@@ -138,8 +138,8 @@ StiffPart part_by_place(const SceneObject& object, double n_per_m, double presse
 
 }  // namespace
 
-// Where a spring is too stiff, lower bumps are of no help. The limit of a device is that of a wall that is pressed; over the width of a
-// bump only the loop's counts.
+// If the spring itself is too stiff for the loop, the bumps are not checked, since lower ones would not help. The stiffness limit of a
+// device holds for a wall that is pressed; over the width of a bump only the limit of the loop counts.
 CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s) {
   CheckFindings findings =
       compare_stiffness(object.name, spring_part(stiffest_spring_of(object.material, object.effects)), held, rate_hz, delay_s);
@@ -239,7 +239,7 @@ CheckFindings check_softness(const SceneObject& object, std::span<const NamedLoo
 
 namespace {
 
-// Null: no largest force is known.
+// The loop with the weakest device; null: no device has a known largest force.
 const NamedLoop* find_weakest(std::span<const NamedLoop> loops) {
   const NamedLoop* weakest = nullptr;
   for (const NamedLoop& loop : loops) {

@@ -32,7 +32,7 @@ struct Extent {
   bool holds(const Extent& other) const { return holds(other.low) && holds(other.high); }
 };
 
-// Two files of one shape, or one file twice.
+// True for two objects of the same shape in the same place: from two files, or from one file that is used twice.
 bool coincide(const TriangleMesh& a, const TriangleMesh& b) {
   if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
   const Extent extent(a);
@@ -41,13 +41,13 @@ bool coincide(const TriangleMesh& a, const TriangleMesh& b) {
                     [near_m](const Vec3& p, const Vec3& q) { return (p - q).norm() <= near_m; });
 }
 
-// A body that may have something inside. Its queries are made when they are needed.
+// An object that may contain other objects, the camera or lights. Its inside test is built when it is first needed.
 class ClosedBody {
  public:
   ClosedBody(const SceneObject& object, std::size_t index) : object_(&object), index_(index), extent_(*object.mesh) {}
 
   const SceneObject& object() const { return *object_; }
-  std::size_t index() const { return index_; }  // into Scene::objects
+  std::size_t index() const { return index_; }  // in Scene::objects
   bool holds(const Vec3& p) { return extent_.holds(p) && is_closed() && inside_->is_inside(p); }
   bool holds(const TriangleMesh& mesh) {
     if (mesh.vertices.empty() || !extent_.holds(Extent(mesh)) || !is_closed()) return false;

@@ -10,14 +10,14 @@
 namespace hapton {
 namespace {
 
-// A scene that was fitted into the workspace touches its faces, up to rounding.
+// A scene that was fitted into the workspace touches the faces of the workspace, up to rounding.
 constexpr double kRounding = 1e-9;  // of the workspace's longest side
 // Nobody misses a thousandth of a surface: scenes are often fitted to a rounded size of the workspace.
 constexpr double kMinShare = 1e-3;
-// As for io_node (SceneReach): a hand does not find a smaller scene.
+// The limit of io_node (SceneReach): a hand does not find a smaller scene.
 constexpr double kSpeck = 0.02;  // of the workspace's longest side
 
-// A convex polygon of a triangle cut by six planes has nine corners at most.
+// A triangle cut by six planes: a convex polygon with nine corners at most.
 struct Polygon {
   std::array<Vec3, 9> corners;
   std::size_t count = 0;
@@ -30,7 +30,7 @@ struct Polygon {
   }
 };
 
-// The part where sign * (p[axis] - limit) <= 0 (Sutherland & Hodgman 1974).
+// The part of the polygon where sign * (p[axis] - limit) <= 0 (Sutherland & Hodgman 1974).
 Polygon cut(const Polygon& whole, int axis, double limit, double sign) {
   Polygon kept;
   for (std::size_t i = 0; i < whole.count; ++i) {
@@ -62,7 +62,7 @@ double area_in_ball(const std::array<Vec3, 3>& corners, double radius) {
   if (std::max({a.norm(), b.norm(), c.norm()}) <= radius) return area;
   const Vec3 middle = (a + b + c) / 3.0;
   const double reach = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
-  if (!(middle.norm() - reach <= radius)) return 0.0;  // or so far away that the distance is not a number
+  if (!(middle.norm() - reach <= radius)) return 0.0;  // also if it is so far away that the distance is not a number
   if (reach < kFine * radius) return middle.norm() <= radius ? area : 0.0;
   const Vec3 ab = 0.5 * (a + b);
   const Vec3 bc = 0.5 * (b + c);
@@ -77,15 +77,15 @@ double area_inside(const TriangleMesh& mesh, std::size_t t, const Workspace& wor
   return area_in_ball({mesh.corner(t, 0) - centre, mesh.corner(t, 1) - centre, mesh.corner(t, 2) - centre}, workspace.radius_m);
 }
 
-// By more than the rounding of a fitted scene.
+// Enlarges the workspace by more than the rounding of a fitted scene.
 Workspace widen(const Workspace& workspace) {
   const double margin = kRounding * workspace.longest_m();
   const Vec3 all = Vec3::Constant(margin);
   return {workspace.low_m - all, workspace.high_m + all, workspace.radius_m > 0.0 ? workspace.radius_m + margin : 0.0};
 }
 
-// How far outside the workspace the target of a snap lies. A line or plane is measured from the ball around the workspace: a finding is
-// certain, but what passes a box within that ball is not found.
+// How far outside the workspace the target of a snap lies. For a line or plane, it is the distance from the ball around the workspace: a
+// target that is reported is certainly outside, but one that misses the box and passes through that ball is not reported.
 double distance_of(const SnapEffect& snap, const Workspace& workspace) {
   if (snap.target == SnapEffect::Target::point) return workspace.distance_m(snap.position);
   const Vec3 to_middle = workspace.middle_m() - snap.position;
@@ -132,7 +132,7 @@ Unreached find_unreached(const TriangleMesh& mesh, const Workspace& given) {
 
 namespace {
 
-// "all of it lies", "12 % of its surface lies".
+// For example "all of it lies" or "12 % of its surface lies".
 std::string describe_share(double share) {
   return share > 1.0 - kMinShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lies", 100.0 * share);
 }
@@ -202,8 +202,8 @@ Vec3 nearest_in(const Workspace& workspace, const Vec3& p) {
   return distance <= workspace.radius_m ? p : Vec3(workspace.middle_m() + workspace.radius_m / distance * from_middle);
 }
 
-// Both are convex: the nearest point of the one, then that of the other, and so on, leads to where they are nearest (Cheney & Goldstein
-// 1959).
+// The distance between the two. Both are convex, so steps to the nearest point of each in turn lead to where they are nearest to each
+// other (Cheney & Goldstein 1959).
 double distance_of(const EffectVolume& volume, const Workspace& workspace) {
   constexpr int kTurns = 100;  // a free choice
   Vec3 p = nearest_in(workspace, volume.centre());
@@ -220,7 +220,7 @@ CheckFindings check_volume(const SceneEffect& effect, const EffectVolume& volume
            "move it into the workspace"}};
 }
 
-// Measured where the hand gets nearest to the well's centre: from radius_m outwards its pull only falls.
+// The pull is computed where the hand gets nearest to the well's centre: beyond radius_m it decreases with the distance.
 CheckFindings check_well(const SceneEffect& effect, const GravityWellEffect& well, const DevicePreset& device) {
   const Vec3 nearest = nearest_in(workspace_of(device), well.centre);
   const double distance_m = (nearest - well.centre).norm();

@@ -21,7 +21,7 @@ void append(CheckFindings more, CheckFindings& all) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-// Of the devices whose workspace is known, each once.
+// Each device whose workspace is known, once. A note names each of the others.
 std::vector<const DevicePreset*> known_workspaces(const std::vector<NamedLoop>& loops, std::vector<std::string>& notes) {
   std::vector<const DevicePreset*> known;
   std::string last;
@@ -38,7 +38,7 @@ std::vector<const DevicePreset*> known_workspaces(const std::vector<NamedLoop>& 
   return known;
 }
 
-// Those that the object accepts are notes: of them, and of those that are not there.
+// Findings that the object accepts become notes. A fault that it accepts but that was not found gets a note, too.
 void sort_findings(const SceneObject& object, const SceneCheckSettings& settings, CheckFindings found, SceneCheck& check) {
   const auto accepts = settings.accepted.find(object.line);
   const std::vector<std::string> names = accepts == settings.accepted.end() ? std::vector<std::string>() : accepts->second;

@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-// A wall between two layers of nodes without one inside it is not there.
-constexpr double kMinWall = 1.75;   // in voxels: the diagonal of one
+// A wall that lies between the nodes of the voxel grid, with none inside it, is lost.
+constexpr double kMinWall = 1.75;   // in voxels: just above the diagonal of one
 constexpr double kMinRadius = 3.0;  // in voxels; a smaller ball is reported as coarse
 
 }  // namespace

@@ -17,7 +17,7 @@ std::string plural(std::size_t count, std::string_view one, std::string_view man
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-// The probe is made smaller where that leaves a ball worth the name: a tenth of it.
+// Recommends a smaller probe only if at least a tenth of its radius is left; otherwise a point.
 std::string how_to_thicken(double thickness_m, double probe_radius_m) {
   const double fitting_m = 0.5 * thickness_m;
   if (fitting_m < 0.1 * probe_radius_m) return "thicken it, or touch it with a point (--probe-radius 0)";
@@ -36,7 +36,7 @@ void check_walls(const SceneObject& object, double probe_radius_m, CheckFindings
        how_to_thicken(walls.thinnest->thickness, probe_radius_m)});
 }
 
-// Why sealing left these crack edges open.
+// The reason why sealing left these crack edges open.
 std::string why_open(std::size_t cracks, const SealReport& sealed) {
   if (sealed.boundary_edges == 0) return {};
   const std::size_t narrow = std::min(cracks, sealed.unsealed_edges);
@@ -48,7 +48,7 @@ std::string why_open(std::size_t cracks, const SealReport& sealed) {
                                                : "not sealed, because that would move a vertex too far or flip a triangle");
 }
 
-// Cracks are gaps up to a thousandth of the longest side; what is wider is an opening. Both let through what is narrower than they are.
+// Cracks are gaps up to a thousandth of the longest side; wider gaps are openings. A probe that is narrower than a gap gets through it.
 void check_openings(const SceneObject& object, const MeshFlaws& flaws, double probe_radius_m, CheckFindings& findings) {
   const double crack_m = crack_width(flaws.topology);
   const double narrow_m = std::max(crack_m, 2.0 * probe_radius_m);
@@ -72,8 +72,8 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
        "close it in the mesh, unless the inside is to be touched"});
 }
 
-// Where a thousand triangles meet, a step of a point takes 0.1 ms, and a sphere crosses so many edges of a cone in a step that a part of
-// its motion is carried into the next ones.
+// Where a thousand triangles meet, a step of a point probe takes 0.1 ms, and a sphere probe crosses so many edges of a cone in one step
+// that a part of its motion is carried into the next steps.
 void check_fans(const SceneObject& object, CheckFindings& findings) {
   constexpr std::uint32_t kMax = 1000;  // triangles at a vertex, as docs/checking.md says
   std::vector<std::uint32_t> valence(object.mesh->vertices.size(), 0);

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// As Grasp does when the stylus picks the object up there: as long as the object overlaps, it gives no force.
+// Places the object as Grasp does when the stylus picks it up at its place in the scene: while it overlaps another, it gives no force.
 CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::string& name) {
   ToolObstacles others = make_tool_obstacles(scene, held);
   if (others.meshes.empty()) return {};
@@ -28,7 +28,7 @@ CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::
            "move it away a little, or leave movable out"}};
 }
 
-// In a scene without a tool only objects that are picked up feel no more than the shape.
+// Says that a tool feels no more than this. In a scene without a tool, the same holds only for objects that are picked up.
 CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
   constexpr const char* kFelt = "feels only its shape, stiffness, friction, damping and viscosity, from both sides";
   return {SceneFault::shape_alone, name, std::nullopt,
@@ -37,7 +37,7 @@ CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
                    : "leave out its other effects, images and two_sided = false, if a picked-up object should feel what the probe feels"};
 }
 
-// The vertex that is farthest from the middle of the surface: about it the mean squared lever is largest.
+// The vertex that is farthest from the middle of the surface: the grip point with the largest mean squared lever.
 Vec3 find_farthest_grip(const TriangleMesh& mesh) {
   Vec3 moment = Vec3::Zero();
   double area = 0.0;
