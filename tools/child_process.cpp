@@ -48,7 +48,7 @@ Result<ChildProcess> ChildProcess::start(const ChildCommand& command) {
   argv.push_back(nullptr);
 
   SpawnActions actions;
-  // The output's path is ours, so it is opened before the folder changes.
+  // The output's path may be relative to the folder of this process, so the child opens the output before it changes its folder.
   int error = command.output.empty() ? 0 : actions.write_to(command.output);
   if (error == 0 && !command.folder.empty()) {
     error = actions.run_in(command.folder);
@@ -91,7 +91,7 @@ std::optional<int> ChildProcess::wait(double seconds) {
 }
 
 void ChildProcess::kill() {
-  if (exit_code_ || pid_ <= 0) return;  // moved from: to -1 a signal goes to every process
+  if (exit_code_ || pid_ <= 0) return;  // a moved-from object has the pid -1, and a signal to -1 goes to every process
   ::kill(pid_, SIGKILL);
   wait(5.0);
 }

@@ -76,7 +76,7 @@ void CommandLine::add_old_option(const std::string& old_name, CommandOption opti
     renamed->add_result(word);
     renamed->run_callback();
   };
-  // Not by excludes() of CLI11, which sets both directions: --help would list a hidden option as an empty name.
+  // CLI11's excludes() is not used: it works in both directions, so --help would list the hidden option as an empty name.
   const auto excludes_new = [old_name, renamed](const std::string&) {
     return renamed->count() > 0 ? old_name + " excludes " + renamed->get_name() + ", its name now" : std::string();
   };

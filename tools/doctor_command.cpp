@@ -35,7 +35,7 @@ doctor::HubReply check_hub(const DoctorOptions& options) {
   return {{}, report->json};
 }
 
-// Below another root there are no replies.
+// With another root, the libraries, display and hub of this machine are not asked.
 doctor::Machine::Questions questions_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
   return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return check_hub(options); }};

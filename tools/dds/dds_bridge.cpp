@@ -13,7 +13,7 @@
 namespace hapton::dds {
 namespace {
 
-// Above ordinary programs, so that a sample is published before the next one comes, and below all nodes (80), which it must never hold up.
+// Above ordinary programs, so that a sample is published before the next one comes, and below all nodes (80), which must never be delayed.
 constexpr int kPublisherPriority = 10;
 constexpr double kBridgePatienceS = 5.0;
 constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
@@ -22,9 +22,9 @@ constexpr std::int64_t kRateKnownNs = 3 * kNanosecondsPerSecond;
 constexpr double kMaxSkipped = 0.1;
 constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
 
-// The time of day minus the clock's. Again, if this thread was held up between the two.
+// The time of day minus the time of the clock. Both are read again if this thread was held up between the two readings.
 std::int64_t day_offset_ns(const Clock& clock) {
-  constexpr std::int64_t kAtOnceNs = 10'000;  // two readings of the clock no farther apart: the thread was not held up
+  constexpr std::int64_t kAtOnceNs = 10'000;  // if two readings of the clock are no farther apart, the thread was not held up
   std::int64_t offset_ns = 0;
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 3 && least_ns > kAtOnceNs; ++i) {
@@ -58,7 +58,7 @@ std::string why_dropped(ServoForce::Verdict verdict, const BridgeSettings& setti
   return {};
 }
 
-// Null: forces are not accepted.
+// Returns null if forces are not accepted.
 Result<std::unique_ptr<ForceReplier>> start_replier(const BridgeSettings& settings, RosNode& node) {
   if (!settings.accept_forces_n) return std::unique_ptr<ForceReplier>();
   HubConnection::Settings hub = settings.hub;
@@ -80,7 +80,7 @@ std::string describe_topics(const BridgeSettings& settings) {
   return text + fmt::format(" are taken from {}/servo_cf", prefix);
 }
 
-// Once: where the hub sends so many samples that some are skipped. Empty: nothing to say.
+// Gives advice once, if the hub sends so many samples that some are skipped. An empty text means no advice.
 class RateAdvice {
  public:
   explicit RateAdvice(std::int64_t start_ns) : known_ns_(start_ns + kRateKnownNs) {}
@@ -99,7 +99,7 @@ class RateAdvice {
   bool is_given_ = false;
 };
 
-// Says what was dropped, seldom.
+// Says what was dropped, at most once per kWarnEveryNs.
 class DropWarnings {
  public:
   std::string take(ForceReplier* replier, const BridgeSettings& settings, std::int64_t now_ns) {
@@ -147,7 +147,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
   if (!address) return tl::unexpected(address.error());
   RosNode::Options ros = settings.ros;
   ros.takes_forces = settings.accept_forces_n.has_value();
-  // DDS first: what is wrong with it shows without a hub, too.
+  // DDS is opened first, so that its errors are reported without a hub, too.
   const auto node = RosNode::open(ros);
   if (!node) return tl::unexpected(node.error());
   const auto connection = HubConnection::open(NodeRole::vision, settings.hub);
@@ -159,7 +159,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
 
   const auto rights = enter_realtime({.mode = settings.realtime, .priority = kPublisherPriority, .lock_memory = false});
   if (!rights) return tl::unexpected(rights.error());
-  const RealtimeReport& realtime = *replier != nullptr ? (*replier)->realtime() : *rights;  // forces ask for more
+  const RealtimeReport& realtime = *replier != nullptr ? (*replier)->realtime() : *rights;  // the thread of the forces requests more rights
   if (!realtime.complete()) say(realtime.to_text());
   HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
@@ -180,7 +180,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     say_if_any(warnings.take(replier->get(), settings, now_ns));
     const auto* probe = has_datagram ? std::get_if<ProbeState>(&datagram.message) : nullptr;
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
-    // First: it asks for the next state.
+    // Sent before anything else, since it asks for the next state.
     client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns, .every_sample = true});
     const auto sample = maker.make(*probe, client.session(), client.receive_time_ns(), day_offset_ns(clock));
     if (!sample) continue;

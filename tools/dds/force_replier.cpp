@@ -8,7 +8,7 @@ namespace hapton::dds {
 namespace {
 
 constexpr double kReplierPatienceS = 5.0;  // how long to wait for the hub; a free choice
-// The longest wait for a datagram, before a stop is noticed; a free choice
+// The longest wait for a datagram, and so the longest time until a stop is noticed; a free choice
 constexpr std::int64_t kReplierTurnNs = 20 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -34,7 +34,7 @@ ForceReplier::~ForceReplier() { stop(); }
 void ForceReplier::stop() {
   is_stopping_.store(true);
   if (thread_.joinable()) thread_.join();
-  connection_.reset();  // with a Bye: the hub releases the force at once
+  connection_.reset();  // sends a Bye, so that the hub releases the force at once
 }
 
 std::optional<ServoForce::Verdict> ForceReplier::take_warning() noexcept {
@@ -60,7 +60,7 @@ void ForceReplier::run(RealtimeMode realtime) {
   Datagram datagram;
   while (!is_stopping_.load(std::memory_order_relaxed)) {
     if (!client.receive(datagram, clock.now_ns() + kReplierTurnNs)) {
-      take_commands();  // so that none waits, and counts as new, while there is no hub
+      take_commands();  // so that no command waits while there is no hub and then counts as new
       continue;
     }
     std::optional<DeviceState> newest;

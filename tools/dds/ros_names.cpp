@@ -6,7 +6,7 @@
 namespace hapton::dds {
 namespace {
 
-constexpr std::size_t kLongestName = 200;  // DDS topics may have 256 characters, and ours add to a prefix
+constexpr std::size_t kLongestName = 200;  // a DDS topic may have 256 characters, and each topic here adds some to the prefix
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -16,7 +16,7 @@ bool is_word(std::string_view word) {
   return std::all_of(word.begin(), word.end(), [](char c) { return is_letter(c) || is_digit(c); });
 }
 
-// For an error of one line, whatever somebody typed.
+// The start of the text with ? for special characters, so that an error with it has one line.
 std::string printable(std::string_view text) {
   std::string shown(text.substr(0, 80));
   for (char& c : shown) {

@@ -28,13 +28,13 @@ using Transforms = tf2_msgs_msg_dds__TFMessage_;
 using Joy = sensor_msgs_msg_dds__Joy_;
 
 constexpr std::size_t kButtons = 32;               // bits of ProbeState::buttons
-constexpr std::int64_t kJoyEveryNs = 100'000'000;  // without a change, for who comes later
-constexpr std::size_t kMaxForces = 16;             // taken at a time
-constexpr int kSensorDepth = 5;                    // of rmw_qos_profile_sensor_data
-constexpr int kReliableDepth = 10;                 // of ROS 2's default
-constexpr int kTransformDepth = 100;               // of tf2's broadcaster
+constexpr std::int64_t kJoyEveryNs = 100'000'000;  // period without a change, for programs that join later
+constexpr std::size_t kMaxForces = 16;             // most forces taken at a time
+constexpr int kSensorDepth = 5;                    // queue depth of rmw_qos_profile_sensor_data
+constexpr int kReliableDepth = 10;                 // queue depth of ROS 2's default profile
+constexpr int kTransformDepth = 100;               // queue depth of tf2's broadcaster
 
-// What the engine logs before a call fails says more than its return code. Its threads log, too.
+// Keeps what the DDS engine logs before a call fails, as this says more than the return code. Threads of the engine log, too.
 class EngineLog {
  public:
   void clear() {
@@ -52,7 +52,7 @@ class EngineLog {
   }
 
  private:
-  static constexpr std::size_t kMax = 400;  // characters; no line is added beyond; a free choice
+  static constexpr std::size_t kMax = 400;  // characters; no line is added to a longer text; a free choice
   std::mutex mutex_;
   std::string text_;
 };
@@ -67,7 +67,7 @@ tl::unexpected<Error> engine_error(fmt::format_string<Args...> what, Args&&... a
   return fail("{}{}{}", fmt::format(what, std::forward<Args>(args)...), log.empty() ? "" : ": ", log);
 }
 
-// What a participant that does not use multicast needs to find others of this host: it asks each place where one may be, every second.
+// What a participant without multicast needs to find others on this host: it asks each port at which one may listen, every second.
 constexpr std::string_view kAskThisHost =
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>50</MaxAutoParticipantIndex>"
     "<SPDPInterval>1s</SPDPInterval><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>";
@@ -78,8 +78,8 @@ std::string configure(std::string_view interfaces, bool is_this_host) {
                      is_this_host ? "<AllowMulticast>false</AllowMulticast>" : "", is_this_host ? kAskThisHost : "");
 }
 
-// What to try in turn. Programs with the default settings of ROS 2 name an address of the network as theirs, not loopback, also to
-// participants of this host; without a network there is loopback alone.
+// The configurations to try in turn. Programs with the default settings of ROS 2 give an address of the network as theirs, not loopback,
+// even to participants on this host; without a network only loopback exists.
 std::vector<std::string> make_configurations(const std::string& interface) {
   constexpr std::string_view kAuto = "<NetworkInterface autodetermine=\"true\"/>";
   if (interface.empty()) return {configure(fmt::format("{}{}", kLoopbackInterface, kAuto), true), configure(kLoopbackInterface, true)};
@@ -117,7 +117,7 @@ struct RosNode::State {
   Options options;
   std::string device_frame;
   std::string proxy_frame;
-  dds_entity_t domain = 0;  // 0: none of our own
+  dds_entity_t domain = 0;  // 0: this object created none
   dds_entity_t participant = 0;
   dds_entity_t pose = 0;
   dds_entity_t proxy = 0;
@@ -156,7 +156,7 @@ struct RosNode::State {
     return {header, child.data(), {vector_of<geometry_msgs_msg_dds__Vector3_>(p), quaternion_of(q)}};
   }
   bool is_due(std::int64_t& next_ns, std::int64_t every_ns, std::int64_t stamp_ns) {
-    // A time of day that was set back makes everything due.
+    // If the time of day was set back, everything is due.
     if (stamp_ns < next_ns && next_ns - stamp_ns <= every_ns) return false;
     next_ns = next_ns + every_ns > stamp_ns && next_ns <= stamp_ns ? next_ns + every_ns : stamp_ns + every_ns;
     return true;
@@ -182,7 +182,7 @@ Result<void> RosNode::State::join() {
     }
   }
   const Qos qos(dds_create_qos());
-  // What ROS 2 looks for in a participant: outside any enclave of its security.
+  // ROS 2 looks for this text in a participant: "/" is the name for no enclave of its security.
   constexpr std::string_view kEnclave = "enclave=/;";
   dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
   participant = dds_create_participant(id, qos.get(), nullptr);
@@ -304,7 +304,7 @@ void RosNode::take_forces(const std::function<void(const ServoCommand&)>& visit)
 
 }  // namespace hapton::dds
 
-#else  // the command stays, and says what to install
+#else  // without DDS the command still exists, and says what to install
 
 namespace hapton::dds {
 

@@ -3,10 +3,10 @@
 namespace hapton::dds {
 namespace {
 
-// stableNorm: a square of 1e200 N has no place in a double.
+// stableNorm, because the square of 1e200 N is too large for a double.
 bool is_above(const Vec3& vector, double most) { return vector.stableNorm() > most; }
 
-// Shortened with its direction, in two steps, as the largest numbers have no product.
+// Shortens the vector and keeps its direction, in two steps, so that the largest numbers do not overflow.
 Vec3 shortened(const Vec3& vector, double most) {
   if (!is_above(vector, most)) return vector;
   return most * (vector / vector.cwiseAbs().maxCoeff()).normalized();

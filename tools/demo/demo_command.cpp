@@ -101,7 +101,7 @@ Result<bool> run_in_window(const DemoOptions& options, const DemoSettings& setti
   return true;
 }
 
-// The terminal of a menu entry is closed: that is a request to stop, as Ctrl-C is, so that nothing stays behind.
+// If the user closes the terminal of a menu entry, this is a request to stop, as Ctrl-C is, so that no process stays behind.
 void stop_at_hangup() {
   std::signal(SIGHUP, [](int) { std::raise(SIGTERM); });
 }

@@ -10,11 +10,11 @@
 namespace hapton {
 namespace {
 
-// The hand is a spring of 400 N/m, a hard surface one of 1,000: 8 mm behind the surface is 2.3 N, pressed firmly.
+// The hand is a spring of 400 N/m in series with a surface of 1,000 N/m: 8 mm behind the surface the force is 2.3 N, a firm press.
 constexpr double kPressM = 0.008;
-constexpr double kAheadM = 0.035;  // in front of the next object
-constexpr double kComeS = 0.8;     // from in front of an object to its surface; durations and lengths of paths are free choices
-constexpr double kRowS = 0.01;     // between two rows of a path
+constexpr double kAheadM = 0.035;  // distance in front of the object at which most paths begin and end
+constexpr double kComeS = 0.8;     // duration of the motion to the surface; durations and lengths of paths are free choices
+constexpr double kRowS = 0.01;     // time between two rows of a path
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 void add(DemoPath& path, double after_s, const Vec3& p_WD) {
@@ -31,7 +31,7 @@ std::optional<Vec3> find_front(const Scene& scene, double x_m, double y_m) {
       const Vec3 ab = object.mesh->vertices[triangle[1]] - a;
       const Vec3 ac = object.mesh->vertices[triangle[2]] - a;
       const double area = ab.x() * ac.y() - ab.y() * ac.x();
-      if (area == 0.0) continue;  // seen edge-on: its neighbours are in front
+      if (area == 0.0) continue;  // seen edge-on: a neighbour gives the front
       const double u = ((x_m - a.x()) * ac.y() - (y_m - a.y()) * ac.x()) / area;
       const double v = (ab.x() * (y_m - a.y()) - ab.y() * (x_m - a.x())) / area;
       if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) front = std::max(front, a.z() + u * ab.z() + v * ac.z());
@@ -42,7 +42,7 @@ std::optional<Vec3> find_front(const Scene& scene, double x_m, double y_m) {
 
 Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, double hold_s) {
   constexpr double kCircleM = 0.004;  // radius of the slow circle on the surface
-  constexpr double kCircleS = 3.0;    // for one round
+  constexpr double kCircleS = 3.0;    // duration of one circle
   const auto middle = find_front(scene, x_m, y_m);
   if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
   DemoPath path;
@@ -52,7 +52,7 @@ Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
     const double turn = kTurn * t / kCircleS;
     const double radius = kCircleM * std::min(1.0, t);
     const auto front = find_front(scene, x_m + radius * std::sin(turn), y_m + radius * (1.0 - std::cos(turn)));
-    // Over an edge the hand keeps the depth that it has.
+    // Where the scene has no surface, beyond an edge, the hand stays at its last position.
     const Vec3 next = front ? Vec3(*front - Vec3(0.0, 0.0, kPressM)) : path.back().p_WD;
     add(path, 5.0 * kRowS, next);
   }
@@ -61,7 +61,7 @@ Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
 }
 
 DemoPath make_groove_path() {
-  constexpr double kReachM = 0.075;  // to each side: three quarters of the groove's half length
+  constexpr double kReachM = 0.075;  // distance to each side: three quarters of the groove's half length
   constexpr double kThereS = 4.0;    // from one end to the other
   const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
   DemoPath path;
@@ -76,11 +76,11 @@ DemoPath make_groove_path() {
 
 DemoPath make_tap_path() {
   constexpr double kTapS = 0.5;                     // one tap
-  constexpr double kHoldS = 0.7;                    // behind the wall
+  constexpr double kHoldS = 0.7;                    // time behind the wall
   constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
-  constexpr int kRounds = 4;                        // of the whole path
-  constexpr double kMiddleM = 0.0275;               // of the motion across the wall, from 70 mm in front of it to 15 mm behind
-  constexpr double kSwingM = 0.0425;                // 15 mm behind the wall: 4 N
+  constexpr int kRounds = 4;                        // in the whole path
+  constexpr double kMiddleM = 0.0275;               // middle of the motion across the wall, from 70 mm in front of it to 15 mm behind it
+  constexpr double kSwingM = 0.0425;                // amplitude of that motion; 15 mm behind the wall the force is 4 N
   DemoPath path;
   for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
     const double in_round = std::fmod(t, kRoundS);
@@ -92,7 +92,7 @@ DemoPath make_tap_path() {
 }
 
 DemoPath make_arc_path(double radius_m) {
-  constexpr double kArcS = 6.0;  // for one round of the motion over the ball
+  constexpr double kArcS = 6.0;  // duration of one round of the motion over the ball
   const double inside_m = radius_m - kPressM;
   DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, radius_m + kAheadM));

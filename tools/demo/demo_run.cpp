@@ -11,13 +11,13 @@
 namespace hapton {
 namespace {
 
-// Factor on its seconds that a scripted step waits for its picture: a large mesh, a busy machine.
+// A scripted step waits for its picture up to this many times its duration, for a large mesh or a busy machine.
 constexpr double kPictureShare = 5.0;
-constexpr double kKillShare = 0.6;      // share of a scripted step: the hand is at rest by then
-constexpr double kSilentS = 1.0;        // the picture is taken after this time without force
-constexpr double kKillAfterS = 5.0;     // in a window, again and again
-constexpr double kRestartAfterS = 8.0;  // since the beginning of the cycle; leaves 3 s without force to look at
-constexpr double kKillEveryS = 12.0;    // then the next cycle begins; free choices
+constexpr double kKillShare = 0.6;      // share of a scripted step before the node is killed: the hand is at rest by then
+constexpr double kSilentS = 1.0;        // the picture is taken this long after the node was killed
+constexpr double kKillAfterS = 5.0;     // in a window: from the beginning of a cycle until the node is killed
+constexpr double kRestartAfterS = 8.0;  // from the beginning of a cycle until the restart; leaves 3 s without force to look at
+constexpr double kKillEveryS = 12.0;    // duration of a cycle; these times are free choices
 
 class Stopwatch {
  public:
@@ -28,7 +28,7 @@ class Stopwatch {
   std::int64_t start_ns_ = now_ns();
 };
 
-// Waits until the condition holds; false: the time was over before. Error: a node has ended, a stop was requested.
+// Waits until the condition holds. Returns false if the time is over first. Error: a node has ended, or a stop was requested.
 template <class Condition>
 Result<bool> wait_until(DemoSystem& system, const StopSignal& stop, double at_most_s, Condition&& holds) {
   SteadyClock clock;
@@ -52,7 +52,7 @@ Result<bool> wait_for_picture(DemoSystem& system, const StopSignal& stop, double
   });
 }
 
-// The picture shows the contact; without a contact, the end.
+// The picture shows the moment `picture_at` of the step or, if that does not come, the end.
 Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
   if (const auto started = system.start_vision(step); !started) return started;
   if (const auto waited = wait_for(system, stop, seconds); !waited) return tl::unexpected(waited.error());
@@ -60,8 +60,8 @@ Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& st
   return taken ? Result<void>() : tl::unexpected(taken.error());
 }
 
-// The picture shows what a user sees without the haptics node. The vision node is started before: a new one may have turned the scene, and
-// then the contact is not resumed.
+// The picture shows what a user sees without the haptics node. The vision node is started before the haptics node is killed: a new vision
+// node may have turned the scene, and then the contact is not resumed.
 Result<void> play_death(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds,
                         const std::filesystem::path& picture, DemoEvidence& evidence) {
   if (const auto started = system.start_vision(step); !started) return started;

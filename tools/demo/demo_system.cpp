@@ -14,7 +14,7 @@ namespace {
 // Servo rate of the tour: a step is 1 ms.
 constexpr const char* kRateHz = "1000";
 
-// The mesh that is too large to be shipped, with a scene file around it.
+// Writes the mesh that is too large to be shipped, and a scene file for it.
 Result<std::filesystem::path> write_heavy_scene(const std::filesystem::path& folder) {
   const auto mesh = make_rough_sphere(demo_heavy::kRadiusM, demo_heavy::kCurvatureM, demo_heavy::kWaveM, demo_heavy::kTriangles, 1);
   if (const auto written = write_ply(folder / "heavy.ply", mesh); !written) return tl::unexpected(written.error());
@@ -91,7 +91,7 @@ Result<void> DemoSystem::start_haptics() {
 Result<void> DemoSystem::start(const DemoStep& step) {
   if (const auto prepared = prepare(step); !prepared) return prepared;
   if (const auto started = step.relay.empty() ? Result<void>() : start_relay(step); !started) return started;
-  // The haptics node is ready before the hub starts, and with it the hand, so that the hand does not pass the surface unnoticed.
+  // The haptics node is ready before the hub and its simulated hand start, so that the hand does not pass the surface unnoticed.
   if (const auto started = start_haptics(); !started) return started;
   return start_hub();
 }

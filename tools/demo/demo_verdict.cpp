@@ -16,15 +16,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxShare = 0.5;      // "most of the time" since the first contact
-constexpr double kBehindM = 0.0005;    // pressed, not brushed
-constexpr double kReleasedMs = 100.0;  // the bound is 20 ms and a cycle; a machine with other work to do may be late with the cycle
-constexpr double kPeriodUs = 1000.0;   // of 1 kHz: a step must take less
+constexpr double kMaxShare = 0.5;      // least share of the steps since the first contact that is "most of the time"
+constexpr double kBehindM = 0.0005;    // least distance of the device from the probe if it pressed, and did not only brush
+constexpr double kReleasedMs = 100.0;  // the limit is 20 ms and a cycle, but a machine with other work to do may be late with the cycle
+constexpr double kPeriodUs = 1000.0;   // period of 1 kHz: a step must take less
 
 struct Contact {
   std::size_t steps = 0;  // since the first contact
   std::size_t contacts = 0;
-  double deepest_m = 0.0;  // the device behind the probe
+  double deepest_m = 0.0;  // largest distance of the device from the probe
   double most_n = 0.0;
   double share() const { return steps == 0 ? 0.0 : static_cast<double>(contacts) / static_cast<double>(steps); }
   bool is_mostly() const { return share() >= kMaxShare; }
@@ -97,13 +97,13 @@ DemoVerdict evaluate_wall(const DemoEvidence& evidence) {
     if (is_over) {
       behind = std::max(behind, kFrontM - step.p_WD.z());
       probe_behind = std::max(probe_behind, kFrontM - step.p_WP.z());
-      // The step that took it through the wall, or near it.
+      // A step with which the device passed the front of the wall.
       if (last != nullptr && last->p_WD.z() >= kFrontM && step.p_WD.z() < kFrontM)
         longest = std::max(longest, last->p_WD.z() - step.p_WD.z());
     }
     last = &step;
   }
-  // On the front, which the wire gives to a ten-thousandth of a millimetre.
+  // The device was behind the whole wall, but the probe stayed on its front; half the thickness is far above rounding errors.
   const bool is_held_back = behind > kThicknessM && probe_behind <= 0.5 * kThicknessM;
   return make_verdict(
       contact, longest > kThicknessM && is_held_back,

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kCpuFolder = "/sys/devices/system/cpu";
 
-// Of a list as "0-3,5".
+// The number of CPUs in a list such as "0-3,5".
 int count_cpus(std::string_view list) {
   int count = 0;
   while (!list.empty()) {
@@ -38,7 +38,7 @@ Finding check_number(const Machine& machine) {
               fmt::format("{}, of which {} are isolated for real time: io_node --cpu {}", count, isolated, std::atoi(isolated.c_str())));
 }
 
-// The governors in use, each with a CPU of it.
+// The governors in use, each with one of the CPUs that use it.
 std::map<std::string, std::string> find_governors(const Machine& machine) {
   std::map<std::string, std::string> governors;
   for (const std::string& cpu : machine.list(kCpuFolder)) {
@@ -54,9 +54,9 @@ Finding check_governor(const Machine& machine) {
   const auto governors = find_governors(machine);
   if (governors.empty()) return good(subject, "not controlled by this kernel (a virtual machine, or a fixed frequency)");
   const std::string driver = machine.read(fmt::format("{}/cpu0/cpufreq/scaling_driver", kCpuFolder)).value_or("");
-  // With these drivers, a governor of this name does raise the frequency, if late.
+  // With these drivers, the governor "powersave" does raise the frequency, though late.
   const bool adapts = driver.find("pstate") != driver.npos;
-  // Of several that of the slowest CPU.
+  // If several governors are in use, the slowest one is reported.
   auto slow = governors.find("powersave");
   if (slow == governors.end()) {
     slow = std::find_if(governors.begin(), governors.end(), [](const auto& governor) { return governor.first != "performance"; });
@@ -87,7 +87,7 @@ Findings check_cpus(const Machine& machine) {
 
 Findings check_clock(const Machine& machine) {
   constexpr const char* kFolder = "/sys/devices/system/clocksource/clocksource0";
-  // Read without a system call.
+  // The clocks that are read without a system call.
   constexpr std::array<std::string_view, 4> kFast = {"tsc", "kvm-clock", "hyperv_clocksource_tsc_page", "arch_sys_counter"};
   const auto current = machine.read(fmt::format("{}/current_clocksource", kFolder));
   if (!current) return {note("clock", "not known: the kernel does not say")};

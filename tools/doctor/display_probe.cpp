@@ -9,13 +9,13 @@
 namespace hapton::doctor {
 namespace {
 
-// What we use of Xlib and GLX, by the names and numbers of glx.h and glxproto.
+// The parts of Xlib and GLX that are used here, with the names and numbers of glx.h and glxproto.
 struct XDisplay;
 struct FbConfig;
 struct GlContext;
 using XId = unsigned long;
 
-constexpr int kGlxDoubleBuffer = 5;  // this and the next ones: of GLX (glx.h)
+constexpr int kGlxDoubleBuffer = 5;  // this and the next constants are those of GLX (glx.h)
 constexpr int kGlxStereo = 6;
 constexpr int kGlxDrawableType = 0x8010;
 constexpr int kGlxWindowBit = 0x1;
@@ -28,7 +28,7 @@ constexpr int kGlxPbufferWidth = 0x8041;
 constexpr unsigned kGlRenderer = 0x1F01;
 constexpr unsigned kGlVersion = 0x1F02;
 
-// A library and its functions, until the process ends.
+// A shared library and its functions. It stays loaded until the process ends.
 class Library {
  public:
   explicit Library(const char* file) : handle_(::dlopen(file, RTLD_NOW | RTLD_GLOBAL)) {

@@ -9,7 +9,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kHot = 0.8;  // share of the temperature limit of its motors
+constexpr double kHot = 0.8;  // share of the temperature limit of the motors
 
 std::string text_of(const nlohmann::json& notes, const char* key) {
   const auto found = notes.find(key);
@@ -54,7 +54,7 @@ void add_temperature(const nlohmann::json& notes, Findings& findings) {
 void add_realtime(const nlohmann::json& notes, Findings& findings) {
   const std::string realtime = text_of(notes, "realtime");
   if (realtime.empty()) return;
-  const bool is_denied = realtime.find(": denied (") != realtime.npos || realtime.find(" NO (") != realtime.npos;  // or of an older hub
+  const bool is_denied = realtime.find(": denied (") != realtime.npos || realtime.find(" NO (") != realtime.npos;  // " NO (": older hubs
   if (!is_denied) {
     findings.push_back(good("rights of the hub", "all requested rights were granted"));
   } else {

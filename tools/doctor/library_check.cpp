@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kLongestLoadS = 10.0;  // for the process that loads a library; a free choice
 
-// The loader's message if the file itself is missing, not one of its dependencies.
+// True if the loader reports that the file itself is missing, not one of its dependencies.
 bool is_absent(const LibraryFailure& failure) { return failure.error.starts_with(failure.file + ": cannot open shared object file"); }
 
-// A device that this library drives and that is plugged in.
+// A plugged-in device that this library drives; null: there is none.
 const PluggedDevice* find_driven(const std::vector<PluggedDevice>& devices, std::string_view library) {
   const auto found = std::find_if(devices.begin(), devices.end(), [&](const PluggedDevice& d) { return d.library == library; });
   return found == devices.end() ? nullptr : &*found;

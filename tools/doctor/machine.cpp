@@ -15,7 +15,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // of a file that is read; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // largest part of a file that is read; a free choice
 constexpr std::string_view kBlanks = " \t\r\n";
 
 std::string_view trimmed(std::string_view text) {
@@ -46,7 +46,7 @@ std::vector<std::string_view> split(std::string_view text, char at) {
   }
 }
 
-// Opening a pipe would wait.
+// Opens only regular files, since opening a pipe would wait.
 bool is_readable_file(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error) && std::ifstream(path).is_open();
@@ -153,7 +153,7 @@ std::string Machine::real_path(std::string_view path) const {
   return "/" + found.lexically_relative(root).string();
 }
 
-// On the real machine the kernel decides, which knows access lists; below another root the rights of the files decide.
+// On the real machine the kernel decides, since it knows access lists; below another root the mode bits of the files decide.
 bool Machine::may(std::string_view path, bool writes) const {
   if (root_ == "/") return ::faccessat(AT_FDCWD, below(path).c_str(), writes ? R_OK | W_OK : R_OK, AT_EACCESS) == 0;
   const auto file = facts(path);
@@ -203,7 +203,7 @@ User Machine::read_user() const {
   const std::string status = read("/proc/self/status").value_or("");
   const auto uids = split_words(find_field(status, "Uid:"));
   const auto gids = split_words(find_field(status, "Gid:"));
-  // Effective ones: real, effective, saved, file system.
+  // The effective ids: each line has the real, effective, saved and file-system id, in this order.
   if (uids.size() > 1) user.uid = number_of<uid_t>(uids[1]).value_or(0);
   if (gids.size() > 1) user.groups.push_back(number_of<gid_t>(gids[1]).value_or(0));
   for (const std::string_view group : split_words(find_field(status, "Groups:")))

@@ -109,7 +109,7 @@ void check_system_key(const Machine& machine, Findings& findings) {
   }
 }
 
-// As a number of its own: 4950 is not in 14950.
+// True if the text has the number as a whole: 4950 is not in 14950.
 bool has_number(std::string_view text, std::string_view number) {
   const auto is_digit = [&](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
   for (std::size_t at = text.find(number); at != text.npos; at = text.find(number, at + 1)) {

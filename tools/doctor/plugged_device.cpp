@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kUsbFolder = "/sys/bus/usb/devices";
 constexpr std::string_view kHidrawFolder = "/sys/class/hidraw";
 
-// Those that are not HID devices, or not always.
+// The known devices that are not HID devices, or not in every version.
 constexpr std::array kUsbDevices = {
     KnownUsbDevice{0x2988, 0x0302, DevicePath::serial, "3D Systems Touch (USB)", "openhaptics", "OpenHaptics"},
     KnownUsbDevice{0x2988, 0, DevicePath::any, "3D Systems Touch", "openhaptics", "OpenHaptics"},
@@ -56,7 +56,7 @@ struct HidNode {
   HidDescription description;
 };
 
-// HID_ID=0003:00001234:00000006
+// Reads a line such as HID_ID=0003:00001234:00000006: bus, vendor and product.
 void read_hid_ids(std::string_view uevent, HidDescription& description) {
   const std::string_view id = find_field(uevent, "HID_ID=");
   if (id.size() == 22) {
@@ -145,7 +145,7 @@ void add_usb_node(const Machine& machine, const std::string& folder, PluggedDevi
   plugged.nodes.push_back({fmt::format("/dev/bus/usb/{:03}/{:03}", bus, number), drivers, DevicePath::usb});
 }
 
-// Interfaces of other functions, such as a receiver's keyboard, are excluded if the usage identifies them.
+// A device of a vendor library keeps all its nodes. Of others, a usage in the catalogue excludes nodes such as a receiver's keyboard.
 bool is_wanted(const HidNode& node, const PluggedDevice& plugged) {
   return plugged.library.empty() ? find_in_hid_catalog(node.description) != nullptr : true;
 }
@@ -168,7 +168,7 @@ bool has_node(const std::vector<PluggedDevice>& devices, const std::string& path
   });
 }
 
-// By Bluetooth, by another bus, or with unknown ids: Hapton HID is found by its usage.
+// Adds HID devices on Bluetooth, on another bus or with unknown ids: their usage identifies a Hapton HID device.
 void add_other_hid(const std::vector<HidNode>& hid, std::vector<PluggedDevice>& devices) {
   for (const HidNode& node : hid) {
     const HidCatalogEntry* entry = find_in_hid_catalog(node.description);

@@ -9,13 +9,13 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr std::string_view kListening = "0A";  // of tcp's states; udp has but one that matters
+constexpr std::string_view kListening = "0A";  // a state of TCP; of UDP only one state matters
 
-// The inodes of the sockets at a port, of one of the kernel's tables.
+// Adds the inodes of the sockets at a port, from one of the kernel's tables.
 void add_inodes(const std::string& table, int port, bool listening, std::vector<std::string>& inodes) {
   const std::string wanted = fmt::format(":{:04X}", port);
   for (const std::string_view line : split_lines(table)) {
-    // sl local_address rem_address st tx:rx tr:when retrnsmt uid timeout inode
+    // Columns: sl local_address rem_address st tx:rx tr:when retrnsmt uid timeout inode
     const auto words = split_words(line);
     if (words.size() < 10 || !words[1].ends_with(wanted)) continue;
     if (!listening || words[3] == kListening) inodes.emplace_back(words[9]);

@@ -9,10 +9,10 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kPriority = 80.0;                     // that io_node requests
-constexpr double kEnoughMemory = 512.0 * 1024 * 1024;  // a node with a large scene
-constexpr double kEnoughShare = 0.5;                   // of a CPU, for loop and spinning
-constexpr double kSoonUs = 20.0;                       // to wake up, at 1 kHz
+constexpr double kPriority = 80.0;                     // the priority that io_node requests
+constexpr double kEnoughMemory = 512.0 * 1024 * 1024;  // bytes; enough for a node with a large scene
+constexpr double kEnoughShare = 0.5;                   // share of a CPU; enough for the loop and spinning
+constexpr double kSoonUs = 20.0;                       // longest time to wake up that suits 1 kHz
 constexpr const char* kLimitsFile = "/etc/security/limits.d/hapton.conf";
 
 struct Limit {
@@ -20,7 +20,7 @@ struct Limit {
   double soft = 0.0;
 };
 
-// "Max locked memory         8388608              8388608              bytes"
+// Reads a line such as "Max locked memory         8388608              8388608              bytes"
 std::optional<Limit> read_limit(const Machine& machine, std::string_view name) {
   const std::string limits = machine.read("/proc/self/limits").value_or("");
   const auto words = split_words(find_field(limits, name));
@@ -87,7 +87,7 @@ std::optional<Finding> check_group_share(const Machine& machine) {
   return std::nullopt;
 }
 
-// The sleep states of the first CPU that are in use: how late the deepest lets it wake.
+// The sleep states of the first CPU that are in use, and how long it takes to wake up from the deepest.
 struct SleepStates {
   std::string deepest;
   double latency_us = 0.0;

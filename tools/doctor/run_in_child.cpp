@@ -43,7 +43,7 @@ std::string read_all(int file) {
   ::_exit(write_all(file, question()) ? 0 : 1);
 }
 
-// How the child ended; empty: well.
+// How the child failed; empty: it ended without an error.
 std::string wait_for(pid_t child, double at_most_s) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(at_most_s);
   int status = 0;

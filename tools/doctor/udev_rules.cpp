@@ -13,7 +13,7 @@
 namespace hapton::doctor {
 namespace {
 
-// Files of a name in an earlier folder hide those of the same name in later ones.
+// A file in an earlier folder hides the files of the same name in later folders.
 constexpr std::array<std::string_view, 4> kFolders = {"/etc/udev/rules.d", "/run/udev/rules.d", "/usr/lib/udev/rules.d",
                                                       "/lib/udev/rules.d"};
 
@@ -27,7 +27,7 @@ std::map<std::string, std::string> find_rule_files(const Machine& machine) {
   return files;
 }
 
-// Without comments, and with continued lines joined.
+// The lines of a rules file without comments, with continued lines joined.
 std::vector<std::string> find_rule_lines(const std::string& text) {
   std::vector<std::string> lines(1);
   for (const std::string_view line : split_lines(text)) {
@@ -72,7 +72,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// udev's patterns are the shell's, with | between several.
+// udev's patterns are those of the shell, with | between alternatives.
 bool matches(const std::string& patterns, const std::string& text) {
   for (std::size_t begin = 0; begin <= patterns.size();) {
     const std::size_t end = std::min(patterns.find('|', begin), patterns.size());
@@ -107,7 +107,7 @@ class RuleWalk {
     for (const std::string& line : find_rule_lines(text)) read_line(file, read_tokens(line));
   }
 
-  // The rights that were granted; no file: none.
+  // The rights that the rules grant; an empty file name: none.
   const UdevRule& rule() const { return rule_; }
   const std::map<std::string, std::string>& env() const { return env_; }
 
@@ -131,7 +131,7 @@ class RuleWalk {
     if (token.key == "ACTION") return matches(pattern, "add");
     if (token.key == "SUBSYSTEM" || token.key == "SUBSYSTEMS") return matches(pattern, std::string(subsystem_of(node_.kind)));
     if (token.key == "KERNEL") return matches(pattern, node_name());
-    // The HID device above a hidraw node bears its bus and ids in its name; by Bluetooth that is all there is.
+    // The name of the HID device above a hidraw node holds its bus and ids; on Bluetooth nothing else gives the ids.
     if (token.key == "KERNELS") return matches(pattern, hid_name()) || matches(pattern, node_name());
     if (token.key.ends_with("{idVendor}")) return has_id(pattern, device_.vid);
     if (token.key.ends_with("{idProduct}")) return has_id(pattern, device_.pid);
@@ -153,7 +153,7 @@ class RuleWalk {
     if (token.key == "GROUP" || (token.key == "TAG" && token.value == "uaccess") || is_for_all) rule_.file = file;
   }
 
-  // Only USB ids: Bluetooth devices have none.
+  // Only USB devices have these ids in sysfs; Bluetooth devices do not.
   bool has_id(const std::string& pattern, std::uint16_t id) const {
     const bool is_usb = !device_.where.empty();
     return is_usb && matches(folds_ ? lower(pattern) : pattern, fmt::format("{:04x}", id));
@@ -166,7 +166,7 @@ class RuleWalk {
   const PluggedDevice& device_;
   const DeviceNode& node_;
   bool folds_;
-  std::string label_;  // target of a GOTO; empty: none
+  std::string label_;  // target of a GOTO that is being searched; empty: none
   std::map<std::string, std::string> env_;
   UdevRule rule_;
 };

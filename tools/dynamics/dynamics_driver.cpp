@@ -13,8 +13,8 @@ namespace hapton::dynamics {
 namespace {
 
 constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::kStepS);
-// The longest time between two states that is simulated; for the rest of a longer one the bodies stand still. Otherwise a program that is
-// late would become later by simulating what it missed.
+// The longest time between two states that is simulated. In the rest of a longer time the bodies stand still. Otherwise a program that is
+// late would become even later by simulating what it missed.
 constexpr std::int64_t kMaxGapNs = 100 * kNanosecondsPerMillisecond;
 // A request without a reply is repeated after this time, since one of the two may be lost.
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
@@ -50,7 +50,7 @@ void DynamicsDriver::take(const ProbeState& state) {
   advance_to(state.scene_time_ns);
 }
 
-// p_WP and the force belong to samples a few apart; the damping at the contact covers the difference.
+// The proxy's position and the force may belong to samples a few apart; the damping at the contact is enough for that difference, too.
 std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
   if (!state.contact || !world_->is_body(state.object)) return std::nullopt;
   const Pose X_SW = X_WS_.inverse(Eigen::Isometry);
@@ -62,8 +62,8 @@ std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
               .damping_ns_per_m = settings_.damping_share * stiffness * delay_s_};
 }
 
-// The force acts along a line; the body is damped where that passes nearest to the grip point, but no farther from it than the body is:
-// where forces of several contacts and of friction nearly cancel, their line may be anywhere.
+// The force acts along a line. The body is damped at the point of this line nearest to the grip point, but no farther from the grip point
+// than the body reaches: where the forces of several contacts and friction nearly cancel, their line may be anywhere.
 Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) const {
   const ObjectPush push = state.push.value_or(ObjectPush());
   const Vec3 force_n = X_SW.linear() * push.force_n;
@@ -85,7 +85,7 @@ Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) c
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
   interval_ns_ = scene_time_ns_ < 0 ? 0 : scene_time_ns - scene_time_ns_;
   if (interval_ns_ < 0) {
-    // Scene time went back: another haptics node, which has the bodies where the scene file places them, with the materials of that file.
+    // Scene time went back, so the haptics node is a new one, with the bodies and materials as in the scene file.
     ++counts_.restarts;
     for (Body& body : bodies_) body.is_known = false;
     materials_ = tuned_materials(scene_->touch_scene(), MaterialState(), 0.0);
@@ -125,7 +125,7 @@ void DynamicsDriver::take(const HapticsSetup& setup) {
   world_->set_gravity(X_WS_.linear().transpose() * settings_.gravity_W);
 }
 
-// One that a newer one overtook may be of an object that was put down since; all are repeated.
+// A pose that a newer one overtook is ignored: its object may have been put down since. All poses are sent repeatedly.
 void DynamicsDriver::take(const ObjectPose& pose, Arrival arrival) {
   const auto object = static_cast<std::size_t>(pose.object);
   if (arrival == Arrival::reordered || pose.object < 0 || object >= scene_->objects.size() || !scene_->objects[object].is_movable) return;
@@ -151,7 +151,7 @@ void DynamicsDriver::take(const MoveReply& reply) {
   delay_s_ = std::clamp(std::max(measured, (1.0 - kForgetShare) * delay_s_), 0.0, kLongestDelayS);
 }
 
-// Whether the haptics node has another pose of the body than the dynamics.
+// True if the haptics node may have a different pose of the body than the dynamics has.
 bool DynamicsDriver::is_unknown(const Body& body) const {
   if (!body.is_known) return true;
   const double radius = scene_->objects[static_cast<std::size_t>(body.object)].commanded->radius_m();
