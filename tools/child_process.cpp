@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-// posix_spawn's lists, freed on every return.
+// The list of file actions of posix_spawn. The destructor frees it on every return.
 class SpawnActions {
  public:
   SpawnActions() { posix_spawn_file_actions_init(&actions_); }

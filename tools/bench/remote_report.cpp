@@ -219,7 +219,7 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
 namespace {
 
 constexpr std::array kColors = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
-constexpr double kMinDrawnPercent = 1e-4;  // %
+constexpr double kMinDrawnPercent = 1e-4;  // a smaller value is drawn at this value, in %
 constexpr double kMinShownMs = 1.0;        // a round trip of 0 is drawn at this value, since the axis is logarithmic
 
 // One data block of gnuplot, with a line "round trip, value" for each round trip.

@@ -11,11 +11,11 @@ namespace hapton {
 namespace {
 
 // A scene that was fitted into the workspace touches the faces of the workspace, up to rounding.
-constexpr double kRounding = 1e-9;  // of the workspace's longest side
+constexpr double kRounding = 1e-9;  // share of the workspace's longest side
 // Nobody misses a thousandth of a surface: scenes are often fitted to a rounded size of the workspace.
 constexpr double kMinShare = 1e-3;
 // The limit of io_node (SceneReach): a hand does not find a smaller scene.
-constexpr double kSpeck = 0.02;  // of the workspace's longest side
+constexpr double kSpeck = 0.02;  // share of the workspace's longest side
 
 // A triangle cut by six planes: a convex polygon with nine corners at most.
 struct Polygon {
@@ -56,7 +56,7 @@ double area_in_box(const TriangleMesh& mesh, std::size_t t, const Vec3& low, con
 
 // The ball's centre is the origin. A triangle that crosses the ball is split until it is so small that its middle decides.
 double area_in_ball(const std::array<Vec3, 3>& corners, double radius) {
-  constexpr double kFine = 0.005;  // of the radius, from the middle to the farthest corner; a free choice
+  constexpr double kFine = 0.005;  // largest distance from the middle to a corner, as a share of the radius; a free choice
   const auto& [a, b, c] = corners;
   const double area = 0.5 * (b - a).cross(c - a).norm();
   if (std::max({a.norm(), b.norm(), c.norm()}) <= radius) return area;

@@ -62,7 +62,7 @@ Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
 
 DemoPath make_groove_path() {
   constexpr double kReachM = 0.075;  // distance to each side: three quarters of the groove's half length
-  constexpr double kThereS = 4.0;    // from one end to the other
+  constexpr double kThereS = 4.0;    // duration from one end of the groove's path to the other
   const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
   DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
@@ -75,7 +75,7 @@ DemoPath make_groove_path() {
 }
 
 DemoPath make_tap_path() {
-  constexpr double kTapS = 0.5;                     // one tap
+  constexpr double kTapS = 0.5;                     // duration of one tap
   constexpr double kHoldS = 0.7;                    // time behind the wall
   constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
   constexpr int kRounds = 4;                        // in the whole path

@@ -16,7 +16,7 @@ std::string subject_of(const PluggedDevice& device) {
 
 std::string with_driver(const DeviceNode& node) { return node.driver.empty() ? node.path : fmt::format("{} ({})", node.path, node.driver); }
 
-// The hidraw node is made by the kernel as soon as its HID driver has the device.
+// The kernel makes the hidraw node as soon as its HID driver has taken the device.
 Finding explain_no_node(const Machine& machine, const PluggedDevice& device) {
   const std::string subject = subject_of(device);
   const bool has_hid_driver = std::find(device.drivers.begin(), device.drivers.end(), "usbhid") != device.drivers.end();

@@ -40,7 +40,7 @@ std::vector<std::string> find_rule_lines(const std::string& text) {
   return lines;
 }
 
-// KEY op "VALUE"
+// A part of a rule: KEY op "VALUE".
 struct Token {
   std::string key;
   std::string op;

@@ -18,7 +18,7 @@ constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::
 constexpr std::int64_t kMaxGapNs = 100 * kNanosecondsPerMillisecond;
 // A request without a reply is repeated after this time, since one of the two may be lost.
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
-// A body is requested again once one of its points has moved by more than this: a tenth of an encoder step of a stylus.
+// The pose of a body is requested again once one of its points has moved by more than this: a tenth of an encoder step of a stylus.
 constexpr double kMinTravelM = 2e-6;
 // The delay before the first measurement, and the largest one that is used for the damping.
 constexpr double kFirstDelayS = 0.02;
