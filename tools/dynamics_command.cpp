@@ -27,10 +27,10 @@ struct DynamicsOptions {
 };
 
 constexpr double kJoinS = 5.0;  // how long to wait for the hub; a free choice
-// Longer waits would delay a request: the driver has one due every 5 ms.
+// The longest wait for a datagram. A longer wait would delay a request: the driver has one due every 5 ms.
 constexpr std::int64_t kTurnNs = 1 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kWarnEveryNs = kNanosecondsPerSecond;
-// Less is no news: nodes start, and machines stand still for a moment.
+// Less is not reported: it occurs when nodes start, or when a machine stands still for a moment.
 constexpr double kMaxLeftOutS = 0.5;
 
 void say(const std::string& line) {
@@ -52,7 +52,7 @@ Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client,
   const bool is_overtaken = client.last_arrival() == Arrival::reordered;
   if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
     if (is_overtaken) return {};
-    // First: it requests the next state.
+    // This comes first, because it requests the next state.
     client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns, .every_sample = true});
     driver.take(*probe);
   } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {

@@ -18,8 +18,8 @@ Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& fol
                                                 const std::string& script) {
   const std::string program = std::filesystem::path(picture).stem().string() + ".gnuplot.part";
   std::error_code error;
-  std::filesystem::create_directories(folder, error);  // one that cannot be made shows in the program that cannot be written
-  // Data blocks are understood in a file only, not on the command line.
+  std::filesystem::create_directories(folder, error);  // if this fails, the script cannot be written, which is reported
+  // The script goes into a file, because gnuplot accepts data blocks only in a file, not on its command line.
   if (!(std::ofstream(folder / program) << script).flush()) {
     return fail("{}: cannot be written", (folder / program).string());
   }

@@ -19,14 +19,14 @@ namespace hapton {
 namespace {
 
 constexpr int kBadCommandLine = 2;
-constexpr std::size_t kNameWidth = 14;  // characters of the column of names; wider than any name
+constexpr std::size_t kNameWidth = 14;  // width of the column of command names, in characters; wider than any name
 
-// The commands below one, old names too, without the groups of flags that CLI11 keeps among them.
+// The direct subcommands of a command, including old names, without the groups of flags, which CLI11 keeps in the same list.
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
 }
 
-// "; did you mean 'x'?" of the commands that --help lists.
+// The text "; did you mean 'x'?" if a command that --help lists is similar to the word, otherwise a list of these commands.
 std::string hint_command(const std::string& word, const std::vector<const CLI::App*>& commands) {
   std::vector<std::string> names;
   for (const CLI::App* command : commands) {
@@ -36,7 +36,7 @@ std::string hint_command(const std::string& word, const std::vector<const CLI::A
   return similar_word_hint(word, known);
 }
 
-// True if a word is in the position of a command but unknown; prints that, with a suggestion.
+// True if a word stands in the position of a command but names none; prints an error then, with a suggestion.
 bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
   const CLI::App* above = &app;
   std::string so_far = app.get_name();
@@ -55,7 +55,7 @@ bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
   return false;
 }
 
-// Each command under the heading of its group; one that --help leaves out stays out.
+// Adds each command under the heading of its group. A command that --help does not list stays unlisted.
 void add_commands(CLI::App& app, int& exit_code) {
   std::size_t named = 0;
   for (const ListedCommand& listed : kCommands) {
@@ -67,7 +67,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   }
 }
 
-// "hapton latency run": the commands that were understood before the trouble began.
+// The commands that were parsed before the error, for example "hapton latency run".
 std::string words_so_far(const CLI::App& app) {
   std::string words = app.get_name();
   const std::vector<CLI::App*> parsed = app.get_subcommands();
@@ -87,7 +87,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   app.set_version_flag("--version", "hapton " HAPTON_VERSION);
   app.require_subcommand(1);
   add_commands(app, exit_code);
-  // Names of commands are short; made after them, so that their flags keep the room they need.
+  // A narrow column, because command names are short. It is set after the commands are added, so that their flags keep the wider one.
   const auto narrow = std::make_shared<CLI::Formatter>();
   narrow->column_width(kNameWidth);
   app.formatter(narrow);
@@ -113,7 +113,7 @@ int run_hapton_command(int argc, const char* const* argv) {
       const bool is_flag = !unknown.empty() && unknown.front().starts_with('-');
       what = !is_flag ? "give a command" : fmt::format("'{}' is not a flag of {}; give a command first", unknown.front(), command);
     }
-    if (what.starts_with(": ")) what.erase(0, 2);  // CLI11 calls hidden options, as old names are, by an empty name
+    if (what.starts_with(": ")) what.erase(0, 2);  // CLI11 prints an empty name for a hidden option, such as an old name
     fmt::print(stderr, "{}: {}{}; see {} --help\n", command, what, suggest_flag(app), command);
     return kBadCommandLine;
   }

@@ -23,7 +23,7 @@ Result<LinkKey> find_master(const KeygenOptions& options) {
   return find_or_make_shared_key(*folder);
 }
 
-// Of the command line alone.
+// Checks only the command line, no files.
 Result<void> check(const KeygenOptions& options) {
   if (options.role.empty()) {
     if (!options.master.empty()) return fail("--master is for the key of a role; say which with --role, or leave --master out");

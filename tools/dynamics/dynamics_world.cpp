@@ -45,15 +45,15 @@ std::span<const int> DynamicsWorld::fallen() const noexcept { return {}; }
 
 // One object of the scene.
 struct Member {
-  std::unique_ptr<btTriangleMesh> triangles;               // of an obstacle
-  std::unique_ptr<btTriangleInfoMap> edges;                // of an obstacle
-  std::vector<std::unique_ptr<btConvexHullShape>> pieces;  // of a body that is not convex
+  std::unique_ptr<btTriangleMesh> triangles;               // set only for an obstacle
+  std::unique_ptr<btTriangleInfoMap> edges;                // set only for an obstacle
+  std::vector<std::unique_ptr<btConvexHullShape>> pieces;  // set only for a body that is not convex
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
-  Pose X_SB = Pose::Identity();  // at rest
+  Pose X_SB = Pose::Identity();  // pose of the body's frame B where the scene file places it; see BodyFrame
   bool has_mass = false;
   Vec3 pivot_S = Vec3::Zero();
-  double radius_m = 0.0;  // no point of it is farther from the pivot
+  double radius_m = 0.0;  // of a body: no point of it is farther from the pivot than this
 };
 
 namespace {
@@ -61,7 +61,7 @@ namespace {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-// Length unit of Bullet, whose absolute tolerances suit bodies of 0.05 to 10 units: the centimetre.
+// Bullet computes in centimetres here, because its absolute tolerances suit bodies of 0.05 to 10 units.
 constexpr double kUnitsPerM = 100.0;
 // Collision margin of each shape: two surfaces stay 0.1 mm apart, which is not visible. Bullet finds contacts within the margins.
 constexpr double kMarginM = 5e-5;
@@ -93,7 +93,7 @@ Pose from_bullet(const btTransform& X) {
 // Largest number of convex pieces of a body: more cost time without a visible difference.
 constexpr std::size_t kMaxPieces = 64;
 
-// The frame B of a body: its origin is the centre of mass, its axes are the principal axes. X_SB: in the scene file's pose.
+// The frame B of a body: its origin is the centre of mass, its axes are the principal axes. X_SB: where the scene file places it.
 struct BodyFrame {
   Pose X_SB = Pose::Identity();
   Vec3 inertia_per_mass = Vec3::Zero();
@@ -211,16 +211,16 @@ struct DynamicsWorld::Parts {
   }
 
   void add(Member member, double friction) {
-    // Bullet multiplies the coefficients of the two.
+    // Bullet multiplies the friction coefficients of the two bodies in contact. With the square root in each, the product is `friction`.
     member.body->setFriction(btScalar(std::sqrt(friction)));
     member.body->setRestitution(0);
     world.addRigidBody(member.body.get());
     members.push_back(std::move(member));
   }
 
-  // Applies the impulse J of one step at the contact point: linear and angular. Push F and damping B are solved together, implicitly: with
-  // K the change of the body's velocity there by a unit of impulse, v' = v + K J and J = F dt - B dt v'. So it is stable for any mass and
-  // damping.
+  // Applies the linear and angular impulse J of one step at the contact point. K is the change of the body's velocity at that point by a
+  // unit of impulse. The velocity v' after the step follows implicitly from push F and damping B together: v' = v + K J and
+  // J = F dt - B dt v'. This is stable for any mass and damping.
   void apply_push() {
     btRigidBody& body = *at(push->object).body;
     body.activate(true);
@@ -246,7 +246,7 @@ struct DynamicsWorld::Parts {
     body.applyTorqueImpulse(kUnitsPerM * to_units(impulse.tail<3>()));
   }
 
-  // The speed as compute_move_time_s defines it: that of the pivot plus that of the farthest point about the pivot.
+  // Limits the speed as compute_move_time_s defines it: that of the pivot plus that of the farthest point about the pivot.
   static void limit_speed(Member& member) {
     btRigidBody& body = *member.body;
     const Vec3 p_SP = pose_of(member).linear() * (member.X_SB.inverse(Eigen::Isometry) * member.pivot_S);
@@ -281,7 +281,7 @@ struct DynamicsWorld::Parts {
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world;
-  std::vector<Member> members;  // by object
+  std::vector<Member> members;  // by number of the object
   std::vector<int> bodies;
   std::optional<Push> push;
   Eigen::AlignedBox3d box;  // bounds of the scene as the file places it
@@ -317,7 +317,7 @@ bool DynamicsWorld::is_body(int object) const noexcept {
 }
 
 void DynamicsWorld::set_gravity(const Vec3& g_S) {
-  parts_->wake_bodies();  // first: Bullet gives it to bodies that are awake only
+  parts_->wake_bodies();  // before setGravity, because Bullet gives gravity only to bodies that are awake
   parts_->world.setGravity(to_units(g_S));
 }
 
@@ -345,7 +345,7 @@ void DynamicsWorld::put_down_obstacle(int object, const Pose& X_SO) {
   if (body.hasContactResponse() && X == body.getWorldTransform()) return;
   body.setCollisionFlags(body.getCollisionFlags() & ~btCollisionObject::CF_NO_CONTACT_RESPONSE);
   body.setWorldTransform(X);
-  // Bullet takes the difference of the two as the obstacle's velocity.
+  // Bullet takes the difference of the two transforms as the obstacle's velocity: with both equal it is zero.
   body.setInterpolationWorldTransform(X);
   parts_->wake_bodies();
 }

@@ -11,7 +11,7 @@
 namespace hapton::figures {
 namespace {
 
-// A wall over one edge of a cross-section, in units of contact offset.
+// A triangle of the wall that an edge of the cross-section becomes when it is extended along z. The unit is one contact offset.
 struct Wall {
   Vec3 a, b, c;
   Separation separation(const Vec3& p) const { return separation_from_triangle(p, a, b, c); }
@@ -31,7 +31,7 @@ std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& st
   return walls;
 }
 
-// The share of a motion to the right that a proxy at contact offset over the ground can make; 1: all of it.
+// The share of a motion to the right that a proxy can make that starts one contact offset above the ground; 1: the whole motion.
 double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
   const Clearance clearance = {.offset = 1.0, .slop = 0.5, .tolerance = 0x1p-10};
   double first = 1.0;

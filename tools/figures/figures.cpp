@@ -27,7 +27,7 @@ Result<Figure> draw_sweep() {
   const Outline outline = {{-0.006, -0.004}, {0.012, -0.004}, {0.012, 0.0}, {-0.006, 0.0}};
   MethodSettings settings;
   settings.name = "sweep";
-  settings.offset_m = 0.0008;  // 60 times the memo's, to be seen
+  settings.offset_m = 0.0008;  // 60 times the memo's offset, so that the picture shows it
   const auto samples = follow(settings, scene_of(make_prism(outline, 0.03, 1)),
                               {at(-4.5, 2.0), at(-2.5, -1.6), at(0.0, -1.6), at(2.5, -1.6), at(5.0, -1.6), at(7.5, -1.6)});
   if (!samples) return tl::unexpected(samples.error());
@@ -73,9 +73,9 @@ Result<Figure> draw_algorithm_1() {
     outline.emplace_back(0.02 * std::cos(degree * kPi / 180), 0.02 * std::sin(degree * kPi / 180) - 0.008);
   const auto scene = SmoothScene::build(scene_of(make_prism(outline, 0.05, 1)), {});
   if (!scene) return tl::unexpected(scene.error());
-  constexpr double kRadius = 0.006;  // m: RADIUS of the FDH paper, for this figure
+  constexpr double kRadius = 0.006;  // metres; RADIUS of the FDH paper, chosen for this figure
   Points planes, smooth, probes, vcps, flat;
-  for (std::size_t i = 1; i + 1 < outline.size(); ++i) {  // R_i in the cross-section: the line from an edge along its n_i
+  for (std::size_t i = 1; i + 1 < outline.size(); ++i) {  // plane R_i in the cross-section: a line from edge i along its vertex normal n_i
     const Eigen::Vector2d n = ((outline[i] - outline[i - 1]).normalized() + (outline[i + 1] - outline[i]).normalized()).normalized();
     const Vec3 start(outline[i].x(), outline[i].y(), 0.0);
     planes.line(start, start + 0.0085 * Vec3(n.y(), -n.x(), 0.0));
@@ -190,12 +190,12 @@ double height_of(const Outline& top, double x) {
   return top.back().y();
 }
 
-// A method in the figure of a slide.
+// The curve of one method in the figure of a slide.
 struct SlideCurve {
   const char* block;
   const char* method;
   const char* title;
-  double offset_m;  // of sweep
+  double offset_m;  // used only by the method sweep
   const char* style;
 };
 
@@ -209,7 +209,7 @@ std::array<SlideCurve, 5> slide_curves() {
           SlideCurve{"reference", "reference", "reference", usual.offset_m, "linewidth 1.2 linecolor rgb 'black'"}};
 }
 
-// Its block of gnuplot: x in mm, size of the force in N, direction in degrees from upright.
+// The curve's data block for gnuplot: x in mm, size of the force in N, direction of the force in degrees from +y.
 Result<std::string> make_slide_data(const SlideCurve& curve, const TouchScene& scene, const std::vector<Vec3>& path) {
   MethodSettings settings;
   settings.name = curve.method;
@@ -232,7 +232,7 @@ Result<Figure> draw_slide() {
   outline.insert(outline.end(), top.rbegin(), top.rend());
   const TouchScene scene = scene_of(make_prism(outline, 0.06, 1));
   std::vector<Vec3> path;
-  for (int i = 0; i <= 540; ++i) {  // 100 mm/s at 1 kHz, from 2 mm above to 1.2 mm under the surface
+  for (int i = 0; i <= 540; ++i) {  // 100 mm/s at 1 kHz; sinks from 2 mm above the surface to 1.2 mm below it
     const double x = -0.027 + 1e-4 * i;
     path.emplace_back(x, height_of(top, x) + 0.002 - 0.0032 * std::min(1.0, i / 30.0), kSlice);
   }

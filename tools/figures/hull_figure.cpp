@@ -14,7 +14,7 @@ namespace {
 
 // --- Fixed Direction Hulls against boxes -----------------------------------------------------------------------------------------
 
-Outline clipped(const Outline& polygon, const Eigen::Vector2d& normal, double limit) {  // keeps normal . p <= limit
+Outline clipped(const Outline& polygon, const Eigen::Vector2d& normal, double limit) {  // keeps the part with normal . p <= limit
   Outline kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Eigen::Vector2d& p = polygon[i];
@@ -31,7 +31,7 @@ Outline clipped(const Outline& polygon, const Eigen::Vector2d& normal, double li
 template <int K>
 Outline slice_of(const FdhHull<K>& hull) {
   Outline polygon = {{hull.low[0], hull.low[1]}, {hull.high[0], hull.low[1]}, {hull.high[0], hull.high[1]}, {hull.low[0], hull.high[1]}};
-  for (int i = 3; i < K / 2; ++i) {  // 0 to 2 are x, y and z
+  for (int i = 3; i < K / 2; ++i) {  // directions 0 to 2 are x, y and z
     const auto& axis = FdhDirections<K>::kAxis[i];
     const Eigen::Vector2d normal(axis[0], axis[1]);
     if (!normal.isZero(0.0)) polygon = clipped(clipped(polygon, normal, hull.high[i]), -normal, -hull.low[i]);
@@ -62,7 +62,7 @@ Result<Figure> draw_hulls() {
   Points cut;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
-    // Pieces like the nodes at one level of a tree: each a twelfth of the ring's outer wall, near the plane z = 0.
+    // The pieces resemble the nodes at one level of a tree: each is a twelfth of the ring's outer wall, near the plane z = 0.
     if (middle.head<2>().norm() > 0.03 && std::fabs(middle.z()) < 0.004) {
       const double turn = std::atan2(middle.y(), middle.x()) / (2.0 * kPi) + 1.0;
       Hulls& part = parts[static_cast<std::size_t>(turn * kParts) % kParts];

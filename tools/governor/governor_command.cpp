@@ -27,7 +27,7 @@ struct GovernorOptions {
   std::optional<std::uint64_t> program;
 };
 
-// Threads take the next program each, until there have been enough steps.
+// Runs hostile programs in several threads. Each thread takes the next program, until enough steps have been run.
 class GovernorRun {
  public:
   explicit GovernorRun(const GovernorOptions& options) : options_(options), stress_(options.seed) {}

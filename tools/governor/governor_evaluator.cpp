@@ -8,17 +8,17 @@
 namespace hapton {
 namespace {
 
-// The bounds that docs/safety.md promises, written again: what is checked must not come from the governor.
+// The bounds that docs/safety.md promises. They are written here again, because the check must not use the governor's own values.
 constexpr std::int64_t kPeerTimeoutNs = 20'000'000;
 constexpr std::int64_t kRampInNs = 100'000'000;
 constexpr std::int64_t kGapNs = 100'000'000;
 constexpr std::int64_t kAnchorNs = 20'000'000;
 constexpr double kJump = 0.005;
 constexpr double kMargin = 0.010;
-// Of the energy budget, in metres of max_force.
+// The energy budget divided by max_force: lengths in metres, and for kForgivenPerS metres per second.
 constexpr double kFree = 0.010, kMax = 0.030, kSaturation = 0.036, kForgivenPerS = 0.002;
 
-// With rounding, as a share of the limit.
+// The limit plus an allowance for rounding, relative and absolute.
 double about(double limit) { return limit * (1.0 + 1e-9) + 1e-12; }
 
 double size_of(const Vec3& v) { return v.stableNorm(); }
@@ -48,7 +48,7 @@ GovernorEvaluator::GovernorEvaluator(const HostileProgram& program, const Safety
   if (device.peak_s > 0.0 && ratio < 1.0) time_constant_s_ = -device.peak_s / std::log(1.0 - ratio * ratio);
 }
 
-// As the governor: clamped, never back. The wrench that was out heated the motors and moved the device meanwhile.
+// Advances the time as the governor does: clamped, never back. The wrench out_ heated the motors and moved the device meanwhile.
 double GovernorEvaluator::pass(std::int64_t time_ns) noexcept {
   const std::int64_t to_ns = std::clamp(time_ns, std::int64_t{0}, std::int64_t{1} << 62);
   if (!has_begun_) now_ns_ = out_ns_ = to_ns;
@@ -158,7 +158,7 @@ void GovernorEvaluator::check_size(const Wrench& out, double passed_s) noexcept 
 void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept {
   const DeviceLimits& device = governor_.device_limits();
   const DeviceLimits& now = governor_.limits();
-  // Only straight back may be faster than a tightened slew.
+  // Only a change that does not increase the size may be faster than the tightened slew; no change may be faster than release.
   const auto is_too_fast = [passed_s](const Vec3& from, const Vec3& to, double slew, double release) {
     const double change = size_of(to - from);
     return change > about(release * passed_s) || (change > about(slew * passed_s) && size_of(to) > about(size_of(from)));
@@ -200,7 +200,7 @@ void GovernorEvaluator::check_budgets(const Wrench& out, double passed_s) noexce
   }
   breach_if(GovernorBreach::energy, force > std::max(now.max_force_n * (energy_share() + 1e-6), about(sunk_n)));
   if (is_physical_ && now.max_force_n > 0.0) {
-    // The energy of the release after the last force comes on top: 10 ms at max_speed.
+    // The bound includes the energy of the release after the last force: 10 ms at max_speed.
     const double most_j =
         kMax * now.max_force_n + 0.010 * (now.max_speed_m_per_s * now.max_force_n + HostileProgram::kTurnRadPerS * now.max_torque_nm);
     worst_.energy = std::max(worst_.energy, given_j_ / most_j);
@@ -226,7 +226,7 @@ void GovernorEvaluator::check_workspace(const Wrench& out) noexcept {
       continue;
     }
     if (axes_[side].shut_ns < 0) axes_[side].shut_ns = now_ns_;
-    // However the goal changes meanwhile: each step moves slew x time on a path no longer than the diameter of the force limit.
+    // This bound holds however the goal changes: each step moves the force by slew x time, on a path of at most twice the force limit.
     const double time_s = 1e-9 * static_cast<double>(now_ns_ - axes_[side].shut_ns);
     const double most_n = governor_.device_limits().max_force_n;
     breach_if(GovernorBreach::workspace, outward > most_n * (std::exp(-slew * time_s / (2.0 * most_n)) + 1e-9));

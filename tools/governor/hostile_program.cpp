@@ -13,10 +13,10 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNasty[] = {
     kNan,    kInf, -kInf,  1e300, -1e300, std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest(), 5e-324,
     -5e-324, 1e9,  -1e154, 0.0,   -0.0};
-constexpr double kMassKg = 0.15;  // of device and hand; these three are within the ranges of a stylus grip (docs/loop.md)
+constexpr double kMassKg = 0.15;  // of device and hand; this and the next two values are within the ranges of a stylus grip (docs/loop.md)
 constexpr double kHandNPerM = 300.0;
 constexpr double kHandNSPerM = 4.0;
-constexpr std::int64_t kHourNs = 3'600'000'000'000;  // by which its clock jumps back or ahead
+constexpr std::int64_t kHourNs = 3'600'000'000'000;  // how far the program's clock jumps back or ahead
 
 }  // namespace
 
@@ -33,7 +33,7 @@ HostileProgram::HostileProgram(std::uint64_t seed) noexcept : random_(seed) {
   step_.sample.buttons = ~0U;
 }
 
-// From devices on the market to ones that do not exist; sometimes with an impossible value.
+// Chooses limits like those of devices on the market and of devices that do not exist; sometimes one value is impossible.
 void HostileProgram::choose_device() noexcept {
   device_.max_force_n = std::pow(10.0, random_.uniform(-1.0, 2.0));
   device_.max_slew_n_per_s = device_.max_force_n / random_.uniform(0.001, 0.05);
@@ -48,7 +48,7 @@ void HostileProgram::choose_device() noexcept {
   }
   if (!random_.once_in(3)) {
     device_.continuous_force_n = device_.max_force_n * random_.uniform(0.1, 0.9);
-    // A shorter peak time than a release takes cannot be kept without a jump: it ends in a fault.
+    // A peak time that is shorter than a release cannot be kept without a jump of the force: the governor then latches a fault.
     device_.peak_s = std::pow(10.0, random_.uniform(is_physical_ ? -0.5 : -2.0, 1.0));
   }
   device_.max_speed_m_per_s = random_.once_in(4) ? 0.0 : random_.uniform(0.3, 4.0);
@@ -62,7 +62,7 @@ double HostileProgram::nasty() noexcept { return kNasty[random_.below(std::size(
 void HostileProgram::choose_spell() noexcept {
   left_ = static_cast<int>(5 + random_.below(200));
   force_ = static_cast<Force>(random_.below(static_cast<std::uint64_t>(Force::count)));
-  // Rarely: the fault that follows latches and hides everything else.
+  // This force is rare, because the fault that follows latches and hides everything else.
   if (force_ == Force::no_number && !random_.once_in(3)) force_ = Force::active;
   const auto calm_motions = static_cast<std::uint64_t>(Motion::fast);
   motion_ = static_cast<Motion>(
@@ -96,13 +96,13 @@ void HostileProgram::pass_time() noexcept {
   }
 }
 
-// Moves a mass on which the force acts, and which a moving hand pulls by a soft spring. It stays within about 0.5 m.
+// Moves a mass on which the force acts, and which a moving hand pulls by a soft spring. The mass stays within about 0.5 m of the origin.
 void HostileProgram::move_as_matter(const Vec3& force_n, double passed_s) noexcept {
   hand_m_ += hand_m_per_s_ * passed_s;
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(hand_m_[axis]) > 0.2) hand_m_per_s_[axis] = -std::copysign(hand_m_per_s_[axis], hand_m_[axis]);
   }
-  constexpr int kParts = 4;  // in which a step is integrated; a free choice
+  constexpr int kParts = 4;  // number of parts in which a step is integrated; a free choice
   const double h = passed_s / kParts;
   for (int part = 0; part < kParts; ++part) {
     const Vec3 pull_n = kHandNPerM * (hand_m_ - p_m_) + kHandNSPerM * (hand_m_per_s_ - v_m_per_s_);

@@ -19,7 +19,7 @@
 namespace hapton {
 namespace {
 
-// The exit code of a run that says whether its rate was held, or only whether there is something to read.
+// What the exit code tells: whether the run held its servo rate (by_verdict), or only whether it gave a result (by_measurement).
 enum class Exit { by_verdict, by_measurement };
 
 int run(const LatencyRunOptions& options, Exit exit) {
@@ -32,7 +32,7 @@ int run(const LatencyRunOptions& options, Exit exit) {
   return exit == Exit::by_measurement || ran->holds ? 0 : 1;
 }
 
-// One line for each node, with the flags that put it where short runs were fastest: a script reads them.
+// Prints the choice, then a line for each node, which a script reads: the flags that pin it to the CPU where short runs were fastest.
 int print_cpus(LatencyRunOptions options) {
   const StopSignal interrupts;
   const auto folder = TemporaryFolder::make();

@@ -26,7 +26,7 @@ nlohmann::ordered_json pair_json(double a, double b) {
   return json;
 }
 
-// Of the numeric entries that both have.
+// Compares the numeric entries that both reports have in this section.
 nlohmann::ordered_json compare_numbers(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b, const char* section,
                                        bool only_differing) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();

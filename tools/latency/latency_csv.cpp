@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // far above any latency.csv; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // far above the size of any latency.csv; a free choice
 constexpr std::string_view kHeader = "hop,lower_ns,upper_ns,count";
 
 bool is_hop_name(std::string_view name) {
@@ -31,7 +31,7 @@ std::string_view take_until(std::string_view& text, char mark) {
   return head;
 }
 
-// Adds the row to the last hop, or begins a new hop. False: the line is not a row, or its bucket does not follow the one before.
+// Adds the row to the last hop, or begins a new hop. False: not a row, a hop that ended before, or a bucket that is out of order.
 bool add_row(std::string_view line, std::vector<HopCounts>& hops) {
   const std::string_view name = take_until(line, ',');
   const auto lower = parse_count(take_until(line, ','));

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kEcho = "bare_echo";
 constexpr std::string_view kRoundTrip = "round_trip";
 
-// The most important curves are on top: the round trip and its yardstick.
+// The most important curves come last, so that they are drawn on top: the bare echo, and above it the round trip.
 std::vector<HopCounts> in_drawing_order(std::span<const HopCounts> hops) {
   std::vector<HopCounts> ordered(hops.begin(), hops.end());
   const auto height = [](const HopCounts& hop) { return hop.name == kRoundTrip ? 2 : hop.name == kEcho ? 1 : 0; };
@@ -23,7 +23,7 @@ std::vector<HopCounts> in_drawing_order(std::span<const HopCounts> hops) {
   return ordered;
 }
 
-// Line of one curve.
+// The gnuplot line style of one curve.
 std::string style_of(const HopCounts& hop, std::size_t index) {
   static constexpr std::array kColours = {"#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f"};
   if (hop.name == kRoundTrip) {
@@ -32,7 +32,7 @@ std::string style_of(const HopCounts& hop, std::size_t index) {
   if (hop.name == kEcho) {
     return "linewidth 3 dashtype 2 linecolor rgb '#000000'";
   }
-  // A colour comes again with another dash.
+  // If there are more curves than colours, the colours repeat with another dash type.
   return fmt::format("linewidth 2 dashtype {} linecolor rgb '{}'", 1 + 2 * (index / kColours.size()), kColours[index % kColours.size()]);
 }
 
@@ -46,7 +46,7 @@ std::string title_of(const HopCounts& hop) {
                      hop.total());
 }
 
-// Points (us, share slower): at a bucket's upper end all that lie above it are slower.
+// The points of a curve: a duration in us, and the share of the samples above it. All but the first are upper ends of buckets.
 std::string data_of(const HopCounts& hop, std::size_t index) {
   std::string text = fmt::format("$hop{} << EOD\n", index);
   const double total = static_cast<double>(hop.total());
@@ -56,7 +56,7 @@ std::string data_of(const HopCounts& hop, std::size_t index) {
     const double before = slower;
     slower -= static_cast<double>(bucket.count);
     const double us = 1e-3 * static_cast<double>(bucket.upper_ns);
-    // The last sample has none above it, and nothing is not on a logarithmic axis: its curve ends at the share it is itself.
+    // No sample is above the last bucket, and a logarithmic axis cannot show zero: the curve ends at the share of that bucket itself.
     fmt::format_to(std::back_inserter(text), "{} {}\n", us, slower > 0 ? slower / total : before / total);
   }
   return text + "EOD\n";
@@ -68,7 +68,7 @@ struct Range {
   double least_share;
 };
 
-// Whole decades around all curves.
+// The ranges of the axes: whole decades that contain all curves.
 Range find_range(std::span<const HopCounts> hops) {
   double low = 1e12;
   double high = 1e-3;

@@ -30,11 +30,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kGraceSeconds = 15.0;        // for the hub to write its report
-constexpr double kLongestTimerSeconds = 5.0;  // for the bare timer, before and after the nodes; a free choice
-constexpr double kTrialSeconds = 0.75;        // on each of the choices of CPUs
+constexpr double kGraceSeconds = 15.0;        // extra time for the hub to write its report
+constexpr double kLongestTimerSeconds = 5.0;  // of each run of the bare timer, before and after the nodes; a free choice
+constexpr double kTrialSeconds = 0.75;        // of a short run on each choice of CPUs
 constexpr double kIdleSeconds = 0.1;          // until an interrupt is noticed; a free choice
-constexpr double kSilentSeconds = 2.0;        // then a hub is gone, and not only slow; a free choice
+constexpr double kSilentSeconds = 2.0;        // a hub that is silent for longer is gone, not only slow; a free choice
 
 Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus) {
   const auto echo_at = find_free_address();
@@ -44,7 +44,7 @@ Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus
   }
   const std::filesystem::path own = find_own_folder();
   const std::string cpu = fmt::format("{}", cpus.io);
-  // Scheduled like the nodes: otherwise the ratio would measure the scheduler.
+  // The echo is scheduled like the nodes: otherwise the ratio of round trip to echo would measure the scheduler.
   auto echo = LocalNode::start(options.out, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
@@ -107,7 +107,7 @@ Result<TrialRun> try_cpus(const LatencyRunOptions& options, const NodeCpus& cpus
                   hop.value("max_us", TrialRun().longest_us)};
 }
 
-// A quarter of the time, on the CPU and at the priority of the nodes.
+// Runs the bare timer for a quarter of the run's duration (at most kLongestTimerSeconds), on this CPU, with the priority of the nodes.
 Result<BareTimer> measure_timer(const LatencyRunOptions& options, int cpu) {
   const auto mode = parse_realtime_mode(options.realtime);
   if (!mode) {
@@ -118,7 +118,7 @@ Result<BareTimer> measure_timer(const LatencyRunOptions& options, int cpu) {
                             options.rate_hz, std::min(0.25 * options.seconds, kLongestTimerSeconds));
 }
 
-// The nodes, with the bare timer of the same CPU before and after them: at the same time it would disturb them.
+// Measures the nodes, and before and after them the bare timer on the same CPU: at the same time it would disturb them.
 Result<BareTimer> measure_between_timers(const LatencyRunOptions& options, const NodeCpus& cpus) {
   auto timer = measure_timer(options, cpus.io);
   if (!timer) {
@@ -135,7 +135,7 @@ Result<BareTimer> measure_between_timers(const LatencyRunOptions& options, const
   return timer;
 }
 
-// Until the time is over or a stop is requested. Error: the hub is gone.
+// Waits until the time is over or a stop is requested. Error: the hub is gone.
 Result<void> wait_with_hub(HubReader& reader, const LatencyRunOptions& options, const StopSignal& interrupts) {
   double silent_s = 0.0;
   for (double left_s = options.seconds; left_s > 0.0 && !interrupts.stop_requested(); left_s -= kIdleSeconds) {
@@ -230,7 +230,7 @@ std::string timer_text(const Json& report, const BareTimer& timer) {
       100.0 * missed / cycles, 100.0 * timer.missed_share(), late_us(0.5), late_us(0.99), late_us(0.999));
 }
 
-// Adds the verdict, and the bare timer if one was measured, to the report's file, and reports it all.
+// Adds the verdict, and the bare timer if one was measured, to the report's file. Returns the text of the whole result.
 Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTimer* timer) {
   const bool wants_echo = timer != nullptr;
   auto json = Json::parse(read_text(file), nullptr, false);
@@ -292,7 +292,7 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   if (is_here && !std::filesystem::exists(scene)) {
     return fail("{}: there is no such scene here; name one with --scene", options.scene.string());
   }
-  // An interrupt reaches the nodes as well: they end, the hub writes its report so far, and that is used.
+  // An interrupt reaches the nodes as well: they end, and the hub writes its report so far, which is used as the result.
   const StopSignal interrupts;
   Result<BareTimer> timer;
   std::string place;

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kRatesHz[] = {1000.0, 4000.0, 10'000.0};  // for which every report says whether they fit
+constexpr double kRatesHz[] = {1000.0, 4000.0, 10'000.0};  // every report says whether the measured times fit these servo rates
 
 double hop_us(const nlohmann::json& report, const char* hop, const char* quantile) {
   const auto hops = report.value("hops", nlohmann::json::object());

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kLongest = "longest_";  // a maximum, not a count: it holds for the whole run
+constexpr std::string_view kLongest = "longest_";  // prefix of a maximum, which is not a count: it holds for the whole run
 
 Json risen_counters(const Json& before, const Json& now) {
   Json counters = Json::object();

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// On one CPU neither could reply while the other spins.
+// Nodes that share a CPU must not spin: neither of them could reply while the other one spins.
 std::vector<std::string> flags_of(int cpu, bool is_shared, const char* spin_flag) {
   std::vector<std::string> flags = {"--cpu", fmt::format("{}", cpu)};
   if (is_shared) flags.insert(flags.end(), {spin_flag, "0"});
@@ -34,7 +34,7 @@ NodeCpus find_two_cpus() {
 }
 
 bool should_use_two(const TrialRun& on_one, const TrialRun& on_two) {
-  constexpr double kMuchLonger = 1.5;  // the longest of a short run is partly chance
+  constexpr double kMuchLonger = 1.5;  // the longest round trip of a short run is partly chance
   return on_two.p50_us < on_one.p50_us && on_two.p99_us < on_one.p99_us && on_two.longest_us < kMuchLonger * on_one.longest_us;
 }
 

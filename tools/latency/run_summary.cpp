@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMinRate = 0.99;       // of the servo rate
-constexpr double kMaxLateShare = 0.01;  // of the forces
+constexpr double kMinRate = 0.99;       // share of the requested servo rate
+constexpr double kMaxLateShare = 0.01;  // share of the forces
 
 std::string note(const Json& report, const char* key) {
   const auto notes = report.find("notes");
