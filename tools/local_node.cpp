@@ -12,9 +12,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kLoadSeconds = 120.0;  // for the haptics node to load and divide its scene
+constexpr double kLoadSeconds = 120.0;  // the longest time until a node is ready; the haptics node loads and prepares its scene
 
-// The node ends with this program even where this program is killed: what a stop would do is done by the kernel then.
+// The node ends with this program even if this program is killed: then the kernel sends the node SIGTERM, as a stop would.
 // Source: setpriv(1), --pdeathsig; util-linux is on every Debian machine.
 ChildCommand make_command(const std::filesystem::path& program, std::vector<std::string> arguments, const std::filesystem::path& log) {
   constexpr const char* kSetpriv = "/usr/bin/setpriv";
@@ -79,7 +79,7 @@ Result<std::string> LocalNode::wait_for_number() {
   std::string number;
   const auto found = wait_until([&](const std::string& log) {
     std::istringstream lines(log);
-    // A line that is not at its end yet has no end of line.
+    // A last line without a line end is not read, because it may still be incomplete.
     while (std::getline(lines, number) && !lines.eof()) {
       if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return true;
     }
@@ -102,7 +102,7 @@ Result<void> LocalNode::check_running() {
 }
 
 Result<void> LocalNode::stop() {
-  // A vision node with a mesh of a million triangles first finishes the level of detail that it prepares: seconds on a busy machine.
+  // A vision node with a mesh of a million triangles first finishes its level of detail, which takes seconds on a busy machine.
   constexpr double kEndS = 30.0;
   const int code = process_.stop(kEndS);
   return code == 0 ? Result<void>() : failed(code);
@@ -126,7 +126,7 @@ Result<LocalRelay> start_local_relay(const std::filesystem::path& folder, const 
   auto node = LocalNode::start(folder, "relay", find_own_folder() / "hapton", std::move(words));
   if (!node) return tl::unexpected(node.error());
   if (const auto ready = node->wait_for(", hub "); !ready) return tl::unexpected(ready.error());
-  // "relay at ADDRESS, hub ..."
+  // The line is "relay at ADDRESS, hub ...".
   const std::string line = node->last_line();
   const std::string before = "relay at ";
   return LocalRelay{std::move(*node), line.substr(before.size(), line.find(',') - before.size())};
@@ -139,7 +139,7 @@ Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {
   if (!started) {
     return tl::unexpected(started.error());
   }
-  // Amid what else it says.
+  // Xvfb prints the number of the display among other lines.
   const auto number = started->wait_for_number();
   if (!number) {
     return tl::unexpected(number.error());

@@ -18,7 +18,7 @@ struct Shape {
   TriangleMesh (*make)();
 };
 
-// All about 100 mm long.
+// All shapes are about 100 mm long.
 constexpr std::array kShapes = {
     Shape{"sphere", [] { return make_icosphere(0.05, 5); }},
     Shape{"box", [] { return make_box(Vec3::Constant(0.1), 4); }},

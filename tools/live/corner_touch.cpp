@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kHoldNs = static_cast<std::int64_t>(1e9 * CornerTouch::kHoldS);
 constexpr std::int64_t kPressNs = static_cast<std::int64_t>(1e9 * CornerTouch::kPressS);
-// A gap between samples after which the tip may have moved anywhere: the touch of a corner begins again.
+// After a longer gap between samples the tip may be anywhere, so the touch of a corner begins again.
 constexpr std::int64_t kCornerGapNs = 100'000'000;
 
 }  // namespace
@@ -28,7 +28,7 @@ CornerTouch::Event CornerTouch::add(const ProbeState& probe) {
   if ((probe.buttons & ~last_buttons_) != 0) press_ns_ = now_ns;
   last_buttons_ = probe.buttons;
   samples_.push_back({now_ns, probe.p_WD});
-  // One more than the period, so that it is seen to be full.
+  // One sample at or before the beginning of the hold period remains, so that decide() sees that the whole period is covered.
   while (samples_.size() > 1 && now_ns - samples_[1].time_ns >= kHoldNs) samples_.pop_front();
   was_away_ = was_away_ || (probe.p_WD - p_WB_).norm() >= kAwayM;
   return decide(now_ns);

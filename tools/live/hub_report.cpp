@@ -11,12 +11,12 @@
 namespace hapton {
 namespace {
 
-// For the hub to accept this tool, and for each part of its report; a free choice
+// How long to wait until the hub accepts this tool, and for each part of its report; a free choice.
 constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
-constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
+constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // the hub needs a moment to make a fresh report
 constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;            // the longest wait for one datagram; a free choice
-constexpr int kMaxTries = 20;                                                // of parts that were lost
-constexpr std::uint32_t kMaxParts = 1U << 14;  // 15 MB: a report has about 30; a broken hub may announce any number
+constexpr int kMaxTries = 20;                                                // of reading both documents of the same report
+constexpr std::uint32_t kMaxParts = 1U << 14;  // 15 MB; a report has about 30 parts, but a broken hub may announce any number
 
 }  // namespace
 
@@ -42,7 +42,7 @@ bool HubReader::State::wait_for_hub() {
   return client.state() == JoinState::joined;
 }
 
-// Waits for the requested part, or the first of a newer report; false when the request must be repeated.
+// Waits for the requested part, or for the first part of another report. False: neither came, so the request must be repeated.
 bool HubReader::State::receive_part(const ReportRequest& wanted, ReportPart& part) {
   const std::int64_t end_ns = clock.now_ns() + kRepeatRequestNs;
   Datagram datagram;
@@ -98,7 +98,7 @@ Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const
   return std::unique_ptr<HubReader>(new HubReader(std::move(state)));
 }
 
-// A report that took the hub long was requested twice, and the second one may have replaced the first between the two documents.
+// A slow report is requested twice, and the second one may replace the first between the two documents: both are then read again.
 Result<HubReport> HubReader::read() {
   std::uint32_t revision = 0;
   for (int tries = 0; tries < kMaxTries; ++tries) {

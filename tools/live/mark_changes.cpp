@@ -8,9 +8,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kLinePollNs = 500'000;  // twice a sample at 1 kHz
+constexpr std::int64_t kLinePollNs = 500'000;  // two polls in each sample period at 1 kHz
 
-// Sends what is due, and takes replies until the next poll.
+// Sends the markers that are due, and takes replies until the next poll of the line.
 void exchange_markers(LineMarker& marker, HubClient& client, const Clock& clock) {
   while (const auto next = marker.next(clock.now_ns())) client.send(*next);
   const std::int64_t poll_ns = clock.now_ns() + kLinePollNs;

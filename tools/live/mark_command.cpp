@@ -20,15 +20,15 @@ namespace {
 
 struct MarkOptions {
   std::string text;
-  std::string line;  // empty: one marker, now
+  std::string line;  // empty: one marker is sent, at once
   std::string edges = "on";
   double seconds = 0.0;
   HubConnection::Settings hub;
 };
 
-constexpr double kJoinPatienceS = 2.0;  // how long to wait for the hub; this and the next: free choices
+constexpr double kJoinPatienceS = 2.0;  // how long to wait for the hub; this and the next value are free choices
 constexpr std::int64_t kMarkPatienceNs = 2 * kNanosecondsPerSecond;
-constexpr std::int64_t kRepeatMarkNs = 100 * kNanosecondsPerMillisecond;  // a datagram may be lost
+constexpr std::int64_t kRepeatMarkNs = 100 * kNanosecondsPerMillisecond;  // the marker is sent again, because a datagram may be lost
 
 std::optional<MarkerReply> wait_for_reply(HubClient& client, std::uint32_t request, std::int64_t end_ns) {
   Datagram datagram;
@@ -57,7 +57,7 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
 
 constexpr int kLinePriority = 10;  // below all nodes (80), above ordinary programs
 
-// Until Ctrl-C or time is up.
+// Marks the changes of an input line, until Ctrl-C or until the time is over.
 Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
   const auto input = parse_line_input(options.line);
   if (!input) return tl::unexpected(input.error());

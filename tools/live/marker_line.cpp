@@ -63,7 +63,7 @@ class SerialLine : public DigitalLine {
       case TIOCM_CD:
         return static_cast<std::uint32_t>(all.dcd);
       default:
-        return std::nullopt;  // of RI only one edge is counted
+        return std::nullopt;  // the kernel counts only one of the two edges of RI
     }
   }
   int descriptor_;
@@ -74,7 +74,7 @@ class SerialLine : public DigitalLine {
 class ParallelLine : public DigitalLine {
  public:
   ParallelLine(int descriptor, LineInput input) : descriptor_(descriptor), input_(std::move(input)) {}
-  ~ParallelLine() override { ::close(descriptor_); }  // which releases the port
+  ~ParallelLine() override { ::close(descriptor_); }  // closing it also releases the port
   ParallelLine(const ParallelLine&) = delete;
   ParallelLine& operator=(const ParallelLine&) = delete;
 
@@ -111,7 +111,7 @@ bool is_high(const LineInput& input, unsigned char status) noexcept { return ((s
 
 Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input) {
   if (input.is_vrpn) return open_vrpn_line(input);
-  // Without waiting for a carrier.
+  // O_NONBLOCK: a serial port opens without waiting for a carrier signal.
   const int descriptor = ::open(input.device.c_str(), (input.is_parallel ? O_RDWR : O_RDONLY) | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
     const std::string group = input.is_parallel ? "lp" : "dialout";

@@ -25,9 +25,9 @@ struct MoveOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kMoveJoinS = 2.0;  // how long to wait for the hub; this and the next: free choices
+constexpr double kMoveJoinS = 2.0;  // how long to wait for the hub; this and the next value are free choices
 constexpr double kMoveReplyS = 5.0;
-// More than requested, by which a time is not only rounded.
+// If the time is longer than requested by more than this share, the move was slowed down: it is not only rounding.
 constexpr double kSlowed = 1e-6;
 
 Result<MoveTarget> read_target(const MoveOptions& options) {
@@ -62,7 +62,7 @@ Result<double> move(const MoveOptions& options, const MoveRequest& request) {
   return move_object((*connection)->client(), (*connection)->clock(), request, kMoveReplyS);
 }
 
-// As for any other command line that is invalid.
+// The exit code, as for any other invalid command line.
 constexpr int kBadMove = 2;
 
 int run(const MoveOptions& options) {

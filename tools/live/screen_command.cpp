@@ -23,7 +23,7 @@ struct ScreenOptions {
   std::filesystem::path out = "screen.toml";
 };
 
-constexpr double kScreenJoinS = 2.0;  // how long to wait for the hub; these three: free choices
+constexpr double kScreenJoinS = 2.0;  // how long to wait for the hub; this and the next two values are free choices
 constexpr std::int64_t kScreenTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kNoSampleNs = 5 * kNanosecondsPerSecond;
 
@@ -32,7 +32,7 @@ void tell(const std::string& line) {
   std::fflush(stdout);
 }
 
-// The corners that a person touches, one after the other.
+// Asks a person to touch the corners of the picture, one after the other.
 class CornerSession {
  public:
   explicit CornerSession(HubConnection& connection) : client_(connection.client()), clock_(connection.clock()) {}

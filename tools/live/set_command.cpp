@@ -37,7 +37,7 @@ struct SetOptions {
   bool reset_faults = false;
 };
 
-// Times the hub's faults are read after a reset, 0.1 s apart. A free choice.
+// How many times the hub's faults are read after a reset, 0.1 s apart. A free choice.
 constexpr int kFaultReads = 5;
 // How long a hub may take to accept this program. A free choice.
 constexpr std::int64_t kJoinTimeoutNs = 2 * kNanosecondsPerSecond;
@@ -89,7 +89,7 @@ Result<SettingsRequest> make_request(const SetOptions& options) {
                                 .resets_faults = options.reset_faults});
 }
 
-// The hub's faults, after it has had time to process the request.
+// Reads the hub's faults, with time for the hub to process the reset. Error: a fault is still latched.
 Result<std::string> confirm_reset(const SetOptions& options) {
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
@@ -136,7 +136,7 @@ Result<std::string> set(const SetOptions& options, const SettingsRequest& reques
   return reset ? Result<std::string>(*text + "; " + *reset) : reset;
 }
 
-// Exit code, as for any other invalid command line.
+// The exit code, as for any other invalid command line.
 constexpr int kBadSetting = 2;
 
 int run(const SetOptions& options) {

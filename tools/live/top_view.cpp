@@ -22,7 +22,7 @@ std::string word(const ReportJson& of, const char* name) {
   return of.is_object() && of.contains(name) && of[name].is_string() ? of[name].get<std::string>() : "";
 }
 
-// The difference of two reports; the whole report if there is no earlier one or the hub has restarted.
+// Two reports, whose difference is shown. before is null if there is no earlier report or the hub has restarted: all of now is shown.
 struct Span {
   const ReportJson& now;
   const ReportJson* before;
@@ -42,7 +42,7 @@ double counted(const Span& span, const char* name) {
 
 double per_second(const Span& span, const char* counter) { return span.seconds > 0.0 ? counted(span, counter) / span.seconds : 0.0; }
 
-// The same node in an earlier report, by its address; null if it was not there.
+// The same node in an earlier report, found by its address; null if that report lacks it, or if the node has joined again since.
 const ReportJson* find_node(const ReportJson* report, const ReportJson& node) {
   if (report == nullptr) return nullptr;
   for (const ReportJson& other : section(*report, "nodes")) {
@@ -52,14 +52,14 @@ const ReportJson* find_node(const ReportJson* report, const ReportJson& node) {
   return nullptr;
 }
 
-// One line; empty if the hub does not report it.
+// One line about the safety governor; empty if the hub does not report its state.
 std::string safety_text(const ReportJson& report) {
   const ReportJson& notes = section(report, "notes");
   const ReportJson& ratios = section(report, "ratios");
   if (word(notes, "governor").empty()) return "";
   const std::string fault = word(notes, "safety_fault_text");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
-  // Negative if the hand has put in more energy than it got: then nothing of the budget is spent.
+  // energy_spent is negative if the hand has put in more energy than it got: then nothing of the budget is spent.
   const double spent = std::max(0.0, json_number_of(ratios, "energy_spent"));
   return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
                      100.0 * json_number_of(ratios, "thermal_load"), 100.0 * spent);
@@ -108,7 +108,7 @@ Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string
   if (!snapshot.report.is_object() || word(snapshot.report, "schema") != kReportSchema) {
     return fail("the hub's report is not of schema {}; it is another build", kReportSchema);
   }
-  // A hub that has no durations yet is not an error.
+  // It is not an error if the hub has not measured any durations yet.
   if (auto hops = parse_latency_csv(csv, "the hub's latency.csv")) snapshot.hops = std::move(*hops);
   return snapshot;
 }

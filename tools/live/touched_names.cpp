@@ -19,7 +19,7 @@ bool read_whole(const std::string& text, Number& number, int base) {
   return error == std::errc() && end == text.data() + text.size() && !text.empty();
 }
 
-// As io_node's report spells it.
+// How the scene was loaded, from the notes of io_node's report.
 SceneLoading loading_of(const nlohmann::ordered_json& notes) {
   SceneLoading loading;
   if (const auto unit = parse_unit(note_of(notes, "scene_unit"))) loading.unit = *unit;
@@ -39,7 +39,7 @@ const std::vector<ObjectName>& TouchedNames::names_of(const nlohmann::ordered_js
   HapticsSetup setup;
   if (!read_whole(hash, setup.scene_hash, 16)) return names_;
   std::uint64_t given_hash = 0;
-  (void)read_whole(shape_hash, given_hash, 16);  // a hub of an earlier build does not say it
+  (void)read_whole(shape_hash, given_hash, 16);  // a hub of an earlier build does not report this hash
   put_text(note_of(notes, "scene"), setup.scene);
   setup.scene_loading = to_code(loading_of(notes));
   if (auto names = RecordedScenes().find_names(setup, given_hash)) names_ = std::move(*names);

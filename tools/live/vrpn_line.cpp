@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr int kMaxButton = 31;                                // the highest of the 32 bits of a tracker link's buttons
-constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;  // for the server to accept the connection; a free choice
+constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;  // how long the server may take to accept the connection; a free choice
 
 class VrpnLine : public DigitalLine {
  public:
@@ -20,7 +20,7 @@ class VrpnLine : public DigitalLine {
     (void)link_->take_newest(clock_.now_ns());
     return (link_->buttons() >> button_ & 1U) != 0;
   }
-  // Waits for the server.
+  // Waits until the server accepts the connection. False: it did not do so in time.
   bool replies() {
     for (const std::int64_t end_ns = clock_.now_ns() + kReplyNs; clock_.now_ns() < end_ns && !link_->is_connected();) {
       (void)is_on();

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxNumbers = 1'000'000;  // in one list; a free choice
+constexpr std::size_t kMaxNumbers = 1'000'000;  // the most in one list; a free choice
 
 template <class Presets>
 Result<std::vector<std::string>> names_of(const std::string& flag, const std::string& list, const Presets& presets) {
@@ -39,12 +39,12 @@ std::optional<double> number_of(std::string_view word) {
   return value;
 }
 
-constexpr double kMinAmplifierHz = 0.1;     // a slower one follows no hand
-constexpr double kMinJointKg = 1e-4;        // lighter and stiffer ones only take time
-constexpr double kMaxJointStiffness = 1e7;  // N/m; far above any joint, as is the next, Ns/m
+constexpr double kMinAmplifierHz = 0.1;     // a slower amplifier cannot follow a hand
+constexpr double kMinJointKg = 1e-4;        // lighter and stiffer joints only take computing time
+constexpr double kMaxJointStiffness = 1e7;  // N/m; far above any joint, as is the next value, in Ns/m
 constexpr double kMaxJointDamping = 1e3;
 
-// Replaces the device's joints: the masses beyond them are part of its mass.
+// Replaces the device's joints. The masses beyond the joints are part of the device's mass.
 Result<void> change_joints(const std::vector<std::string>& joints, DeviceModel& device) {
   if (joints.empty()) return {};
   if (joints.size() > device.modes.size()) return fail("--joint: {} joints at most, not {}", device.modes.size(), joints.size());

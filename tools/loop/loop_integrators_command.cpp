@@ -26,11 +26,11 @@ struct Row {
   Integrator integrator;
   std::int64_t step_ns;
   double worst_error_m;
-  double us_per_s;  // run time for each simulated second, the least of the repetitions
+  double us_per_s;  // computing time for each simulated second, the least of the repetitions
 };
 
 constexpr std::int64_t kStepsNs[] = {1'000'000, 500'000, 200'000, 100'000, 50'000, 20'000, 10'000, 5'000, 2'000};  // from 1 ms to 2 us
-// All results are compared with Runge-Kutta at this step: a method other than the exact one, 20 times finer than the finest step.
+// All results are compared with Runge-Kutta, which is independent of the exact method, at this step, 20 times finer than the finest one.
 constexpr std::int64_t kReferenceNs = 100;
 
 class Comparison {

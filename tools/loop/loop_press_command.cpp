@@ -25,7 +25,7 @@ struct PressOptions {
   double rate_hz = 1000.0;
   double delay_ms = 0.0;
   double jitter_ms = 0.0;
-  LinkFaults link;  // each way: loss and reorder
+  LinkFaults link;  // loss and reorder, the same in both directions
   double stiffness_n_per_m = 1000.0;
   double damping_ns_per_m = 0.0;
   PressPlan plan;
@@ -41,7 +41,7 @@ struct PressOptions {
 
 constexpr double kImpedanceHz[] = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0};
 
-// What the force program is made of, and what stands between it and the motors.
+// The force law, the settings of everything between it and the motors, and the servo period.
 struct Bench {
   std::unique_ptr<ForceLaw> law;
   ForceChain::Options chain;
@@ -73,7 +73,7 @@ Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
   return bench;
 }
 
-// The damper no stronger than the device can render: a quarter of what stops its mass within one period.
+// Limits the damper to what the device can render: a quarter of the damping that stops the device's mass within one period.
 PassivityStage::Options passivity_options(const DeviceModel& device, double rate_hz) {
   return {.device = {.mass_kg = device.mass_kg, .position_step_m = device.encoder_step_m},
           .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz,
@@ -97,13 +97,13 @@ std::string to_csv(const std::vector<SpectrumPeak>& spectrum) {
 
 nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-// Until forces arrive, whatever is lost.
+// How long it takes until forces arrive, whichever datagrams are lost.
 std::int64_t find_settle_ns(const PressOptions& options) {
   constexpr double kSamples = 50.0;
   return ms_to_ns(options.delay_ms + 2.0 * options.jitter_ms + 1e3 * kSamples / options.rate_hz);
 }
 
-// About the pressed depth, by a fifth of it, so that contact is never lost.
+// Measures the rendered impedance with a motion about the pressed depth, by a fifth of that depth, so that contact is never lost.
 Result<nlohmann::ordered_json> measure_impedance(const PressOptions& options, const NamedLoop& loop) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const double depth_m = options.plan.press_n / options.stiffness_n_per_m;
@@ -155,7 +155,7 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
           {"overtaken", chain.counters().overtaken}};
 }
 
-constexpr double kNoBuzzN = 1e-9;  // rounding gives lines of 1e-27 N; no hand feels a millionth of a millinewton
+constexpr double kNoBuzzN = 1e-9;  // rounding gives spectral lines of 1e-27 N; no hand feels a millionth of a millinewton
 
 void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohmann::ordered_json& impedance) {
   fmt::print("{}: motion {}\n", loop.title(), press.is_bounded ? "bounded" : "DIVERGED");

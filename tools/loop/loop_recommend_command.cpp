@@ -54,7 +54,7 @@ nlohmann::ordered_json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
 }
 
-// Of several hands the one that allows least; of damping and turning the least of all.
+// Recommends the stiffness for the device and hand that allow the least. Damping and rotational stiffness are each the least of all.
 Result<void> run(const RecommendOptions& options) {
   const auto latency = latency_of(options);
   if (!latency) return tl::unexpected(latency.error());
@@ -63,7 +63,7 @@ Result<void> run(const RecommendOptions& options) {
   std::optional<Advice> least;
   double damping_ns_per_m = std::numeric_limits<double>::infinity();
   double viscosity_ns_per_m = damping_ns_per_m;
-  double rotational_nm_per_rad = damping_ns_per_m;  // infinite: no motors of any turn the stylus
+  double rotational_nm_per_rad = damping_ns_per_m;  // infinite: no device has motors that turn the stylus
   for (const NamedLoop& loop : *loops) {
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, latency->rate_hz, latency->delay_s);
     damping_ns_per_m = std::min(damping_ns_per_m, advice.damping_ns_per_m);

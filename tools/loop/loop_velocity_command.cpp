@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMaxNoiseN = 0.1;  // of the damping force; assumed: about what a finger begins to notice as a buzz
+constexpr double kMaxNoiseN = 0.1;  // of the damping force; assumed to be about what a finger begins to notice as a buzz
 
 struct VelocityOptions {
   LoopFlags loop;

@@ -26,7 +26,7 @@ constexpr std::string_view kColumns =
     "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,passive_damping_ns_per_m,rest_stiffness_"
     "n_per_m,mass_filter_s,stable_mass_kg,mass_frequency_hz,mean_delay_ms";
 
-// FNV-1a over what a grid is made of: parts of one grid agree.
+// FNV-1a hash of all inputs of a grid: it is the same in all parts of one grid.
 std::uint64_t fingerprint(const ZWidthGrid& grid) {
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&](const std::string& text) {
@@ -53,19 +53,19 @@ std::string csv_number(double value) { return std::isfinite(value) ? fmt::format
 
 nlohmann::ordered_json json_number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-// One way of two, each with half of the delay.
+// One of the two directions of the link, each with half of the delay.
 LinkFaults link_of(const ZWidthRow& row, bool is_there) {
   const std::int64_t half_ns = ms_to_ns(0.5 * row.delay_ms);
   return {.delay_ns = is_there ? half_ns : ms_to_ns(row.delay_ms) - half_ns, .jitter_ns = ms_to_ns(row.jitter_ms), .loss = row.loss};
 }
 
-// Simulated for each stiffness: 20 s, and 90 delays at least.
+// The simulated time for each stiffness: 20 s, but at least 90 delays.
 double simulated_s(const ZWidthRow& row) {
   constexpr double kDelays = 90.0;  // decision 225: with fewer, long delays end before the first forces come back
   return std::max(RandomLoop().seconds, kDelays * 1e-3 * (row.delay_ms + 2.0 * row.jitter_ms));
 }
 
-// The exact limit is where the search begins. A loop that is not stable without chance either does not become so.
+// The search begins at the exact limit, without jitter and loss. A loop that is unstable without them does not become stable with them.
 void simulate(ZWidthRow& row) {
   const RandomLoop loop{.device = row.inputs.device,
                         .hand = row.inputs.hand,
@@ -109,7 +109,7 @@ void press(ZWidthRow& row) {
                                                    kMax);
 }
 
-// Of a CSV file's first line. None: it is not that of a grid.
+// The number of cells that the first line of a CSV file gives. None: the line is not the first line of a grid.
 std::optional<std::size_t> read_cells(const std::string& first) {
   constexpr std::string_view kCells = " cells=";
   const std::size_t at = first.find(kCells);
@@ -239,7 +239,7 @@ std::string csv_line(const ZWidthRow& row) {
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
   std::string head;
   std::size_t cells = 0;
-  std::map<std::size_t, std::string> rows;  // by cell; a damaged file may say any number of cells
+  std::map<std::size_t, std::string> rows;  // by cell; a map, because a damaged file may announce any number of cells
   for (const std::filesystem::path& part : parts) {
     std::ifstream stream(part);
     std::string first;

@@ -21,7 +21,7 @@ struct Curve {
 
 bool is_over_delay(const ZWidthGrid& grid) { return grid.delays_ms.size() > 1 || grid.rates_hz.size() == 1; }
 
-// What one curve has in common.
+// The title of a curve: what all its rows have in common.
 std::string title_of(const ZWidthGrid& grid, const ZWidthRow& row) {
   std::string title = row.loop->is_own() ? "own loop" : fmt::format("{}, hand {}", row.loop->device, row.loop->hand);
   title += is_over_delay(grid) ? fmt::format(", {:g} Hz", row.inputs.rate_hz) : fmt::format(", {:g} ms", row.delay_ms);
@@ -31,7 +31,7 @@ std::string title_of(const ZWidthGrid& grid, const ZWidthRow& row) {
   return title;
 }
 
-// Nothing is not on a logarithmic axis.
+// A logarithmic axis cannot show zero.
 std::string on_log_axis(double value) { return value > 0.0 && std::isfinite(value) ? fmt::format("{}", value) : "NaN"; }
 
 }  // namespace

@@ -24,7 +24,7 @@ namespace hapton {
 namespace {
 
 constexpr double kLongestDelayMs = 60'000.0;                              // a minute; a free choice
-constexpr std::int64_t kCheckPeriodNs = 50 * kNanosecondsPerMillisecond;  // between two checks whether to end; a free choice
+constexpr std::int64_t kCheckPeriodNs = 50 * kNanosecondsPerMillisecond;  // time between two checks whether to end; a free choice
 
 struct RelayOptions {
   std::string listen = "127.0.0.1:0";
@@ -62,7 +62,7 @@ Result<RelaySettings> make_settings(const RelayOptions& options) {
     settings.schedule = std::move(script->schedule);
     if (!seed) seed = script->seed;
   }
-  // Short enough to be typed again.
+  // A random seed is short, so that a person can type it again.
   settings.seed = seed.value_or(make_random_id() % 1'000'000);
   return settings;
 }

@@ -40,7 +40,7 @@ class FaultTable {
   void read_ms(std::string_view key, std::int64_t& time_ns) {
     double ms = 1e-6 * static_cast<double>(time_ns);
     read(key, ms);
-    // Beyond all that check_faults lets pass, and still a whole number.
+    // The range is larger than what check_faults accepts, so an error still shows, but small enough for a whole number of ns.
     time_ns = std::llround(1e6 * std::clamp(ms, -1.0, 1e6));
   }
 
@@ -80,7 +80,7 @@ class FaultTable {
     if (const auto checked = check_faults(faults); !checked) set_error(table_, checked.error().what);
   }
 
-  // The table of one direction within this one; missing keys keep their values.
+  // Reads the table of one direction within this table; values whose keys are missing stay as they are.
   void read_way(std::string_view key, LinkFaults& faults);
 
   void set_error(const toml::node& node, const std::string& what) {

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Adds the surface of one body. Returns how many carves it has.
+// Adds the carved surface of one body to `all`. Returns the number of carves of that body.
 Result<std::size_t> add_body(const Scene& scene, std::size_t number, const std::vector<CarvedPress>& carved, TriangleMesh& all) {
   const SceneObject& object = scene.objects[number];
   auto field = CarvedField::make(*object.mesh, object.sculpt->voxel_m);
