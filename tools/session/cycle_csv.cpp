@@ -16,7 +16,7 @@ std::string line_of(const CycleRow& row, std::span<const ObjectName> names) {
   return csv_numbers(cycle_columns(), row) + csv_names(names, row.object) + ',' + row.event + ',' + csv_cell(markers) + '\n';
 }
 
-// Where there is nothing, there is no file; one of an earlier export becomes empty. To be kept.
+// Without rows it makes no file, but leaves no rows in the file of an earlier export. The caller must keep() the returned file.
 template <class Row, class Cell>
 Result<std::optional<PartFile>> write_rows(const std::filesystem::path& path, const std::vector<Row>& rows,
                                            std::span<const ChangeColumn<Row>> columns, const char* last, Cell&& cell) {

@@ -14,10 +14,10 @@
 namespace hapton {
 namespace {
 
-constexpr hsize_t kBlock = 4096;  // rows that are written at once, and a chunk of the file
+constexpr hsize_t kBlock = 4096;  // rows that are written at once; also the size of a chunk of the file
 constexpr unsigned kDeflate = 4;  // level of compression, 1 to 9; a free choice
 
-// An object of HDF5, closed with this one.
+// Owns an object of HDF5, and closes it in the destructor.
 class Handle {
  public:
   Handle() = default;
@@ -31,7 +31,7 @@ class Handle {
   ~Handle() {
     if (id_ >= 0) close_(id_);
   }
-  // False: what was to be written at its end was not.
+  // Closes the object. False: what HDF5 still had to write on closing was not written.
   bool end() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
   operator hid_t() const { return id_; }
   bool is_good() const { return id_ >= 0; }
@@ -41,7 +41,7 @@ class Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-// Text of variable length, UTF-8.
+// The HDF5 type of a text in UTF-8 of variable length.
 Handle make_text_type() {
   Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
   H5Tset_size(type, H5T_VARIABLE);
@@ -87,7 +87,7 @@ class Column {
   hsize_t rows_ = 0;
 };
 
-// The vertices of the shapes of an object: a row for each.
+// The displacements of an object's vertices: one row for each shape.
 class ShapeRows {
  public:
   ShapeRows(hid_t group, const std::string& name, std::size_t vertices) : dimensions_{0, vertices, 3} {
@@ -120,7 +120,7 @@ class ShapeRows {
 class JoinedHdf5 {
  public:
   explicit JoinedHdf5(const std::filesystem::path& path) {
-    // Without HDF5's own messages on stderr: every failure is reported in one line.
+    // Switches off HDF5's own messages on stderr, because this program reports every failure in one line.
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     file_ = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose);
     if (!file_.is_good()) return;
@@ -269,15 +269,15 @@ class JoinedHdf5 {
   std::vector<std::vector<double>> values_;
   Handle shapes_group_;
   std::vector<RecordedShape> shapes_;
-  std::map<std::string, ShapeRows> displacements_;  // by name
+  std::map<std::string, ShapeRows> displacements_;  // by name of the dataset
   bool is_good_ = true;
 };
 
 }  // namespace
 
 Result<CycleCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
-  // After a full disk the library keeps what it could not write, and crashes when it tries again at the end of the program. Everything is
-  // closed below, so nothing remains for it to do then.
+  // If the disk was full, the library keeps what it could not write, and crashes when it tries again at the end of the program. Everything
+  // is closed below, so nothing remains for it to do then.
   H5dont_atexit();
   PartPath part(path);  // declared first, so that it is removed after the file is closed
   JoinedHdf5 file(part.part());

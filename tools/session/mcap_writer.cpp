@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 
-// The record types of the specification.
+// The record types of the MCAP specification.
 enum class McapOp : std::uint8_t {
   header = 1,
   footer = 2,
@@ -26,7 +26,7 @@ enum class McapOp : std::uint8_t {
   data_end = 15,
 };
 
-// Numbers are little-endian; a text, an array and a map have their length in front.
+// Bytes in the encoding of MCAP. Numbers are little-endian; a text, an array and a map begin with their length.
 class McapBytes {
  public:
   template <class Number>
@@ -162,7 +162,7 @@ void McapWriter::write_chunk() {
   chunk_.clear();
 }
 
-// Groups of records by type, then where each group is.
+// The summary of the file: groups of records by type, then the position of each group, then the footer.
 std::string McapWriter::make_summary() const {
   std::string summary;
   std::string offsets;
@@ -209,7 +209,7 @@ std::string McapWriter::make_summary() const {
   for (const MetadataIndex& metadata : metadata_)
     records += McapBytes().add(metadata.offset).add(metadata.bytes).add_text(metadata.name).as_record(McapOp::metadata_index);
   add_group(McapOp::metadata_index, records);
-  // The footer's checksum covers its own first two numbers and what stands before them.
+  // The footer's checksum covers the summary and the footer itself up to its first two numbers.
   McapBytes footer;
   footer.add(offset_).add(offset_ + summary.size());
   std::string end = summary + offsets;

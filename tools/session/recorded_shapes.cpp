@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// A motion that is known: a stage of the step.
+// Starts a motion whose two shapes are known, as a stage of the surface in this step.
 bool begin_stage(HapticsStep& step, const ShapeStart& start, std::span<const Vec3> from, std::span<const Vec3> to) {
   StreamedMethod* method = step.touch().find_streamed(start.object);
   auto stage = method->stager().make(from, to);
@@ -19,7 +19,7 @@ bool begin_stage(HapticsStep& step, const ShapeStart& start, std::span<const Vec
 
 void RecordedShapes::add(std::uint64_t sender, const ObjectShape& shape) {
   Sender& own = senders_[sender];
-  // Sent again for a picture.
+  // This shape has been applied already; it was only sent again to a vision node.
   if (shape.serial <= own.applied) return;
   own.shapes.try_emplace(shape.serial, shape.part.total).first->second.add(shape.part);
 }
@@ -50,7 +50,7 @@ void RecordedShapes::begin(std::uint64_t sender, std::uint32_t serial) {
   }
 }
 
-// The motion of that serial is among those that have begun. Null: its start is not in the recording, so it may be any object's.
+// Moves the motion with this serial to those that have begun. Null: the recording lacks its start, so it may be of any object.
 const RecordedShapes::Begun* RecordedShapes::take(Sender& own, std::uint32_t serial) {
   auto shape = own.shapes.extract(serial);
   const auto start = own.starts.extract(serial);
@@ -79,7 +79,7 @@ void RecordedShapes::pass(std::uint64_t sender, std::uint32_t serial) {
   Sender& own = senders_[sender];
   const auto next = [&] { return own.starts.upper_bound(own.applied); };
   for (auto start = next(); start != own.starts.end() && start->first <= serial; start = next()) {
-    if (start->first != own.applied + 1) own.begun.clear();  // as take() without a start
+    if (start->first != own.applied + 1) own.begun.clear();  // a start is missing: the same as in take()
     (void)take(own, start->first);
   }
   if (own.applied != serial) (void)take(own, serial);
@@ -120,7 +120,7 @@ bool RecordedShapes::restore(std::uint64_t sender, std::span<const int> objects,
     const auto vertices_of = [&](const ShapeParts& shape) { return program_shape->vertices_of(rest, shape.displacements_m()); };
     if (rest.size() != start.total) return false;
     const std::vector<Vec3> to = vertices_of(*motion->last->shape);
-    // At its end it does not matter from where it came.
+    // Once the motion has ended, it does not matter from which shape it started.
     std::vector<Vec3> from = to;
     if (scene_time_ns < start.end_ns)
       from = motion->before != nullptr ? vertices_of(*motion->before->shape) : std::vector(rest.begin(), rest.end());

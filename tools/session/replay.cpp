@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstStepS = 1e-3;  // dt_s of the first row, which has none before it
+constexpr double kFirstStepS = 1e-3;  // dt_s of the first row, which has no row before it
 
 std::int64_t measure_clock_cost_ns(const Clock& clock) {
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
@@ -25,7 +25,7 @@ std::int64_t measure_clock_cost_ns(const Clock& clock) {
   return least;
 }
 
-// The input of a step from a row of the trajectory, and the row of the result from its output: for a probe, and for a rigid tool.
+// Both structs make a step's input from a row of the trajectory, and fill a result's row from its output: for a probe, for a rigid tool.
 struct TouchRows {
   using Input = TouchInput;
   using Output = TouchOutput;
@@ -156,7 +156,7 @@ Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, c
 Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock,
                   std::span<const ToolPart> parts) {
   std::vector<ToolInput> inputs = inputs_of<ToolRows>(trajectory);
-  std::vector<Pose> poses;  // of the parts, row by row
+  std::vector<Pose> poses;  // poses of the moving parts of the scene, row by row
   for (const TrajectoryRow& row : trajectory) {
     for (const ToolPart& part : parts) poses.push_back(part.pose_at(row.t_s - trajectory[0].t_s));
   }

@@ -35,7 +35,7 @@ struct ReplayOptions {
   std::string out;
   std::string tool;
   std::string tool_unit;
-  std::string tool_grip;  // empty: origin
+  std::string tool_grip;  // empty: the origin of the tool's mesh
   double rotational_stiffness_nm_per_rad = 0.0;
   double tool_voxel_m = 0.0;  // 0: no voxels
   int tool_threads = 1;
@@ -95,7 +95,7 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
   return tool;
 }
 
-// What a point or a ball has and a tool does not have yet is said, not ignored.
+// Refuses flags that do not go together. A flag that a tool does not support yet, but a point or sphere does, is an error, not ignored.
 Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   const MethodSettings& method = options.method.settings;
   const MethodSettings plain;
@@ -199,7 +199,7 @@ void note_buttons(const Scene& scene, std::span<const TrajectoryRow> trajectory)
   fmt::print("movable objects stay where they are: a replay picks nothing up. deploy/run --device simulated --trajectory FILE does\n");
 }
 
-// Before a run that may take minutes: write_replay_csv makes no folder.
+// Checked before a run that may take minutes, because write_replay_csv does not make the folder.
 Result<void> check_folder_of(const std::filesystem::path& out) {
   const std::filesystem::path folder = out.parent_path();
   std::error_code error;

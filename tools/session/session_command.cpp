@@ -59,8 +59,8 @@ std::vector<ObjectName> leave_out_names(std::string_view why) {
   return {};
 }
 
-// The names of what was touched, if the scene that was recorded is still there; otherwise their columns stay empty, with one line that says
-// why. Of each haptics node the first scene counts: a number of an object means nothing where two of them had other objects.
+// The names of the touched objects, if the recorded scene still exists; otherwise their columns stay empty, and one line says why. The
+// first scene of each haptics node counts. If two nodes had scenes with different objects, the number of an object means nothing.
 Result<std::vector<ObjectName>> find_names(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
@@ -80,7 +80,7 @@ Result<std::vector<ObjectName>> find_names(const SessionOptions& options) {
   return names.value_or(std::vector<ObjectName>());
 }
 
-// One table in one file: every cycle with its sample, its force and what happened.
+// Writes one table in one file: every cycle with its sample, its force and what happened.
 Result<void> write_cycles(const SessionOptions& options, SessionReader& reader, const std::vector<ObjectName>& names) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
@@ -124,7 +124,7 @@ Result<void> write_tables(const SessionOptions& options) {
   return check_end(*reader);
 }
 
-// local: forces that io_node computed itself.
+// local: the number of forces that io_node computed itself.
 std::string describe(const ReplayCounts& counts, std::uint64_t local) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
@@ -173,7 +173,7 @@ Result<void> replay_session(const SessionOptions& options) {
   comparison.use_carves(summary.carves());
   comparison.use_program_shapes([&](const HapticsSetup& setup, std::int32_t object) { return scenes.find_program_shape(setup, object); },
                                 summary.first_shapes());
-  // How long a call took then is not known, so it may take any time now.
+  // How long a call of an effect took in the session is not known. With a simulated clock it may take any time now.
   const SimulatedClock clock;
   PluginEffects effects(clock);
   if (const auto loaded = load_effects(options, effects); !loaded) return loaded;

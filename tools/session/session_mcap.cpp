@@ -62,12 +62,12 @@ McapWriter::Texts describe_objects(std::span<const ObjectName> names) {
   return texts;
 }
 
-// The messages of a recording, one after the other.
+// Writes the entries of a recording as messages, one after the other.
 class McapMessages {
  public:
   McapMessages(McapWriter& writer, const SessionHeader& header) : writer_(writer), header_(header), shapes_(header.start_ns) {}
 
-  // Shapes whose last part did not come.
+  // Writes the shapes whose last part did not come.
   void finish() {
     shapes_.finish([this](const RecordedShape& shape) { add_shape(shape); });
   }
@@ -93,7 +93,7 @@ class McapMessages {
   std::uint64_t cycles() const { return cycles_; }
 
  private:
-  // Times are those of a file, which may hold any number.
+  // The times come from a file, which may contain any number: so unsigned arithmetic is used, and a time out of range becomes 0.
   std::uint64_t unix_ns(std::int64_t hub_ns) const {
     const std::uint64_t ns = static_cast<std::uint64_t>(header_.start_unix_ns) +
                              (static_cast<std::uint64_t>(hub_ns) - static_cast<std::uint64_t>(header_.start_ns));

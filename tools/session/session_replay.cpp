@@ -13,12 +13,12 @@
 namespace hapton {
 namespace {
 
-// Replies are reordered by at most this; ForceCommand::replied_before covers as many.
+// Replies are reordered by at most this number of samples; ForceCommand::replied_before covers the same number.
 constexpr std::uint64_t kReach = 64;
 
-// After so long in free space and without a button, a ball that carves has no state left.
+// After this time in free space and without a button, a sphere probe that carves has no state left.
 constexpr std::int64_t kForgottenNs = 300'000'000;
-// To make bodies takes up to a second.
+// The bodies are rebuilt at most this often, because making them takes up to a second.
 constexpr std::int64_t kRebuildEveryNs = 1'000'000'000;
 
 MadeCarve to_made_carve(const Carves::One& one, std::uint32_t serial) {
@@ -30,7 +30,7 @@ MadeCarve to_made_carve(const Carves::One& one, std::uint32_t serial) {
           .undone = {.first = one.undone_first, .last = one.undone_last}};
 }
 
-// False: it changes nothing, so it is not of these bodies in this shape.
+// False: the carve changes nothing, so it was not made in these bodies with this shape.
 bool carve_body(Sculpture& shape, const MadeCarve& made) {
   for (std::size_t body = 0; body < shape.bodies().size(); ++body) {
     if (shape.bodies()[body].object != made.object) continue;
@@ -131,7 +131,7 @@ Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSe
   return make_touch_(setup);
 }
 
-// A haptics process that was not there before: it begins in free space, unless the recording began after it.
+// Begins with another haptics process. Its first step was in free space, unless the recording began after that step.
 Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& first) {
   sender_ = sender;
   serial_ = first.method_serial;
@@ -167,7 +167,7 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   return {};
 }
 
-// Before a recording began, objects may have been moved: the haptics node repeats the newest move of each.
+// Objects may have been moved before the recording began. The haptics node sends the newest move of each again: applies those.
 void SessionReplay::begin_moves(std::uint32_t serial) {
   are_moves_known_ = true;
   move_serial_ = serial;
@@ -183,7 +183,7 @@ void SessionReplay::begin_moves(std::uint32_t serial) {
   are_moves_known_ = std::all_of(all.begin(), all.end(), [&](int object) { return known.contains(object); });
 }
 
-// The bodies with the entries of the list up to that serial. None: the recording lacks one of them.
+// The bodies after all carves and undos up to this serial. None: the recording lacks one of these, or a carve does not fit the bodies.
 std::optional<Sculpture> SessionReplay::make_shape(std::uint32_t serial) const {
   CarveList list;
   for (std::uint32_t n = 1; n <= serial; ++n) {
@@ -196,20 +196,20 @@ std::optional<Sculpture> SessionReplay::make_shape(std::uint32_t serial) const {
   return is_of_these ? std::optional(std::move(shape)) : std::nullopt;
 }
 
-// What was carved before the recording began, or before a step that is unknown. Pre: whole bodies.
+// Carves again what was carved before the recording began, or before a step that is unknown. Pre: nothing is carved in step_ yet.
 void SessionReplay::repeat_carves(std::uint32_t serial) {
   if (serial == 0) return;
   std::optional<Sculpture> shape = make_shape(serial);
   are_carves_known_ = are_carves_known_ && shape && step_->restore_carves(*shape, serial);
 }
 
-// The steps carve by themselves. What was undone between two samples has a serial that no step made.
+// The steps carve by themselves. But an undo between two samples has a serial of its own, which no step makes: this repeats it.
 void SessionReplay::undo_carves(std::uint32_t serial, bool is_after_lost) {
   while (whole_ && is_certain_ && step_->touch().count_carves() < serial) {
     const std::uint32_t next = step_->touch().count_carves() + 1;
     const Carves::One* one = carves_.find(sender_, next);
-    if (one != nullptr && !one->is_undo()) return;  // the steps differ, which their comparison shows
-    // It is unknown before which of the samples whose replies were lost it was undone.
+    if (one != nullptr && !one->is_undo()) return;  // the steps differ from the recorded ones, which their comparison shows
+    // If replies were lost, it is unknown before which of their samples the undo was made.
     is_certain_ = one != nullptr && !is_after_lost;
     if (!is_certain_) return;
     std::optional<Sculpture> shape = make_shape(next);
@@ -222,7 +222,7 @@ bool SessionReplay::has_rested(const ForceCommand& command) const {
          ns_between(rebuilt_ns_, command.echo_sample_time_ns) >= kRebuildEveryNs;
 }
 
-// In free space a method has no state, so replay can begin there. Effects have more: time, velocity.
+// In free space a method has no state, so the comparison can begin in such a step. Effects have a state even then: time, velocity.
 Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
   if (is_certain_ || command.contact || step_->has_effects()) return {};
   if (const auto rebuilt = rebuild_surfaces(command); !rebuilt) return rebuilt;
@@ -237,7 +237,7 @@ Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
   return {};
 }
 
-// What was carved in the steps that are unknown is known all the same.
+// Makes the bodies again. The carves of unknown steps are in the recording too, so they can be repeated.
 Result<void> SessionReplay::rebuild_bodies(const ForceCommand& command) {
   auto touch = make_method_of(setups_.at({sender_, serial_}));
   if (!touch) return tl::unexpected(touch.error());
@@ -254,14 +254,14 @@ bool SessionReplay::apply_move(std::uint32_t serial) {
   return is_there && step_->command(move->second.object, to_command(move->second));
 }
 
-// A move carries its own start time, so these are begun before the samples whose replies were lost.
+// A move has its own start time, so moves can be applied before the samples whose replies were lost are repeated.
 void SessionReplay::change_moves(std::uint32_t serial) {
   while (are_moves_known_ && move_serial_ < serial) are_moves_known_ = apply_move(++move_serial_);
   move_serial_ = std::max(move_serial_, serial);
   if (!are_moves_known_) is_certain_ = false;
 }
 
-// As change_moves: a shape says itself from when on it counts.
+// As in change_moves: a shape has its own start time.
 void SessionReplay::change_shapes(std::uint32_t serial) {
   while (are_shapes_known_ && shape_serial_ < serial) {
     are_shapes_known_ = shapes_.apply(sender_, ++shape_serial_, *step_, find_shape());
@@ -275,12 +275,12 @@ RecordedShapes::FindShape SessionReplay::find_shape() const {
   return [this](std::int32_t object) { return find_program_shape_ ? find_program_shape_(setup_, object) : nullptr; };
 }
 
-// Pre: surfaces at rest.
+// Pre: all surfaces are in their rest shape.
 bool SessionReplay::restore_shapes(std::int64_t scene_time_ns) {
   return shapes_.knows(sender_, deformed_, scene_time_ns) && shapes_.restore(sender_, deformed_, scene_time_ns, *step_, find_shape());
 }
 
-// Where they are is known again once the recording has both shapes of a motion, or the last one after its end.
+// Where the surfaces are is known again as soon as the recording has both shapes of a motion, or after its end the last shape alone.
 Result<void> SessionReplay::rebuild_surfaces(const ForceCommand& command) {
   if (are_shapes_known_ || !is_method_known_ || !shapes_.knows(sender_, deformed_, command.scene_time_ns)) return {};
   auto touch = make_method_of(setup_);
@@ -291,8 +291,8 @@ Result<void> SessionReplay::rebuild_surfaces(const ForceCommand& command) {
   return {};
 }
 
-// Makes the changes of that moment again. If the recording does not name the method, its forces are unknown. Goes through what the
-// recording has: a damaged one may name any serial, also an earlier one.
+// Repeats the changes of the method up to this serial. If the recording does not name the method, its forces are unknown. The loop goes
+// through the setups in the recording, not through all serials, because a damaged recording may name any serial, even an earlier one.
 Result<void> SessionReplay::change_method(std::uint32_t serial) {
   if (serial == serial_) return {};
   if (serial < serial_) is_certain_ = false;
@@ -301,7 +301,7 @@ Result<void> SessionReplay::change_method(std::uint32_t serial) {
   for (auto named = setups_.lower_bound({sender_, next}); named != end; ++named) {
     if (named->first.second != next) is_certain_ = false;
     next = named->first.second + 1;
-    // It took over with the materials of that moment.
+    // The new method took over with the materials of that moment.
     if (const auto changed = change_materials(named->second.material_serial); !changed) return changed;
     auto touch = make_method_of(named->second);
     if (!touch) return tl::unexpected(touch.error());
@@ -315,7 +315,7 @@ Result<void> SessionReplay::change_method(std::uint32_t serial) {
   return {};
 }
 
-// False: the recording does not name them. Serial 0 has those of the scene.
+// False: the recording does not have these materials. Serial 0: the materials are those of the scene.
 Result<bool> SessionReplay::find_materials(const HapticsSetup& setup, std::uint32_t serial) {
   materials_.clear();
   if (serial == 0) return true;
@@ -327,7 +327,7 @@ Result<bool> SessionReplay::find_materials(const HapticsSetup& setup, std::uint3
   return true;
 }
 
-// As change_method.
+// Repeats the changes of the materials up to this serial, as change_method does for the method.
 Result<void> SessionReplay::change_materials(std::uint32_t serial) {
   if (serial <= material_serial_) return {};
   std::uint32_t next = material_serial_ + 1;
@@ -346,7 +346,7 @@ Result<void> SessionReplay::change_materials(std::uint32_t serial) {
   return {};
 }
 
-// A program may use a revision for two poses: a reply does not tell which of them it is of.
+// A program may use one revision for two poses: then a reply does not tell with which of the two it was computed.
 void SessionReplay::turn(std::uint32_t revision) {
   if (ambiguous_views_.contains(revision)) return lose_view();
   is_view_known_ = true;
@@ -384,7 +384,7 @@ std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
   return replayed;
 }
 
-// Samples before this one that had a reply, but whose reply was lost.
+// Repeats the steps of the samples before this one that had a reply which was lost.
 void SessionReplay::step_lost(const ForceCommand& before) {
   const bool knows_all = before.echo_sample - last_sample_ <= kReach || last_sample_ == 0;
   if (!knows_all) is_certain_ = false;
@@ -416,7 +416,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   turn(command.view_revision);
   const bool had_gap = command.replied_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
-  // Then it did not begin anew within the session, though it may have got few states.
+  // If replied_before is not 0, the probe did not begin anew, even if the haptics node got few states (see HapticsStep::set_thinned).
   step_->set_thinned(command.replied_before != 0);
   const auto state = states_.find(command.echo_sample);
   const bool is_free = !command.contact && state != states_.end() && state->second.buttons == 0;
