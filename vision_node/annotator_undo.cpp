@@ -149,7 +149,8 @@ Annotations Annotator::collect() const {
     for (const UndoMoment& moment : done_) all.carved_before.push_back(moment.saved);
     return all;
   }
-  if (has_given_carves()) {
+  // Before all carves have come, those of the file may be among the rest: written twice they do no harm, left out they are lost.
+  if ((are_given_checked_ || carved_->is_complete()) && has_given_carves()) {
     std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_->objects.size(); });
   }
   const std::size_t kept = all.carved.size();

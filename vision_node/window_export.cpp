@@ -104,6 +104,9 @@ std::vector<WindowExport::Part> WindowExport::make_parts(Job& job) {
   for (const auto& [object, field] : job.bodies.get()) {
     std::string name = name_for_file(job.names[object]);
     if (!has_name_alone(job.names, name)) name = fmt::format("{}_{}", object, name);
+    // A name with a number may be that of another object.
+    const auto is_used = [&] { return std::ranges::any_of(parts, [&](const Part& part) { return part.ending == "_" + name + ".stl"; }); };
+    while (is_used()) name = fmt::format("{}_{}", object, name);
     parts.push_back({"_" + name + ".stl", write_mesh(make_carved_mesh(field), MeshTextFormat::stl)});
   }
   return parts;

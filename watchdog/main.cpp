@@ -90,6 +90,19 @@ void watch(HeartbeatPage& page, WatchedProcess& process, bool reports) {
   }
 }
 
+// For a watchdog that was started in the place of another one, when io_node has ended before this one could watch it.
+void cut_after_end(HeartbeatPage& page) {
+  WatchedProcess none;
+  ForceCutter cutter(page, none);
+  SteadyClock clock;
+  if (page.is_cut.exchange(1) == 0) page.cuts.fetch_add(1);
+  for (int n = 0; n < kCutsAfterEnd; ++n) {
+    cutter.cut();
+    clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kCheckPeriodNs);
+  }
+  print_text(stderr, "hapton_watchdog: io_node has ended before it was watched: {}\n", cutter.describe());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -113,7 +126,10 @@ int main(int argc, char** argv) {
   // be closed, and SIGABRT, which systemd sends to a unit that hangs.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
   WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, number, 0))};
-  if (::getppid() != number) return 0;  // io_node has ended already; if this is its first watchdog, no force was exerted yet
+  if (::getppid() != number) {  // io_node has ended already, and its number may be another process's
+    if (memory.page().force_sample_ns.load() != 0) cut_after_end(memory.page());
+    return 0;
+  }
   if (process.file < 0) {
     print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", number, std::strerror(errno));
     return 2;

@@ -89,6 +89,31 @@ TEST_F(WatchedNode, WhenItHasEndedItsDeviceIsTurnedOffThreeTimes) {
   EXPECT_EQ(memory.page().cuts.load(), 1U);
 }
 
+// A watchdog that io_node has started in the place of another one, and that begins only when io_node is gone.
+TEST_F(WatchedNode, WhenItHasEndedBeforeItsWatchdogBeginsTheDeviceIsTurnedOff) {
+  memory.page().set_hid(hidraw, kOffReport);
+  const auto run_watchdog = [&] {
+    const pid_t watchdog = ::fork();
+    if (watchdog == 0) {
+      ::dup2(::open(said.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
+      ::dup2(memory.file(), kHeartbeatFile);
+      ::fcntl(kHeartbeatFile, F_SETFD, 0);
+      ::execl(HAPTON_BIN_DIR "/hapton_watchdog", "hapton_watchdog", "1", "0", nullptr);  // process 1 is not its parent
+      ::_exit(1);
+    }
+    int status = 1;
+    ::waitpid(watchdog, &status, 0);
+    return status;
+  };
+  EXPECT_EQ(run_watchdog(), 0);
+  EXPECT_EQ(reports(), 0U) << "no force";
+  memory.page().force_sample_ns = 1;
+  EXPECT_EQ(run_watchdog(), 0);
+  EXPECT_EQ(reports(), 3U);
+  EXPECT_EQ(memory.page().cuts.load(), 1U);
+  EXPECT_EQ(times_said("io_node has ended before it was watched"), 1U) << text_of(said);
+}
+
 TEST_F(WatchedNode, ThatHoldsAVendorsLibraryIsKilledWhenItHangs) {
   memory.page().set_means(CutMeans::kill);
   run_node(false);

@@ -54,7 +54,10 @@ std::vector<Token> read_tokens(std::string_view line) {
   std::vector<Token> tokens;
   while (true) {
     line.remove_prefix(std::min(line.find_first_not_of(" \t,"), line.size()));
-    const std::size_t op = line.find_first_of(kOps);
+    // A key may have such letters in braces: ATTRS{foo-bar}.
+    const std::size_t brace = line.find('{');
+    const std::size_t first = line.find_first_of(kOps);
+    const std::size_t op = brace < first ? line.find_first_of(kOps, line.find('}', brace)) : first;
     const std::size_t begin = line.find('"');
     if (op == line.npos || begin == line.npos || begin < op) return tokens;
     const std::size_t end = line.find('"', begin + 1);
@@ -148,9 +151,10 @@ class RuleWalk {
     if (token.key == "GOTO") label_ = token.value;
     if (token.key.starts_with("ENV{")) env_[token.key.substr(4, token.key.size() - 5)] = token.value;
     if (token.key == "GROUP") rule_.group = token.value;
-    if (token.key == "TAG" && token.value == "uaccess") rule_.has_uaccess = token.op != "-=";
+    const bool is_uaccess = token.key == "TAG" && token.value == "uaccess";
+    if (is_uaccess) rule_.has_uaccess = token.op != "-=";
     const bool is_for_all = token.key == "MODE" && (token.value.ends_with('6') || token.value.ends_with('7'));
-    if (token.key == "GROUP" || (token.key == "TAG" && token.value == "uaccess") || is_for_all) rule_.file = file;
+    if (token.key == "GROUP" || (is_uaccess && rule_.has_uaccess) || is_for_all) rule_.file = file;
   }
 
   // Only USB devices have these ids in sysfs; Bluetooth devices do not.
