@@ -1,5 +1,5 @@
-// The list of attacks and faults that the force on the motors must survive, against a running io_node with a simulated device:
-// deploy/attack.
+// Runs the list of attacks and faults (attack_list.h) against an io_node with a simulated device. Measures how long a force stays on the
+// motors. For deploy/attack.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -37,7 +37,7 @@ nlohmann::json json_of(const Row& row) {
           {"note", row.note}};
 }
 
-// The worst of one kind, in one line.
+// Prints, in one line, the row of one kind whose force was released last.
 void print_worst(const std::vector<Row>& rows, Kind kind, std::string_view what, double bound_ms) {
   const Row* worst = nullptr;
   for (const Row& row : rows) {

@@ -23,17 +23,17 @@ using process::Program;
 constexpr int kMaxStalls = 4;
 constexpr double kStallMs = 1e-6 * StallWatch::kForceLifeNs;
 constexpr const char* kBusyRealtime = "a real-time program uses every CPU fully";
-constexpr double kFastest = 1e7;  // a second: as fast as the machine sends
+constexpr double kFastest = 1e7;  // datagrams per second, more than any machine sends: as fast as it can
 
 void sleep_s(double seconds) {
   SteadyClock clock;
   clock.sleep_until_ns(clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds));
 }
 
-// In a thread that is there in time, where this user may have one; it starts no programs, which would inherit that.
+// Runs `what` in a thread, with real-time scheduling if wanted and permitted. `what` must start no programs: they would inherit it.
 void observe(const std::function<void()>& what, bool in_realtime = true) {
   std::thread thread([&] {
-    // With priority over everything observed, if permitted: not even a real-time program that uses every CPU fully keeps it from observing.
+    // Its priority is above all that it observes, so that even a real-time program that uses every CPU fully cannot delay it.
     if (in_realtime && !enter_deadline(100'000, 200'000))
       (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .lock_memory = false, .low_dma_latency = false});
     what();
@@ -41,8 +41,8 @@ void observe(const std::function<void()>& what, bool in_realtime = true) {
   thread.join();
 }
 
-// Broken, or over its bound, while the machine stood still, in which the hypervisor ran no guest thread: not even the observers.
-// `watch_ms`: for how long by those of every CPU; a bound may be exceeded by no more.
+// Whether the row may be broken or over its bound only because the machine stood still (the hypervisor ran no thread, observers included).
+// watch_ms: the longest stall that StallWatch saw. It, or the gap of the observers, must be at least as long as the excess over the bound.
 bool is_stalled(const Row& row, double watch_ms) {
   if (row.is_broken && watch_ms >= kStallMs) return true;
   return row.is_over && row.release_ms() - std::max(row.blind_ms, watch_ms) <= row.bound_ms;
@@ -56,7 +56,7 @@ class List {
  private:
   bool has_patches() const { return settings_.touch == "patch"; }
   bool is_wanted(const std::string& name) const { return settings_.only.empty() || name.find(settings_.only) != std::string::npos; }
-  // A bed where a force is out; null when that cannot be, and the row says why.
+  // Starts a test bed and waits until a force is on the motors. Null if that fails; the row then says why.
   std::unique_ptr<TestBed> make_bed(Row& row);
   void finish(Row row);
   static void alone(Row& row) {
@@ -65,7 +65,7 @@ class List {
   }
   void note(Row& row, const MotorObserver::Release& release);
   void note(Row& row, const MotorObserver::Watched& watched);
-  // Watched by two: one with real time, and an ordinary one, which sees when real time is throttled.
+  // Two threads watch the motors: one with real-time scheduling, and an ordinary one, which still runs when real time is throttled.
   MotorObserver::Watched watch(TestBed& bed, double seconds);
 
   void haptics_dies(const std::string& name, int signal);
@@ -77,8 +77,8 @@ class List {
   void realtime_is_taken();
   void flood(const std::string& name, const std::string& kind, double rate_per_s, int sources, bool at_haptics = false);
 
-  // Makes a row; for how long, in ms, the machine stood still meanwhile. Where a fault takes the CPUs from every thread, only observers
-  // know.
+  // Makes a row. Returns for how long the machine stood still meanwhile, ms. kBusyRealtime takes the CPUs from StallWatch too, so for it
+  // only the stall while the bed was made counts, and that only if the row is broken; the rest is known by the gaps of the observers.
   double made(const std::string& name, const std::function<void(const std::string&)>& make);
 
   double seconds_since_begin() const { return 1e-9 * static_cast<double>(SteadyClock().now_ns() - begin_ns_); }
@@ -86,7 +86,7 @@ class List {
   const Settings& settings_;
   const std::int64_t begin_ns_ = SteadyClock().now_ns();
   bool has_stalled_ = false;
-  double bed_stall_ms_ = 0.0;  // while the last bed was made
+  double bed_stall_ms_ = 0.0;  // longest stall while the last bed was made
   const std::function<void(const Row&)>& on_row_;
   std::vector<Row> rows_;
 };
@@ -104,7 +104,7 @@ std::unique_ptr<TestBed> List::make_bed(Row& row) {
 
 void List::finish(Row row) {
   const double release_ms = row.release_ms();
-  // Each force of a patch replies to its sample, however long haptics has been gone.
+  // Each force from a patch replies to a new sample, however long the haptics node has been gone.
   if (row.kind == Kind::alone && row.after_sample_ms > kInsideMs + settings_.slack_ms) {
     row.is_broken = true;
     row.note = "a force stayed after its sample";
@@ -164,10 +164,10 @@ void List::haptics_dies(const std::string& name, int signal) {
   finish(row);
 }
 
-// Of several threads all at once.
+// Stops all these threads at the same time.
 void List::thread_hangs(const std::string& name, const std::vector<std::string>& threads, Kind kind) {
   Row row{.name = name, .kind = kind, .bound_ms = kind == Kind::inside ? kInsideMs : kOutsideMs};
-  // The device side goes on with patches until haptics was heard too long ago.
+  // With patches the device side continues until it has not heard the haptics node for too long.
   if (has_patches() && threads.front() == "hapton-network") alone(row);
   auto bed = make_bed(row);
   for (int n = 0; bed && n < settings_.repeat && !row.is_broken && !row.is_skipped; ++n) {
@@ -320,7 +320,7 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
     row.is_broken = true;
     row.note = "io_node died; " + row.note;
   }
-  // With patches nothing waits for the few replies.
+  // With patches the few replies of the haptics node are not judged, because no force waits for them.
   if (!has_patches() && sent_per_s <= 1.1 * kBearablePerS && late_share > kMaxLateShare) {
     row.is_over = true;
     row.is_broken = row.is_broken || settings_.slack_ms == 0.0;

@@ -6,13 +6,13 @@
 
 namespace hapton::attack {
 
-// The promise (docs/safety-case.md): 20 ms after its sample, plus a cycle of 1 kHz, while the process runs; if it is frozen or killed, as
-// long after that.
+// The promise (docs/safety-case.md): while io_node runs, a force ends at most 20 ms and a cycle of 1 kHz after its sample; if io_node is
+// frozen or killed, it ends within kOutsideMs of that event.
 constexpr double kInsideMs = 21.0;
 constexpr double kOutsideMs = 50.0;
-// Where patches of the scene are felt, they are for a second after haptics was heard last.
+// Forces from patches of the scene end at most this long after the haptics node was heard last.
 constexpr double kAloneMs = 1000.0 + kInsideMs;
-// A flood that a hub must bear without more late forces than this share.
+// In a flood of up to kBearablePerS datagrams per second, at most the share kMaxLateShare of the forces may be late, lost or superseded.
 constexpr double kBearablePerS = 200'000.0;
 constexpr double kMaxLateShare = 0.01;
 
@@ -22,9 +22,9 @@ struct Settings {
   int repeat = 3;
   double flood_s = 3.0;
   double slack_ms = 0.0;
-  double give_up_s = 1e9;  // on a machine that stood still meanwhile, what is not begun by then is skipped
+  double give_up_s = 1e9;  // if the machine has stood still meanwhile, rows not begun by then are skipped
   std::string only;
-  std::string touch = "auto";  // of io_node --touch, whose default this is
+  std::string touch = "auto";  // value of io_node --touch, and its default
 };
 
 // One attack or fault, and what became of the force. Times below 0: not measured.
@@ -32,12 +32,12 @@ struct Row {
   std::string name;
   Kind kind = Kind::inside;
   double bound_ms = kInsideMs;
-  double after_sample_ms = -1.0;  // the oldest force seen on the motors, counted from its sample
-  double after_event_ms = -1.0;   // the fault -> nothing on the motors
-  double blind_ms = -1.0;         // the longest time between two samples: the true time may be longer by that
+  double after_sample_ms = -1.0;  // the largest age of a force on the motors, counted from its sample
+  double after_event_ms = -1.0;   // from the fault until no force is on the motors
+  double blind_ms = -1.0;         // the longest time between two observations: the true times may be longer by this
   bool is_skipped = false;
-  bool is_over = false;    // the bound, by less than the slack
-  bool is_broken = false;  // the bound, or what else is promised: see the note
+  bool is_over = false;    // the bound, or kMaxLateShare, was exceeded
+  bool is_broken = false;  // it was exceeded by more than the slack, or another promise was broken: see the note
   std::string note = {};
 
   double release_ms() const { return kind == Kind::inside ? after_sample_ms : after_event_ms; }

@@ -57,7 +57,7 @@ RealtimeHog::RealtimeHog() {
       children_.push_back(child);
       continue;
     }
-    // It must not outlive what started it.
+    // The child must not outlive its parent.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::alarm(30);
     cpu_set_t one;

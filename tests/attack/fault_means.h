@@ -15,7 +15,7 @@ class StoppedThread {
   ~StoppedThread();
   StoppedThread(const StoppedThread&) = delete;
   StoppedThread& operator=(const StoppedThread&) = delete;
-  // False: this user may not (ptrace(2)).
+  // False: this user may not stop the thread (ptrace(2)).
   bool is_stopped() const { return is_stopped_; }
 
  private:
@@ -23,12 +23,12 @@ class StoppedThread {
   bool is_stopped_ = false;
 };
 
-// The thread of that name; empty if there is none.
+// The thread of the process that has this name; empty if there is none.
 std::optional<pid_t> find_thread(pid_t process, const std::string& name);
-// Its children.
+// The child processes of the process.
 std::vector<pid_t> find_children(pid_t process);
 
-// A real-time program that has run wild: on each CPU of this machine one that never sleeps, of lower priority than ours.
+// A real-time program that has run wild: on each CPU a process that never sleeps, of lower priority than Hapton's real-time threads.
 class RealtimeHog {
  public:
   static constexpr int kPriority = 50;
@@ -36,7 +36,7 @@ class RealtimeHog {
   ~RealtimeHog();
   RealtimeHog(const RealtimeHog&) = delete;
   RealtimeHog& operator=(const RealtimeHog&) = delete;
-  // False: this user may not.
+  // False: this user may not have real-time scheduling.
   bool is_running() const { return !children_.empty(); }
 
  private:

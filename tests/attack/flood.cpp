@@ -31,9 +31,9 @@ struct Options {
   double seconds = 5.0;
   int sources = 1;
   std::uint64_t seed = 1;
-  std::string listen;   // captures what a node sends through here
+  std::string listen;   // address at which the datagrams of a node are captured
   std::string capture;  // file of captured datagrams
-  std::string spoof;    // the address that they seem to come from
+  std::string spoof;    // source address written into the datagrams
 };
 
 using Datagram = std::vector<std::uint8_t>;
@@ -86,7 +86,7 @@ int capture(const Options& options, const Address& hub) {
   return kept > 0 && file ? 0 : 1;
 }
 
-// kind: of sealed datagrams, their third byte; 0: any.
+// kind: the third byte of a sealed datagram, which tells its kind; 0: all datagrams.
 std::vector<Datagram> read_captured(const std::string& path, std::uint8_t kind) {
   std::vector<Datagram> captured;
   std::ifstream file(path, std::ios::binary);
@@ -111,8 +111,8 @@ std::vector<Datagram> make_load(const Options& options) {
   return load;
 }
 
-// Several datagrams of one size in a system call: the kernel cuts them apart at the receiver (UDP_SEGMENT), at a tenth of the sender's
-// price.
+// Several datagrams of one size, sent by one system call: the kernel cuts them apart at the receiver (UDP_SEGMENT). That costs the sender a
+// tenth of the time.
 struct Burst {
   Datagram bytes;
   std::uint16_t size = 0;
@@ -151,7 +151,7 @@ bool send_burst(int socket, const sockaddr_in& to, Burst& burst) {
   return ::sendmsg(socket, &message, MSG_DONTWAIT) >= 0;
 }
 
-// Whole IP packets, as if from another's address. An IPv4 datagram may do without a checksum.
+// Makes whole IP packets with the source address `from`. Over IPv4 a UDP datagram needs no checksum.
 std::vector<Datagram> make_packets(const std::vector<Datagram>& load, const sockaddr_in& from, const sockaddr_in& to) {
   std::vector<Datagram> packets;
   for (const Datagram& datagram : load) {

@@ -29,12 +29,12 @@ int main(int argc, char** argv) {
                  process);
     return 2;
   }
-  // Without a force there is nothing to see.
+  // The observation begins once a force is on the motors.
   if (!observer.await_force(0.5, 30.0)) {
     std::fprintf(stderr, "hapton_motors: no force came within 30 s\n");
     return 3;
   }
-  // Started before this thread takes a policy that its children must not have.
+  // Started now, because this thread later takes a scheduling policy that its children must not inherit.
   const auto hog = what == "hog" ? std::make_unique<attack::RealtimeHog>() : nullptr;
   if (hog != nullptr && !hog->is_running()) {
     std::fprintf(stderr, "hapton_motors: this user may not have real time\n");

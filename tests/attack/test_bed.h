@@ -15,13 +15,13 @@ namespace hapton::attack {
 // io_node with a simulated device under the limits of its unit, a haptics node, and an observer of the motors.
 class TestBed {
  public:
-  // A force of that size is waited for before anything is done to it.
+  // A fault is made only once a force of at least this size is on the motors.
   static constexpr double kForceN = 0.3;
 
-  // touch: of io_node --touch.
+  // touch: value of io_node --touch.
   explicit TestBed(const std::string& touch = "auto");
 
-  // A line when something does not start or no force comes; "" when a force is out, from patches where io_node was told so.
+  // Waits until a force is on the motors, with --touch patch one from patches. Returns "", or a line that says what did not start or come.
   std::string await_contact();
 
   process::Program& io() { return *io_; }
@@ -31,7 +31,7 @@ class TestBed {
   const std::filesystem::path& folder() const { return folder_.path(); }
   // Where the haptics node sends from, as io_node saw it; "" before it has joined.
   std::string haptics_address() const;
-  // A recorded handshake and data of a tool that holds the key, as an eavesdropper has them.
+  // Records a handshake and data of a tool that holds the key, as an eavesdropper could. Returns the file; "": nothing was recorded.
   std::string capture();
   // A report of io_node as of now; null when none comes.
   nlohmann::json request_report();
