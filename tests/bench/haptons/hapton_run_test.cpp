@@ -48,7 +48,7 @@ TEST(MeasureHaptons, ARunThatMissesIsNoRun) {
   EXPECT_TRUE(run.holds()) << "a peer's accuracy is shown, not asked for";
 }
 
-// A collider is evaluated by the position of its contact: before it has run, it has found nothing.
+// A collider is judged by the position of its contact. Before it has run, it must report that it has found none (an error below 0).
 TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
   const auto pairs = make_edge_pairs({.seed = 2, .count = 64});
   for (const auto& collider : make_pair_colliders(pairs)) {
@@ -64,7 +64,7 @@ TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
   }
 }
 
-// One that has these errors.
+// A collider that reports the given errors.
 class WrongCollider final : public PairCollider {
  public:
   explicit WrongCollider(std::vector<double> errors) : errors_(std::move(errors)) {}

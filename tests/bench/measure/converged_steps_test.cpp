@@ -38,7 +38,7 @@ TouchScene strip_of(std::uint32_t cells, const Material& material = {}) {
   return scene;
 }
 
-// Down onto the strip at x = -40 mm, some steps there, then `distance_m` along it in one step, and 11 more.
+// The device goes down onto the strip at x = -40 mm, makes two short steps, then one of `distance_m` along the strip, and 11 short ones.
 TouchTrajectory jump_by(double distance_m) {
   TouchTrajectory trajectory;
   trajectory.p_SD = {Vec3(-0.04, 0.003, 1e-3), Vec3(-0.04, 0.003, -1e-3), Vec3(-0.0399, 0.003, -1e-3), Vec3(-0.0398, 0.003, -1e-3)};
@@ -76,8 +76,8 @@ TEST(ConvergedSteps, AShortMotionIsNoSwitch) {
   EXPECT_EQ(error.branch_switches, 0u);
 }
 
-// With what does not converge to the reference's minimum, the switch stays: the method falls through the strip, since it has been reset
-// behind it.
+// The device starts below the strip, so the method does not touch it. The converged steps do not reach the minimum of the reference either,
+// so the switch does not count as unconverged.
 TEST(ConvergedSteps, AnotherBranchIsNotUnconverged) {
   const TouchScene scene = strip_of(1200);
   TouchTrajectory trajectory = jump_by(0.079);
@@ -124,7 +124,7 @@ TEST(ConvergedSteps, TellWhetherTheWindowBeginsSliding) {
   EXPECT_FALSE(steps.compute(trajectory, 3, 1).begins_sliding);  // the pull is 0.3 of the pressure
   EXPECT_TRUE(steps.compute(trajectory, 10, 1).begins_sliding);
   EXPECT_TRUE(steps.compute(trajectory, 19, 1).begins_sliding);
-  EXPECT_FALSE(steps.compute(trajectory, 22, 1).begins_sliding);  // 0.4 of a third of the pressure
+  EXPECT_FALSE(steps.compute(trajectory, 22, 1).begins_sliding);  // the pull is 0.4 of a third of the pressure
 }
 
 TEST(ConvergedSteps, AWindowMayBeginWithACarriedStep) {

@@ -22,7 +22,7 @@ EffectError error_of(const EffectCase& effects, double rate_hz = 1000.0, std::ui
   return **error;
 }
 
-// What depends on the position alone is the formula, to the offset at which contact begins.
+// Effects that depend on the position alone match the formula, except for the offset at which contact begins.
 TEST(EffectErrorOf, PositionAloneIsThatOfRounding) {
   const auto cases = make_effect_cases(effect_plane());
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -33,7 +33,7 @@ TEST(EffectErrorOf, PositionAloneIsThatOfRounding) {
   }
 }
 
-// Images of 32 texels a wave keep their heights within 1 %.
+// The error of effects from images of 32 texels per wave is below 1 %.
 TEST(EffectErrorOf, ImagesIsThatOfTheirResolution) {
   const auto cases = make_effect_cases(effect_plane());
   for (const char* name : {"bumps, image", "stiffness, image"}) {
@@ -43,7 +43,7 @@ TEST(EffectErrorOf, ImagesIsThatOfTheirResolution) {
   }
 }
 
-// Velocities, beginnings and slips are found at samples: ten times as many, a tenth of the error or less than a third at least.
+// Velocities, beginnings and slips are found at samples: at ten times the rate the error is about a tenth; it must be less than a third.
 TEST(EffectErrorOf, WhatDependsOnTimeFallsWithTheRate) {
   const auto cases = make_effect_cases(effect_plane());
   for (const char* name : {"viscosity", "viscous", "mass", "vibration on tap", "burst", "8 layers"}) {

@@ -26,7 +26,7 @@ TEST(FacetLocator, FindsTheNearestOfAll) {
   }
 }
 
-// Ten squares of two triangles each: along a row every square is left over its diagonal and its side.
+// The path crosses a row of ten squares of two triangles each: ten diagonals, and nine sides between two squares.
 TEST(FacetLocator, CountsFacetsOnTheWay) {
   const TriangleMesh mesh = make_plane_grid(0.1, 10);
   const FacetLocator locator(mesh);

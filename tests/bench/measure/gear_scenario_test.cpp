@@ -62,7 +62,7 @@ TEST(GearScenario, TheGapIsThatOfTheMeshes) {
   EXPECT_GT(closed, 20);
 }
 
-// Over a closed way through x, y and the turn, contact does no work.
+// Over a closed path in x, y and the turn, contact does no work.
 TEST(GearScenario, TheExpectedWrenchIsConservative) {
   const SixdofScenario made = make_gear_scenario(10);
   double work = 0.0;

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// What is compared with the reference has the effects of the scene, so the reference has them, too.
+// Methods that are compared with the reference compute the effects of the scene, so the reference must compute them too.
 TEST(RunReference, HasTheEffectsOfTheScene) {
   const auto sheet = std::make_shared<const TriangleMesh>(make_plane_grid(0.1, 4));
   const TouchScene plain{.objects = {{.mesh = sheet, .material = {}}}};

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Columns of a CSV line; quotes hold commas together.
+// Counts the columns of a CSV line; a comma within quotes does not separate.
 std::size_t count_columns(const std::string& line) {
   bool quoted = false;
   std::size_t columns = 1;
@@ -87,7 +87,7 @@ TEST(Pareto, MeasuresEveryMethodAndStructure) {
     }
   }
   for (const QueryRow& row : report.queries) {
-    if (row.kind.precision != "double") continue;  // a segment that begins on the surface is lost in float
+    if (row.kind.precision != "double") continue;  // in float, rounding loses a segment that begins on the surface
     EXPECT_EQ(row.timing.segments.agree, row.timing.segments.compared) << row.kind.full_name();
     EXPECT_EQ(row.timing.nearests.agree, row.timing.nearests.compared) << row.kind.full_name();
   }

@@ -18,7 +18,7 @@ class FindsNothing : public QueryStructure {
 
 constexpr std::size_t kQueries = 40;
 
-// Down through the sheet, and from points a millimetre above it.
+// Segments down through the sheet, and points a millimetre above it.
 TouchQueries queries_at_sheet() {
   TouchQueries queries;
   queries.radius = 0.0025;
@@ -37,7 +37,7 @@ Result<StructureTiming> time_at_sheet(const QueryStructureKind& kind) {
                         query_by_brute_force(sheet, queries), 0.1);
 }
 
-// In single precision within a share of the extent.
+// In single precision, results agree if they differ by less than a share of the extent.
 TEST(QueryRun, AStructureThatFindsWhatBruteForceFindsAgreesInAll) {
   for (const std::size_t number : {0U, 1U}) {
     const QueryStructureKind kind = own_structures()[number];

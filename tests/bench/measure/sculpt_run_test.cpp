@@ -39,7 +39,7 @@ TEST(SculptRun, MeasuresEveryBodyBallAndSeed) {
   EXPECT_NE(to_text(*report).find("torus"), std::string::npos);
 }
 
-// The carves are those of the motion: how often they are timed does not matter.
+// The number of carves depends on the motion alone, not on how often it is timed.
 TEST(SculptRun, EachRepetitionBeginsWithTheWholeBody) {
   const Stopwatch watch = Stopwatch::calibrate();
   SculptRunSettings settings;

@@ -44,7 +44,7 @@ TEST(SixdofRun, TheForceTaskErrsWhereThePoseIsRare) {
   EXPECT_GT(row->force_error_percent, 10.0) << "contacts come late, and age";
 }
 
-// Voxels keep apart by tenths of a millimetre, and so err by percents.
+// Voxels keep the tool tenths of a millimetre away from the scene, so their force is wrong by some percent.
 TEST(SixdofRun, VoxelsAreFartherFromTheory) {
   const SixdofScenario scenario = make_analytic_scenarios(1200).front();
   const auto row = measure_scenario(scenario, voxel_tool(1e-3), Stopwatch::calibrate(), kOnce);
@@ -70,7 +70,7 @@ TEST(SixdofRun, AWrongWrenchIsAnError) {
   EXPECT_GT(row->force_angle_deg, 3.0);
 }
 
-// The found force counts in the steps that expect none, too; it has no angle there.
+// The computed force counts as an error in the steps that expect none, too; these steps have no angle.
 TEST(SixdofRun, AForceThatIsNotExpectedIsAnError) {
   SixdofScenario scenario = make_analytic_scenarios(400).front();
   scenario.expected = [right = scenario.expected, is_odd = false](const Pose& X) mutable {

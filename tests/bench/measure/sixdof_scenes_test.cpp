@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-// The expected wrench of each scenario is minus the slope of the least energy over the places that the tool may take, so along any motion
-// of the device it does the work that the energy changes by: over a closed loop none.
+// The expected wrench of each scenario is minus the slope of the least energy over the places that the tool may take. So its work along any
+// motion of the device is the change of that energy: over a closed loop none.
 TEST(SixdofScenes, ExpectedWrenchesAreConservative) {
   for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
     ASSERT_TRUE(scenario.expected) << scenario.name;

@@ -32,7 +32,7 @@ TEST(TimeSpread, OfOneStepIsThatStep) {
   EXPECT_EQ(spread.worst_ns, 7.0);
 }
 
-// Noise hits other steps in each repetition; the worst step is the slowest that was slow every time.
+// Noise slows different steps in each repetition; the worst step is the slowest that was slow every time.
 TEST(LeastTimes, WorstStepIsTheMaximumOfTheMinima) {
   LeastTimes least(3);
   const double repetitions[3][3] = {{10, 900, 30}, {800, 20, 35}, {11, 21, 700}};
@@ -52,7 +52,7 @@ TEST(TimeSteps, RunsEveryStepInEveryRepetition) {
       watch, {.repetitions = 3, .seconds = 1e9}, 5, [&](std::size_t i) { ++before[i]; }, [&](std::size_t i) { ++steps[i]; },
       [](std::size_t) {});
   EXPECT_EQ(timed.repetitions, 3);
-  // Two more passes give the mean.
+  // Five passes: three repetitions, and two passes for the mean.
   EXPECT_EQ(before, std::vector<int>(5, 5));
   EXPECT_EQ(steps, std::vector<int>(5, 5));
   EXPECT_GT(timed.mean_ns, 0.0);

@@ -51,7 +51,7 @@ TEST(PapersReport, TheRatioIsOursOverTheirs) {
   EXPECT_FALSE(row.ratio());
 }
 
-// Fields outside quotes; a quote in a field is doubled.
+// Counts the fields: commas within quotes do not separate, and a quote in a field is doubled.
 std::size_t count_fields(const std::string& line) {
   bool quoted = false;
   std::size_t fields = 1;

@@ -41,7 +41,7 @@ TEST(MeasureSmoothTasks, TheFastTaskLivesOnTheSlowOnesSets) {
   }
 }
 
-// A slow task that comes seldom leaves the fast one to select for itself; one that never comes is an error, not a row of zeros.
+// If the slow task runs seldom, the fast one selects more often by itself. If it never runs, that is an error, not a row of zeros.
 TEST(MeasureSmoothTasks, ASeldomSlowTaskShows) {
   const TouchScene scene = bumpy_scene();
   const Stopwatch watch = Stopwatch::calibrate();

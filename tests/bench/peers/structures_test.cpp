@@ -64,7 +64,7 @@ class Structures : public testing::TestWithParam<std::size_t> {
   std::mt19937_64 random_{11};
 };
 
-constexpr double kTolerance = 1e-5;  // float's, of the mesh's size
+constexpr double kTolerance = 1e-5;  // of float, as a share of the size of the mesh
 
 class SegmentQuery : public Structures {};
 
@@ -78,7 +78,7 @@ TEST_P(SegmentQuery, FindsTheFirstHit) {
     const double expected = brute_->first_hit(from, to);
     const double found = structure_->first_hit(from, to);
     (std::isfinite(expected) ? hits : misses) += 1;
-    // Rounding decides about a segment that ends, or begins, on the surface.
+    // For a segment that ends, or begins, on the surface rounding decides, so it is left out.
     const bool on_end = brute_->nearest(from, 1.0) < kTolerance * kExtent || brute_->nearest(to, 1.0) < kTolerance * kExtent;
     if (on_end) continue;
     ASSERT_EQ(std::isfinite(found), std::isfinite(expected)) << kind_.full_name() << ", segment " << i;
