@@ -21,7 +21,7 @@ TEST(AxisMotion, AMassOnASpringSwingsAsTheFormulaSays) {
 }
 
 TEST(AxisMotion, StopsWhereTheFormulaOfCoulombFrictionSays) {
-  // From 9.5 mm with a dead band of 2 mm: half swings about +-2 mm, turning at -5.5 mm, 1.5 mm; there it sticks.
+  // From 9.5 mm, with friction that holds within 2 mm: half swings about 2 mm and -2 mm turn at -5.5 mm and at 1.5 mm, where it sticks.
   const AxisMotion motion({.mass_kg = 0.5, .friction_n = 0.4}, {.stiffness_n_per_m = 200.0});
   AxisMotion::State state = motion.rest_at(0.0095);
   const double half_ns = 1e9 * std::acos(-1.0) / 20.0;
@@ -45,12 +45,12 @@ TEST(AxisMotion, BreaksAwayWhenTheForceExceedsFriction) {
   EXPECT_GT(state.position_m(), 0.0);
 }
 
-// Every device with every hand: what the motor did and the hand's spring held is stored or turned to heat.
+// For every device, in one hand at rest: the work of the motor is stored in device and hand, or dissipated.
 TEST(AxisMotion, EnergyBalances) {
   for (const DevicePreset& preset : device_presets()) {
     for (const double amplifier_hz : {0.0, 300.0}) {
       DeviceModel device = preset.model;
-      // Two joints with the amplifier, the preset's without.
+      // With the amplifier the device has two joints, without it those of the preset.
       if (amplifier_hz > 0.0) {
         device.mode_count = 2;
         device.modes[0] = {0.3 * device.mass_kg, 3000.0, 1.0};

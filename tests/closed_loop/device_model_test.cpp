@@ -10,13 +10,13 @@
 namespace hapton {
 namespace {
 
-// What sources say of each device: docs and results quote them.
+// The values that the sources state for each device: docs and results quote them.
 TEST(DevicePresets, AreWhatTheirSourcesSay) {
   struct Row {
     const char* name;
     double mass_kg, damping, friction_n, step_m, force_n, stiffness;
-    double joint_n_per_m, beyond_kg, ratio;  // 0: rigid
-    double half_m, ball_m;                   // of the workspace; 0: no ball
+    double joint_n_per_m, beyond_kg, ratio;  // joint, and mass beyond it; 0: rigid
+    double half_m, ball_m;                   // workspace: half of a side, radius of the ball; 0: no ball
   };
   const Row rows[] = {{"premium-1.5", 0.075, 0.005, 0.04, 0.03e-3, 8.5, 800.0, 3500.0, 0.005, 0.2, 0.1, 0.0},
                       {"touch", 0.045, 0.1, 0.26, 0.055e-3, 3.3, 400.0, 1260.0, 0.010, 0.2, 0.075, 0.075},
@@ -44,7 +44,7 @@ TEST(DevicePresets, AreWhatTheirSourcesSay) {
     const StructuralMode& mode = device->model.modes[0];
     EXPECT_EQ(mode.stiffness_n_per_m, row.joint_n_per_m);
     EXPECT_EQ(mode.mass_kg, row.beyond_kg);
-    // The motors ring on the joint while the device point is held.
+    // The damping ratio is that of the motors, which ring on the joint while the device point is held.
     const double critical = 2.0 * std::sqrt(row.joint_n_per_m * device->model.motor_mass_kg());
     EXPECT_NEAR(mode.damping_ns_per_m / critical, row.ratio, 1e-9);
   }
@@ -73,7 +73,7 @@ TEST(DeviceModel, KeepsItsFirstModes) {
   EXPECT_EQ(model.with_modes(1).modes[0].stiffness_n_per_m, 10.0);
 }
 
-// Forces and speeds by hand, for three masses: 1 kg at the motors, 2 and 3 kg (with the hand's 1 kg) beyond joints.
+// Computes forces and speeds without the matrices, for three masses: 1 kg at the motors, 2 and 3 kg (1 kg of it the hand) beyond joints.
 TEST(AxisPlant, HasTheForcesOfItsJointsDampersAndHand) {
   const DeviceModel device{.mass_kg = 5.0,
                            .damping_ns_per_m = 0.5,

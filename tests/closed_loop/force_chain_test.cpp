@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 
-// Replies to a position with a force of that many newtons, and notes what it was told.
+// Replies to a position of x metres with a force of x newtons, and records what it was told.
 struct EchoLaw final : ForceLaw {
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override {
     seen.push_back(p_WD.x());
@@ -22,7 +22,7 @@ struct EchoLaw final : ForceLaw {
   std::vector<double> resets;
 };
 
-// Adds a newton along y, and notes what it was told.
+// Adds a newton along y, and records what it was told.
 struct AddingStage final : ForceStage {
   void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept override {
     read.push_back(p_WD.x());
@@ -110,7 +110,7 @@ TEST(ForceChain, ACopyIsTakenOnce) {
   EXPECT_EQ(chain.counters().overtaken, 2U) << "one at either end";
 }
 
-// Jitter of many samples: the law sees no older one after a newer one, and forces come in the order of their samples.
+// The jitter is many periods long: the law sees no older sample after a newer one, and forces come in the order of their samples.
 TEST(ForceChain, TheNewestWinsAtBothEnds) {
   EchoLaw law;
   ForceChain chain(law, {.there = {.jitter_ns = 20 * kMillisecond}, .back = {.jitter_ns = 20 * kMillisecond}, .seed = 3});
@@ -120,8 +120,8 @@ TEST(ForceChain, TheNewestWinsAtBothEnds) {
     EXPECT_GE(chain.force_n().x(), last);
     last = chain.force_n().x();
   }
-  chain.receive(1'000 * kMillisecond);  // what is still on its way there
-  chain.receive(2'000 * kMillisecond);  // and back
+  chain.receive(1'000 * kMillisecond);  // samples that are still on the way to the law
+  chain.receive(2'000 * kMillisecond);  // and forces on the way back
   EXPECT_GT(last, 200.0);
   EXPECT_TRUE(std::is_sorted(law.seen.begin(), law.seen.end()));
   EXPECT_LT(law.seen.size(), 300U);
@@ -152,7 +152,7 @@ TEST(ForceChain, AStageSeesEachSampleAndWhatIsWrittenOfItsForce) {
   chain.sample(along_x(0.9), 3 * kMillisecond);
   EXPECT_NEAR((chain.force_n() - Vec3(std::sqrt(0.5), std::sqrt(0.5), 0.0)).norm(), 0.0, 1e-11) << "shortened after the stage";
   EXPECT_EQ(stage.written.back(), chain.force_n());
-  // The newest force stays, and is shaped again.
+  // Until the next force comes, the newest one is kept, and is shaped again at each sample.
   const std::size_t written = stage.written.size();
   chain.sample(along_x(0.0), 4 * kMillisecond);
   EXPECT_EQ(stage.written.size(), written + 1);

@@ -11,7 +11,7 @@ double error_of(const IntegratorCase& press, Integrator integrator, std::int64_t
   return worst_difference(run_press(press, integrator, step_ns), reference);
 }
 
-// Without friction: halving the step divides the error by 2 and by 16, and the exact motion is what both converge to.
+// Without friction: halving the step divides the error of Euler by 2 and of Runge-Kutta by 16. Both converge to the exact motion.
 TEST(Integrators, ConvergeWithTheirOrderToTheExactMotion) {
   const IntegratorCase press{.device = find_device_preset("premium-1.5")->model.with_modes(1), .hand = *find_hand_preset("stylus")};
   IntegratorCase smooth = press;
@@ -62,7 +62,7 @@ TEST(Integrators, ThePressIsThatOfTheHandThatTheHeaderDescribes) {
   EXPECT_LT(exact.back(), -0.001);
 }
 
-// One step of each state by hand: velocities with the force at the step's beginning, then positions with the new velocities.
+// Computes each step by the formula: velocities with the force at the beginning of the step, then positions with the new velocities.
 TEST(Integrators, AStepOfEulerIsThatOfItsFormula) {
   DeviceModel device = find_device_preset("premium-1.5")->model.with_modes(1);
   const HandModel hand = *find_hand_preset("stylus");
@@ -91,7 +91,7 @@ TEST(Integrators, AStepOfEulerIsThatOfItsFormula) {
   }
 }
 
-// At rest it stays where friction is more than what pushes, and breaks away where it is less.
+// A mass at rest stays where friction exceeds the push, and breaks away where it does not.
 TEST(Integrators, FrictionHoldsUpToItsOwnForce) {
   DeviceModel device = find_device_preset("touch")->model;
   device.friction_n = 0.5;
@@ -106,7 +106,7 @@ TEST(Integrators, FrictionHoldsUpToItsOwnForce) {
       stepped.advance(state, {.push_n = 0.51 * sign}, 10'000);
       EXPECT_GT(sign * state[0], 0.0);
       EXPECT_GT(sign * state[1], 0.0);
-      // Friction that would turn it back brings it to rest.
+      // Where friction would reverse the motion within a step, it brings the mass to rest.
       state[1] = sign * 1e-7;
       stepped.advance(state, {}, 10'000);
       EXPECT_EQ(state[1], 0.0);

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// Finds `edge`, from values that hold up to it, and counts how many it tried.
+// Searches for the largest value that is not above `edge`, and counts the values that it tries.
 double find_edge(double edge, const ValueRange& range, double fine, int* tried = nullptr) {
   return find_largest_value(range, fine, [&](double value) {
     if (tried != nullptr) ++*tried;
@@ -24,7 +24,7 @@ TEST(LargestValue, FindsTheEdgeFromBelowToTheRelativeWidth) {
 }
 
 TEST(LargestValue, EndsAtTheRangesLimits) {
-  // The second edge is below the first value that is tried above the limit, 10 * 1.3^15.
+  // 505 is above the limit of 500, but below 10 * 1.3^15, the first value above the limit that the search would try.
   for (const double edge : {1e9, 505.0}) EXPECT_EQ(find_edge(edge, {.first = 10.0, .least = 0.01, .most = 500.0}, 1e-3), 500.0) << edge;
   EXPECT_EQ(find_edge(1.0, {.first = 10.0, .least = 10.0}, 1e-3), 0.0);
   int tried = 0;

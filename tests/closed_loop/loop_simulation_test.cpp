@@ -19,7 +19,7 @@ struct Loop {
   LoopSimulation simulation;
 };
 
-// Largest distance from zero over a while.
+// Runs for a while, and returns the largest distance from zero; infinite: the motion diverged.
 double reach(LoopSimulation& simulation, std::int64_t duration_ns) {
   std::vector<LoopRow> rows;
   if (!simulation.run_until(simulation.now_ns() + duration_ns, &rows)) return HUGE_VAL;
@@ -28,7 +28,7 @@ double reach(LoopSimulation& simulation, std::int64_t duration_ns) {
   return most;
 }
 
-// A two-sided wall without quantisation and friction is the linear loop: it decays below the limit and grows above it.
+// With a two-sided wall, without quantisation and friction, the loop is linear: the motion decays below the limit and grows above it.
 TEST(LoopSimulation, AgreesWithTheExactLimit) {
   for (const double delay_ms : {0.0, 0.3, 2.0, 10.4}) {
     const DeviceModel device{.mass_kg = 0.225, .damping_ns_per_m = 5.0};
@@ -80,7 +80,7 @@ TEST(LoopSimulation, TheGovernorLimitsWhatAnUnstableWallDoes) {
 
 TEST(LoopSimulation, TheCommandFilterReleasesAnOldForce) {
   ForceChain::Options link{.gate = ForceChain::Gate::filter};
-  link.there.delay_ns = 30 * kMs;  // older than the command timeout on arrival
+  link.there.delay_ns = 30 * kMs;  // on arrival, samples are older than the command timeout
   Loop loop({.device = find_device_preset("touch")->model, .hand = *find_hand_preset("stylus"), .start_m = Vec3(-1e-3, 0.0, 0.0)}, link,
             {});
   std::vector<LoopRow> rows;

@@ -33,8 +33,8 @@ Outcome press(const DevicePreset& device, const HandModel& hand, double stiffnes
   return {measure_press(rows, path, 1'000'000, device.model.encoder_step_m, is_bounded), stage.worst_debt_j()};
 }
 
-// 100 N/mm, to 500 ms, without faults and with 30 % loss and 20 ms jitter: every device in every hand stays bounded, and the hand has drawn
-// no energy at any time.
+// A wall of 100 N/mm, delays up to 500 ms, without faults or with 30 % loss and 20 ms jitter each way: with the controller every device in
+// every hand stays bounded, and the hand has drawn no energy at any time.
 TEST(PassivityStage, NoPresetDrawsEnergyFrom100NPerMmAcrossABadLink) {
   int unsafe_without = 0;
   int presses = 0;
@@ -57,7 +57,7 @@ TEST(PassivityStage, NoPresetDrawsEnergyFrom100NPerMmAcrossABadLink) {
   EXPECT_GT(unsafe_without, presses / 2);
 }
 
-// A press that feeds energy to the hand without the controller does not with it.
+// Without the controller the delayed wall gives energy. With it the hand gets none, and the wall gives less than a tenth.
 TEST(PassivityStage, TakesTheEnergyOutOfADelayedWall) {
   const HandModel hand = *find_hand_preset("stylus");
   for (const DevicePreset& device : device_presets()) {
@@ -72,7 +72,7 @@ TEST(PassivityStage, TakesTheEnergyOutOfADelayedWall) {
   }
 }
 
-// The proven range of the virtual coupling: the limit of passivity of each device makes the stiffest wall safe in every hand.
+// Coupled through a spring as stiff as the limit of passivity of the device, even the stiffest wall is safe in every hand.
 TEST(VirtualCouplingInTheLoop, AtTheLimitOfPassivityNoHandDrawsEnergyFromAnyWall) {
   int unsafe_without = 0;
   for (const DevicePreset& device : device_presets()) {

@@ -15,7 +15,7 @@ namespace {
 
 double viscous(const PassivityCase& loop) { return find_passive_stiffness(loop).viscous_n_per_m; }
 
-// b > K T / 2 + |B|.
+// The condition of Colgate and Schenkel: b > K T / 2 + |B|, with the damping b of the device and B of the wall.
 TEST(PassiveStiffness, OfASpringAndDamperIsColgateAndSchenkels) {
   for (const double b : {0.1, 1.0, 5.5}) {
     EXPECT_NEAR(viscous({.period_s = 1e-3, .damping_ns_per_m = b}), 2e3 * b, 2e-6 * 2e3 * b);
@@ -31,7 +31,7 @@ TEST(PassiveStiffness, WithDelayIsAboutTheLinearRuleOfTheDevice) {
   }
 }
 
-// The condition as the paper prints it, for whole periods of delay, on a grid of its own.
+// The largest stiffness by the condition as the paper prints it, for whole periods of delay, on a grid of frequencies.
 double by_the_papers_condition(double b, double period_s, int periods, double wall_damping) {
   const auto holds = [&](double stiffness) {
     for (int i = 1; i <= 20'000; ++i) {
@@ -58,7 +58,7 @@ TEST(PassiveStiffness, IsTheConditionOfThePaper) {
   EXPECT_NEAR(viscous({.delay_s = 2e-3, .damping_ns_per_m = 2.0, .wall_damping_ns_per_m = 0.3}), with_damping, 1e-3 * with_damping);
 }
 
-// Whatever passive hand holds it: no mass, spring or damper makes a passive wall unstable, and past the limit some hand does.
+// A wall within the passive limit is stable in every hand, whatever its mass, spring and damper: the limit of stability is not lower.
 TEST(PassiveStiffness, IsStableWithEveryHand) {
   constexpr std::uint64_t kSeed = 3;
   std::mt19937_64 random(kSeed);
@@ -81,8 +81,8 @@ TEST(PassiveStiffness, ALagOfTheAmplifierCountsAsDelayOfSlowMotions) {
   EXPECT_LE(lag, 2.0 / (0.5e-3 + 0.5e-3) * (1.0 + 1e-9));
 }
 
-// The weighted sum over all aliases of a frequency, term by term, and the stiffness at which 1 + K times it leaves the disk that any
-// passive hand can reach: the definition, on a grid of its own. Of a spring alone, without delay.
+// The passive limit by its definition, for a spring alone without delay, on a grid of frequencies: the least stiffness K for which 1 + K
+// times the sum over all aliases of a frequency, added term by term, can be zero in some passive hand.
 double by_the_sum_of_aliases(double b, double period_s, double amplifier_s) {
   constexpr int kTerms = 100'000;
   double least = std::numeric_limits<double>::infinity();
@@ -93,7 +93,7 @@ double by_the_sum_of_aliases(double b, double period_s, double amplifier_s) {
     double radius = 0.0;
     for (int n = -kTerms; n <= kTerms; ++n) {
       const std::complex<double> jw(0.0, (angle + 2.0 * std::numbers::pi * n) / period_s);
-      // Hold, lag and integration of a hand's velocity; the admittance of hand and device lies in the disk about 1 / 2b with that radius.
+      // Hold, lag and integration of a velocity; the admittance of hand and device lies in the disk of radius 1 / 2b about 1 / 2b.
       const std::complex<double> weight = difference / (jw * jw * period_s * (1.0 + jw * amplifier_s)) / (2.0 * b);
       centre += weight;
       radius += std::abs(weight);
@@ -119,7 +119,7 @@ TEST(PassiveStiffness, WithAnAmplifierIsThatOfTheSumOfAllAliases) {
   }
 }
 
-// Abbott and Okamura 2005.
+// Source: Abbott and Okamura 2005.
 TEST(PassiveStiffness, WithEncoderStepsNeedsFriction) {
   const PassiveStiffness both = find_passive_stiffness({.damping_ns_per_m = 10.0, .friction_n = 0.04, .encoder_step_m = 3e-5});
   EXPECT_DOUBLE_EQ(both.quantised_n_per_m, 2.0 * 0.04 / 3e-5);
@@ -128,7 +128,7 @@ TEST(PassiveStiffness, WithEncoderStepsNeedsFriction) {
   EXPECT_TRUE(std::isinf(find_passive_stiffness({.damping_ns_per_m = 10.0, .friction_n = 0.04}).quantised_n_per_m));
 }
 
-// By the paper's condition on a grid: just below the device's damping it holds at every delay of whole periods, just above it does not.
+// The condition of the paper holds just below the damping of the device at any delay of whole periods, and fails just above it.
 TEST(PassiveDamping, IsTheDevicesOwn) {
   const double b = passive_damping_ns_per_m({.damping_ns_per_m = 2.0});
   EXPECT_EQ(b, 2.0);

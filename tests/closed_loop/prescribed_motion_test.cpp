@@ -33,7 +33,7 @@ TEST(EnergyOnset, IsColgateAndSchenkelsWithin2Percent) {
   }
 }
 
-// K <= min(2b/T, 2 f_c / step).
+// The condition of Abbott and Okamura: K <= min(2b/T, 2 f_c / step), with the Coulomb friction f_c.
 TEST(EnergyOnset, WithEncoderStepsAndFrictionIsAbbottAndOkamurasWithin2Percent) {
   int by_friction = 0;
   int by_damping = 0;
@@ -59,10 +59,10 @@ TEST(EnergyOnset, EncoderStepsStayTheLimitWithDelay) {
   EXPECT_NEAR(onset.stiffness_n_per_m, passive(device, 1e-3, 3e-3), 0.02 * onset.stiffness_n_per_m);
 }
 
-// K e^(-jw delay) times the hold's (1 - e^(-jwT)) / jwT.
+// Expected is K e^(-jw delay), times (1 - e^(-jwT)) / jwT of the hold.
 TEST(RenderedStiffness, OfASpringIsTheHoldsAndTheDelays) {
   const double period_s = 1e-3;
-  // Of many periods too: no force arrives in the first ones.
+  // The last delay is many periods long: no force arrives in the first ones.
   for (const double delay_s : {0.0, 2.3e-3, 0.5}) {
     for (const double frequency_hz : {3.1, 31.7, 101.3}) {
       WallLaw wall({.stiffness_n_per_m = 800.0, .two_sided = true});

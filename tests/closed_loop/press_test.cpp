@@ -40,7 +40,7 @@ TEST(Press, SettlesWhereForceAndSpringsBalance) {
   EXPECT_GT(measures.overshoot, 0.0);
   EXPECT_GT(measures.settling_s, 0.0);
   EXPECT_LT(measures.settling_s, 0.5);
-  // Passive: b > K T / 2.
+  // The wall is passive, b > K T / 2, so it gives no energy.
   EXPECT_LT(measures.generated_j, 0.0);
 }
 
@@ -55,7 +55,7 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
   EXPECT_TRUE(std::isinf(measures.settling_s));
 }
 
-// In the last cycle of the hold it leaves its place, by less than a limit cycle would have to.
+// The last row of the hold is moved out of the band of 5 %. Half of the peak-to-peak motion, the measure of a limit cycle, is less.
 TEST(Press, WhatLeavesItsPlaceAgainHasNotSettled) {
   Pressed pressed = press(kIdeal, *find_hand_preset("stylus"), 1000.0);
   const auto row =
@@ -100,7 +100,7 @@ TEST(RestStiffness, FrictionRaisesIt) {
   EXPECT_EQ(find_rest_stiffness(loop, 20.0), 20.0);
 }
 
-// Into a soft wall the hand goes so far that a force of two seconds ago comes before the release; at a stiff one none does.
+// Into a soft wall the hand moves so long that a force delayed by two seconds comes before the release; at a stiff wall none comes in time.
 TEST(RestStiffness, WhatNoForceReachesInTimeDoesNotRest) {
   PressCase loop{.device = kIdeal, .hand = *find_hand_preset("stylus")};
   loop.there.delay_ns = 2'000'000'000;

@@ -31,7 +31,7 @@ TEST(RandomStability, JitterAndLossLowerTheLimit) {
   loop.there.jitter_ns = 10'000'000;
   const double jittered = find_stable_stiffness_by_simulation(loop, still);
   EXPECT_LT(jittered, 0.95 * still);
-  // The newest sample is used, so the mean delay rises by less than the mean of the jitter.
+  // The newest sample is used, so jitter of up to 10 ms lowers the limit less than 10 ms more delay would.
   RandomLoop later = stylus_loop();
   later.there.delay_ns += 10'000'000;
   EXPECT_GT(jittered, exact(later));
@@ -76,7 +76,7 @@ TEST(MeanDelay, OfLossIsThatOfAGeometricSeries) {
   }
 }
 
-// Jitter uniform in [0, J] one way, over many samples: a sample of age a has arrived with probability a / J. The probability that none
+// Jitter uniform in [0, J] one way, over many samples: a sample of age a has arrived with probability a / J. The probability that no sample
 // younger than y has arrived is the product of 1 - a / J over the ages below y; the youngest age is uniform in a period.
 double mean_delay_of_jitter(double jitter_s, double period_s) {
   constexpr int kBegins = 100;

@@ -13,7 +13,7 @@ TEST(Recommendation, IsHalfOfWhatIsStable) {
   const DevicePreset& device = *find_device_preset("falcon");
   const HandModel hand = *find_hand_preset("light");
   const Recommendation advice = recommend_stiffness(device.model, {}, hand, 1000.0, 0.005);
-  // The limit falls with the delay here, so that the whole delay counts.
+  // The limit falls with the delay here, so the limit at the whole delay is the least one.
   EXPECT_DOUBLE_EQ(advice.stiffness_n_per_m, 0.5 * find_zwidth({.device = device.model, .hand = hand, .delay_s = 0.005}).stiffness.value);
   EXPECT_FALSE(advice.is_limited_by_device);
 }
@@ -25,7 +25,7 @@ TEST(Recommendation, IsNoMoreThanTheDeviceBears) {
   EXPECT_TRUE(advice.is_limited_by_device);
 }
 
-// The least over all delays up to the one that is named, of both limits.
+// Both limits are the least over all delays up to the given one.
 TEST(Recommendation, IsTheLeastOfAllShorterDelays) {
   const DevicePreset& device = *find_device_preset("omega.3");
   const HandModel hand = *find_hand_preset("stylus");
@@ -60,7 +60,7 @@ TEST(Recommendation, OfDampingIsHalfOfTheLeastThatIsStable) {
   EXPECT_NE(viscosity, damping);
 }
 
-// The limit of damping is that without stiffness, and the limit of stiffness that without damping: both together are safe.
+// The limit of damping is found without stiffness, the limit of stiffness without damping. A material with half of both is stable.
 TEST(Recommendation, AMaterialAtBothLimitsIsStable) {
   for (const DevicePreset& device : device_presets()) {
     for (const HandPreset& hand : hand_presets()) {
@@ -78,7 +78,7 @@ TEST(Recommendation, AMaterialAtBothLimitsIsStable) {
   }
 }
 
-// Although a loop may be stable at a delay and not at a shorter one.
+// A loop may be stable at some delay but not at a shorter one; the recommendation must not rise even then.
 TEST(Recommendation, NeverRisesWithLatency) {
   const DevicePreset& device = *find_device_preset("omega.3");
   const HandModel hand = *find_hand_preset("stylus");

@@ -20,7 +20,7 @@ struct Cell {
   double mass_kg, damping, stiffness, delay_s, expected, linear_rule;
 };
 
-// Largest stable stiffness from the eigenvalues of the exactly sampled loop at 1 kHz, computed elsewhere and rounded to 1 N/m.
+// Largest stable stiffness from the eigenvalues of the exactly sampled loop at 1 kHz, computed without this code and rounded to 1 N/m.
 constexpr Cell kCells[] = {
     {0.875, 5.5, 30.0, 0.0, 11'012.0, 11'000.0},
     {0.875, 5.5, 30.0, 0.1, 63.0, 55.0},
@@ -37,7 +37,7 @@ TEST(StableStiffness, AgreesWithCellsWorkedOutElsewhere) {
   }
 }
 
-// A device in a hand at some rate and delay, from a seed.
+// A random device in a random hand, at a random rate and delay.
 struct RandomLoop {
   explicit RandomLoop(std::mt19937_64& random) {
     const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
@@ -51,10 +51,10 @@ struct RandomLoop {
       device.modes[1] = {0.2 * device.mass_kg, by_ratio(1000.0, 20'000.0), by_ratio(0.5, 5.0)};
     }
     if (uniform(0.0, 1.0) < 0.3) device.amplifier_hz = by_ratio(100.0, 3000.0);
-    // One in ten is held by nobody.
+    // One device in ten is held by nobody.
     if (uniform(0.0, 1.0) < 0.9) hand = {by_ratio(0.05, 1.0), by_ratio(1.0, 25.0), uniform(0.0, 1000.0)};
     period_s = 1.0 / by_ratio(250.0, 20'000.0);
-    // Of 40 periods at most: an eigenvalue problem grows with the cube.
+    // The delay is at most 40 periods, because the time for the eigenvalues grows with the cube of their number.
     delay_s = uniform(0.0, 1.0) < 0.2 ? 0.0 : std::min(0.5, uniform(0.0, 40.0) * period_s);
     damping = uniform(0.0, 1.0) < 0.5 ? 0.0 : by_ratio(0.1, 5.0);
   }
@@ -66,8 +66,8 @@ struct RandomLoop {
   double damping;
 };
 
-// The crossing of the unit circle against the eigenvalues: 0.5 % below it every loop is stable, and so are those of half and a tenth of the
-// stiffness; 0.5 % above it none is.
+// Compares the limit, found at the crossing of the unit circle, with the eigenvalues: at 0.995, 0.5 and 0.1 of it every loop is stable, at
+// 1.005 of it none is.
 TEST(StableStiffness, AgreesWithTheEigenvaluesWithinHalfAPercentOver1000Loops) {
   constexpr std::uint64_t kSeed = 16;
   std::mt19937_64 random(kSeed);
@@ -80,7 +80,7 @@ TEST(StableStiffness, AgreesWithTheEigenvaluesWithinHalfAPercentOver1000Loops) {
     SCOPED_TRACE(::testing::Message() << "seed " << kSeed << ", loop " << i << ": " << loop.device.mass_kg << " kg, " << loop.period_s
                                       << " s, delay " << loop.delay_s << " s, damping " << loop.damping << ", limit " << limit);
     if (limit == 0.0) {
-      // This much damping is too much by itself.
+      // The damping of the wall alone makes the loop unstable.
       ++without_limit;
       ASSERT_GT(loop.damping, 0.0);
       ASSERT_GE(radius(0.0), 1.0 - 1e-9);
@@ -92,8 +92,8 @@ TEST(StableStiffness, AgreesWithTheEigenvaluesWithinHalfAPercentOver1000Loops) {
   EXPECT_LT(without_limit, 300);
 }
 
-// Whether a wall of this stiffness lets a motion grow, by stepping the recurrence x[k+1] = transition x[k] + older u + newer u: nothing of
-// it looks for roots.
+// Whether a wall of this stiffness lets a motion grow. Steps the recurrence x[k+1] = transition x[k] + older u + newer u, so it does not
+// search for roots.
 bool grows(const SampledPlant& plant, double stiffness) {
   SampledPlant::Vector state = SampledPlant::Vector::Zero(plant.transition().rows());
   state[0] = 1e-3;
@@ -128,7 +128,7 @@ TEST(StableStiffness, IsZeroWhereNothingDamps) {
 }
 
 TEST(StableStiffness, AFreeDeviceWithDampingHasALimit) {
-  // A double integrator with damping: b / (T/2 + delay) holds for small mass effects.
+  // A mass with damping, held by nobody: the limit is about b / (T/2 + delay).
   const double limit = find_stable_stiffness(ideal(0.5, 2.0, 0.0, 1e-3, 1e-3), 0.0).value;
   EXPECT_NEAR(limit, 2.0 / 1.5e-3, 0.02 * 2.0 / 1.5e-3);
 }
@@ -136,12 +136,12 @@ TEST(StableStiffness, AFreeDeviceWithDampingHasALimit) {
 TEST(StableStiffness, NamesTheFrequencyOfItsOscillation) {
   const SampledPlant plant = ideal(0.875, 5.5, 30.0, 1e-3, 0.0);
   const StabilityLimit limit = find_stable_stiffness(plant, 0.0);
-  // About sqrt(K / M) / 2 pi.
+  // The frequency is about sqrt(K / M) / 2 pi.
   EXPECT_NEAR(limit.frequency_hz, std::sqrt(limit.value / 0.875) / 6.2832, 0.02 * limit.frequency_hz);
 }
 
 TEST(StableStiffness, AgreesAtLongDelaysAndHighRates) {
-  // 500 ms at 20 kHz is 10,000 periods: the limit hardly depends on the rate there.
+  // 500 ms at 20 kHz is 10,000 periods: at such a delay the limit hardly depends on the rate.
   const double fast = find_stable_stiffness(ideal(0.225, 5.0, 500.0, 1.0 / 20'000.0, 0.5), 0.0).value;
   const double slow = find_stable_stiffness(ideal(0.225, 5.0, 500.0, 1e-3, 0.5 - 0.475e-3), 0.0).value;
   EXPECT_NEAR(fast, slow, 1e-4 * slow);

@@ -98,8 +98,8 @@ TEST(StableViscosity, IsWhereTheEffectItselfBeginsToGrow) {
   }
 }
 
-// What docs/effects.md says of the default mass: twice of it is stable on every preset device, in every preset hand, with forces up to 5 ms
-// late, at 1 kHz and faster.
+// As docs/effects.md says, twice the default mass is stable on every preset device, in every preset hand, with forces up to 5 ms late, at
+// 1 kHz and faster.
 TEST(StableMass, TheDefaultHasAGainMarginOfTwoOnEveryDevice) {
   for (const DevicePreset& device : device_presets()) {
     for (const HandPreset& hand : hand_presets()) {
@@ -114,7 +114,7 @@ TEST(StableMass, TheDefaultHasAGainMarginOfTwoOnEveryDevice) {
   }
 }
 
-// However late the force is: a virtual mass below that of a rigid device is stable.
+// At any delay of the force, a virtual mass below the mass of a rigid device is stable.
 TEST(StableMass, LessThanTheMassOfARigidDeviceIsStableAtAnyDelay) {
   for (const double delay_ms : {0.0, 3.0, 20.0, 100.0, 500.0}) {
     for (const double filter_s : {0.005, 0.02, 0.2}) {

@@ -21,7 +21,7 @@ PressMeasures press_on(ForceLaw& law) {
   return measure_press(rows, path, 1'000'000, 0.0, true);
 }
 
-// The step of the haptics node on a mesh is, on a plate, the wall of theory, but for its contact offset.
+// On a plate, the step that the haptics node runs on a mesh acts as the wall of theory, except for its contact offset.
 TEST(TouchWall, IsTheWallOfTheory) {
   const auto touch = make_touch_wall(1000.0, 0.0);
   ASSERT_TRUE(touch) << touch.error().what;

@@ -18,8 +18,8 @@ namespace {
 constexpr HandModel kSimulatedHand{
     .mass_kg = 0.0, .damping_ns_per_m = StylusTurn::kHandNmSPerRad, .stiffness_n_per_m = StylusTurn::kHandNmPerRad};
 
-// How much of a turn of 0.05 rad is left after 2 s of a spring that its motors render at 1 kHz, with this delay in whole periods: the
-// largest turn of the last tenth.
+// The share of a turn of 0.05 rad that is left after 2 s, while the motors render a spring at 1 kHz, delayed by whole periods: the largest
+// turn in the last tenth of that time.
 double turn_left(double nm_per_rad, int delay_periods) {
   constexpr std::int64_t kPeriodNs = 1'000'000;
   constexpr int kSteps = 2000;
@@ -39,8 +39,8 @@ double turn_left(double nm_per_rad, int delay_periods) {
 
 TEST(TurningAxis, HasTheInertiaOfTheSimulatedStylus) { EXPECT_EQ(turning_axis(0.17).mass_kg, StylusTurn::kInertiaKgM2); }
 
-// The laboratory's axis and the simulated stylus are the same machine: what it calls the limit is where turns stop dying out. The Euler
-// steps of 100 us of the simulation lead by half of one, a tenth of the delay of the hold.
+// The axis of the laboratory and the simulated stylus have the same parameters: above the limit of the axis, turns of the stylus do not die
+// out. The Euler steps of the simulation, 100 us, act half a step too early: a tenth of the delay of the hold.
 TEST(TurningAxis, ItsLimitIsThatOfTheSimulatedStylus) {
   for (const int periods : {0, 1, 3, 10}) {
     const ZWidth width = find_zwidth({.device = turning_axis(0.0), .hand = kSimulatedHand, .rate_hz = 1000.0, .delay_s = 1e-3 * periods});
@@ -57,7 +57,7 @@ TEST(TurningAxis, AHandHoldsAtItsLever) {
   EXPECT_DOUBLE_EQ(hand.stiffness_n_per_m, 1.25);
 }
 
-// About b / (T/2 + delay) with the damping of the hand, and half of it.
+// The limit is about b / (T/2 + delay), with the damping b of the hand; half of it is recommended.
 TEST(TurningAxis, RecommendsHalfOfTheLimit) {
   const HandModel light = *find_hand_preset("light");
   const double b = turning_hand(light).damping_ns_per_m;

@@ -17,7 +17,7 @@ ZWidthCase slow_amplifier() {
   return loop;
 }
 
-// Each limit is that of the theory on its own, for the whole case.
+// Each limit equals what the function of its own theory gives for the same case.
 TEST(ZWidth, IsTheLimitsOfTheCase) {
   const ZWidthCase loop = slow_amplifier();
   const ZWidth width = find_zwidth(loop);
