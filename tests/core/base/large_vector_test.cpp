@@ -46,7 +46,7 @@ TEST(LargeVector, SaysThatItCannotHoldMoreThanThereIs) {
   EXPECT_THROW(numbers.reserve(static_cast<std::size_t>(-1) / 16), std::exception);
 }
 
-// No later join of small pages, during which a reader would wait.
+// The system must not be left to join small pages later (flag hg), because a reader would wait meanwhile.
 TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
   const LargeVector<std::uint8_t> large(4 * kLargePage);
   std::ifstream maps("/proc/self/smaps");
@@ -68,10 +68,10 @@ TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
 }
 
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
-// Whether the system takes this advice at all.
+// Whether the system accepts this advice.
 bool takes_advice(void* memory, std::size_t bytes, int advice) { return ::madvise(memory, bytes, advice) == 0; }
 
-// Filled before it is handed out: whole large pages, of which none is missing.
+// The memory is filled before it is handed out: of its large pages no part is missing.
 TEST(LargeVector, IsThereBeforeItIsWritten) {
   constexpr std::size_t kBytes = 8 * kLargePage;
   void* const probe = ::mmap(nullptr, 2 * kLargePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

@@ -40,7 +40,7 @@ TEST(MailboxTest, ADraftIsNotSeenBeforeItIsPublished) {
   EXPECT_EQ(Mailbox<int>().value(), 0);
 }
 
-// Writer, reader and the way between them have a slot each, whoever comes how often.
+// The writer, the reader and the exchange between them have a slot each, however often either of the two is called.
 TEST(MailboxTest, NoSlotIsAnybodyElses) {
   Mailbox<int> mailbox(0);
   std::uint32_t state = 12345;
@@ -64,7 +64,7 @@ TEST(MailboxTest, NoSlotIsAnybodyElses) {
   EXPECT_GT(published, 300);
 }
 
-// What a reader has taken may be changed in place, and is the reader's alone.
+// The reader may change the value that it has taken in place: its slot is not shared.
 TEST(MailboxTest, TheReaderMayWorkInPlace) {
   Mailbox<std::string> mailbox("a");
   mailbox.value() += "b";
@@ -89,7 +89,7 @@ TEST(MailboxTest, TheReadersValueStaysWhileTheWriterGoesOn) {
   EXPECT_EQ(mailbox.value(), 9);
 }
 
-// Torn or older values are detected at once.
+// Counts the values that are torn, and those that are not newer than the value before.
 TEST(MailboxTest, TwoThreadsNeverSeeHalfAValueNorAnOlderOne) {
   using Large = std::array<std::uint64_t, 64>;
   constexpr std::uint64_t kLast = 1'000'000;

@@ -26,7 +26,7 @@ TEST(SimilarWord, FindsTheNearestWordOrNone) {
   EXPECT_EQ(find_similar_word("--volume", known), "");
 }
 
-// How many changes a word of so many letters may be away: two, or a third of them.
+// A known word is similar if it is at most two changes away, or a third of the letters of the given word.
 TEST(SimilarWord, ALongWordMayBeFartherOff) {
   const auto found = [](std::string_view word, std::string_view known) { return find_similar_word(word, std::array{known}) == known; };
   EXPECT_TRUE(found("abc", "abXYc"));
@@ -39,7 +39,7 @@ TEST(SimilarWord, ALongWordMayBeFartherOff) {
   EXPECT_FALSE(found("", "abc"));
 }
 
-// Insertions, deletions and changes count one each, at whichever end they are.
+// An insertion, a deletion and a change count one each, wherever in the word they are.
 TEST(SimilarWord, TheFewestChangesWin) {
   struct Row {
     const char* word;
@@ -65,7 +65,7 @@ TEST(SimilarWord, AWordOfFourLettersMayBeABeginning) {
       << "and is nearer than any";
 }
 
-// Comparing takes the product of the lengths.
+// A word of more than 64 letters is not compared, because the time grows with the product of the lengths.
 TEST(SimilarWord, AWordThatIsTooLongIsNearNothing) {
   const std::string word(64, 'x');
   EXPECT_EQ(find_similar_word(word, std::array<std::string_view, 1>{std::string_view(word).substr(1)}), std::string_view(word).substr(1));

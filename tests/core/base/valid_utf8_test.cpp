@@ -23,7 +23,7 @@ TEST(ValidUtf8, TakesOtherBytesForLatin1) {
   EXPECT_EQ(to_valid_utf8("\xF4\x90\x80\x80"), "\xC3\xB4\xC2\x90\xC2\x80\xC2\x80") << "above U+10FFFF";
 }
 
-// RFC 3629, section 4: the first and the last of each length, and those just outside.
+// RFC 3629, section 4: the first and the last code points of each length are valid, those just outside are not.
 TEST(ValidUtf8, LengthsAreThoseOfTheStandard) {
   for (const std::string_view text : {"\xC2\x80"sv, "\xDF\xBF"sv, "\xE0\xA0\x80"sv, "\xED\x9F\xBF"sv, "\xEE\x80\x80"sv, "\xEF\xBF\xBF"sv,
                                       "\xF0\x90\x80\x80"sv, "\xF1\x80\x80\x80"sv, "\xF4\x8F\xBF\xBF"sv}) {
