@@ -14,7 +14,7 @@ namespace {
 
 using BuiltMeshes = std::vector<std::shared_ptr<const TriangleMesh>>;
 
-// A plate, a cube on it, nothing, and a ball beside them.
+// A plate, a cube on it, an empty mesh, and a ball beside them.
 BuiltMeshes make_built_meshes() {
   return {std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.2, 0.2, 0.01}, 6), 1.0, {0.0, 0.0, -0.005})),
           std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.02, 0.02, 0.02}, 3), 1.0, {0.0, 0.0, 0.01})),
@@ -61,7 +61,7 @@ TEST(BuiltObjects, AreOfTheirMeshesAndNormalsAlone) {
   EXPECT_FALSE(built.are_of(other, 0.5)) << "an equal mesh, but another one";
 }
 
-// Numbers of triangles, marks, adjacency and queries.
+// Compares numbers of triangles, marks, adjacency and queries.
 TEST(BuiltObjects, MakeTheGeometryThatTheirMeshesMake) {
   const BuiltMeshes meshes = make_built_meshes();
   const TouchGeometry anew(meshes);

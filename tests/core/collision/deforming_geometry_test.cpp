@@ -44,7 +44,7 @@ TEST(DeformingGeometry, MeanEdgeOfARightTriangleAndOfNothing) {
   EXPECT_EQ(compute_mean_edge({}), 0.0);
 }
 
-// The corners are those of a geometry that is built of the mesh of that time.
+// The vertices are those of the deformed mesh at that time, rounded to the grid.
 TEST(DeformingGeometry, HasTheShapeOfEachTime) {
   const Deforming one(made::sphere(0.05, kBands, 0.05));
   for (const double time : {0.0, 0.1, 0.3, 0.32, 0.99, 1.0, 1.1, 7.77}) {
@@ -58,7 +58,7 @@ TEST(DeformingGeometry, HasTheShapeOfEachTime) {
   }
 }
 
-// Brute force: every triangle that is there is found, whichever of the trees is in use.
+// Brute force: every triangle near a query point is found, whichever of the trees is in use.
 TEST(DeformingGeometry, FindsEveryTriangleAtEachTime) {
   const Deforming one(made::sphere(0.05, kBands, 0.05));
   EXPECT_GT(one.deforming->tree_count(), 5U);
@@ -72,7 +72,7 @@ TEST(DeformingGeometry, FindsEveryTriangleAtEachTime) {
   }
 }
 
-// One that is never at rest.
+// A deformation that is never at the rest shape.
 TEST(DeformingGeometry, TheBoundsHoldTheMeshAtRestAsWell) {
   const TriangleMesh sheet = made::sheet(0.05, 0.0, 2);
   const MeshDeformation away({{{0, 1, 2, 3, 4, 5, 6, 7, 8}, std::vector<Vec3>(9, Vec3(0, 0, 1))}}, {{0.0, {1.0}}, {1.0, {2.0}}}, false);
@@ -103,7 +103,7 @@ TEST(DeformingGeometry, SaysWhereASurfaceComesUponItself) {
     down.vertices.push_back(v);
     down.displacements.push_back({0, 0, -0.02});
   }
-  // Half-way between its keys the upper sheet is on the lower one.
+  // Half-way between its keys the upper sheet lies in the plane of the lower one.
   const MeshDeformation through({down}, {{0.0, {0.0}}, {1.0, {1.0}}}, false);
   const auto checked = check_shapes(two, through);
   ASSERT_FALSE(checked);

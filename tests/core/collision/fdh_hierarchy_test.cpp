@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Outward means at least half a unit in the last place: what was exact in single precision moves too.
+// Rounding outward moves a number by at least half a unit in the last place, even one that is exact in single precision.
 TEST(FdhRounding, IsOutwardForEveryMagnitude) {
   std::mt19937_64 random(51);
   std::uniform_real_distribution<double> mantissa(-2.0, 2.0);
@@ -36,7 +36,7 @@ TEST(FdhHierarchy, EmptyVisitsNothing) {
   EXPECT_EQ(visits.nodes, 0U);
 }
 
-// The first planes are the box's: a query rejected by the box stays rejected when the other planes are widened, and vice versa.
+// The first three axes are those of the box. A query that is outside on a single axis, of the box or another one, must be rejected.
 TEST(FdhHierarchy, EveryAxisCanTurnAway) {
   FdhTopology topology;
   FdhTopology::Children only;

@@ -140,7 +140,7 @@ TEST(FdhScene, QueriesWithoutBoundsFindEverythingOnce) {
   }
 }
 
-// Each is one point, so that its own extent is small.
+// Each object is a single point, so that its own extent is small.
 TEST(FdhScene, FindsObjectsFartherApartThanAFloatReaches) {
   std::vector<TriangleMesh> points;
   for (int o = 0; o < 12; ++o) points.push_back({{Vec3((o - 6) * 1e39, 1.0, 0.0)}, {{0, 0, 0}}});

@@ -11,7 +11,7 @@ namespace {
 
 FdhItem item_at(float x, float y, float z, float size, std::uint32_t id) { return {{x, y, z}, id, {x + size, y + size, z + size}}; }
 
-// Every item is in exactly one leaf, children come after parents, the depth is what it says.
+// Expects every item in exactly one leaf, children after their parents, and the depth that the topology states. Returns the depth.
 int check(const FdhTopology& topology, std::size_t count) {
   std::vector<int> seen(count, 0);
   std::vector<int> in_leaf(count, 0);
@@ -51,7 +51,7 @@ TEST(FdhTopology, HoldsEveryItemOnce) {
   }
 }
 
-// The heuristic cuts even ground near its middle: a tree that peels it off piece by piece is several times as deep, and slow to query.
+// The heuristic must cut evenly spread items near the middle: a tree that splits off a few at a time is several times as deep, and slow.
 TEST(FdhTopology, EvenlySpreadItemsMakeAShallowTree) {
   constexpr unsigned kSeed = 12;
   std::mt19937 random(kSeed);
@@ -67,7 +67,7 @@ TEST(FdhTopology, AllItemsInOnePlaceAreHalved) {
   EXPECT_LE(check(build_fdh_topology(items), items.size()), 13);
 }
 
-// Each item half as far out as the one before: the heuristic peels them off one by one, and without halving the depth would be n / 7.
+// Each item is half as far out as the one before: the heuristic splits them off one by one, and without halving the depth would be n / 7.
 TEST(FdhTopology, DepthIsBoundedOnGeometricSeries) {
   std::vector<FdhItem> items;
   for (std::uint32_t i = 0; i < 40000; ++i) {

@@ -43,7 +43,7 @@ const std::vector<NamedMesh>& meshes() {
   return kMeshes;
 }
 
-// Query points about the mesh: near triangles, at corners exactly, around the box, far off.
+// Query points about the mesh: near triangles, exactly at corners, around the box, far away.
 struct Points {
   const TriangleMesh& mesh;
   std::mt19937_64 random{41};
@@ -83,7 +83,7 @@ struct Directions {
 using AllDirections = testing::Types<Directions<6>, Directions<14>, Directions<18>, Directions<26>>;
 TYPED_TEST_SUITE(FdhTreeOf, AllDirections);
 
-// Checks that everything wanted is visited, once, and nothing beyond what is allowed.
+// Expects that every wanted triangle is visited, once, and that only allowed ones are visited.
 template <class Tree, class Query, class Wanted, class Allowed>
 void expect_twin(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Wanted&& wanted,
                  Allowed&& allowed) {
@@ -125,7 +125,7 @@ TYPED_TEST(FdhTreeOf, SweptBallFindsWhatBruteForceFinds) {
       const Vec3 p = points.make(i);
       Vec3 q = i % 7 == 0 ? p : Vec3(p + (i % 2 == 0 ? 0.3 : 0.01) * points.size * points.direction());
       if (i % 5 == 1) q = points.make(i + 2);
-      if (i % 11 == 2) q = Vec3(p.x(), p.y(), p.z() + 0.2 * points.size);  // along an axis: two directions are zero
+      if (i % 11 == 2) q = Vec3(p.x(), p.y(), p.z() + 0.2 * points.size);  // along an axis: two components are zero
       const double radius = i % 3 == 0 ? 0.0 : points.size * 0.02 * (i % 3);
       const double tolerance = 1e-12 * (points.size + p.norm());
       const auto distance = [&](std::uint32_t t) {
@@ -248,7 +248,7 @@ TYPED_TEST(FdhTreeOf, QueriesWithoutBoundsFindEverythingOnce) {
   EXPECT_TRUE(std::isfinite(tree->find_nearest(Vec3(1e100, 0, 0)).distance_squared));
 }
 
-// Through the middle of the mesh, from ends that a float cannot hold, or that no product of doubles can.
+// The sweeps go through the middle of the mesh; some of their ends are too large for a float, or their products for a double.
 TYPED_TEST(FdhTreeOf, SweepsFromBeyondAFloatMissNothing) {
   const TriangleMesh mesh = made::sphere(1.0, 8);
   const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);

@@ -55,7 +55,7 @@ Vec3 marked_place(std::size_t object) {
 
 constexpr std::size_t kObjects = 5;
 
-// The same scene at any scale. What moves stays within the frame of the first one.
+// The shapes above at any scale. Objects that are moved must stay within the box of the first arrangement, which determines the frame.
 struct MarkedScene {
   explicit MarkedScene(double size_m) : size(size_m) {
     Box box;
@@ -88,7 +88,7 @@ struct MarkedScene {
     }
     return marked.update(plain, bounds);
   }
-  // Where the whole scene is built at once.
+  // Expects the same objects as when the whole scene is built at once.
   void expect_as_built_anew(const MarkedList& objects) const {
     Box box = part_of;
     for (const auto& mesh : meshes) {
@@ -133,17 +133,17 @@ TEST(MarkedObjects, WhatAMoveDoesNotConcernIsTheSameObjectAsBefore) {
   MarkedScene scene(1.0);
   const MarkedList first = scene.mark();
   EXPECT_EQ(scene.mark(), first);
-  // From one place in the air to another.
+  // The cylinder moves from one place in the air to another.
   scene.put(4, {0.3, 0.2, 0.1}, {0.3, -0.3, 0.3});
   const MarkedList second = scene.mark();
   for (const std::size_t o : {0, 1, 2, 3}) EXPECT_EQ(second[o], first[o]) << o;
   EXPECT_EQ(second[4], scene.plain[4]);
-  // Off the table: its marks go, and the table itself comes back.
+  // The cube is lifted off the table: its marks go, and the table is the unmarked object again.
   scene.put(1, Vec3::Zero(), {0.2, 0.0, 0.2});
   const MarkedList third = scene.mark();
   EXPECT_EQ(third[0], scene.plain[0]);
   EXPECT_EQ(third[1], scene.plain[1]);
-  // Onto the table elsewhere, where another one stands already.
+  // The cylinder is put onto the table, and the cube onto another part of it.
   scene.put(4, Vec3::Zero(), {0.3, 0.3, 0.1});
   scene.put(1, Vec3::Zero(), {-0.3, 0.2, 0.05});
   const MarkedList fourth = scene.mark();
@@ -157,7 +157,7 @@ TEST(MarkedObjects, WhatAMoveDoesNotConcernIsTheSameObjectAsBefore) {
   scene.expect_as_built_anew(fifth);
 }
 
-// MarkedList that touch, overlap, enclose each other and are far from each other, one of them in another place each time.
+// The objects touch, overlap, enclose each other or are far apart; one of them moves each time.
 TEST(MarkedObjects, AreThoseOfASceneThatIsBuiltAnewWhateverHasMoved) {
   constexpr unsigned kSeed = 224;
   std::mt19937_64 random(kSeed);

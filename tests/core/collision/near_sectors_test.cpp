@@ -20,7 +20,7 @@ Pairs pairs_of(const std::vector<NearSectors::Edges>& sectors, double angle) {
   return pairs;
 }
 
-// The least angle between samples of two sectors; never below the true one by more than their spacing.
+// The least angle between samples of two sectors: an upper bound of the least angle between the sectors.
 double sampled_angle(const NearSectors::Edges& a, const NearSectors::Edges& b) {
   constexpr int kSamples = 60;
   double least = 4.0;

@@ -68,7 +68,7 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
   std::size_t visited = 0;
   std::size_t asked = 0;
   for (int round = 0; round < 25; ++round) {
-    // Also from a place on a triangle, where no direction bounds anything.
+    // Some centres are at a corner of a triangle: the distance is zero there, and no direction gives a bound.
     Vec3 centre = 0.6 * vector();
     if (round % 4 == 1) centre = geometry.corner(all[random() % all.size()], 0);
     if (round % 4 == 3) centre += 0.01 * vector();
@@ -107,7 +107,7 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
 
 INSTANTIATE_TEST_SUITE_P(Meshes, NearTrianglesTest, testing::Range(0, 4));
 
-// There the nearest point may count as one of the edge where it is one of the face: the direction to it leans, by more the nearer it is.
+// Close above a boundary edge, a nearest point on the face may count as one on the edge: the direction to it leans, more the closer it is.
 TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
   constexpr std::uint64_t kSeed = 7;
   RecordProperty("seed", std::to_string(kSeed));
@@ -131,7 +131,7 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
       int queried = 0;
       ASSERT_TRUE(near->gather(geometry, centre, 0.5, queried));
       edges += geometry.separation(0, centre).feature == Feature::edge ? 1 : 0;
-      // A way over the face at the same height comes no nearer than that.
+      // At the same height farther inward, the bound must not exceed the true distance.
       const Vec3 p = centre + 0.2 * inward;
       ASSERT_LE(near->distance_bound(0, p), shape.separation(p).distance) << "height " << height;
       bool is_visited = false;
@@ -177,8 +177,8 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
 }
 
-// All triangles of a fan fit, but no more of others than elsewhere. More shapes than are kept prepared are those of the geometry in any
-// order.
+// All triangles of a large fan fit, but of other triangles no more than elsewhere. Shapes are right in any order of the slots, even where
+// there are more slots than shapes that are kept prepared.
 TEST(NearTriangles, AFanOfThousandsFits) {
   TriangleMesh mesh;
   mesh.vertices = {{0.0, 0.0, 0.0}};
@@ -205,8 +205,8 @@ TEST(NearTriangles, AFanOfThousandsFits) {
   EXPECT_FALSE(near->gather(geometry, Vec3(0.0, 0.0, 0.1), 2.0, queried)) << sheet.triangles.size() << " others";
 }
 
-// How much smaller a ball would have to be to hold fewer. Of even triangles, half of the radius above the plane holds half; at the tip of a
-// fan all.
+// The share of the triangles that a smaller ball would hold. On an even sheet 10 mm below the centre, a ball of 11 mm holds half as many as
+// one of 12 mm; at the tip of a fan it holds all of them.
 TEST(NearTriangles, ItKnowsTheShareOfASmallerBall) {
   const auto share = [](const TriangleMesh& mesh, int most) {
     const TouchGeometry geometry({&mesh});
@@ -233,7 +233,7 @@ TEST(NearTriangles, ShapesAreThoseOfTheGeometryAndNothingAllocates) {
   const auto near = std::make_unique<NearTriangles>();
   int queried = 0;
   const AllocationGuard guard;
-  // Twice, elsewhere: what was prepared before is not what is there now.
+  // Gathers at two places: shapes that were prepared for the first one must not be used for the second.
   for (const Vec3& centre : {Vec3(0.4, 0.0, 0.0), Vec3(0.0, 0.4, 0.0)}) {
     ASSERT_TRUE(near->gather(geometry, centre, 0.3, queried));
     ASSERT_GT(near->count(), 4);

@@ -46,7 +46,7 @@ TriangleMesh turned_and_moved(TriangleMesh mesh, const Quat& turn, const Vec3& b
   return mesh;
 }
 
-// Twin: every pair of triangles. Cubes that overlap, stand on each other and are apart, also by about the margin.
+// The twin tests every pair of triangles of two cubes. They overlap, stand on each other, or have a gap of about the margin.
 TEST(ObjectGeometry, FindsTheTrianglesThatAreNearAnotherObject) {
   constexpr unsigned kSeed = 2241;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -30,7 +30,7 @@ struct Streamed {
     for (const Vec3& p : mesh->vertices) shape.push_back(map(p));
     return shape;
   }
-  // The stage that leads there from where the newest one ends.
+  // The stage that leads to `shape` from where the newest stage ends.
   std::unique_ptr<ShapeStage> stage_to(const std::vector<Vec3>& shape) const {
     auto made = stager->make(surface->newest().to, shape);
     EXPECT_TRUE(made) << (made ? "" : made.error().what);
@@ -74,7 +74,7 @@ TEST(StreamedGeometry, GoesStraightFromEachShapeToTheNext) {
   }
   EXPECT_EQ(one.surface->serial(), 1U);
   EXPECT_GT(one.surface->present().trees.size(), 1U);
-  // It begins exactly where the one before has ended.
+  // The next stage begins exactly where the one before has ended.
   const std::vector<Vec3> end(one.geometry->deforming_object().vertices().begin(), one.geometry->deforming_object().vertices().end());
   const auto released = one.surface->offer(one.stage_to(bent), 0.2, 1.5);
   EXPECT_NE(released.ended, nullptr);
@@ -89,7 +89,7 @@ TEST(StreamedGeometry, GoesStraightFromEachShapeToTheNext) {
   one.expect_shape(bent);
 }
 
-// At a constant speed over both stages, however the samples lie to the moment at which one ends and the next one begins.
+// The vertices have a constant speed in both stages, wherever the samples are relative to the moment at which the stages change.
 TEST(StreamedGeometry, KnowsHowFarAVertexMovedAlsoWhereAStageEndsBetween) {
   const Streamed one(made::sheet(0.05, 0.0, 4));
   const auto higher = [&](double by) { return one.mapped([by](const Vec3& p) { return Vec3(p + Vec3(0, 0, by)); }); };
@@ -117,14 +117,14 @@ TEST(StreamedGeometry, TheNewestThatWaitsComesNext) {
   one.expect_shape(between(one.mesh->vertices, down, 0.5));
 }
 
-// Several wait, each for its start; a step that passes some of them is at the last one's shape. What is used no more comes back, one for
-// each that is given, and no more than were given are kept.
+// Several stages wait, each for its start; after a step that passes several starts, the last of these stages is present. Each append()
+// returns at most one stage that is no longer used, and only a limited number of stages is kept.
 TEST(StreamedGeometry, SeveralMayWaitEachForItsStart) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
     const Streamed one(made::sheet(0.05, 0.0, 4));
     std::vector<std::vector<Vec3>> shapes = {one.mesh->vertices};
-    std::vector<std::pair<double, double>> times = {{0.0, 0.0}};  // start and end of the way to each
+    std::vector<std::pair<double, double>> times = {{0.0, 0.0}};  // start and end of the stage that leads to each shape
     std::size_t returned = 0;
     double time_s = 0.0;
     for (int n = 0; n < 400; ++n) {
@@ -153,13 +153,13 @@ TEST(StreamedGeometry, SeveralMayWaitEachForItsStart) {
       const auto after = one.geometry->to_scene(one.geometry->deforming_object().vertices()[0]);
       EXPECT_LE((after - before).norm(), bound_m + 1e-12) << n;
     }
-    // One is present, and the one before it may be asked for.
+    // Kept are the present stage and at most kMaxWaiting others, which wait or have not been returned yet.
     EXPECT_LE(shapes.size() - returned, StreamedGeometry::kMaxWaiting + 1);
     EXPECT_GT(shapes.size(), 300U);
   }
 }
 
-// No vertex is farther than that from where it is, whatever the times and stages between.
+// travel_to() bounds how far each vertex is from where the geometry has it, whatever the time and the stages between.
 TEST(StreamedGeometry, BoundsHowFarItTravels) {
   const Streamed one(made::sheet(0.05, 0.0, 4));
   const auto up = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.01)); });
@@ -184,7 +184,7 @@ TEST(StreamedGeometry, BoundsHowFarItTravels) {
   one.expect_shape(between(up, tilted, 0.5));
 }
 
-// Brute force: every triangle that is there is found, whichever of the trees is in use.
+// Brute force: every triangle near a query point is found, whichever of the trees is in use.
 TEST(StreamedGeometry, FindsEveryTriangleAtEachTime) {
   const Streamed one(made::sphere(0.05, 12, 0.05));
   std::mt19937_64 random(9);
@@ -225,13 +225,13 @@ TEST(ShapeStager, SaysWhatIsNoShape) {
   auto edge = rest;
   edge[3].z() += kReach;
   EXPECT_TRUE(one.stager->make(rest, edge));
-  // Pulled over its neighbours' triangles, and all in one line.
+  // The vertices on both sides of the middle line are moved onto it, so that the triangles between them lose their area.
   auto flat = rest;
   for (Vec3& p : flat) p.x() = std::fabs(p.x()) < 0.01 ? 0.0 : p.x() - std::copysign(0.025, p.x());
   EXPECT_THAT(reject(rest, flat), HasSubstr("at its end "));
 }
 
-// Both ends are good, and half-way between them the two sheets are in each other.
+// The shapes at both ends are valid, but half-way between them the two sheets lie in one plane.
 TEST(ShapeStager, LooksAtTheShapeHalfWay) {
   TriangleMesh two = made::sheet(0.02, 0.0, 4);
   const TriangleMesh above = made::sheet(0.015, 0.005, 4);

@@ -122,13 +122,13 @@ TEST(SurfaceAdjacency, TwoConesThatShareTheirTipAreNotWalkableThere) {
   for (std::uint32_t t = 0; t < both.triangles.size(); ++t) EXPECT_EQ(adjacency.is_walkable(t), t % 4 == 3) << t;
 }
 
-// A circuit of each fan takes as many steps, on both sides, as it has triangles.
+// A circuit of one fan, over front and back, has two steps: as many as triangles meet at the vertex, but they are not one closed fan.
 TEST(SurfaceAdjacency, TwoOpenFansThatShareAVertexAreNotWalkable) {
   const TriangleMesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, .triangles = {{0, 1, 2}, {0, 3, 4}}};
   EXPECT_EQ(adjacency_of(mesh).walkable_count(), 0U);
 }
 
-// Of triangles that share no vertex, those that are apart are walkable; every pair is tested.
+// Expected: a triangle is walkable if it is apart from every triangle that shares no vertex with it. The test compares every pair.
 TEST(SurfaceAdjacency, WhereSurfacesMeetNothingIsWalkable) {
   const TriangleMesh mesh = joined(make_icosphere(0.3, 3), scaled_and_moved(make_icosphere(0.3, 3), 1.0, Vec3(0.31, 0.07, 0.02)));
   const SurfaceAdjacency adjacency = adjacency_of(mesh);
@@ -162,12 +162,12 @@ TEST(SurfaceAdjacency, AVertexOfTooManyTrianglesIsNotWalkable) {
   EXPECT_LT(adjacency_of(wheel).walkable_count(), wheel.triangles.size());
 }
 
-// --- Every triangle against every other, without the tree and without even fans -----------------------------------------------------
+// --- Brute-force twin: every triangle against every other, without the tree and without the shortcut for even fans -------------------
 
 bool has(const Triangle& t, std::uint32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }
 bool repeats(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// Whether the triangles at a vertex are connected over edges of at most two triangles.
+// Whether the triangles at a vertex are connected by edges that at most two of them share.
 bool is_one_fan(const TriangleMesh& mesh, std::uint32_t vertex) {
   std::vector<std::uint32_t> round;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -249,7 +249,7 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
   expect_as_brute_force(repeated, "triangles of two corners");
 }
 
-// Pleats, whose triangles overlap as seen from above, so that no fan is even.
+// Pleats so steep that no fan is even: the normals are more than 60 degrees from the axis of the fan.
 TEST(SurfaceAdjacency, FewPairsAreTestedWhereThousandsOfTrianglesMeet) {
   for (const double lift : {0.02, 0.3, 3.0}) {
     std::size_t tests = 0;
@@ -259,7 +259,7 @@ TEST(SurfaceAdjacency, FewPairsAreTestedWhereThousandsOfTrianglesMeet) {
   }
 }
 
-// Fans of which some triangles are folded onto others, are turned away by little, or repeat a vertex; and two fans at one vertex.
+// Large fans that go once or twice round: some triangles are folded onto others, moved, or repeat a vertex; some fans meet a sphere.
 TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
   std::mt19937_64 random(240);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -278,9 +278,9 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
   }
 }
 
-// Two discs that share an edge between their middles, and a fin on an edge opposite the second one's: that fan is even, and one of its
-// edges has no neighbour.
-// Eighty triangles around a tip, counter-clockwise from above, whose rim is that far above it. The tip is corner t % 3 of triangle t.
+// Eighty triangles around a tip at the origin, counter-clockwise as seen from above. The vertices of the rim are at height z, except the
+// first one, which is at first_z.
+// The tip is corner t % 3 of triangle t.
 TriangleMesh fan_with_rim_at(double z, double first_z) {
   constexpr std::uint32_t kCount = 80;
   static_assert(kCount > SurfaceAdjacency::kLargeFan);
@@ -322,7 +322,7 @@ TEST(SurfaceAdjacency, LargeFansMayShareTrianglesAndStandBesideAnEdgeOfThree) {
   for (const bool has_fin : {false, true}) {
     TriangleMesh mesh;
     constexpr std::uint32_t kRing = 80;
-    mesh.vertices = {{0.5, 0.0, 0.0}, {0.0, 0.0, 0.0}};  // both middles; each is on the other's ring
+    mesh.vertices = {{0.5, 0.0, 0.0}, {0.0, 0.0, 0.0}};  // middles of two discs; each is on the rim of the other one
     for (std::uint32_t i = 1; i < kRing; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / kRing;
       mesh.vertices.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.0);
@@ -337,7 +337,7 @@ TEST(SurfaceAdjacency, LargeFansMayShareTrianglesAndStandBesideAnEdgeOfThree) {
     for (std::uint32_t i = 0; i + 1 < kRing; ++i) mesh.triangles.push_back({0, first + i, first + i + 1});
     mesh.triangles.push_back({0, first + kRing - 1, ring(1)});
     mesh.triangles.push_back({0, ring(kRing - 1), first});
-    if (has_fin) {
+    if (has_fin) {  // at a rim edge of the first disc: no neighbour there, though the fan is even
       mesh.vertices.emplace_back(0.5, 0.05, 0.3);
       mesh.triangles.push_back({0, ring(1), static_cast<std::uint32_t>(mesh.vertices.size()) - 1});
     }
@@ -362,7 +362,7 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInASoup) {
   }
 }
 
-// Against points sampled densely on both triangles.
+// Compares with the distances of points sampled densely on the first triangle from the second.
 TEST(AreApart, SaysYesOnlyWhereTheDistanceIsAboveTheMargin) {
   std::mt19937_64 random(41);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
@@ -383,7 +383,7 @@ TEST(AreApart, SaysYesOnlyWhereTheDistanceIsAboveTheMargin) {
     if (says) {
       EXPECT_GT(least, margin) << i;
     } else {
-      EXPECT_LT(least, margin + 0.1) << i;  // distance between samples
+      EXPECT_LT(least, margin + 0.1) << i;  // 0.1: for the distance between samples
     }
     apart += says ? 1 : 0;
   }

@@ -39,7 +39,7 @@ TEST(SweepLine, EachStepEndsAsTheMemoSays) {
   SweepCollision hit;
   EXPECT_EQ(compute_collision({{1, 1, 1}, {2, 2, 1}}, kFlat, hit), SweepOutcome::parallel);
   EXPECT_EQ(compute_collision({{1, 1, 0}, {2, 1, 0}}, kFlat, hit), SweepOutcome::parallel);
-  EXPECT_EQ(compute_collision({{1, 1, 1}, {1, 1, 1}}, kFlat, hit), SweepOutcome::parallel);  // no line at all
+  EXPECT_EQ(compute_collision({{1, 1, 1}, {1, 1, 1}}, kFlat, hit), SweepOutcome::parallel);  // a line of length zero
   EXPECT_EQ(compute_collision({{1, 1, 3}, {1, 1, 1}}, kFlat, hit), SweepOutcome::out_of_length);
   EXPECT_EQ(compute_collision({{1, 1, -1}, {1, 1, -3}}, kFlat, hit), SweepOutcome::out_of_length);
   EXPECT_EQ(compute_collision({{3, 3, 1}, {3, 3, -1}}, kFlat, hit), SweepOutcome::out_of_triangle);
@@ -94,7 +94,7 @@ TEST(SweepLine, NoLineSlipsBetweenNeighbours) {
   EXPECT_GT(touching_two, 1000);  // the lines did meet edges
 }
 
-// Against signed volumes in extended precision, which use neither plane nor projection.
+// Compares with signed volumes in extended precision, which use neither plane nor projection.
 TEST(SweepLine, AgreesWithSignedVolumes) {
   constexpr std::uint64_t kSeed = 17;
   RecordProperty("seed", std::to_string(kSeed));

@@ -89,7 +89,7 @@ TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
 }
 
 TEST(SweptSpherePoint, AShallowConcaveEdgeBlocksByItsFace) {
-  // On the first face, moving over the shared edge onto a second one that rises by 0.1 degree.
+  // The probe moves on a first face, which is not in the mesh, over the shared edge onto a second one that rises by 0.1 degree.
   const double rise = 0.5 * 0.00175;
   const TriangleMesh second = one_triangle({0, -0.5, 0}, {0.5, 0, rise}, {0, 0.5, 0});
   const TouchGeometry geometry({&second});
@@ -134,7 +134,7 @@ TEST(ComesNearer, AgreesWithAWalkInSmallSteps) {
   EXPECT_GT(nearer, 50);
 }
 
-// Tangents at contact offset distance of an edge are off by rounding, which over a long way is many contact offsets.
+// At the contact offset from an edge, the direction of a tangent has a rounding error, which over a long way grows to many contact offsets.
 TEST(ComesNearer, ALongSlideAlongAnEdgePasses) {
   constexpr double kContactOffset = 0x1p-30;
   const TriangleMesh mesh = one_triangle({0.1, -0.3, 0.0}, {0.37, 0.41, 0.0}, {0.5, -0.2, 0.0});

@@ -35,7 +35,7 @@ std::vector<std::shared_ptr<const TriangleMesh>> one_mesh(TriangleMesh mesh) {
   return {std::make_shared<const TriangleMesh>(std::move(mesh))};
 }
 
-// Two parts of a scene have the frame that the whole has.
+// A geometry of a part of a scene, built with the box of the scene, has the frame of the whole scene.
 TEST(TouchGeometry, PartsOfASceneHaveItsFrame) {
   const TriangleMesh all = make_box({0.2, 0.1, 0.1});
   const TouchGeometry whole({&all});
@@ -128,7 +128,7 @@ TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
   EXPECT_EQ(meshes_found, (std::set<std::uint32_t>{0, 2}));
 }
 
-// bytes() has the hierarchies before anything is built, and afterwards also what was built.
+// bytes() counts the hierarchies before anything is built, and afterwards also what was built.
 TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
   const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
   const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));
@@ -265,7 +265,7 @@ TEST(TouchGeometry, AVisitEndsTheSearchOverAllObjects) {
   EXPECT_EQ(visits, 25) << "20 triangles an object: the search went on in others";
 }
 
-// The rule applied to each object: which must be requested at p, and how far p may move before the next must be.
+// A loop applies the rule to each object: which ones must be requested at p, and how far p may move before the next one must be.
 TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -367,7 +367,7 @@ TEST(TouchGeometry, ASegmentMeetsFirstWhatABruteForceSearchFinds) {
   EXPECT_GT(met, 50);
 }
 
-// From vertex to vertex, along edges and in the planes of faces: a closed path enters as often as it leaves.
+// The path goes from vertex to vertex, along edges and in the planes of faces. If it is closed, it enters as often as it leaves.
 TEST(TouchGeometry, AClosedWayOverALatticeGoesThroughAClosedSurfaceAnEvenNumberOfTimes) {
   const TriangleMesh box = make_box(Vec3::Constant(0.5), 2);
   const TouchGeometry geometry({&box});

@@ -49,7 +49,7 @@ TEST(TriangleBox, AgreesWithClipping) {
     const Vec3 low = corner.array() - 0.3;
     const Vec3 high = corner.array() + 0.3;
     const bool expected = touches_by_clipping(triangle, low, high);
-    // Shrunk and grown by far more than rounding, so that only clear cases are compared.
+    // The box is shrunk and grown by far more than rounding, so that only clear cases are compared.
     if (touches_by_clipping(triangle, low.array() + 1e-9, high.array() - 1e-9) !=
         touches_by_clipping(triangle, low.array() - 1e-9, high.array() + 1e-9)) {
       continue;
@@ -62,7 +62,7 @@ TEST(TriangleBox, AgreesWithClipping) {
     apart_but_boxes_meet += !expected && boxes_meet ? 1 : 0;
   }
   EXPECT_GT(touching, 1500);
-  EXPECT_GT(apart_but_boxes_meet, 500);  // more than the bounding boxes was tested
+  EXPECT_GT(apart_but_boxes_meet, 500);  // so not only the bounding boxes were compared
 }
 
 TEST(TriangleBox, TouchingIsTouching) {

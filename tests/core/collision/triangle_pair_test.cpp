@@ -224,8 +224,8 @@ struct Tally {
   int undecided = 0;
 };
 
-// Lanes that are not undecided must agree with the exact decision, and their error, measured in extended precision, must not exceed the one
-// that they state.
+// A decided lane must agree with the exact decision, and its error, measured in extended precision, must not exceed the error that it
+// states.
 Tally count_decisions(const std::vector<TrianglePair>& pairs) {
   Tally tally;
   for (std::size_t first = 0; first + 8 <= pairs.size(); first += 8) {
@@ -264,7 +264,7 @@ TEST(Intersect8, IsRightWhereItIsCertain) {
   const Tally tally = count_decisions(pairs);
   EXPECT_GT(tally.met, 10000);
   EXPECT_GT(tally.apart, 30000);
-  EXPECT_LT(tally.undecided, 2000);  // random pairs are seldom near a limit
+  EXPECT_LT(tally.undecided, 2000);  // few random pairs are close cases
 }
 
 TEST(Intersect8, IsRightAtEveryScaleAndPlace) {

@@ -31,7 +31,7 @@ std::pair<Vec3, Vec3> cell_limits(const UniformGrid& grid, int x, int y, int z, 
   return {low - grow * size, low + (1.0 + grow) * size};
 }
 
-// Long thin triangles from anywhere to anywhere.
+// Long thin triangles between random points.
 TriangleMesh slivers(std::uint64_t seed, std::uint32_t count) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -99,7 +99,7 @@ TEST(UniformGrid, EveryPointOfATriangleIsInACellThatListsIt) {
                              : Vec3(triangles[t][0] + s * (triangles[t][1] - triangles[t][0]) + r * (triangles[t][2] - triangles[t][0]));
         const CellBox box = grid->find_cells(p, p);
         if (box.end[0] == 0) {
-          continue;  // rounded out of the scene's own box
+          continue;  // p is outside the grid by rounding
         }
         const auto listed = grid->triangles_in(box.begin[0], box.begin[1], box.begin[2]);
         ASSERT_TRUE(std::binary_search(listed.begin(), listed.end(), t)) << "triangle " << t << " scale " << scale;
@@ -116,7 +116,7 @@ TEST(UniformGrid, OccupancyOfAKnownScene) {
   mesh.triangles.push_back({first, first + 1, first + 2});
   const auto grid = UniformGrid::make(corners_of(mesh), {2, 2, 4});
   ASSERT_TRUE(grid);
-  // The sheet's diagonal runs through all of two cells and touches the corner of the other two.
+  // The diagonal of the sheet runs through two of the lowest cells and touches a corner of the other two.
   EXPECT_EQ(grid->occupancy().cells, 16U);
   EXPECT_EQ(grid->occupancy().occupied_cells, 5U);
   EXPECT_EQ(grid->occupancy().max_triangles_a_cell, 2U);
@@ -147,7 +147,7 @@ TEST(UniformGrid, CoversExactlyTheCellsOfABox) {
   EXPECT_EQ(none.begin, none.end);
 }
 
-// From corner to corner of 256 x 256 x 16 cells: it touches some hundred of the million around it.
+// The triangle runs from corner to corner of 256 x 256 x 16 cells. It touches some hundreds of the million cells in its bounding box.
 TEST(UniformGrid, ALongThinTriangleCostsTheCellsThatItTouches) {
   const std::vector<Corners> diagonal = {{Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(1e-3, 0, 0)}};
   const auto grid = UniformGrid::make(diagonal, {256, 256, 16});
@@ -155,7 +155,7 @@ TEST(UniformGrid, ALongThinTriangleCostsTheCellsThatItTouches) {
   const std::size_t listings = grid->occupancy().entries;
   EXPECT_GT(listings, 256U);
   EXPECT_LT(listings, 2048U);
-  // Counted and listed, each time through at most one box of either half at each of the 20 halvings.
+  // The triangle is counted and listed: each time at most both halves are tested for each listing, at each of the 20 halvings.
   EXPECT_LE(grid->work(), 2 * (1 + 2 * 20 * listings));
 }
 

@@ -19,7 +19,7 @@ TEST(VisitStamps, EachItemIsNewOnceAQuery) {
   }
 }
 
-// With so few stamps that they are used up several times: item k is visited in every k-th query only.
+// Stamps of 8 bits are used up several times; item k is visited only in every k-th query.
 TEST(VisitStamps, ForgetsNothingWhenTheStampsAreUsedUp) {
   constexpr std::uint32_t kItems = 300;
   VisitStampsOf<std::uint8_t> stamps(kItems + 1);

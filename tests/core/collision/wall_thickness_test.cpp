@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// Every ray against every triangle.
+// Brute-force twin: tests every ray against every triangle.
 ThinWalls find_thin_walls_by_brute_force(const TriangleMesh& mesh, double width) {
   ThinWalls found;
   const auto normal = [&](std::size_t t) -> Vec3 {
@@ -76,7 +76,7 @@ TEST(WallThickness, DoesNotDependOnScaleAndPlace) {
 }
 
 TEST(WallThickness, IsThatOfTheMaterialNotOfTheGap) {
-  // Two blocks a hair apart, and one block with a slot turned inside out: only material counts.
+  // Two blocks with a narrow gap: only material counts as a wall, not the gap. Turned inside out, the gap is material.
   const TriangleMesh block = make_box(Vec3(1.0, 0.8, 0.6), 2);
   const TriangleMesh blocks = joined(block, scaled_and_moved(block, 1.0, Vec3(0, 0, 0.601)));
   EXPECT_FALSE(find_thin_walls(blocks, 0.01).thinnest);
@@ -114,7 +114,7 @@ TEST(WallThickness, PartsThatTouchAreWallsOfTheirOwn) {
   }
 }
 
-// A lid of two large triangles under which a thin spot is small: it is met from the large triangle or from the small ones.
+// The top is two large triangles, above a small thin spot. Rays meet it from the large triangle or from the small ones.
 TEST(WallThickness, FindsASmallThinSpotUnderALargeFace) {
   TriangleMesh block = make_box(Vec3(1.0, 1.0, 0.5), 1);
   const TriangleMesh pit = scaled_and_moved(flipped(make_box(Vec3(0.05, 0.05, 0.3), 1)), 1.0, Vec3(0.21, -0.17, 0.05));

@@ -31,7 +31,7 @@ std::vector<std::uint32_t> found_by(const WideBvh& tree, const Box& query) {
   return found;
 }
 
-// Everything that overlaps is found, once; anything else found overlaps the query grown by single precision's rounding.
+// Every item that overlaps is found, once. Any other item found overlaps the query if that is grown by the rounding of single precision.
 void expect_same_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, const Box& query) {
   const std::vector<std::uint32_t> found = found_by(tree, query);
   EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";
@@ -58,7 +58,7 @@ TEST(WideBvh, OverlapQueriesAgreeWithBruteForce) {
   }
 }
 
-// Everything within the radius is found, once; anything else found is as near but for single precision's rounding.
+// Every item within the radius is found, once. Any other item found is farther only by the rounding of single precision.
 TEST(WideBvh, BallQueriesAgreeWithBruteForce) {
   constexpr unsigned kSeed = 1997;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -100,7 +100,7 @@ TEST(WideBvh, ABallQueryEndsWhenTheVisitSaysSo) {
   EXPECT_EQ(visited, 5);
 }
 
-// Each pair once, from whichever of its two items, and none that is farther apart than the margin and single precision's rounding.
+// Every near pair is found, once, from either item. No pair found is farther apart than the margin and the rounding of single precision.
 void expect_near_pairs_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, double margin) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> found;
   std::array<std::uint32_t, WideBvh::kWidth> item{};
@@ -142,7 +142,7 @@ TEST(WideBvh, NearPairsAgreeWithBruteForce) {
       expect_near_pairs_as_brute_force(boxes, WideBvh(boxes), margin);
     }
   }
-  // A tree whose boxes have moved far and grown empty.
+  // A refitted tree: some of its boxes have moved far, others have become empty.
   std::vector<Box> boxes = random_boxes(200, 0.1, random);
   WideBvh tree(boxes);
   const WideBvh::Parents parents = tree.find_parents();
@@ -179,7 +179,7 @@ TEST(WideBvh, NearestAgreesWithBruteForce) {
   }
 }
 
-// The items and their order are those of the query that is not interrupted, also where the bound falls on the way.
+// An interrupted search finds the same items in the same order as one that is not interrupted, even if the bound shrinks meanwhile.
 TEST(WideBvh, ANearestSearchThatIsInterruptedFindsTheSame) {
   constexpr unsigned kSeed = 222;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -202,7 +202,7 @@ TEST(WideBvh, ANearestSearchThatIsInterruptedFindsTheSame) {
         while (const auto item = search.next(tree, bound)) {
           found.push_back(*item);
           bound *= shrink;
-          search = WideBvh::NearestSearch(search);  // it holds all that it needs
+          search = WideBvh::NearestSearch(search);  // a copy holds all that the search needs
         }
         ASSERT_EQ(found, expected) << count << " items";
       }
@@ -240,7 +240,7 @@ TEST(WideBvh, ABallOfAnyRadiusFindsEachItemOnce) {
   }
 }
 
-// The visits of a tree by the searches around p; each search ends at its first one.
+// The number of visits of all searches around p; each search ends at its first visit.
 int visits_around(const WideBvh& tree, const Vec3& p) {
   int visits = 0;
   tree.for_each_within(p, 1.0, [&](std::uint32_t) { return ++visits < 0; });
@@ -276,7 +276,7 @@ TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
   EXPECT_LE(all_the_same.depth(), WideBvh::kMaxDepth);
   EXPECT_EQ(found_by(all_the_same, same[0]).size(), same.size());
 
-  // Each box half as far as the one before: every fair split takes off one box.
+  // Each box is half as far away as the one before: a split by cost alone takes off one place at a time.
   std::vector<Box> shrinking;
   for (int i = 0; i < 4000; ++i) {
     const double x = std::ldexp(1.0, -(i % 120));
@@ -290,7 +290,7 @@ TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
   EXPECT_TRUE(found_by(none, Box::around({-1, -1, -1}, {1, 1, 1})).empty());
 }
 
-// A cut through the empty space costs least, wherever it leaves most of the items.
+// The cut through the empty space costs least, even though it leaves most of the items on one side.
 TEST(WideBvh, AFewItemsFarFromManyShareNoNodeWithThem) {
   constexpr std::size_t kMany = 10'000, kFew = 100;
   std::mt19937_64 random(23);
@@ -340,7 +340,7 @@ TEST(WideBvh, RefittedItemsAreFoundWhereTheyAreAndNowhereElse) {
     tree.refit(i, boxes[i], parents);
   }
   for (const Box& query : random_boxes(60, 0.3, random)) expect_same_as_brute_force(boxes, tree, query);
-  // Back again: no box above stays larger than it must be.
+  // All items move to one place: then no box above them may be larger than necessary.
   const std::vector<Box> first = random_boxes(600, 0.1, random);
   for (std::uint32_t i = 0; i < boxes.size(); ++i) tree.refit(i, first[0], parents);
   EXPECT_EQ(found_by(tree, first[0]).size(), boxes.size());
@@ -364,7 +364,7 @@ TEST(WideBvh, QueriesUseNoHeap) {
   EXPECT_GT(seen, boxes.size() / 2);
 }
 
-// When a segment enters a box that is grown by `radius`; above 1 where it does not.
+// The time, 0 to 1 along the motion, at which a segment enters a box grown by `radius`; above 1: it does not enter.
 double time_into(const Box& box, const Vec3& p, const Vec3& motion, double radius) {
   const Box grown = box.inflated(radius);
   double enter = 0.0;
