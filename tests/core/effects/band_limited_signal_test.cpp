@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Amplitude of a sine of `frequency` (of the rate of the samples) that is read `samples` apart.
+// The amplitude of a sine of `frequency` cycles per sample that is read every `samples` samples, from `first` samples on.
 double amplitude_read(double frequency, double samples, double first) {
   BandLimitedSignal signal;
   const std::size_t stride = BandLimitedSignal::stride_for(samples);

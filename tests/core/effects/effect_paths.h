@@ -11,8 +11,8 @@
 // Seeded closed paths, and the work of a force along them.
 namespace hapton::paths {
 
-// A smooth closed path of n points around `centre`, at most `extent` away along each axis: three waves an axis with random amplitudes and
-// phases.
+// A smooth closed path of n points around `centre`, at most `extent` away along each axis: the sum of three waves along each axis, with
+// random amplitudes and phases.
 inline std::vector<Vec3> closed(std::uint64_t seed, int n, const Vec3& centre, double extent) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -31,13 +31,13 @@ inline std::vector<Vec3> closed(std::uint64_t seed, int n, const Vec3& centre, d
   return points;
 }
 
-// Work done on the hand along a closed path, by the trapezoidal rule, and the same with absolute values of each piece.
+// Work done on the hand along a closed path, by the trapezoidal rule, and the sum of the absolute values of its pieces.
 struct Work {
   double net_j = 0.0;
   double absolute_j = 0.0;
 };
 
-// force_at(p): of a position alone.
+// The work of a force along a path. force_at(p): the force, which depends on the position alone.
 template <class ForceAt>
 Work around(const std::vector<Vec3>& path, const ForceAt& force_at) {
   Work work;

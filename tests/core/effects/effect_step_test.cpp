@@ -17,7 +17,7 @@ namespace {
 constexpr double kMs = 1e-3;
 constexpr double kSpring = 1000.0;  // N/m
 
-// What a method without friction finds on the plane z = 0.
+// The contact that a method without friction finds on the plane z = 0.
 SurfaceContact on_plane(const Vec3& p_SD, int object = 0) {
   if (!(p_SD.z() < 0.0)) return {.p_SP = p_SD};
   return {.force_n = {0, 0, -kSpring * p_SD.z()}, .p_SP = {p_SD.x(), p_SD.y(), 0}, .object = object, .contact = true};
@@ -62,7 +62,7 @@ TEST(EffectStep, WithoutEffectsIsTheMethodsForce) {
   EXPECT_FALSE(free.is_felt);
 }
 
-// Bumps of a triangle that is compressed ten times along x would be ten times as steep, and the force with them.
+// On a triangle compressed ten times along x, bumps without a limit would be ten times as steep, and so would the force.
 TEST(EffectStep, BumpsOnACompressedSurfaceAreNoSteeperThanOthers) {
   EffectStep step({SurfaceEffects{.bumps = {.height_m = 1e-3, .length_m = 4e-3}}}, {});
   const SurfacePlace place{.p_rest = Vec3(1e-3, 0, 0), .moved = Vec3::Zero(), .gradient = Vec3(10.0, 1.0, 1.0).asDiagonal()};
@@ -78,7 +78,7 @@ TEST(EffectStep, AddsProgressiveStiffness) {
   EXPECT_LT((press(step, {0, 0, -0.003}).force_n - Vec3(0, 0, 3.0 + 1.8)).norm(), 1e-12);
 }
 
-// As method sweep finds it behind a hand that slides: on the same plane, far behind.
+// When the hand slides, method `sweep` finds the contact point late: on the same plane, but far behind the hand.
 TEST(EffectStep, DepthIsThatBelowThePlaneWhereverItsContactPointLags) {
   const Vec3 p(0, 0, -0.003);
   for (const double behind_m : {0.0, 1e-3, 0.02}) {
@@ -106,13 +106,13 @@ TEST(EffectStep, BumpsLowerTheSurfaceAndPushSideways) {
   EffectStep step({SurfaceEffects{.bumps = bumps}}, {});
   EXPECT_LT((press(step, {0, 0, -0.003}).force_n - Vec3(0, 0, 3)).norm(), 1e-9) << "on the crest";
   EXPECT_LT((press(step, {0.002, 0, -0.003}).force_n - Vec3(0, 0, 2)).norm(), 1e-9) << "in the trough";
-  // Half way down: 2.5 mm deep, and down the slope, which falls towards +x.
+  // Half way down the bump: 2.5 mm deep, and a force down the slope, towards +x.
   EXPECT_LT((press(step, {0.001, 0, -0.003}).force_n - Vec3(2.5 * bumps.slope(), 0, 2.5)).norm(), 1e-9);
   const EffectResult above = press(step, {0.002, 0, -0.0008});
   EXPECT_EQ(above.force_n, Vec3::Zero()) << "in the trough, above the bottom";
 }
 
-// The whole surface force of bumps, and of a progressive one with bumps, over closed paths in and out of contact.
+// The whole surface force with bumps, without and with progressive stiffness, over closed paths in and out of contact.
 TEST(EffectStep, BumpsAndProgressiveStiffnessGiveNoEnergyOverAClosedPath) {
   for (const double progressive : {0.0, 1e5}) {
     for (const auto pattern : {SurfaceBumps::Pattern::ridges, SurfaceBumps::Pattern::grid}) {
@@ -128,8 +128,8 @@ TEST(EffectStep, BumpsAndProgressiveStiffnessGiveNoEnergyOverAClosedPath) {
   }
 }
 
-// Everything that only takes energy, together, sampled at 1 kHz. Sampling itself gives a spring k at most k/2 |dx|^2 a step (zero-order
-// hold); the work is taken over the motion that led to the force, as the hand feels it with trapezoids.
+// Viscosity and snap only take energy. At 1 kHz the zero-order hold itself gives a spring of stiffness k at most k/2 |dx|^2 a step. So the
+// work of a step is its motion times the mean of the forces before and after it, as the hand feels it (trapezoidal rule).
 TEST(EffectStep, ViscosityAndSnapTakeEnergyOverAClosedPath) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     EffectStep step({SurfaceEffects{.viscosity = {.damping_ns_per_m = 6}, .snap = {.stiffness_n_per_m = 300, .range_m = 2e-3}}}, {});
@@ -182,7 +182,7 @@ TEST(EffectStep, ATapRingsAtTheSpeedOfTheImpact) {
   EXPECT_NEAR(press(step, {0, 0, -0.0001}).force_n.z(), 0.1, 1e-12) << "a step that begins in contact has not tapped";
 }
 
-// A probe between two objects may be pushed more by the one, then by the other: that is not a tap, and punctures stay.
+// A probe between two objects may be pushed more by one, then by the other. That does not count as a tap, and punctures stay.
 TEST(EffectStep, GoingBackAndForthBetweenObjectsIsOneContact) {
   SurfaceEffects skin;
   skin.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 500, .pop_force_n = 1.0});
@@ -220,10 +220,10 @@ TEST(EffectStep, SpaceEffectsActInContactAndOutside) {
   }
 }
 
-// In free space: no surface is near.
+// The force in free space, where no surface is near.
 Vec3 free_force(EffectStep& step, const Vec3& p, std::uint32_t buttons) { return step.step(p, kMs, {}, buttons).force_n; }
 
-// gain * F, with the closed form of both; no step is larger than the ramp allows.
+// The force is gain * F, both in closed form; no step of it is larger than the ramp allows.
 TEST(EffectStep, AnEffectWithAButtonActsWhileItIsHeld) {
   const SpringEffect spring = {.centre = {0.01, 0, 0}, .stiffness_n_per_m = 100, .max_force_n = 3};
   EffectStep step({}, {{spring, EffectSwitch{.button = 2}}, ConstantEffect{.force_n = {0, 0.5, 0}}});
@@ -257,7 +257,7 @@ TEST(EffectStep, ABurstWithAButtonBeginsWithEachPressInside) {
   };
   free_force(step, {0, 0, 0.02}, 0);
   for (int n = 0; n < 10; ++n) EXPECT_TRUE(free_force(step, Vec3::Zero(), 0).isZero(0.0)) << "entering starts nothing";
-  // It rings on after the release, and outside.
+  // The burst rings on after the release of the button, and outside the volume.
   for (int n = 0; n < 150; ++n) EXPECT_NEAR(free_force(step, {0, 0, n > 20 ? 0.02 : 0.0}, n < 5 ? 1 : 0).z(), ring(kMs * n), 1e-9) << n;
   free_force(step, {0, 0, 0.02}, 0);
   for (int n = 0; n < 10; ++n) EXPECT_TRUE(free_force(step, {0, 0, 0.02}, 1).isZero(0.0)) << "pressed outside";
@@ -266,7 +266,7 @@ TEST(EffectStep, ABurstWithAButtonBeginsWithEachPressInside) {
   for (int n = 0; n < 30; ++n) EXPECT_NEAR(free_force(step, Vec3::Zero(), 1).z(), ring(kMs * n), 1e-9) << n;
 }
 
-// What a switched spring gives on a closed path is at most its bound times the way of the hand while it acts.
+// The energy that a switched spring gives on a closed path is at most its largest force times the length of the whole path.
 TEST(EffectStep, AnEffectWithAButtonGivesNoMoreThanItsBoundTimesTheWay) {
   const SpringEffect spring = {.stiffness_n_per_m = 400, .max_force_n = 1.25};
   EffectStep step({}, {{spring, EffectSwitch{.button = 1}}});
@@ -311,7 +311,7 @@ TEST(EffectStep, ASampleThatIsNotFiniteChangesNothing) {
   }
 }
 
-// Any motion, any time step: finite, and no larger than the bounds together.
+// For any motion and any time step the force is finite, and not larger than the sum of all bounds.
 TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
   constexpr std::uint64_t kSeed = 20;
   RecordProperty("seed", static_cast<int>(kSeed));
@@ -364,7 +364,7 @@ TEST(EffectStep, UsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// A spring of friction that is carried from a surface in a frame to one that stands still pulls on in the same direction.
+// The spring of friction keeps its direction when the contact goes from a surface in a turned frame to one that stands still.
 TEST(EffectStep, FrictionGoesOnFromFrameToFrame) {
   const SurfaceEffects rough{.drag = {.friction = {0.5, 0.5}}};
   EffectStep step({rough, rough}, {}, {0, EffectStep::kStill});
@@ -386,7 +386,7 @@ TEST(EffectStep, FrictionGoesOnFromFrameToFrame) {
   EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0.1, 2)).norm(), 1e-12) << "it takes that point along";
 }
 
-// As when another method takes over: it goes on with the speed of the hand, also as surfaces that move see it.
+// When another method takes over, its step goes on with the speed of the hand, also relative to moving surfaces.
 TEST(EffectStep, FollowsTheHandAsAnotherDid) {
   const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
   const Pose X_SF = Pose::Identity();
@@ -407,7 +407,7 @@ TEST(EffectStep, FollowsTheHandAsAnotherDid) {
   }
 }
 
-// Dampers, friction and the frames of moving surfaces go on as if the hand rested.
+// When the scene is moved, dampers, friction and the frames of moving surfaces go on as if the hand rested.
 TEST(EffectStep, ASceneThatIsMovedIsNoMotionOfTheHand) {
   const SurfaceEffects rough{.drag = {.friction = {0.5, 0.5}}};
   const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
@@ -439,7 +439,7 @@ TEST(EffectStep, ASceneThatIsMovedIsNoMotionOfTheHand) {
   }
 }
 
-// As free space, but for the surface that held the device: a tool took its place.
+// The force is that of free space, even where the surface held the device before: a tool took the place of that surface.
 TEST(EffectStep, InSpaceIsWithoutAnySurface) {
   EffectStep tool({everything()}, everywhere());
   EffectStep probe({SurfaceEffects()}, everywhere());
