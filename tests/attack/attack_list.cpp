@@ -48,6 +48,12 @@ bool is_stalled(const Row& row, double watch_ms) {
   return row.is_over && row.release_ms() - std::max(row.blind_ms, watch_ms) <= row.bound_ms;
 }
 
+// A thread of another name would never be attacked, and its row say nothing.
+void lacks_thread(Row& row, const std::string& thread) {
+  row.is_broken = true;
+  row.note = "io_node has no thread " + thread;
+}
+
 class List {
  public:
   List(const Settings& settings, const std::function<void(const Row&)>& on_row) : settings_(settings), on_row_(on_row) {}
@@ -176,6 +182,10 @@ void List::thread_hangs(const std::string& name, const std::vector<std::string>&
       row.note = "no force came again";
       break;
     }
+    for (const std::string& thread : threads) {
+      if (!find_thread(bed->io().pid(), thread)) lacks_thread(row, thread);
+    }
+    if (row.is_broken) break;
     observe([&] {
       std::vector<std::unique_ptr<StoppedThread>> stopped;
       const auto stop = [&] {
@@ -198,7 +208,9 @@ void List::thread_hangs(const std::string& name, const std::vector<std::string>&
 
 void List::thread_is_missed_by_nobody(const std::string& name, const std::string& thread) {
   Row row{.name = name};
-  if (auto bed = make_bed(row)) {
+  auto bed = make_bed(row);
+  if (bed && !thread.empty() && !find_thread(bed->io().pid(), thread)) lacks_thread(row, thread);
+  if (bed && !row.is_broken) {
     observe([&] {
       const StoppedThread stopped(thread.empty() ? bed->io().pid() : find_thread(bed->io().pid(), thread).value_or(0));
       row.is_skipped = !stopped.is_stopped();
