@@ -13,7 +13,7 @@ std::vector<double> cosines_of(const std::vector<double>& frequencies) {
   return cosines;
 }
 
-// expected: with the first coefficient, which is 1.
+// `expected` begins with the first coefficient, which is 1; `found` begins with the second one.
 void expect_near(const std::vector<double>& found, const std::vector<double>& expected) {
   ASSERT_EQ(found.size() + 1, expected.size());
   double largest = 1.0;
@@ -21,12 +21,12 @@ void expect_near(const std::vector<double>& found, const std::vector<double>& ex
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i + 1], 1e-9 * largest) << found.size() << " " << i;
 }
 
-// Multiplied out by the book, for every order.
+// For every order, compared with the polynomials that made::coefficients multiplies out by the definition.
 TEST(LineSpectrum, GivesTheCoefficients) {
   for (std::size_t order = 0; order <= kMaxLines; ++order) {
     for (const double tilt : {0.0, 0.3, -0.3}) {
       const auto frequencies = made::frequencies(order, 0.3, 0.6, tilt);
-      // Beside each order, another one.
+      // multiply_out takes two polynomials: each order is paired with another one.
       const auto others = made::frequencies((order * 7 + 3) % (kMaxLines + 1), 0.6, 0.4);
       std::vector<double> found(order), other(others.size());
       multiply_out({cosines_of(frequencies), found}, {cosines_of(others), other});

@@ -13,7 +13,7 @@ namespace hapton::made {
 
 using Complex = std::complex<double>;
 
-// A polynomial 1 + c_1 z^-1 + ... by its line spectral frequencies, multiplied out: the definition in line_spectrum.h by the book.
+// A polynomial 1 + c_1 z^-1 + ... from its line spectral frequencies, multiplied out just as line_spectrum.h defines it.
 inline std::vector<double> coefficients(std::span<const double> frequencies) {
   const auto times = [](const std::vector<double>& a, const std::vector<double>& b) {
     std::vector<double> product(a.size() + b.size() - 1, 0.0);
@@ -48,8 +48,8 @@ inline double density(const TextureModel& model, double rate_hz, double frequenc
   return 2.0 * model.variance * model.gain * model.gain * filter / rate_hz;
 }
 
-// Line spectral frequencies of `order`, spread over the band, drawn together around `peak` (0 to 1) and, by `tilt`, towards low ones. With
-// 0.3 to 0.6 and 0.3, the spectrum has a resonance and falls by 50 dB over the band, as those of recordings do.
+// `order` line spectral frequencies over the band, drawn together around `peak` (0 to 1) by `sharpness`, and towards low ones by `tilt`.
+// With a sharpness of 0.3 to 0.6 and a tilt of 0.3 there is a resonance, and a fall by 50 dB over the band, as in recordings.
 inline std::vector<double> frequencies(std::size_t order, double peak, double sharpness, double tilt = 0.0) {
   std::vector<double> made;
   for (std::size_t i = 1; i <= order; ++i) {
@@ -61,7 +61,7 @@ inline std::vector<double> frequencies(std::size_t order, double peak, double sh
   return made;
 }
 
-// Nine models over 0 to 0.2 m/s and 0 to 4 N, in eight triangles; silent at rest and without force. Faster is louder and higher.
+// Nine models over 0 to 0.2 m/s and 0 to 4 N, in eight triangles; silent at rest and without force. A higher speed is louder and higher.
 inline std::vector<TextureModel> nine_models(std::size_t ar, std::size_t ma) {
   std::vector<TextureModel> models;
   for (int f = 0; f < 3; ++f) {
@@ -94,7 +94,7 @@ inline std::shared_ptr<const TextureModels> texture(double rate_hz, std::size_t 
   return models ? std::make_shared<const TextureModels>(std::move(*models)) : nullptr;
 }
 
-// The model at a place, interpolated by the book: linear over the triangle that has it.
+// The model at one speed and force, interpolated by the definition: linear over the triangle that contains them.
 inline TextureModel interpolated(const TextureModels& models, double speed_m_per_s, double force_n) {
   TextureModel made;
   for (const TextureTriangle& triangle : models.triangles()) {

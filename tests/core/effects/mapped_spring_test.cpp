@@ -14,7 +14,7 @@ constexpr double kTurnOfWave = 2.0 * std::numbers::pi;
 
 using Triangles = std::vector<MappedTriangle>;
 
-// A rectangle of the plane z = 0 with the whole image, sheared.
+// A rectangle in the plane z = 0, sheared into a parallelogram, with the whole image on it.
 Triangles sheet(double width_m, double height_m, double shear_m = 0.0) {
   const Vec3 right(width_m, 0, 0);
   const Vec3 down(shear_m, height_m, 0);
@@ -36,7 +36,7 @@ std::shared_ptr<const SurfaceImage> noise(std::mt19937_64& random, int width, in
   return image_of(width, height, [&](double, double) { return unit(random); });
 }
 
-// Of the number, by differences of its gradient along the plane.
+// The second derivative of the map's number along the plane, from differences of its gradient.
 Eigen::Matrix2d second_derivative(const ImageMap& map, const MapPlace& place, double step) {
   Eigen::Matrix2d found;
   for (int k = 0; k < 2; ++k) {
@@ -69,7 +69,7 @@ TEST(MappedSpring, AWaveHasItsOwnCurvature) {
   EXPECT_EQ(largest_curvature(grey, {}), 0.0);
 }
 
-// Twin by brute force: derivatives at places all over the image, on sheets that stretch and shear it.
+// Brute-force twin: derivatives at places all over the image, on sheets that stretch and shear it.
 TEST(MappedSpring, NoPlaceIsMoreCurvedAndTheMostCurvedIsFound) {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     std::mt19937_64 random(seed);
@@ -92,8 +92,8 @@ TEST(MappedSpring, NoPlaceIsMoreCurvedAndTheMostCurvedIsFound) {
   }
 }
 
-// A bump of one texel curves most in its middle, where the weights of the texel across are 3/4: found wherever it lies in the image, along
-// the rows and down the columns, on an image of more columns than rows.
+// A bump of one texel curves most in its middle, where its weight in the other direction of the image is 3/4. It must be found wherever it
+// lies, along the rows and down the columns, on an image of more columns than rows.
 TEST(MappedSpring, ABumpOfOneTexelIsFoundWhereverItLies) {
   constexpr int kWidth = 5;
   constexpr int kHeight = 4;
@@ -112,8 +112,8 @@ TEST(MappedSpring, ABumpOfOneTexelIsFoundWhereverItLies) {
   }
 }
 
-// Black and white in turns along both diagonals of a texel's corner: only the mixed derivative is large, 1/4 of the texels around each
-// corner, and both of its signs count.
+// Two texels that touch only at a corner have the same value, and all others another one: around that corner only the mixed derivative is
+// large, and both of its signs count.
 TEST(MappedSpring, ATwistIsFoundWhereverItLies) {
   constexpr int kSize = 6;
   for (const double white_m : {-0.001, 0.001}) {
@@ -140,7 +140,7 @@ TEST(MappedSpring, ATwistIsFoundWhereverItLies) {
   }
 }
 
-// What it adds is that of the steepest place beside the one texel that differs, where the slope across its edge is 3/4 of the step.
+// The added stiffness is that of the steepest place beside the texel that differs; the slope across its edge is 3/4 of the step.
 TEST(MappedSpring, AStepOfOneTexelIsFoundWhereverItLies) {
   constexpr int kWidth = 5;
   constexpr int kHeight = 4;
@@ -170,7 +170,7 @@ TEST(MappedSpring, AStepOfOneTexelIsFoundWhereverItLies) {
   }
 }
 
-// Flat across the image but for one texel: what counts is the stiffest texel, wherever it lies.
+// All texels but one are equal. The stiffest texel counts, wherever it lies.
 TEST(MappedSpring, TheStiffestTexelIsFoundWhereverItLies) {
   constexpr int kSize = 4;
   for (int differs = 0; differs < kSize * kSize; ++differs) {
@@ -178,13 +178,13 @@ TEST(MappedSpring, TheStiffestTexelIsFoundWhereverItLies) {
     texels[static_cast<std::size_t>(differs)] = 1.0F;
     const ImageMap share{.image = std::make_shared<const SurfaceImage>(kSize, kSize, std::move(texels)), .at_black = 0.5, .at_white = 1.0};
     const MappedSpring spring{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .pressed_n = 1e-9};
-    // Nine sixteenths of the texel's own share, in its middle.
+    // In the middle of a texel its own share has a weight of 9/16.
     const double expected = (0.5 + 0.5 * 9.0 / 16.0) * 1000.0 + 300.0;
     const double found = spring.largest_n_per_m(share, sheet(1.0, 1.0));
     EXPECT_GE(found, (1.0 - 1e-9) * expected) << differs;
     EXPECT_LE(found, 1.06 * expected) << differs;
   }
-  // Friction counts where it is stiffer than the spring.
+  // The spring of friction counts where it is stiffer than the spring of the surface.
   const ImageMap all{.image = image_of(2, 2, [](double, double) { return 1.0; }), .at_black = 0.5, .at_white = 1.0};
   const MappedSpring rubbed{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .sideways_n_per_m = 5000.0, .pressed_n = 1e-9};
   EXPECT_NEAR(rubbed.largest_n_per_m(all, sheet(1.0, 1.0)), kMapMargin * 5000.0, 1e-6);
@@ -202,7 +202,7 @@ TEST(MappedSpring, TheDensestTriangleCounts) {
   EXPECT_NEAR(both, 4.0 * wide, 0.06 * both);
 }
 
-// By the formula of K, with the force at each place.
+// Compared with the formula of K (mapped_spring.h), with the force at each place.
 TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     std::mt19937_64 random(seed);
@@ -232,7 +232,7 @@ TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
   }
 }
 
-// On a spring so stiff that only the gradient counts, by its formula at places all over the image, on sheets that are sheared far.
+// The spring is so stiff that only the gradient of the share counts. Compared with its formula at places all over strongly sheared sheets.
 TEST(MappedSpring, WhatItAddsToBumpsIsThatOfTheSteepestPlace) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     std::mt19937_64 random(seed);

@@ -16,7 +16,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// From rest at full speed: the mass is towed up to it as u = v (1 - exp(-t / filter)), whatever the steps.
+// The hand goes from rest to the speed v at once. The mass follows as u = v (1 - exp(-t / filter)), whatever the length of the steps.
 TEST(MassEffect, IsTowedUpToTheSpeedOfTheHand) {
   const MassEffect mass = {.mass_kg = 0.2, .filter_s = 0.03, .max_force_n = 50};
   const Vec3 v(0.1, 0.0, -0.2);
@@ -29,7 +29,7 @@ TEST(MassEffect, IsTowedUpToTheSpeedOfTheHand) {
     t_s += dt_s;
     const double end = std::exp(-t_s / mass.filter_s);
     const Vec3 force_n = mass.force({.v_SD = v, .time_s = t_s}, state);
-    // The mean over the step of m / filter v exp(-t / filter).
+    // The mean of m / filter v exp(-t / filter) over the step.
     ASSERT_LT((force_n + mass.mass_kg * (begin - end) / dt_s * v).norm(), 1e-10) << k;
     ASSERT_LT((state.u - (1.0 - end) * v).norm(), 1e-12) << k;
   }
@@ -49,7 +49,7 @@ TEST(MassEffect, IsTheMassTimesTheAccelerationOfAHandThatSpeedsUpSteadily) {
   EXPECT_LT((force_n + 0.2 * a).norm(), 1e-9);
 }
 
-// Against m s / (1 + filter s) as it is sampled, behind the mean of eight differences.
+// Compared with the sampled form of m s / (1 + filter s), behind the mean of eight differences (SmoothVelocity).
 TEST(MassEffect, FollowsASwingingHandAsItsClosedFormDoes) {
   const MassEffect mass = {.mass_kg = 0.1, .filter_s = 0.02, .max_force_n = 50};
   for (const double hz : {0.5, 2.0, 8.0, 30.0, 120.0, 400.0}) {
@@ -106,7 +106,7 @@ TEST(MassEffect, GivesTheSameForceAgainWhereNoTimeHasPassed) {
   EXPECT_EQ(mass.force({.v_SD = {0.3, 0, 0}, .time_s = 1e-3}, state), force_n);
 }
 
-// Any motion at equal intervals, of any frequency: swings between samples, noise, smooth paths.
+// Any motion at equal intervals, of any frequency up to half the sample rate: oscillations, noise, smooth paths.
 TEST(MassEffect, NeverGivesEnergyBelowItsBound) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     std::mt19937_64 random(seed);
@@ -134,7 +134,7 @@ TEST(MassEffect, NeverGivesEnergyBelowItsBound) {
   }
 }
 
-// With the velocity of the last interval: the energy account of the header, at any intervals, where the damper slips as well.
+// With the velocity of the last interval, the energy balance in mass_effect.h holds at any intervals, and also where the damper slips.
 TEST(MassEffect, OfTheLastIntervalGivesNothingAtAnyIntervalsAndBeyondItsBound) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

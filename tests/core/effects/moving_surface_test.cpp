@@ -1,4 +1,4 @@
-// Effects of a surface in a frame that moves, or that deforms.
+// Effects of a surface that moves with its frame, or that deforms.
 #include <gtest/gtest.h>
 
 #include "core/effects/effect_step.h"
@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kStepOfFrame = 1e-3;  // s
 
-// Pressed along +y of a frame with 1 kN/m, at a place of the surface y = 0 of that frame.
+// Contact with the surface y = 0 of the frame F at p_FD, which pushes along +y of F with 1 kN/m.
 SurfaceContact pressed_in(const Pose& X_SF, const Vec3& p_FD) {
   return {
       .force_n = X_SF.linear() * Vec3(0, -1000.0 * p_FD.y(), 0), .p_SP = X_SF * Vec3(p_FD.x(), 0, p_FD.z()), .object = 0, .contact = true};
@@ -32,7 +32,7 @@ TEST(MovingSurface, ANeedleIsDrawnWhereItIsInTheScene) {
   EXPECT_LT((drawn_at(0.011) - Vec3(0.02, -0.01, 0.01)).norm(), 1e-12) << "on the bone";
 }
 
-// The hand moves along with the touched point: it rests on the surface.
+// The touched point moves along with the hand by `share` of its motion: with 1, the hand rests on the surface.
 TEST(MovingSurface, AHandThatGoesAlongWithWhatDeformsIsNotSlowed) {
   const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
   const Pose X_SF = turned_and_moved();
@@ -52,7 +52,7 @@ TEST(MovingSurface, AHandThatGoesAlongWithWhatDeformsIsNotSlowed) {
   }
 }
 
-// While a tool is held nobody places the frames. What the hand has moved until one is placed again is not a velocity relative to it.
+// While a tool is held, the frames are not placed. The hand's motion until they are placed again is not a velocity relative to them.
 TEST(MovingSurface, AFrameIsNotFollowedWhileNobodyPlacesIt) {
   const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
   const Pose X_SF = turned_and_moved();

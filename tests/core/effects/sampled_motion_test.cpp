@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSampleS = 1e-3;
 
-// As fast as this along x, for so many samples from there.
+// Adds this number of samples of a motion from x_m along x at this speed.
 void go_on(SampledMotion& motion, double& x_m, double m_per_s, int samples) {
   for (int n = 0; n < samples; ++n) motion.add(Vec3(x_m += kSampleS * m_per_s, 0, 0), kSampleS);
 }
@@ -23,7 +23,7 @@ TEST(SampledMotion, IsThatOfSteadySamples) {
   EXPECT_NEAR(motion.velocity().x(), 0.1, 1e-12);
 }
 
-// Another hub, or one whose machine was started again: the hand has gone a tenth of a metre meanwhile, in a time that nobody knows.
+// Samples of another hub, or of one whose machine has restarted: meanwhile the hand has moved by 0.1 m in an unknown time.
 TEST(SampledMotion, BeginsAnewWhereTheClockStepsBack) {
   SampledMotion motion;
   double x_m = 0.0;

@@ -20,7 +20,7 @@ TEST(SmoothVelocity, IsTheVelocityOfSteadyMotion) {
   EXPECT_LT((velocity.newest() - v).norm(), 1e-12);
 }
 
-// A step of the velocity: after m of 8 samples the mean is the sum of the first m weights, 8, 7, 6 ... of 36.
+// The velocity steps from 0 to 1 m/s: after m of 8 samples the mean is the sum of the first m weights, 8/36, 7/36, 6/36 ...
 TEST(SmoothVelocity, WeightsFallLinearly) {
   SmoothVelocity velocity;
   velocity.add(Vec3::Zero(), kMillisecond);
@@ -53,12 +53,12 @@ TEST(SmoothVelocity, ForgetsAllAfterItsSamples) {
     wild.add(p, kMillisecond);
     fresh.add(p, kMillisecond);
   }
-  // The order of the sum is that of the samples, so it is the same to the bit.
+  // The sum is in the order of the samples, so both results are the same to the bit.
   EXPECT_EQ(wild.mean(), fresh.mean());
 }
 
-// The sum of v_k . mean_k, which is what a damper takes, for motions that try to make it negative: noise, and every frequency to the
-// Nyquist.
+// The sum of v_k . mean_k, to which the energy that a damper takes is proportional, for motions that could make it negative: noise, and
+// oscillations of every frequency up to half the sample rate.
 TEST(SmoothVelocity, IsAlongTheMotionOverall) {
   constexpr std::uint64_t kSeed = 11;
   RecordProperty("seed", static_cast<int>(kSeed));
@@ -83,7 +83,7 @@ TEST(SmoothVelocity, IsAlongTheMotionOverall) {
   }
 }
 
-// Late, then 0.1 ms after that with the error of an encoder: what is wrong by 10 um over 35.1 weighted ms.
+// A sample comes 0.9 ms late, and the next one 0.1 ms later with an encoder error of 10 um. Its weight is 8, over 35.1 weighted ms.
 TEST(SmoothVelocity, AnIntervalCountsByItsLength) {
   SmoothVelocity velocity;
   double at_m = 0.0;
@@ -95,7 +95,7 @@ TEST(SmoothVelocity, AnIntervalCountsByItsLength) {
   EXPECT_NEAR(velocity.mean().x(), 0.1 + 8 * 1e-5 / 35.1e-3, 1e-12);
 }
 
-// What a damper takes of a motion whose samples come late and early in turn: to in the long intervals, and fro in the short ones.
+// The energy that a damper takes where samples come late and early in turn: forward in the long intervals, back in the short ones.
 TEST(SmoothVelocity, IsAlongTheMotionAlsoWhereSamplesComeLate) {
   for (const double early_s : {0.1e-3, 0.3e-3, 0.8e-3}) {
     for (double back = 0.0; back < 20.0; back += 0.5) {
@@ -115,7 +115,7 @@ TEST(SmoothVelocity, IsAlongTheMotionAlsoWhereSamplesComeLate) {
   }
 }
 
-// An interval without end has a weight like any other.
+// An infinite interval has a finite weight, like any other.
 TEST(SmoothVelocity, StaysFiniteAfterAnyInterval) {
   for (const double dt_s : {1e-310, 1e-12, 1e6, 1e300, std::numeric_limits<double>::infinity()}) {
     SmoothVelocity velocity;

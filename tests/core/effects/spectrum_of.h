@@ -8,7 +8,7 @@
 
 namespace hapton::spectrum {
 
-// In place, by halves. Pre: a power of two.
+// The discrete Fourier transform, in place, by halving (radix 2). Pre: x.size() is a power of two.
 inline void transform(std::vector<std::complex<double>>& x) {
   const std::size_t n = x.size();
   if (n < 2) return;
@@ -26,7 +26,7 @@ inline void transform(std::vector<std::complex<double>>& x) {
   }
 }
 
-// One-sided power density by bins of rate / size (Welch 1967): Hann windows that overlap by half.
+// One-sided power density in bins of rate / size (Welch 1967), from Hann windows that overlap by half.
 inline std::vector<double> density(const std::vector<double>& signal, double rate_hz, std::size_t size) {
   std::vector<double> sum(size / 2 + 1, 0.0);
   double windows = 0.0;

@@ -12,7 +12,7 @@ constexpr double kSlipSpring = 800.0;
 TEST(SpringFriction, SticksLikeASpringAndSlidesOnTheCone) {
   SpringFriction::State state;
   const Vec3 normal = Vec3::UnitZ();
-  // 2 N times 0.5: it slips at 1 N, which is 1.25 mm.
+  // The normal force is 2 N and the coefficient 0.5: it slips at 1 N, when the spring is pulled by 1.25 mm.
   for (int n = 1; n <= 12; ++n) {
     const Vec3 force_n = SpringFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
     EXPECT_LT((force_n - Vec3(-0.08 * n, 0, 0)).norm(), 1e-12) << n;
@@ -52,7 +52,7 @@ TEST(SpringFriction, TakesEnergyOverAnyMotion) {
   }
 }
 
-// 2 N: it sticks up to 1.6 N, slips at 0.8 N, also on after a turn, and sticks again below 0.4 N.
+// With a normal force of 2 N it sticks up to 1.6 N, slips at 0.8 N, also after the motion has reversed, and sticks again below 0.4 N.
 TEST(SpringFriction, SticksWithTheCoefficientAtRestAndSlipsWithTheOther) {
   SpringFriction::State state;
   const auto move = [&](double x_m) { return SpringFriction::force({x_m, 0, 0}, Vec3::UnitZ(), kSlipSpring, 2.0, {0.8, 0.4}, state).x(); };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDragSpring = 1000.0;  // N/m
 
-// A method without damping and friction on the plane z = 0.
+// A step as with a force method without damping and friction that touches the plane z = 0.
 EffectResult press_plane(EffectStep& step, const Vec3& p) {
   SurfaceContact contact{.p_SP = p};
   if (p.z() < 0.0) contact = {.force_n = {0, 0, -kDragSpring * p.z()}, .p_SP = {p.x(), p.y(), 0}, .object = 0, .contact = true};
@@ -22,7 +22,7 @@ EffectResult press_plane(EffectStep& step, const Vec3& p) {
 TEST(SurfaceDrag, DampingWorksAgainstTheNormalSpeedAndNeverAttracts) {
   EffectStep step({SurfaceEffects{.drag = {.damping_ns_per_m = 5.0}}}, {});
   (void)press_plane(step, {0, 0, 1e-4});
-  // 0.1 m/s inwards, whatever goes on along the surface.
+  // 0.1 m/s inwards, whatever the motion along the surface.
   for (int n = 1; n <= 20; ++n)
     EXPECT_NEAR(press_plane(step, {3e-4 * n, 0, 1e-4 - 1e-4 * n}).force_n.z(), 0.1 * (n - 1) + (n > 1 ? 0.5 : 0.0), 1e-9) << n;
   EXPECT_NEAR(press_plane(step, {6e-3, 0, -1.8e-3}).force_n.z(), 1.8 - 0.5, 1e-9) << "outwards";
@@ -38,12 +38,12 @@ TEST(SurfaceDrag, FrictionSticksAndSlips) {
     EXPECT_NEAR(felt.z(), 2.0, 1e-9);
     EXPECT_NEAR(felt.x(), n <= 16 ? -0.1 * n : -0.8, 1e-9) << n;
   }
-  // Lifted and put down elsewhere it begins anew.
+  // After the device has been lifted and put down elsewhere, friction begins anew.
   (void)press_plane(step, {4e-3, 0, 1e-4});
   EXPECT_NEAR(press_plane(step, {8e-3, 0, -2e-3}).force_n.x(), 0.0, 1e-12);
 }
 
-// In the layer of method smooth the force is large where the depth is small.
+// In the layer of method smooth, where a spring acts before the surface (smooth_force.h), the force is large where the depth is small.
 TEST(SurfaceDrag, TheSpringOfFrictionIsNoStifferThanTheMaterial) {
   EffectStep step({SurfaceEffects{.drag = {.stiffness_n_per_m = kDragSpring, .friction = {0.5, 0.5}}}}, {});
   const auto felt_n = [&](double x_m) {
@@ -86,7 +86,7 @@ TEST(SurfaceDrag, FrictionBeginsAnewAfterASurfaceWithoutIt) {
   EXPECT_NEAR(press(5.9e-3, 0).x(), 0.1, 1e-9) << "against the motion back, by that alone";
 }
 
-// In, along, round and out, with seeded paths: the hand never gets more than it gave.
+// The device goes in, along the surface, round and out on a wavy path: the hand never gets more energy than it gave.
 TEST(SurfaceDrag, TakesEnergy) {
   for (const double damping : {0.0, 4.0}) {
     EffectStep step({SurfaceEffects{.drag = {.damping_ns_per_m = damping, .friction = {0.7, 0.3}}}}, {});

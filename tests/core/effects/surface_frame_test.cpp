@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFrameStepS = 1e-3;
 
-// 0.2 m/s and 2 rad/s.
+// Moves at 0.2 m/s and turns at 2 rad/s.
 Pose moving_pose(double time_s) {
   Pose X_SF = Pose::Identity();
   X_SF.linear() = Eigen::AngleAxisd(2.0 * time_s, Vec3(1, 2, 2) / 3.0).toRotationMatrix();
@@ -44,7 +44,7 @@ TEST(SurfaceFrame, AHandAtRestMovesAgainstIt) {
   EXPECT_LT((frame.motion() - Vec3(-0.2e-3, 0, 0)).norm(), 1e-13);
 }
 
-// The hand goes on, and the jump is not a velocity.
+// The hand goes on moving; the jump of the frame is not a velocity of the hand.
 TEST(SurfaceFrame, AJumpIsNoMotionOfTheHand) {
   for (const double sign : {1.0, -1.0}) {
     SurfaceFrame frame;
@@ -79,7 +79,7 @@ TEST(SurfaceFrame, ATurnOfTheSceneIsNoMotionOfTheHand) {
   }
 }
 
-// A point of the surface that moves within the frame counts for as long as it is touched, and for what is remembered from before.
+// The motion of a touched point within the frame is subtracted while it is touched, and from the remembered samples before that.
 TEST(SurfaceFrame, RidesOnAPointThatMovesWithinIt) {
   SurfaceFrame frame;
   const Vec3 v_F(0.0, 0.1, 0.0);

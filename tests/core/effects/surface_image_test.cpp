@@ -28,7 +28,7 @@ SurfaceImage random_image(int width, int height, std::uint64_t seed) {
   return made_image(width, height, [&](int, int) { return std::uniform_real_distribution<double>(0, 1)(random); });
 }
 
-// Texel i stands at (i + 1/2) / width.
+// The middle of texel i is at (i + 1/2) / width.
 TEST(SurfaceImage, ARampIsExact) {
   const SurfaceImage ramp = made_image(64, 32, [](int x, int y) { return 2.0 * x - 3.0 * y; });
   for (double u = 0.05; u < 0.95; u += 0.0137) {

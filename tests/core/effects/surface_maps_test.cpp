@@ -32,7 +32,7 @@ std::shared_ptr<const std::vector<MappedTriangle>> square() {
   return std::make_shared<const std::vector<MappedTriangle>>(two);
 }
 
-// The place on the square's map, which goes on beyond its sides.
+// The place of p on the map of the square; the map continues beyond the sides of the square.
 MapPlace place_of(const Vec3& p) { return {.texcoord = p.head<2>() / kSide, .du = Vec3::UnitX() / kSide, .dv = Vec3::UnitY() / kSide}; }
 
 struct MappedPlane {
@@ -58,7 +58,7 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
     EXPECT_LT((place.du - Vec3::UnitX() / kSide).norm(), 1e-12);
     EXPECT_LT((place.dv - Vec3::UnitY() / kSide).norm(), 1e-12);
   }
-  // Any triangle: the gradients give the differences along its edges, and lie in it.
+  // Any triangle: the gradients give the differences along its edges, and lie in its plane.
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int n = 0; n < 100; ++n) {
@@ -80,7 +80,7 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
   const MappedTriangle flat = {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}};
   EXPECT_EQ(map_gradients(flat).du, Vec3(0, 0, 0)) << "without area";
   EXPECT_EQ(map_gradients(flat).dv, Vec3(0, 0, 0));
-  // Edges whose normal's square is below the least number above 0.
+  // The edges are so short that the square of their normal underflows to 0.
   const MappedTriangle tiny = {{Vec3(1, 2, 3), Vec3(1, 2, 3) + 0x1p-52 * Vec3(4, 0, 0), Vec3(1, 2, 3) + 0x1p-52 * Vec3(0, 4, 0)},
                                {Eigen::Vector2d(0.3, 0.4), {1e200, 0}, {0, 1e200}}};
   for (const double scale : {0.0, 1e-100}) {
@@ -92,7 +92,7 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
   }
 }
 
-// Texture coordinates of a file may be any numbers: if one direction overflows there is no gradient, so no force is NaN.
+// A file may have any texture coordinates: if one gradient overflows, both are zero, so that no force is NaN.
 TEST(SurfaceMaps, AGradientThatIsNotFiniteIsNone) {
   for (const bool is_along_u : {true, false}) {
     MappedTriangle triangle = {{Vec3(0, 0, 0), Vec3(1e-3, 0, 0), Vec3(0, 1e-3, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {0, 1}}};
@@ -104,7 +104,7 @@ TEST(SurfaceMaps, AGradientThatIsNotFiniteIsNone) {
   }
 }
 
-// An image of a ramp is an inclined plane: f(d + h) (n - grad h) with h linear.
+// The image of a ramp is felt as an inclined plane: f(d + h) (n - grad h), with the depth d and the height h, which is linear.
 TEST(SurfaceMaps, ARampPushesDownhillByTheFormula) {
   const ImageMap height = {.image = shared_image(256, [](double u, double) { return u; }), .at_black = -1e-3, .at_white = 0.0};
   MappedPlane plane({.triangles = square(), .height = height});
@@ -117,7 +117,7 @@ TEST(SurfaceMaps, ARampPushesDownhillByTheFormula) {
   }
 }
 
-// An image of a wave gives the force of the same bumps by their formula, up to the height that the spline smooths away at 64 texels a wave.
+// An image of a wave feels like bumps (SurfaceBumps) of that wave, but for the height that the spline smooths away at 64 texels a wave.
 TEST(SurfaceMaps, AWaveFeelsAsBumpsByTheFormula) {
   constexpr double kHeight = 1e-3;
   const SurfaceBumps bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = kHeight, .length_m = kSide / 8.0};
@@ -130,7 +130,7 @@ TEST(SurfaceMaps, AWaveFeelsAsBumpsByTheFormula) {
   for (double x = 0.0; x < kSide; x += 0.00037) {
     const Vec3 p(x, 0.02, -0.003);
     const Vec3 expected = formula.step(p, 1e-3, {.force_n = {0, 0, 3.0}, .p_SP = {x, 0.02, 0}, .object = 0, .contact = true}).force_n;
-    // That share of the spring force kMapSpring * kHeight / 2 = 0.5 N, and of the force along the slope, 3 N times the slope.
+    // Allowed error: `share` of the spring force kMapSpring * kHeight / 2 = 0.5 N, and of the force along the slope, 3 N times the slope.
     EXPECT_LT((plane.force_at(p) - expected).norm(), share * (0.5 + 3.0 * bumps.slope()) + 1e-3) << x;
   }
   EXPECT_NEAR(height.steepest(*square()), bumps.slope(), 0.01 * bumps.slope());

@@ -13,7 +13,7 @@ Mat3 random_corners(std::mt19937& random, double scale) {
   return scale * Mat3::NullaryExpr([&] { return anywhere(random); });
 }
 
-// Of a linear number on a triangle: differences along the edges are the same before and after, and there is none across.
+// The gradient of a linear number on a triangle: differences along the edges stay the same, and it has no component along the normal.
 TEST(SurfacePlace, TheGradientMovesWithTheTriangle) {
   std::mt19937 random(3);
   for (const double scale : {1e-6, 1.0, 1e6}) {

@@ -45,7 +45,7 @@ TEST(TextureModels, BeyondTheModelsIsTheBorder) {
   expect_blend(*models, 0.0, 0.0, -1.0, -1.0);
 }
 
-// The border of triangles that do not fill the range: a place outside takes that of its side.
+// The triangle does not fill the range of the models: a place outside the triangle gets the model of the side that faces it.
 TEST(TextureModels, OutsideTheTrianglesNoShareIsNegative) {
   auto models = TextureModels::make(1000.0, made::nine_models(8, 0), {{0, 2, 6}});
   ASSERT_TRUE(models) << models.error().what;
@@ -86,7 +86,7 @@ TEST(TextureModels, EveryInterpolatedFilterIsStable) {
   }
 }
 
-// Models with any frequencies that ascend, of any order: those between are stable too.
+// Models of any order, with any ascending frequencies: the filters interpolated between them are stable too.
 TEST(TextureModels, StableModelsHaveStableFiltersBetweenThem) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -100,7 +100,7 @@ TEST(TextureModels, StableModelsHaveStableFiltersBetweenThem) {
       for (const double cut : cuts) sum += cut;
       double at = 0.0;
       for (std::size_t i = 0; i < order; ++i) model.ar[i] = at += std::numbers::pi * cuts[i] / sum;
-      model.variance = 0.0;  // however loud it would be
+      model.variance = 0.0;  // so that no model is rejected as too loud
     }
     const auto models = TextureModels::make(1000.0, nine, made::eight_triangles());
     ASSERT_TRUE(models) << models.error().what;

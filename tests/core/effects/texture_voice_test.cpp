@@ -19,7 +19,7 @@ SurfaceContact on_floor(const Vec3& p_SD, int object = 0) {
   return {.force_n = {0, 0, -kTextureSpring * p_SD.z()}, .p_SP = {p_SD.x(), p_SD.y(), 0}, .object = object, .contact = true};
 }
 
-// Slides along x and keeps what the texture adds across, as an acceleration.
+// Slides along x. Returns what the texture adds to the force along y, divided by the mass of the texture: an acceleration.
 std::vector<double> slide(const RecordedTexture& texture, double speed, double force, double rate_hz, double seconds) {
   EffectStep step({SurfaceEffects{.texture = texture}}, {});
   std::vector<double> across;
@@ -35,7 +35,7 @@ std::vector<double> slide(const RecordedTexture& texture, double speed, double f
   return across;
 }
 
-// Largest difference from the models' own spectrum, dB, over bands of a fiftieth of half the lower rate, up to 0.9 of it.
+// Largest difference from the models' own spectrum, dB, in bands of 1/25 of half the lower rate, from 0.02 to 0.9 of half the lower rate.
 double worst_band_db(const TextureModels& models, const TextureModel& expected, const std::vector<double>& signal, double rate_hz,
                      std::size_t size) {
   const auto measured = spectrum::density(signal, rate_hz, size);
@@ -53,7 +53,7 @@ double worst_band_db(const TextureModels& models, const TextureModel& expected, 
   return worst;
 }
 
-// Models of 1 and 10 kHz, steps of 1 and 10 kHz, places on and between models, a seed each.
+// Models at 1 and 10 kHz, steps at 1 and 10 kHz, speeds and forces of models and between models; each case has its own seed.
 TEST(TextureVoice, HasTheSpectrumOfItsModelsAtAnyRate) {
   std::uint64_t seed = 1;
   for (const double model_hz : {1000.0, 10000.0}) {
@@ -71,7 +71,7 @@ TEST(TextureVoice, HasTheSpectrumOfItsModelsAtAnyRate) {
   }
 }
 
-// Rates that are not multiples of each other, and steps that are late or early.
+// Each interval of 1 / 4000 s is divided into two steps at a random moment, so that steps are late or early.
 TEST(TextureVoice, HasTheSpectrumWithUnevenSteps) {
   const auto models = made::texture(1000.0, 20, 18);
   const RecordedTexture texture = {.models = models, .mass_kg = 0.01, .max_force_n = 10.0};
@@ -79,7 +79,7 @@ TEST(TextureVoice, HasTheSpectrumWithUnevenSteps) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> early(0.8, 1.2);
   constexpr double kRateHz = 4000.0;
-  // Steps vary by 20 %: the signal is taken where the even ones are, by reading it once more at the same moment.
+  // The first of two steps ends at 0.4 to 0.6 of the interval. The signal is taken after the second one, so at equal intervals.
   std::vector<double> signal;
   for (int n = 0; n < 200000; ++n) {
     const double first_s = 0.5 * early(random) / kRateHz;
@@ -128,7 +128,7 @@ TEST(TextureVoice, IsSilentAtRestAndWithoutContact) {
   EXPECT_EQ(felt(2e-4, 0.001), Vec3::Zero()) << "at once";
 }
 
-// Each contact begins with kHalfWidth samples of silence, also one soon after another, and goes on with new noise.
+// Each contact begins with kHalfWidth samples of silence, also when it soon follows another one, and goes on with new noise.
 TEST(TextureVoice, EachContactBeginsSoftlyAndWithNewNoise) {
   EffectStep step({SurfaceEffects{.texture = {.models = made::texture(1000.0, 20, 18), .mass_kg = 0.2}}}, {});
   double x = 0.0;
@@ -167,7 +167,7 @@ TEST(TextureVoice, RepeatsBitForBitAfterAReset) {
   EXPECT_NE(first, run());
 }
 
-// Surfaces side by side, with models of other orders and rates, and a bare one.
+// Three surfaces in turn: two with models of different orders and rates, and one without a texture.
 TEST(TextureVoice, GoesFromSurfaceToSurface) {
   const SurfaceEffects one = {.texture = {.models = made::texture(1000.0, 20, 18), .mass_kg = 0.02}};
   const SurfaceEffects other = {.texture = {.models = made::texture(2000.0, 31, 0), .mass_kg = 0.02}};
@@ -185,8 +185,8 @@ TEST(TextureVoice, GoesFromSurfaceToSurface) {
   EXPECT_LT(loudest, 6.0 * 0.02 * one.texture.models->loudest_m_per_s2() + 6.0 * 0.02 * other.texture.models->loudest_m_per_s2());
 }
 
-// However fast speed and force wander over the models, the signal stays of the size that these have: speeds jump up and down every 30 ms,
-// forces every 20 ms.
+// However fast speed and force change over the models, the signal is no louder than the models are. Here the speed changes every 30 ms, and
+// the force every 20 ms.
 TEST(TextureVoice, StaysOfItsSizeWhereModelsChangeFast) {
   const auto models = made::texture(1000.0, 20, 18);
   const RecordedTexture texture = {.models = models, .mass_kg = 1e-3, .max_force_n = 1e9};

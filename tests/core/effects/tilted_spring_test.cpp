@@ -37,7 +37,7 @@ TEST(TiltedSpring, WithoutBumpsItIsTheStifferOfTheTwoSprings) {
   EXPECT_EQ(TiltedSpring().largest_n_per_m(), 0.0);
 }
 
-// In the valley of a ridge: f times the curvature 2 pi^2 height / length^2, which is nearly all there.
+// In the valley of a ridge almost all of the stiffness is f times the curvature 2 pi^2 height / length^2.
 TEST(TiltedSpring, ShortRidgesAreAsStiffAsTheirCurvatureTimesTheForce) {
   const SurfaceBumps bumps{.pattern = SurfaceBumps::Pattern::ridges, .height_m = 0.0003, .length_m = 0.001};
   const double expected = 4.6 * 2.0 * std::numbers::pi * std::numbers::pi * 0.0003 / 1e-6;
@@ -47,7 +47,7 @@ TEST(TiltedSpring, ShortRidgesAreAsStiffAsTheirCurvatureTimesTheForce) {
   EXPECT_NEAR(expected, 27240.0, 10.0);
 }
 
-// K by its formula at places of any faces of a body, on which a pattern may be cut at any angle.
+// Compared with the formula of K (tilted_spring.h) on faces of any direction, which cut the pattern of the bumps at any angle.
 TEST(TiltedSpring, BoundsTheFormulaOnAnySurface) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -62,7 +62,7 @@ TEST(TiltedSpring, BoundsTheFormulaOnAnySurface) {
         double most = 0.0;
         for (int n = 0; n < 20000; ++n) {
           const Vec3 p = scale * Vec3(unit(random), unit(random), unit(random));
-          // Faces along the axes, where the pattern is whole, and others.
+          // Faces normal to z, on which the pattern is whole, and faces of any direction.
           const Vec3 normal = n % 2 == 0 ? Vec3(Vec3::UnitZ()) : Vec3(unit(random), unit(random), unit(random)).normalized();
           const Mat3 along = Mat3::Identity() - normal * normal.transpose();
           const Vec3 v = normal - along * bumps.gradient_at(p);

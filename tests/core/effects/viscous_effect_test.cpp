@@ -15,7 +15,7 @@ TEST(ViscousEffect, OpposesTheVelocityWithinItsVolume) {
   EXPECT_EQ(honey.force({.p_SD = {0.02, 0, 0}, .v_SD = {0.1, 0, 0}}), Vec3::Zero());
 }
 
-// Sampled at 1 kHz with the velocity that the step gives it.
+// Sampled at 1 kHz, with the velocity that EffectStep gives the effect (SmoothVelocity).
 TEST(ViscousEffect, TakesEnergyOverAClosedPath) {
   const ViscousEffect honey = {.damping_ns_per_m = 4, .max_force_n = 50};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -35,7 +35,7 @@ TEST(Waveform, StaysBetweenMinusOneAndOne) {
 }
 
 TEST(DecayingSine, FallsByEWithinTheDecay) {
-  // At whole cycles and a quarter the sine is 1.
+  // A quarter period after each whole period the sine is 1.
   EXPECT_NEAR(decaying_sine(0.0025, 100.0, 0.01), std::exp(-0.25), 1e-12);
   EXPECT_NEAR(decaying_sine(0.0125, 100.0, 0.01), std::exp(-1.25), 1e-12);
   EXPECT_EQ(decaying_sine(0.0, 100.0, 0.01), 0.0);
