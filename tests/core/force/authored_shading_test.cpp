@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// From above, or from below where side is -1.
+// The force after pressing from above, or from below where side is -1.
 Vec3 pressed_force(double shading, const Eigen::Vector3f& authored, double side = 1.0) {
   TriangleMesh sheet = make_plane_grid(0.1, 4);
   sheet.authored_normals.assign(sheet.triangles.size(), {authored, authored, authored});

@@ -1,4 +1,4 @@
-// Objects that programs move (TouchObject::command_pivot), as TouchStep and MovingMethod have them.
+// Objects that programs move (TouchObject::command_pivot), as TouchStep and MovingMethod handle them.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -36,7 +36,7 @@ std::unique_ptr<TouchStep> touch_with(const TouchScene& scene, const char* metho
   return std::make_unique<TouchStep>(std::move(*made), scene);
 }
 
-// It begins where the object is at rest, and lifts and turns it.
+// A motion that begins at the rest pose of the object, and lifts and turns it.
 std::vector<Keyframe> two_keys() {
   return {{0.1, kLidPivot, Quat::Identity()}, {0.5, kLidPivot + Vec3(0.0, 0.0, 0.02), Quat(Eigen::AngleAxisd(0.4, -Vec3::UnitY()))}};
 }
@@ -49,7 +49,7 @@ bool has_same_bits(const TouchOutput& a, const TouchOutput& b) {
 class CommandedObjects : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Methods, CommandedObjects, testing::Values("proxy", "reference"), [](const auto& given) { return given.param; });
 
-// The same forces as of keyframes in the scene file, to the last bit.
+// The forces are the same to the last bit as those of an object that has these keyframes in the scene.
 TEST_P(CommandedObjects, AreFeltAsThoseWithKeyframes) {
   const std::vector<Keyframe> keys = two_keys();
   TouchScene by_keyframes = floor_and_plate();
@@ -102,7 +102,7 @@ TEST(CommandedObjectsOfAStep, OthersCannotBeMoved) {
   EXPECT_FALSE(touch_with(floor_and_plate())->has_motion());
 }
 
-// Each has a frame of its own: the numbers of the method and of the step are the same.
+// Each has its own frame: the method and the step use the same index for it (MethodInput::commanded).
 TEST(CommandedObjectsOfAStep, EachMovesByItself) {
   TouchScene scene = commanded_scene();
   scene.objects.push_back({.mesh = made::shared(made::box({0.2, -0.05, 0.0}, {0.3, 0.05, 0.004})), .material = {}});
@@ -120,7 +120,7 @@ TEST(CommandedObjectsOfAStep, EachMovesByItself) {
   EXPECT_NEAR(press({0.0, 0.0, 0.003}).force_n.z(), 1.0, 1e-3) << "the other stays";
 }
 
-// All that comes after the end of the moves has one pose, also if a move takes no time.
+// All samples after the end of a move have its final pose, also if the move takes no time.
 TEST(CommandedObjectsOfAStep, AMoveWithoutTimeIsFelt) {
   const auto touch = touch_with(commanded_scene());
   const Vec3 hand(0.0, 0.0, 0.007);

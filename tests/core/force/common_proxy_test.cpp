@@ -19,7 +19,7 @@ namespace {
 constexpr double kExtent = 0.1;  // m
 constexpr double kLiftM = CommonProxy::kLift * kExtent;
 
-// normal . p >= height, in its own frame.
+// The half space normal . p >= height, in the frame of the part.
 struct MadeSpace {
   Vec3 normal = Vec3::UnitZ();
   double height = 0.0;
@@ -35,7 +35,7 @@ struct MadeSpace {
   }
 };
 
-// Half spaces without friction. A feel whose proxy ends below the surface it came from is impossible, so paths need no state.
+// Half spaces without friction. A step cannot end below the surface that it started from, so feel() needs no state of a path.
 class MadeParts final : public FeltParts {
  public:
   explicit MadeParts(std::vector<MadeSpace> made)
@@ -67,15 +67,15 @@ class MadeParts final : public FeltParts {
 
   std::vector<MadeSpace> spaces;
   bool are_frictionless = false;
-  std::vector<Vec3> resumed;  // where
+  std::vector<Vec3> resumed;  // p_S of the last resume() of each
   std::vector<Vec3> begun;
-  std::vector<Vec3> followed;  // the last device point of each
+  std::vector<Vec3> followed;  // the device point of the last feel() of each
   int feels = 0;
   int resumes = 0;
   bool is_shared = false;
 };
 
-// Every set of up to three planes: the nearest point at which all of a set hold with equality, if no plane is violated there.
+// By enumeration of all sets of up to three planes: the point of all planes of the set nearest to p_SD, if it violates no other plane.
 Vec3 project(const std::vector<MadeSpace>& parts, const Vec3& p_SD) {
   std::vector<MadeSpace> spaces;
   for (const MadeSpace& part : parts) spaces.push_back(part.in_scene());
@@ -129,8 +129,8 @@ Mat3 any_turn(std::mt19937_64& random) {
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized().toRotationMatrix();
 }
 
-// Follows a loop twice and compares all steps with the projection. Bound: of the error, in lifts. Returns the energy of the second round,
-// as a share of the largest energy stored.
+// Follows a loop twice and compares all steps with the projection. bound: largest error, in multiples of kLiftM. Returns the energy that
+// the hand receives in the second round, as a share of the largest energy stored.
 double follow_loop(MadeParts& parts, const WavyLoop& loop, double bound) {
   CommonProxy proxy(parts.spaces.size(), kExtent);
   const int steps = 1500;
@@ -197,7 +197,7 @@ TEST(CommonProxy, ThreePlanesGiveTheNearestPoint) {
   }
 }
 
-// A frame of its own that turns and shifts is no other geometry.
+// Parts whose frames turn and shift are felt like the same geometry in the scene's frame.
 TEST(CommonProxy, EachPartIsInItsOwnFrame) {
   const std::uint64_t seed = 24513;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -222,7 +222,7 @@ TEST(CommonProxy, EachPartIsInItsOwnFrame) {
   EXPECT_GT(shared, 500);
 }
 
-// A wall comes upon a hand that stands still, or the hand jumps into two at once: the nearest point in that same sample.
+// The hand jumps into two or three parts at once: the proxy is at the nearest point in that same sample.
 TEST(CommonProxy, PartsThatComeIntoContactInOneSampleHaveTheNearestPointInIt) {
   const std::uint64_t seed = 24514;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -234,7 +234,7 @@ TEST(CommonProxy, PartsThatComeIntoContactInOneSampleHaveTheNearestPointInIt) {
     for (std::size_t k = 0; k < count; ++k) spaces.push_back({.normal = normals.col(static_cast<int>(k)).normalized()});
     MadeParts parts(spaces);
     CommonProxy proxy(count, kExtent);
-    const Vec3 inside = normals.transpose().inverse() * Vec3::Ones();  // of all
+    const Vec3 inside = normals.transpose().inverse() * Vec3::Ones();  // a direction into all half spaces
     const Vec3 above = 0.01 * inside / inside.norm();
     EXPECT_FALSE(proxy.step(parts, count, true, above).contact);
     const Vec3 p_SD = WavyLoop(random, Vec3(-0.3 * above), 0.002).at(0.0);
@@ -243,7 +243,7 @@ TEST(CommonProxy, PartsThatComeIntoContactInOneSampleHaveTheNearestPointInIt) {
   }
 }
 
-// What goes on from where it was is put there: before the sample, in its own frame.
+// A part that goes on does so from where its proxy was before the sample, in the part's own frame.
 TEST(CommonProxy, BeginsAgainWhereItWasWhenASecondPartIsTouched) {
   MadeParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3::UnitX(), .height = -0.01}});
   CommonProxy proxy(2, kExtent);
@@ -251,7 +251,7 @@ TEST(CommonProxy, BeginsAgainWhereItWasWhenASecondPartIsTouched) {
   EXPECT_EQ(parts.resumes, 0);
   (void)proxy.step(parts, 2, true, Vec3(0.003, 0, -0.001));
   EXPECT_EQ(parts.resumes, 0);
-  parts.spaces[1].X_SO.translation() = Vec3(0.02, 0, 0);  // to 10 mm
+  parts.spaces[1].X_SO.translation() = Vec3(0.02, 0, 0);  // the wall is now at x = 10 mm
   const MethodOutput felt = proxy.step(parts, 2, true, Vec3(0.003, 0, -0.001));
   EXPECT_EQ(parts.resumes, 2);
   EXPECT_LT((parts.resumed[0] - Vec3(0.003, 0, 0)).norm(), 2 * kLiftM);
@@ -289,14 +289,14 @@ TEST(CommonProxy, ResetPutsAllPartsThereAndForgetsWhatHeld) {
   EXPECT_FALSE(proxy.step(parts, 2, true, Vec3(0.01, 0.02, 0.02)).contact);
   EXPECT_TRUE(parts.begun[0].isZero(0.0)) << "the parts are there";
   (void)proxy.step(parts, 2, true, Vec3(0.01, 0.02, -0.001));
-  // Another count of parts, in another order.
+  // Another number of parts, in another order.
   std::swap(parts.spaces[0], parts.spaces[1]);
   proxy.go_on_from(Vec3(0.01, 0.02, 0.0));
   EXPECT_LT((proxy.step(parts, 1, false, Vec3(-0.002, 0.02, -0.001)).force_n - Vec3(2, 0, 0)).norm(), 1e-3);
 }
 
-// Twelve feels a part, and one more of what stands still: six rounds, and a new beginning for each part that comes into contact. Without
-// friction twice as many rounds.
+// feel() is called at most twelve times for each part, and once more for the part that stands still: six rounds, and a new beginning for
+// each part that comes into contact. Without friction there are twice as many rounds.
 TEST(CommonProxy, TheWorkOfAStepIsBounded) {
   const std::uint64_t seed = 24515;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -340,19 +340,19 @@ TEST(CommonProxy, StepsWithoutHeap) {
   EXPECT_TRUE(has_been_squeezed);
 }
 
-// A plane comes down upon a hand on another one until there is no room, and goes up again, three times. Facing, or at a small angle, where
-// the nearest point of both is far away.
+// The hand is at a first plane. A second one comes down upon it until there is no room, and goes up again, three times. The planes face
+// each other, or are at a small angle, so that the nearest point of both half spaces is far away.
 struct Squeeze {
   double tilt = 0.0;
   bool has_still = true;
-  double stiffness = 1000.0;        // of the first
-  double other_stiffness = 1000.0;  // of the one that moves
-  double hand_m = 0.0;              // above the first
+  double stiffness = 1000.0;        // of the first plane
+  double other_stiffness = 1000.0;  // of the plane that moves
+  double hand_m = 0.0;              // mean height of the hand above the first plane
 
   struct Worst {
     double jump_n = 0.0;
-    double stiffness = 0.0;  // of force over the distance from device to proxy
-    double deep_m = 0.0;     // of the proxy in the first
+    double stiffness = 0.0;  // largest force over the distance from device to proxy
+    double deep_m = 0.0;     // largest depth of the proxy below the first plane
     int squeezed = 0;
   };
   Worst follow() const {
@@ -405,7 +405,7 @@ TEST(CommonProxy, NoForceIsLargerThanTheStiffestAllows) {
   }
 }
 
-// As between objects of one method: the mean by share.
+// The mean stiffness, weighted by the shares, as between objects of one method.
 TEST(CommonProxy, PartsOfDifferentStiffnessHaveTheirMean) {
   MadeParts parts({{.normal = Vec3::UnitZ(), .stiffness = 100.0}, {.normal = Vec3::UnitX(), .stiffness = 1000.0}});
   CommonProxy proxy(2, kExtent);
@@ -415,7 +415,7 @@ TEST(CommonProxy, PartsOfDifferentStiffnessHaveTheirMean) {
   EXPECT_NEAR(proxy.step(parts, 2, true, Vec3(0.001, 0, -0.003)).force_n.z(), 0.3, 1e-6);
 }
 
-// Half spaces with damping of their own, as a force method has it: the motion of the point that it is felt with.
+// Half spaces that damp by themselves, as force methods do: with the motion of the point at which each is felt.
 class DampedParts final : public FeltParts {
  public:
   explicit DampedParts(std::vector<MadeSpace> spaces) : made(std::move(spaces)), from(made.spaces.size()), last(made.spaces.size()) {}
@@ -446,7 +446,7 @@ class DampedParts final : public FeltParts {
   std::vector<Vec3> last;
 };
 
-// However the shares change: a plane in an acute corner comes and goes while the hand moves slowly.
+// However the shares change, only the device's motion counts: a plane in an acute corner comes and goes while the hand moves slowly.
 TEST(CommonProxy, DampsTheMotionOfTheDeviceOnly) {
   DampedParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3(0.8, 0, -0.6)}});
   CommonProxy proxy(2, kExtent);
@@ -466,7 +466,7 @@ TEST(CommonProxy, DampsTheMotionOfTheDeviceOnly) {
   EXPECT_GT(most, 0.005);
 }
 
-// Otherwise each part would begin beside the device, by what the others held before.
+// Otherwise each part would be felt beside the device, shifted by the shares that the other parts had before.
 TEST(CommonProxy, NothingHoldsItOnceItHasForgotten) {
   MadeParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3::UnitX()}});
   CommonProxy proxy(2, kExtent);
@@ -480,7 +480,7 @@ TEST(CommonProxy, NothingHoldsItOnceItHasForgotten) {
   EXPECT_EQ(parts.feels, 2);
 }
 
-// Wherever in the order of the parts these are.
+// The parts that hold the proxy may be anywhere in the order of the parts.
 TEST(CommonProxy, OfManyPartsEachIsLiftedOffThoseThatHold) {
   std::vector<MadeSpace> spaces(200, MadeSpace{.height = -1.0});
   for (const int k : {0, 1, 2}) spaces[static_cast<std::size_t>(139 - 61 * k)] = {.normal = Vec3::Unit(k)};

@@ -24,7 +24,7 @@ Vec3 normal_vector(std::mt19937_64& random, double size) {
   return {x, y, normal(random)};
 }
 
-// Boxes and spheres that overlap, in one motion, and the same with a motion of its own for each, which is the same motion.
+// Boxes and spheres that overlap: once all with one motion, and once each with a motion of its own, which is the same.
 struct TwinScenes {
   TwinScenes(std::mt19937_64& random, int count, double scale, bool moves, const Material& material) {
     const Quat turn(Eigen::AngleAxisd(moves ? 1.0 : 0.0, normal_vector(random, 1.0).normalized()));
@@ -56,12 +56,12 @@ struct TwinScenes {
 
 struct TwinRuns {
   int touched = 0;
-  int parted = 0;       // steps that begin with the same force and end with another, with no jump in either
-  double most_n = 0.0;  // over the largest stiffness times the distance from proxy to device
+  int parted = 0;       // steps in which the two forces begin to differ, although neither jumps
+  double most_n = 0.0;  // largest force less stiffness times the distance from proxy to device
 };
 
-// The hand moves on a smooth path in the frame of the objects, in and out of them. rest: share of its motion in a sample by which the
-// shares may not have converged.
+// The hand moves on a smooth path in the frame of the objects, in and out of them. Forces of the twins that differ by no more than what the
+// lift of CommonProxy explains count as the same.
 TwinRuns follow_twins(std::uint64_t seed, double scale, double speed_m_per_s, double rate_hz, bool moves, const Material& material) {
   std::mt19937_64 random(seed);
   const TwinScenes scenes(random, 2 + static_cast<int>(seed % 5), scale, moves, material);
@@ -105,8 +105,8 @@ TwinRuns follow_twins(std::uint64_t seed, double scale, double speed_m_per_s, do
   return runs;
 }
 
-// A hand that presses no deeper than 4 mm, as a person's does, in scenes that stand still. The first twin leads it. Returns the steps with
-// more than 50 mN between the two.
+// A hand that presses no deeper than 4 mm, as a person's does, in scenes that stand still. Its depth is measured from the proxy of the
+// first twin. Returns the number of steps in which the two forces differ by more than 50 mN.
 int count_parted_steps(std::uint64_t seed, double rate_hz) {
   std::mt19937_64 random(seed);
   const TwinScenes scenes(random, 2 + static_cast<int>(seed % 4), 2.0, false, {.stiffness_n_per_m = 800.0});
@@ -130,15 +130,15 @@ int count_parted_steps(std::uint64_t seed, double rate_hz) {
   return parted;
 }
 
-// In the sample in which the hand slides off an edge of one part the planes of the first round are not those that hold it in the end.
+// In the sample in which the hand slides off an edge of a part, the first round has other planes than those that hold the proxy in the end.
 TEST(CommonProxyTwin, SlidesOffEdgesAsOneMethodDoes) {
   int parted = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) parted += count_parted_steps(seed, 500.0) > 0 ? 1 : 0;
   EXPECT_LE(parted, 6) << "seeds of 40";
 }
 
-// Each in a part of its own, at scales from 100 um to 100 m, in a frame that moves, and at other speeds and rates. Where the proxy
-// jumps, the two may come to rest in another local minimum, and have another force until the next jump.
+// Each object in a part of its own, at scales from 100 um to 100 m, in a frame that moves, and at other speeds and rates. Where the proxy
+// jumps, the twins may come to rest in different local minima: then their forces differ until the next jump.
 TEST(CommonProxyTwin, IsOneMethodForAllObjects) {
   struct Case {
     double scale = 1.0;

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// The optimum by trying every set of up to three planes: feasible, and nearest to the goal.
+// The optimum, by trying every set of up to three planes: of the feasible points, the one nearest to the goal.
 Vec3 by_enumeration(const Vec3& goal, const std::vector<ContactPlane>& planes, double tolerance) {
   Vec3 best = Vec3::Zero();
   double best_distance = std::numeric_limits<double>::infinity();
@@ -92,7 +92,7 @@ TEST(ContactQp, NearlyParallelPlanesLeaveTheirCommonDirectionExact) {
   }
 }
 
-// A point a little off a convex edge is lifted off both faces. The terms of the solution cancel to the planes' angle.
+// A point a little off a convex edge is lifted off both faces. Terms of the solution cancel down to the angle between the planes.
 TEST(ContactQp, LiftsOffNearlyParallelPlanes) {
   constexpr unsigned kSeed = 7;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -133,8 +133,8 @@ TEST(ContactQp, ThreePlanesThatCloseLeaveNoMotion) {
   EXPECT_LE(found.motion.norm(), 1e-15);
 }
 
-// A lift out of a groove of a hundredth of a radian, whose walls are not at quite the same distance: the shortest one is two hundred times
-// as long as it is high.
+// A lift out of a groove of 0.1 to 0.001 radians, whose walls are not at quite the same distance: at a hundredth of a radian, the shortest
+// lift is two hundred times the distance that it gains from each wall.
 TEST(ContactQp, LiftsOutOfANarrowGroove) {
   constexpr std::uint64_t kSeed = 20261123;
   SCOPED_TRACE(kSeed);

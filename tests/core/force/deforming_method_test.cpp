@@ -54,7 +54,7 @@ TriangleMesh deformed_mesh(const TouchObject& object, double time_s) {
   return mesh;
 }
 
-// A sheet of 60 mm that comes from one side upon a hand that holds still, shifted as a whole, at the largest speed.
+// A sheet with sides of 60 mm that moves as a whole, at the largest speed of a surface, from one side towards a hand that holds still.
 TouchScene coming_sheet(double side, double seconds) {
   TriangleMesh sheet = made::sheet(0.03, side * 0.010, 12);
   const auto target = morph_target_of(sheet, [&](const Vec3&) { return Vec3(0, 0, -side * kSheetSpeed * seconds); });
@@ -63,7 +63,7 @@ TouchScene coming_sheet(double side, double seconds) {
 
 class DeformingSweep : public testing::TestWithParam<std::tuple<double, double>> {};
 
-// The force is stiffness times how far the sheet has passed the hand, in every step, to the end of its way.
+// In every step, to the end of the motion, the force is stiffness times the distance by which the sheet has passed the hand.
 TEST_P(DeformingSweep, PushesAHandAheadAndIsNeverPassed) {
   const auto [rate_hz, side] = GetParam();
   const double seconds = 0.2;
@@ -108,7 +108,7 @@ TouchScene breathing_ball(Material material = {}) {
                          {{0.0, {0.0, 0.0, 0.0}}, {0.1, {1.0, 0.0, 0.5}}, {0.25, {0.3, 1.0, 1.0}}, {0.4, {0.0, 0.0, 0.0}}}, true, material);
 }
 
-// The twin: the reference on the mesh of that time, over all triangles. Where the proxy is, is where it stays.
+// The twin is the reference on the mesh of that time, with all triangles. Started at the proxy, it must stay there.
 TEST(DeformingMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   const TouchScene scene = breathing_ball();
   int touched = 0;
@@ -130,7 +130,7 @@ TEST(DeformingMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   EXPECT_GT(touched, 2000);
 }
 
-// A hand that holds still and is passed over again and again, for 20 rounds.
+// A hand that holds still, while the surface passes over it again and again in 20 periods of the deformation.
 TEST(DeformingMethod, AHandThatHoldsStillIsNeverFallenThrough) {
   const TouchScene scene = breathing_ball({.friction_static = 0.4, .friction_dynamic = 0.3});
   std::mt19937_64 random(7);
@@ -160,7 +160,7 @@ TEST(DeformingMethod, AHandThatHoldsStillIsNeverFallenThrough) {
   EXPECT_GT(touched, 10'000);
 }
 
-// A gap in the samples, of any length, passes nothing either.
+// In a gap of the samples, of any length, the sheet does not pass the hand either.
 TEST(DeformingMethod, AGapInTheSamplesPassesNothing) {
   for (const double gap_s : {0.02, 0.05, 0.15}) {
     const auto method = make_shaped(coming_sheet(1.0, 0.2));
@@ -173,7 +173,7 @@ TEST(DeformingMethod, AGapInTheSamplesPassesNothing) {
   }
 }
 
-// Far from it the shape is not worked out; the hand then comes at it at once.
+// While the hand is far away, the shape is not computed. When the hand comes near, it must feel the present shape.
 TEST(DeformingMethod, IsFeltAfterALongTimeFarAway) {
   const TouchScene scene = breathing_ball({.damping_ns_per_m = 1.0});
   const auto method = make_shaped(scene);
@@ -193,7 +193,7 @@ TEST(DeformingMethod, IsFeltAfterALongTimeFarAway) {
   EXPECT_GT(most, 3.0);
 }
 
-// Where nothing changes, it is what the proxy feels on the mesh.
+// Where nothing changes, the force is that of the proxy on a mesh that does not deform.
 TEST(DeformingMethod, IsTheProxyWhereNothingChanges) {
   TouchScene scene = breathing_ball({.friction_static = 0.4, .friction_dynamic = 0.3});
   TouchScene still = scene;
@@ -216,7 +216,7 @@ TEST(DeformingMethod, IsTheProxyWhereNothingChanges) {
   EXPECT_GT(touched, 500);
 }
 
-// A bar along x of n pieces, closed at both ends, which slant: its upper edge hangs over.
+// A bar along x of n pieces, closed at both ends. The ends slant: at the end of larger x, the upper edge overhangs.
 TriangleMesh long_bar(double length, double half_width, std::uint32_t n) {
   TriangleMesh bar;
   const double corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -239,7 +239,7 @@ TriangleMesh long_bar(double length, double half_width, std::uint32_t n) {
   return bar;
 }
 
-// The work of a step ends anywhere, also just after the probe has left the surface. Then the surface takes it along all the same.
+// A step may run out of work anywhere, also just after the probe has left the surface. The surface must then still take it along.
 TEST(DeformingMethod, AProbeThatIsOutOfWorkInTheAirIsNotPassed) {
   constexpr double kLength = 0.2;
   constexpr double kHalfWidth = 0.005;
@@ -296,13 +296,13 @@ TEST(DeformingMethod, DampsAgainstTheSurfaceThatComes) {
   EXPECT_NEAR(felt.force_n.z(), 5.4, 1e-3);
 }
 
-// At rest, but made to deform.
+// A sheet that can deform, but is at rest.
 TouchScene resting_sheet(TriangleMesh sheet, Material material = {}) {
   const auto target = morph_target_of(sheet, [](const Vec3&) { return Vec3(0, 0, 0.01); });
   return deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {1.0, {0.0}}}, false, material);
 }
 
-// As ProxyResume has it of a surface that keeps its shape. Wound away from the hand: only where the probe is tells its side.
+// As in ProxyResume, but the sheet can deform. It is wound away from the hand: only the probe's position tells the probe's side.
 TEST(DeformingMethod, GoesOnOnTheSideThatTheProbeIsOn) {
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
@@ -328,8 +328,8 @@ TEST(DeformingMethod, GoesOnOnTheSideThatTheProbeIsOn) {
   }
 }
 
-// The sample may have been found to be far off without a look at the proxy. Its correction is damped with the motion since the sample
-// before, and not since the proxy was last looked at.
+// A sample that is far from the surface may be handled without computing the proxy. Its correction is damped with the motion since the
+// sample before it, not with the motion since the proxy was last computed.
 TEST(DeformingMethod, ACorrectionIsDampedAsItsSample) {
   const auto method = DeformingMethod::make({}, resting_sheet(made::sheet(0.05, 0.0, 10), {.damping_ns_per_m = 2.0}));
   ASSERT_TRUE(method);
@@ -340,7 +340,7 @@ TEST(DeformingMethod, ACorrectionIsDampedAsItsSample) {
   EXPECT_NEAR((*method)->step({.p_SD = at(-0.0005), .is_correction = true}).force_n.z(), 0.5 + 2.0 * 1.7, 1e-3);
 }
 
-// In a row with what stands still: it never presses the hand into the floor, and the floor is felt beside it.
+// Together with a floor that stands still: the sheet never presses the proxy into the floor, and the floor is felt as well.
 TEST(DeformingMethod, StandsInARowWithWhatStandsStill) {
   TouchScene scene = coming_sheet(1.0, 0.2);
   scene.objects.push_back({.mesh = made::shared(made::box({-0.1, -0.1, -0.03}, {0.1, 0.1, -0.02})), .material = {}});
@@ -355,7 +355,7 @@ TEST(DeformingMethod, StandsInARowWithWhatStandsStill) {
   }
 }
 
-// Of an object that moves as well: a sheet that rises as it deforms down by as much stays where it is.
+// The object moves as well: a sheet that rises by as much as it deforms downwards stays where it is.
 TEST(DeformingMethod, DeformsInTheFrameThatMovesAlong) {
   TouchScene scene = coming_sheet(1.0, 0.2);
   scene.objects[0].motion = std::make_shared<const KeyframeMotion>(

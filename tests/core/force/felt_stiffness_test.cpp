@@ -1,4 +1,4 @@
-// What stiffest.h says of every effect, beside the derivative of the force that EffectStep makes of it.
+// What stiffest.h says of every effect, compared with the derivative of the force that EffectStep computes for it.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -26,7 +26,7 @@ double largest_slope(const Force& force, const Vec3& at, double step) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(0.5 * (k + k.transpose()), Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
-// One sample of an effect that has been at rest in free space; the force is a function of the place, and one of the velocity.
+// Samples an effect that begins at rest in free space: its force as a function of the position, and as a function of the velocity.
 struct Sampled {
   SpaceEffect effect;
 
@@ -34,7 +34,7 @@ struct Sampled {
     EffectStep step({}, {effect});
     return step.step(p, 1e-3, {}).force_n;
   }
-  // With this velocity since long: SmoothVelocity is a mean of eight differences.
+  // v is the velocity of the last eight intervals, of which SmoothVelocity takes the mean.
   Vec3 moving(const Vec3& v) const {
     EffectStep step({}, {effect});
     Vec3 force = Vec3::Zero();
@@ -43,7 +43,7 @@ struct Sampled {
   }
 };
 
-// One effect of each type, and how far from the origin it is interesting. A type that is new does not compile here.
+// A random effect of each type, and the distance from the origin over which its force changes. A new type does not compile without both.
 void make_random(Random& random, SpringEffect& made) {
   made = {.stiffness_n_per_m = by_ratio(random, 1.0, 1e6), .max_force_n = by_ratio(random, 0.1, 100.0)};
 }
@@ -101,7 +101,7 @@ void expect_viscosity_of(Random& random) {
     const auto force = [&](const Vec3& v) { return sampled.moving(v); };
     const double most = largest_slope(force, 1e-5 * any_direction(random), 1e-5);
     const double claimed = viscosity_of(SpaceEffect(effect));
-    // A place changes with the velocity as well: at the end it is where it was.
+    // The position changes with the velocity as well, but in the last sample it is the origin.
     EXPECT_NEAR(claimed, std::max(0.0, most), 1e-4 * claimed + 1e-9) << "type " << SpaceEffect(effect).index() << ", sample " << n;
   }
 }
@@ -118,8 +118,8 @@ TEST(FeltStiffness, OfEveryEffectInFreeSpaceIsWhatItClaims) {
   expect_all(std::make_index_sequence<std::variant_size_v<SpaceEffect>>(), random);
 }
 
-// A plane that a method touches exactly: its proxy below the device, its force along z. Each sample is made by a copy, so that memory
-// (friction, layers) is that of the sample before.
+// A plane that a method touches exactly: the proxy is on the plane straight above the device, the force is along z. Each sample is made by
+// a copy of the EffectStep, so that its memory (friction, layers) is that of the sample before.
 struct TouchedPlane {
   Material material;
   SurfaceEffects effects;
@@ -139,7 +139,7 @@ struct TouchedPlane {
   }
 };
 
-// The largest stiffness of a plane that is pressed with up to this force, at many places. moved: of the way of a difference.
+// The largest stiffness found at many places of a plane that is pressed with up to this force.
 double largest_felt(const TouchedPlane& plane, double pressed_n, double size_m, Random& random) {
   double most = 0.0;
   const double deepest = pressed_n / stiffest_spring_of(plane.material, plane.effects).n_per_m;
@@ -148,7 +148,7 @@ double largest_felt(const TouchedPlane& plane, double pressed_n, double size_m, 
     const Vec3 at(between(random, 0, size_m), between(random, 0, size_m),
                   -deepest * between(random, 0.97, 1.0) - height * between(random, 0, 1));
     EffectStep before({plane.effects}, {});
-    const double pressed = before.step(at, 1e-3, plane.contact_at(at)).force_n.z();  // f, as n has no part in grad h
+    const double pressed = before.step(at, 1e-3, plane.contact_at(at)).force_n.z();  // f: grad h has no component along n
     if (!(pressed > 0.0) || pressed > pressed_n) continue;
     const auto force = [&](const Vec3& p) { return plane.force_at(before, p); };
     most = std::max(most, largest_slope(force, at, 1e-6 * std::min(size_m, deepest)));
@@ -196,7 +196,7 @@ TEST(FeltStiffness, OfBumpsWithFrictionCountsBoth) {
   }
 }
 
-// The images of a square of the plane.
+// Two triangles that put the image on a square of the plane.
 std::shared_ptr<const std::vector<MappedTriangle>> square_of(double side_m) {
   const Vec3 right(side_m, 0, 0);
   const Vec3 up(0, side_m, 0);
@@ -211,7 +211,7 @@ std::shared_ptr<const SurfaceImage> noise_of(Random& random, int side) {
   return std::make_shared<const SurfaceImage>(side, side, std::move(texels));
 }
 
-// At many places, pressed with this force: -p is the depth below the bumps where it is.
+// The largest stiffness at many places. Each is pressed so deep below the bumps there that the force is pressed_n.
 double largest_felt_of_images(const TouchedPlane& plane, double pressed_n, Random& random) {
   double most = 0.0;
   for (int n = 0; n < 4000; ++n) {
@@ -226,7 +226,7 @@ double largest_felt_of_images(const TouchedPlane& plane, double pressed_n, Rando
   return most;
 }
 
-// Reliefs and stiffness by images of noise, alone and together. Together each counts as if it were worst where the other one is.
+// Relief and stiffness by images of noise, alone and together. Together, the bound takes the worst of each image for the same place.
 TEST(FeltStiffness, OfImagesIsAtMostAFewTimesWhatIsFelt) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Random random(seed);
@@ -248,8 +248,8 @@ TEST(FeltStiffness, OfImagesIsAtMostAFewTimesWhatIsFelt) {
   }
 }
 
-// Of the velocity: the needle moves along n - grad h, into layers of which one has been punctured. It presses the next one, as viscosity is
-// no more than the force on the surface.
+// The derivative with respect to the velocity: the needle moves along n - grad h, into layers of which one has been punctured. It presses
+// the next one, because viscosity is limited to the force on the surface.
 TEST(FeltStiffness, DragOfLayersIsWhatTheNeedleFeels) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);

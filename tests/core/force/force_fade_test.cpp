@@ -82,7 +82,7 @@ TEST(ForceFade, AKnownDifferenceFadesAndWhatTheMotionChangedDoesNot) {
   const Vec3 difference(0.1, 0.0, -0.2);
   fade.begin_from(difference);
   EXPECT_NEAR((fade.step(kAfter, true, kStepS) - kAfter - 0.99 * difference).norm(), 0.0, 1e-12);
-  // Of a fade that has not ended the rest stays.
+  // The rest of a fade that has not ended is kept.
   fade.begin_from(difference);
   EXPECT_NEAR((fade.step(kAfter, true, kStepS) - kAfter - 0.99 * 1.99 * difference).norm(), 0.0, 1e-12);
   for (int i = 0; i < 100; ++i) fade.step(kAfter, true, kStepS);

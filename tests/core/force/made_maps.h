@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// An image on a mesh. Texture coordinates that are all different, so that a wrong triangle is seen.
+// An image on a mesh. All texture coordinates are different, so that a wrong triangle is noticed.
 inline SurfaceMaps made_maps(const TriangleMesh& mesh) {
   auto triangles = std::make_shared<std::vector<MappedTriangle>>();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -35,7 +35,7 @@ TEST(MapFinder, FindsThePlaceOfTheNearestPoint) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int n = 0; n < 3000; ++n) {
-    // On the surface, and up to 2 mm off it as the centre of a sphere is.
+    // Points on the surface, and points up to 2 mm off it along each axis, as the centre of a sphere is.
     const std::size_t t = random() % torus.triangles.size();
     const double a = unit(random);
     const double b = unit(random) * (1.0 - a);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kMappedSeed = 77;
 
-// Twin: every triangle.
+// Brute-force twin: a search over every triangle.
 TEST(MappedSurface, FindsThePlaceOfTheNearestPointWhereverTheSearchBegins) {
   SCOPED_TRACE(testing::Message() << "seed " << kMappedSeed);
   const TriangleMesh torus = make_torus(0.035, 0.015, 30, 12);
@@ -73,7 +73,7 @@ TEST(MappedSurface, AStepSharesTheOneOfItsTrianglesAndNoOther) {
   EXPECT_GT(contacts, 100);
 }
 
-// A fast push into a damped surface makes its force ten times that of its spring, but the spring of friction no stiffer.
+// A fast push into a damped surface makes the force ten times that of the spring, but does not make the spring of friction stiffer.
 TEST(MappedSurface, FrictionOfAnImageIsNoStifferThanTheMaterial) {
   const TriangleMesh sheet = made::sheet(0.1, 0.0, 4);
   TouchScene scene;

@@ -24,7 +24,7 @@ TouchScene boxes(int count) {
 TEST(MotionGroups, WhatMovesAlikeIsTogetherAndWhatStandsStillIsFirst) {
   TouchScene scene = boxes(7);
   scene.objects[0].motion = grouped_motion(0.1);
-  scene.objects[2].motion = grouped_motion(0.1);  // another of the same
+  scene.objects[2].motion = grouped_motion(0.1);  // another object of the same motion
   scene.objects[3].motion = grouped_motion(0.2);
   scene.objects[4].command_pivot = Vec3::Zero();
   scene.objects[6].command_pivot = Vec3::Zero();

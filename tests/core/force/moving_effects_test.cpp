@@ -1,5 +1,5 @@
-// Effects of surfaces that move or deform (EffectFrames, SurfaceFrame, ForceMethod::find_place), as TouchStep has them: what a static
-// surface gives under the motion that the hand has relative to it.
+// Effects of surfaces that move or deform (EffectFrames, SurfaceFrame, ForceMethod::find_place), as TouchStep computes them: their force is
+// that of a static surface under the motion of the hand relative to the surface.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ TouchStep step_over(const TouchScene& scene, const char* method = "proxy") {
   return {std::move(*made), scene};
 }
 
-// Shifts at 0.2 m/s and turns at 2 rad/s, from where it is at rest.
+// Shifts at 0.2 m/s and turns at 2 rad/s, from the rest pose.
 std::shared_ptr<const KeyframeMotion> fast_motion() {
   const Quat turn(Eigen::AngleAxisd(1.6, Vec3(2, 1, -2) / 3.0));
   return std::make_shared<const KeyframeMotion>(
@@ -50,12 +50,12 @@ Vec3 hand_on_plate(int i) {
 struct Twin {
   double worst_n = 0.0;
   double most_n = 0.0;
-  double effect_n = 0.0;  // largest difference to the same without effects
+  double effect_n = 0.0;  // largest difference from the force without effects
   int contacts = 0;
-  int fields = 0;  // that differ otherwise
+  int fields = 0;  // steps in which another field of the output differs
 };
 
-// The hand of `path`, in the frame of the object, over the moving object and over one that stands still.
+// Compares a moving object with one that stands still; `path` is in the object's frame. programs: a command moves it, not keyframes.
 Twin compare(const NamedEffects& effects, const char* method, const std::function<Vec3(int)>& path, bool programs) {
   TouchScene still{.objects = {made_plate(effects)}};
   TouchScene moving = still;
@@ -93,7 +93,7 @@ Twin compare(const NamedEffects& effects, const char* method, const std::functio
 class MovingEffects : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Methods, MovingEffects, testing::Values("proxy", "reference"), [](const auto& given) { return given.param; });
 
-// The hand moves along with the object, whatever that does, as it moves over one that stands still.
+// Relative to the moving object, whatever its motion, the hand moves as over the object that stands still.
 TEST_P(MovingEffects, AreThoseOfAStaticObjectInItsFrame) {
   for (const NamedEffects& effects : all_effects()) {
     for (const bool programs : {false, true}) {
@@ -119,7 +119,7 @@ TEST_P(MovingEffects, OfARiderAreThoseAtRest) {
 // The hand holds still in the room: over a static object that is a motion the other way.
 TEST_P(MovingEffects, OfAHandAtRestAreThoseOfTheOppositeMotion) {
   const auto motion = fast_motion();
-  // Where the hand is at a third of the motion it is 2 mm deep.
+  // At a third of the motion (0.27 s) the hand is 2 mm deep.
   const Vec3 p_S = motion->pose_at(0.27) * Vec3(0.02, 0.01, -0.002);
   const auto at_rest = [&](int i) -> Vec3 { return motion->pose_at(kMs * i).inverse(Eigen::Isometry) * p_S; };
   int felt = 0;
@@ -133,7 +133,7 @@ TEST_P(MovingEffects, OfAHandAtRestAreThoseOfTheOppositeMotion) {
   EXPECT_GE(felt, 10);
 }
 
-// As long as it is where it is at rest.
+// As long as the moving object is at its rest pose.
 TEST_P(MovingEffects, AtTheFirstPoseAreThoseOfAStaticObjectToTheBit) {
   for (const NamedEffects& effects : all_effects()) {
     const TouchScene still{.objects = {made_plate(effects)}};
@@ -167,7 +167,7 @@ TEST_P(MovingEffects, UseNoHeap) {
   }
 }
 
-// Closed forms, of a hand that holds still 2 mm below the surface of a plate that passes at 0.1 m/s.
+// Closed forms, for a hand that holds still 2 mm below the surface of a plate that passes at 0.1 m/s.
 TEST(MovingEffectsOfAStep, AreAsTheirFormulasSay) {
   const Vec3 v(0.1, 0.0, 0.0);
   const Vec3 p(0.01, 0.02, -0.002);
@@ -191,7 +191,7 @@ TEST(MovingEffectsOfAStep, AreAsTheirFormulasSay) {
     const double slope = -0.5 * 5e-4 * 2.0 * std::numbers::pi / 4e-3 * std::sin(phase);
     EXPECT_LT((felt_at({.bumps = ridges}, steps) - 1000.0 * pressed_m * Vec3(-slope, 0.0, 1.0)).norm(), 1e-6) << steps;
   }
-  // Progressive stiffness knows the depth alone.
+  // Progressive stiffness depends on the depth alone.
   EXPECT_LT((felt_at({.progressive = {.n_per_m2 = 1e5}}, 60) - (spring + Vec3(0, 0, 1e5 * 4e-6))).norm(), 1e-6);
 }
 
@@ -215,7 +215,7 @@ TEST(MovingEffectsOfAStep, ASurfaceTapsTheHand) {
   EXPECT_GT(since, 40);
 }
 
-// It has touched the hand, and goes down again: it pulls until it is out of range.
+// The plate has touched the hand, and goes down again: it pulls the hand until the hand is out of range.
 TEST(MovingEffectsOfAStep, ASurfaceThatLeavesHoldsOn) {
   const auto motion = std::make_shared<const KeyframeMotion>(
       Vec3::Zero(),
@@ -242,7 +242,7 @@ TEST(MovingEffectsOfAStep, ASurfaceThatLeavesHoldsOn) {
 TEST(MovingEffectsOfAStep, AJumpOfThePoseIsNoKick) {
   for (const NamedEffects& effects : all_effects()) {
     const std::string name = effects.name;
-    if (name == "layers" || name == "grid" || name == "ridges" || name.ends_with("map")) continue;  // another place of the surface
+    if (name == "layers" || name == "grid" || name == "ridges" || name.ends_with("map")) continue;  // they depend on the place
     TouchScene scene{.objects = {made_plate(effects)}};
     TouchScene still = scene;
     scene.objects[0].command_pivot = Vec3::Zero();
@@ -319,7 +319,7 @@ TEST(MovingEffectsOfAStep, ATurnOfTheSceneIsNoVelocity) {
   }
 }
 
-// A sheet that deforms by a shift of all vertices, so that it is one that moves; with and without a motion besides.
+// A sheet deforms by a shift of all vertices, as if it moved; with and without a motion of the object in addition.
 TEST(DeformingEffects, OfAShiftAreThoseOfAMovingObject) {
   const Vec3 shift(0.08, -0.04, 0.1);  // in 0.8 s
   std::vector<std::pair<NamedEffects, bool>> cases;
@@ -359,7 +359,7 @@ TEST(DeformingEffects, OfAShiftAreThoseOfAMovingObject) {
 }
 
 // A sheet that is stretched along x by 1 + t / 2, under a hand that holds still: ridges are stretched with it, and the surface slides past
-// the hand at the speed that it has there.
+// the hand at the speed of the touched point.
 TEST(DeformingEffects, OfAStretchedSheetAreAsTheirFormulasSay) {
   const auto felt_at = [](const SurfaceEffects& effects, double time_s) {
     TouchObject sheet{.mesh = made::shared(made::sheet(0.1, 0.0, 8)), .material = {}, .effects = effects};

@@ -74,7 +74,7 @@ TEST(MovingMethod, FeelsTwoAtOnceInARightAngleAsOneProxy) {
   EXPECT_EQ(felt.object, 1) << "which pushes more";
 }
 
-// A soft floor and a hard wall, which programs may move, or not: the one with the larger share of the force is named, and has effects.
+// A soft floor and a hard wall that may be movable or not: the object with the larger share of the force is named, and its effects felt.
 TEST(MovingMethod, NamesTheObjectThatPushesMoreAsOneSurfaceDoes) {
   TouchScene still;
   still.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, nullptr, {.stiffness_n_per_m = 300.0}));
@@ -114,7 +114,7 @@ TEST(MovingMethod, NeverPressesTheHandIntoWhatStandsStill) {
   EXPECT_NEAR(method->step({.p_SD = {0, 0, 0.002}, .dt_s = 1e-3, .time_s = 0.1}).force_n.z(), -2.0, 1e-3);
 }
 
-// Random boxes that move and turn about a hand that moves as well. No step has a point within a box, or a ball nearer than its radius.
+// Random boxes move and turn about a moving hand. No step has the probe within the box or, where another box stands still, within that one.
 TEST(MovingMethod, NoStepHasTheProbeWithinABody) {
   const std::uint64_t seed = 20261124;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -189,8 +189,8 @@ struct WanderingHand {
   Vec3 p = Vec3(0, 0, 0.035);
 };
 
-// MovingMethod has a method for each motion, here one for the ball and one for a far plate that hardly moves. The ball feels as in a scene
-// of one method.
+// MovingMethod has a method for each motion, here one for the ball and one for a far plate that hardly moves. The ball is felt as in a
+// scene with a single method.
 TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
   TouchScene still;
   still.objects.push_back({made::shared(made::sphere(0.03, 24, 0.05)), {.friction_static = 0.4, .friction_dynamic = 0.3}});
@@ -210,14 +210,14 @@ TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
     const Vec3& p_SD = hand.next();
     const MethodOutput a = one->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     const MethodOutput b = several->step({.p_SD = p_SD, .time_s = 1e-3 * i});
-    // The two differ by their contact offset, which scales with the scene, and MovingMethod's has one object less.
+    // The contact offsets of the two differ: they scale with the scene, and the scene of MovingMethod's ball has one object less.
     ASSERT_LT((a.force_n - b.force_n).norm(), 2e-3 + 2e-3 * a.force_n.norm()) << i;
     touched += a.contact ? 1 : 0;
   }
   EXPECT_GT(touched, 1000);
 }
 
-// The same as a scene that stands still and a hand that moves the other way.
+// A moving object is felt like one that stands still under a hand that moves the other way.
 TEST(MovingMethod, FeelsAMovingObjectAsAHandThatMovesTheOtherWay) {
   TouchScene moving;
   const auto motion = turn_motion({0.01, 0, 0}, Vec3(1, 2, 3).normalized(), 1.5, 10.0);

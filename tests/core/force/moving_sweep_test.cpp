@@ -25,7 +25,7 @@ class MovingSweep : public testing::TestWithParam<std::tuple<double, double, dou
   MethodSettings settings() const { return {.name = sweep().name, .probe_radius_m = sweep().radius_m}; }
 };
 
-// The force is stiffness times how far the face has passed the hand, in every step, long after the whole plate is on the other side.
+// In every step the force is stiffness times the distance by which the face has passed the hand, also long after the whole plate has.
 TEST_P(MovingSweep, PushesAHandAheadAndIsNeverPassed) {
   const auto [rate_hz, radius, side, name] = sweep();
   const double seconds = 0.2;
@@ -55,8 +55,8 @@ TEST_P(MovingSweep, PushesAHandAheadAndIsNeverPassed) {
   EXPECT_GT(last_n, 39.0);
 }
 
-// Plates that stand still lie right behind the moving one and right before the hand's other side: they stay closed, and the moving one is
-// not felt through them.
+// Plates that stand still lie right behind the moving one and beyond the hand: their surfaces stay closed, and the moving plate is not felt
+// through them.
 TEST_P(MovingSweep, PassesNothingBetweenPlatesThatStandStill) {
   const auto [rate_hz, radius, side, name] = sweep();
   const double seconds = 0.24;
@@ -64,9 +64,9 @@ TEST_P(MovingSweep, PassesNothingBetweenPlatesThatStandStill) {
   const auto at = [side](double low, double high, std::shared_ptr<const KeyframeMotion> motion = nullptr) {
     return felt_plate({-0.06, -0.06, side > 0 ? low : -high}, {0.06, 0.06, side > 0 ? high : -low}, std::move(motion));
   };
-  scene.objects.push_back(at(-0.030, -0.020));  // the floor, 20 mm before the hand
+  scene.objects.push_back(at(-0.030, -0.020));  // the floor, 20 mm beyond the hand
   scene.objects.push_back(at(0.010, 0.014, shift_motion(Vec3::Zero(), {0, 0, -side * kPlateSpeed * seconds}, seconds)));
-  scene.objects.push_back(at(0.0145, 0.020));  // behind the plate as it begins
+  scene.objects.push_back(at(0.0145, 0.020));  // right behind the moving plate at the start
   const auto method = make_felt(scene, settings());
   ASSERT_TRUE(method);
   const Vec3 hand(0.0123, -0.0045, 0.0);
@@ -75,7 +75,7 @@ TEST_P(MovingSweep, PassesNothingBetweenPlatesThatStandStill) {
   for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
     const double time = i / rate_hz;
     const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
-    // The probe never leaves the room before the floor, whatever comes.
+    // The probe never enters the floor, whatever comes.
     ASSERT_GE(side * felt.p_SP.z(), -0.020 + radius - 1e-9) << "at " << time << " s";
     ASSERT_LE((felt.force_n - last).norm(), kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-6) + 1e-9) << "at " << time << " s";
     const double pushed = std::max(0.0, kPlateSpeed * time - 0.010 + radius);

@@ -12,9 +12,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kHalfSide = 1e-4;  // of bodies of about 0.1 m
+constexpr double kHalfSide = 1e-4;  // of the close-up; the bodies are about 0.1 m long
 
-// How much nearer to the device the reference gets with the whole mesh.
+// By how much the reference gets nearer to the device than p, started at p on the whole mesh.
 double gain_in_the_whole(const TriangleMesh& mesh, const Vec3& p, const Vec3& device) {
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(mesh), Material{}});
@@ -47,10 +47,10 @@ TEST(CloseUpMinimum, AProxyThatNothingHoldsIsAtNoMinimum) {
   const TriangleMesh box = block({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05});
   const auto is_minimum = [&](const Vec3& p, const Vec3& device) { return is_held_close_up(box, p, device); };
   EXPECT_TRUE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.01, 0.02, 0.03)));
-  EXPECT_FALSE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.012, 0.02, 0.03)));         // aside on a face
+  EXPECT_FALSE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.012, 0.02, 0.03)));         // the device is beside p, not straight below
   EXPECT_FALSE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.01, 0.02, 0.06)));          // the device is outside
-  EXPECT_FALSE(is_minimum(Vec3(0.05, 0.02, 0.05 + 1e-10), Vec3(0.06, 0.02, 0.03)));          // over an edge
-  EXPECT_FALSE(is_minimum(Vec3(0.05 + 1e-10, 0.05, 0.05 + 1e-10), Vec3(0.06, 0.06, 0.03)));  // over a corner
+  EXPECT_FALSE(is_minimum(Vec3(0.05, 0.02, 0.05 + 1e-10), Vec3(0.06, 0.02, 0.03)));          // the device is beyond an edge
+  EXPECT_FALSE(is_minimum(Vec3(0.05 + 1e-10, 0.05, 0.05 + 1e-10), Vec3(0.06, 0.06, 0.03)));  // the device is beyond a corner
   const TriangleMesh room = flipped(box);
   const Vec3 corner = Vec3::Constant(0.05 - 1e-10);
   EXPECT_TRUE(is_held_close_up(room, corner, Vec3(0.06, 0.07, 0.08)));

@@ -54,7 +54,7 @@ TEST(ForceError, EveryStepOfABranchSwitchIsAnError) {
   auto method = reference;
   for (std::size_t i = 40; i < 50; ++i) put_proxy(method[i], method[i].proxy + Vec3(0.0, 1e-3, 0.0));
   put_proxy(method[70], method[70].proxy + Vec3(0.0, 1e-3, 0.0));
-  put_proxy(method[80], method[80].proxy + Vec3(0.0, 9e-6, 0.0));  // 0.9 %: an error, no switch
+  put_proxy(method[80], method[80].proxy + Vec3(0.0, 9e-6, 0.0));  // 0.9 %: an error, but no branch switch
   const ForceError error = compare_forces(method, reference, {});
   EXPECT_EQ(error.branch_switches, 2u);
   EXPECT_EQ(error.switched_steps, 11u);
@@ -96,9 +96,9 @@ TEST(ForceError, EveryBranchSwitchHasACause) {
   aside(method, 70, 74);
   auto converged = method;
   put_proxy(converged[10], reference[10].proxy);
-  put_proxy(converged[11], reference[11].proxy + Vec3(0.0, 9e-6, 0.0));  // 0.9 %: no switch
+  put_proxy(converged[11], reference[11].proxy + Vec3(0.0, 9e-6, 0.0));  // 0.9 %: no branch switch
   put_proxy(converged[12], reference[12].proxy);
-  put_proxy(converged[70], reference[70].proxy);  // its other three steps do not vanish
+  put_proxy(converged[70], reference[70].proxy);  // the other three steps of this branch switch remain
   const ForceError error = compare_forces(method, reference, {}, converged);
   ASSERT_EQ(error.switches.size(), 4u);
   using Cause = BranchSwitch::Cause;
@@ -112,7 +112,7 @@ TEST(ForceError, EveryBranchSwitchHasACause) {
   }
   EXPECT_EQ(error.count(Cause::unexplained), 2u);
   EXPECT_EQ(error.branch_switches, 4u);
-  // It does not change what counts as an error.
+  // The converged forces do not change what counts as an error.
   const ForceError alone = compare_forces(method, reference, {});
   EXPECT_EQ(alone.error.rms, error.error.rms);
   EXPECT_EQ(alone.switched_steps, error.switched_steps);
@@ -136,7 +136,7 @@ TEST(ForceError, FallThroughsAndFalseContacts) {
   for (ForceSample& step : free) put_proxy(step, step.device);
   EXPECT_EQ(compare_forces(free, pressed, {}).fall_throughs, 50u);
   EXPECT_EQ(compare_forces(pressed, free, {}).false_contacts, 50u);
-  // Shallower than 0.25 % of the extent is neither.
+  // A penetration of less than 0.25 % of the extent counts as neither.
   EXPECT_EQ(compare_forces(free, pressed, {.extent_m = 1.0}).fall_throughs, 0u);
   EXPECT_EQ(compare_forces(free, pressed, {}).contact_steps, 50u);
 }

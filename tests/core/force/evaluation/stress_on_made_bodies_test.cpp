@@ -38,7 +38,7 @@ TriangleMesh make_crossing_itself(Random& random) {
   return mesh;
 }
 
-// A bumpy sphere on which one triangle after another is split in three at a point off it, mostly one of those just made.
+// A bumpy sphere. One triangle after another, mostly one of those just made, is split in three at a point off its plane.
 TriangleMesh make_graded(Random& random) {
   constexpr int kSplits = 40;
   TriangleMesh mesh = make_icosphere(1.0, 1);
@@ -81,7 +81,7 @@ TriangleMesh make_copied(Random& random) {
   return mesh;
 }
 
-// Wedges of 1e-7 to 1e-1 rad that meet, in one line or in a point: closed, and crossing each other.
+// Closed wedges of 1e-7 to 1e-1 rad that meet in one line or in one point, and cross each other.
 TriangleMesh make_blades(Random& random) {
   TriangleMesh mesh;
   const std::size_t count = 2 + random() % 6;
@@ -224,8 +224,8 @@ std::string name_of_episode(const testing::TestParamInfo<MadeBody>& test) {
   return body + "_" + std::to_string(test.param.episode) + (test.param.probe_share == 0.001 ? "_small" : "");
 }
 
-// A wall that begins at a corner was skipped by a sphere that passed the corner. Or the way out of a corner led beyond the other side of a
-// slit, or was not seen because no edge of the corner leads nearer. Or a point that left a face in a narrow wedge was lifted through the
+// A sphere that passed a corner skipped a wall that begins there. Or the way out of a corner led beyond the other side of a slit, or was
+// not found because no edge of the corner leads nearer to the device. Or a point that left a face in a narrow wedge was lifted through the
 // other face.
 INSTANTIATE_TEST_SUITE_P(
     Found, StressOnMadeBodies,
@@ -238,8 +238,8 @@ INSTANTIATE_TEST_SUITE_P(
                     MadeBody{"graded", make_graded, 1619, 6}),
     name_of_episode);
 
-// A narrow corner holds the sphere that stands for a point so far from its vertex that no corner was seen. Or the way out of it leads into
-// a slit that has room for the sphere only farther out than was tried.
+// A narrow corner held the sphere that stands for a point so far from the corner's vertex that no corner was recognised. Or the way out of
+// the corner led into a slit that has room for the sphere only farther out than was tried.
 INSTANTIATE_TEST_SUITE_P(FarFromTheCorner, StressOnMadeBodies,
                          testing::Values(MadeBody{"crossing", make_crossing_itself, 1604, 0},
                                          MadeBody{"crossing", make_crossing_itself, 1604, 1},
@@ -249,8 +249,8 @@ INSTANTIATE_TEST_SUITE_P(FarFromTheCorner, StressOnMadeBodies,
                                          MadeBody{"graded", make_graded, 1168, 2}),
                          name_of_episode);
 
-// Beside a displaced copy of the edge that it rolls over, a sphere was carried from step to step and had not arrived after 1,024 of them.
-// Or it was held on the face of a needle between an edge and its copy, which it had passed.
+// A sphere that rolled over an edge, beside a displaced copy of that edge, was carried from step to step and had not arrived after 1,024
+// steps. Or it was held on the face of a needle between an edge and its copy, although it had already passed that face.
 INSTANTIATE_TEST_SUITE_P(BesideCopies, StressOnMadeBodies,
                          testing::Values(MadeBody{"dup", make_copied, 5, 4, 0.005}, MadeBody{"dup", make_copied, 11, 7, 0.005},
                                          MadeBody{"dup", make_copied, 19, 3, 0.005}, MadeBody{"dup", make_copied, 32, 0, 0.005},
@@ -264,8 +264,8 @@ INSTANTIATE_TEST_SUITE_P(OverABoundary, StressOnMadeBodies,
                                          MadeBody{"crossing", make_crossing_itself, 262, 2, 0.001}),
                          name_of_episode);
 
-// Faces and an edge of bodies that cross held the sphere that stands for a point, and no corner was seen because they have no vertex in
-// common. Or the way out was blocked by a displaced copy of the face that it leads along.
+// Faces and an edge of bodies that cross held the sphere that stands for a point, and no corner was recognised because they have no vertex
+// in common. Or the way out was blocked by a displaced copy of the face along which it leads.
 INSTANTIATE_TEST_SUITE_P(WhereBodiesCross, StressOnMadeBodies,
                          testing::Values(MadeBody{"blades", make_blades, 17, 3}, MadeBody{"blades", make_blades, 25, 7},
                                          MadeBody{"blades", make_blades, 88, 5}, MadeBody{"blades", make_blades, 106, 4},

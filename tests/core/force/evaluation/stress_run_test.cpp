@@ -43,7 +43,7 @@ TEST_P(EveryBody, HoldsUnderTheReference) {
   EXPECT_GT(count.contact_steps, 200u);
 }
 
-// At every scale and far from the origin.
+// At a small, a usual and a large scale, and far from the origin.
 TEST_P(EveryBody, HoldsUnderTheProxy) {
   const StressBody body = make_stress_body(GetParam());
   std::uint64_t contacts = 0;
@@ -60,7 +60,7 @@ TEST_P(EveryBody, HoldsUnderTheProxy) {
 
 TEST_P(EveryBody, IsNeverFallenThroughBySmooth) {
   const StressBody body = make_stress_body(GetParam());
-  if (body.probe_share > 0.0) return;  // a point probe
+  if (body.probe_share > 0.0) return;  // smooth supports only a point probe
   // Known limits of the method (docs/decisions/0003): jumps by an extent between two blades, and pieces that pass through each other.
   if (GetParam() == "knife-gutter" || GetParam().starts_with("overlapping-parts")) return;
   for (const StressSettings& settings : {StressSettings{.seed = 5}, StressSettings{.seed = 6, .offset_extents = 1e6}}) {
@@ -130,7 +130,7 @@ class Wrong : public ForceMethod {
   Vec3 at_ = Vec3::Zero();
 };
 
-// A surface that the hand leaves quickly still holds the proxy.
+// A surface that the hand leaves quickly still holds the proxy, even if damping leaves no force.
 TEST(StressRun, ContactWhoseForceDampingTakesIsNoFault) {
   const StressBody body = make_stress_body(stress_body_names().front());
   StressSettings settings{.seed = 1};
@@ -157,8 +157,8 @@ TEST(StressRun, SeesEveryKindOfFault) {
   }
 }
 
-// As right as any by the rules of force: where the device comes to the plane of a wall from behind another, so does the proxy, exactly or
-// one unit in the last place beyond. Its position does not tell which side it is on.
+// A force that is as correct as any other: where the device, behind one wall, comes to the plane of another, the proxy is put on that
+// plane, exactly or one unit in the last place beyond it. The proxy's position then does not tell which side of that wall it is on.
 class OnTheThirdWall : public ForceMethod {
  public:
   OnTheThirdWall(std::unique_ptr<ForceMethod> right, const Vec3& half) : right_(std::move(right)), half_(half) {}
@@ -199,7 +199,7 @@ TEST(StressRun, AProxyExactlyOnAWallIsComparedFromTheFreeSide) {
   EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::stuck)], 0u) << describe(count);
 }
 
-// Passes through sheets without force.
+// Moves through every surface without force.
 class Nothing : public ForceMethod {
  public:
   void reset(const Vec3&) noexcept override {}

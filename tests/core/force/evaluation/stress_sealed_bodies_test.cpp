@@ -30,7 +30,7 @@ std::unique_ptr<ForceMethod> make_proxy(const TriangleMesh& mesh) {
   return std::move(*method);
 }
 
-// A tap straight in from outside: whether there is a force at the end.
+// Whether a tap straight in from outside ends in contact.
 bool has_contact(ForceMethod& method, const Vec3& at, const Vec3& up) {
   method.reset(at + 1e-3 * up);
   MethodOutput felt;
@@ -38,7 +38,7 @@ bool has_contact(ForceMethod& method, const Vec3& at, const Vec3& up) {
   return felt.contact;
 }
 
-// A position on a seam of a cracked mesh: in the middle of the gap at its vertices, or anywhere between them.
+// A position on a seam of a cracked mesh, in the middle of the gap: at a vertex of the seam, or between two of its vertices.
 struct Position {
   Vec3 at;
   Vec3 up;
@@ -116,7 +116,7 @@ TEST(SealedTouch, TapsFallThroughNowhereElseThanAtWideGaps) {
   }
 }
 
-// Along a seam and across it, at varying depth. The facets are up to a few tenths of a millimetre below the sphere.
+// Slides along a seam and across it, at varying depth. The facets are up to a few tenths of a millimetre inside the sphere.
 TEST(SealedTouch, SlidesAcrossSealedSeamsStayInContact) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
