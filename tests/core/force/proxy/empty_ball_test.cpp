@@ -37,7 +37,7 @@ TEST_F(EmptyBallTest, NoTriangleIsInAnyBallFound) {
     const double radius = ball.find(geometry_, p, 0.01, kRestOffset, kFar);
     const double distance = distance_by_brute_force(p);
     ASSERT_LE(radius, std::max(0.0, distance - kRestOffset)) << p.transpose();
-    // Not much smaller than it could be: neighbours hardly nearer are skipped.
+    // Not much smaller than it could be: the search skips triangles that are hardly nearer than the nearest one so far.
     const bool is_limited = radius == 0.0 || distance > 0.5;
     EXPECT_GE(radius, is_limited ? 0.0 : 0.7 * (distance - 2.0 * kRestOffset)) << p.transpose();
     found += radius > 0.0 ? 1 : 0;
@@ -87,7 +87,7 @@ TEST_F(EmptyBallTest, IsSearchedAgainAfterSomeWayOnly) {
   EXPECT_TRUE(ball.is_due());
 }
 
-// The boxes of slanted triangles hold the device, the triangles are far from it.
+// The boxes of slanted triangles contain the device, but the triangles are far from it.
 TEST_F(EmptyBallTest, AmongTooManyTrianglesThereIsNoneAndTheSearchIsBounded) {
   TriangleMesh slanted;
   for (std::uint32_t i = 0; i < 2000; ++i) {

@@ -62,7 +62,7 @@ TEST(FreeFlight, LandsOnTheFirstOfAllTriangles) {
   EXPECT_GT(landed, 1000);
 }
 
-// In units of work, below the tip of a fan of 2,000 triangles and away from all.
+// The units of work of a flight away from all triangles, and of one just below the tip of a fan of 2,000 triangles.
 TEST(FreeFlight, ItsWorkGrowsWithTheTrianglesOnTheWay) {
   constexpr std::uint32_t kCount = 2000;
   TriangleMesh cone;
@@ -106,7 +106,7 @@ TEST(FreeFlight, APointTooNearIsMovedOffOnItsOwnSide) {
     p.x() = face + side * 0.25 * kOffset;
     const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset);
     EXPECT_NEAR(off.x() - face, side * kOffset, 1e-3 * kOffset);
-    EXPECT_EQ(stage.flight.clear_of_surfaces(p, 0.25 * kOffset), p);  // it may not go so far
+    EXPECT_EQ(stage.flight.clear_of_surfaces(p, 0.25 * kOffset), p);  // this limit is shorter than the way to the offset
   }
   const Vec3 far = stage.geometry.to_local(Vec3(0.06, 0.012, 0.013));
   EXPECT_EQ(stage.flight.clear_of_surfaces(far, 1.0), far);
@@ -115,7 +115,7 @@ TEST(FreeFlight, APointTooNearIsMovedOffOnItsOwnSide) {
 TEST(FreeFlight, APointExactlyOnAnEdgeOrACornerIsMovedOffTheFacesThere) {
   FlightStage stage(make_box(Vec3::Constant(0.125), 1));  // its corners are exact in local units
   const double face = stage.geometry.to_local(Vec3(0.0625, 0.0, 0.0)).x();
-  for (const int far : {0, 1, 2}) {  // along how many axes, after x, the point is at the end of the box
+  for (const int far : {0, 1, 2}) {  // along how many axes, besides x, the point is at a face of the box
     const Vec3 p(face, far >= 1 ? -face : 0.0101 * face, far >= 2 ? face : 0.0203 * face);
     const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset) - p;
     for (int axis = 0; axis <= far; ++axis) EXPECT_NEAR(std::fabs(off[axis]), kOffset, 1e-3 * kOffset) << "ends " << far;

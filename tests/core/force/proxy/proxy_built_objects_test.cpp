@@ -46,7 +46,7 @@ struct MovedScene {
     plain[o] = std::make_shared<const ObjectGeometry>(
         ObjectGeometry::make(*meshes[o], frame, TouchGeometry::most_triangles(meshes), shading_crease_rad));
   }
-  // The cube, from where it is at rest; lengths in units of the size.
+  // Moves the cube from its rest pose. by: in multiples of `size`.
   void move(const Vec3& turn, const Vec3& by) {
     const Quat rotation = turn_by(turn);
     TriangleMesh moved = *rest;
@@ -65,7 +65,7 @@ struct MovedScene {
     all.built = built;
     return all;
   }
-  // In the same frame, if the cube lies within the scene as it was at first.
+  // For a method that builds its own objects. The frame is the same if the cube lies within the scene as it was at first.
   TouchScene anew() const {
     TouchScene all = scene;
     all.part_of = whole;
@@ -108,7 +108,7 @@ struct Hand {
   }
 };
 
-// Touching, overlapping, enclosed, far: where the cube goes.
+// Where the cube goes: onto the plate, near it or into it, into the bumpy sphere, above the plate.
 Vec3 draw_place(std::mt19937_64& random, int n) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const double x = 0.06 * uniform(random);
@@ -136,7 +136,7 @@ TEST(ProxyOnBuiltObjects, FeelsTheSameToTheBitAsOnObjectsBuiltAnew) {
       settings.probe_radius_m = n % 3 == 1 ? 0.002 * size : 0.0;
       settings.shading = n % 5 == 2 ? 0.5 : 0.0;
       MovedScene scene(size, ProxyMethod::shading_crease_rad(settings));
-      // Twice, so that what is kept of the scene before is used.
+      // It is called again below, so that what it keeps of the scene before is used.
       (void)scene.with_built();
       const Vec3 place = draw_place(random, n);
       scene.move({0.0, 0.0, n % 4 == 3 ? 0.3 * uniform(random) : 0.0}, place);
@@ -163,7 +163,7 @@ TEST(ProxyOnBuiltObjects, FeelsTheSameToTheBitAsOnObjectsBuiltAnew) {
   EXPECT_GT(contacts, 10'000);
 }
 
-// The brute-force twin, which has no local frame of a scene before.
+// Compared with the brute-force twin, the reference, which keeps no local frame of an earlier scene.
 TEST(ProxyOnBuiltObjects, AgreesWithTheReferenceWhereverTheCubeIsPutDown) {
   std::mt19937_64 random(kBuiltSeed + 1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -172,7 +172,7 @@ TEST(ProxyOnBuiltObjects, AgreesWithTheReferenceWhereverTheCubeIsPutDown) {
     SCOPED_TRACE(testing::Message() << "seed " << kBuiltSeed + 1 << ", place " << n);
     MovedScene scene(1.0);
     scene.scene.objects[0].material = Material();
-    // Also beyond the scene as it was at first, where the frame is kept.
+    // Also a place beyond the scene as it was at first, whose frame is kept.
     const Vec3 place = n % 4 == 3 ? Vec3(0.1, -0.1, 0.09) : draw_place(random, n);
     scene.move({0.0, 0.0, 0.3 * uniform(random)}, place);
     const auto built = proxy_over({}, scene.with_built());

@@ -1,4 +1,4 @@
-// A sphere among hundreds of triangles: put where it overlaps them on one side, and the work of its steps.
+// A sphere among hundreds of triangles: it is put where it overlaps them on one side, and the work of its steps is bounded.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,12 +44,12 @@ class OnOneSide : public ::testing::TestWithParam<unsigned> {
   std::mt19937_64 random_;
 };
 
-// The surfaces that it overlaps leave a direction in which it can go, although it has far fewer contacts than triangles. It goes there at
-// once, with its own radius, and is then held like any other sphere.
+// The surfaces that the sphere overlaps leave a direction in which it can go, although it has far fewer contacts than it overlaps
+// triangles. It goes in that direction at once, with its own radius, and is then held like any other sphere.
 TEST_P(OnOneSide, TheSphereLeavesTheOverlapWithItsOwnRadius) {
   for (const double rough : {0.0, 0.02, 0.1}) {
     for (const bool is_hollow : {false, true}) {
-      // Facets of a tenth of its radius.
+      // The facets are as long as a tenth of the sphere's radius.
       TriangleMesh mesh = made::sheet(3.0 * kCrowdRadius, 0.0, 60);
       for (Vec3& v : mesh.vertices) {
         if (is_hollow) v.z() += v.head<2>().squaredNorm() / (8.0 * kCrowdRadius);
@@ -121,7 +121,7 @@ TriangleMesh thick_soup(double size, std::mt19937_64& random) {
 
 class AmongThousands : public ::testing::TestWithParam<unsigned> {};
 
-// What it cannot do with the work of a step is left to the next ones.
+// What a sphere cannot do with the work of one step is left to the next steps.
 TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
@@ -161,7 +161,7 @@ TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
   }
 }
 
-// A step that runs out of work between two contacts has none at its end; the stiff object that is far away is not felt then.
+// A step that runs out of work between two contacts ends without any; its force must not have the stiffness of the far object.
 TEST_P(AmongThousands, NoStepHasTheStiffnessOfAnotherObject) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
@@ -191,7 +191,7 @@ TEST_P(AmongThousands, NoStepHasTheStiffnessOfAnotherObject) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AmongThousands, testing::Values(1U, 2U));
 
-// The boxes of thousands of slanted triangles hold the whole sphere, but it touches none of them.
+// The boxes of thousands of slanted triangles contain the whole sphere, but it touches none of the triangles.
 class OverSlantedTriangles : public ::testing::TestWithParam<unsigned> {
  protected:
   OverSlantedTriangles() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
@@ -233,7 +233,7 @@ TEST_P(OverSlantedTriangles, TheSphereArrivesInFreeSpace) {
   }
 }
 
-// Also what it looks at before it follows.
+// The work of a step includes what it examines before the proxy follows.
 TEST_P(OverSlantedTriangles, AStepCountsAllOfItsWork) {
   const auto method = make(slanted());
   method->reset(middle_ + 1.2 * kCrowdRadius * up_);
@@ -241,10 +241,10 @@ TEST_P(OverSlantedTriangles, AStepCountsAllOfItsWork) {
   EXPECT_GT(static_cast<const ProxyMethod&>(*method).counters().most_work, 256) << "the search for an empty ball";
 }
 
-// The edge of a fin holds the sphere while the device, close to the edge, goes around it. Where only sweeps go on, motions along the
-// tangent of the pull alone would come nearer by a fifth each, and take a hundred sweeps.
+// The edge of a fin holds the sphere while the device, close to the edge, goes around it. Here only sweeps move the sphere. Motions along
+// the tangent of the pull alone would each reduce the distance by a fifth, and take a hundred sweeps.
 TEST_P(OverSlantedTriangles, FewSweepsLeadAroundAnEdge) {
-  constexpr double kNear = 0.2 * kCrowdRadius;  // of the device to the edge
+  constexpr double kNear = 0.2 * kCrowdRadius;  // distance from the device to the edge
   const Vec3 edge = middle_ + 3.0 * kCrowdRadius * up_;
   const Vec3 along = beside(1.0).normalized();
   const Vec3 side = along.cross(up_);
@@ -268,8 +268,8 @@ TEST_P(OverSlantedTriangles, FewSweepsLeadAroundAnEdge) {
   EXPECT_GT(proxy.swept().counters().sweeps, 20U);
 }
 
-// Over a fine surface, the box of a long path holds thousands of triangles, that of the sphere alone few. A flight that has given up is not
-// tried again in each step of the same motion: sweeps, which can be interrupted, finish it.
+// Over a fine surface, the box of a long path contains thousands of triangles, the box of the sphere alone only a few. A flight that has
+// given up is not tried again in each step of the same motion: sweeps, which can be interrupted, finish that motion.
 TEST_P(OverSlantedTriangles, AFlightGivesUpOnceInAMotion) {
   TriangleMesh mesh = made::sheet(0.05, 0.0, 250);
   const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up_).toRotationMatrix();

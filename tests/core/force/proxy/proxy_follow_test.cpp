@@ -34,7 +34,7 @@ class ProxyFollow : public testing::TestWithParam<LettingGo> {
     return make_method(settings, scene).value();
   }
 
-  // The output at the step, from the beginning of the slide's segment.
+  // The output at `step` of a run from the beginning of that segment of the slide.
   static MethodOutput felt_at(ForceMethod& method, const TouchTrajectory& slide, std::size_t step) {
     const std::size_t first = step / slide.reset_every * slide.reset_every;
     method.reset(slide.p_SD[first]);
@@ -58,8 +58,8 @@ TEST_P(ProxyFollow, EndsWhereAContinuousMotionDoes) {
 INSTANTIATE_TEST_SUITE_P(Slides, ProxyFollow, testing::Values(LettingGo{10, 9121}, LettingGo{18, 1387}),
                          [](const auto& test) { return "seed_" + std::to_string(test.param.seed); });
 
-// A floor in z = 0 whose faces are walkable, for y < 0, and a wall in y = 0 whose faces are not, because a band crosses all of them. Behind
-// the wall are copies of it. Where the wall and each copy have a vertex in which their faces meet, hundreds of triangles are near.
+// A floor in z = 0, y < 0, whose faces are walkable, and a wall in y = 0, whose faces are not, because a band crosses all of them. Behind
+// the wall are copies of it. Near the vertices in which the faces of the wall and of its copies meet, there are hundreds of triangles.
 class BesideACrowd {
  public:
   static constexpr std::uint32_t kFaces = 40;
@@ -103,7 +103,7 @@ class BesideACrowd {
     mesh.vertices.push_back(p);
     return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   }
-  // Half a circle in the plane of that y, from x > 0 to x < 0, without that angle at both ends; the number of its first vertex.
+  // Adds half a circle in the plane of this y, from x > 0 to x < 0, without `left_out` radians at both ends. Returns its first vertex.
   std::uint32_t add_arc(double radius, double y, double left_out = 0.0) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (std::uint32_t i = 0; i <= kFaces; ++i) {
@@ -117,8 +117,8 @@ class BesideACrowd {
   }
 };
 
-// A point on the floor that comes to the wall is lifted off, and goes on as a sphere. To gather the triangles there takes all of a step's
-// work. The next step goes on from there, and does not put it back onto the floor to begin anew.
+// A point on the floor that comes to the wall is lifted off, and goes on as a sphere. Gathering the triangles there takes all the work of a
+// step. The next step goes on from the same position, and does not put the point back onto the floor to begin anew.
 TEST(ProxyBesideACrowd, APointThatIsLiftedOffGoesOn) {
   const BesideACrowd crowd;
   TouchScene scene;

@@ -241,8 +241,8 @@ TEST(Proxy, DampingIsUsedAndNeverPullsIn) {
   EXPECT_NEAR(out.p_SP.z(), 0.0, 1e-9);
 }
 
-// The sample may have been found to be in free space without a look at the surface. What the device has done since the sample before it
-// is damped, not the correction alone.
+// A sample may be found to be in free space without a query of the surface. A correction of that sample is damped with the device's motion
+// since the sample before it, not with the correction alone.
 TEST(Proxy, ACorrectionIsDampedAsItsSample) {
   Material damped;
   damped.damping_ns_per_m = 2.0;
@@ -285,7 +285,7 @@ TEST(Proxy, AConcaveEdgeReleasesTheProxyAgain) {
   }
 }
 
-// Straight down exactly in the plane of a side: at the upper edge the proxy is at the maximum of its distance, in unstable balance.
+// The device goes straight down in the plane of a side. At the upper edge the proxy is at its largest distance, in unstable balance.
 TEST(Proxy, DoesNotBalanceOnAnEdge) {
   for (const double radius : {0.0, 0.003}) {
     const auto proxy = proxy_over(scene_of(make_box({0.1, 0.1, 0.1}, 4)), radius);
@@ -380,7 +380,7 @@ TEST(Proxy, FreeStepsAreSkipped) {
   EXPECT_GT(proxy->counters().skipped, 700U);
 }
 
-// Free in front of a sheet, round its boundary in large steps, and back through it to a position known to be free.
+// The device is free in front of a sheet, goes round its boundary in large steps, and back through it to a position known to be free.
 TEST(Proxy, APlaceWhereItWasFreeIsNotCrossedLater) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4)));
   std::mt19937 random(5);

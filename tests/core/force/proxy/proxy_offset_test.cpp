@@ -89,14 +89,14 @@ TEST(ProxyOffset, AMotionOutOfWorkGoesOnWithTheNextSteps) {
     for (const auto& method : {at_once.get(), in_parts.get()}) EXPECT_EQ(static_cast<const ProxyMethod&>(*method).counters().swept, 0U);
     EXPECT_GT(steps, 5) << "friction " << friction;
     EXPECT_FALSE(at_once->carried_from());
-    // Friction adds up what the cubics of longer paths are off.
+    // With friction, the errors of the cubics that approximate longer paths add up.
     EXPECT_LE((output.p_SP - expected.p_SP).norm(), (friction > 0.0 ? 1e-3 : 1e-8) * 0.002) << "friction " << friction;
     EXPECT_EQ(at_once->step({.p_SD = to}).p_SP, output.p_SP);
   }
 }
 
-// Friction. Two kinds of differences are counted separately: a jump over an edge whose radius is smaller than the depth, which the
-// reference cuts short; and a step in which the reference is unsettled. Then both start again.
+// With friction. Two kinds of differences are left out: after a jump over an edge whose radius is smaller than the depth, which the
+// reference cuts short, and after a step in which the reference is unsettled, both methods start again.
 struct RubbingPath {
   double radius;  // m
   double friction_static, friction_dynamic;

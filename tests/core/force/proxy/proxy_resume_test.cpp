@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kHalf = 0.05;
 
-// Wound away from the hand, which is above: only where the probe is tells its side.
+// The triangles are wound away from the hand, which is above: only the probe's position tells which side it is on.
 TriangleMesh turned_sheet(int sheets) {
   TriangleMesh mesh;
   for (int n = 0; n < sheets; ++n) {
@@ -28,7 +28,7 @@ TriangleMesh turned_sheet(int sheets) {
 
 std::unique_ptr<ForceMethod> proxy_of(const TouchScene& scene) { return std::move(*ProxyMethod::make(MethodSettings(), scene)); }
 
-// On walkable faces, and on two sheets in one place, which are not.
+// On walkable faces, and on two sheets in the same place, whose faces are not walkable.
 TEST(ProxyResume, GoesOnOnTheSideThatTheProbeIsOn) {
   for (const int sheets : {1, 2}) {
     const TouchScene scene = scene_of(turned_sheet(sheets));
@@ -50,7 +50,7 @@ TEST(ProxyResume, GoesOnOnTheSideThatTheProbeIsOn) {
   }
 }
 
-// No force is left, and the device is exactly on the surface.
+// The device is exactly on the surface: no force is left, but the probe is held.
 TEST(ProxyResume, AProbeWithoutForceIsHeldStill) {
   const TouchScene scene = scene_of(turned_sheet(1));
   auto before = proxy_of(scene);
@@ -71,7 +71,7 @@ TEST(ProxyResume, AFreeProbeIsNotHeld) {
   EXPECT_FALSE(method->held_at().has_value());
 }
 
-// The left half of a sheet as a part of the whole one, on which the hand has slid there.
+// The whole is a sheet on which the hand slides from the right half to the left half; the part is the left half.
 TEST(ProxyResume, APartOfTheSceneGivesTheForceOfTheWhole) {
   const TriangleMesh whole_mesh = turned_sheet(1);
   TriangleMesh half = whole_mesh;

@@ -85,7 +85,7 @@ TEST(ProxySlide, NeitherScaleNorPlaceChangesIt) {
   }
 }
 
-// Both drag the proxy along a tractrix: the reference in sub-steps on one plane each, `proxy` from event to event.
+// Both methods drag the proxy along a tractrix: the reference in sub-steps, each on one plane, `proxy` from event to event.
 TEST(ProxySlide, FrictionIsTheReferencesAndInsideItsCone) {
   Material rough;
   rough.friction_static = 0.5;
@@ -182,7 +182,7 @@ TEST(ProxySlide, ADeviceThatLeavesThroughItsProxyIsFree) {
       }
       ++taps;
     };
-    for (const double first : {0.002, 0.00225}) {  // a sample at the surface, and none
+    for (const double first : {0.002, 0.00225}) {  // with a sample at the surface, and without one
       for (std::size_t t = 0; t < bumps.triangles.size(); t += 97) {
         const auto [a, b, c] = bumps.triangles[t];
         const Vec3& va = bumps.vertices[a];
@@ -204,8 +204,8 @@ constexpr double kDynamicCone = 0.2;
 constexpr double kFinnedSide = 0.1;
 constexpr int kFinnedCells = 20;
 
-// A sheet in the plane z = 0, `bend` radians up on either side of y = 0. In cells of x within -5 to 5 mm, where `has_fins`, a triangle
-// below it stands on every edge along y: three triangles at an edge are not walkable.
+// A sheet in the plane z = 0, bent up by `bend` radians on either side of y = 0. With `has_fins`, a triangle below the sheet hangs on every
+// edge along y at x within -5 to 5 mm: faces that have three triangles at an edge are not walkable.
 TriangleMesh make_finned_sheet(double bend, bool has_fins) {
   TriangleMesh sheet = make_plane_grid(kFinnedSide, kFinnedCells);
   for (Vec3& v : sheet.vertices) v = Vec3(v.x(), v.y() * std::cos(bend), std::abs(v.y()) * std::sin(bend));
@@ -228,7 +228,7 @@ struct FinnedSlide {
   std::uint64_t other_steps = 0;
 };
 
-// The device moves along x, 1 mm below the sheet, at a height y beside its middle.
+// The device moves along x, 1 mm below z = 0, at the distance y from the middle of the sheet.
 FinnedSlide slide_over_fins(const TriangleMesh& sheet, double y) {
   Material rough;
   rough.friction_static = kStaticCone;

@@ -38,7 +38,7 @@ class NarrowSlit : public ::testing::TestWithParam<unsigned> {
     RecordProperty("seed", std::to_string(GetParam()));
   }
   void reset(const Vec3& device) { method_->reset(turn_ * device); }
-  // Where the probe is for the device there, both as if the slit were not turned.
+  // The position of the probe for this device point, both in coordinates in which the slit is not turned.
   Vec3 step(const Vec3& device) {
     output_ = method_->step({.p_SD = turn_ * device});
     for (int i = 0; method_->carried_from() && i < 64; ++i) output_ = method_->step({.p_SD = turn_ * device});
@@ -87,7 +87,7 @@ TEST_P(NarrowSlit, TheSphereStopsAtTheClosedEnd) {
   EXPECT_TRUE(output_.contact);
 }
 
-// It crosses no wall, and the force changes only with the device.
+// The sphere crosses no wall, and moves no farther than the device, so that the force does not jump.
 TEST_P(NarrowSlit, TheSphereComesNoNearerToTheWallsAndTheForceHasNoJump) {
   constexpr double kRounding = 1e-10;
   reset(kStart);
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, NarrowSlit, testing::Range(1U, 41U));
 
 class OnASurface : public ::testing::TestWithParam<unsigned> {};
 
-// No direction leads away from an edge or a vertex that the centre is on.
+// If the centre is exactly on an edge or a vertex, no direction leads away from it.
 TEST_P(OnASurface, TheSphereIsNotHeldOnEdgesAndVertices) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
@@ -168,7 +168,7 @@ class FineTube : public ::testing::TestWithParam<unsigned> {
   }
 };
 
-// The sphere overlaps hundreds of triangles, many more than its contacts can be: each motion that these allow is stopped by another one.
+// The sphere overlaps hundreds of triangles, far more than it can have contacts: any motion that its contacts allow meets another triangle.
 TEST_P(FineTube, TheSphereFollowsAlongItAndLeavesAtTheEnd) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
@@ -197,8 +197,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, FineTube, testing::Range(1U, 5U));
 
 class NarrowTube : public ::testing::TestWithParam<unsigned> {};
 
-// The sphere is put exactly in contact with a wall of a tube that is narrower than the sphere. No position at its radius from two
-// opposite walls, which are nearly parallel, is near.
+// The sphere is put exactly in contact with a wall of a tube that is narrower than the sphere. Opposite walls are nearly parallel, so no
+// position that is a radius away from both of them is near.
 TEST_P(NarrowTube, TheSphereStaysNear) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
@@ -240,7 +240,7 @@ TEST_P(NarrowTube, TheSphereStaysNear) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NarrowTube, testing::Range(1U, 9U));
 
-// Two sheets that cross at a very small angle, in the y axis; the lower one consists of many faces. The point is between them, x > 0.
+// Two sheets that cross at a very small angle, along the y axis; the lower one consists of many faces. The point is between them, at x > 0.
 class NarrowWedge : public ::testing::TestWithParam<unsigned> {
  protected:
   static constexpr double kAngle = 0x1p-22;
@@ -267,8 +267,8 @@ class NarrowWedge : public ::testing::TestWithParam<unsigned> {
   }
 };
 
-// It stays where the sphere fits, although the sphere fills the wedge there and a sweep looks whether there is a way on: also if no work is
-// left to go back, and far from the open ends of the sheets.
+// The point stays where the sphere that stands for it just fits between the sheets, although a sweep searches for a way on from there. It
+// also stays if no work is left to go back, and far from the open ends of the sheets.
 TEST_P(NarrowWedge, APointStaysWhereASweepGetsNoNearer) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
@@ -295,9 +295,9 @@ TEST_P(NarrowWedge, APointStaysWhereASweepGetsNoNearer) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NarrowWedge, testing::Range(1U, 5U));
 
-// Two blocks with a slit between them that is a little narrower than the sphere that stands for the point. It stops at the mouth, held by
-// two edges at nearly opposite sides. From there a sweep gets through that keeps no more distance than the sphere does; with the usual
-// distance of sweeps it would not.
+// Two blocks with a slit between them that is a little narrower than the sphere that stands for the point. The sphere stops at the mouth,
+// held by two edges on nearly opposite sides. From there, a sweep that keeps no more distance than the sphere does gets through; a sweep
+// with the usual distance would not.
 TEST(APointInASlit, GoesThroughOneThatIsHardlyNarrowerThanItsSphere) {
   constexpr double kSphere = 0x1p-31;  // half a contact offset; the scene's unit is one metre
   const Vec3 device(-0.2, 0.03, 0.0);
@@ -314,8 +314,8 @@ TEST(APointInASlit, GoesThroughOneThatIsHardlyNarrowerThanItsSphere) {
   }
 }
 
-// The corner at the origin between two faces of the floor and one of the ceiling: the three normals are in one plane within rounding. Two
-// of the faces at a time hold the point nearly as well, so that it could go to and fro between them without an end.
+// The corner at the origin between two faces of the floor and one of the ceiling: the three normals are in one plane within rounding. Any
+// two of the faces hold the point nearly as well, so that it could go to and fro between them without end.
 TEST(APointInASlit, StaysInACornerWhoseNormalsAreInOnePlaneWithinRounding) {
   constexpr double kSphere = 0x1p-31;  // half a contact offset
   for (const double tilt : {0.25, 1.0, 4.0, 16.0}) {
@@ -336,7 +336,7 @@ TEST(APointInASlit, StaysInACornerWhoseNormalsAreInOnePlaneWithinRounding) {
       EXPECT_FALSE(method->carried_from()) << tilt;
     }
     EXPECT_LT(proxy.norm(), 1e-7) << tilt;
-    // Only those of a smaller sphere, once for each sample and place.
+    // Only the sweeps of a smaller sphere, once for each sample and place.
     EXPECT_LE(dynamic_cast<ProxyMethod&>(*method).swept().counters().sweeps, 16U) << tilt;
   }
 }
