@@ -112,8 +112,8 @@ TEST(MappedSpring, ABumpOfOneTexelIsFoundWhereverItLies) {
   }
 }
 
-// Two texels that touch only at a corner have the same value, and all others another one: around that corner only the mixed derivative is
-// large, and both of its signs count.
+// Two texels that touch only at a corner are white, all others black: around that corner only the mixed derivative is large, and both of
+// its signs count.
 TEST(MappedSpring, ATwistIsFoundWhereverItLies) {
   constexpr int kSize = 6;
   for (const double white_m : {-0.001, 0.001}) {

@@ -83,7 +83,7 @@ TEST(SmoothVelocity, IsAlongTheMotionOverall) {
   }
 }
 
-// A sample comes 0.9 ms late, and the next one 0.1 ms later with an encoder error of 10 um. Its weight is 8, over 35.1 weighted ms.
+// A sample comes 0.9 ms late, the next one 0.1 ms later with an encoder error of 10 um. That error counts 8 times, over 35.1 weighted ms.
 TEST(SmoothVelocity, AnIntervalCountsByItsLength) {
   SmoothVelocity velocity;
   double at_m = 0.0;

@@ -35,7 +35,7 @@ struct MadeSpace {
   }
 };
 
-// Half spaces without friction. A step cannot end below the surface that it started from, so feel() needs no state of a path.
+// Half spaces without friction. A step cannot end below the surface that it started from, so feel() needs no state of earlier steps.
 class MadeParts final : public FeltParts {
  public:
   explicit MadeParts(std::vector<MadeSpace> made)

@@ -43,7 +43,7 @@ struct Sampled {
   }
 };
 
-// A random effect of each type, and the distance from the origin over which its force changes. A new type does not compile without both.
+// A random effect of each type (a new type does not compile without one), and the distance from the origin over which its force changes.
 void make_random(Random& random, SpringEffect& made) {
   made = {.stiffness_n_per_m = by_ratio(random, 1.0, 1e6), .max_force_n = by_ratio(random, 0.1, 100.0)};
 }

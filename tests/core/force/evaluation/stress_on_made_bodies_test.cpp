@@ -258,7 +258,7 @@ INSTANTIATE_TEST_SUITE_P(BesideCopies, StressOnMadeBodies,
                                          MadeBody{"dup", make_copied, 126, 2, 0.001}),
                          name_of_episode);
 
-// The sphere was over the boundary of a face, with the device straight below: a minimum of that face, but not of the convex edge there.
+// The sphere was over the border of a face, at a convex edge, with the device straight below: a minimum of the face, but not of the edge.
 INSTANTIATE_TEST_SUITE_P(OverABoundary, StressOnMadeBodies,
                          testing::Values(MadeBody{"crossing", make_crossing_itself, 195, 1, 0.001},
                                          MadeBody{"crossing", make_crossing_itself, 262, 2, 0.001}),
