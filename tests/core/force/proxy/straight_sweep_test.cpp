@@ -27,7 +27,7 @@ struct StraightStage {
         keep{.offset = radius_m / geometry.unit_m(), .slop = kSweepSlop, .tolerance = 0x1p-9 * kSweepSlop},
         sweep(surfaces, false) {}
 
-  // Every triangle, from the start to the end in one piece.
+  // Tests every triangle against the whole motion in one piece.
   double first_by_brute_force(const Vec3& from, const Vec3& motion) const {
     double first = kNever;
     for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t)
@@ -62,12 +62,12 @@ TriangleMesh soup_of_sizes(std::size_t count, double size, std::mt19937_64& rand
 
 class StraightSweepAmongMany : public testing::TestWithParam<unsigned> {};
 
-// The same as one piece over all triangles, however little work each call has; and no call has hardly more than that.
+// However little work a call may do, the sweep ends where one test of the whole motion against all triangles ends; no call does much more.
 TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  constexpr int kMaxOver = 5 * 128 + 64;  // a box that is cut four times, and what a ball begins
+  constexpr int kMaxOver = 5 * 128 + 64;  // five boxes of 128, as a piece is cut up to four times; and at least 64 tests in a ball
   int interrupted = 0;
   int stopped = 0;
   for (const double size : {0.002, 0.02, 0.1}) {
@@ -96,7 +96,7 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
           if (!stage.sweep.blockers().empty()) ++stopped;
           break;
         }
-        const bool has_arrived = stage.sweep.blockers().empty() && time < 1.0;  // out of work between two pieces
+        const bool has_arrived = stage.sweep.blockers().empty() && time < 1.0;  // the work was used up after a free piece
         if (has_arrived) {
           EXPECT_LE(time, expected);
         } else {
@@ -111,7 +111,7 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, StraightSweepAmongMany, testing::Values(1U, 2U, 3U));
 
-// Around the centre of a fine ball are thousands of triangles in its box, and none is near.
+// The box around the probe at the centre of a fine ball contains thousands of triangles; none of them is near the probe.
 TEST(StraightSweep, TrianglesInTheBoxButFarFromTheProbeCostNothing) {
   StraightStage stage(make_icosphere(0.05, 5), 0.045);
   int work = 0;
@@ -122,14 +122,14 @@ TEST(StraightSweep, TrianglesInTheBoxButFarFromTheProbeCostNothing) {
   EXPECT_LE(work, 160);
 }
 
-// Small triangles across the directions around z, at about that distance from the origin.
+// Small triangles in directions around +z, each about kRadius_m from the origin.
 class StraightSweepOnACap : public testing::TestWithParam<unsigned> {
  protected:
-  static constexpr std::size_t kCount = 60;  // more than there are contacts
+  static constexpr std::size_t kCount = 60;  // more than the contacts that a proxy can have
   static constexpr double kRadius_m = 0.05;
 
   StraightSweepOnACap() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
-  // slack_m: they are nearer by up to that.
+  // slack_m: each triangle is nearer to the origin than kRadius_m by a random distance up to this.
   TriangleMesh cap(double slack_m) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     TriangleMesh mesh;
@@ -182,7 +182,7 @@ TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreF
   for (const int fixed : {0, 3}) {
     stage.proxy = ProxyState();
     stage.proxy.settle_at(from);
-    for (int i = 0; i < fixed; ++i) {  // the farthest
+    for (int i = 0; i < fixed; ++i) {  // the farthest triangles are the fixed contacts
       const std::uint32_t triangle = distances[distances.size() - 1 - static_cast<std::size_t>(i)].second;
       ProxyContact& contact = stage.proxy.contacts[static_cast<std::size_t>(stage.proxy.contact_count++)];
       contact = {.triangle = triangle, .shape = stage.surfaces.shape_of(triangle), .separation = stage.geometry.separation(triangle, from)};
@@ -218,8 +218,8 @@ TriangleMesh make_tube(std::size_t count, double radius_m, std::mt19937_64& rand
   return tube;
 }
 
-// From where a call stopped, the next one begins with pieces as long as the last: the whole motion costs hardly more tests than it has
-// triangles.
+// A call begins where the last one stopped, with pieces as long as the last pieces of that call: the whole motion takes hardly more tests
+// than there are triangles.
 TEST_P(StraightSweepAmongMany, TheWholeMotionInManyStepsTestsEachTriangleAFewTimes) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());
@@ -242,8 +242,8 @@ TEST_P(StraightSweepAmongMany, TheWholeMotionInManyStepsTestsEachTriangleAFewTim
   EXPECT_LT(calls, 40);
 }
 
-// Along a motion among thousands of triangles, each call that has searched a piece goes there: only before the first piece is found free
-// does the probe wait.
+// A call that runs out of work moves the probe to the end of the last piece that was found free. The probe waits only until the first piece
+// has been found free.
 TEST_P(StraightSweepAmongMany, OutOfWorkItGoesAsFarAsItHasSearched) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());

@@ -53,21 +53,21 @@ TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
   expect_at(stage.follower.point(), stage.local(0.31, -0.27, 0.5));
 }
 
-// The device continues inside a box, past its edge: there the point jumps from one face to the other, where the device comes out.
+// The device moves on inside a box, out through a side face: at the edge the point jumps from the top face to where the device comes out.
 TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
   Stage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.02, 0.6), stage.local(0.3, 0.02, 0.4)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.02, 0.5), stage.local(0.45, 0.02, 0.2), time), Outcome::settled);
-  expect_at(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing pulled it over the edge yet
+  expect_at(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing has pulled it over the edge yet
   time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.45, 0.02, 0.2), stage.local(0.55, 0.02, 0.2), time), Outcome::released);
   EXPECT_NEAR(time, 0.5, 1e-11);
   expect_at(stage.follower.point(), stage.local(0.5, 0.02, 0.2));
 }
 
-// A flat roof with its convex edge at y = -0.25: the projection on the left side leaves it where the device is at x = 0.1, and the point
-// slides down the right side at once.
+// A flat roof with its convex edge at y = -0.25. When the device is at x = 0.1, its projection onto the left side reaches the edge, and the
+// point slides down the right side at once.
 TEST(SurfaceFollower, OverAConvexEdgeItDescendsWithTheDeviceHeld) {
   Stage stage(make_prism({{-0.5, -0.5}, {0.5, -0.5}, {0.0, -0.25}}, 1.0, 2));
   ASSERT_TRUE(stage.land(stage.local(-0.1, 0.1, 0.03), stage.local(-0.1, -0.4, 0.03)));
@@ -93,8 +93,8 @@ TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
   expect_at(stage.follower.point(), stage.local(0.055, 0.02, 0.5));
 }
 
-// A gutter of 90 degrees along z, its bottom at y = 0.2: the concave edge holds the point while the device is within the normals of both
-// faces, and releases it onto one of them where the multiplier of the other reaches zero.
+// A gutter of 90 degrees along z, its bottom at y = 0.2: the concave edge holds the point while the pull lies between the reversed normals
+// of both faces, and releases it onto one of them when the multiplier of the other reaches zero.
 TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   Stage stage(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 4));
   ASSERT_TRUE(stage.land(stage.local(0.1, 0.45, 0.03), stage.local(0.1, 0.25, 0.03)));
@@ -107,7 +107,7 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   EXPECT_NEAR(contacts[0].multiplier, contacts[1].multiplier, 1e-12);
   expect_at(stage.follower.point() - below, contacts[0].multiplier * contacts[0].normal + contacts[1].multiplier * contacts[1].normal);
 
-  // To the left: at 45 degrees, x = -0.1, the right face's multiplier is zero.
+  // The device moves to the left: at x = -0.1, 45 degrees from straight below, the multiplier of the right face is zero.
   time = 0.0;
   const Vec3 aside = stage.local(-0.2, 0.1, 0.03);
   ASSERT_EQ(stage.follower.follow(below, aside, time), Outcome::settled);
@@ -137,37 +137,37 @@ TriangleMesh plate_with_hole() {
   return mesh;
 }
 
-// In the corner of a hole, hardly below its rim, with the device beyond and in the plane of the rim within rounding: no hand holds it
-// there.
+// The point is in the corner of a hole, hardly below its rim; the device is beyond the corner, within rounding of the plane of the rim. No
+// hand can hold a device so exactly in that plane.
 TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItGoesOverTheRim) {
   const TouchScene scene{.objects = {{std::make_shared<TriangleMesh>(plate_with_hole()), {}}}};
   for (const double depth : {1e-13, 1e-12, 1e-11, 1e-10}) {
     const Vec3 device(0.05, 0.045, -depth);
     auto method = make_method({.name = "proxy"}, scene).value();
     method->reset(Vec3(0.001, 0.002, -0.01));
-    // At once, and from farther below, where the corner holds it.
+    // In one step, and after a step to a device farther below, for which the corner holds the point.
     EXPECT_LT((method->step({.p_SD = device}).p_SP - device).norm(), 1e-8) << depth;
     method->reset(Vec3(0.001, 0.002, -0.01));
     EXPECT_LT((method->step({.p_SD = Vec3(0.05, 0.045, -1e-4)}).p_SP - Vec3(0.03, 0.03, -1e-4)).norm(), 1e-8);
     EXPECT_LT((method->step({.p_SD = device}).p_SP - device).norm(), 1e-8) << depth;
   }
-  // Deeper it is held, whether it comes or stays.
+  // With the device deeper the corner holds the point, when the device arrives there and when it stays.
   auto method = make_method({.name = "proxy"}, scene).value();
   method->reset(Vec3(0.001, 0.002, -0.01));
   for (const double depth : {1e-6, 1e-8, 1e-8, 2e-8, 1e-6}) {
     EXPECT_LT((method->step({.p_SD = Vec3(0.05, 0.045, -depth)}).p_SP - Vec3(0.03, 0.03, -depth)).norm(), 1e-8) << depth;
   }
-  // And where the device is inside the hole again, it is free.
+  // When the device is inside the hole again, the point is free.
   EXPECT_FALSE(method->step({.p_SD = Vec3(0.02, 0.02, -1e-11)}).contact);
 }
 
-// The same vertex with the device below and inside the corner: over the rim it leads no nearer, so the edge holds it.
+// The tip of a pit is such a vertex too, here with the device below it: no way from the tip leads nearer, so the tip holds the point.
 TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItStaysWhereTheRimLeadsNoNearer) {
   TriangleMesh mesh = make_pit(1.0, 0.5);
   const TouchScene scene{.objects = {{std::make_shared<TriangleMesh>(mesh), {}}}};
   auto method = make_method({.name = "proxy"}, scene).value();
   method->reset(Vec3(0.01, 0.0, 0.4));
-  // Over the tip of the pit, where concave edges end: within the balance of it the tip holds the point.
+  // The device is below the tip of the pit, where concave edges end: while it is nearly straight below, the tip holds the point.
   for (const double aside : {0.0, 1e-13, 1e-11, 1e-10, 1e-9}) {
     const Vec3 device(aside, 0.5 * aside, -0.2);
     const Vec3 held = method->step({.p_SD = device}).p_SP;
@@ -204,8 +204,8 @@ TEST(SurfaceFollower, OverABoundaryEdgeItIsFree) {
   expect_at(stage.follower.point(), stage.local(0.5, 0.03, 0.0));
 }
 
-// Under the boundary of a sheet or its corner the proxy is free at once, and not held for one more step by a flight that rounding has led
-// through the sheet. (car_front_3300, slide of seed 1, row 1057; demosthenes_17k_open, seed 2, row 618.)
+// When the device passes below the boundary or a corner of a sheet, the proxy is free in the same step. A flight that rounding leads
+// through the sheet must not hold it for one more step. (car_front_3300, slide of seed 1, row 1057; demosthenes_17k_open, seed 2, row 618.)
 TEST(SurfaceFollower, BeyondTheBoundaryOfASheetTheProxyIsFreeInTheSameStep) {
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(make_plane_grid(1.0, 4)), Material{}});
@@ -262,8 +262,8 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
   EXPECT_NEAR(contacts[1].normal.dot(lift), 1e-6, 1e-12);
 }
 
-// In each corner of a room, on one wall or on two, and nearer to the third than the lift: the lift clears that one too, however the walls
-// are divided.
+// The point is in a corner of a room, on one wall or on two, and nearer to the other walls than the lift is high: the lift clears those
+// walls too, however the walls are divided into triangles.
 TEST(SurfaceFollower, LiftedInACornerItClearsAllThreeWalls) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);

@@ -53,7 +53,7 @@ struct Slider {
   SurfaceFriction friction;
 };
 
-// One triangle in the plane z = 0, so that its local frame is the plane's; larger than every motion here.
+// One triangle in the plane z = 0, larger than every motion here. Its local frame is that of the scene.
 TriangleMesh make_plane() {
   TriangleMesh mesh;
   mesh.vertices = {{-0.5, -0.5, 0.0}, {0.5, -0.5, 0.0}, {0.0, 0.5, 0.0}};
@@ -63,7 +63,7 @@ TriangleMesh make_plane() {
 
 Vec3 in_plane(const Vec3& v) { return {v.x(), v.y(), 0.0}; }
 
-// When the pull first leaves the cone, by bisection. Pre: it leaves the cone once.
+// Finds by bisection the time at which the pull leaves the cone. Pre: it leaves the cone once.
 template <class OutOfCone>
 double find_slip(OutOfCone&& out_of_cone) {
   double low = 0.0;
@@ -78,7 +78,7 @@ TEST(SurfaceFriction, WithoutAStaticCoefficientItDoesNotAct) {
   EXPECT_FALSE(slider.friction.acts());
   EXPECT_FALSE(slider.friction.slides());
   ASSERT_EQ(slider.descend(Vec3(0.1, 0.05, -0.2)), SurfaceNext::settled);
-  EXPECT_EQ(slider.point(), Vec3(0.1, 0.05, 0.0));  // without a pull
+  EXPECT_EQ(slider.point(), Vec3(0.1, 0.05, 0.0));  // straight above the device: no pull is left
   slider.stage.materials[0].friction_static = 0.1;
   slider.friction.begin(slider.stage.point.material(), true);
   EXPECT_TRUE(slider.friction.acts());
@@ -140,7 +140,7 @@ TEST(SurfaceFriction, InFrontOfTheFaceItIsAirborne) {
   EXPECT_EQ(slider.descend(Vec3(0.1, 0.0, 0.1)), SurfaceNext::airborne);
 }
 
-// |w| - mu_s depth is a convex function of time: it passes zero once.
+// The length of the pull in the plane less mu_s times the depth is a convex function of time that begins below zero: it passes zero once.
 TEST(SurfaceFriction, ItSlipsWhenThePullLeavesTheCone) {
   std::mt19937_64 random = make_random(5);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -205,7 +205,7 @@ TEST(SurfaceFriction, OverAFaceItSlidesOnTheTractrix) {
   EXPECT_GT(slid, 100);
 }
 
-// Sticking, slipping, sliding and stopping in turn, over any number of edges in the plane: the same as FrictionDrag, which has no edges.
+// The point sticks, slips, slides and stops in turn, over any number of edges in the plane, as drag_by_friction computes it without edges.
 TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
   std::mt19937_64 random = make_random(13);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
@@ -242,8 +242,8 @@ TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
   }
 }
 
-// Along x at depth 0.1, cones of 0.06 and 0.03. Above half of the dynamic cone it stops and slides on; below, it sticks and needs the
-// static cone.
+// The device moves along x at depth 0.1, where the cones have radii of 0.06 and 0.03. If the pull stays above half of the dynamic cone, the
+// point stops but still counts as sliding; below that, it sticks until the pull leaves the static cone.
 TEST(SurfaceFriction, ItSticksAgainOnlyWhenThePullHasFallen) {
   for (const double eased_to : {1.01 * FrictionMotion::kRestick, 0.99 * FrictionMotion::kRestick}) {
     const bool sticks = eased_to < FrictionMotion::kRestick;
@@ -279,7 +279,7 @@ TEST(SurfaceFriction, HeldFromTheStartItSlidesOnUnlessThePullHasFallen) {
   }
 }
 
-// The device comes up through the face. Before that, the cone has shrunk to zero, so the point is where the device comes through.
+// The device comes up through the face. By then the cone has shrunk to zero, so the point is where the device comes through.
 TEST(SurfaceFriction, ItIsReleasedWhereTheDeviceComesThrough) {
   for (const bool slides : {false, true}) {
     Slider slider(make_plane(), 0.5, 0.4);
@@ -293,7 +293,7 @@ TEST(SurfaceFriction, ItIsReleasedWhereTheDeviceComesThrough) {
   }
 }
 
-// In a gutter along z its bottom holds the point across; along it, friction acts, on a straight line.
+// In a gutter along z, the bottom edge holds the point across the gutter; along the edge, friction acts, and the point moves straight.
 TEST(SurfaceFriction, AlongAConcaveEdgeItStaysBehindByTheCone) {
   Slider slider(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 3), 0.6, 0.4);
   const Vec3 bottom = slider.stage.local(0.0, 0.2, 0.05);
@@ -321,7 +321,7 @@ TEST(SurfaceFriction, AlongAConcaveEdgeItStaysBehindByTheCone) {
   ASSERT_EQ(slider.descend(on_path(device(0.1, 0.0599), device(0.1, 0.0699), time)), SurfaceNext::settled);
   EXPECT_LT((slider.point() - bottom - Vec3(0, 0, 0.02)).norm(), 1e-10);
   EXPECT_TRUE(slider.friction.slides());
-  // Over the vertices and edges that meet at the bottom, and deeper: the distance behind the device grows with the depth.
+  // The point passes the vertices along the bottom while the depth changes: its distance behind the device is in proportion to the depth.
   Vec3 from = on_path(device(0.1, 0.0599), device(0.1, 0.0699), time);
   for (const auto& [down, along] : {std::pair{0.1, 0.1}, {0.15, 0.2}, {0.05, 0.25}, {0.1, 0.4}}) {
     const Vec3 to = device(down, along);
@@ -329,14 +329,14 @@ TEST(SurfaceFriction, AlongAConcaveEdgeItStaysBehindByTheCone) {
     EXPECT_LT((slider.point() - bottom - Vec3(0, 0, along - 0.4 * down)).norm(), 1e-10) << along;
     from = to;
   }
-  // The depth grows faster than the pull: it stays.
+  // The depth grows faster than the pull: the point stays.
   const Vec3 before = slider.point();
   ASSERT_EQ(slider.follow(from, device(0.2, 0.41)), SurfaceNext::settled);
   EXPECT_EQ(slider.point(), before);
 }
 
-// It comes to the bottom of a gutter down one wall, stays there, and is pulled up the same wall again. (mountain_51k_open, slide of seed 3,
-// row 849: it stayed for ever.)
+// The point comes down one wall to the bottom of a gutter, stays there, and is then pulled up the same wall again. (mountain_51k_open,
+// slide of seed 3, row 849: the point once stayed at the bottom for ever.)
 TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverItsEntryFace) {
   Slider slider(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 3), 0.6, 0.4);
   const Vec3 bottom = slider.stage.local(0.0, 0.2, 0.05);
@@ -350,7 +350,7 @@ TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverItsEntryFace) {
   const auto device = [&](double left) { return Vec3(bottom + Vec3(-left, -0.1, 0.0)); };
   ASSERT_EQ(slider.descend(device(-0.02)), SurfaceNext::settled);
   EXPECT_LT((slider.point() - bottom).norm(), 1e-12);
-  // Up the left wall the pull is left - 0.1 and the depth left + 0.1, both over sqrt(2): the cone is left at 0.4.
+  // Along the left wall the pull is left - 0.1 and the depth left + 0.1, both over sqrt(2): the pull leaves the cone at left = 0.4.
   ASSERT_EQ(slider.follow(device(-0.02), device(0.399)), SurfaceNext::settled);
   EXPECT_LT((slider.point() - bottom).norm(), 1e-12);
   double time = 0.0;
@@ -360,8 +360,8 @@ TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverItsEntryFace) {
   EXPECT_LT((slider.point() - bottom - Vec3(-0.05, 0.05, 0.0)).norm(), 1e-6);  // mu_d depth behind: (0.3 - 0.4 * 0.5) / 2
 }
 
-// The bottom of a pit with walls of slope 1.25. Under it, the point stays while friction holds it in the steepest direction up; the device
-// goes out below the concave edge between two walls.
+// The bottom of a pit with walls of slope 1.25. With the device below it, the point stays while friction holds it against the steepest
+// direction upwards; the device moves outwards below the concave edge between two walls.
 TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
   Slider slider(make_pit(1.0, 0.5), 0.4, 0.2);
   SurfacePoint& point = slider.stage.point;
@@ -391,8 +391,8 @@ TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
   EXPECT_TRUE(slider.friction.slides());
 }
 
-// Straight below a concave vertex or edge, the pull is outside of the cones that open downwards, on the far side of the walls: it must pass
-// through the inside of a cone before the point slips up a wall.
+// With the device straight below a concave vertex or edge, the pull is outside the friction cone of each wall, on the side that points down
+// the wall: it must pass through the inside of that cone before the point slips up the wall.
 TEST(SurfaceFriction, ItSlipsUpAWallThatThePullFirstPointsDown) {
   std::mt19937_64 random = make_random(17);
   std::uniform_real_distribution<double> share(-1.0, 1.0);

@@ -10,11 +10,11 @@
 #include "core/math/side_sign.h"
 #include "tests/support/surface_stage.h"
 
-// SurfacePoint at a vertex: its fan, the directions that lead on from there, and its free side.
+// SurfacePoint at a vertex: its fan, the directions that lead on from the vertex, and its free side.
 namespace hapton {
 namespace {
 
-// Height above that fan, with its faces extended to infinity.
+// Height of p above the fan at vertex 0, which is the origin, with the faces of the fan extended to infinity.
 double height_over_fan(const TriangleMesh& saddle, const Vec3& p) {
   for (const auto& [a, b, c] : saddle.triangles) {
     Eigen::Matrix2d base;
@@ -26,7 +26,7 @@ double height_over_fan(const TriangleMesh& saddle, const Vec3& p) {
   return 0.0;
 }
 
-// Every triangle side at the vertex once, each sharing its edge `next` with the one after it.
+// The fan has every triangle side at the vertex once, and each shares its edge `next` with the one after it.
 void expect_a_whole_fan(const SurfaceStage& stage, const std::set<std::uint32_t>& round, std::size_t sides) {
   const SurfacePoint& point = stage.point;
   const auto fan = point.fan();
@@ -73,13 +73,13 @@ TEST(SurfacePointFan, AFanAtABoundaryIsBothSidesOfItsTriangles) {
     inner += is_inner ? 1 : 0;
     ASSERT_TRUE(stage.stand_at_vertex(p));
     expect_a_whole_fan(stage, stage.round(p), is_inner ? 1 : 2);
-    EXPECT_EQ(one_sided.stand_at_vertex(p), is_inner);  // elsewhere a side of the fan holds nothing
+    EXPECT_EQ(one_sided.stand_at_vertex(p), is_inner);  // at the boundary, the back side of the fan holds nothing
     EXPECT_EQ(one_sided.point.on() == SurfacePoint::On::vertex, is_inner);
   }
   EXPECT_EQ(inner, 4);
 }
 
-// The nearest point of a face's wedge lies as far away as the steepest of its directions is steep.
+// The length of the steepest way is the largest component of the vector to the device along any direction in the faces of the fan.
 TEST(SurfacePointFan, TheSteepestWayIsTheSteepestDirectionOfAllFaces) {
   constexpr int kDirections = 500;
   std::mt19937_64 random = make_random(23);
@@ -91,7 +91,7 @@ TEST(SurfacePointFan, TheSteepestWayIsTheSteepestDirectionOfAllFaces) {
     ASSERT_TRUE(stage.point.reach_vertex(trial % 3));
     const auto fan = stage.point.fan();
     Vec3 to_device = random_vector(random);
-    if (trial % 4 == 0) {  // from behind most faces, so that it may be at a minimum
+    if (trial % 4 == 0) {  // the device is behind most faces, so that the vertex may be a local minimum
       to_device *= 0.2;
       for (const SurfacePoint::FanFacet& facet : fan) to_device -= facet.normal;
     }
@@ -138,7 +138,7 @@ TEST(SurfacePointFan, BeforeTheFanOfACubesCornerIsOutsideTheCube) {
   }
 }
 
-// A point exactly on the surface counts as shifted (side_sign.h): on an edge either of two faces decides, at the corner any of three.
+// A point exactly on the surface counts as shifted (side_sign.h): on an edge either of two faces may decide, at the corner any of three.
 TEST(SurfacePointFan, OnAnEdgeOfACubeBeforeItsFanIsWhereTheShiftLeads) {
   const TriangleMesh mesh = make_box(Vec3::Constant(1.0));
   SurfaceStage stage(mesh);
@@ -184,7 +184,7 @@ TEST(SurfacePointFan, AtACubesCornerItIsFreeTowardsTheOutside) {
     const Vec3 off = corner.normalized();
     EXPECT_TRUE(stage.point.is_free_at_vertex(0.1 * off));
     EXPECT_FALSE(stage.point.is_free_at_vertex(-0.1 * off));
-    EXPECT_FALSE(stage.point.is_free_at_vertex(0.5 * SurfacePoint::kMinPull * off));  // too near to tell
+    EXPECT_FALSE(stage.point.is_free_at_vertex(0.5 * SurfacePoint::kMinPull * off));  // too near to the vertex to tell
   }
 }
 

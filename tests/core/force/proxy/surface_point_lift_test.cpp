@@ -22,8 +22,8 @@ double distance_to(const TriangleMesh& mesh, const Vec3& p) {
   return nearest;
 }
 
-// A crumpled sphere: at many of its vertices no direction leads away from all faces. The side is that of a point beside the vertex, just
-// off one of its faces.
+// A crumpled sphere: at many of its vertices no direction leads away from all faces. The lifted point must be on the same side of the
+// surface as a point beside the vertex, just off one of the faces.
 TEST(SurfacePoint, LiftedFromAnyVertexItIsOffTheSurfaceOnItsOwnSide) {
   constexpr double kHeight = 1e-10;
   int lifted = 0;

@@ -90,7 +90,7 @@ TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
       ++beside;
       ASSERT_TRUE(stage.point.land(t, false, stage.middle(t)));
       const Vec3 p = stage.on_edge(t, k, 0.25);
-      EXPECT_FALSE(stage.point.reach_edge(k, p));  // it is on the face just before
+      EXPECT_FALSE(stage.point.reach_edge(k, p));  // it stays on the face, just before the edge
       EXPECT_EQ(stage.point.on(), On::face);
       EXPECT_EQ(stage.point.a().id, t);
       expect_near(stage.point.point(), p);
@@ -100,7 +100,7 @@ TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
   EXPECT_GE(beside, 3);
 }
 
-// Where the segment from p to q leaves the triangle, by bisection: a point is inside if it is left of all three edges.
+// Finds by bisection where the segment from p to q leaves the triangle. A point is inside if it is left of all three edges.
 double find_leaving_time(const ContactTriangle& face, const Vec3& p, const Vec3& q) {
   const auto is_inside = [&](const Vec3& at) {
     for (int k = 0; k < 3; ++k) {
@@ -144,7 +144,7 @@ TEST(SurfacePoint, FindsTheExitThatHalvingFinds) {
     ++left;
     ASSERT_NEAR(exit.time, time, 1e-9) << trial;
     const Vec3 out = p + time * (goal - p);
-    if (nearest_edge(face, out) == exit.edge) continue;  // otherwise near a corner, on both edges
+    if (nearest_edge(face, out) == exit.edge) continue;  // otherwise it is near a corner, and on both edges
     ASSERT_LT((out - face.corner(exit.edge)).cross(face.edge(exit.edge)).norm(), 1e-9 * face.length(exit.edge)) << trial;
   }
   EXPECT_GT(left, 600);
@@ -232,8 +232,8 @@ TEST(SurfacePoint, WithinTheSnapDistanceOfAnEndItReachesTheVertex) {
   }
 }
 
-// In the plane perpendicular to the edge the first face is at 180 degrees and the second at `angle`: seen from the front, the part between
-// is free.
+// Angles in the plane perpendicular to the edge: the first face is at 180 degrees and the second at `angle`. For the front, the angles
+// between them are free.
 TEST(SurfacePoint, AnEdgeIsConvexAndFreeAsItsDihedralSays) {
   for (const bool flip : {false, true}) {
     for (const double angle : {-3.0, -2.0, -1.0, -0.1, -1e-3, -1e-6, 1e-6, 1e-3, 0.1, 1.0, 2.0, 3.0}) {
@@ -329,7 +329,7 @@ TEST(SurfacePoint, InsideIsOffEveryEdge) {
   }
 }
 
-// Above every face that it is on, so that it is on the free side of all of them.
+// The lifted point is above every face that the point is on, and so on the free side of all of them.
 TEST(SurfacePoint, LiftedItIsEquallyHighOverEveryFaceItIsOn) {
   constexpr double kHeight = 1e-6;
   SurfaceStage stage(make_bumpy_sphere(0.5, 0.2, 1000, 3));
@@ -392,7 +392,7 @@ TEST(SurfacePoint, MultipliersOfContactsAreThoseThatMadeTheDevice) {
     EXPECT_EQ(contacts[1].triangle, stage.point.b().id);
     EXPECT_NEAR(contacts[0].multiplier, of_a, 1e-10);
     EXPECT_NEAR(contacts[1].multiplier, of_b, 1e-10);
-    expect_near(sum_of(contacts, 2), stage.point.point() - device, 1e-11);  // nearly flat, the two are hard to tell apart
+    expect_near(sum_of(contacts, 2), stage.point.point() - device, 1e-11);  // nearly flat, the two normals are hard to tell apart
   }
 }
 
@@ -405,7 +405,7 @@ TEST(SurfacePoint, MultipliersAtTheBottomOfAPitSumUpToThePull) {
   for (int trial = 0; trial < 500; ++trial) {
     Vec3 device = stage.point.point();
     for (const SurfacePoint::FanFacet& facet : stage.point.fan()) device -= share(random) * facet.normal;
-    ASSERT_EQ(stage.point.find_steepest(device - stage.point.point(), 1e-12).facet, nullptr);  // at a minimum there
+    ASSERT_EQ(stage.point.find_steepest(device - stage.point.point(), 1e-12).facet, nullptr);  // the vertex is a local minimum
     const int count = stage.point.find_contacts(device, contacts);
     ASSERT_GE(count, 1);
     expect_near(sum_of(contacts, count), stage.point.point() - device);

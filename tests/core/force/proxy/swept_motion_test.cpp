@@ -106,7 +106,7 @@ TEST(SweptMotion, BreaksAwayAtTheStaticConeAndSticksAgainWhereThePullHasFallen) 
   EXPECT_NEAR(stage.position().y(), 0.0068, 1e-8) << "held up to 0.006";
 }
 
-// The box around most of such a path holds a third of the 20,000 triangles of the face.
+// The box around the larger part of this path holds a third of the 20,000 triangles of the face.
 TEST(SweptMotion, ALongSlantedPathTestsFewOfTheTrianglesInItsBox) {
   SweptStage stage(make_box(Vec3(1.0, 1.0, 0.1), 100));
   stage.put(Vec3(-0.45, -0.45, 0.15));
@@ -123,8 +123,8 @@ TEST(SweptMotion, ALongSlantedPathTestsFewOfTheTrianglesInItsBox) {
   EXPECT_LE((stage.position() - Vec3(0.45, 0.45, 0.05)).norm(), 0x1p-24);  // error of a normal at the contact offset, times the path
 }
 
-// Five fine sheets, each close under the one before: a piece of a path holds thousands of triangles, and the first that are tested are of
-// any sheet.
+// Five fine sheets, each close under the one before. A piece of a path holds thousands of triangles, and those that are tested first may
+// belong to any of the sheets.
 TEST(SweptMotion, TheFirstOfManySheetsHoldsIt) {
   TriangleMesh sheets;
   for (int n = 0; n < 5; ++n) sheets = joined(sheets, scaled_and_moved(make_plane_grid(1.0, 60), 1.0, Vec3(0.0, 0.0, -0.002 * n)));
@@ -145,7 +145,7 @@ TEST(SweptMotion, TheFirstOfManySheetsHoldsIt) {
   }
 }
 
-// Beside a cluster of small triangles that it reaches, a sphere once crept by a thousandth of the way in each step.
+// A sphere that reached a cluster of small triangles from the side once crept on by a thousandth of its way in each step.
 TEST(SweptMotion, ReachingManyTrianglesItArrivesInAFewCalls) {
   constexpr double kBallRadius = 0.03;
   TriangleMesh mesh = make_icosphere(1e-5, 2);
@@ -166,7 +166,7 @@ TEST(SweptMotion, ReachingManyTrianglesItArrivesInAFewCalls) {
 
 class SweptMotionInSoup : public testing::TestWithParam<unsigned> {};
 
-// Random triangles that cross and touch each other: nothing else keeps the proxy off them.
+// Random triangles that cross and touch each other: only the sweep keeps the proxy away from them.
 TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());
@@ -200,8 +200,8 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, SweptMotionInSoup, testing::Values(1U, 2U, 3U, 4U));
 
-// A sphere that is as small as a slit does not become smaller there, though each step may use up the slop: a device that goes towards a
-// wall by less than that in each step does not take it along.
+// A sphere that has shrunk to the width of a slit does not shrink further, although each step may use up the slop: a device that moves
+// towards a wall by less than the slop in each step does not take the sphere along.
 TEST(SweptMotion, AShrunkSphereKeepsItsSizeWhenTheDeviceCreepsIntoAWall) {
   constexpr double kSlop = 1e-4;
   const Clearance keep{.offset = 0.2, .slop = kSlop, .tolerance = 1e-3 * kSlop};
@@ -218,7 +218,7 @@ TEST(SweptMotion, AShrunkSphereKeepsItsSizeWhenTheDeviceCreepsIntoAWall) {
   EXPECT_GT(stage.device.x() - stage.proxy.position.x(), 30.0 * kSlop) << "the wall holds it";
 }
 
-// Near the axis of the edge, the pull along the surface is as small all the way: a quarter of a turn, in motions of 2e-7.
+// The device is 2e-7 from the axis of the edge: the pull along the surface stays that small all the way, for a quarter of a turn.
 TEST(SweptMotion, AShrunkSphereRollsAroundAnEdgeThatTheDeviceIsNear) {
   constexpr double kSlop = 1e-4;
   const Clearance keep{.offset = 0.2, .slop = kSlop, .tolerance = 1e-3 * kSlop};

@@ -26,8 +26,8 @@ TEST(ConvexSweep, MissesWhatItPassesAndWhatItLeaves) {
   EXPECT_FALSE(sweep_point(triangle, Vec3(0.2, 0.2, 1), Vec3(0, 0, -2), 0.3, 0.25, 1e-14, kRounding).hit);
 }
 
-// The motion is sampled densely: before the hit the distance is above the limit everywhere, at the hit it is the limit; a miss never comes
-// below.
+// The motion is sampled densely: before a hit the distance is nowhere below the limit, and at the hit it is the limit; without a hit it is
+// never below the limit.
 TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
@@ -54,7 +54,7 @@ TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
   EXPECT_GT(hits, 500);
 }
 
-// A tiny sphere sliding over a face and past its edge stays free for the whole length; also if it is tilted in by less than the tolerance.
+// A tiny sphere that slides over a face and onto a coplanar one stays free; a motion that leads down by more than the tolerance hits it.
 TEST(ConvexSweep, SlidesOverACoplanarEdge) {
   const double rest_offset = 0x1p-32;
   const PreparedTriangle next(Vec3(0.5, -1, 0), Vec3(1.5, -1, 0.0), Vec3(0.5, 1, 0));
@@ -65,7 +65,7 @@ TEST(ConvexSweep, SlidesOverACoplanarEdge) {
   EXPECT_TRUE(blocked.hit);
 }
 
-// From the boundary outwards and back over it at the same tiny height: it must not pass through.
+// From a start near the boundary, at the rest offset, nearly along the plane: the sphere must not pass through the triangle.
 TEST(ConvexSweep, NeverCrossesFromARandomStartAtTheRestOffset) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
@@ -74,7 +74,7 @@ TEST(ConvexSweep, NeverCrossesFromARandomStartAtTheRestOffset) {
     const Vec3 a(symmetric(random), symmetric(random), 0), b(symmetric(random), symmetric(random), 0),
         c(symmetric(random), symmetric(random), 0);
     const PreparedTriangle triangle(a, b, c);
-    // Starts near the boundary within the tolerance, in a random direction.
+    // The start is at the rest offset from a point of an edge, in a random direction.
     const Vec3 on = a + std::abs(symmetric(random)) * (b - a);
     Vec3 out(symmetric(random), symmetric(random), symmetric(random));
     Vec3 from = on + rest_offset * out.normalized();

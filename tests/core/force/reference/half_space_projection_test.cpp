@@ -28,7 +28,7 @@ class Draw {
 };
 
 void expect_optimal(const Vec3& goal, const std::vector<HalfSpace>& half_spaces, const HalfSpaceProjection& found) {
-  // Karush-Kuhn-Tucker conditions: feasible, held by its planes alone, multipliers >= 0. For a projection they prove the minimum.
+  // Karush-Kuhn-Tucker conditions: feasible, moved by active planes alone, multipliers >= 0. For a projection they prove the minimum.
   ASSERT_TRUE(found.feasible);
   Vec3 rest = found.point - goal;
   for (int i = 0; i < found.count; ++i) {

@@ -44,8 +44,8 @@ TEST(ReferenceMethod, AChaoticStepIsReportedNotSettled) {
   EXPECT_TRUE(felt.contact);
 }
 
-// A gutter of two walls at 45 degrees. The device moves along x below it, and in mid-step the left wall's multiplier reaches zero: from
-// there the proxy is the projection onto the right wall.
+// A gutter of two walls at 45 degrees. The device moves along x below it. In mid-step the multiplier of the left wall reaches zero: from
+// then on the proxy is the projection of the device onto the right wall.
 TEST(ReferenceMethod, ReleasedFromAConcaveEdgeInMidStepItIsOnTheOtherWall) {
   for (const int substeps : {1, 3, 8, 32}) {
     const auto method = limit_over(make_gutter(0.1, 0.02, std::numbers::pi / 2.0, 2), substeps, 1024);
@@ -62,7 +62,7 @@ TEST(ReferenceMethod, ReleasedFromAConcaveEdgeInMidStepItIsOnTheOtherWall) {
   }
 }
 
-// Inside a prism of eight sides the proxy stays on its face until the device's projection passes an edge, however near the next face is.
+// Inside a prism of eight sides the proxy stays on its face until the device's projection passes an edge, however near another face is.
 TEST(ReferenceMethod, OverTheEdgesOfAPrismItIsTheProjection) {
   constexpr double kEighth = std::numbers::pi / 4.0;
   const double radius = 0.05;
@@ -96,7 +96,7 @@ TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
     method->step({.p_SD = Vec3(-0.01, 0.001, -depth)});
     method->step({.p_SD = Vec3(0.0, 0.001, -depth)});  // slides: the pull is the cone, along x
     const MethodOutput felt = method->step({.p_SD = Vec3(0.0, 0.001 + 2.0 * cone, -depth)});
-    const Vec3 pull(cone / std::cosh(2.0), cone * std::tanh(2.0), -depth);  // of the proxy behind the device
+    const Vec3 pull(cone / std::cosh(2.0), cone * std::tanh(2.0), -depth);  // from the proxy to the device
     EXPECT_LT((felt.force_n / kStiffness + pull).norm(), 1e-12);
     EXPECT_TRUE(method->last_step().settled);
   }
@@ -130,9 +130,9 @@ TEST(ReferenceMethod, ResumeGoesOnFromAnotherMethodsProxy) {
   EXPECT_FALSE(second->step({.p_SD = Vec3(0.0, 0.0, 0.005)}).contact);
 }
 
-// Slides under friction over bumps with radii smaller than the depth, every step compared with the proxy, an independent implementation.
-// Before the reference used the steepest direction at a vertex, stood on both faces of a concave edge and halved the sub-steps in which
-// friction lets it slip, it differed by up to 158 % of the force, and by more than 1e-6 in one of 90 steps.
+// The device slides under friction over bumps with radii smaller than the depth; every step is compared with method proxy, an independent
+// implementation. Before the reference used the steepest direction at a vertex, stood on both faces of a concave edge and halved the
+// sub-steps in which friction lets it slip, it differed by up to 158 % of the force, and by more than 1e-6 in one of 90 steps.
 TEST(ReferenceMethod, UnderFrictionItIsWhereTheProxyIs) {
   Material material;
   material.friction_static = 0.5;
@@ -172,8 +172,8 @@ TEST(ReferenceMethod, SettleFromMovesAProxyThatWasNotAtAMinimum) {
   EXPECT_LT((moved.p_SP - Vec3(0.001, 0.002, 0.0)).norm(), 1e-9);
 }
 
-// Two sheets whose distance becomes less towards the device; where the point is, its sphere just fits between them. It is given nearer to
-// the lower one by a quarter of its radius, as a position far from the origin is rounded. With that overlap it would fit up to the device.
+// The gap between two sheets narrows towards the device; at the start the sphere of the point just fits. The start is given up to half the
+// radius nearer to the lower sheet, as rounding does far from the origin. With that overlap it would fit up to the device.
 TEST(ReferenceMethod, SettleFromAPositionThatIsRoundedStaysWhereItsSphereFillsASlit) {
   constexpr double kRadius = ReferenceProxy::kPointRadius;
   TriangleMesh sheets;
@@ -192,13 +192,13 @@ TEST(ReferenceMethod, SettleFromAPositionThatIsRoundedStaysWhereItsSphereFillsAS
   }
 }
 
-// In the groove between two spikes of a star, just below its end, with the device beyond and a little lower: the groove holds it. The edges
-// between the triangles of a wall lean along the groove by more than the device pulls.
+// The proxy is in the groove between two spikes of a star, just below its end; the device is beyond the end and a little lower: the groove
+// holds it. The edges between the triangles of a wall lean along the groove by more than the device pulls.
 TEST(ReferenceMethod, EdgesWithinAWallDoNotHoldWhatSlidesAlongIt) {
   const double extent = compute_bounds(make_stress_body("star").touched).extent();
   const double inner = 0.12 * 0.1;
   const double angle = 0.6 * std::numbers::pi;
-  for (const double offset : {0.0, 10.0, 1000.0}) {  // far away the triangles of a wall are in one plane only to rounding
+  for (const double offset : {0.0, 10.0, 1000.0}) {  // far from the origin, the triangles of a wall lie in one plane only to rounding
     const Vec3 middle = offset * extent * Vec3(1.0, -1.0, 1.0);
     const StressBody star = placed(make_stress_body("star"), 1.0, middle);
     const double top = compute_bounds(star.touched).high.z();

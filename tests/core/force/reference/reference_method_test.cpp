@@ -76,7 +76,7 @@ TEST(ReferenceMethod, ThinWallHoldsFastMotion) {
   EXPECT_NEAR(felt.p_SP.z(), 5e-6, 1e-10);
 }
 
-// Nothing is looked for until the sphere is near the scene, which a large one is while its centre is far away.
+// The search begins only when the sphere is near the scene; a large sphere is near while its centre is still far away.
 TEST(ReferenceMethod, ASphereLargerThanTheSceneMeetsItFromFarAway) {
   constexpr double kHalf = 0.25;
   for (const double radius : {0.01, 0.4, 0.7, 0.99}) {
@@ -116,8 +116,8 @@ TEST(ReferenceMethod, NotFiniteInputGivesNoForceAndIsForgotten) {
   EXPECT_NEAR(method->step({.p_SD = Vec3(0.01, 0.02, -0.001)}).force_n.z(), 1.0, 1e-6);
 }
 
-// A concave edge straight along z whose walls come closer together from z = 0 on, and bend aside. A point moves along its bottom without a
-// step; a sphere, however small, would have to climb at the vertex, by a share of its own radius.
+// A straight concave edge along z. From z = 0 on, its walls come closer together and bend aside. A point moves along the edge without
+// rising; a sphere, however small, would have to climb at the vertex by a part of its own radius.
 TEST(ReferenceMethod, ANarrowingConcaveEdgeDoesNotHoldAPoint) {
   TriangleMesh valley;
   valley.vertices = {{0, 0, -0.05},        {0, 0, 0},        {0, 0, 0.05},       {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05},
@@ -217,7 +217,7 @@ TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
     }
   }
   EXPECT_TRUE(slid);
-  // Back until the pull is a tenth of the dynamic cone: it sticks there again, up to the static cone.
+  // The device goes back until the pull is a tenth of the dynamic cone: the proxy sticks again, until the pull leaves the static cone.
   const double held_x = 0.002 - 0.0003;
   method->step({.p_SD = Vec3(held_x + 0.00003, 0.0, -0.001)});
   EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00045, 0.0, -0.001)}).force_n.x(), -kStiffness * 0.00045, 1e-6);

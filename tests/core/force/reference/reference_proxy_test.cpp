@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Two triangles of the plane z = 0.
+// Adds two triangles in the plane z = 0.
 void add_floor(ReferenceProxy& proxy) {
   proxy.add_face({PreparedTriangle(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0)), 0, 0});
   proxy.add_face({PreparedTriangle(Vec3(-1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)), 1, 0});
@@ -84,8 +84,8 @@ std::unique_ptr<ReferenceProxy> proxy_over(const TouchGeometry& geometry, const 
   return proxy;
 }
 
-// Two blocks with a gap between them, the second a little lower. From the first the path to the device leads down into the gap; straight on
-// over the edge it would lead onto the second.
+// Two blocks with a gap between them, the second a little lower. The path from the first block to the device leads down into the gap; a
+// path straight on over the edge would lead onto the second block.
 TEST(ReferenceProxy, WhereItJumpsItKeepsToTheSurface) {
   const auto block = [](double x, double top) { return scaled_and_moved(make_box(Vec3(0.1, 0.2, 0.1)), 1.0, Vec3(x, top - 0.1, 0.0)); };
   const TriangleMesh blocks = joined(block(-0.05, 0.0), block(0.06, -1e-6));
@@ -102,8 +102,8 @@ TEST(ReferenceProxy, WhereItJumpsItKeepsToTheSurface) {
   EXPECT_LT((proxy.surface_position(device) - Vec3(0.03, -1e-6, 0.01)).norm(), 1e-9);
 }
 
-// The other implementation moves by adjacency, from face to face. From anywhere on bumps, with the device below and aside, both descend in
-// the steepest direction to the same local minimum.
+// The surface follower moves by adjacency, from face to face. From any place on bumps, with the device below and aside, both
+// implementations descend in the steepest direction to the same local minimum.
 TEST(ReferenceProxy, DescendsAsTheSurfaceFollowerDoes) {
   constexpr std::uint64_t kSeed = 3;
   const TriangleMesh mesh = make_bumpy_sphere(0.5, 0.4, 1500, kSeed);

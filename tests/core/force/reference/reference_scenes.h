@@ -54,7 +54,7 @@ struct Curved {
   std::function<Vec3(const Vec3&)> nearest;  // on the analytic surface
   double sagitta_m;                          // the farthest the mesh is from the surface
   double tilt_rad;                           // the farthest a face's normal is from the surface's
-  double least_radius_m;                     // of curvature, at the device's depth: how a tilt of the face moves the closest point
+  double least_radius_m;                     // least radius of curvature at the device's depth: with it a tilt moves the closest point
 };
 
 inline void expect_close_to_analytic(const Curved& shape, double probe) {
@@ -68,8 +68,8 @@ inline void expect_close_to_analytic(const Curved& shape, double probe) {
     const MethodOutput felt = method->step({.p_SD = device});
     const Vec3 depth = shape.nearest(device) - device;
     const Vec3 expected = kStiffness * (depth + probe * depth.normalized());
-    // The closest point of the mesh is within the sagitta of the shape's along the depth. Sideways it is on a face that is tilted by at
-    // most tilt, so the force is turned by at most that angle.
+    // Along the depth, the closest point of the mesh is within the sagitta of that of the shape. Sideways, it is on a face that is tilted
+    // by at most tilt_rad, so the force is turned by at most that angle.
     const double strength = expected.norm();
     ASSERT_TRUE(felt.contact) << shape.name << ' ' << i;
     ASSERT_NEAR(felt.force_n.norm(), strength, kStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6)
@@ -82,8 +82,8 @@ inline void expect_close_to_analytic(const Curved& shape, double probe) {
   EXPECT_EQ(method->counters().proxy.unconverged, 0u) << shape.name;
 }
 
-// The longest edge e of a face inscribed in radius r: the face's circumradius is at most e / sqrt(3) for near-equilateral faces and e / 2
-// for right ones in their plane; e / sqrt(3) bounds both.
+// The longest edge e of a mesh inscribed in radius r. A face has a circumradius of at most e / sqrt(3) if it is nearly equilateral, and of
+// at most e / 2 if it is right-angled; e / sqrt(3) bounds both.
 inline double longest_edge(const TriangleMesh& mesh) {
   double longest = 0.0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -166,14 +166,14 @@ inline TriangleMesh block_and_shelf(double gap) {
   return joined(box_between({-0.1, -0.1, -0.05}, {0.0, 0.0, 0.05}), box_between({gap, -0.020, -0.05}, {0.03, -0.016, 0.05}));
 }
 
-constexpr double kJump = 0.02;   // of the device in one step, along x
-constexpr double kDepth = 0.04;  // below the top of the block, and below the shelf
-// With 8 sub-steps the proxy is released so late that it passes the shelf's edge by (0.625 - 0.53) / 2 of the jump: too far. With 16, by
-// (0.5625 - 0.53) / 2.
+constexpr double kJump = 0.02;   // motion of the device in one step, along x
+constexpr double kDepth = 0.04;  // depth of the device below the top of the block; also below the shelf
+// With 8 sub-steps the proxy is released so late that at the lower edge of the shelf it is (0.625 - 0.53) / 2 of the jump beside the block:
+// past the gap. With 16 it is (0.5625 - 0.53) / 2.
 constexpr double kGap = 0.025 * kJump;
 
-// The device crosses the side of the block at the share `at` of its step. There the proxy, held above it on the edge, is released, falls
-// straight to the device through the gap, and is free from then on. With too long sub-steps it falls onto the shelf.
+// The device passes the side of the block at the share `at` of its step. At that time the proxy, held above it on the edge, is released,
+// falls straight to the device through the gap, and is free from then on. If the sub-steps are too long, it falls onto the shelf.
 inline ReferenceStep jump(ReferenceMethod& method, double at, MethodOutput& felt) {
   method.reset(Vec3(-at * kJump, 0.001, 0.0));
   method.step({.p_SD = Vec3(-at * kJump, -kDepth, 0.0)});

@@ -57,7 +57,7 @@ TEST(ReferenceMethod, SphereProbeOnASphere) { expect_close_to_analytic(make_sphe
 
 TEST(ReferenceMethod, SphereProbeOnATorus) { expect_close_to_analytic(make_torus_case(), 0.002); }
 
-// A sphere at an edge that it can roll about: on a tetrahedron-like convex edge the equilibrium is analytic.
+// A sphere rolls about the boundary edge of a sheet, where its equilibrium is known in closed form.
 TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
   // A half plane z = 0, x <= 0: its boundary is the y axis. A sphere of radius r settles on it where the device pulls it.
   TriangleMesh sheet;
@@ -74,12 +74,12 @@ TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
     if (out.norm() < radius) expected = radius * out.normalized() + Vec3(0, device.y(), 0);
     ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i;
   }
-  // Along the edge and round it, and a third that finds nothing left to do: the arc does not lead away along the edge.
+  // One motion along the edge, one round it, and a third that finds nothing left to do: the motion round the edge does not lead along it.
   EXPECT_NE(method->describe().find("at most 3 motions in one sub-step"), std::string::npos) << method->describe();
 }
 
-// A sphere that slips off the edge of a box under friction while the device holds still: along its pull, which turns on the way round the
-// edge, then straight down the side until the pull is on the dynamic cone.
+// While the device holds still, a sphere slips off the edge of a box under friction: first round the edge along its pull, which turns on
+// the way, then straight down the side until the pull is on the dynamic cone.
 TEST(ReferenceMethod, SphereUnderFrictionSlipsRoundAnEdgeAlongItsPull) {
   constexpr double kHalf = 0.02, kRadius = 0.002, kDynamic = 0.2;
   auto method = reference_over(make_box(Vec3::Constant(2.0 * kHalf)), kRadius, {.friction_static = 0.3, .friction_dynamic = kDynamic});

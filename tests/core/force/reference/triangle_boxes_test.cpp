@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Of p from the box of a triangle.
+// The distance of p from the box of a triangle.
 double distance_to_box(const std::vector<Vec3>& vertices, const Triangle& triangle, const Vec3& p) {
   const Vec3 &a = vertices[triangle[0]], &b = vertices[triangle[1]], &c = vertices[triangle[2]];
   const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - p).cwiseMax(p - a.cwiseMax(b).cwiseMax(c));
