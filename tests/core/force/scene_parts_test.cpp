@@ -16,7 +16,7 @@ TouchObject part_box(const Vec3& centre, double stiffness_n_per_m) {
           .material = {.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = stiffness_n_per_m * 1e-3}};
 }
 
-// Two boxes that stand still, one that programs move, and a body that can be carved.
+// Two boxes that stand still, one that programs may move, and a body that can be carved.
 TouchScene parted_scene() {
   TouchScene scene{.objects = {part_box(Vec3(0, 0, 0), 500.0), part_box(Vec3(0.1, 0, 0), 600.0), part_box(Vec3(0, 0.1, 0), 700.0),
                                part_box(Vec3(0, 0, 0.1), 800.0)}};

@@ -23,7 +23,7 @@ Pose turned_scene() {
   return X_WS;
 }
 
-// The same by three ways: without a method, by TouchStep beside a tool, and by TouchStep in free space.
+// The same force is computed in three ways: without a method, by TouchStep beside a tool, and by TouchStep in free space.
 TEST(SpaceStep, IsWhatAProbeFeelsInFreeSpaceWhileTheSceneTurns) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.01, -5.0, 2)), {}}}, .effects = some_effects()};
   SpaceStep alone(some_effects());

@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 constexpr SculptSettings kBlockSculpt{.voxel_m = 0.001, .tool_radius_m = 0.005, .button = 1};
-constexpr double kTopM = 0.02;  // of the block, z
+constexpr double kTopM = 0.02;  // z of the top of the block
 
 struct Block {
   Sculpture sculpture;
@@ -61,8 +61,8 @@ TEST(CarvingBall, SinksInAsFastAsItIsPressed) {
   EXPECT_GT(block.sculpture.newest(), 4U);
 }
 
-// Across the block at 0.1 m/s, button down: the force settles at stiffness times speed times kCutS, and never changes faster than the hand
-// and the cut can move.
+// The hand goes across the block at 0.1 m/s with the button down: the force settles at stiffness times speed times kCutS, and never changes
+// faster than the hand and the cut can move.
 TEST(CarvingBall, CutsAGrooveWithASteadyForce) {
   Block block;
   block.ball.reset({-0.06, 0, kTopM + 0.001});
@@ -86,7 +86,7 @@ TEST(CarvingBall, CutsAGrooveWithASteadyForce) {
   }
 }
 
-// Past the edge of the block, with the lag of the cut: it fades as the cut does, and with kCatchUpS besides, whatever the time of a step.
+// Past the edge of the block the ball lags behind the hand. The lag fades with both kCutS and kCatchUpS, whatever the length of a step.
 TEST(CarvingBall, CatchesUpInFreeSpace) {
   for (const double dt_s : {1e-3, 2e-3}) {
     Block block;
@@ -108,7 +108,7 @@ TEST(CarvingBall, CatchesUpInFreeSpace) {
   }
 }
 
-// After a gap, in which the hand went deep into the block.
+// The long step follows a gap in the samples, in which the hand went deep into the block.
 TEST(CarvingBall, ALongStepCutsNoFartherThanTwoMilliseconds) {
   Block block;
   block.ball.reset({0, 0, 0.03});
@@ -119,7 +119,7 @@ TEST(CarvingBall, ALongStepCutsNoFartherThanTwoMilliseconds) {
   const Vec3 after = block.step(deep, true, 1.0).p_SP;
   EXPECT_LT(top.z() - after.z(), kMaxM + room_m);
   EXPECT_GT(top.z() - after.z(), kMaxM - 1e-9);
-  // And half as far in half that time.
+  // A step of half those two milliseconds cuts half as far.
   const Vec3 next = block.step(deep, true, 1e-3).p_SP;
   EXPECT_LT(after.z() - next.z(), 0.5 * kMaxM + room_m);
   EXPECT_GT(after.z() - next.z(), 0.5 * kMaxM - 1e-9);
@@ -149,7 +149,7 @@ TEST(CarvingBall, FeelsAndCarvesNothingWhileItIsInsideSinceTheStart) {
   EXPECT_TRUE(block.step({0, 0, 0.02}, false).contact);
 }
 
-// Coulomb: a pull within the cone holds the ball where it is; beyond it, the pull is the dynamic one.
+// Coulomb friction: a pull within the cone holds the ball where it is; beyond it the ball slides, with the pull of the dynamic cone.
 TEST(CarvingBall, HasFriction) {
   Block block;
   block.material.friction_static = 0.5;

@@ -26,7 +26,7 @@ Vec3 any_direction(std::mt19937_64& random) {
   return Vec3(normal(random), normal(random), normal(random)).normalized();
 }
 
-// The points are about a spacing apart, so a place of the ball may be up to half of that beside its nearest point.
+// The points of the ball are about a spacing apart, so a place of its surface may be up to half a spacing from its nearest point.
 constexpr double kPointsM = 0.1 * kClayVoxelM;
 
 TEST(FieldBall, RestsOnABallOfMaterialWhereItIsNearestToTheDevice) {
@@ -58,7 +58,7 @@ TEST(FieldBall, OnAPlaneStopsAtTheClosedFormAndSlidesAlong) {
     EXPECT_NEAR(centre.x(), device.x(), 1e-3 * kClayVoxelM) << i;
     EXPECT_NEAR((moved.normal - Vec3::UnitZ()).norm(), 0.0, 1e-3);
   }
-  // Always by the same point of the ball: no ripple on a plane.
+  // On a plane the ball always touches with the same of its points: its height does not ripple.
   const double height = centre.z();
   centre = ball.move(field, centre, {-0.0133, 0.0041, 0.012}).centre;
   EXPECT_NEAR(centre.z(), height, 1e-3 * kClayVoxelM);
@@ -74,13 +74,13 @@ TEST(FieldBall, IsFreeWhereNothingIs) {
   EXPECT_EQ(ball.advance(field, {0.3, 0.2, 0.0}, goal, 0.0), goal);
 }
 
-// A wall that two carves left, thinner than a voxel, and a device that passes it in one step or in several.
+// Two carves leave a wall of 0.3 to 1.5 voxels; the device passes through it in one step or in several.
 TEST(FieldBall, DoesNotPassAThinWallHoweverFast) {
   std::mt19937_64 random(33);
   std::uniform_real_distribution<double> wall(0.3, 1.5), place(-0.3, 0.3), along(-0.004, 0.004);
   for (int i = 0; i < 60; ++i) {
     CarvedField field = field_of(make_box(Vec3(0.05, 0.05, 0.05)));
-    // On a node, so that the wall is there.
+    // The middle of the wall is on a node, so that the field contains the wall.
     const double middle = field.grid().node(static_cast<int>(field.nodes()[0]) / 2, 0, 0).x();
     const double half = 0.5 * wall(random) * kClayVoxelM;
     const double radius = 0.012;
@@ -99,7 +99,7 @@ TEST(FieldBall, DoesNotPassAThinWallHoweverFast) {
   }
 }
 
-// Where the device stands still the ball comes to rest.
+// While the device stands still, the ball comes to rest.
 TEST(FieldBall, SettlesInAPit) {
   CarvedField field = field_of(make_box(Vec3(0.06, 0.06, 0.03)));
   std::mt19937_64 random(34);

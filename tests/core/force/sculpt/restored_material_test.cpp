@@ -24,7 +24,7 @@ struct RestoredMaterial : testing::Test {
   MethodOutput step(const Vec3& hand, bool is_down = false) {
     return method->step({.p_SD = hand, .dt_s = 1e-3, .buttons = is_down ? 1U : 0U});
   }
-  // A pit down to the middle of the block, and the hand out of it.
+  // Digs a pit down to the middle of the block, and takes the hand out of it.
   void dig(double x = 0.0) {
     for (int i = 0; i <= 300; ++i) step({x, 0, 0.03 - 1e-4 * i}, true);
     for (int i = 0; i <= 300; ++i) step({x, 0, 1e-4 * i});
@@ -49,7 +49,7 @@ TEST_F(RestoredMaterial, IsFeltAsBeforeItWasCarved) {
   EXPECT_GT(firm, 0.5);
 }
 
-// At the bottom of the pit, pressing: the material would push the hand out by centimetres.
+// The hand presses at the bottom of the pit when the material comes back, which would push the hand out by centimetres.
 TEST_F(RestoredMaterial, ReleasesAHandInsideUntilItHasLeft) {
   dig();
   for (int i = 0; i <= 320; ++i) step({0, 0, 0.03 - 1e-4 * i});
@@ -78,7 +78,7 @@ TEST_F(RestoredMaterial, ElsewhereKeepsTheContact) {
   EXPECT_LT((after.force_n - before.force_n).norm(), 0.02 * before.force_n.norm());
 }
 
-// In the middle of a cut: it stops, and goes on from outside.
+// The material comes back in the middle of a cut: the cut stops, and begins again when the hand comes from outside.
 TEST_F(RestoredMaterial, StopsACutInsideIt) {
   for (int i = 0; i <= 250; ++i) step({0, 0, 0.03 - 1e-4 * i}, true);
   ASSERT_TRUE(method->restore_sculpture(*whole, method->sculpture()->newest() + 1));
@@ -117,7 +117,7 @@ TEST_F(RestoredMaterial, EachPressIsMarkedByItsFirstCarve) {
   };
   for (int i = 0; i <= 150; ++i) count({0, 0, 0.03 - 1e-4 * i}, true);
   EXPECT_EQ(presses, 1);
-  // Through free space with the button down it is the same press.
+  // When the hand goes through free space with the button down, it is the same press.
   for (int i = 0; i <= 150; ++i) count({0.02, 0, 0.015 + 1e-4 * i}, true);
   for (int i = 0; i <= 150; ++i) count({0.02, 0, 0.03 - 1e-4 * i}, true);
   EXPECT_EQ(presses, 1);

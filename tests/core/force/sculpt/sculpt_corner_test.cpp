@@ -1,4 +1,4 @@
-// Bodies that can be carved, and other objects, where they meet: they have one proxy.
+// Corners between bodies that can be carved and other objects: one proxy touches both.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ std::unique_ptr<TouchStep> touch_of(const TouchScene& scene, const char* method 
   return std::make_unique<TouchStep>(std::shared_ptr<ForceMethod>(std::move(*made)), scene);
 }
 
-// Where the ball's centre is while it lies on the top of the clay.
+// The height of the ball's centre while it lies on the top of the clay.
 double resting_height(TouchStep& touch) {
   touch.reset({.p_WD = {0.02, 0, 0.02}});
   TouchOutput felt;
@@ -59,7 +59,7 @@ Vec3 nearest_in_corner(const Vec3& p, const Vec3& n, double top) {
     q -= std::min(0.0, n.dot(q)) * n;
     if (lowest >= top) break;
   }
-  // Alternating projections end in the corner, not always at its nearest point: both planes hold, or one of them alone.
+  // Alternating projections end in the corner, but not always at the nearest point: both planes hold that, or one of them alone.
   const Vec3 on_top(p.x(), p.y(), std::max(p.z(), top));
   if (n.dot(on_top) >= 0.0) return on_top;
   const Vec3 on_wall = p - std::min(0.0, n.dot(p)) * n;
@@ -74,7 +74,7 @@ struct CornerCase {
 
 class SculptCorner : public testing::TestWithParam<CornerCase> {};
 
-// A hand that circles in the corner is pushed by stiffness times the way to the nearest free point, and gains nothing.
+// A hand that circles in the corner is pushed by stiffness times the way to the nearest free point, and gains no energy.
 TEST_P(SculptCorner, HasTheForceOfOneProxyAndNoEnergy) {
   const auto [angle_deg, wall_moves] = GetParam();
   const auto touch = touch_of(clay_with_wall(angle_deg, 0.005, wall_moves));
@@ -112,8 +112,8 @@ INSTANTIATE_TEST_SUITE_P(Angles, SculptCorner,
                            return std::to_string(static_cast<int>(one.param.angle_deg)) + (one.param.wall_moves ? "Commanded" : "Still");
                          });
 
-// Pressed against the wall and into the clay, then lifted along the wall: nothing pulls the hand down, and the probe stays out of the wall,
-// however deep its foot is in the clay.
+// A hand is pressed against the wall and into the clay, then lifted along the wall: nothing pulls it down, and the probe stays out of the
+// wall, however deep the foot of the wall is in the clay.
 TEST(SculptCorner, AHandLiftedAlongAWallIsFree) {
   for (const double sunk_m : {0.0, 1e-4, 1e-3, 5e-3}) {
     for (const bool wall_moves : {false, true}) {
@@ -138,8 +138,8 @@ TEST(SculptCorner, AHandLiftedAlongAWallIsFree) {
   }
 }
 
-// In one sample the hand goes past the edge of the clay, which is behind the wall: the ball stays on top, as the wall does not let it go
-// there.
+// In one sample the hand goes past the edge of the clay that is behind the wall: the ball stays on top of the clay, because the wall does
+// not let it through.
 TEST(SculptCorner, AJumpPastAnEdgeBehindTheWallIsHeldOnThisSide) {
   for (const bool wall_moves : {false, true}) {
     TouchScene scene = clay_with_wall(90.0, 0.005, wall_moves);
@@ -156,7 +156,7 @@ TEST(SculptCorner, AJumpPastAnEdgeBehindTheWallIsHeldOnThisSide) {
   }
 }
 
-// Beside a wall that is touched as well the clay damps once, by the motion of the hand.
+// While the ball also touches a wall, the damping of the clay acts once, on the motion of the hand.
 TEST(SculptCorner, DampsOnce) {
   for (const double damping : {0.0, 5.0}) {
     TouchScene scene = clay_with_wall(90.0);
@@ -175,8 +175,8 @@ TEST(SculptCorner, DampsOnce) {
   }
 }
 
-// A groove is cut along the foot of the wall: the ball sinks into the clay, never into the wall, and no force changes faster than by the
-// lag of the cut, also as the button is pressed and released.
+// A groove is cut along the foot of the wall: the ball sinks into the clay, never into the wall, and the force never changes faster than
+// the lag of the cut permits, even when the button is pressed or released.
 TEST(SculptCorner, CutsAlongAWallWithoutEnteringIt) {
   for (const double angle_deg : {60.0, 90.0, 120.0}) {
     for (const double wall_stiffness : {400.0, 800.0, 1600.0}) {
@@ -207,7 +207,7 @@ TEST(SculptCorner, CutsAlongAWallWithoutEnteringIt) {
   }
 }
 
-// Cut in the corner of a wall that programs may move and a table: what the three hold is together the extension, at any angle.
+// A cut between a wall that programs may move and a table: what clay, wall and table hold adds up to the extension, at any angle.
 TEST(SculptCorner, CutsBetweenAWallAndATableWithoutAJump) {
   for (const double angle_deg : {60.0, 80.0, 90.0, 110.0}) {
     TouchScene scene = clay_with_wall(angle_deg, 0.025, true);
@@ -232,9 +232,9 @@ TEST(SculptCorner, CutsBetweenAWallAndATableWithoutAJump) {
   }
 }
 
-// A random hand that presses the button now and then, where a wall stands in the clay that programs move: never in the wall where that is
-// now, and no force beyond the stiffest spring. Friction of the clay holds the shares against each other for a few samples, so that the
-// proxy is up to some hundredths of a millimetre beside the wall's face.
+// A hand moves at random and presses the button now and then, where a wall, which programs may move in some cases, stands in the clay.
+// The proxy is never in the wall by more than 1e-7 m, also with friction of the clay, and no force exceeds that of the spring and the
+// damping.
 TEST(SculptCorner, ARandomHandNeverEntersTheWall) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     for (const auto& [wall_moves, friction] : {std::pair(false, 0.0), {true, 0.0}, {false, 0.5}, {true, 0.5}}) {
@@ -254,7 +254,7 @@ TEST(SculptCorner, ARandomHandNeverEntersTheWall) {
         p += v;
         const TouchOutput felt = touch->step({.p_WD = p, .dt_s = 1e-3, .buttons = (i / 400) % 2 == 0 ? 0U : 1U});
         const Vec3 proxy = p + felt.visual_offset_m;
-        // From either side of the wall.
+        // The depth counts from either side of the wall.
         const bool is_in_wall = proxy.z() < 0.03 && proxy.z() > -0.015;
         if (is_in_wall) deepest_m = std::max(deepest_m, std::min(-proxy.x(), proxy.x() + 0.01));
         ASSERT_TRUE(felt.force_n.allFinite());

@@ -79,9 +79,9 @@ TEST(SculptMethod, FeelsOtherObjectsAsTheirMethodDoes) {
   }
 }
 
-// What effects of the table change in the force is the same whether a carved body is touched beside it or not: with proxy where the two
-// meet at right angles, and with smooth, where they are in series, also where the body pushes up as the table does, or pushes the hand into
-// it. Not with sweep: its collision point lags behind the hand and never reaches the body.
+// Effects of the table change the force by the same amount whether or not a carved body is touched too: with proxy where the two meet at
+// right angles; with smooth, where the two are in series, also where the body pushes up as the table does, or pushes the hand into the
+// table. Sweep is left out: its collision point lags behind the hand and never reaches the body.
 TEST(SculptMethod, EffectsOfAnotherObjectAreThoseOfItsOwnForce) {
   const auto with_drag = [](TouchObject& table) {
     table.material.damping_ns_per_m = 2.0;
@@ -98,7 +98,7 @@ TEST(SculptMethod, EffectsOfAnotherObjectAreThoseOfItsOwnForce) {
     const char* method;
     std::function<void(TouchObject&)> change;
     TouchObject clay;
-    double tolerance;  // relative; the side of the block is a field of floats
+    double tolerance;  // relative; the field of the block holds floats
   };
   const TouchObject above = clay_object(Vec3(0, 0, -0.03)), below = clay_object(Vec3(0, 0, -0.016));
   const Case cases[] = {{"smooth", with_drag, above, 1e-12},
@@ -121,7 +121,7 @@ TEST(SculptMethod, EffectsOfAnotherObjectAreThoseOfItsOwnForce) {
       const double down = std::min(i, 100) * 4e-5, along = std::max(i - 100, 0) * 1.5e-4;
       std::vector<TouchOutput> felt;
       for (const auto& step : steps) felt.push_back(step->step({.p_WD = {0.06 - along, 0.0, -0.048 - down}, .dt_s = 1e-3}));
-      if (felt[0].object != 0) continue;  // the body pushes most: its own drag counts
+      if (felt[0].object != 0) continue;  // the body pushes most: its own drag counts, not that of the table
       both += (felt[0].force_n - felt[1].force_n).norm() > 0.1;
       const Vec3 beside_body = felt[2].force_n - felt[0].force_n, alone = felt[3].force_n - felt[1].force_n;
       ASSERT_LT((beside_body - alone).norm(), one.tolerance * (1.0 + felt[0].force_n.norm())) << one.method << ", step " << i;
@@ -154,7 +154,7 @@ TEST(SculptMethod, DampingActsAlongTheExtension) {
   EXPECT_NEAR(force_at(0.033, 0.0), held_n, 0.02) << "no time, no speed";
 }
 
-// Between clay and table: the one that pushes more is named, the force is the sum.
+// Between clay and table, the object that pushes more is named; the force is the sum.
 TEST(SculptMethod, NamesTheObjectThatPushesMost) {
   TouchScene scene{.objects = {table_object(), clay_object(Vec3(0, 0, -0.045))}};
   const auto step = step_of(scene);
@@ -189,7 +189,7 @@ TEST(SculptMethod, IsHeldWhereItTouchesAndNowhereElse) {
   EXPECT_FALSE(step->method().held_at());
   EXPECT_TRUE(held_at({0.08, 0, -0.051})) << "table";
   EXPECT_FALSE(held_at({0.08, 0, -0.03}));
-  // Taken up again where another method held it: on the clay, with the hand 3 mm deeper.
+  // The method resumes where another method held the probe: on the clay. Then the hand goes 3 mm deeper.
   step->resume({.p_WD = {0.035, 0, 0}});
   EXPECT_GT(step->step({.p_WD = {0.032, 0, 0}}).force_n.x(), 0.5);
 }
@@ -223,14 +223,14 @@ TEST(SculptMethod, CarvesByItsButtonOnlyAndNamesTheObject) {
   EXPECT_GT(carves, 50);
   const auto other = step_of({.objects = {clay_object(Vec3::Zero())}});
   for (TouchInput input : carving_hand(41, 4000)) {
-    input.buttons &= 1U;  // not its own
+    input.buttons &= 1U;  // without the button of the clay
     other->step(input);
     ASSERT_EQ(other->made_carve(), nullptr);
   }
 }
 
-// The same samples give the same forces and carves to the last bit, and a field that only gets the list is the same.
-// Another object beside the clay, out of reach, changes nothing, whatever the method: a step of a ball that cuts is one step.
+// Another object beside the clay, out of reach, changes nothing, whatever the method: it does not divide the step of a ball that cuts into
+// several steps.
 TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
   TouchObject far = table_object();
   far.mesh = std::make_shared<const TriangleMesh>(scaled_and_moved(make_box(Vec3(0.02, 0.02, 0.02)), 1.0, Vec3(0, 0, -0.4)));
@@ -252,7 +252,7 @@ TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
 TEST(SculptMethod, RepeatsToTheLastBit) {
   const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object(), clay_object(Vec3(0.05, 0.01, 0.0), 0.02)}};
   const auto one = step_of(scene), other = step_of(scene);
-  auto list = std::make_unique<Sculpture>();
+  auto list = std::make_unique<Sculpture>();  // gets only the list of carves; its fields must become the same
   ASSERT_TRUE(list->add(0, kClayBall, *scene.objects[0].mesh) && list->add(2, kClayBall, *scene.objects[2].mesh));
   bool has_both = false, has_one = false;
   for (const TouchInput& input : carving_hand(42, 5000)) {
@@ -312,11 +312,11 @@ TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
   after->exchange_carves(*before);
   EXPECT_EQ(after->method().sculpture(), shape);
   EXPECT_EQ(before->method().sculpture()->newest(), 0U);
-  // Not for another scene.
+  // Carves are not exchanged between methods of different scenes.
   const auto other = step_of({.objects = {clay_object(Vec3(0, 0, 0.001))}});
   other->exchange_carves(*after);
   EXPECT_EQ(other->method().sculpture()->newest(), 0U);
-  // Nor with itself.
+  // An exchange with itself changes nothing.
   after->exchange_carves(*after);
   EXPECT_EQ(after->method().sculpture()->newest(), carves);
 }

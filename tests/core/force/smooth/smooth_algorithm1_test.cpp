@@ -1,5 +1,5 @@
-// Algorithm 1 of the FDH paper against a literal transcription of the paper's pseudocode: independent code, the paper's own divisions
-// and order.
+// Algorithm 1 of the FDH paper is compared with a literal transcription of the pseudocode of the paper: independent code, which keeps the
+// divisions and the order of the paper.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ Vec3 nearestpoint(const Vec3& a, const Vec3& b, const Vec3& P) {
   return t <= 0.0 ? a : t >= 1.0 ? b : Vec3(a + t * (b - a));
 }
 
-// "interpolation(T, i, B)": the vertex normals, linearly.
+// "interpolation(T, i, B)": interpolates the vertex normals linearly.
 Vec3 interpolation(const Vec3& a, const Vec3& b, const Vec3& na, const Vec3& nb, const Vec3& B) {
   const double t = (B - a).norm() / (b - a).norm();
   return ((1.0 - t) * na + t * nb).normalized();
@@ -116,7 +116,7 @@ Transcribed algorithm1(const std::vector<SetTriangle>& object, const Vec3& P, do
   return result;
 }
 
-// Some 1,500 positions in RADIUS round a surface: force, number of VCPs and number hidden are the transcription's.
+// At 1,500 positions within RADIUS of a surface: force, number of VCPs and number of hidden VCPs are those of the transcription.
 void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int least_hidden) {
   const auto triangles = one_sided_set_of(mesh);
   ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
@@ -168,7 +168,7 @@ TEST(Algorithm1, IsThePapersOnOverlappingTriangles) {
   expect_as_transcribed(sheets, 0.004, 0.004, 204, 500);
 }
 
-// Fig. 1: two degenerate triangles with two different points each at an edge whose faces disagree on the normal, none where they agree.
+// Fig. 1: an edge whose faces disagree on the normal has two degenerate triangles, each with two different points; other edges have none.
 // Without them there is no force over the edge; with them it turns from one face's normal to the other's and keeps its magnitude.
 TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
   TriangleMesh roof;
@@ -176,7 +176,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
                    Vec3(0, 0.02, 0),          Vec3(0.02, -0.02, -0.02), Vec3(0.02, 0.02, -0.02)};
   roof.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 5}, {2, 5, 3}};
   const auto triangles = one_sided_set_of(roof);
-  std::map<std::pair<double, double>, int> fakes;  // by the ends' y
+  std::map<std::pair<double, double>, int> fakes;  // by the y of both ends
   for (const SetTriangle& t : triangles) {
     if (t.kind == SurfaceKind::face) continue;
     ASSERT_EQ(t.kind, SurfaceKind::edge_fan);
@@ -209,7 +209,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
     const Vec3 force = all.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n;
     empty_without = empty_without || faces.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n.isZero(0.0);
     EXPECT_NEAR(force.norm(), kStiffnessNPerM * (kRadius - kHeight), 1e-6 * kStiffnessNPerM * kRadius) << i;
-    const Vec3 away(P.x(), 0, P.z());  // from the convex edge
+    const Vec3 away(P.x(), 0, P.z());  // direction away from the convex edge
     EXPECT_LT(std::atan2(force.cross(away).norm(), force.dot(away)), 1e-6) << i;
     if (i > 0) {
       EXPECT_LT((force - last).norm(), 0.02 * force.norm()) << "a jump at " << angle;

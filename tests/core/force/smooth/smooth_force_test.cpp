@@ -48,8 +48,8 @@ TEST(SmoothForce, OverAPlaneIsExact) {
   }
 }
 
-// Round a sphere at one height: the force points outward within a fraction of the facets' own error, and turns as evenly as the probe
-// moves.
+// The probe goes round a sphere at one height: the direction of the force differs from outwards by a fraction of the facets' own error, and
+// turns evenly, as the probe moves.
 TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   constexpr double kRadius = 0.05;
   const auto triangles = set_of(make_icosphere(kRadius, 3));
@@ -74,7 +74,7 @@ TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   EXPECT_LT(worst_turn, 3.0) << "the force turns at most three times as fast as the probe goes round";
 }
 
-// Round a box's edges and corners: never without force, and continuous. Without the corner fans there is no force at a corner.
+// Round the edges and corners of a box the force is never zero, and continuous. Without the corner fans there is no force at a corner.
 TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
   const auto triangles = set_of(make_box(Vec3(0.1, 0.1, 0.1), 4));
   std::vector<SetTriangle> without_corners;
@@ -94,7 +94,7 @@ TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
     const Vec3 P = corner + way + Vec3(0.0022, 0.0022, 0.0022);
     const SmoothForce felt = force_at(triangles, P, 0.006, 0.006);
     ASSERT_FALSE(felt.force_n.isZero(0.0)) << "a gap at " << (P - corner).transpose();
-    const Vec3 outside = (P - corner).cwiseMax(Vec3::Zero());  // to the nearest point of the box
+    const Vec3 outside = (P - corner).cwiseMax(Vec3::Zero());  // from the nearest point of the box to P
     EXPECT_LT(angle_between(felt.force_n, outside), 0.35);
     if (i > 0) worst = std::max(worst, (felt.force_n - last).norm());
     last = felt.force_n;
@@ -106,7 +106,7 @@ TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
 // At a blunt concave edge both faces overlap; the degenerate triangles subtract what is counted twice, so no face's share ends with a
 // discontinuity.
 TEST(SmoothForce, OverAConcaveEdgeIsContinuous) {
-  // A valley whose sides rise by 25 degrees: a concave edge of 50.
+  // A valley whose sides rise by 25 degrees: the concave edge has 50 degrees.
   const double slope = std::tan(25.0 * 3.14159265358979 / 180.0);
   TriangleMesh mesh;
   for (int j = 0; j <= 8; ++j) {
@@ -161,7 +161,7 @@ TEST(SmoothForce, OneSidedIsTouchedFromItsFrontOnly) {
   EXPECT_LT(force_at(two, below, 0.004, 0.004).force_n.z(), 0.0);
 }
 
-// Algorithm 1's last line: several VCPs give a direction, the largest of them the magnitude.
+// The last line of Algorithm 1: several VCPs give the direction, and the strongest of them gives the magnitude.
 TEST(SmoothForce, TheStrongestGivesTheStrength) {
   TriangleMesh corner;  // floor and wall, unconnected: no fans between them
   corner = joined(make_plane_grid(0.1, 4), corner);
@@ -208,7 +208,7 @@ TEST(SmoothNormal, IsTheEdgesOnEdgesAndTheVertexsInVertices) {
   }
 }
 
-// No line through any point of a closed surface, also exactly through its vertices and edges, passes without meeting a triangle there.
+// A line through any point of a closed surface, also exactly through a vertex or an edge, meets a triangle there.
 TEST(StraightLine, IsWatertight) {
   std::mt19937_64 random(83);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

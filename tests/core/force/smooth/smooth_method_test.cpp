@@ -79,7 +79,7 @@ TEST(SmoothMethod, APlaneIsTouchedFromEitherSideUnlessOneSided) {
   }
 }
 
-// Inside a sphere the force is far more radial than the facets are, and turns as evenly as the probe moves round: no jumps at edges.
+// Inside a sphere the force is far nearer to radial than the facet normals, and turns evenly as the probe moves round: no jumps at edges.
 TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   constexpr double kRadius = 0.05;
   const TriangleMesh mesh = make_icosphere(kRadius, 3);
@@ -167,7 +167,7 @@ TEST(SmoothMethod, DescribesWhatItDid) {
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
-// The line about what a method with a layer leaves out; empty: there is none.
+// The line of the description that says what a method with a layer leaves out; empty if there is no such line.
 std::string note_of_layer(const std::vector<TouchObject>& objects) {
   TouchScene scene{.objects = objects};
   for (TouchObject& object : scene.objects) object.mesh = made::shared(make_icosphere(0.05, 0));

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// For any motion, every step inside a closed mesh has a force, and no step outside has one beyond the depth that the probe had.
+// For any motion, no step without a force is inside a closed mesh by more than a small allowed depth.
 TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   const TriangleMesh wingnut = made::obj_mesh("wingnut.obj");
   const TriangleMesh fish = made::obj_mesh("fish_22k.obj");
@@ -31,7 +31,7 @@ TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   }
 }
 
-// A plate thinner than the depth of the probe: the VCP's history keeps it on the side where it entered.
+// A plate thinner than the depth of the probe: the history of the VCP keeps the probe on the side where it entered.
 TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   const auto method = make(scene_of(make_thin_wall(0.1, 0.0005, 20)));
   method->reset(Vec3(0.0013, 0.0021, 0.005));
@@ -45,7 +45,7 @@ TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   }
 }
 
-// Around the outside of a box and off its edge: released, and in contact again on the next side.
+// The probe moves along the outside of a box and off its edge: it is released there, and touches again on the next side.
 TEST(SmoothMethod, IsReleasedAtAConvexEdge) {
   const auto method = make(scene_of(make_box(Vec3(0.1, 0.1, 0.1), 4)));
   method->reset(Vec3(0.04, 0.003, 0.055));
@@ -112,7 +112,7 @@ TEST(SmoothMethod, ANotFiniteSampleIsIgnored) {
   EXPECT_GT(before.norm(), 0.5);
 }
 
-// A moving surface: the probe inside is carried along, the probe outside is caught, and the force is that of a scene built there.
+// A moving surface carries along a probe inside and catches a probe outside; the force is that of a scene built in that shape.
 TEST(SmoothMethod, MovingAndDeformingSurfacesExertForces) {
   TriangleMesh mesh = make_icosphere(0.05, 3);
   const auto method = make(scene_of(mesh));
@@ -121,7 +121,7 @@ TEST(SmoothMethod, MovingAndDeformingSurfacesExertForces) {
   ASSERT_TRUE(method->step({.p_SD = still}).contact);
   const std::vector<Vec3> rest = mesh.vertices;
   for (int i = 1; i <= 60; ++i) {
-    // It swells along x and drifts along y.
+    // The sphere swells along x and drifts along y.
     for (std::size_t v = 0; v < rest.size(); ++v)
       mesh.vertices[v] = Vec3(rest[v].x() * (1.0 + 2e-4 * i), rest[v].y() + 1e-5 * i, rest[v].z());
     ASSERT_TRUE(method->move_vertices(0, mesh.vertices));

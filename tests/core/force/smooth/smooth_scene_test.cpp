@@ -134,7 +134,7 @@ TEST(SmoothScene, DescribesEveryPassAndTheTree) {
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
-// The typical radius lies where the set is half complete for half of the faces: doubling the count on a plane widens it by sqrt 2.
+// On a plane the typical radius grows with the square root of the count: doubling the count widens it by sqrt 2.
 TEST(SmoothScene, TypicalRadiusGrowsWithTheCount) {
   TouchScene touch;
   touch.objects.push_back({made::shared(make_plane_grid(0.1, 60)), {}});

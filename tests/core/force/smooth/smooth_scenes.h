@@ -19,7 +19,7 @@
 
 namespace hapton {
 
-// The VCP is a billionth of the scene's size off the surface: the tolerance of otherwise exact results, in newtons and metres here.
+// The VCP is a billionth of the scene's size off the surface. These are the tolerances of otherwise exact results, in newtons and metres.
 constexpr double kOffsetForce = 1e-6;
 constexpr double kContactOffset = 1e-9;
 constexpr double kPi = 3.14159265358979323846;

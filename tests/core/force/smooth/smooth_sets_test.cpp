@@ -43,7 +43,7 @@ TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
   }
 }
 
-// A real mesh of open, creased, thin pieces, and sets far too small for RADIUS: still the same, and counted.
+// A real mesh of open, creased, thin pieces, and sets far too small for RADIUS: the force is still the same, and the overflows are counted.
 TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
   const TriangleMesh mesh = scaled_and_moved(made::obj_mesh("car_front_3300.obj"), 5e-5, Vec3::Zero());
   ASSERT_EQ(mesh.triangles.size(), 3300U);
@@ -68,8 +68,8 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
   EXPECT_GT(method->counters().overflows, 0U);
 }
 
-// Both tasks under a simulated clock: the slow one starts every `period` steps and its set arrives `latency` steps later. However late it
-// is, the force is that of one task alone; the counters show how late it was.
+// Both tasks under a simulated clock: the slow one starts every `period` steps and its set arrives `latency` steps later. However late the
+// set is, the force is that of one task alone; the counters show how late it was.
 TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const TouchScene scene = scene_of(mesh);
@@ -107,7 +107,7 @@ TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   EXPECT_GT(late_when_slow, late_when_quick);
 }
 
-// The two tasks as in haptics_node: prepare beside step. Here every tenth step, the period of the node's other thread at 1 kHz.
+// Both tasks as in haptics_node: prepare() runs beside step(), here in every tenth step, the period of the node's other thread at 1 kHz.
 TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
   const auto at = [](int i) {
