@@ -24,7 +24,7 @@ class CentrePathTest : public testing::Test {
   }
   Vec3 direction() { return vector().normalized(); }
 
-  // A piece of a circle of that radius, guided round a line or a point, or by nothing.
+  // A piece of a circle of the given radius, guided by nothing (0), round a line (1) or round a point (2).
   struct Arc {
     Vec3 middle, axis, out, way;
     double radius, angle;
@@ -171,7 +171,7 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
   EXPECT_GT(checked, 400);
 }
 
-// Also where it turns back beyond an end of the chord: faster than the chord is long, or away from it at first.
+// Also where the path turns back beyond an end of the chord: its slope is longer than the chord, or points away from it at first.
 TEST_F(CentrePathTest, BulgesNoFartherFromItsChordThanItSays) {
   int beyond = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -193,7 +193,7 @@ TEST_F(CentrePathTest, BulgesNoFartherFromItsChordThanItSays) {
   EXPECT_GT(beyond, 1000);
 }
 
-// From both sides: the end before the crest may be the higher one, or the one after it.
+// In both directions: the end before the crest may be the higher one, or the end after it.
 TEST_F(CentrePathTest, ACrestBetweenTwoEndsBelowThePlaneIsFoundForLongDirectionsToo) {
   for (int i = 0; i < 400; ++i) {
     const Vec3 from = vector();
@@ -217,7 +217,7 @@ TEST_F(CentrePathTest, ACrestBetweenTwoEndsBelowThePlaneIsFoundForLongDirections
   }
 }
 
-// The first time of many at which it is beyond, from below; kNever if there is none.
+// The first of many sampled times at which the path is beyond the plane by more than the margin; kNever if there is none.
 double sampled_time_to_pass(const CentrePath& path, const Vec3& origin, const Vec3& normal, double margin, double until) {
   constexpr int kSamples = 4000;
   for (int i = 1; i <= kSamples; ++i) {
@@ -234,7 +234,7 @@ TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
     const CentrePath path = i % 10 == 0 ? CentrePath::straight(a.at(0.0), a.at(1.0)) : a.path;
     const double length = (path.end() - path.start()).norm();
     const double until = i % 5 == 0 ? 0.7 : 1.0;
-    // Every other one is set so that the path only just comes over it, or only just does not.
+    // Every other plane is placed so that the path only just crosses it, or only just does not.
     Vec3 normal = direction();
     if (i % 2 == 0) normal = (a.out + 0.02 * vector() + (0.3 * a.angle) * a.way).normalized();
     const Vec3 origin = path.start() + positive(0.001, 0.2) * length * (i % 2 == 0 ? 0.2 * length : 1.0) * normal;
@@ -273,7 +273,7 @@ class FindBlock : public CentrePathTest {
     const Vec3 b = a + 0.4 * vector();
     return {a, b, i % 8 == 7 ? Vec3(a + 0.4 * (b - a) + 1e-7 * vector()) : Vec3(a + 0.4 * vector())};
   }
-  // A place as far from the triangle as that.
+  // A place at the given distance from the triangle.
   Vec3 place(const ContactTriangle& shape, double distance) {
     for (;;) {
       const Vec3 p = shape.corner(0) + vector();
@@ -282,7 +282,7 @@ class FindBlock : public CentrePathTest {
     }
   }
 
-  // Compares with the distance at many times. Returns whether it blocks.
+  // Compares find_block() with the distance at many times. Returns whether the triangle blocks the path.
   static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned guiding, double until) {
     constexpr int kSamples = 2000;
     int tests = 0;
@@ -344,7 +344,7 @@ TEST_F(FindBlock, WhatOnlyGrazesPasses) {
       return path.find_block(shape, kClearance, 0U, path.prefix(1.0), tests);
     };
     EXPECT_EQ(block_on(to).time, kNever);
-    // Down by less than half the slop still grazes, by more does not.
+    // A path that goes down by less than half the slop still grazes; one that goes down by more does not.
     const Vec3 down = -shape.normal();
     EXPECT_EQ(block_on(to + 0.4 * kClearance.slop * down).time, kNever);
     const CentrePath::Block block = block_on(to + 1e-6 * down);
@@ -353,7 +353,7 @@ TEST_F(FindBlock, WhatOnlyGrazesPasses) {
   }
 }
 
-// Over the middle of a face, from a start in parallel to it: down, and up again before the end.
+// The path begins over the middle of a face, parallel to it, goes down, and comes up again before its end.
 TEST_F(FindBlock, APathThatBendsDownAndUpBlocksWhereItComesTooNear) {
   for (int i = 0; i < 300; ++i) {
     const ContactTriangle shape = triangle(0);
@@ -361,7 +361,7 @@ TEST_F(FindBlock, APathThatBendsDownAndUpBlocksWhereItComesTooNear) {
     const double wanted = i % 3 == 0 ? 0.6 * kClearance.slop : i % 3 == 1 ? 1.5 * kClearance.slop : positive(1e-6, 1e-4);
     const Vec3 from = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0 + (kClearance.offset + gap) * shape.normal();
     const Vec3 along = 0.01 * shape.edge(i % 3);
-    // The height is a (t^3 - t^2) above the start: 4 a / 27 below it at its lowest.
+    // With a = 27 / 4 wanted, the height above the start is a (t^3 - t^2): at its lowest, -4 a / 27.
     const CentrePath path = CentrePath::curved(from, from + along, along, along + 27.0 / 4.0 * wanted * shape.normal());
     int tests = 0;
     const CentrePath::Block block = path.find_block(shape, kClearance, 0U, path.prefix(1.0), tests);
@@ -378,7 +378,7 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
     const ContactTriangle shape = triangle(0);
     const int corner = i % 3;
     const Vec3& origin = shape.corner(corner);
-    // From where the corner is nearest, on the sphere round it.
+    // The path begins on the sphere round the corner, where the corner is the nearest point of the triangle.
     const Vec3 from = origin + kClearance.offset * direction();
     if (shape.separation(from).nearest != origin) continue;
     const Vec3 out = (from - origin) / kClearance.offset;
@@ -407,11 +407,11 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
   EXPECT_GT(into_face, 50);
 }
 
-// Along an edge, the path passes its end at a distance: the other edge that begins there is already ahead.
+// The path runs along an edge and passes its end at the offset: another edge that begins at that end is already ahead.
 TEST_F(FindBlock, WhatBeginsAtACornerThatIsPassedBlocks) {
   int blocked = 0;
   for (int i = 0; i < 600; ++i) {
-    // The edge along x ends at the corner; the sphere moves along it at its offset, towards an edge of the other triangle.
+    // The guiding edge ends at the corner; the sphere moves along it at its offset, towards an edge of the triangle.
     const Vec3 corner = vector();
     const Vec3 along = direction();
     const Vec3 out = along.unitOrthogonal();
@@ -435,7 +435,7 @@ TEST_F(FindBlock, WhatBeginsAtACornerThatIsPassedBlocks) {
   EXPECT_GT(blocked, 300);
 }
 
-// Around an edge or a corner, with another one beside it: a displaced copy, at nearly the same distance all along the path.
+// The path goes round an edge or a corner. A displaced copy is beside that, at nearly the same distance all along the path.
 TEST_F(FindBlock, ACopyBesideWhatGuidesThePathIsDecided) {
   int hits = 0;
   int passes = 0;
@@ -443,7 +443,7 @@ TEST_F(FindBlock, ACopyBesideWhatGuidesThePathIsDecided) {
     const bool is_corner = i % 3 == 0;
     const Arc roll = arc(kClearance.offset, positive(0.02, 0.125), is_corner ? 2 : 1);
     const auto displaced = [&] { return Vec3(std::pow(10.0, positive(-15.0, -7.0)) * vector()); };
-    const double ahead = i % 2 == 0 ? 0.0 : std::pow(10.0, positive(-12.0, -7.0));  // where the sphere comes to
+    const double ahead = i % 2 == 0 ? 0.0 : std::pow(10.0, positive(-12.0, -7.0));  // shift of the copy towards where the sphere goes
     const Vec3 beside = roll.middle + (ahead > 0.0 ? Vec3(ahead * (roll.way - 0.01 * roll.angle * roll.out)) : displaced());
     // The triangle lies on the other side of the edge, or begins at the corner.
     const Vec3 below = -positive(0.2, 1.0) * (std::cos(0.5 * roll.angle) * roll.out + std::sin(0.5 * roll.angle) * roll.way);
@@ -462,15 +462,15 @@ TEST_F(FindBlock, ACopyBesideWhatGuidesThePathIsDecided) {
   EXPECT_GT(passes, 200);
 }
 
-// Around an edge or a corner, with a displaced copy beside it whose triangle leads to where the sphere comes: it stays as near as the copy,
-// and then meets the triangle.
+// The path goes round an edge or a corner. Beside that is a displaced copy whose triangle leads to where the sphere goes: the sphere first
+// stays at its distance from the copy, and then meets the triangle.
 TEST_F(FindBlock, WhatGoesOnFromACopyBesideWhatGuidesThePathBlocks) {
   int hits = 0;
   for (int i = 0; i < 1500; ++i) {
     const bool is_corner = i % 3 == 0;
     const Arc roll = arc(kClearance.offset, positive(0.05, 0.3), i % 3 == 2 ? 1 : is_corner ? 2 : 1);
     const auto displaced = [&] { return Vec3(std::pow(10.0, positive(-16.0, -9.0)) * vector()); };
-    // From that angle on, the triangle is nearer than the copy.
+    // From the angle `turn` on, the triangle is nearer than the copy.
     const double turn = positive(0.1, 0.9) * roll.angle;
     const Vec3 ahead = 0.5 * (std::cos(turn) * roll.way - std::sin(turn) * roll.out);
     const Vec3 below = -0.5 * roll.out - 0.2 * roll.way;

@@ -17,7 +17,7 @@ class ContactSetOf : public testing::Test {
   MadeContacts made{kSeedOfSets};
 };
 
-// The nearest position that is an offset from each of them, by ever smaller steps in random directions.
+// Searches the position nearest to `from` that is an offset from each contact, by ever smaller steps in random directions.
 Vec3 search_nearest(MadeContacts& made, const ContactSet& contacts, const Vec3& from, const Vec3& start) {
   const auto cost = [&](const Vec3& c) { return (c - from).norm() + 1e3 * distance_off(contacts, c); };
   Vec3 best = start;
@@ -47,7 +47,7 @@ TEST_F(ContactSetOf, RestoreEndsAnOffsetFromEachAndHardlyFartherThanTheNearestSu
         EXPECT_NEAR(dot, j == k ? 1.0 : 0.0, 1e-13) << i;
       }
     }
-    // Newton's steps go along the normals: what they differ from the nearest position by is of second order.
+    // Newton's steps go along the normals: their end differs from the nearest position in the second order only.
     if (i % 10 != 0) continue;
     const Vec3 nearest = search_nearest(made, contacts, c, restored);
     EXPECT_LT((restored - c).norm(), (nearest - c).norm() + 4e-4) << i;
@@ -89,8 +89,8 @@ TEST_F(ContactSetOf, HoldsOneContactOfATriangleAndNoMoreThanItHasRoomFor) {
   EXPECT_TRUE(contacts.is_empty());
 }
 
-// The free component of a pull that is held is the vector nearest to it that leads into no contact; the multipliers of those that are
-// active are positive, and sum up to what was taken away.
+// The free part of a held pull is the vector nearest to the pull that leads into no contact. The multipliers of the active contacts are
+// positive, and times the normals they sum up to the part that was taken away.
 TEST_F(ContactSetOf, FindActiveIsTheNearestFreePullOfAllSubsets) {
   for (int i = 0; i < 400; ++i) {
     const Vec3 c = made.vector();
@@ -107,7 +107,7 @@ TEST_F(ContactSetOf, FindActiveIsTheNearestFreePullOfAllSubsets) {
       continue;
     }
     for (const OffsetContact& contact : contacts.all()) EXPECT_GE(contact.normal.dot(free), -1e-14) << i;
-    // Of sampled directions that lead into no contact, none takes more of the pull.
+    // Of sampled directions that lead into no contact, none has a larger component of the pull.
     double most = 0.0;
     for (int k = 0; k < 300; ++k) {
       const Vec3 direction =

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// A point in the corner; and what else there is.
+// A point in the corner of a room, with other meshes if there are any.
 struct PointInCorner : CornerStage {
   explicit PointInCorner(std::vector<const TriangleMesh*> others = {}, TriangleMesh walls = room())
       : CornerStage(0.05, std::move(others), std::move(walls)) {}
@@ -31,7 +31,7 @@ TEST(CornerExitOf, TheFreeDirectionsAreThoseOfTheOctant) {
   }
 }
 
-// No triangle has a vertex there: the apex is where the planes of the three faces meet.
+// No triangle has a vertex at the corner: the apex is where the planes of the three faces meet.
 TEST(CornerExitOf, ThreeFacesThatGoThroughOneAnotherMakeTheSameCorner) {
   PointInCorner in({}, CornerStage::crossing_walls());
   ASSERT_TRUE(in.corner().find_cone(0.0));
@@ -42,7 +42,7 @@ TEST(CornerExitOf, ThreeFacesThatGoThroughOneAnotherMakeTheSameCorner) {
     EXPECT_FALSE(cone.contains(outside.normalized()));
 }
 
-// Two faces hold it, and no vertex is near: it can slide away.
+// Two faces hold the point, and no vertex is near: the point can slide away.
 TEST(CornerExitOf, BetweenTwoFacesThereIsNoCorner) {
   PointInCorner in({}, CornerStage::crossing_walls());
   const OffsetContact kept[] = {in.contacts[0], in.contacts[1]};
@@ -50,7 +50,7 @@ TEST(CornerExitOf, BetweenTwoFacesThereIsNoCorner) {
   EXPECT_FALSE(in.corner().find_cone(0.0));
 }
 
-// The device comes to pull along the x axis: from then on the way out along it leads nearer by more than kMinGain offsets.
+// The pull turns towards the x axis: from the time found on, the way out along that axis leads nearer by more than kMinGain offsets.
 TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
   PointInCorner in;
   const Vec3 from = in.apex + Vec3(-0.1, -0.2, -0.1);
@@ -60,7 +60,7 @@ TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
   const auto pull_at = [&](double time) { return Vec3(from + time * (to - from) - in.apex); };
   EXPECT_GE(pull_at(opens).x(), in.corner().least_exit(pull_at(opens)));
   EXPECT_LT(pull_at(opens).x(), 1.5 * in.corner().least_exit(pull_at(opens)));
-  // A way of that length along the edge does lead nearer by that much.
+  // A way of the length least_exit() along the edge does lead nearer by more than kMinGain offsets.
   const Vec3 out = in.corner().least_exit(pull_at(opens)) * Vec3::UnitX();
   EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kMinGain * CornerStage::kClearance.offset);
   EXPECT_EQ(in.corner().time_to_exit(from, from - Vec3::UnitX(), 0.0), 2.0);

@@ -56,8 +56,8 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
   EXPECT_GT(arrived, 200);
 }
 
-// Two faces of a blade, and a point between them that is as far into one as the slop allows: many offsets from where it would be an offset
-// from both.
+// A point between the two faces of a blade is nearer to both than the offset, by half of the slop. The position where it would be an offset
+// from both is many offsets away.
 TEST_F(DescentPathOf, BetweenNearlyOppositeFacesACentreReturnsToWhereBothAreAtTheOffset) {
   constexpr Clearance kOfPoint{0x1p-31, 0x1p-40, 0x1p-46};
   for (const double angle : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
@@ -71,7 +71,7 @@ TEST_F(DescentPathOf, BetweenNearlyOppositeFacesACentreReturnsToWhereBothAreAtTh
         contacts.add(OffsetContact::on_face(side > 0.0 ? 0U : 1U, {-along, along, far}, -side * up));
       }
       contacts.activate_all();
-      // An offset from both is this far out; and from there towards the edge until half of the slop is used up.
+      // A position at the offset from both faces is `tip` out from the edge; the centre is nearer to the edge, by half of the slop.
       const double tip = kOfPoint.offset / std::sin(0.5 * angle);
       const double short_by = 0.5 * kOfPoint.slop / std::sin(0.5 * angle);
       const Vec3 c = 0.2 * made.unit() * along + (tip - short_by) * out;
@@ -114,7 +114,7 @@ TEST_F(DescentPathOf, TheHintDecidesStraightAboveAVertex) {
   }
 }
 
-// Of a hint along the edge or the normal only rounding is left across them.
+// Of a hint along the edge or the normal, nothing but rounding is left in the direction across them.
 TEST_F(DescentPathOf, StraightAboveAnEdgeAHintAlongItIsNoDirection) {
   for (int i = 0; i < 300; ++i) {
     const Vec3 axis = made.vector().normalized();

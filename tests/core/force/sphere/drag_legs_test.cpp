@@ -59,7 +59,7 @@ TEST(DragLegsOf, ASlipOverAPlaneEndsOnTheCone) {
   EXPECT_LT((slip.path.end() - (on.centre + length * Vec3(0.015, -0.005, 0.0).normalized())).norm(), 1e-14);
 }
 
-// Against ever smaller steps of return mapping: each puts the centre back to the cone along the pull.
+// Compares with many small steps of return mapping, each of which puts the centre back onto the cone along the pull.
 TEST(DragLegsOf, ADragOverAPlaneIsTheLimitOfSmallSteps) {
   constexpr int kSteps = 200'000;
   Dragged on(made::sheet(0.4, 0.0, 8));

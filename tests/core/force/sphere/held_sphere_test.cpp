@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRadius = 1.0;
 constexpr double kDeep = 3.0;
-constexpr double kAngle = std::numbers::pi / 6.0;  // of the edge it leans on, below its middle
+constexpr double kAngle = std::numbers::pi / 6.0;  // angle below the sphere's middle at which it leans on the edge
 
 // A floor with a step half a radius high: a sphere on the floor leans on the step's edge.
 TouchScene make_step() {
@@ -31,7 +31,7 @@ TouchScene make_step() {
   return scene;
 }
 
-// Where the pull on the sphere would just lift it over the step, less a share of its sideways part.
+// The device whose pull would just lift the sphere over the step, with the sideways part of the pull less by a share.
 Vec3 device_short_of_lifting(double share) {
   const double sideways = std::cos(kAngle) / std::sin(kAngle) * (1.0 - share);
   return Vec3(0.0, 0.0, kRadius) + kDeep * Vec3(sideways, 0.0, -1.0).normalized();

@@ -19,7 +19,7 @@ constexpr std::uint64_t kSeedOfFans = 2416;
 constexpr Clearance kClearanceOfFans{0.01, 0x1p-40, 0x1p-46};
 constexpr std::uint32_t kFanSegments = 200;
 
-// Two cones on one rim: the upper tip at that height, above or below the rim.
+// Two cones on one rim; the upper tip is at the given height, above or below the rim.
 TriangleMesh double_cone(double height) {
   TriangleMesh mesh;
   mesh.vertices = {{0.0, 0.0, height}, {0.0, 0.0, -0.4}};
@@ -77,7 +77,7 @@ class OnFan : public testing::TestWithParam<double> {
   int work = 0;
 };
 
-// It stays in contact, and where it has settled no position beside it that is free is nearer to the device.
+// The sphere stays in contact. Where it has settled, no free position beside it is nearer to the device.
 TEST_P(OnFan, CrossesFromFaceToFaceAsBruteForceAllows) {
   std::mt19937_64 random(kSeedOfFans);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -86,7 +86,7 @@ TEST_P(OnFan, CrossesFromFaceToFaceAsBruteForceAllows) {
   for (std::uint32_t triangle = 0; triangle < 2 * kFanSegments; triangle += 5) {
     if (!is_of_upper_cone(triangle)) continue;
     place_on(triangle);
-    if (least_distance(centre) < kClearanceOfFans.offset - kClearanceOfFans.slop) continue;  // a hollow one: nearer to the faces beside
+    if (least_distance(centre) < kClearanceOfFans.offset - kClearanceOfFans.slop) continue;  // a hollow fan: too near to the faces beside
     const Vec3 from = centre - 0.02 * contacts[0].normal;
     const double x = unit(random);
     const double y = unit(random);

@@ -38,7 +38,7 @@ class OverAFlatFan : public testing::TestWithParam<std::uint32_t> {
  protected:
   OverAFlatFan() { RecordProperty("seed", std::to_string(kSeed)); }
 
-  // Lines over the disc, each within a millimetre of its middle, 0.12 mm a step. visit(force, device): each step.
+  // Lines over the disc, each within a millimetre of its middle, 0.12 mm a step. visit(force, device) is called in each step.
   template <class Visit>
   void slide(const Material& material, Visit&& visit) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -66,7 +66,7 @@ class OverAFlatFan : public testing::TestWithParam<std::uint32_t> {
   int carried_ = 0;
 };
 
-// The force is that of the plane. Nothing is left for the next step: what was, dragged the sphere along with several newtons.
+// The force is that of the plane. No motion is left for the next step: such a rest once dragged the sphere with several newtons.
 TEST_P(OverAFlatFan, TheForceIsThatOfThePlane) {
   slide({.stiffness_n_per_m = kFanStiffness}, [&](const Vec3& force_n, const Vec3& device) {
     ASSERT_NEAR(force_n.z(), kFanStiffness * (kBallRadius - device.z()), 1e-6);
@@ -90,7 +90,7 @@ TEST_P(OverAFlatFan, FrictionIsThatOfThePlane) {
 
 INSTANTIATE_TEST_SUITE_P(Segments, OverAFlatFan, testing::Values(128U, 360U, 720U, 900U));
 
-// With more triangles than are gathered elsewhere, a part of the motion is carried in the step in which the ball comes down.
+// To gather so many triangles uses up the work of a step: part of the motion is carried in the step in which the ball comes down.
 class OverAVeryFlatFan : public OverAFlatFan {};
 
 TEST_P(OverAVeryFlatFan, TheForceIsThatOfThePlaneAfterTheFirstStep) {
@@ -105,7 +105,7 @@ TEST_P(OverAVeryFlatFan, TheForceIsThatOfThePlaneAfterTheFirstStep) {
 
 INSTANTIATE_TEST_SUITE_P(Segments, OverAVeryFlatFan, testing::Values(2000U, 5000U));
 
-// It leaves the disc over its rim as over any other edge, and is then held by the wall.
+// The ball leaves the disc over its rim as over any other edge, and is then held by the wall.
 TEST(OverLevelFaces, TheRimOfAFanIsAnEdge) {
   const auto method = make_method({.name = "proxy", .probe_radius_m = kBallRadius},
                                   {.objects = {{made::shared(cylinder_of(360)), {.stiffness_n_per_m = kFanStiffness}}}})

@@ -15,7 +15,7 @@ class LocalMinimumOf : public testing::Test {
  protected:
   LocalMinimumOf() { RecordProperty("seed", std::to_string(kSeedOfMinima)); }
 
-  // Positions beside the minimum that are on the contacts, too.
+  // A position beside the minimum that is also on the contacts.
   Vec3 beside(const HeldCentre& held, double step) {
     Vec3 c = held.c + step * made.vector();
     int work = 0;
@@ -39,7 +39,7 @@ TEST_F(LocalMinimumOf, SolveFindsThePositionThatNoneBesideIsNearerThan) {
   }
 }
 
-// Half the squared distance to the device along the curve, by differences.
+// The second derivative, by differences, is that of half the squared distance to the device along the curve.
 TEST_F(LocalMinimumOf, StabilityOfACurveIsTheSecondDerivative) {
   constexpr double kStep = 1e-4;
   for (int i = 0; i < 200; ++i) {
@@ -88,7 +88,7 @@ TEST_F(LocalMinimumOf, AnEdgeTurnsTheCentreByTheAngleAcrossIt) {
   EXPECT_DOUBLE_EQ(time, 4.0 * LocalMinimum::kAtAxis);
 }
 
-// A vertex holds the centre straight above it against a device below, and a wall presses from the side by next to nothing.
+// A vertex holds the centre straight above it against a device below, and a wall presses from the side with almost no force.
 TEST_F(LocalMinimumOf, ABarrierOfNextToNothingIsShallow) {
   const Vec3 c = Vec3::Zero();
   ContactSet contacts(MadeContacts::kClearance);

@@ -13,7 +13,7 @@ struct HeldCentre {
   Vec3 device;
 };
 
-// Random contacts with parts of triangles of unit size, each of which the centre is near.
+// Random contacts with parts of triangles of about unit size; the centre is near each of these parts.
 class MadeContacts {
  public:
   static constexpr double kOffset = 0.25;
@@ -27,7 +27,7 @@ class MadeContacts {
     const double y = unit();
     return {x, y, unit()};
   }
-  // A part whose plane, line or point is an offset from c, to within `off`, on the side that `side` points to.
+  // A part whose plane, line or point is an offset from c, to within `off`. `side` points from the part towards c.
   OffsetContact contact(std::uint32_t triangle, Feature part, const Vec3& c, const Vec3& side, double off) {
     const Vec3 normal = side.normalized();
     const Vec3 foot = c - (kOffset + off * unit()) * normal;
@@ -42,7 +42,7 @@ class MadeContacts {
     if (part == Feature::edge) return OffsetContact::on_edge(triangle, {foot - along, foot + along, down}, 0);
     return OffsetContact::on_vertex(triangle, {foot, down + along, down - along}, 0);
   }
-  // That many active contacts, with normals at 30 degrees or more from each other and from each other's plane.
+  // `count` active contacts, with normals at 30 degrees or more from each other and from each other's plane.
   ContactSet set(int count, const Vec3& c, double off) {
     std::array<Vec3, 3> side;
     double volume = 0.0;
@@ -58,7 +58,7 @@ class MadeContacts {
     contacts.activate_all();
     return contacts;
   }
-  // By that many, with multipliers from 0.02 to 0.1.
+  // A centre held by `count` contacts, with multipliers from 0.02 to 0.1.
   HeldCentre held(int count) {
     const Vec3 c = vector();
     HeldCentre held{set(count, c, 0.0), c, c};
@@ -71,7 +71,7 @@ class MadeContacts {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// How far a centre is from being an offset away from each of them, at the most.
+// The largest difference between the offset and the distance of the centre from an active contact.
 inline double distance_off(const ContactSet& contacts, const Vec3& c) {
   double most = 0.0;
   for (const OffsetContact& contact : contacts.active())

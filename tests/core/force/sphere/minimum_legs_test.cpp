@@ -50,7 +50,7 @@ TEST_F(MinimumLegOf, FollowsTheMinimaUntilTheDeviceArrivesOrAMultiplierIsZero) {
       ASSERT_TRUE(minimum.solve(device, exact, work)) << i;
       EXPECT_GT(least_multiplier(at.contacts, exact, device), -4.0 * LocalMinimum::kAtMinimum) << i << " at " << share;
       EXPECT_LE(distance_off(at.contacts, leg.path.at(share)), MadeContacts::kClearance.tolerance) << i;
-      // The cubic keeps time with the minima to a share of its length; events correct that.
+      // The cubic is where the minima are at the same time, to within a share of its length; events correct the rest.
       EXPECT_LT((leg.path.at(share) - exact).norm(), 1e-9 + 0.05 * (leg.path.end() - at.c).norm()) << i << " at " << share;
     }
     EXPECT_LE((leg.path.end() - exact).norm(), 0x1p-26 * MadeContacts::kOffset) << i;
@@ -64,7 +64,7 @@ TEST_F(MinimumLegOf, FollowsTheMinimaUntilTheDeviceArrivesOrAMultiplierIsZero) {
   EXPECT_GT(whole, 100);
 }
 
-// By length the path is exact, and the times at which the device makes its places the minimum rise along it.
+// The path itself is exact, and the times at which the device makes its places the minimum rise along it.
 TEST_F(MinimumLegOf, AlongACurveTheTimesRise) {
   int on_curve = 0;
   for (int i = 0; i < 600; ++i) {

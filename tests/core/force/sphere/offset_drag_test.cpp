@@ -18,7 +18,7 @@ constexpr FrictionCoefficients kRough{.static_mu = 0.5, .dynamic_mu = 0.3};
 const ContactTriangle kFlat(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
 const ContactTriangle kUpright(Vec3(-1, 0.2, -1), Vec3(1, 0.2, -1), Vec3(0, 0.2, 2));
 
-// Of a single contact.
+// The drag on a single contact.
 struct Single {
   explicit Single(const OffsetContact& of, const FrictionCoefficients& friction = kRough)
       : contacts{of}, coefficients{friction}, drag(contacts, coefficients, kOffset) {}
@@ -27,7 +27,7 @@ struct Single {
   OffsetDrag drag;
 };
 
-// The centre on the cone of a device: from the foot back along `way`, where the pull has the cone's length.
+// Finds the centre at which the pull of a device is on the cone, going from the foot back along `way`.
 Vec3 on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& way, const Vec3& device) {
   Vec3 c = foot;
   OffsetDrag::Pull pull;
@@ -44,8 +44,8 @@ Vec3 on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& way, const Ve
   return c;
 }
 
-// Quasi-static friction in the plainest way: the device moves a little, then the centre goes along the pull by what it exceeds the cone,
-// and back to the offset, until it does not. First order in the number of steps; two numbers make it second.
+// Quasi-static friction in the plainest way: the device moves a little; then the centre moves along the pull by the excess over the cone,
+// and back to the offset, until no excess is left. Of first order in the step; results with two numbers of steps together are of second.
 Vec3 drag_plainly(const OffsetDrag& drag, const Vec3& from, const Vec3& to, Vec3 c, int steps) {
   for (int i = 1; i <= steps; ++i) {
     const Vec3 device = from + (static_cast<double>(i) / steps) * (to - from);
@@ -83,7 +83,7 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
   EXPECT_NEAR(pull.depth, 0.2, 1e-15);
   EXPECT_NEAR(pull.excess(), 0.0, 1e-15);
   EXPECT_DOUBLE_EQ(single.drag.find_stability(pull), 1.0);
-  // The pull and the motion less the growth of the cone.
+  // The motion along the pull, less the growth of the cone.
   EXPECT_NEAR(single.drag.find_excess_rate(pull, to - from), (0.06 * 0.8 - 0.05 * 0.6) - 0.3 * 0.05, 1e-15);
   ASSERT_TRUE(single.drag.follow(from, to, c, tests));
   EXPECT_LT((Vec3(to.x(), to.y(), kOffset) - c - expected.pull).norm(), 1e-14);
@@ -105,7 +105,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0), {mu, mu});
       const Vec3 out = Vec3(is_edge ? 0.0 : 0.2 * unit(random), -1.0, 1.0).normalized();
       const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
-      // Not so deep that the place on the cone is not stable.
+      // The depth is small enough for the place on the cone to be stable.
       const Vec3 from = origin + 0.06 * out;
       const Vec3 to = from + 0.006 * vector();
       Vec3 foot = origin + kOffset * out;
@@ -114,7 +114,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       const Vec3 expected = drag_plainly_to_second_order(single.drag, from, to, c, 2000);
       OffsetDrag::Flow at{.centre = c};
       int tests = 0;
-      // To the end of the device's motion.
+      // Follows the flow to the end of the device's motion.
       OffsetDrag::Pull pull;
       ASSERT_TRUE(single.drag.find_pull(c, from, pull));
       if (!(single.drag.find_excess_rate(pull, to - from) > 0.0)) continue;
@@ -122,7 +122,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
         ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
         const OffsetDrag::Flow before{.centre = at.centre, .time = at.time};
         double length = (1.0 - at.time) / single.drag.find_stability(pull);
-        // A part of it where that takes too many steps.
+        // Where the whole length takes too many steps, a part of it is followed.
         while (!single.drag.flow(from, to, length, at, tests)) {
           ASSERT_GT(at.followed, 0.0);
           length = 0.75 * at.followed;
@@ -140,7 +140,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoundAnEdgeOrVertex, testing::Values(1, 2, 3, 4, 5, 6));
 
-// Along the line where two planes meet: mu times the depth behind the device's projection.
+// On the line where two offset planes meet, the centre is mu times the depth behind the device's projection.
 TEST(OffsetDrag, AlongTheCurveOfTwoThePullIsOnTheCone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
                                               OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
@@ -162,7 +162,7 @@ TEST(OffsetDrag, AlongTheCurveOfTwoThePullIsOnTheCone) {
   EXPECT_LT((c - Vec3(0.05 - after, 0.1, kOffset)).norm(), 1e-14);
 }
 
-// The means are weighted by the multipliers, as the material's are.
+// The coefficients are means, weighted by the multipliers, as those of the material are.
 TEST(OffsetDrag, TwoMaterialsShareACone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
                                               OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
@@ -174,7 +174,7 @@ TEST(OffsetDrag, TwoMaterialsShareACone) {
   EXPECT_NEAR(pull.friction.dynamic_mu, 0.3, 1e-14);
 }
 
-// With the device held, around an edge or a vertex: begins as a unit of length along w, is everywhere along w, and stays on the offset.
+// Round an edge or a vertex, the device at rest: the path begins with unit slope along the pull, stays along it, and at the offset.
 class DescentAroundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
@@ -224,7 +224,7 @@ TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
   EXPECT_GT(seen, 200);
 }
 
-// Beyond the end of the line it is at the place nearest to the device.
+// A descent that is longer than the line ends at the place nearest to the device.
 TEST_P(DescentAroundAnEdgeOrVertex, EndsNearestToTheDevice) {
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

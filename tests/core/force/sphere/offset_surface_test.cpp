@@ -19,7 +19,7 @@ class OffsetSurface : public testing::Test {
     const double y = unit();
     return {x, y, unit()};
   }
-  // Every tenth a needle.
+  // Every tenth triangle is a needle.
   ContactTriangle triangle(int i) {
     const Vec3 a = vector();
     const Vec3 b = vector();
@@ -91,7 +91,7 @@ TEST_F(OffsetSurface, AFaceNormalPointsToTheCentre) {
       EXPECT_NEAR(contact.proximity(c).distance, 0.2, 1e-14);
       EXPECT_FALSE(contact.is_curved());
       EXPECT_EQ(OffsetContact::on_face(3, shape, side * (shape.normal() + shape.edge(0))).normal, contact.normal);
-      // It is the plane's: also beyond the border, and below it.
+      // The distance is that from the plane: also beyond the border of the triangle, and below it.
       EXPECT_NEAR(contact.proximity(c + 5.0 * shape.edge(1)).distance, 0.2, 1e-13);
       EXPECT_LT(contact.proximity(on_face - side * 0.1 * shape.normal()).distance, 0.0);
     }
@@ -119,7 +119,7 @@ TEST_F(OffsetSurface, DistanceIsMeasuredFromTheLineOfAnEdgeAndFromAVertex) {
   EXPECT_EQ(vertex.proximity(vertex.origin()).normal.norm(), 1.0);
 }
 
-// Along a tangent the distance from the carrier grows by curvature s^2 / 2.
+// At s along a tangent, the distance from the part has grown by curvature s^2 / 2.
 TEST_F(OffsetSurface, CurvatureIsThatOfFiniteDifferences) {
   for (int i = 0; i < 300; ++i) {
     const ContactTriangle shape = triangle(0);
@@ -159,8 +159,8 @@ TEST_F(OffsetSurface, PartsAreEqualByTheirPositions) {
   const Vec3 c = vector();
   const Vec3 d = vector();
   const ContactTriangle shape(a, b, c);
-  const ContactTriangle beside(b, a, d);           // has edge 0
-  const ContactTriangle at_corner(d, a, 2.0 * d);  // has corner 0
+  const ContactTriangle beside(b, a, d);           // shares edge 0 of shape
+  const ContactTriangle at_corner(d, a, 2.0 * d);  // shares corner 0 of shape
   const ContactTriangle copy(c, b, a);
   const OffsetContact face = OffsetContact::on_face(0, shape, shape.normal());
   const OffsetContact edge = OffsetContact::on_edge(0, shape, 0);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kSeedOfEvents = 2415;
 constexpr Clearance kClearanceOfEvents{0.02, 0x1p-40, 0x1p-46};
 
-// A centre on one face of a bumpy sphere, from outside.
+// A centre in contact with one face of a bumpy sphere, from outside.
 class PathEventsOf : public testing::Test {
  protected:
   PathEventsOf() { RecordProperty("seed", std::to_string(kSeedOfEvents)); }
@@ -87,7 +87,7 @@ TEST_F(PathEventsOf, TheFirstEventIsThatOfFineSampling) {
       ASSERT_GE(least_distance(p), kClearanceOfEvents.offset - kClearanceOfEvents.slop) << triangle << " at " << k;
       for (int edge = 0; edge < 3; ++edge) ASSERT_GT(before.shape.inside(edge, p), -1e-12) << triangle;
     }
-    // A little later it is too near, or no longer over the face.
+    // A little later the centre is too near, or no longer over the face.
     const Vec3 later = path.at(event.time + 1e-7);
     EXPECT_TRUE(event.contact >= 0 ? before.shape.inside(event.exit.index, later) < 0.0
                                    : least_distance(later) < kClearanceOfEvents.offset);

@@ -9,10 +9,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kPointOffset = 1e-7;  // of a mesh one unit large
+constexpr double kPointOffset = 1e-7;  // offset that represents a point, for a mesh one unit large
 
-// In the notch's frame: a plate in z = 0, and below it a body with its top at z = -gap and a notch in it, between two vertical walls that
-// meet in the z axis at that angle.
+// In the frame of the notch: a plate in z = 0, and below it a body with its top at z = -gap and a notch in it, between two vertical walls
+// that meet in the z axis at the given angle.
 TriangleMesh make_notch_under_plate(double gap, double angle) {
   constexpr double kDepth = 0.2;
   const double x = 0.4 * std::sin(0.5 * angle);
@@ -62,8 +62,8 @@ INSTANTIATE_TEST_SUITE_P(Gaps, UnderAPlate,
                                          Notch{1.9, std::numbers::pi / 3.0}, Notch{1.5, 0.3}, Notch{1.8, 0.3}, Notch{1.5, 2.0},
                                          Notch{1.9, 2.0}));
 
-// Two sheets that meet in a corner at a small angle and end at y = 0, and a point between them whose device is exactly in that plane, in
-// front of the corner: over the sheets it is at a minimum, but beyond their boundary the slit is wider.
+// Two sheets meet in a corner at a small angle and end at y = 0. A point is between them, and its device exactly in the plane y = 0, in
+// front of the corner: over the sheets the point is at a minimum, but beyond their boundary the slit is wider.
 TEST(APointInASlit, LeavesItOverTheBoundaryThatItIsAt) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -88,8 +88,8 @@ TEST(APointInASlit, LeavesItOverTheBoundaryThatItIsAt) {
   }
 }
 
-// The same with little work a call. To find that no wedge of planes holds the point takes a part of it, which may leave too little for a
-// way out: the next call goes on with the ways out, and each call tries one at least.
+// The notch again, with little work for each call. To find that no wedge of planes holds the point may take so much of it that too little
+// is left for a way out: the next call goes on with the ways out, and each call tries at least one.
 TEST(APointInANotch, ComesToAnEndHoweverLittleWorkACallHas) {
   const TriangleMesh mesh = make_notch_under_plate(1.5 * kPointOffset, std::numbers::pi / 3.0);
   for (int most_work = 10; most_work <= 160; most_work += 5) {
@@ -112,8 +112,8 @@ TEST(APointInANotch, ComesToAnEndHoweverLittleWorkACallHas) {
   }
 }
 
-// Two sheets that cross at a small angle hold the point. That it is in a slit is not said any more of another place, where it begins anew:
-// also if it cannot begin there, as on a sheet.
+// Two sheets that cross at a small angle hold the point. When it starts anew at another place, it no longer counts as in a slit, even if it
+// cannot start there because that place is on a sheet.
 TEST(APointInASlit, IsInNoneOnceItBeginsAnew) {
   int slits = 0;
   for (const double angle : {1e-6, 1e-5, 1e-4}) {

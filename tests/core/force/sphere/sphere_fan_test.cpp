@@ -15,12 +15,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kConeBall = 0.0005;  // of the ball
+constexpr double kConeBall = 0.0005;  // radius of the ball
 constexpr double kConeRim = 0.05;     // radius of the cone
 constexpr double kConeStiffness = 1000.0;
-constexpr double kConeDeep = 0.001;  // of the device below the position of a ball in contact
+constexpr double kConeDeep = 0.001;  // depth of the device below the position of a ball in contact
 
-// From a tip at that height down to a rim at zero, or up from it; closed by a second cone below.
+// From a tip at the given height, above or below zero, to a rim at zero; closed by a second cone below.
 TriangleMesh cone_of(std::uint32_t segments, double height) {
   TriangleMesh mesh;
   mesh.vertices = {{0.0, 0.0, height}, {0.0, 0.0, -0.04}};
@@ -57,7 +57,7 @@ class OverACone : public testing::TestWithParam<std::uint32_t> {
         .value();
   }
 
-  // Lines past the tip, 0.12 mm a step. visit(method, device): each step, and the number of the line.
+  // Lines past the tip, 0.12 mm a step. visit(device) is called in each step.
   template <class Visit>
   void slide(double height, ForceMethod& method, Visit&& visit) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -78,8 +78,8 @@ class OverACone : public testing::TestWithParam<std::uint32_t> {
   std::mt19937_64 random_{kSeed};
 };
 
-// The faces turn the force by at most half of their angle. Some steps run out of work: where the ball comes down, and where it gets around
-// the tip of a thousand faces and more at once. Without crossing the fan without events, nearly all did near the tip.
+// The faces turn the force by at most half of their angle. Some steps run out of work: where the ball comes down, and where it gets round
+// the tip of 1,000 faces or more at once. Before fans were crossed without events, nearly all steps near the tip did.
 TEST_P(OverACone, TheForceIsThatOfTheCone) {
   constexpr double kHeight = 0.02;
   const auto method = method_over(kHeight);
@@ -101,7 +101,7 @@ TEST_P(OverACone, TheForceIsThatOfTheCone) {
   EXPECT_LE(carried, most);
 }
 
-// Where the tip points down, the ball is behind in some steps. As soon as the device rests, it arrives, and stays.
+// Where the tip points down, the ball lags behind in some steps. As soon as the device rests, the ball arrives, and stays.
 TEST_P(OverACone, TheBallArrivesWhereTheDeviceRests) {
   constexpr int kMaxSteps = 100;
   for (const double height : {0.02, -0.02, -0.002}) {
@@ -123,7 +123,7 @@ TEST_P(OverACone, TheBallArrivesWhereTheDeviceRests) {
   }
 }
 
-// The live node builds an object when the probe comes near: the same steps then.
+// The live node builds an object when the probe comes near: the steps are then the same.
 TEST_P(OverACone, BuiltOnApproachItIsTheSame) {
   for (const double height : {0.02, -0.02}) {
     const TouchScene scene = {.objects = {{made::shared(cone_of(GetParam(), height)), {.stiffness_n_per_m = kConeStiffness}}}};
@@ -154,7 +154,7 @@ TEST_P(OverACone, BuiltOnApproachItIsTheSame) {
 
 INSTANTIATE_TEST_SUITE_P(Segments, OverACone, testing::Values(360U, 1000U, 3000U));
 
-// A pin beside the tip, and a wall across the hollow: the ball is held by both, and never passes the other one.
+// A pin beside the tip, or a wall across the hollow: cone and other body both hold the ball, and it never passes the other body.
 TEST(BesideAFan, TheForceIsThatOfTheReference) {
   for (const double height : {0.02, -0.02}) {
     SCOPED_TRACE(height);

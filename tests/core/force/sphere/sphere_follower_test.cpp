@@ -19,7 +19,7 @@ TEST(SphereFollower, OverAPlaneItStaysAboveTheDevice) {
   stage.put({0.03, 0.02, 0.4});
   ASSERT_EQ(stage.move({0.03, 0.02, -0.05}), Outcome::settled);
   expect_centre(stage, {0.03, 0.02, kOffset});
-  // Over the sheet's inner edges and vertices: one plane.
+  // Over the sheet's inner edges and vertices, which all lie in one plane.
   ASSERT_EQ(stage.move({0.31, -0.27, -0.2}), Outcome::settled);
   expect_centre(stage, {0.31, -0.27, kOffset});
   ASSERT_EQ(stage.follower->contacts().size(), 1U);
@@ -27,14 +27,14 @@ TEST(SphereFollower, OverAPlaneItStaysAboveTheDevice) {
   ASSERT_EQ(stage.move({0.125, 0.125, 0.03}), Outcome::settled);
   expect_centre(stage, {0.125, 0.125, kOffset});
   EXPECT_FALSE(stage.follower->is_free());
-  // And off, with the device.
+  // Off the sheet again, with the device.
   ASSERT_EQ(stage.move({0.2, 0.125, 0.13}), Outcome::settled);
   EXPECT_TRUE(stage.follower->is_free());
   EXPECT_EQ(stage.follower->centre(), stage.device);
   EXPECT_TRUE(stage.follower->contacts().empty());
 }
 
-// The box's edge along y at x = z = 0.5.
+// A position round the box's edge, which runs along y at x = z = 0.5.
 Vec3 round_the_edge(double distance, double angle, double y) {
   return {0.5 + distance * std::sin(angle), y, 0.5 + distance * std::cos(angle)};
 }
@@ -98,7 +98,7 @@ TEST(SphereFollower, InACreaseItIsHeldByBothFaces) {
     const double x = kOffset / std::tan(0.5 * angle);
     const Vec3 wall_normal(std::sin(angle), 0.0, -std::cos(angle));
     stage.put({x + 0.01, 0.3, kOffset + 0.005});
-    // Of a pull that both faces must hold.
+    // A device whose pull both faces must hold.
     const Vec3 deep = Vec3(x, 0.25, kOffset) - 0.2 * Vec3::UnitZ() - 0.1 * wall_normal;
     ASSERT_EQ(stage.move(deep), Outcome::settled);
     expect_centre(stage, {x, 0.25, kOffset});
@@ -140,9 +140,9 @@ TEST(SphereFollower, InACornerOfThreeWallsItStaysUntilAMultiplierIsZero) {
   expect_centre(stage, Vec3::Constant(1.0 - kOffset));
 }
 
-// There every place round the edge is as near: the centre stays at its angle, and turns to the device where that leaves the axis.
+// On the axis all places round the edge are equally near: the centre keeps its angle, and turns to the device once that leaves the axis.
 TEST(SphereFollower, OnTheAxisOfAnEdgeItKeepsItsAngle) {
-  // From the axis the device counts as on it within 2^-39, where rounding turns its direction by so much.
+  // Within 2^-39 of the axis the device counts as on it; so near, rounding turns its direction by up to this angle.
   constexpr double kTurned = 0x1p-53 / 0x1p-39;
   Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
   stage.put(round_the_edge(0.3, 0.7, 0.0));
@@ -173,7 +173,7 @@ TEST(SphereFollower, AnOpenSheetHoldsFromBothSides) {
     stage.put({0.1, 0.2, 0.3 * side});
     ASSERT_EQ(stage.move({0.1, 0.2, -0.1 * side}), Outcome::settled);
     expect_centre(stage, {0.1, 0.2, kOffset * side});
-    // Kind its boundary and under it.
+    // Round its boundary and under it.
     ASSERT_EQ(stage.move({0.52, 0.2, -0.02 * side}), Outcome::settled);
     const Vec3 out = Vec3(0.02, 0.0, -0.02 * side).normalized();
     expect_centre(stage, Vec3(0.5, 0.2, 0.0) + kOffset * out);
@@ -251,7 +251,7 @@ TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumps, testing::Values(1, 2, 3, 4, 5, 6));
 
-// In each of these it cannot go on in one step: what was tried there must not be left as the centre.
+// With each of these seeds there is a step in which the sphere cannot go on: what was tried there must not be left as the centre.
 TEST(SphereFollower, TheCentreKeepsItsDistanceWhateverTheOutcome) {
   int touching = 0;
   for (const std::uint64_t seed : {107U, 149U}) {
@@ -272,7 +272,7 @@ TEST(SphereFollower, TheCentreKeepsItsDistanceWhateverTheOutcome) {
   EXPECT_GT(touching, 100);
 }
 
-// A fine and bumpy sheet beside a large plain one: for its object on the average a way crosses few edges, here it crosses hundreds.
+// A fine and bumpy sheet beside a large plain one: a way crosses few edges on the average of the object, but hundreds on the fine sheet.
 TriangleMesh fine_patch() {
   TriangleMesh mesh = made::sheet(0.05, 0.0, 200);
   for (Vec3& p : mesh.vertices) p.z() = 0.0004 * std::sin(2500.0 * p.x()) * std::sin(1900.0 * p.y() + 1.0);
@@ -294,7 +294,7 @@ TEST(SphereFollower, AHostileMotionIsBoundedAndGoneOnWithUntilItHasSettled) {
     const AllocationGuard guard;
     const Outcome outcome = stage.move_local(to);
     EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
-    // The event that is begun is ended.
+    // An event that has begun is completed, even if the work limit is passed.
     EXPECT_LE(stage.follower->queried() - before, static_cast<std::uint64_t>(StepWork::kMax) + kOneEvent);
     EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
     exhausted += outcome == Outcome::exhausted ? 1 : 0;
@@ -332,7 +332,7 @@ TEST(SphereFollower, ADeviceFarOutIsFollowed) {
   EXPECT_FALSE(stage.follower->is_free()) << "its way leads through the sheet";
 }
 
-// Each call sees the far device at another place, so its distance from there says nothing about the calls before.
+// Each call replaces the far device by another nearer target, so the distance to that says nothing about the calls before.
 TEST(SphereFollower, ADeviceFarOutIsFollowedHoweverLittleWorkACallHas) {
   constexpr int kLittle = 40;  // units
   std::mt19937_64 random(29);

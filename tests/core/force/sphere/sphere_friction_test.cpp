@@ -33,7 +33,7 @@ TEST(SphereFollowerWithFriction, SticksExactlyInsideTheCone) {
   }
 }
 
-// Over a sheet of many faces: what a point of a plane does, in closed form.
+// Over a sheet of many faces the sphere moves as a point on a plane does, in closed form.
 TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
   Stage stage(made::sheet(0.5, 0.0, 13), kOffset, kRubs);
   stage.put({0.03, 0.02, 0.4});
@@ -57,7 +57,7 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
   }
 }
 
-// A flight ends the slide, also where the sphere slides off one surface and lands on another within one motion of the device.
+// A flight ends the slide, even if the sphere slides off one surface and lands on another within one motion of the device.
 TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
   constexpr Material kGrips{.friction_static = 0.8, .friction_dynamic = 0.3};
   Stage stage(joined(made::sheet(0.5, 0.0, 2), made::sheet(0.5, 0.5, 2)), kOffset, kGrips);
@@ -75,8 +75,8 @@ TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
   EXPECT_LT((in_parts.centre() - stage.follower->centre()).norm(), kNear);
 }
 
-// What it is put back from does not count: a sweep goes on with the coefficient that held it where it was. An object that was built late is
-// there as soon as the centre is out of its bounds, however near.
+// A motion that is undone does not count: a sweep goes on from where the centre was, with the coefficient that held it there. An object
+// that was built late counts as soon as the centre is out of its bounds, however near.
 TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
   const auto sheet = made::shared(made::sheet(0.5, 0.0, 4));
   const auto late = made::shared(scaled_and_moved(made::sheet(0.02, 0.0, 2), 1.0, Vec3(0.07, 0.0, 0.13)));
@@ -100,7 +100,7 @@ TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
   const Vec3 centre = follower.centre();
   build_next(10.0);
   ASSERT_EQ(geometry.waiting_count(), 0U);
-  // Out of the static cone, away from the late sheet, and still too near to it.
+  // The device goes out of the static cone, away from the late sheet; the centre is still too near to that sheet.
   time = 0.0;
   ASSERT_EQ(follower.follow(below, geometry.to_local(Vec3(-0.06, 0.0, 0.02)), time), Outcome::failed);
   EXPECT_EQ(follower.centre(), centre);
@@ -117,12 +117,12 @@ TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
   ASSERT_EQ(stage.move({-1.0, -1.0, -1.0}), Outcome::settled);
   expect_centre(stage, Vec3::Constant(kOffset));
   ASSERT_EQ(stage.follower->contacts().size(), 3U);
-  // Along one edge of the room: it stays behind by mu times the depth.
+  // Along one edge of the room: the centre stays behind by mu times the depth.
   ASSERT_EQ(stage.move({-0.2, 0.6, -0.3}), Outcome::settled);
   const double pull = 0.2 * std::hypot(0.3, 0.4);
   EXPECT_LT((stage.centre() - Vec3(kOffset, 0.6 - pull, kOffset)).norm(), 1e-11) << stage.centre().transpose();
   EXPECT_TRUE(stage.follower->slides());
-  // A little back: it stays.
+  // The device goes a little back: the centre stays.
   const Vec3 there = stage.follower->centre();
   ASSERT_EQ(stage.move({-0.2, 0.6 - 0.5 * pull, -0.3}), Outcome::settled);
   EXPECT_EQ(stage.follower->centre(), there);
@@ -138,8 +138,8 @@ TriangleMesh make_roof() {
   return roof;
 }
 
-// The centre slips along the ridge, and turns off it within an offset, in a place that depends on the logarithm of how far aside the device
-// is. It must not come out on the other side of the faces.
+// The centre slips along the ridge and turns off it within an offset, at a place that depends on the logarithm of how far aside the device
+// is. The centre must not come out on the other side of the faces.
 TEST(SphereFollowerWithFriction, AlongARidgeWithTheDeviceStraightBelowItStaysOutside) {
   constexpr double kStart = -0.9;
   int turned = 0;
@@ -201,7 +201,7 @@ TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumpsWithFriction,
                          testing::Combine(testing::Values(1, 2, 3, 4), testing::Values(0.5), testing::Values(0.5, 0.3)));
 
-// A sphere that stands for a point: its radius is some of the last digits of its position.
+// A sphere that stands for a point: its radius is a small number of units in the last digits of its position.
 struct PointStage {
   explicit PointStage(const TriangleMesh& mesh) : geometry({&mesh}), materials{kRubs}, follower(geometry, materials, 0x1p-31, true) {}
 
@@ -228,10 +228,10 @@ struct PointStage {
   std::uint64_t events = 0, work = 0;  // of the last step
 };
 
-// At the boundary the point slips around the edge until the pull no longer presses it against it. Rounding of the position turns the normal
-// there by a millionth, so the multiplier is never seen to be zero.
+// At the boundary the point slips around the edge until the pull no longer presses it against the edge. Rounding of the position turns the
+// normal there by a millionth, so the multiplier is never found to be zero.
 TEST(SphereFollowerWithFriction, APointSlipsOffABoundaryInAFewPieces) {
-  constexpr std::uint64_t kMaxWork = 1024;  // where the contact was not released at the end of the slip: more than 4,096, and still held
+  constexpr std::uint64_t kMaxWork = 1024;  // before contacts were released at the end of a slip: more than 4,096, and still held
   const TriangleMesh flat = made::sheet(0.5, 0.0, 5);
   for (int i = 0; i < 32; ++i) {
     const Eigen::Matrix3d turn =
@@ -251,10 +251,10 @@ TEST(SphereFollowerWithFriction, APointSlipsOffABoundaryInAFewPieces) {
   }
 }
 
-// The lag is far shorter than the motion, and across it: a sharp turn.
+// The lag is far shorter than the motion, and across it: the point turns sharply.
 TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
   constexpr double kDepth = 1e-4;
-  constexpr std::uint64_t kMaxEvents = 8;  // cut into pieces near a cubic: 97
+  constexpr std::uint64_t kMaxEvents = 8;  // with the path cut into pieces near a cubic: 97
   const TriangleMesh sheet = made::sheet(0.5, 0.0, 2);
   PointStage stage(sheet);
   stage.put({-0.3, 0.1, 0.1});

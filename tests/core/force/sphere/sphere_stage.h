@@ -35,7 +35,7 @@ struct Stage {
     device = outcome == Outcome::exhausted ? on_path(device, to, time) : to;
     return outcome;
   }
-  // In as many steps as it takes.
+  // Repeats the motion until its work limit no longer ends it, 100 times at most.
   Outcome finish(const Vec3& to) {
     Outcome outcome = move_local(to);
     for (int i = 0; i < 100 && outcome == Outcome::exhausted; ++i) outcome = move_local(to);
@@ -44,7 +44,7 @@ struct Stage {
   Vec3 centre() const { return geometry.to_scene(follower->centre()); }
   double unit() const { return geometry.unit_m(); }
 
-  // Of all triangles, without any structure.
+  // The distance to the nearest of all triangles, found without a search structure.
   double distance_to_nearest() const {
     double least = std::numeric_limits<double>::infinity();
     const auto count = static_cast<std::uint32_t>(geometry.triangle_count());
@@ -69,7 +69,7 @@ struct Stage {
 };
 
 constexpr double kOffset = 0.1;
-constexpr double kNear = 1e-11;  // the slop, and what borders are moved by, are below
+constexpr double kNear = 1e-11;  // larger than the slop and than the shift of borders
 constexpr double kSlop = 0x1p-40;
 
 inline void expect_centre(const Stage& stage, const Vec3& expected) {

@@ -247,7 +247,7 @@ TEST(TangentCone, AFaceThatRisesAboveASheetByTooLittleToCountStaysBehindIt) {
   }
 }
 
-// One after the other, from the steepest to the least steep.
+// Finds steep directions one after the other, from the steepest to the least steep.
 TEST(TangentCone, FindsTheNextSteepestDirections) {
   TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
   ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));

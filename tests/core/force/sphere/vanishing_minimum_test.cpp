@@ -1,5 +1,5 @@
 // A ball on a floor leans on a slanted ridge. The curve where both hold it is an ellipse, and a minimum on it vanishes where the device
-// leaves the ellipse's evolute: closed form.
+// leaves the evolute of the ellipse, which is known in closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,10 +11,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kSine = 0.5;  // of the ridge's slope
+constexpr double kSine = 0.5;  // sine of the angle of the ridge
 constexpr double kLong = kOffset / kSine;
-constexpr double kDeviceHeight = -0.3;  // of the device; not so deep, the ridge would lift the ball off the floor
-constexpr double kNearTo = 1e-5;        // of the way; nearer still, the barrier is lower than what holds a minimum
+constexpr double kDeviceHeight = -0.3;  // z of the device; if it were less deep, the ridge would lift the ball off the floor
+constexpr double kNearTo = 1e-5;        // share of the way; even nearer, the barrier is too low to hold a minimum
 
 // The ridge goes up along x, through the middle of the ball's plane.
 TriangleMesh floor_with_ridge() {
@@ -78,7 +78,7 @@ TEST_P(VanishingMinimum, IsPassedInFewEventsFromHoweverFar) {
   EXPECT_LE(stage_.follower->events() - before, 40U);
 }
 
-// Where it jumps depends on the path alone.
+// The place where the centre jumps depends on the path of the device alone.
 TEST_P(VanishingMinimum, PartsOfTheMotionEndWhereTheWholeDoes) {
   Stage whole(floor_with_ridge(), kOffset);
   whole.put({x_, -0.3, 0.4});
