@@ -218,8 +218,8 @@ TriangleMesh make_tube(std::size_t count, double radius_m, std::mt19937_64& rand
   return tube;
 }
 
-// A call begins where the last one stopped, with pieces as long as the last pieces of that call: the whole motion takes hardly more tests
-// than there are triangles.
+// A call begins where the last one stopped, with pieces as long as the last pieces of that call: the whole motion takes only a few tests
+// for each triangle.
 TEST_P(StraightSweepAmongMany, TheWholeMotionInManyStepsTestsEachTriangleAFewTimes) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());

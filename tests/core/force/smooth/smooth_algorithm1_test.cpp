@@ -168,8 +168,8 @@ TEST(Algorithm1, IsThePapersOnOverlappingTriangles) {
   expect_as_transcribed(sheets, 0.004, 0.004, 204, 500);
 }
 
-// Fig. 1: an edge whose faces disagree on the normal has two degenerate triangles, each with two different points; other edges have none.
-// Without them there is no force over the edge; with them it turns from one face's normal to the other's and keeps its magnitude.
+// Fig. 1: an edge whose faces disagree on the normal has two degenerate triangles, each with two different points; others have none.
+// Without them there is no force over the edge; with them the force turns from one face's normal to the other's and keeps its magnitude.
 TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
   TriangleMesh roof;
   roof.vertices = {Vec3(-0.02, -0.02, -0.02), Vec3(-0.02, 0.02, -0.02), Vec3(0, -0.02, 0),

@@ -20,7 +20,7 @@ constexpr double kConeRim = 0.05;     // radius of the cone
 constexpr double kConeStiffness = 1000.0;
 constexpr double kConeDeep = 0.001;  // depth of the device below the position of a ball in contact
 
-// From a tip at the given height, above or below zero, to a rim at zero; closed by a second cone below.
+// A cone from a tip at the given height, above or below zero, to a rim at zero; closed by a second cone below.
 TriangleMesh cone_of(std::uint32_t segments, double height) {
   TriangleMesh mesh;
   mesh.vertices = {{0.0, 0.0, height}, {0.0, 0.0, -0.04}};
