@@ -218,7 +218,7 @@ void ForceDimensionDevice::calibrate() {
     reading_.is_calibrated = is_initialized();
     if (!reading_.is_calibrated) {
       if (dhd_.drd_stop != nullptr) dhd_.drd_stop(false, id_);
-      return log_error("{} is not calibrated, though it has moved to be; start again", model_);
+      return log_error("{} has moved to calibrate, but is still not calibrated; start again", model_);
     }
     log_info("{} is calibrated", model_);
   }

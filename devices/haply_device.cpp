@@ -122,7 +122,7 @@ Result<void> HaplyDevice::open() {
       std::find_if(inventory->arms.begin(), inventory->arms.end(), [&](const haply::Arm& each) { return id_.empty() || each.id == id_; });
   if (arm == inventory->arms.end()) {
     return fail("the Haply Inverse Service finds {}; check its cable and power, and the Haply Hub",
-                inventory->arms.empty() ? "no Inverse3" : "no Inverse3 of that --device-id");
+                inventory->arms.empty() ? "no Inverse3" : "no Inverse3 with that --device-id");
   }
   if (is_first) {
     id_ = arm->id;

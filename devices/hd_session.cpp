@@ -49,7 +49,8 @@ Result<Handle> Session::open(const std::string& name) {
   }
   std::string tried;
   for (const char* candidate : names) tried += (tried.empty() ? "" : ", ") + quoted(candidate);
-  if (first.code == kSuccess) return fail("OpenHaptics has no device {}; name the one of its set-up (Touch_Setup) with --device-id", tried);
+  if (first.code == kSuccess)
+    return fail("OpenHaptics has no device {}; give the name from its set-up (Touch_Setup) with --device-id", tried);
   return tl::unexpected(describe(first, "cannot open " + tried));
 }
 

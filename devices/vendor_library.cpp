@@ -72,7 +72,7 @@ std::string hint_for_load_error(std::string_view file, std::string_view error) {
                  ? "it is not in the loader's folders; install it, or put its folder into LD_LIBRARY_PATH"
                  : "there is no such file";
     }
-    return fmt::format("{} is there, but needs {}, which is not: {}", last_name(file), missing, remedy_for_dependency(missing));
+    return fmt::format("{} exists, but needs {}, which is missing: {}", last_name(file), missing, remedy_for_dependency(missing));
   }
   if (has(error, "wrong ELF class") || has(error, "invalid ELF header") || has(error, "file too short"))
     return "it is not a library for this machine; get the 64-bit one for Linux";

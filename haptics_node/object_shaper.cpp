@@ -109,7 +109,7 @@ void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcep
   if (object == nullptr) return reject(part, 0, now_ns < next_rejection_ns_ ? std::string_view() : explain(part), now_ns);
   const std::int32_t number = object->start.object;
   if (part.part.total != object->parts.total()) {
-    return reject(part, number, "the shape has another number of vertices than the mesh; hapton info names that", now_ns);
+    return reject(part, number, "the shape has another number of vertices than the mesh; hapton info shows the mesh's number", now_ns);
   }
   if (object->stream != part.stream) {
     if (object->stream != 0 && now_ns - object->part_ns < kSilentNs) {

@@ -62,7 +62,7 @@ const char* find_obstacle(const TiledScene& tiles, double probe_radius_m) {
   if (tiles.effects.size() > PatchEffects::kMaxAllBytes) return "images of effects of the scene are more than the hub keeps (2 MB)";
   if (!tiles.effects.empty() && !decode_effects(tiles.effects)) return "an effect of the scene has a number that the hub does not take";
   if (tiles.has_parting) return "an object of the scene deforms and comes apart";
-  return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object of the scene deforms that cannot be felt on the grid of its parts";
+  return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object that deforms cannot be felt from parts of the scene";
 }
 
 TiledScene make_no_tiles() {

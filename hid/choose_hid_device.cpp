@@ -80,13 +80,13 @@ Result<HidDescription> find_hid_device_again(std::span<const HidDescription> dev
   std::vector<HidDescription> same(devices.begin(), devices.end());
   std::erase_if(same, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
   if (same.empty()) {
-    return fail("no {} is plugged in that is the one from before ({}), among {} HID devices; plug it in again", to_string(kind),
+    return fail("no {} is plugged in that is the one used before ({}), among {} HID devices; plug it in again", to_string(kind),
                 chosen.serial.empty() ? "no serial number" : chosen.serial, devices.size());
   }
   if (same.size() == 1 && !had_twin) return choose_hid_device(same, kind, "");
   const bool is_at_its_node = std::ranges::any_of(same, [&](const HidDescription& device) { return device.path == chosen.path; });
   if (is_at_its_node) return choose_hid_device(same, kind, chosen.path);
-  return fail("the {} from before was {}; what looks the same may be the other one: {}; start this program again to use it",
+  return fail("the {} from before was {}; a device that looks the same may be another one: {}; start this program again to use it",
               to_string(kind), chosen.path, list(same));
 }
 

@@ -69,7 +69,7 @@ void HidPort::run() noexcept {
       listener_.on_gone();
       transport->note_gone();
       const bool has_failed = has_write_failed_.load(std::memory_order_acquire);
-      log_warning("{}: {}; waiting for it to return", name_, has_failed ? "it takes no reports" : "unplugged");
+      log_warning("{}: {}; waiting for it to return", name_, has_failed ? "a write to it failed" : "unplugged");
       reported_.clear();
     }
     await_next_look();

@@ -265,8 +265,9 @@ std::string describe_status(ProbeStatus status) {
 // Replies that are too late have another remedy than a missing haptics node.
 std::string describe_status(const ServoStats& stats) {
   if (stats.status != ProbeStatus::no_haptics || !stats.are_replies_late()) return describe_status(stats.status);
-  return fmt::format("no force: replies of haptics_node take {:.0f} ms, and a force lasts {} ms; shorten the way, or see docs/remote.md",
-                     1e3 * stats.newest_round_trip_s, kCommandTimeoutNs / 1'000'000);
+  return fmt::format(
+      "no force: replies of haptics_node take {:.0f} ms, and a force lasts {} ms; shorten the network path, or see docs/remote.md",
+      1e3 * stats.newest_round_trip_s, kCommandTimeoutNs / 1'000'000);
 }
 
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {

@@ -22,11 +22,11 @@ Result<std::uint64_t> read_reply(const MarkerReply& reply) {
     case MarkerStatus::no_recording:
       return fail("the hub does not record; start io_node with --record FILE");
     case MarkerStatus::too_many:
-      return fail("the hub rejected it: more than 50 markers a second");
+      return fail("the hub rejected the marker: more than 50 a second");
     case MarkerStatus::no_room:
       break;
   }
-  return fail("the recording had no room for it: the hub's machine is overloaded");
+  return fail("the recording had no room for the marker: the hub's machine is overloaded");
 }
 
 }  // namespace hapton

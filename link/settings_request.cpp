@@ -93,7 +93,7 @@ Result<std::string> SettingsTalk::confirm_material(const MaterialRequest& reques
   }
   const auto has_reply = [&] { return materials_ && materials_->request == request.request; };
   if (!repeat_until(kTunePatienceNs, request, has_reply)) {
-    return fail("the haptics node does not confirm the material: another change was requested since, or it is another build");
+    return fail("the haptics node does not confirm the material: another change was requested since, or it is another version of Hapton");
   }
   if (materials_->rejection[0] != '\0') {
     return fail("the haptics node rejected it: {}; no material is changed", materials_->rejection.data());

@@ -295,19 +295,19 @@ Result<SceneEffectSet> decode_effects(std::string_view bytes) {
     SwitchedEffect& effect = effects.space.emplace_back(no_effect());
     effect.on.button = space.button();
     if (!read_kind(space.kind(), to_vector(space.numbers()), effect.effect))
-      return fail("effect {} in free space is none of kind {}", effects.space.size(), space.kind());
+      return fail("effect {} in free space is not valid for kind {}", effects.space.size(), space.kind());
   }
   if (message.objects() > kMaxEffectObjects) return fail("more than {} objects", kMaxEffectObjects);
   effects.surfaces.resize(message.objects());
   effects.body_of.resize(message.objects(), 0);
   EffectReader reader;
-  if (!reader.read_shared(message)) return fail("an image, texture coordinates or a recorded texture of the effects cannot be");
+  if (!reader.read_shared(message)) return fail("an image, texture coordinates or a recorded texture of the effects is invalid");
   for (const wire::SceneEffects::Surface& surface : message.surfaces()) {
     const std::size_t object = surface.object();
     if (object >= effects.surfaces.size() || surface.body() >= PatchBody::kMaxBodies)
-      return fail("effects of object {} that there is not", object);
+      return fail("the effects name object {}, which does not exist", object);
     effects.body_of[object] = static_cast<int>(surface.body());
-    if (!reader.read(surface, effects.surfaces[object] = {})) return fail("the effects of object {} cannot be", object);
+    if (!reader.read(surface, effects.surfaces[object] = {})) return fail("the effects of object {} are invalid", object);
   }
   return effects;
 }

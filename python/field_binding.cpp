@@ -117,7 +117,7 @@ py::array_t<double> evaluate_fields(const std::vector<PythonField>& fields, cons
 std::vector<Field> read_fields(const py::iterable& fields) {
   std::vector<Field> laws;
   for (const py::handle& field : fields) {
-    if (!py::isinstance<PythonField>(field)) raise_value_error("fields has something else than a field; see hapton.fields");
+    if (!py::isinstance<PythonField>(field)) raise_value_error("fields contains something that is not a field; see hapton.fields");
     laws.push_back(field.cast<PythonField>().law);
   }
   return laws;

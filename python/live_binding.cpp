@@ -278,7 +278,7 @@ Vec3 read_force(const py::object& returned, std::uint64_t sample) {
     if (numbers.ndim() != 1 || numbers.shape(0) != 3) raise_value_error("another shape");
     for (int k = 0; k < 3; ++k) force_n[k] = numbers.at(k);
   } catch (const std::exception&) {
-    raise_value_error(fmt::format("the force function returned no three numbers at sample {}; return (fx, fy, fz) in newtons", sample));
+    raise_value_error(fmt::format("the force function did not return three numbers at sample {}; return (fx, fy, fz) in newtons", sample));
   }
   if (!force_n.allFinite()) raise_value_error(fmt::format("the force function returned a force that is not finite at sample {}", sample));
   return force_n;

@@ -66,7 +66,7 @@ Result<double> LiveClient::move_object(std::string_view object, const MoveTarget
   if (!request) return tl::unexpected(request.error());
   if (is_stopping_.load()) return fail("this client is closed");
   const auto reply = moves_.request(*request, kMovePatience);
-  if (!reply) return fail("no haptics node replied in {} s; start haptics_node, or it is of an earlier version", kMovePatience.count());
+  if (!reply) return fail("no haptics node replied in {} s; start haptics_node; an earlier version does not reply", kMovePatience.count());
   if (reply->rejection[0] == '\0' && !object.starts_with('#')) {
     const std::scoped_lock lock(mutex_);
     known_moves_.note_name(object, reply->object);

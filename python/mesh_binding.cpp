@@ -19,8 +19,7 @@ std::optional<Unit> read_unit(const std::optional<std::string>& unit) {
 PythonMesh make_mesh(const Doubles& vertices, const Doubles& triangles) {
   auto mesh = std::make_shared<TriangleMesh>();
   mesh->vertices = read_points(vertices, "vertices");
-  if (triangles.ndim() != 2 || triangles.shape(1) != 3)
-    raise_value_error("triangles has another shape than (m, 3); give three indices each");
+  if (triangles.ndim() != 2 || triangles.shape(1) != 3) raise_value_error("triangles must have the shape (m, 3); give three indices each");
   const auto count = static_cast<double>(mesh->vertices.size());
   for (py::ssize_t t = 0; t < triangles.shape(0); ++t) {
     Triangle triangle = {};

@@ -19,7 +19,7 @@ void read_field(MethodSettings& settings, const py::handle& value) {
 
 void read_grid(MethodSettings& settings, const py::handle& value) {
   const auto sides = value.cast<py::sequence>();
-  if (sides.size() != 3) raise_value_error("grid_division has other than 3 numbers; give cells along x, y, z");
+  if (sides.size() != 3) raise_value_error("grid_division must have 3 numbers; give cells along x, y, z");
   for (std::size_t k = 0; k < 3; ++k) settings.grid_division[k] = sides[k].cast<int>();
 }
 
@@ -58,7 +58,7 @@ MethodSettings read_method(const std::string& name, const py::kwargs& keywords) 
     try {
       known->read(settings, value);
     } catch (const py::cast_error&) {
-      throw py::type_error(fmt::format("{} has another type than the setting", given));
+      throw py::type_error(fmt::format("{} has the wrong type for this setting", given));
     }
   }
   return settings;

@@ -71,7 +71,7 @@ struct TomlReader::Table {
 };
 
 Result<TomlReader> TomlReader::open(const std::filesystem::path& path) {
-  const auto text = read_regular_file(path, "a TOML file was looked for there", kMaxBytes);
+  const auto text = read_regular_file(path, "a TOML file is expected at this path", kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   auto parsed = parse(path, *text);
   if (!parsed) return tl::unexpected(parsed.error());

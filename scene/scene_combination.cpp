@@ -47,7 +47,7 @@ Result<void> check_combination(const std::filesystem::path& path, const Scene& s
   std::size_t shaped = 0;
   for (const SceneObject& each : scene.objects) {
     if (each.program_shape != nullptr && ++shaped > ProgramShape::kMaxObjects) {
-      return fail("{} is one too many that programs deform: at most {}", name_at(path, each), ProgramShape::kMaxObjects);
+      return fail("{} exceeds the limit of {} objects that programs deform", name_at(path, each), ProgramShape::kMaxObjects);
     }
   }
   if (has_tool) {

@@ -29,7 +29,7 @@ Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
   constexpr double kMax = 1e100;  // largest coordinate, m; 1/kMax is the least size: squares stay finite and keep their digits
   const double longest_m = box.sizes().maxCoeff();
   if (!(longest_m > 1.0 / kMax && box.min().cwiseAbs().maxCoeff() < kMax && box.max().cwiseAbs().maxCoeff() < kMax)) {
-    return fail("the scene is {:.4g} m long, from {:.4g} m on, which cannot be scaled to a size", longest_m, box.min().x());
+    return fail("the scene is {:.4g} m long and begins at x = {:.4g} m: it cannot be scaled to a size", longest_m, box.min().x());
   }
   return SceneFit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
 }

@@ -137,7 +137,7 @@ std::string compose_hud(const HudFacts& facts) {
 std::string compose_notice(const HudFacts& facts) {
   if (!facts.connected) return {};
   if (facts.is_other_scene && !facts.recording.empty()) {
-    return "The recording has another scene than the one shown.\nThe file has changed since, or --scene, --unit or --no-fit are others.";
+    return "The recording has another scene than the one shown.\nThe file has changed since, or --scene, --unit or --no-fit differ.";
   }
   if (facts.is_other_scene) {
     return "haptics_node has another scene than the one shown.\nStart both nodes with the same --scene, --unit and --no-fit.";

@@ -19,7 +19,7 @@ namespace {
 Result<Scene> load_recorded_scene(const VisionOptions& options, const RecordingIndex& index) {
   const HapticsSetup* setup = index.find_setup(index.begin_s());
   if (!options.is_scene_given && setup == nullptr) {
-    return fail("{}: no haptics node says in it which scene was touched; name it with --scene FILE", options.session.string());
+    return fail("{}: the recording does not say which scene was touched; name it with --scene FILE", options.session.string());
   }
   SceneLoading loading = options.loading;
   const auto recorded = setup != nullptr ? from_code(setup->scene_loading) : std::nullopt;
@@ -28,7 +28,7 @@ Result<Scene> load_recorded_scene(const VisionOptions& options, const RecordingI
     loading.fit = recorded->fit;
   }
   auto scene = load_scene(find_scene(options.is_scene_given ? options.scene : std::filesystem::path(setup->scene.data())), loading);
-  if (!scene && !options.is_scene_given) return fail("{}; --scene FILE names another place for it", scene.error().what);
+  if (!scene && !options.is_scene_given) return fail("{}; give its present place with --scene FILE", scene.error().what);
   return scene;
 }
 

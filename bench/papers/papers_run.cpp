@@ -73,7 +73,7 @@ void measure_hapton_rows(const PapersSettings& settings, PapersReport& report) {
     fill_in(report, "memo.haptons_capable", result.p50_haptons, "the same");
   }
   if (!report.row("memo.haptons").ours) {
-    report.row("memo.haptons").how = "no way located every pair to 0.1 %; hapton bench haptons tells more";
+    report.row("memo.haptons").how = "no collider located every pair to 0.1 %; hapton bench haptons tells more";
     report.row("memo.haptons_capable").how = "the same";
   }
 }

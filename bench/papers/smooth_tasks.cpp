@@ -151,7 +151,8 @@ Result<SmoothTasks> measure_smooth_tasks(const SmoothTasksSettings& settings, co
   for (; tasks.repetitions < std::max(1, settings.repetitions); ++tasks.repetitions) {
     auto run = run_once(settings, watch, scene, *trajectory, rate_hz, runs);
     if (!run) return tl::unexpected(run.error());
-    if (tasks.repetitions > 0 && !(*run == facts)) return fail("smooth at {:g} Hz: two repetitions took different sets", rate_hz);
+    if (tasks.repetitions > 0 && !(*run == facts))
+      return fail("smooth at {:g} Hz: two repetitions differ in their sets or counts", rate_hz);
     facts = std::move(*run);
   }
   if (facts.offered == 0) return fail("smooth at {:g} Hz: the slow task never gave the fast one a set", rate_hz);

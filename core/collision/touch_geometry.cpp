@@ -71,7 +71,7 @@ std::size_t TouchGeometry::most_triangles(const std::vector<std::shared_ptr<cons
 
 Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of) {
   if (!part_of.is_empty() && !encloses(part_of, meshes)) {
-    return fail("a part of a scene is not within it: give the box of the whole scene, or none");
+    return fail("the box given for the whole scene does not contain this part: give a larger box, or none");
   }
   const auto is_finite = [](const auto& mesh) { return std::ranges::all_of(mesh->vertices, [](const Vec3& v) { return v.allFinite(); }); };
   if (const auto bad = std::ranges::find_if_not(meshes, is_finite); bad != meshes.end()) {

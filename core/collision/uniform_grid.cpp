@@ -24,7 +24,7 @@ Result<void> check(std::size_t triangles, const std::array<int, 3>& division) {
                 UniformGrid::kMaxCells);
   }
   if (triangles == 0) {
-    return fail("grid: there are no triangles to divide; give a mesh that has some area");
+    return fail("grid: there are no triangles to put into cells; give a mesh that has some area");
   }
   if (triangles >= std::numeric_limits<std::uint32_t>::max()) {
     return fail("grid: {} triangles are more than 32 bits can count; give a smaller mesh", triangles);

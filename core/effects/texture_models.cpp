@@ -111,7 +111,7 @@ Result<TextureModels> TextureModels::make(double rate_hz, std::vector<TextureMod
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::size_t corner : triangles[t]) {
       if (corner >= models.size())
-        return fail("triangle {} names model {} of {}: name models that there are", t + 1, corner + 1, models.size());
+        return fail("triangle {} names model {} of {}: name models that exist", t + 1, corner + 1, models.size());
     }
     const TextureModel& a = models[triangles[t][0]];
     const TextureModel& b = models[triangles[t][1]];

@@ -15,7 +15,7 @@ namespace hapton {
 Result<std::unique_ptr<StreamedMethod>> StreamedMethod::make(const MethodSettings& settings, std::shared_ptr<const TriangleMesh> mesh,
                                                              const Material& material, double reach_m) {
   if (!(reach_m > 0.0) || !std::isfinite(reach_m)) {
-    return fail("a reach of {} m; give how far a vertex may be from where it is in the mesh, above 0", reach_m);
+    return fail("a reach of {} m; give the largest distance of a vertex from its position in the mesh, above 0", reach_m);
   }
   if (mesh == nullptr || mesh->triangles.empty()) return fail("the mesh has no triangles; give it a surface to touch");
   // A deformation in which nothing moves makes the proxy ready for vertices that move.

@@ -126,7 +126,8 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
 }
 
 std::string NormalFanReport::describe() const {
-  return fmt::format("fans: {} degenerate triangles along edges, {} at corners; {} corners open", edge_fans, corner_fans, open_corners);
+  return fmt::format("fans: {} degenerate triangles along edges, {} at corners; {} corners without a complete fan", edge_fans, corner_fans,
+                     open_corners);
 }
 
 }  // namespace hapton

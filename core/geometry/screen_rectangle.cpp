@@ -58,7 +58,7 @@ ScreenRectangle find_closest(const CornerMeans& means) {
 Result<void> check_sides(const ScreenRectangle& screen) {
   const auto [least, most] = std::minmax(screen.width_m, screen.height_m);
   if (least >= std::max(kMinSideM, kMinSideShare * most)) return {};
-  return fail("the touched points span no rectangle, only {:.1f} x {:.1f} mm: {}", 1e3 * screen.width_m, 1e3 * screen.height_m,
+  return fail("the touched points do not span a rectangle: only {:.1f} x {:.1f} mm: {}", 1e3 * screen.width_m, 1e3 * screen.height_m,
               kTouchInOrder);
 }
 

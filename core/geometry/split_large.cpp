@@ -144,7 +144,7 @@ SplitReport split_large(ShadedMesh& mesh, double longest_edge, std::size_t max_t
 }
 
 std::string SplitReport::describe() const {
-  return fmt::format("split: {} edges longer than {:g} m halved, {} triangles more{}", edges, longest_edge, triangles,
+  return fmt::format("split: {} edges longer than {:g} m halved, {} triangles added{}", edges, longest_edge, triangles,
                      complete ? "" : "; some stay long: the limit on triangles was reached");
 }
 

@@ -106,7 +106,7 @@ Result<std::vector<double>> read_times(const Document& document, const Json& sam
 }
 
 tl::unexpected<Error> too_many_numbers(const std::string& where) {
-  return fail("{}: the channels of all animations have more numbers than the file can be meant to have: {}", where, kExportAgain);
+  return fail("{}: the channels of all animations have too many numbers for the size of the file: {}", where, kExportAgain);
 }
 
 // A row of `width` numbers at each time: one item of that type, or `width` items of type SCALAR, as for weights (glTF 2.0, 3.11).

@@ -85,7 +85,7 @@ Result<bool> repeats(const Json& sampler, const char* key, const std::string& wh
   constexpr int kRepeat = 10497, kMirroredRepeat = 33648, kClampToEdge = 33071;  // numbers of OpenGL
   if (value.is_null() || value == kRepeat) return true;
   if (value == kMirroredRepeat || value == kClampToEdge) return false;
-  return fail("{}.{} is none of {}, {} and {}: {}", where, key, kRepeat, kClampToEdge, kMirroredRepeat, kExportAgain);
+  return fail("{}.{} must be {}, {} or {}: {}", where, key, kRepeat, kClampToEdge, kMirroredRepeat, kExportAgain);
 }
 
 bool is_deeper_than(const Json& json, int levels) {

@@ -80,7 +80,7 @@ TextureWrap read_wrap(const Json& sampler, const char* key, const std::string& w
   if (value.is_null() || value == 10497) return TextureWrap::repeat;
   if (value == 33648) return TextureWrap::mirror;
   if (value == 33071) return TextureWrap::clamp;
-  raw.notes.push_back(fmt::format("{}.{} is none of 10497, 33071 and 33648: its textures repeat", where, key));
+  raw.notes.push_back(fmt::format("{}.{} is not 10497, 33071 or 33648: its textures repeat", where, key));
   return TextureWrap::repeat;
 }
 
@@ -106,7 +106,7 @@ void read_alpha(const Json& json, const std::string& where, VisualMaterial& mate
   if (mode == "BLEND") material.alpha_mode = AlphaMode::blend;
   if (mode == "MASK") material.alpha_mode = AlphaMode::mask;
   if (!mode.is_null() && mode != "OPAQUE" && material.alpha_mode == AlphaMode::opaque) {
-    raw.notes.push_back(fmt::format("{}.alphaMode is none of OPAQUE, MASK and BLEND: drawn opaque", where));
+    raw.notes.push_back(fmt::format("{}.alphaMode is not OPAQUE, MASK or BLEND: drawn opaque", where));
   }
   const Json& cutoff = member(json, "alphaCutoff");
   if (cutoff.is_null()) return;

@@ -128,7 +128,7 @@ class SceneReader {
     const std::pair<std::size_t, std::string_view> notes[] = {
         {not_triangles_, "{} primitives of points or lines, or without positions, were skipped"},
         {hidden_, "{} nodes are marked as not visible and were skipped, with all under them"},
-        {skinned_, "{} skinned nodes are shown as they rest, not posed by their skeleton"},
+        {skinned_, "{} skinned nodes are shown at rest, not posed by their skeleton"},
         {bad_normals_, "the normals of {} primitives cannot be read: computed there"},
         {bad_morphs_, "{} primitives have morph targets that cannot be read, which were skipped"},
         {odd_weights_, "{} primitives have another number of morph targets than weights: the missing weights are 0"},

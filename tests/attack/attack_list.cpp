@@ -76,7 +76,7 @@ class List {
 
   void haptics_dies(const std::string& name, int signal);
   void thread_hangs(const std::string& name, const std::vector<std::string>& threads, Kind kind);
-  void thread_is_missed_by_nobody(const std::string& name, const std::string& thread);
+  void hung_thread_does_not_stop_touch(const std::string& name, const std::string& thread);
   void watchdog_dies(const std::string& name, int signal);
   void io_node_freezes();
   void io_node_dies(const std::string& name, int signal);
@@ -206,7 +206,7 @@ void List::thread_hangs(const std::string& name, const std::vector<std::string>&
   finish(row);
 }
 
-void List::thread_is_missed_by_nobody(const std::string& name, const std::string& thread) {
+void List::hung_thread_does_not_stop_touch(const std::string& name, const std::string& thread) {
   Row row{.name = name};
   auto bed = make_bed(row);
   if (bed && !thread.empty() && !find_thread(bed->io().pid(), thread)) lacks_thread(row, thread);
@@ -379,8 +379,8 @@ std::vector<Row> List::run() {
   row("haptics_node frozen (SIGSTOP)", [&](const auto& name) { haptics_dies(name, SIGSTOP); });
   row("io_node's network thread hangs", [&](const auto& name) { thread_hangs(name, {"hapton-network"}, Kind::inside); });
   row("io_node's device loop hangs", [&](const auto& name) { thread_hangs(name, {"hapton-device"}, Kind::inside); });
-  row("io_node's stale-force watchdog hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, "hapton-release"); });
-  row("io_node's main thread hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, ""); });
+  row("io_node's stale-force watchdog hangs", [&](const auto& name) { hung_thread_does_not_stop_touch(name, "hapton-release"); });
+  row("io_node's main thread hangs", [&](const auto& name) { hung_thread_does_not_stop_touch(name, ""); });
   row("device loop and stale-force watchdog both hang (double fault)", [&](const auto& name) {
     thread_hangs(name, {"hapton-device", "hapton-release"}, Kind::outside);
   });

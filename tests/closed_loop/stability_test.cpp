@@ -28,7 +28,7 @@ constexpr Cell kCells[] = {
     {0.225, 5.0, 500.0, 0.1, 359.0, 50.0},
 };
 
-TEST(StableStiffness, AgreesWithCellsWorkedOutElsewhere) {
+TEST(StableStiffness, AgreesWithIndependentlyComputedValues) {
   for (const Cell& cell : kCells) {
     const SampledPlant plant = ideal(cell.mass_kg, cell.damping, cell.stiffness, 1e-3, cell.delay_s);
     EXPECT_EQ(std::round(find_stable_stiffness(plant, 0.0).value), cell.expected);

@@ -37,7 +37,7 @@ TEST(ZWidth, IsTheLimitsOfTheCase) {
   EXPECT_NEAR(width.linear_rule_n_per_m, (2.0 + 3.0) / (0.001 + 0.004), 1e-9);
 }
 
-TEST(ZWidth, WithoutALagThereIsNone) {
+TEST(ZWidth, WithoutAmplifierLagThePassiveLimitIsHigher) {
   ZWidthCase loop = slow_amplifier();
   const double lagging = find_zwidth(loop).passive.viscous_n_per_m;
   loop.device.amplifier_hz = 0.0;

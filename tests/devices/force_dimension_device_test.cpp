@@ -175,7 +175,7 @@ TEST_F(ForceDimension, OneThatMovesAndIsNotCalibratedThenExertsNoForce) {
   EXPECT_EQ(status, DeviceStatus::calibrating);
   EXPECT_EQ(board->pushed_ticks, 0U);
   EXPECT_EQ(board->enabled, 0);
-  EXPECT_THAT(said, HasSubstr("is not calibrated, though it has moved to be; start again"));
+  EXPECT_THAT(said, HasSubstr("has moved to calibrate, but is still not calibrated; start again"));
 }
 
 // Before it has moved, and then it does not move any more.

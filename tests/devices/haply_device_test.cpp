@@ -287,7 +287,7 @@ TEST_F(Haply, AMissingServiceIsOneClearLine) {
 }
 
 TEST_F(Haply, AMissingDeviceIsOneClearLine) {
-  EXPECT_THAT(make("FFFF").error().what, HasSubstr("no Inverse3 of that --device-id"));
+  EXPECT_THAT(make("FFFF").error().what, HasSubstr("no Inverse3 with that --device-id"));
   service->is_plugged = false;
   EXPECT_THAT(make().error().what, HasSubstr("no Inverse3;"));
 }

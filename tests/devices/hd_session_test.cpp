@@ -121,7 +121,7 @@ TEST_F(HdSession, AnErrorWhileOthersTickIsNotThatOfTheScheduler) {
 
 TEST_F(HdSession, NoHandleAndNoErrorIsNoDevice) {
   told.gives_no_handle = true;
-  EXPECT_EQ(attach("Left").error().what, "OpenHaptics has no device 'Left'; name the one of its set-up (Touch_Setup) with --device-id");
+  EXPECT_EQ(attach("Left").error().what, "OpenHaptics has no device 'Left'; give the name from its set-up (Touch_Setup) with --device-id");
   EXPECT_EQ(attach("").error().what,
             "OpenHaptics has no device 'Default Device', 'Default PHANToM', the library's default device; name the one of its set-up "
             "(Touch_Setup) with --device-id");

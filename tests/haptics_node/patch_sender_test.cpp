@@ -335,7 +335,7 @@ TEST(PatchSender, ASceneThatDeformsIsOfferedIfItCanBeFelt) {
   scene.objects[1].mesh = made::shared(std::move(mesh));
   SenderStage other(true, scene);
   ASSERT_TRUE(other.receive_until([&] { return other.store.has_begun(); }));
-  EXPECT_EQ(other.sender.obstacle(), "an object of the scene deforms that cannot be felt on the grid of its parts");
+  EXPECT_EQ(other.sender.obstacle(), "an object that deforms cannot be felt from parts of the scene");
 }
 
 // With the newest shape that was announced, whether that was before the parts were made or after.

@@ -131,7 +131,7 @@ TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
 TEST(ChooseHidDevice, OneThatIsGoneIsMissedAmongAllThatIsThere) {
   const std::vector others = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "B")};
   EXPECT_EQ(rejection(find_hid_device_again(others, wooden("/dev/hidraw1", "A"), HidKind::wooden_haptics, false)),
-            "no WoodenHaptics is plugged in that is the one from before (A), among 2 HID devices; plug it in again");
+            "no WoodenHaptics is plugged in that is the one used before (A), among 2 HID devices; plug it in again");
   EXPECT_THAT(rejection(find_hid_device_again(others, wooden("/dev/hidraw1"), HidKind::wooden_haptics, false)),
               HasSubstr("the one from before (no serial number)"));
 }
@@ -168,9 +168,10 @@ TEST(ChooseHidDevice, ATwinThatWasPluggedInLaterIsNotTakenForTheOneThatIsGone) {
   choice.note_gone(twins);  // none was opened yet
   choice.note_opened(twins[0], std::vector{twins[0]});
   choice.note_gone(std::vector{device("/dev/hidraw0", 0x046d, 0xc077), twins[1]});
-  EXPECT_EQ(rejection(choice.choose(std::vector{twins[1]})),
-            "the WoodenHaptics from before was /dev/hidraw1; what looks the same may be the other one: /dev/hidraw4 (no serial number); "
-            "start this program again to use it");
+  EXPECT_EQ(
+      rejection(choice.choose(std::vector{twins[1]})),
+      "the WoodenHaptics from before was /dev/hidraw1; a device that looks the same may be another one: /dev/hidraw4 (no serial number); "
+      "start this program again to use it");
   EXPECT_EQ(choice.choose(twins)->path, "/dev/hidraw1");
   HidChoice alone(HidKind::wooden_haptics, "");
   alone.note_opened(twins[0], std::vector{twins[0]});

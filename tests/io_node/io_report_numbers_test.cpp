@@ -294,7 +294,7 @@ TEST_F(IoReportNumbers, TheDevicesStateIsNamed) {
   EXPECT_EQ(report().notes.at("status_now"), "no force: no haptics node replies");
   stats->newest_round_trip_s = 0.0412;
   EXPECT_EQ(report().notes.at("status_now"),
-            "no force: replies of haptics_node take 41 ms, and a force lasts 20 ms; shorten the way, or see docs/remote.md");
+            "no force: replies of haptics_node take 41 ms, and a force lasts 20 ms; shorten the network path, or see docs/remote.md");
   stats->status = ProbeStatus::fault_latched;
   EXPECT_EQ(report().notes.at("status_now"), "no force: a fault is latched") << "that is to be fixed first";
   stats->status = ProbeStatus::ok;

@@ -76,7 +76,7 @@ TEST(SceneCombination, WhatProgramsDeformIsToldLikewise) {
   EXPECT_TRUE(check_combination(kFile, scene, false));
   for (std::size_t n = 0; n < ProgramShape::kMaxObjects; ++n) scene.objects.push_back(scene.objects[0]);
   EXPECT_EQ(check_combination(kFile, scene, false).error().what,
-            "room.toml: line 2: object 'lid' is one too many that programs deform: at most 8");
+            "room.toml: line 2: object 'lid' exceeds the limit of 8 objects that programs deform");
 }
 
 TEST(SceneCombination, WhatCanBeCarvedGoesWithAProbeOnly) {

@@ -241,7 +241,7 @@ TEST_F(RecordedProgram, BadInputIsOneLine) {
   recording.scene = "/nowhere/made.toml";
   const Ended no_scene = show("--at 1");
   EXPECT_EQ(no_scene.code, 1);
-  EXPECT_NE(no_scene.output.find("--scene FILE names another place for it"), std::string::npos) << no_scene.output;
+  EXPECT_NE(no_scene.output.find("give its present place with --scene FILE"), std::string::npos) << no_scene.output;
   EXPECT_EQ(show("--at 2 --scene meshes/car_front_3300.obj --screenshot " + picture.string()).code, 0);
   for (const auto& [arguments, what] : {std::pair{"--session /nowhere.hapton", "/nowhere.hapton: cannot be read"},
                                         {"--session meshes/car_front_3300.obj", "is not a recorded session"},

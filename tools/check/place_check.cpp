@@ -97,7 +97,7 @@ void check_view(const SceneView& view, std::vector<ClosedBody>& bodies, CheckFin
     const Vec3& p = view.lights[i].towards_or_p_W;
     if (const auto body = find(p); body != bodies.end()) {
       findings.push_back({SceneFault::view_inside, "", p,
-                          fmt::format("[[light]] {} is inside object '{}', and lights no outside of it", i + 1, body->object().name),
+                          fmt::format("[[light]] {} is inside object '{}', and does not light its outside", i + 1, body->object().name),
                           "move its position_m out of it, or give a direction"});
     }
   }
@@ -113,10 +113,11 @@ CheckFindings check_places(const Scene& scene) {
     const auto twin = std::find_if(bodies.begin(), bodies.begin() + static_cast<std::ptrdiff_t>(i),
                                    [&](const ClosedBody& other) { return coincide(*other.object().mesh, *object.mesh); });
     if (twin != bodies.begin() + static_cast<std::ptrdiff_t>(i)) {
-      findings.push_back({SceneFault::coincides, object.name, object.mesh->vertices.front(),
-                          fmt::format("the same shape in the same place as object '{}': which of the two is felt and drawn is chance",
-                                      twin->object().name),
-                          "move one of them, or leave it out", bodies[i].index()});
+      findings.push_back(
+          {SceneFault::coincides, object.name, object.mesh->vertices.front(),
+           fmt::format("the same shape in the same place as object '{}': it is left to chance which of the two is felt and drawn",
+                       twin->object().name),
+           "move one of them, or leave it out", bodies[i].index()});
       continue;
     }
     const auto outer = std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& other) {

@@ -75,7 +75,7 @@ class GovernorRun {
 };
 
 void print_stages(const GovernorCounters& g) {
-  fmt::print("commands: {} accepted, {} not finite, {} old, {} of the future, {} command timeouts\n", g.accepted, g.not_finite,
+  fmt::print("commands: {} accepted, {} not finite, {} old, {} with a time in the future, {} command timeouts\n", g.accepted, g.not_finite,
              g.rejected_old, g.rejected_future, g.command_timeouts);
   fmt::print(
       "stages: {} clamped, {} rate-limited, {} limited by the workspace, {} by speed, {} by energy, {} by heat; switch released {} times\n",

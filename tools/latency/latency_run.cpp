@@ -166,7 +166,7 @@ Result<void> measure_hub(const LatencyRunOptions& options, const StopSignal& int
   const auto json_before = Json::parse(before->json, nullptr, false);
   const auto json_now = Json::parse(now->json, nullptr, false);
   if (!has_report_types(json_before) || !has_report_types(json_now)) {
-    return fail("the hub at {} gives a report that cannot be read; it is another build", options.hosts);
+    return fail("the hub at {} gives a report that cannot be read; it is another version of Hapton", options.hosts);
   }
   if (json_number_of(json_now, "seconds") < json_number_of(json_before, "seconds")) {
     return fail("the hub at {} was started again meanwhile; measure again", options.hosts);

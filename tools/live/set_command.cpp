@@ -101,7 +101,7 @@ Result<std::string> confirm_reset(const SetOptions& options) {
     const auto notes = report.is_object() ? report.value("notes", nlohmann::json::object()) : nlohmann::json::object();
     const std::string fault = json_text_of(notes, "safety_fault");
     if (fault == "none") return std::string("no fault is latched; forces ramp up");
-    if (fault.empty()) return fail("the hub does not report faults; it is another build");
+    if (fault.empty()) return fail("the hub does not report faults; it is another version of Hapton");
     what = json_text_of(notes, "safety_fault_text");
     if (what.empty()) what = fault;
     (*reader)->idle(0.1);

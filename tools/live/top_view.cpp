@@ -106,7 +106,7 @@ Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string
   TopSnapshot snapshot;
   snapshot.report = ReportJson::parse(json, nullptr, false);
   if (!snapshot.report.is_object() || word(snapshot.report, "schema") != kReportSchema) {
-    return fail("the hub's report is not of schema {}; it is another build", kReportSchema);
+    return fail("the hub's report is not of schema {}; it is another version of Hapton", kReportSchema);
   }
   // It is not an error if the hub has not measured any durations yet.
   if (auto hops = parse_latency_csv(csv, "the hub's latency.csv")) snapshot.hops = std::move(*hops);

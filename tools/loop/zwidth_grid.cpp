@@ -268,7 +268,7 @@ Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
   std::string merged = head;
   for (std::size_t cell = 0; cell < cells; ++cell) {
     const auto row = rows.find(cell);
-    if (row == rows.end()) return fail("cell {} of {} is in no part; is a shard missing?", cell, cells);
+    if (row == rows.end()) return fail("cell {} of {} is in none of the files; is a file missing?", cell, cells);
     merged += row->second + "\n";
   }
   return merged;

@@ -68,7 +68,7 @@ Result<const RecordedScenes::LoadedScene*> RecordedScenes::find_recorded(const H
   if (setup.scene_hash == 0) return fail("{}: an object was put down, and the recording does not have the scene with it", path);
   const auto said = from_code(setup.scene_loading);
   auto scene = find(path, said.value_or(SceneLoading()));
-  if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
+  if (!scene) return fail("{}; give its present place with --scene FILE", scene.error().what);
   const std::uint64_t hash = (*scene)->hash;
   if (hash != setup.scene_hash && !said) scene = find(path, {.sealing = CrackSealing::off});
   if (!scene || (*scene)->hash != setup.scene_hash) {

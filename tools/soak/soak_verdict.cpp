@@ -116,7 +116,8 @@ SoakFinding check_length(const SoakRun& run, std::size_t samples) {
   const double reached_s = run.samples.empty() ? 0.0 : run.samples.back().seconds;
   const bool is_enough = run.ended.empty() && samples >= kFewSamples;
   const std::string why = run.ended.empty() ? "too few observations" : run.ended;
-  return {"run", "", reached_s, run.seconds, is_enough, is_enough ? "ran its time" : fmt::format("{}, after {:.0f} s", why, reached_s)};
+  return {"run",       "",        reached_s,
+          run.seconds, is_enough, is_enough ? "ran for the requested time" : fmt::format("{}, after {:.0f} s", why, reached_s)};
 }
 
 double worst_round_trip_us(const SoakRun& run) {

@@ -74,8 +74,10 @@ struct FaultText {
 
 constexpr std::array<FaultText, static_cast<std::size_t>(StressFault::count)> kFaults = {{
     {"fall_through", "no force with the device more than 0.25 % of the extent inside; closed bodies"},
-    {"inside", "the proxy itself inside; closed bodies"},
-    {"through", "straight through a face from one free position to another that the reference does not reach; open meshes, point probe"},
+    {"inside", "the proxy is inside; closed bodies"},
+    {"through",
+     "the proxy went straight through a face from one free position to another, which the reference does not reach; open meshes, point "
+     "probe"},
     {"stuck",
      "proxy more than 10 % of the extent farther from the device than the surface, and not at a minimum; closed bodies, no friction"},
     {"unconverged", "proxy not at a minimum: the reference, started there, comes nearer by 0.1 % of the extent; no friction"},

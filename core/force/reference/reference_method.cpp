@@ -259,7 +259,8 @@ std::string ReferenceMethod::describe() const {
       "reference: {} triangles, no search structure; each step in {}, {}, {} ... at most {} sub-steps until the force changes by less than "
       "{:g}\n"
       "  or its place by {:.3g} m\n"
-      "  {} steps, {} not settled, at most {} sub-steps in one that did; {:.1f} triangles in reach, {:.1f} sub-steps and {:.1f} motions a "
+      "  {} steps, {} not settled, at most {} sub-steps in a settled step; {:.1f} triangles in reach, {:.1f} sub-steps and {:.1f} motions "
+      "a "
       "step\n"
       "  at most {} motions in one sub-step; {} escapes, {} unconverged, {} infeasible\n",
       triangles_.size(), substeps_, 2 * substeps_, 4 * substeps_, substep_limit_, kAgreement, kResolution * unit_m_, counters_.steps,

@@ -174,8 +174,8 @@ std::string SmoothMethod::describe() const {
   text += left_out_;
   text += scene_->describe();
   text += fmt::format(
-      "steps {}: {} skipped in free space, {} entries, {} releases, {} astray; {} hidden VCPs\n"
-      "sets: {} selected here ({} late), {} offered by the slow task, {} queries beyond a set, left to the tree\n",
+      "steps {}: {} skipped in free space, {} entries, {} releases, {} without a point on the line; {} hidden VCPs\n"
+      "sets: {} selected here ({} late), {} offered by the slow task, {} queries larger than a set, answered by the tree\n",
       c.steps, c.skipped, c.entries, c.releases, c.astray, c.hidden, c.selections, c.late, c.offered, c.overflows);
   return text;
 }

@@ -14,8 +14,9 @@ Result<void> check_offset(double offset_m, const UniformGrid& grid) {
   const double coordinate = std::max(grid.low().cwiseAbs().maxCoeff(), grid.high().cwiseAbs().maxCoeff());
   const double least = 64.0 * std::numeric_limits<double>::epsilon() * coordinate;
   if (!(offset_m > least) || !std::isfinite(offset_m)) {
-    return fail("sweep: an offset of {} m is not above {:.3g} m, what coordinates of this scene's size resolve; choose a greater offset",
-                offset_m, least);
+    return fail(
+        "sweep: an offset of {} m is not above {:.3g} m, the resolution of coordinates in a scene of this size; choose a greater offset",
+        offset_m, least);
   }
   return {};
 }

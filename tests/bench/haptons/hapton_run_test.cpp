@@ -35,7 +35,7 @@ TEST(MeasureHaptons, ChecksEveryPairOfEveryWay) {
   }
 }
 
-TEST(MeasureHaptons, ARunThatMissesIsNoRun) {
+TEST(MeasureHaptons, ARunWithMissedOrWrongPairsDoesNotHold) {
   HaptonRun run = short_run();
   run.results[0].missed = 1;
   EXPECT_FALSE(run.holds());
@@ -78,7 +78,7 @@ class WrongCollider final : public PairCollider {
   std::vector<double> errors_;
 };
 
-TEST(MeasureHaptons, WhatIsNotANumberIsOff) {
+TEST(MeasureHaptons, ANanErrorCountsAsOff) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   HaptonResult result;
   count_errors(WrongCollider({1e-4, kNan, -1.0, 2e-3, 1e-3}), 5, result);

@@ -23,7 +23,7 @@ EffectError error_of(const EffectCase& effects, double rate_hz = 1000.0, std::ui
 }
 
 // Effects that depend on the position alone match the formula, except for the offset at which contact begins.
-TEST(EffectErrorOf, PositionAloneIsThatOfRounding) {
+TEST(EffectErrorOf, EffectsOfPositionDifferByRoundingOnly) {
   const auto cases = make_effect_cases(effect_plane());
   for (const std::uint64_t seed : {1, 2, 3}) {
     for (const char* name : {"none", "progressive stiffness", "bumps, ridges", "bumps, grid", "spring", "constant", "magnet", "line snap",
@@ -62,7 +62,7 @@ TEST(EffectErrorOf, AWrongParameterShows) {
   EXPECT_GT((EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - right).norm(), 1e-4);
 }
 
-TEST(EffectErrorOf, ARecordedTextureIsNone) {
+TEST(EffectErrorOf, ARecordedTextureHasNoFormula) {
   const auto error = measure_effect_error(named(make_effect_cases(effect_plane()), "texture of 1 kHz"), {.steps = 300});
   ASSERT_TRUE(error);
   EXPECT_FALSE(*error);

@@ -64,7 +64,7 @@ TEST(MeshRows, StateTheCausesOfSwitchesAndWhatConvergedStepsDo) {
   EXPECT_EQ(find(rows, "fall-throughs, false contacts, stuck steps, force discontinuities, every step converged").ours, 1.0);
 }
 
-TEST(MeshRows, OneMeshHasItsOwn) {
+TEST(MeshRows, OneMeshHasItsOwnRows) {
   MeshFigures one;
   one.mesh = "rough";
   one.contact.p50_ns = 140.0;

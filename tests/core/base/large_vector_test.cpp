@@ -72,7 +72,7 @@ TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
 bool takes_advice(void* memory, std::size_t bytes, int advice) { return ::madvise(memory, bytes, advice) == 0; }
 
 // The memory is filled before it is handed out: of its large pages no part is missing.
-TEST(LargeVector, IsThereBeforeItIsWritten) {
+TEST(LargeVector, IsFilledBeforeItIsReturned) {
   constexpr std::size_t kBytes = 8 * kLargePage;
   void* const probe = ::mmap(nullptr, 2 * kLargePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(probe, MAP_FAILED);

@@ -41,7 +41,7 @@ TEST(MailboxTest, ADraftIsNotSeenBeforeItIsPublished) {
 }
 
 // The writer, the reader and the exchange between them have a slot each, however often either of the two is called.
-TEST(MailboxTest, NoSlotIsAnybodyElses) {
+TEST(MailboxTest, EachSideHasItsOwnSlot) {
   Mailbox<int> mailbox(0);
   std::uint32_t state = 12345;
   int published = 0;

@@ -21,7 +21,7 @@ int check(const FdhTopology& topology, std::size_t count) {
   int deepest = 0;
   for (std::size_t n = 0; n < topology.nodes.size(); ++n) {
     deepest = std::max(deepest, level[n]);
-    EXPECT_GT(level[n], 0) << "node " << n << " hangs nowhere";
+    EXPECT_GT(level[n], 0) << "node " << n << " has no parent";
     for (const std::uint32_t child : topology.nodes[n]) {
       if (child == FdhTopology::kNothing) continue;
       if (FdhTopology::is_leaf(child)) {

@@ -205,7 +205,7 @@ TEST(StreamedGeometry, FindsEveryTriangleAtEachTime) {
   EXPECT_GE(one.surface->serial(), 11U);
 }
 
-TEST(ShapeStager, SaysWhatIsNoShape) {
+TEST(ShapeStager, RejectsInvalidShapes) {
   const Streamed one(made::sheet(0.05, 0.0, 4));
   const auto reject = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     const auto made = one.stager->make(from, to);

@@ -311,7 +311,7 @@ TEST(TouchGeometry, AnObjectWithoutTrianglesIsNotWaitedFor) {
   EXPECT_EQ(at_once.triangle_count(), ball->triangles.size());
 }
 
-TEST(TouchGeometry, SaysWhenThereAreMoreTrianglesThanNumbers) {
+TEST(TouchGeometry, RejectsMoreTrianglesThanIds) {
   auto large = std::make_shared<TriangleMesh>();
   large->vertices.assign(3, Vec3::Zero());
   large->triangles.assign(1U << 20U, Triangle{0, 1, 2});

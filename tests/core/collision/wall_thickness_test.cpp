@@ -95,7 +95,7 @@ TEST(WallThickness, AnEdgeIsNoThinWall) {
   EXPECT_FALSE(find_thin_walls(wedge, 0.2).thinnest);
 }
 
-TEST(WallThickness, FacesInOnePlaceHaveNone) {
+TEST(WallThickness, CoincidentFacesHaveNoThickness) {
   const TriangleMesh sheet = make_plane_grid(1.0, 4);
   EXPECT_FALSE(find_thin_walls(joined(sheet, flipped(sheet)), 0.1).thinnest);
   EXPECT_FALSE(find_thin_walls(TriangleMesh{}, 0.1).thinnest);

@@ -70,7 +70,7 @@ TEST(MappedSpring, AWaveHasItsOwnCurvature) {
 }
 
 // Brute-force twin: derivatives at places all over the image, on sheets that stretch and shear it.
-TEST(MappedSpring, NoPlaceIsMoreCurvedAndTheMostCurvedIsFound) {
+TEST(MappedSpring, LargestCurvatureBoundsAllPlacesAndIsReached) {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);
@@ -233,7 +233,7 @@ TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
 }
 
 // The spring is so stiff that only the gradient of the share counts. Compared with its formula at places all over strongly sheared sheets.
-TEST(MappedSpring, WhatItAddsToBumpsIsThatOfTheSteepestPlace) {
+TEST(MappedSpring, AddedStiffnessOnBumpsIsThatOfTheSteepestPlace) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);

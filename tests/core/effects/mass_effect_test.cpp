@@ -135,7 +135,7 @@ TEST(MassEffect, NeverGivesEnergyBelowItsBound) {
 }
 
 // With the velocity of the last interval, the energy balance in mass_effect.h holds at any intervals, and also where the damper slips.
-TEST(MassEffect, OfTheLastIntervalGivesNothingAtAnyIntervalsAndBeyondItsBound) {
+TEST(MassEffect, WithTheLastIntervalsVelocityGivesNoEnergy) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const MassEffect mass = {.mass_kg = 0.5, .filter_s = 0.01, .max_force_n = 25.0};

@@ -131,7 +131,7 @@ TEST(SmoothVelocity, StaysFiniteAfterAnyInterval) {
   }
 }
 
-TEST(SmoothVelocity, LeavesOutWhatIsNoSample) {
+TEST(SmoothVelocity, IgnoresInvalidSamples) {
   SmoothVelocity velocity;
   velocity.add(Vec3::Zero(), kMillisecond);
   velocity.add(Vec3(kMillisecond, 0, 0), kMillisecond);

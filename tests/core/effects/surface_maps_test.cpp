@@ -93,7 +93,7 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
 }
 
 // A file may have any texture coordinates: if one gradient overflows, both are zero, so that no force is NaN.
-TEST(SurfaceMaps, AGradientThatIsNotFiniteIsNone) {
+TEST(SurfaceMaps, AGradientThatIsNotFiniteIsZero) {
   for (const bool is_along_u : {true, false}) {
     MappedTriangle triangle = {{Vec3(0, 0, 0), Vec3(1e-3, 0, 0), Vec3(0, 1e-3, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {0, 1}}};
     EXPECT_GT(map_gradients(triangle).du.norm() * map_gradients(triangle).dv.norm(), 1e5);

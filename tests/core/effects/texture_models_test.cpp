@@ -125,7 +125,7 @@ std::string models_error(double rate_hz, const std::vector<TextureModel>& models
   return made ? "it was made" : made.error().what;
 }
 
-TEST(TextureModels, RejectsWhatIsNoTexture) {
+TEST(TextureModels, RejectsInvalidTextures) {
   const auto triangles = made::eight_triangles();
   const auto with = [&](auto change) {
     auto models = made::nine_models(8, 4);

@@ -64,7 +64,7 @@ TouchScene coming_sheet(double side, double seconds) {
 class DeformingSweep : public testing::TestWithParam<std::tuple<double, double>> {};
 
 // In every step, to the end of the motion, the force is stiffness times the distance by which the sheet has passed the hand.
-TEST_P(DeformingSweep, PushesAHandAheadAndIsNeverPassed) {
+TEST_P(DeformingSweep, PushesTheHandAheadAndNeverPassesIt) {
   const auto [rate_hz, side] = GetParam();
   const double seconds = 0.2;
   const auto method = make_shaped(coming_sheet(side, seconds));

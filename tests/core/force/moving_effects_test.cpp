@@ -107,7 +107,7 @@ TEST_P(MovingEffects, AreThoseOfAStaticObjectInItsFrame) {
 }
 
 // A hand that rests on the moving object feels what it feels resting on a static one.
-TEST_P(MovingEffects, OfARiderAreThoseAtRest) {
+TEST_P(MovingEffects, OfAHandThatMovesAlongAreThoseAtRest) {
   const auto resting = [](int i) { return Vec3(0.013, -0.007, i < 40 ? 0.002 - 1e-4 * i : -0.002); };
   for (const NamedEffects& effects : all_effects()) {
     const Twin twin = compare(effects, GetParam(), resting, false);

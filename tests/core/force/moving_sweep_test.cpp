@@ -26,7 +26,7 @@ class MovingSweep : public testing::TestWithParam<std::tuple<double, double, dou
 };
 
 // In every step the force is stiffness times the distance by which the face has passed the hand, also long after the whole plate has.
-TEST_P(MovingSweep, PushesAHandAheadAndIsNeverPassed) {
+TEST_P(MovingSweep, PushesTheHandAheadAndNeverPassesIt) {
   const auto [rate_hz, radius, side, name] = sweep();
   const double seconds = 0.2;
   TouchScene scene;

@@ -31,7 +31,7 @@ SceneParts parts_of(const TouchScene& scene) {
   return std::move(*made);
 }
 
-TEST(SceneParts, AreWhatStandsStillFirstWithoutWhatCanBeCarved) {
+TEST(SceneParts, StaticObjectsAreTheFirstPartAndCarvedBodiesAreNone) {
   SceneParts parts = parts_of(parted_scene());
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_TRUE(parts.has_still());

@@ -196,7 +196,7 @@ TEST(ScreenRectangle, AnotherOrderIsSaidToBeOne) {
 
 TEST(ScreenRectangle, PointsThatSpanNoRectangleAreRejected) {
   const Vec3 x(0.1, 0.0, 0.0);
-  EXPECT_NE(error_of({x, x, x, x}).find("span no rectangle, only 0.0 x 0.0 mm"), std::string::npos);
+  EXPECT_NE(error_of({x, x, x, x}).find("do not span a rectangle: only 0.0 x 0.0 mm"), std::string::npos);
   EXPECT_NE(error_of({-x, x, x, -x}).find("only 200.0 x 0.0 mm"), std::string::npos);
   EXPECT_NE(error_of({-x, x, 2.0 * x, -2.0 * x}).find("span no rectangle"), std::string::npos);
   EXPECT_NE(error_of(find_corners(make_screen({0, 0, 0}, Quat::Identity(), 0.019, 0.1))).find("only 19.0 x 100.0 mm"), std::string::npos);

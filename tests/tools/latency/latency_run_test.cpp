@@ -80,7 +80,7 @@ TEST(LatencyRunOfAHub, AReportWithOtherTypesIsRejectedInOneLine) {
     const ReportingHub hub([&](int) { return HubReport{wrong, "hop,lower_ns,upper_ns,count\nround_trip,1,2,3\n"}; });
     const auto run = watch_hub(hub, 0.1, folder);
     ASSERT_FALSE(run) << wrong;
-    EXPECT_THAT(run.error().what, HasSubstr("a report that cannot be read; it is another build")) << wrong;
+    EXPECT_THAT(run.error().what, HasSubstr("a report that cannot be read; it is another version of Hapton")) << wrong;
   }
 }
 

@@ -25,7 +25,7 @@ TEST(SetCommand, AReportWithOtherTypesIsRejectedInOneLine) {
   for (const char* wrong : {R"({"notes": {"safety_fault": 1}})", R"({"notes": 1})", R"([])"}) {
     const CommandRun seen = reset_faults(wrong);
     EXPECT_EQ(seen.code, 1) << wrong;
-    EXPECT_EQ(seen.err, "hapton set: the hub does not report faults; it is another build\n") << wrong;
+    EXPECT_EQ(seen.err, "hapton set: the hub does not report faults; it is another version of Hapton\n") << wrong;
   }
 }
 

@@ -215,7 +215,7 @@ TEST_F(MergeTest, ADamagedNumberOfCellsIsRejectedInOneLine) {
   for (const char* cells : {"24000000000000", "18446744073709551615"}) {
     const auto merged = with_cells(cells);
     ASSERT_FALSE(merged) << cells;
-    EXPECT_EQ(merged.error().what, fmt::format("cell 1 of {} is in no part; is a shard missing?", cells));
+    EXPECT_EQ(merged.error().what, fmt::format("cell 1 of {} is in none of the files; is a file missing?", cells));
   }
   for (const char* cells : {"99999999999999999999", "x", ""}) {
     const auto merged = with_cells(cells);

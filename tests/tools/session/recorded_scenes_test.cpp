@@ -38,7 +38,7 @@ TEST_F(RecordedScenesTest, AnotherSceneOfThatNameIsNotTaken) {
   ASSERT_FALSE(names);
   EXPECT_THAT(names.error().what, HasSubstr("is not the scene that was recorded"));
   std::filesystem::remove(scene);
-  EXPECT_THAT(RecordedScenes().find_names(before).error().what, HasSubstr("--scene FILE names another place"));
+  EXPECT_THAT(RecordedScenes().find_names(before).error().what, HasSubstr("give its present place with --scene FILE"));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(SoakVerdict, AFlatRunSaysWhatItLookedAt) {
   EXPECT_THAT(text, HasSubstr(", haptics_node memory "));
   EXPECT_THAT(text, HasSubstr(", io_node memory "));
   EXPECT_THAT(text, testing::EndsWith("; descriptors and threads constant"));
-  EXPECT_THAT(text, Not(HasSubstr("ran its time")));
+  EXPECT_THAT(text, Not(HasSubstr("ran for the requested time")));
   EXPECT_THAT(text, Not(HasSubstr("descriptors +")));
   EXPECT_THAT(text, Not(HasSubstr("threads +")));
   run.samples.back().lost = 2;

@@ -201,7 +201,7 @@ TEST(ProxyOnBuiltObjects, SharesWhatWasBuilt) {
   scene.move(Vec3::Zero(), {0.03, 0.0, 0.0});
   const TouchScene second = scene.with_built();
   const auto after = proxy_over({}, second);
-  EXPECT_EQ(&after->geometry().object_geometry(2), &before->geometry().object_geometry(2)) << "near none";
+  EXPECT_EQ(&after->geometry().object_geometry(2), &before->geometry().object_geometry(2)) << "near no other object";
   EXPECT_NE(&after->geometry().object_geometry(0), &before->geometry().object_geometry(0)) << "other marks under the cube";
   EXPECT_NE(&after->geometry().object_geometry(1), &before->geometry().object_geometry(1));
 }

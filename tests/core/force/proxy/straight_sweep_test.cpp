@@ -156,7 +156,7 @@ class StraightSweepOnACap : public testing::TestWithParam<unsigned> {
   std::mt19937_64 random_;
 };
 
-TEST_P(StraightSweepOnACap, OfManyThatItOverlapsItIsBlockedByThoseItComesNearerToFastest) {
+TEST_P(StraightSweepOnACap, OfManyOverlapsTheFastestApproachedBlock) {
   StraightStage stage(cap(1e-3), kRadius_m);
   const Vec3 from = stage.geometry.to_local(Vec3::Zero());
   const Vec3 motion(0.01, 0.02, 0.1);
@@ -244,7 +244,7 @@ TEST_P(StraightSweepAmongMany, TheWholeMotionInManyStepsTestsEachTriangleAFewTim
 
 // A call that runs out of work moves the probe to the end of the last piece that was found free. The probe waits only until the first piece
 // has been found free.
-TEST_P(StraightSweepAmongMany, OutOfWorkItGoesAsFarAsItHasSearched) {
+TEST_P(StraightSweepAmongMany, WithoutWorkLeftTheProbeMovesToTheEndOfTheSearchedPart) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());
   constexpr double kRadius_m = 0.004;

@@ -102,7 +102,7 @@ TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
   }
 }
 
-TEST(ReferenceMethod, APointsRadiusIsTakenOffAgain) {
+TEST(ReferenceMethod, TheForceOnAPointIsWithoutTheRadiusOfItsSphere) {
   const auto method = reference_over(make_plane_grid(0.1, 4));
   method->reset(Vec3(0.001, 0.002, 0.001));
   const MethodOutput felt = method->step({.p_SD = Vec3(0.001, 0.002, -0.001)});

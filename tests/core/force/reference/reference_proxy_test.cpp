@@ -19,7 +19,7 @@ void add_floor(ReferenceProxy& proxy) {
   proxy.add_face({PreparedTriangle(Vec3(-1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)), 1, 0});
 }
 
-TEST(ReferenceProxy, AloneItIsTheDevice) {
+TEST(ReferenceProxy, WithoutFacesTheProxyIsAtTheDevice) {
   ReferenceProxy proxy(0.0, {Material{}}, 4);
   proxy.place_free(Vec3(0.1, 0.2, 0.3));
   proxy.follow(Vec3(0.1, 0.2, 0.3), Vec3(0.3, 0.2, -0.1), {});

@@ -31,7 +31,7 @@ struct Block {
   }
 };
 
-TEST(CarvingBall, TouchesAlittleInsideTheRadiusThatItCarves) {
+TEST(CarvingBall, TouchesALittleInsideTheRadiusThatItCarves) {
   Block block;
   block.ball.reset({0, 0, 0.03});
   EXPECT_FALSE(block.step({0, 0, 0.0251}, false).contact);

@@ -52,14 +52,7 @@ double resting_height(TouchStep& touch) {
 
 // The point nearest to p with n.dot(q) >= 0 (the wall) and q.z() >= top (the clay).
 Vec3 nearest_in_corner(const Vec3& p, const Vec3& n, double top) {
-  Vec3 q = p;
-  for (int i = 0; i < 2000; ++i) {
-    const double lowest = q.z();
-    q.z() = std::max(q.z(), top);
-    q -= std::min(0.0, n.dot(q)) * n;
-    if (lowest >= top) break;
-  }
-  // Alternating projections end in the corner, but not always at the nearest point: both planes hold that, or one of them alone.
+  // Both planes hold it, or one of them alone.
   const Vec3 on_top(p.x(), p.y(), std::max(p.z(), top));
   if (n.dot(on_top) >= 0.0) return on_top;
   const Vec3 on_wall = p - std::min(0.0, n.dot(p)) * n;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include <memory>
 #include <random>
 #include <set>
@@ -77,20 +79,24 @@ TEST(SmoothScene, ASetOfAnotherSceneHidesNothing) {
 }
 
 TEST(SmoothScene, GivesEachTriangleItsObjectsMaterialAndNormals) {
-  const auto scene = SmoothScene::build(two_objects(), {});
+  const TouchScene touch = two_objects();
+  const auto scene = SmoothScene::build(touch, {});
   ASSERT_TRUE(scene);
-  std::size_t faces = 0;
+  std::array<std::size_t, 2> faces = {};
   scene->for_each([&](const SetTriangle& t) {
+    ASSERT_LT(t.object, faces.size());
+    EXPECT_EQ(t.two_sided, touch.objects[t.object].material.two_sided);
     for (const Vec3& n : t.normal) EXPECT_NEAR(n.norm(), 1.0, 1e-9);
     if (t.kind == SurfaceKind::face) {
-      ++faces;
+      ++faces[t.object];
       EXPECT_NEAR(t.face.norm(), 1.0, 1e-12);
       for (const Vec3& n : t.normal) EXPECT_GT(n.dot(t.face), 0.0);
     } else {
       EXPECT_TRUE(t.face.isZero(0.0));
     }
   });
-  EXPECT_EQ(faces, scene->surface(0).face_count + scene->surface(1).face_count);
+  EXPECT_EQ(faces[0], scene->surface(0).face_count);
+  EXPECT_EQ(faces[1], scene->surface(1).face_count);
 }
 
 TEST(SmoothScene, FollowsMovedVerticesAsIfBuiltAgain) {

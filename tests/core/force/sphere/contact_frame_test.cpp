@@ -103,7 +103,7 @@ TEST(ContactFrame, ParallelNormalsAreRejected) {
   }
 }
 
-TEST(ContactFrame, NormalsALittleApartAreNot) {
+TEST(ContactFrame, NormalsALittleApartAreAccepted) {
   const Vec3 n = Vec3(1.0, 2.0, 3.0).normalized();
   const Vec3 sideways = n.unitOrthogonal();
   for (const double angle : {1e-3, 1e-6, 1e-10, 1e-13}) {

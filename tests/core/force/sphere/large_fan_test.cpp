@@ -112,7 +112,7 @@ TEST_P(OnFan, CrossesFromFaceToFaceAsBruteForceAllows) {
   EXPECT_GT(arrived, 3);
 }
 
-TEST_P(OnFan, OtherContactsAreNoneOfItsBusiness) {
+TEST_P(OnFan, OtherContactsAreLeftUnchanged) {
   place_on(0);
   const OffsetContact edge = OffsetContact::on_edge(0, contacts[0].shape, 0);
   contacts.hold_by({&edge, 1});

@@ -25,7 +25,7 @@ class LocalMinimumOf : public testing::Test {
   MadeContacts made{kSeedOfMinima};
 };
 
-TEST_F(LocalMinimumOf, SolveFindsThePositionThatNoneBesideIsNearerThan) {
+TEST_F(LocalMinimumOf, SolveFindsTheNearestPosition) {
   for (int i = 0; i < 400; ++i) {
     const HeldCentre at = made.held(1 + i % 2);
     const LocalMinimum minimum(at.contacts);

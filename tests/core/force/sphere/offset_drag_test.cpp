@@ -100,6 +100,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
     const double y = unit(random);
     return Vec3(x, y, unit(random));
   };
+  int followed = 0;
   for (const bool is_edge : {true, false}) {
     for (const double mu : {0.05, 0.2, 0.4}) {
       const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0), {mu, mu});
@@ -118,6 +119,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       OffsetDrag::Pull pull;
       ASSERT_TRUE(single.drag.find_pull(c, from, pull));
       if (!(single.drag.find_excess_rate(pull, to - from) > 0.0)) continue;
+      ++followed;
       for (int i = 0; i < 20; ++i) {
         ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
         const OffsetDrag::Flow before{.centre = at.centre, .time = at.time};
@@ -136,6 +138,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       EXPECT_GT(tests, 0);
     }
   }
+  EXPECT_GT(followed, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoundAnEdgeOrVertex, testing::Values(1, 2, 3, 4, 5, 6));

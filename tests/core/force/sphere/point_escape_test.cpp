@@ -114,7 +114,7 @@ TEST(APointInANotch, ComesToAnEndHoweverLittleWorkACallHas) {
 
 // Two sheets that cross at a small angle hold the point. When it starts anew at another place, it no longer counts as in a slit, even if it
 // cannot start there because that place is on a sheet.
-TEST(APointInASlit, IsInNoneOnceItBeginsAnew) {
+TEST(APointInASlit, NoLongerCountsAsInASlitAfterAStart) {
   int slits = 0;
   for (const double angle : {1e-6, 1e-5, 1e-4}) {
     TriangleMesh mesh;
