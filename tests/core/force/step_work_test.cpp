@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// A box whose top is one with the side of another: triangles that are not walkable.
+// A box that stands on another one: where their faces touch, the triangles are not walkable.
 TriangleMesh touching_boxes() {
   TriangleMesh boxes = make_box(Vec3(0.1, 0.1, 0.05), 12);
   const TriangleMesh upper = make_box(Vec3(0.05, 0.05, 0.05), 8);
@@ -21,7 +21,7 @@ TriangleMesh touching_boxes() {
   return boxes;
 }
 
-// Both kinds of probe with friction and without, on triangles that are not walkable and on many that are.
+// A point and a sphere, each with and without friction, on triangles that are not walkable and on many that are.
 template <class Try>
 void for_each_case(Try&& try_case) {
   for (const TriangleMesh& mesh : {touching_boxes(), make_bumpy_sphere(0.05, 0.2, 20000, 5)}) {
@@ -52,7 +52,7 @@ class Somewhere {
   std::uniform_real_distribution<double> place_{-0.06, 0.06};
 };
 
-// However far the device goes in a step, followers and sweeps together do no more than a step's work, and end what they have begun.
+// However far the device moves in a step, follower and sweep together do no more than the work of one step plus the event in progress.
 TEST(StepWork, NoStepDoesMore) {
   constexpr std::uint64_t kOneEvent = 1024;
   constexpr unsigned kSeed = 154;
@@ -77,12 +77,12 @@ TEST(StepWork, NoStepDoesMore) {
   EXPECT_GT(carried, 20) << "no motion was long enough to try it";
 }
 
-// Between two walls of several triangles each, a point looks for no way out, also where the triangles of both meet.
+// A point between two walls of several triangles each does not search for a way out, not even at the edges of their triangles.
 TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
   constexpr double kWall = 0.035;  // x of the upper box
   constexpr double kTop = 0.025;   // z of the lower one
   constexpr double kCell = 0.05 / 8.0;
-  constexpr std::uint64_t kWork = 60;  // units: 10 to 40; ways out take 60 to 130 on top
+  constexpr std::uint64_t kWork = 60;  // in units; a step takes 10 to 40, a search for a way out 60 to 130 more
   const auto method = std::move(*ProxyMethod::make({}, scene_of(touching_boxes())));
   auto& proxy = static_cast<ProxyMethod&>(*method);
   std::uint64_t steps = 0;
@@ -90,7 +90,7 @@ TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
     for (const double beside : {0.0, 1e-9, -1e-9, 1e-3}) {
       const double y = line * kCell + beside;
       proxy.reset({kWall + 0.01, y, kTop + 0.01});
-      // There by way of others, so that what it has gathered reaches as far as a way out.
+      // The probe slides there along y, so that the gathered triangles reach as far as a way out would lead.
       for (int i = 100; i >= 0; --i) (void)proxy.step({.p_SD = {kWall - 0.001, y - 1e-4 * i, kTop - 0.001}});
       for (int i = 1; i <= 10; ++i) {
         const double depth = 0.001 + 0.0001 * i;
@@ -106,8 +106,8 @@ TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
   EXPECT_GT(steps, 200U) << "the triangles are walkable";
 }
 
-// What a step finds depends on nothing before the reset: a method that was pressed about gives the same force as a new one, to the last
-// bit.
+// The result of a step does not depend on anything before the reset: a method that has been used gives the same force as a new one, to
+// the last bit.
 TEST(StepWork, AResetForgetsAllThatWasBefore) {
   constexpr unsigned kSeed = 155;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -75,7 +75,7 @@ TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
   // A tool feels no bumps.
   EXPECT_EQ(find_tool_gains(scene).by_place_n_per_m, 0.0);
   EXPECT_EQ(find_largest_gains(scene).stiffness_n_per_m, 800.0);
-  // Beside another whose bumps are less stiff, but stiffer where they are hardly pressed.
+  // A second object: its bumps are less stiff at the largest force, but stiffer at small forces.
   scene.objects.push_back(ball_of({.stiffness_n_per_m = 5000.0}).objects.front());
   scene.objects[1].effects.bumps = {.height_m = 0.001, .length_m = 0.02};
   const LargestGains both = find_largest_gains(scene);
@@ -83,7 +83,7 @@ TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
   EXPECT_GE(both.by_place_at(0.0), 5000.0);
 }
 
-// Layers are pressed with no more than punctures them, so less force than the most may feel as stiff.
+// A layer is never pressed with more force than punctures it, so a force below the largest one may already feel as stiff.
 TEST(Stiffest, BumpsOnLayersCountInFull) {
   TouchScene scene = ball_of({});
   SurfaceEffects& effects = scene.objects[0].effects;
@@ -130,7 +130,7 @@ TEST(Stiffest, AViscosityByAnImageCountsWithItsLargestValue) {
   EXPECT_EQ(viscosity_of(SurfaceEffects{.maps = {.viscosity = {.image = nullptr, .at_black = 7.0, .at_white = 2.0}}}), 0.0);
 }
 
-// At its contacts both use the velocity of viscous effects.
+// At the contacts of a tool, damping and viscosity both use the velocity of viscous effects.
 TEST(Stiffest, AToolHasDampingAndViscosityUnderOneLimit) {
   TouchScene scene{.objects = {{.mesh = {}, .material = {.stiffness_n_per_m = 300.0, .damping_ns_per_m = 5.0}}}};
   scene.objects[0].effects.viscosity.damping_ns_per_m = 9.0;

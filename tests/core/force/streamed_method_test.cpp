@@ -41,7 +41,7 @@ void give(StreamedMethod& method, const Shape& shape, double over_s) {
   (void)method.offer(std::move(*stage), over_s);
 }
 
-// A bumpy ball, and shapes of it: it breathes, lengthens and has a dent, at random.
+// A bumpy ball and random shapes of it: wider, longer and with a dent.
 struct RestlessBall {
   std::shared_ptr<const TriangleMesh> mesh = made::shared(made::sphere(0.03, 20, 0.05));
   std::mt19937_64 random;
@@ -65,10 +65,10 @@ double longest_of(const MorphTarget& target) {
 }
 
 // How far the surface may have moved since the last step decides whether the probe is taken along in the step in which contact begins. A
-// stage knows how far; keyframes add up what their targets move.
+// stage knows this distance; for keyframes, the distances that their targets move are added up.
 enum class TravelBound : std::uint8_t { of_stage, of_keyframes };
 
-// The twin: the same shapes at the same times as keyframes, known beforehand.
+// The twin has the same shapes at the same times, as keyframes that are known beforehand.
 void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t frames, double frame_s, const Material& material,
                                    TravelBound bound = TravelBound::of_stage) {
   SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << frames << " shapes");
@@ -124,17 +124,17 @@ TEST(StreamedMethod, GivesTheForceOfTheSameShapesAsKeyframes) {
   for (const std::uint64_t seed : {1, 2, 3}) expect_the_force_of_keyframes(seed, MeshDeformation::kMaxTargets, 0.08, {});
 }
 
-// With one shape: the bound of how far several targets may move the surface is wider, so the probe may be taken along in the step in which
-// contact begins, which friction and damping of that step feel.
+// With one shape only: with several targets, the bound of how far the surface may move is wider, so the probe may be taken along in the
+// step in which contact begins, which changes friction and damping in that step.
 TEST(StreamedMethod, GivesTheForceOfAKeyframeUnderFrictionAndDamping) {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     expect_the_force_of_keyframes(seed, 1, 1.2, {.damping_ns_per_m = 1.0, .friction_static = 0.4, .friction_dynamic = 0.3});
   }
 }
 
-// With several shapes: the same, where a stage has the wider bound of the keyframes. Without it, the steps in which contact begins differ
-// by some hundredths of a newton: the probe is taken along in one of the two methods and not in the other, and what the probe moves along
-// the surface in that step differs, which friction and damping feel.
+// With several shapes the forces agree if a stage is given the wider bound of the keyframes. Otherwise the forces in the steps in which
+// contact begins differ by some hundredths of a newton: the probe is taken along in only one of the two methods, so its motion along the
+// surface in that step differs, and with it friction and damping.
 TEST(StreamedMethod, GivesTheForceOfKeyframesUnderFrictionAndDampingWithTheirBound) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     expect_the_force_of_keyframes(seed, MeshDeformation::kMaxTargets, 0.08,
@@ -142,7 +142,7 @@ TEST(StreamedMethod, GivesTheForceOfKeyframesUnderFrictionAndDampingWithTheirBou
   }
 }
 
-// Another twin: the reference on the mesh of that time, over all triangles.
+// Another twin: the reference, on all triangles of the mesh as it is at that time.
 TEST(StreamedMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   RestlessBall ball(5);
   SCOPED_TRACE("seed 5");
@@ -162,7 +162,7 @@ TEST(StreamedMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   EXPECT_GT(touched, 700);
 }
 
-// Shapes that jump, at any rate and as late as they like: the force on a hand that holds still changes by stiffness times 0.25 m/s at most.
+// Shapes that jump, at any interval and due at once: while the hand holds still, the force changes by at most stiffness times 0.25 m/s.
 TEST(StreamedMethod, NoShapeMakesTheForceJump) {
   for (const int every : {1, 5, 33, 250}) {
     const auto mesh = made::shared(made::sheet(0.03, 0.0, 8));
@@ -191,7 +191,7 @@ TEST(StreamedMethod, NoShapeMakesTheForceJump) {
   }
 }
 
-// A gap in the samples, while one stage ends and another begins, passes nothing.
+// In a gap in the samples one stage ends and another begins: the surface does not pass through the hand unnoticed.
 TEST(StreamedMethod, AGapInTheSamplesPassesNothing) {
   const auto mesh = made::shared(made::sheet(0.03, 0.0, 12));
   for (const double gap_s : {0.01, 0.05, 0.2, 2.0}) {
@@ -208,7 +208,7 @@ TEST(StreamedMethod, AGapInTheSamplesPassesNothing) {
   }
 }
 
-// While the hand is far away nothing is computed, and the shapes go on; it then comes at the surface at once.
+// While the hand is far away, nothing is computed, but the shapes go on; when the hand then reaches the surface, contact begins at once.
 TEST(StreamedMethod, ShapesGoOnWhileTheHandIsFarAway) {
   RestlessBall ball(6);
   SCOPED_TRACE("seed 6");

@@ -54,7 +54,7 @@ TouchScene sheet_with(const SurfaceEffects& effects, std::vector<SwitchedEffect>
 
 TouchStep make_step_over(const char* method, const TouchScene& scene) { return {*make_method({.name = method}, scene), scene}; }
 
-// The frame of an effect is the scene's: it turns with it.
+// Effects are given in the frame of the scene, so they turn with the scene.
 TEST(TouchStep, EffectsTurnWithTheScene) {
   Pose X_WS = Pose::Identity();
   X_WS.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()).toRotationMatrix();  // +z to +x
@@ -70,7 +70,7 @@ TEST(TouchStep, EffectsTurnWithTheScene) {
     EXPECT_EQ(free.visual_offset_m, Vec3::Zero());
     EXPECT_EQ(free.object, -1) << "only effects in free space act";
     const TouchOutput pressed = touch.step({.p_WD = {0.498, 0.03, 0.01}, .X_WS = X_WS});
-    // 2 mm: 2 N, 0.8 N of the progressive part, and the constant.
+    // At a depth of 2 mm: 2 N of the spring, 0.8 N of the progressive part, and the constant force.
     EXPECT_LT((pressed.force_n - Vec3(3.05, 0, 0)).norm(), 1e-5) << method;
     EXPECT_LT((pressed.visual_offset_m - Vec3(0.002, 0, 0)).norm(), 1e-8) << method;
   }
@@ -101,7 +101,7 @@ TEST(TouchStep, MovingTheSceneAfterASampleThatIsNotFiniteIsNoVelocity) {
   for (int i = 0; i < 20; ++i) EXPECT_LT(touch.step({.p_WD = p_WD, .X_WS = X_WS}).force_n.norm(), 1e-9) << i;
 }
 
-// What a needle was held by is not what holds the tool.
+// A layer that a needle has punctured holds the needle; while a tool is held, there is no needle to hold.
 TEST(TouchStep, BesideAToolNoProbeIsHeld) {
   SurfaceEffects effects;
   effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 1.0});
@@ -114,7 +114,7 @@ TEST(TouchStep, BesideAToolNoProbeIsHeld) {
   EXPECT_FALSE(touch.held_offset());
 }
 
-// A sheet of 100 mm with the image of a ramp along x: by every method, what the ramp's formula says.
+// A sheet of 200 mm with the image of a ramp along x: every method gives the force that the ramp's formula gives.
 TEST(TouchStep, MapsAreFeltWithEveryMethodAndUseNoHeap) {
   TouchScene scene = sheet_with({});
   auto triangles = std::make_shared<std::vector<MappedTriangle>>();
@@ -142,7 +142,7 @@ TEST(TouchStep, MapsAreFeltWithEveryMethodAndUseNoHeap) {
       const Vec3 p(-0.05 + 1e-3 * n, 0.003 + 1e-4 * n, -0.002);
       const double pressed_m = 0.002 - 0.001 * (1.0 - (p.x() + 0.1) / 0.2);
       const Vec3 expected = 1000.0 * pressed_m * (Vec3::UnitZ() - 0.001 / 0.2 * Vec3::UnitX());
-      // Pressed from above: the proxy of sweep stays behind on a slide.
+      // Each point is pressed from above, because in a slide the proxy of sweep stays behind.
       touch.reset({.p_WD = p + Vec3(0, 0, 0.004)});
       (void)touch.step({.p_WD = p + Vec3(0, 0, 0.003)});
       worst_n = std::max(worst_n, (touch.step({.p_WD = p}).force_n - expected).norm());
@@ -212,7 +212,7 @@ TEST(TouchStep, EffectsUseNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// At 1,000 N/m: a press at 0.05 m/s.
+// A press at 0.05 m/s into a surface of 1,000 N/m.
 TEST(TouchStep, DampingOfMaterialsIsFeltWithEveryMethod) {
   TouchScene scene = sheet_with({});
   scene.objects[0].material = {.damping_ns_per_m = 4.0};
@@ -229,7 +229,7 @@ TEST(TouchStep, DampingOfMaterialsIsFeltWithEveryMethod) {
   }
 }
 
-// A slide at 1,000 N/m, 2 mm deep: 1 mm of it is below 0.6 times 2 N.
+// A slide 2 mm deep on a surface of 1,000 N/m: after 1 mm the tangential force, 1 N, is still below static friction, 0.6 times 2 N.
 TEST(TouchStep, FrictionOfMaterialsIsFeltWithEveryMethod) {
   TouchScene scene = sheet_with({});
   scene.objects[0].material = {.friction_static = 0.6, .friction_dynamic = 0.3};
@@ -251,7 +251,7 @@ TEST(TouchStep, FrictionOfMaterialsIsFeltWithEveryMethod) {
   }
 }
 
-// As hapton set gives them, on an object that had none, and takes them away again.
+// `hapton set` can give them to an object that had none, and take them away again.
 TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
   for (const char* method : {"smooth", "sweep"}) {
     TouchScene scene = sheet_with({});
@@ -279,7 +279,7 @@ TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
   }
 }
 
-// The coupling makes damping less, as the method's materials have it.
+// The coupling reduces the damping as it does in the materials of the method (couple_material).
 TEST(TouchStep, DampingOfACoupledMethodIsCoupled) {
   TouchScene scene = sheet_with({});
   scene.objects[0].material = {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 8.0};

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Every method, with what changes the way it follows a surface.
+// Every method, with the settings that change how it follows a surface.
 std::vector<MethodSettings> all_settings() {
   return {{.name = "proxy"},
           {.name = "proxy", .shading = 1.0},
@@ -26,7 +26,7 @@ std::string name_of(const MethodSettings& settings) {
   return settings.name + (settings.shading > 0 ? " with shading" : "") + (settings.probe_radius_m > 0 ? " of a sphere" : "");
 }
 
-// Three boxes beside each other, their tops at z = 0, 1 mm apart, at different depths in the list.
+// Three boxes side by side, 1 mm apart, their tops at z = 0; their order in the list is not their order along x.
 TouchScene three_boxes(double friction) {
   TouchScene scene;
   for (const double x : {0.02, -0.02, 0.0}) {
@@ -50,7 +50,7 @@ TEST(TouchedObject, IsTheOneUnderTheProbe) {
         const MethodOutput pressed = method.step({.p_SD = {x, 0.001, -0.001}});
         ASSERT_TRUE(pressed.contact) << name_of(settings);
         EXPECT_EQ(pressed.object, object) << name_of(settings) << ", friction " << friction;
-        // A slide on the same top, and off it.
+        // A motion along the same top, then one off it.
         EXPECT_EQ(method.step({.p_SD = {x + 0.002, 0.003, -0.001}}).object, object) << name_of(settings);
         EXPECT_EQ(method.step({.p_SD = {x + 0.002, 0.003, 0.003}}).object, -1) << name_of(settings);
       }
@@ -68,7 +68,7 @@ TEST(TouchedObject, IsNoneForASampleThatIsNotFinite) {
   }
 }
 
-// A floor and a wall: in the corner it is the one that pushes more. Only for methods that hold both.
+// A floor and a wall: in the corner, the touched object is the one that pushes more. Only for methods whose proxy both can hold.
 TEST(TouchedObject, InACornerIsTheOneThatPushesMore) {
   TouchScene scene;
   scene.objects.push_back({made::shared(made::box({-0.05, -0.05, -0.02}, {0.05, 0.05, 0.0})), {}});
@@ -88,7 +88,7 @@ TEST(TouchedObject, InACornerIsTheOneThatPushesMore) {
   }
 }
 
-// A seeded walk over the three boxes, in and out: whatever is touched is the object nearest to the proxy.
+// A random walk over the three boxes, in and out: the touched object is always the one nearest to the proxy.
 TEST(TouchedObject, IsNearestToTheProxyOnAWalk) {
   constexpr std::uint64_t kSeed = 4;
   const TouchScene scene = three_boxes(0.0);

@@ -1,4 +1,4 @@
-// Where surfaces that deform are touched (ForceMethod::find_place), against affine deformations, which say it in closed form.
+// Where deforming surfaces are touched (ForceMethod::find_place), compared with the closed form that affine deformations have.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// At the weight 1 a point is at p + A p.
+// The matrix A of the deformation: with weight 1, a point p of the shape at rest is at p + A p.
 Mat3 whole_stretch() { return (Mat3() << 0.15, 0.05, 0.0, -0.04, -0.1, 0.06, 0.0, 0.08, 0.12).finished(); }
 
 TouchScene stretched_ball(double scale) {
@@ -68,7 +68,7 @@ TEST(TouchedPlace, OfAnAffineDeformationIsWhatItsFormulaSays) {
   }
 }
 
-// Shapes that a program gives, the same ones.
+// The same deformation, by shapes that a program gives.
 TEST(TouchedPlace, OfStreamedShapesIsThatOfKeyframes) {
   const TouchScene scene = stretched_ball(1.0);
   const auto mesh = scene.objects[0].mesh;

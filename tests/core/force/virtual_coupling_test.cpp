@@ -34,7 +34,7 @@ TEST(VirtualCoupling, WithoutOneNothingChanges) {
   EXPECT_EQ(couple_material(material, 0.0).damping_ns_per_m, 0.7);
 }
 
-// The force at rest at a depth in a ball, by each method that is exact there.
+// The force at a depth in a ball, by every method. A coupling of 1,000 N/m in series with 3,000 N/m leaves a quarter of it.
 TEST(VirtualCoupling, EveryMethodHasIt) {
   const TouchScene ball{.objects = {{made::shared(made::sphere(0.05, 32)), {.stiffness_n_per_m = 3000.0}}}};
   for (const char* name : {"proxy", "smooth", "sweep", "reference"}) {

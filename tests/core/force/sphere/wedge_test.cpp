@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// The walls of the corner; and what else there is.
+// The three walls of a corner, and `others`: further meshes of the scene.
 struct InCorner : CornerStage {
   static constexpr double kFar = Wedge::kFarthest * kClearance.offset;
 
@@ -26,7 +26,7 @@ TEST(WedgeOfPlanes, ACornerOfThreeWallsHolds) {
   EXPECT_GT(in.work, 0);
 }
 
-// Between the walls, nearer than a way out would lead.
+// The small box lies between the walls, nearer than a way out of the corner may lead (Wedge::kFarthest).
 TEST(WedgeOfPlanes, NotWithSomethingInBetween) {
   const TriangleMesh between = made::box(Vec3::Constant(0.004), Vec3::Constant(0.005));
   EXPECT_FALSE(InCorner({&between}).holds());

@@ -31,7 +31,7 @@ std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int,
 
 MethodOutput step(ForceMethod& method, const Vec3& p_SD) { return method.step({.p_SD = p_SD}); }
 
-// What that step adds to the counters.
+// What a step to p_SD adds to the counters.
 SweepCounters count_step(SweepMethod& method, const Vec3& p_SD) {
   const SweepCounters before = method.counters();
   step(method, p_SD);
@@ -107,8 +107,8 @@ TEST(SweepMethod, PressingAPlaneIsHookesLawFromEitherSide) {
 }
 
 TEST(SweepMethod, TheNextLineStartsAtTheOffsetFromTheCollisionPoint) {
-  // Sliding in depth: the line from the offset start meets the plane at the share offset / (offset + depth) of the path to the new
-  // position.
+  // A slide at constant depth: the line that starts at the offset above the collision point meets the plane after the fraction
+  // offset / (offset + depth) of the path to the new position.
   constexpr double kDepth = 0.001;
   for (const double offset : {kOffsetVector, 1e-4, 1e-3}) {
     const auto method = make_sweep(scene_of(made::sheet(0.1, 0.0, 7)), {32, 32, 32}, offset);
@@ -169,20 +169,20 @@ TEST(SweepMethod, OneSidedSurfaceIsTouchedFromItsFrontOnly) {
 TEST(SweepMethod, CountersShowWhereTheWorkEnded) {
   // One flat layer of 4 x 4 cells with two triangles.
   const auto method = make_sweep(scene_of(made::sheet(0.04, 0.0, 1)), {4, 4, 4});
-  // Within one cell below the diagonal, which lists only the lower triangle.
+  // A line within one cell below the diagonal; the cell lists only the lower triangle.
   method->reset({0.033, -0.033, 0.001});
   const SweepCounters within = count_step(*method, {0.033, -0.033, -0.001});
   EXPECT_EQ(within.cells_visited, 1U);
   EXPECT_EQ(within.triangles_tested, 1U);
   EXPECT_EQ(within.collisions, 1U);
-  // From end to end: all cells, each triangle once.
+  // A line from end to end visits all cells and tests each triangle once.
   method->reset({-0.039, 0.03, 0.001});
   const SweepCounters across = count_step(*method, {0.039, -0.038, -0.001});
   EXPECT_EQ(across.cells_visited, 16U);
   EXPECT_EQ(across.triangles_tested, 2U);
   EXPECT_EQ(across.triangles_tested + across.repeated_triangles, method->grid().occupancy().entries);
   EXPECT_EQ(across.collisions + across.out_of_triangle, 2U);
-  // Along the sheet: step 2. Above the sheet's box: no cell at all.
+  // A line in the plane of the sheet ends at step 2 (parallel). A line above the sheet's box visits no cell at all.
   method->reset({-0.03, 0.01, 0.0});
   const SweepCounters along = count_step(*method, {-0.02, 0.01, 0.0});
   EXPECT_GE(along.parallel, 1U);
@@ -205,7 +205,7 @@ TEST(SweepMethod, EmptyCellsEndAtStepOne) {
 TEST(SweepMethod, RestingAndWildSamplesAreHarmless) {
   const auto method = make_sweep(scene_of(made::sphere(0.05, 12)));
   method->reset({0.06, 0, 0.001});
-  EXPECT_FALSE(step(*method, {0.06, 0, 0.001}).contact);  // no line
+  EXPECT_FALSE(step(*method, {0.06, 0, 0.001}).contact);  // the device has not moved: no line
   const MethodOutput pressed = step(*method, {0.045, 0, 0.001});
   EXPECT_TRUE(pressed.contact);
   const double nan = std::numeric_limits<double>::quiet_NaN();
