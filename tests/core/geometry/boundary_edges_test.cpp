@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-// Every triangle with its own vertices, moved towards its middle by a share of the distance.
+// Gives every triangle its own vertices and moves each of these towards the triangle's middle by a fraction of its distance.
 TriangleMesh torn(const TriangleMesh& mesh, double share) {
   TriangleMesh apart;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -50,7 +50,7 @@ TEST(BoundaryEdges, WiderThanTheWidthAreOpen) {
   EXPECT_EQ(count_boundary_edges(torn(ball, 0.1), 1e-5).cracks, 0U);
 }
 
-// The neighbour has the edge in two halves.
+// On the other side of the triangle's edge lie the halves of that edge, each in a triangle of its own.
 TEST(BoundaryEdges, OfATJunctionAreCracks) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 0, 0}, {0.5, -1, 0}};
@@ -73,7 +73,7 @@ TEST(BoundaryEdges, TakeNoNoticeOfTrianglesThatRepeatAVertex) {
   EXPECT_EQ(count.open + count.cracks, 0U);
 }
 
-// Each boundary edge against every other.
+// Compares each boundary edge with every other one.
 std::size_t count_cracks_by_brute_force(const TriangleMesh& mesh, double width) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (const Triangle& t : mesh.triangles) {
@@ -115,7 +115,7 @@ TEST(BoundaryEdges, AreTheOnesThatBruteForceFinds) {
   }
 }
 
-// The gap of a torn body is what was torn, however far cracks are looked for.
+// The crack measured is as wide as the body was torn, whatever the width up to which cracks are searched for.
 TEST(BoundaryEdges, TheWidestCrackIsMeasured) {
   const TriangleMesh ball = make_icosphere(0.5, 2);
   for (const double scale : {1e-6, 1.0, 1e6}) {
@@ -132,7 +132,7 @@ TEST(BoundaryEdges, TheWidestCrackIsMeasured) {
   EXPECT_EQ(count_boundary_edges(make_plane_grid(1.0, 3), 1e-3).widest_crack, 0.0);
 }
 
-// Triangles as large as the mesh: the work per edge grows with their number until it is cut off, which is reported.
+// With triangles as large as the mesh, the work per edge grows with their number until it is cut off; has_given_up reports this.
 TEST(BoundaryEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
   const TriangleMesh soup = made::soup(5, 2000, 1.0, 1.0);
   const BoundaryEdges all = count_boundary_edges(soup, 1e-3);
@@ -147,15 +147,15 @@ TEST(BoundaryEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
       << "of a surface, far from it";
 }
 
-// Counted, not timed: the boxes and points examined per boundary edge, for triangles as large as the space that they are in, for triangles
-// in one place, and for a torn surface.
+// The work is counted, not timed: boxes and points examined per boundary edge, for triangles as large as the space that they are in, for
+// triangles in one place, and for a torn surface.
 TEST(BoundaryEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
   struct Case {
     const char* name;
     double space;
     double size;
-    double growth;  // largest growth of the work per edge from 1,000 triangles to 16,000: their cube root is 2.5
-    double most;    // per edge
+    double growth;  // largest growth of the work per edge from 1,000 to 16,000 triangles; the cube root of 16 is 2.5
+    double most;    // largest work per edge
   };
   constexpr double kWidth = 1e-3;
   for (const Case& c :

@@ -40,7 +40,7 @@ TEST(BoundaryLoops, OpeningsOfABallAreFoundTheWidestFirst) {
   EXPECT_TRUE(loops[0].is_opening() && loops[1].is_opening());
   EXPECT_LT(loops[0].centre.x(), -0.4);
   EXPECT_GT(loops[1].centre.z(), 0.45);
-  // Of triangles whose middles are beyond a plane, the rim is within an edge of a circle there.
+  // The triangles whose middles are beyond a plane were removed, so the rim deviates from a circle in that plane by at most an edge.
   const double edge = 0.07;
   for (const auto& [loop, plane] : {std::pair{loops[0], 0.45}, std::pair{loops[1], 0.48}}) {
     const double diameter = 2.0 * std::sqrt(0.25 - plane * plane);
@@ -49,7 +49,7 @@ TEST(BoundaryLoops, OpeningsOfABallAreFoundTheWidestFirst) {
   }
 }
 
-// A round hole that continues in a slot, in a plate that is tilted: a ball of nearly the hole's diameter gets through.
+// A round hole that continues in a slot, in a tilted plate: a ball of nearly the hole's diameter fits through.
 TEST(BoundaryLoops, ASlotDoesNotMakeAHoleNarrower) {
   TriangleMesh plate;
   const Quat tilt = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3(1, 2, 3));

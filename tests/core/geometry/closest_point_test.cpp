@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRounding = std::numeric_limits<double>::epsilon();
 
-// The comparison uses a 113-bit mantissa: needles cost long double all its extra digits.
+// The comparison uses a 113-bit mantissa: with needles, rounding destroys all the extra digits of long double.
 __extension__ typedef __float128 Quad;
 
 struct Wide {

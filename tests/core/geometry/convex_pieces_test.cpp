@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// An L of height 1: the square [0, 2]^2 without ]1, 2]^2.
+// An L-shaped block of height 1: the square [0, 2]^2 without the part where x and y are above 1.
 TriangleMesh corner_block() {
   TriangleMesh mesh;
   for (const double z : {0.0, 1.0}) {
@@ -31,7 +31,7 @@ TriangleMesh corner_block() {
   return mesh;
 }
 
-// The largest distance of a point of its hull above a half space, by directions: is `p` within the hull of the piece?
+// Whether `p` is within the hull of the piece: in none of 300 random directions does `p` lie farther than all points of the piece.
 bool is_within(const ConvexPiece& piece, const Vec3& p) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
@@ -54,7 +54,7 @@ TEST(ConvexPieces, ACornerBlockIsCutAlongItsWall) {
   ASSERT_EQ(pieces.size(), 2U);
   double volume = 0.0;
   for (const ConvexPiece& piece : pieces) {
-    Eigen::AlignedBox3d box;  // each is a box
+    Eigen::AlignedBox3d box;  // each piece is a box
     for (const Vec3& point : piece) box.extend(point);
     volume += box.volume();
   }
@@ -85,7 +85,7 @@ TEST(ConvexPieces, TheyAreTheSolidUpToTheBound) {
   EXPECT_GT(outside, 500);
 }
 
-// A cube of the planes of six faces, each of so many squares, that is square to no axis.
+// A cube of six separate faces, each of squares x squares squares, turned so that no face is perpendicular to an axis.
 TriangleMesh tilted_cube(int squares) {
   const Mat3 tilt = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   TriangleMesh cube;
@@ -103,7 +103,7 @@ TriangleMesh tilted_cube(int squares) {
   return cube;
 }
 
-// Points and boxes that are compared with a plane, by triangle: each of all points with each plane were 3 times the triangles.
+// How many points and boxes are compared with a plane, per triangle. All corners with all planes would be 3 times the triangles.
 double compared_by_triangle(const TriangleMesh& mesh, double max_concavity, std::size_t pieces) {
   std::size_t compared = 0;
   EXPECT_EQ(split_into_convex(mesh, max_concavity, 64, &compared).size(), pieces);

@@ -49,7 +49,7 @@ TEST(CornerNormals, OfABoxAreItsFaces) {
   EXPECT_EQ(smooth.normals, mesh.vertices.size());
 }
 
-// A box with rounded authored normals: the normal at each corner points from the middle.
+// A box with authored normals as of a rounded one: the normal at each corner points away from the box's middle.
 TriangleMesh rounded_box() {
   TriangleMesh mesh = make_box(Vec3(1, 1, 1), 1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -90,7 +90,7 @@ TEST(CornerNormals, AuthoredOnesThatAreNotValidFallBackToComputedOnes) {
   EXPECT_NE(authored.describe().find("33 used"), std::string::npos) << authored.describe();
 }
 
-// As a file may have them. A search among all of them would take as long as the test may.
+// A file may contain such a mesh. A search among all of its normals would use up the time limit of the test.
 TEST(CornerNormals, AnyNumberOfAuthoredOnesMayMeetAtOneVertex) {
   constexpr std::uint32_t kCount = 1'000'000;
   TriangleMesh mesh;
@@ -142,7 +142,7 @@ TEST(CornerNormals, AuthoredOnesOfAFlippedMeshPointTheOppositeWay) {
   EXPECT_EQ(count_authored_normals(both).used, 36U);
 }
 
-// They have no common outside, however round the mesh is meant to be.
+// Such neighbours have no common outer side, whatever the crease angle is.
 TEST(CornerNormals, InconsistentlyOrientedNeighboursShareNone) {
   TriangleMesh sheet;
   sheet.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
@@ -155,7 +155,7 @@ TEST(CornerNormals, InconsistentlyOrientedNeighboursShareNone) {
   }
 }
 
-// The angle, not the number of triangles, gives a face its weight.
+// The weight of a face in the normal is its angle at the corner, not its number of triangles.
 TEST(CornerNormals, DoNotDependOnHowAFaceIsCut) {
   CornerNormalReport report;
   const ShadedMesh shaded = shade(make_box(Vec3(1, 1, 1)), 180.0, report);

@@ -14,8 +14,8 @@
 namespace hapton {
 namespace {
 
-// The largest distance of a boundary vertex to the nearest boundary edge whose triangle does not contain the vertex. closest_point with two
-// equal corners is that of a segment.
+// The largest distance of a boundary vertex to the nearest boundary edge whose triangle does not contain the vertex. With two equal
+// corners, closest_point finds the closest point of a segment.
 double widest_gap(const TriangleMesh& mesh) {
   TriangleMesh copy = mesh;
   const SeamMesh seam(copy, find_boundary_vertices(mesh), 1.0);

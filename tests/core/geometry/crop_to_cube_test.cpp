@@ -28,7 +28,7 @@ TriangleMesh close_up_of(const TriangleMesh& mesh, const Vec3& centre, double ha
 
 TEST(CloseUp, ShowsWhatLiesInTheCubeAndNothingElse) {
   const TriangleMesh box = make_box(Vec3::Constant(1.0), 3);
-  const TriangleMesh corner = close_up_of(box, Vec3(0.5, 0.4, 0.5), 0.25);  // three walls: 0.25 and 0.35 inside
+  const TriangleMesh corner = close_up_of(box, Vec3(0.5, 0.4, 0.5), 0.25);  // three walls; 0.25 or 0.35 of their sides are in the cube
   EXPECT_NEAR(area_of(corner), 2.0 * 0.25 * 0.35 + 0.25 * 0.25, 1e-12);
   EXPECT_LE(compute_bounds(corner).high.maxCoeff(), 0.25);
   EXPECT_GE(compute_bounds(corner).low.minCoeff(), -0.25);
@@ -40,7 +40,7 @@ TEST(CloseUp, ShowsWhatLiesInTheCubeAndNothingElse) {
 TEST(CloseUp, LeavesOutTrianglesThatOnlyTouchTheCube) {
   TriangleMesh mesh;
   mesh.vertices = {{0.25, 0.0, 0.0}, {0.25, 0.1, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.1, 0.1}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};  // by an edge, by a corner
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};  // one touches with an edge, the other with a corner
   const TriangleMesh close = close_up_of(mesh, Vec3::Zero(), 0.25);
   EXPECT_TRUE(close.triangles.empty());
   EXPECT_TRUE(close.vertices.empty());

@@ -46,7 +46,7 @@ TEST(FarPoints, WithoutPointsOrExtentNothingIsFarther) {
   EXPECT_EQ(same.find_farthest(Vec3::UnitZ(), Vec3::Zero(), 0.5), 3.0);
 }
 
-// Points on a sphere, as a convex surface has them, from each tangent plane: the square root of their number, where all were looked at.
+// Each query is from the tangent plane of a point on a sphere: it looks at about the square root of the points' number, not at all of them.
 TEST(FarPoints, OfACurvedSurfaceAQueryLooksAtAFew) {
   for (const std::size_t count : {1000U, 4000U, 16000U, 64000U}) {
     std::mt19937_64 random(5);
@@ -58,7 +58,7 @@ TEST(FarPoints, OfACurvedSurfaceAQueryLooksAtAFew) {
   }
 }
 
-// What a person allows bounds the work, however fine the surface is.
+// A distance that is allowed (`least`) bounds the work, however fine the surface is.
 TEST(FarPoints, WhatIsAllowedBoundsTheWorkHoweverManyPointsThereAre) {
   for (const std::size_t count : {1000U, 4000U, 16000U, 64000U}) {
     std::mt19937_64 random(5);
@@ -70,7 +70,7 @@ TEST(FarPoints, WhatIsAllowedBoundsTheWorkHoweverManyPointsThereAre) {
   }
 }
 
-// Equally far ones, as those of the rim of a notch, are not looked at one by one.
+// Points that are equally far, such as those on the rim of a notch, are not looked at one by one.
 TEST(FarPoints, OfEquallyFarPointsAFewAreLookedAt) {
   std::vector<Vec3> points;
   for (int i = 0; i < 100; ++i) {

@@ -67,7 +67,7 @@ TEST(InsideOut, DistinguishesAClosedBodyFromAFlippedOne) {
 
 TEST(InsideOut, ExaminesEachBodySeparately) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
-  // The large one outweighs the small flipped one.
+  // In a sum over both, the large ball would outweigh the small flipped one.
   expect(put_beside(moved(ball, 10.0, Vec3(20, 0, 0)), turned(ball)), 2, 1);
   expect(put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0))), 2, 2);
   const TriangleMesh both = put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0)));
@@ -75,7 +75,7 @@ TEST(InsideOut, ExaminesEachBodySeparately) {
   EXPECT_EQ(count_closed_bodies(ball).inside_out_at, Vec3(0, 0, 0));
 }
 
-// It would hide the inner sides that are seen of the flipped one, and the finding.
+// If it joined them, neither the count nor find_outward_triangles would show that one of the balls is flipped.
 TEST(InsideOut, ATriangleWithAVertexTwiceJoinsNoBodies) {
   const TriangleMesh ball = make_icosphere(1.0, 0);
   TriangleMesh both = put_beside(moved(ball, 3.0, Vec3::Zero()), turned(moved(ball, 1.0, Vec3(5, 0, 0))));
@@ -95,7 +95,7 @@ TEST(InsideOut, LeavesCavitiesAlone) {
   expect(put_beside(turned(ball), moved(ball, 0.5, Vec3::Zero())), 2, 1);
 }
 
-// A grid of balls with a cavity each, and of balls between them that are inside out. One by one it were thousands a body.
+// A grid of balls with a cavity each, and of balls between them that are inside out. Comparing each with all would take thousands per body.
 TEST(InsideOut, TheWorkIsNearLinearInTheBodies) {
   const TriangleMesh ball = make_icosphere(1.0, 0);
   for (const std::size_t side : {8U, 16U, 32U}) {
@@ -116,7 +116,7 @@ TEST(InsideOut, TheWorkIsNearLinearInTheBodies) {
   }
 }
 
-// Where none has its front outside there is nothing to be inside of.
+// Only a body with its front outside can have a cavity; without one, no body needs to be compared.
 TEST(InsideOut, OfBodiesThatAreAllInsideOutNoneIsCompared) {
   TriangleMesh all;
   const TriangleMesh ball = turned(make_icosphere(1.0, 0));

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// As an ordered map, however small it begins.
+// The table gives the same numbers as an ordered map, however small its initial size is.
 TEST(KeyTable, GivesEachKeyItsFirstNumber) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

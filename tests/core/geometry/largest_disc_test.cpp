@@ -48,7 +48,7 @@ TEST(LargestDisc, OfPolygonsThatHaveOneInClosedForm) {
   }
 }
 
-// A round hole of 10 that continues in a slot of 1 x 40.
+// A round hole of diameter 10 that continues in a slot of 1 x 40.
 TEST(LargestDisc, ASlotDoesNotMakeARoundHoleNarrower) {
   const double at = std::asin(0.1);
   Points keyhole = arc(5.0, at, 2.0 * std::numbers::pi - at, 200);
@@ -59,7 +59,7 @@ TEST(LargestDisc, ASlotDoesNotMakeARoundHoleNarrower) {
   EXPECT_LE(found, 10.3);
 }
 
-// A round hole of 0.02 at the end of a slit of 0.001 x 5.2 that goes round: a long rim of many edges must not cost the accuracy.
+// A hole of diameter 0.02 at the end of a slit of 0.001 x 5.2 that follows a circle: a long rim of many edges must not reduce accuracy.
 TEST(LargestDisc, ALongRimOfManyEdgesDoesNotMakeItWider) {
   constexpr int kEdges = 10'000;
   Points slit = arc(1.0005, 0.01, 5.2, kEdges);
@@ -74,7 +74,7 @@ TEST(LargestDisc, ALongRimOfManyEdgesDoesNotMakeItWider) {
   EXPECT_LE(found, 0.0206);
 }
 
-// So many steps that the length of the rim is twice that of a circle.
+// The rim has so many teeth that it is about three times as long as a circle.
 TEST(LargestDisc, AJaggedRimDoesNotMakeItNarrower) {
   Points star;
   for (int n = 0; n < 400; ++n) {
@@ -94,7 +94,7 @@ TEST(LargestDisc, WhatIsWithinTwoOfThemIsOutside) {
   EXPECT_NEAR(found, in_corner, 0.012 * in_corner);
 }
 
-// Against the depth of points of a fine grid, which none is deeper than by the grid's step.
+// Compared with the deepest point of a fine grid: no other point is deeper by more than half a diagonal of the grid's squares.
 TEST(LargestDisc, OfRandomStarsIsThatOfTheDeepestPoint) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> radius(0.2, 1.0);

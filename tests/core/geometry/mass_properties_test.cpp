@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Of a box a x b x c: (b^2 + c^2) / 12 about its first axis. Far from the origin, where differences of large numbers would show.
+// The inertia per mass of a box a x b x c about its first axis is (b^2 + c^2) / 12. Far from the origin, cancellation would show.
 TEST(MassProperties, OfABoxAreInClosedForm) {
   for (const double away : {0.0, 1e3, 1e6}) {
     const Vec3 low(away, -away, 2.0 * away);
@@ -24,7 +24,7 @@ TEST(MassProperties, OfABoxAreInClosedForm) {
   }
 }
 
-// Of a ball: 2 r^2 / 5. A surface of flat triangles inside it has less, by a share that falls as the square of their size.
+// The inertia per mass of a ball is 2 r^2 / 5. A mesh of flat triangles inside it has less; the missing part falls with their size squared.
 TEST(MassProperties, OfABallAreThoseOfItsLimit) {
   double last = 1.0;
   for (const int bands : {10, 20, 40}) {
@@ -45,7 +45,7 @@ TEST(MassProperties, OfNoSolidThereAreNone) {
   TriangleMesh open = made::box({0, 0, 0}, {1, 1, 1});
   open.triangles.pop_back();
   EXPECT_FALSE(compute_mass_properties(open));
-  // Both sides of a sheet: a volume of rounding alone.
+  // Both sides of a sheet: its volume consists of rounding errors alone.
   TriangleMesh flat = made::box({0.1, 0.2, 0.3}, {1.3, 1.7, 0.3});
   for (Vec3& v : flat.vertices) v = Quat(0.5, 0.5, 0.5, 0.5) * Quat(0.8, 0.6, 0, 0) * v;
   EXPECT_FALSE(compute_mass_properties(flat));
@@ -55,7 +55,7 @@ TEST(MassProperties, OfNoSolidThereAreNone) {
   EXPECT_FALSE(compute_mass_properties(inside_out));
 }
 
-// Their volumes have a sum above zero, but the inertia would be that of the large body less that of the small one, which is far away.
+// The sum of the volumes is above zero, but the inertia would be that of the large body minus that of the small one, which is far away.
 TEST(MassProperties, OfBodiesOfWhichOneIsInsideOutThereAreNone) {
   const TriangleMesh large = made::box({0, 0, 0}, {1, 1, 1});
   const TriangleMesh small = made::box({10, 0, 0}, {10.9, 0.9, 0.9});

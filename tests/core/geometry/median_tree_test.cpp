@@ -72,7 +72,7 @@ TEST(MedianTree, SortsByThePlaceAndEnclosesTheExtent) {
   EXPECT_EQ(tree.nodes()[1].box.max(), Vec3(3.1, 7.0, 0.0));
 }
 
-// Items that are numbers, of which most have their place in common with others.
+// The items are numbers of points; most of the points are at the same place as others.
 TEST(MedianTree, OfNumbersDoesNotDependOnTheOrderInWhichTheyCame) {
   const std::vector<Vec3> points = scattered(3, 500, true);
   const auto place_of = [&](std::uint32_t i) -> const Vec3& { return points[i]; };
@@ -125,7 +125,7 @@ TEST(MedianTree, OfTwoAtTheSameDistanceVisitsTheLeftFirst) {
   EXPECT_EQ(next, points.size());
 }
 
-// Each query takes those near a point that none took before it.
+// Each query takes the points near `p` that no earlier query took.
 TEST(MedianTree, VisitsWhatIsOpenAndCountsWhatIsFinished) {
   for (const std::uint64_t seed : {8U, 9U}) {
     std::vector<Vec3> points = scattered(seed, 2000, true);

@@ -24,7 +24,7 @@ TriangleMesh inside_out(TriangleMesh mesh) {
   return mesh;
 }
 
-// Within 1 % with 16,000 triangles, and the error falls as the edges do.
+// With 16,000 triangles the curvature is within 1 %, and the error falls with the length of the edges.
 TEST(MeshCurvature, OfASphereIsOneByItsRadius) {
   for (const double radius_m : {1e-4, 0.05, 300.0}) {
     const TriangleMesh coarse = made::sphere(radius_m, 16);
@@ -35,7 +35,7 @@ TEST(MeshCurvature, OfASphereIsOneByItsRadius) {
   }
 }
 
-// At the centre of a fan on a cylinder of radius 1 m, whose other vertices are at these angles and this distance in its unrolled surface.
+// The relative error at the centre of a fan on a cylinder of radius 1 m. Angles and distance of other vertices: in the unrolled surface.
 double error_on_cylinder(const std::vector<double>& angles_deg, double distance) {
   TriangleMesh fan;
   fan.vertices.emplace_back(1.0, 0.0, 0.0);
@@ -79,7 +79,7 @@ TEST(MeshCurvature, OfAPlaneIsZeroAndOfItsBoundaryNotKnown) {
       plane.triangles.push_back({a, a + kSide + 1, a + kSide});
     }
   }
-  plane.vertices.emplace_back(9.0, 9.0, 9.0);  // of no triangle
+  plane.vertices.emplace_back(9.0, 9.0, 9.0);  // a vertex of no triangle
   const std::vector<double> curvature = compute_mean_curvature(plane);
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
     const bool is_inner = i % kSide > 0 && i % kSide + 1 < kSide && i / kSide > 0 && i / kSide + 1 < kSide;

@@ -36,7 +36,7 @@ TEST(MeshDeformation, StaysBeforeAndAfterItsKeysOrBeginsAgain) {
   EXPECT_NEAR(round.time_in_round(7.6), 0.1, 1e-12);
 }
 
-// No vertex goes farther than the bound, and the fastest is as fast as said, by brute force.
+// By brute force, no vertex moves farther than the bound; the speed of the fastest vertex is the one computed by hand.
 TEST(MeshDeformation, BoundsDisplacementAndSpeed) {
   const MeshDeformation deformation = two_targets(false);
   const std::vector<Vec3> rest(4, Vec3::Zero());
@@ -50,7 +50,7 @@ TEST(MeshDeformation, BoundsDisplacementAndSpeed) {
     const auto to = deformation.vertices_at(rest, b);
     for (std::size_t v = 0; v < 4; ++v) EXPECT_LE((to[v] - from[v]).norm(), deformation.most_displacement(a, b) + 1e-12);
   }
-  // Vertex 1 goes from (0, 0, -4) to (1, 0, 0) in a second.
+  // Vertex 1 moves from (0, 0, -4) to (1, 0, 0) in one second.
   EXPECT_DOUBLE_EQ(deformation.fastest_per_s(0), std::sqrt(17.0));
 }
 

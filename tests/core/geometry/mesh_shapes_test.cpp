@@ -79,7 +79,7 @@ TEST(MeshShapes, FlippedHasNegativeVolumeAndJoinedAddsUp) {
   EXPECT_TRUE(count_edges(both).closed());
 }
 
-// Normal curvatures along all edges, from how far the ends' normals turn.
+// The normal curvature along each edge is computed from the turn of the normal between its ends.
 TEST(MeshShapes, ARoughSphereBendsAsMuchAsSaid) {
   const double bend = 0.0007;
   const TriangleMesh mesh = make_rough_sphere(0.01, bend, 0.0025, 80000, 3);
@@ -103,7 +103,7 @@ TEST(MeshShapes, ARoughSphereBendsAsMuchAsSaid) {
   }
   const double mean = 1.0 / std::sqrt(squares / static_cast<double>(edges));
   EXPECT_GT(mean, 0.5 * bend);
-  EXPECT_LT(mean, 2.0 * bend);  // slopes flatten some of it
+  EXPECT_LT(mean, 2.0 * bend);  // on slopes the surface bends less
   EXPECT_GT(sharp, edges / 10);
   EXPECT_EQ(make_rough_sphere(0.01, bend, 0.0025, 80000, 3).vertices, mesh.vertices);
   EXPECT_NE(make_rough_sphere(0.01, bend, 0.0025, 80000, 4).vertices, mesh.vertices);

@@ -15,7 +15,7 @@ TriangleMesh tetrahedron() {
   return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 }
 
-// Adds another's triangles; equal vertices stay apart.
+// Adds the triangles of another mesh; equal vertices are not joined.
 void add(TriangleMesh& mesh, const TriangleMesh& other, const Vec3& shift = Vec3::Zero()) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (const Vec3& v : other.vertices) mesh.vertices.push_back(v + shift);
@@ -113,7 +113,7 @@ TEST(MeshTopology, CountsDuplicatesWhateverTheirOrder) {
   EXPECT_EQ(compute_mesh_topology(mesh).duplicate_triangles, 2U);
 }
 
-// Against sets and maps, on random triangles over few vertices, so that everything occurs.
+// Compared with sets and maps, on random triangles between few vertices, so that every irregularity occurs.
 TEST(MeshTopology, AgreesWithItsBruteForceTwin) {
   const unsigned seed = 20260807;
   RecordProperty("seed", static_cast<int>(seed));

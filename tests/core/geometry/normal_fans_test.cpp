@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// A box has three normals in a corner: two degenerate triangles along each edge piece, one in each corner.
+// A box has three normals at each corner: each edge gets two degenerate triangles, each corner one.
 TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
   SmoothSurfaceReport report;
   const auto surface = make_smooth_surface(make_box(Vec3(1, 1, 1)), {.longest_edge = 0.0}, report);
@@ -30,7 +30,7 @@ TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
   }
 }
 
-// At either end of the crease of two triangles the normals turn one way only: there is no corner to fill, and the report says so.
+// At either end of the crease between two triangles there are only two normals, so no corner can be filled; the report counts these ends.
 TEST(NormalFans, ACreaseThatEndsOnABoundaryLeavesOpenCorners) {
   const TriangleMesh roof = {{Vec3(0, 0, 1), Vec3(1, 0, 1), Vec3(0, 1, 0), Vec3(0, -1, 0)}, {{0, 1, 2}, {1, 0, 3}}};
   SmoothSurfaceReport report;
@@ -40,8 +40,8 @@ TEST(NormalFans, ACreaseThatEndsOnABoundaryLeavesOpenCorners) {
   EXPECT_EQ(report.fans.open_corners, 2U);
 }
 
-// The fans close the surface of normals: at every side of every triangle, degenerate or not, another one runs the other way with the same
-// normals, so no direction is left out and none is covered twice.
+// The fans close the surface of normals: at every side of every triangle, degenerate or not, another triangle has the reversed side with
+// the same normals, so no direction is left out and none is covered twice.
 TEST(NormalFans, FansLeaveNoGapBetweenNormals) {
   for (const TriangleMesh& mesh : {make_box(Vec3(1, 2, 3), 2), make_cylinder(1.0, 2.0, 12),
                                    make_prism({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}}, 1.0, 2), make_staircase(1.0, 3, 2)}) {
@@ -65,7 +65,7 @@ TEST(NormalFans, FansLeaveNoGapBetweenNormals) {
   }
 }
 
-// As a file may have it. A search among all turns at the tip would take as long as the test may.
+// A file may contain such a cone. A search among all changes of the normal at the tip would use up the time limit of the test.
 TEST(NormalFans, AnyNumberOfNormalsMayMeetAtOneVertex) {
   constexpr std::uint32_t kCount = 1'000'000;
   ShadedMesh cone;

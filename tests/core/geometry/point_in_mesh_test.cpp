@@ -45,14 +45,14 @@ TEST(PointInMesh, TheHoleOfATorusIsOutside) {
   EXPECT_FALSE(torus.is_inside(Vec3(-1.0, 0.0, 0.4)));
 }
 
-// As a file may have them. The rectangles around them cover the grid a hundred thousand times.
+// A file may contain such slivers. The rectangles around them cover the grid a hundred thousand times.
 TEST(PointInMesh, AHundredThousandSliversAcrossTheMesh) {
   TriangleMesh mesh = make_box(Vec3::Ones(), 4);
   for (int n = 0; n < 50'000; ++n) {
     const double x = 1e-5 * n - 0.25;
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), {Vec3(x, -0.5, -0.5), Vec3(x, 0.5, 0.5), Vec3(x, 0.5, 0.499)});
-    // Both sides, which cancel.
+    // Two triangles with opposite windings: their contributions cancel.
     mesh.triangles.push_back({first, first + 1, first + 2});
     mesh.triangles.push_back({first, first + 2, first + 1});
   }
@@ -72,9 +72,9 @@ TEST(PointInMesh, InvertedAndFarAway) {
   EXPECT_FALSE(shell.is_inside(move * 1e-3 + Vec3(0.0011, 0, 0)));
 }
 
-// Each side of the cylinder reaches over all rows of cells. With larger cells the answers are the same.
+// Each triangle of the cylinder's side reaches over all rows of cells. With larger cells the answers are the same.
 TEST(PointInMesh, LargeTrianglesAreListedNoOftenerThanGiven) {
-  constexpr std::size_t kMost = 4;  // of a triangle
+  constexpr std::size_t kMost = 4;  // listings per triangle
   const TriangleMesh mesh = make_cylinder(1.0, 1.0, 600);
   const PointInMesh all(mesh);
   const PointInMesh few(mesh, 1e-7, kMost);

@@ -58,8 +58,8 @@ TEST(RepairMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
   const std::size_t clean = mesh.triangles.size();
   const Triangle t = mesh.triangles[3];
   mesh.triangles.insert(mesh.triangles.begin() + 1, Triangle{t[0], t[0], t[1]});
-  mesh.triangles.push_back({t[1], t[2], t[0]});  // the same, starting at another vertex
-  mesh.triangles.push_back({t[0], t[2], t[1]});  // the other side
+  mesh.triangles.push_back({t[1], t[2], t[0]});  // the same triangle, starting at another vertex
+  mesh.triangles.push_back({t[0], t[2], t[1]});  // the same triangle, with the opposite winding
   RepairReport report;
   std::vector<std::uint32_t> source;
   const TriangleMesh repaired = repair_mesh(mesh, report, &source);

@@ -21,7 +21,7 @@ ScreenRectangle make_screen(const Vec3& p_WR, const Quat& q_WR, double width_m =
   return {Eigen::Translation3d(p_WR) * q_WR, width_m, height_m};
 }
 
-// A wall, a drawing board, a table, one seen from the side, one that leans forward.
+// Screens like a wall, a drawing board and a table, one that is seen from the side, and one that leans forward.
 std::vector<ScreenRectangle> screens() {
   return {make_screen({0.0, 0.0, 0.0}, Quat::Identity()), make_screen({0.03, 0.05, -0.12}, turn(-30.0, Vec3::UnitX())),
           make_screen({-0.02, -0.1, 0.04}, turn(-90.0, Vec3::UnitX()), 0.15, 0.15),
@@ -67,7 +67,7 @@ TEST(ScreenRectangle, CornersAreInTheOrderOfTheirNames) {
   EXPECT_LT((corners[3] - Vec3(0.8, 2.1, 3.0)).norm(), 1e-15);
 }
 
-// By hand: lifted by e at one corner, out of the plane, the plane tilts and each corner keeps e / 4.
+// Derived by hand: if one corner is lifted out of the plane by e, the fitted plane tilts, and each corner has a residual of e / 4.
 TEST(ScreenRectangle, OneCornerThatIsLiftedLeavesAQuarterAtEachCorner) {
   const ScreenRectangle screen = make_screen({0.0, 0.0, 0.0}, Quat::Identity());
   for (std::size_t lifted = 0; lifted < 4; ++lifted) {
@@ -79,7 +79,7 @@ TEST(ScreenRectangle, OneCornerThatIsLiftedLeavesAQuarterAtEachCorner) {
   }
 }
 
-// By hand: a parallelogram sheared by s is turned by half of it, as its sides are alike; its corners' residuals follow.
+// Derived by hand: the fit of a square sheared by s is turned by s / 2, as its sides are equal; this gives the residuals of its corners.
 TEST(ScreenRectangle, ASquareThatIsShearedIsTurnedByHalfTheShear) {
   const double shear = 1e-3;
   ScreenCorners corners = find_corners(make_screen({0.0, 0.0, 0.0}, Quat::Identity(), 0.2, 0.2));
@@ -117,7 +117,7 @@ TEST(ScreenRectangle, NoRectangleNearbyIsCloserToTouchedCorners) {
   }
 }
 
-// Errors of touches average: the centre has half of a corner's, a side as much as a corner's.
+// The errors of touches are averaged: the centre has half the error of one corner, the length of a side has the error of one corner.
 TEST(ScreenRectangle, ErrorsOfTouchesAreAveraged) {
   constexpr std::uint64_t kSeed = 4;
   constexpr int kFits = 20'000;
@@ -139,7 +139,7 @@ TEST(ScreenRectangle, ErrorsOfTouchesAreAveraged) {
   EXPECT_NEAR(std::sqrt(turned), kSigmaM / screen.width_m, 0.02 * kSigmaM / screen.width_m);
 }
 
-// What the limit of the residuals promises.
+// Which errors of touches the limit of the residuals accepts, which it rejects, and how wrong an accepted rectangle can be.
 TEST(ScreenRectangle, CarefulTouchesAreAcceptedAndAWrongCornerIsNot) {
   constexpr std::uint64_t kSeed = 5;
   constexpr int kFits = 50'000;

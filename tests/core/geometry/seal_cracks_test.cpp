@@ -27,7 +27,7 @@ using made::are_equal;
 using made::seal_checked;
 using ::testing::HasSubstr;
 
-constexpr double kWidths[] = {1e-12, 1e-9, 1e-6, 1e-5, 0.9e-4};  // of meshes about 1 long
+constexpr double kWidths[] = {1e-12, 1e-9, 1e-6, 1e-5, 0.9e-4};  // for meshes about 1 long
 
 void expect_closed(const TriangleMesh& mesh, const std::string& what) {
   const made::Sealed sealed = seal_checked(mesh, what);
@@ -92,7 +92,7 @@ TEST(SealCracks, ClosesGapsAndOverlapsOfRandomWidth) {
   }
 }
 
-// Gaps at random, some of them wider than what is sealed: the others are sealed, wherever they are. Each original edge is a seam.
+// Random gaps, some of them too wide to be sealed: all others are sealed, wherever they are. Each edge of the whole mesh is a seam.
 TEST(SealCracks, WideGapsDoNotKeepNarrowOnesOpen) {
   const TriangleMesh box = make_box(Vec3(1.0, 1.0, 1.0), 5);
   const TriangleMesh ball = make_icosphere(0.5, 3);
@@ -156,7 +156,7 @@ TEST(SealCracks, DoesNotDependOnTheFirstCornersOfTriangles) {
 }
 
 TEST(SealCracks, AThinPlateKeepsItsTwoSides) {
-  // Thinner than the tolerance, with cracks along its edges that are narrower than it is thick.
+  // The plate is thinner than the tolerance; the cracks along its edges are narrower than the plate is thick.
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const TriangleMesh plate = make_shaken(make_box(Vec3(1.0, 0.8, 5e-5), 1), 1e-5, seed);
     expect_closed(plate, fmt::format("seed {}", seed));
@@ -173,7 +173,7 @@ TEST(SealCracks, SheetsCloseTogetherKeepTheirInsides) {
   const TriangleMesh sheets =
       joined(make_plane_grid(1.0, 8), scaled_and_moved(flipped(make_plane_grid(1.0, 8)), 1.0, Vec3(0.0, 0.0, 5e-5)));
   const made::Sealed sealed = seal_checked(sheets, "two sheets");
-  // Rims may be joined; each inner vertex still exists, twice.
+  // Rims may be joined; each inner vertex still exists, once in each sheet.
   std::size_t inner = 0;
   for (const Vec3& vertex : sealed.mesh.vertices) inner += vertex.head<2>().cwiseAbs().maxCoeff() < 0.49 ? 1 : 0;
   EXPECT_EQ(inner, 2U * 7U * 7U);
@@ -188,7 +188,7 @@ TEST(SealCracks, OpenSheetsStayOpen) {
 }
 
 TEST(SealCracks, ANarrowStripStays) {
-  // A ribbon narrower than the tolerance, its sides cut in different places; and one with a row of vertices along its middle.
+  // A ribbon narrower than the tolerance, its sides with vertices in different places; and one with a row of vertices along its middle.
   TriangleMesh ribbon;
   for (int i = 0; i <= 40; ++i) ribbon.vertices.emplace_back((i + (i % 2 == 0 ? 0.0 : 0.3)) / 40.0, i % 2 == 0 ? 0.0 : 0.5e-4, 0.0);
   for (std::uint32_t i = 0; i + 2 <= 40; ++i)
@@ -297,12 +297,12 @@ TEST(SealCracks, SaysWhatItLeavesAndHowWideThatIs) {
                                                               left.cracks, left.widest_crack)));
 }
 
-// Random triangles of several densities: also thousands of vertices and edges within one tolerance.
+// Random triangles of several densities: in the densest, thousands of vertices and edges lie within one tolerance.
 TEST(SealCracks, HoldsItsPromisesOnSoups) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     for (const double size : {0.2, 1e-2, 1e-3, 1e-4, 1e-5}) {
       TriangleMesh soup = made::soup(seed, 1500, std::max(20.0 * size, 1e-3), size);
-      soup.vertices.emplace_back(1.0, 0.0, 0.0);  // the extent
+      soup.vertices.emplace_back(1.0, 0.0, 0.0);  // an extent of at least 1
       soup.vertices.emplace_back(0.0, 0.0, 0.0);
       seal_checked(soup, fmt::format("soup of {:g}, seed {}", size, seed));
     }
@@ -323,8 +323,8 @@ TEST(SealCracks, LeavesAMeshThatIsOneSpot) {
   EXPECT_TRUE(sealed.report.has_given_up);
 }
 
-// A stray vertex makes the tolerance as large as the triangles are, so that joining some moves others, everywhere. The excluded parts would
-// grow until they cover everything: 33 times, 5 s.
+// A stray vertex makes the tolerance as large as the triangles are, so that joining some moves others, everywhere. Without giving
+// up, the excluded parts would grow until they cover everything: in 33 passes, which take 5 s.
 TEST(SealCracks, GivesUpWhereACrowdIsEverywhere) {
   TriangleMesh soup = made::soup(1, 10000, 1.0, 0.01);
   soup.vertices[0].x() = 100.0;
@@ -335,7 +335,7 @@ TEST(SealCracks, GivesUpWhereACrowdIsEverywhere) {
   EXPECT_THAT(report.describe(), HasSubstr("cracks not sealed"));
 }
 
-// A sphere damaged at random: holes, copies, flipped and torn triangles, edges of three, empty ones.
+// A sphere with random damage: holes, copies, flipped and torn triangles, edges with three triangles, triangles with a repeated vertex.
 TriangleMesh damaged(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);

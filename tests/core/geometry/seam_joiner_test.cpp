@@ -40,8 +40,8 @@ TEST(SeamJoiner, JoinsVerticesFirstAndThenTJunctions) {
   SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_EQ(joiner.boundary_edges(), 14U);
-  EXPECT_EQ(joiner.seam().welded(), 2U);  // the ends
-  EXPECT_EQ(joiner.seam().splits(), 3U);  // one above, two below
+  EXPECT_EQ(joiner.seam().welded(), 2U);  // the ends of the gap
+  EXPECT_EQ(joiner.seam().splits(), 3U);  // one edge above, two edges below
   EXPECT_EQ(joiner.seam().zipped(), 4U);
   EXPECT_EQ(joiner.seam().boundary_edges().size(), 9U);
   EXPECT_NEAR(joiner.widest_gap(), 0.5 * kTolerance, 1e-12);
@@ -59,12 +59,12 @@ TEST(SeamJoiner, LeavesTheUntouchedAlone) {
   EXPECT_TRUE(joiner.seam().standing_for(6) == 3U || joiner.seam().standing_for(3) == 6U);
 }
 
-// Corners of three triangles meet at one place, in a row: the outer two are too far apart to be welded to one another, not to the middle
-// one.
+// The corners of three triangles lie in a row at one place: the outer two are too far apart to be welded to one another, but both are near
+// enough to the middle one.
 TEST(SeamJoiner, WeldsAtTheVertexThatIsNearAllOthers) {
   const double step = 0.7 * kTolerance;
   TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0},    {1, 0, 0},     {0.5, 0.9, 0},  // a sixth of a hexagon each
+  mesh.vertices = {{0, 0, 0},    {1, 0, 0},     {0.5, 0.9, 0},  // each triangle is about a sixth of a hexagon
                    {0, 0, step}, {0.5, 0.9, 0}, {-0.5, 0.9, 0}, {0, 0, 2.0 * step}, {-0.5, 0.9, 0}, {-1, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
   JoinedParts untouched;
@@ -75,8 +75,8 @@ TEST(SeamJoiner, WeldsAtTheVertexThatIsNearAllOthers) {
   EXPECT_EQ(untouched.size(), 0U);
 }
 
-// A plate torn in two by a gap wider than it is thick: its upper and lower halves are within the tolerance, the two halves of a side are
-// not.
+// A plate torn in two by a gap wider than the plate is thick: its upper and lower sides are within the tolerance of each other, the two
+// halves of one side are not.
 TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
   const auto sheet = [](double gap) {
     const TriangleMesh low = two_rows(2, 3, gap);
@@ -87,7 +87,7 @@ TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
     JoinedParts untouched;
     SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
     EXPECT_TRUE(joiner.run(kPlentyOfWork));
-    for (const std::uint32_t of_crack : {3U, 8U, 10U}) {  // not at its ends, where the rims are joined
+    for (const std::uint32_t of_crack : {3U, 8U, 10U}) {  // inner vertices of the crack; at its ends the rims are joined
       EXPECT_EQ(joiner.seam().standing_for(of_crack), of_crack) << gap;
       EXPECT_EQ(joiner.seam().standing_for(14 + of_crack), 14 + of_crack) << gap;
     }
@@ -101,7 +101,7 @@ TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
 }
 
 TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
-  // A long edge from a tip, and from the same tip a row of vertices that diverges slowly: 5 tolerances off at the end.
+  // A long edge from a tip, and from the same tip a row of vertices that diverges slowly: the last is 5 tolerances away.
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, -1, 0}, {0.5, 1, 0}};
   mesh.triangles = {{1, 0, 2}};
@@ -123,8 +123,8 @@ TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
   EXPECT_EQ(again.seam().welded(), 0U);
 }
 
-// A crack from a tip, among hundreds of long edges that pass between its vertices: so many that the tree no longer tests these. The edges
-// at the tip are compared with one another all the same.
+// A crack from a tip, among hundreds of long edges that pass between its vertices: so many that the tree no longer tests these vertices.
+// The edges at the tip are compared with one another nevertheless.
 TEST(SeamJoiner, ClosesACrackFromItsTipWhereHundredsOfEdgesPass) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);

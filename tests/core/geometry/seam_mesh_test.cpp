@@ -27,7 +27,7 @@ TEST(SeamMesh, FindsTheBoundaryAsCountingEdgesDoes) {
   EXPECT_TRUE(find_boundary_vertices(make_icosphere(1.0, 2)).empty());
   for (const std::uint64_t seed : {1U, 2U}) {
     TriangleMesh mesh = made::soup(seed, 200, 1.0, 0.5);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.triangles[i][2] = mesh.triangles[i * 7 % 200][0];  // edges of many
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.triangles[i][2] = mesh.triangles[i * 7 % 200][0];  // edges with many
     const std::size_t boundary = count_edges(mesh).boundary;
     TriangleMesh copy = mesh;
     EXPECT_EQ(seam_of(copy).boundary_edges().size(), boundary) << "seed " << seed;
@@ -57,13 +57,13 @@ TEST(SeamMesh, WeldsTwoSidesOfAGapIntoOneEdge) {
 TEST(SeamMesh, RejectsWeldsThatBreakTheSurface) {
   TriangleMesh mesh = two_squares(1e-3);
   SeamMesh seam = seam_of(mesh, 10.0);
-  EXPECT_EQ(seam.weld(0, 1), SeamMesh::Weld::rejected);  // an edge would shrink to nothing
-  EXPECT_EQ(seam.weld(4, 3), SeamMesh::Weld::rejected);  // 4, 6, 7 would lose its side: 3, 6, 7 has no height
-  EXPECT_EQ(seam.weld(6, 3), SeamMesh::Weld::rejected);  // 4, 3, 7 would point down
+  EXPECT_EQ(seam.weld(0, 1), SeamMesh::Weld::rejected);  // the edge 0, 1 would shrink to nothing
+  EXPECT_EQ(seam.weld(4, 3), SeamMesh::Weld::rejected);  // 4, 6, 7 would become 3, 6, 7, which has no area
+  EXPECT_EQ(seam.weld(6, 3), SeamMesh::Weld::rejected);  // 4, 6, 7 would become 4, 3, 7, which faces down
   EXPECT_EQ(seam.boundary_edges().size(), 8U);
   SeamMesh near = seam_of(mesh, 0.5e-3);
   EXPECT_EQ(near.weld(4, 1), SeamMesh::Weld::too_far);
-  // Two triangles with the same corners would be one and the same.
+  // If all three corners were welded, the two triangles would be the same.
   TriangleMesh twice;
   twice.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-3}, {1, 0, 1e-3}, {0, 1, 1e-3}};
   twice.triangles = {{0, 1, 2}, {3, 4, 5}};
@@ -118,7 +118,7 @@ TEST(SeamMesh, RejectsSplitsThatBreakTheSurface) {
   EXPECT_FALSE(seam.split(0, 1, 3));  // beyond the third vertex: both parts would be flipped
   EXPECT_FALSE(seam.split(0, 1, 2));
   EXPECT_FALSE(seam.split(0, 1, 0));
-  EXPECT_FALSE(seam.split(4, 5, 0));  // of two triangles
+  EXPECT_FALSE(seam.split(4, 5, 0));  // an edge with two triangles
   EXPECT_EQ(mesh.triangles.size(), 3U);
 }
 

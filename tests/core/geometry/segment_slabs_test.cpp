@@ -22,7 +22,7 @@ TEST(SegmentSlabs, MeetsABoxThatHoldsOneOfItsPoints) {
     const bool meets = SegmentSlabs(a, b).meets(middle - half, middle + half);
     met += meets ? 1 : 0;
     EXPECT_TRUE(meets || !holds) << i;
-    // Points between the samples are at most a thousandth of the length away from one.
+    // Each point of the segment is at most a thousandth of the segment's length from a sample.
     const Vec3 less = half - 2e-3 * Vec3::Ones();
     if (holds || !(less.array() > 0.0).all()) continue;
     EXPECT_FALSE(SegmentSlabs(a, b).meets(middle - less, middle + less)) << i;

@@ -65,7 +65,7 @@ TEST(SimplifySmall, NoVertexIsLeftFartherOffThanTheBoundAllows) {
   }
 }
 
-// A pyramid's tip weighs as little as its faces in the quadrics of a large plane; it must not be cut off.
+// The faces of a pyramid are small in a large plane, so the quadrics give its tip little weight; the tip must not be cut off.
 TEST(SimplifySmall, KeepsAFlatTipWithinItsBound) {
   TriangleMesh plain = make_plane_grid(0.1, 20);
   auto middle =

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// The faces of a smooth surface as a mesh of their own, without what was added around them.
+// The faces of a smooth surface as a mesh of their own, without the fans that were added between their normals.
 inline TriangleMesh faces_of(const SmoothSurface& surface) {
   TriangleMesh mesh;
   mesh.vertices = surface.mesh.vertices;

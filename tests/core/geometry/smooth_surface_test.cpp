@@ -33,7 +33,7 @@ TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
     const Pose motion = Eigen::Translation3d(0.1, 0.2, 0.3) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 2) / 3.0);
     for (Vec3& v : mesh.vertices) v = motion * v;
     moved->move_vertices(mesh.vertices);
-    // The box of a rotated mesh differs; the same edges are split by the same length.
+    // The bounding box of a rotated mesh differs: longest_edge is set so that edges of the same length are split.
     MeshBounds bounds = compute_bounds(mesh);
     const auto anew = make_smooth_surface(mesh, {.longest_edge = report.split.longest_edge / bounds.diagonal()}, report);
     ASSERT_TRUE(anew);
@@ -47,8 +47,8 @@ TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
   }
 }
 
-// So far from the origin that the middle of the long edge is rounded to where the two halves face elsewhere: the final check gives their
-// corners normals of their own, after those midway between others.
+// So far from the origin that rounding moves the middle of the long edge, and its two halves face elsewhere: the final check gives their
+// corners normals of their own, which come after the normals of edge middles.
 TEST(SmoothSurface, NormalsThatTheFinalCheckReplacedFollowTheirFace) {
   const double far = 0x1p30 + 0x1p-22;
   const TriangleMesh mesh = {{{0.0, far, 0.0}, {1.0, far + 0x1p-22, 0.0}, {0.5, far + 0x1p-22, 0x1p-28}}, {{0, 1, 2}}};

@@ -46,7 +46,7 @@ TEST(SurfaceWalk, CirclesASphere) {
     ASSERT_NEAR(walk.heading().dot(walk.normal()), 0.0, 1e-12);
     if (i > 500) nearest = std::min(nearest, (walk.point() - from).norm());
   }
-  EXPECT_LT(nearest, 0.3);  // a great circle, but for the facets
+  EXPECT_LT(nearest, 0.3);  // the walk is a great circle, apart from the facets
 }
 
 TEST(SurfaceWalk, KeepsItsSideWhereWindingsDisagree) {

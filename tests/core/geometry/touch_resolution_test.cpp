@@ -35,7 +35,7 @@ TEST(TouchResolution, ATurnedCopyStays) {
   EXPECT_FALSE(resolve_for_touch(sheet, 1e-9, 1e-12).has_value());
 }
 
-// A triangle without area that joins an edge to its two halves: without it they are joined by a split.
+// A triangle without area joins an edge to its two halves. It is removed, and the triangle at the edge is split instead.
 TEST(TouchResolution, AFillerOfATJunctionIsReplacedByASplit) {
   TriangleMesh mesh;
   mesh.vertices = {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(1, 1, 0), Vec3(1, 0, 0), Vec3(0.5, -1, 0), Vec3(1.5, -1, 0)};

@@ -87,7 +87,7 @@ TEST(TouchTrajectory, TapsEndInsideAndStartOutside) {
   }
 }
 
-// Two blocks a narrow gap apart, narrower than an approach is long: half of one side of each lies in it.
+// Two blocks with a gap between them that is narrower than an approach is long: one side of each block faces the gap.
 TEST(TouchTrajectory, TapsBeginWhereTheWayToTheSurfaceIsFree) {
   const Vec3 size(0.04, 0.1, 0.1);
   const double aside = 0.5 * 0.04 + 0.5 * 0.002;
@@ -100,9 +100,9 @@ TEST(TouchTrajectory, TapsBeginWhereTheWayToTheSurfaceIsFree) {
     const Vec3& start = taps->p_SD[i];
     const Vec3& deepest = taps->p_SD[i + 20];
     EXPECT_FALSE(is_within(start, -aside) || is_within(start, aside)) << i;
-    if (3 * i >= taps->p_SD.size()) continue;  // at vertices and edges
+    if (3 * i >= taps->p_SD.size()) continue;  // the later taps are at vertices and edges
     EXPECT_NE(is_within(deepest, -aside), is_within(deepest, aside)) << i;
-    // Nowhere on the way there in the other block.
+    // On the way to the deepest point, the tap is never in the other block.
     const double other = is_within(deepest, aside) ? -aside : aside;
     for (std::size_t k = 0; k < 20; ++k) EXPECT_FALSE(is_within(taps->p_SD[i + k], other)) << i + k;
   }

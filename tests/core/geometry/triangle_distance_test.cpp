@@ -15,7 +15,7 @@ struct Random {
   Vec3 point() { return {unit(engine), unit(engine), unit(engine)}; }
 };
 
-// Any triangle, one in three a needle or without area.
+// A random triangle; one in three is a needle or has no area.
 std::array<Vec3, 3> make_triangle(Random& random, int i) {
   const Vec3 a = random.point();
   const Vec3 b = random.point();
@@ -67,7 +67,7 @@ TEST(TriangleDistance, FourLanesAreTheScalarBitForBit) {
   }
 }
 
-// The segment's distance is the least over its points; sampling can only find more.
+// The segment's distance is the smallest over its points; samples can only give a larger one.
 TEST(SegmentTriangleDistance, IsTheLeastOverThePoints) {
   Random random{std::mt19937_64(23)};
   for (int i = 0; i < 3000; ++i) {

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The inside test with p given in the triangle's frame and no tolerance but rounding.
+// The inside test for a point p in the frame of the triangle's corners, without a tolerance except for rounding.
 bool contains(const TrianglePlane& plane, const Vec3& p) {
   const Vec3 local = p - plane.origin;
   return plane.contains(local[plane.u_axis], local[plane.v_axis], 0.0, 0.0, 0.0);
@@ -60,7 +60,7 @@ TEST(TrianglePlane, InsideAgreesWithBarycentricCoordinates) {
       const double t = 1.5 * unit(random);
       const double least = std::min({s, t, 1.0 - s - t});
       if (std::abs(least) < 1e-9) {
-        continue;  // too near the outline to say with plain arithmetic
+        continue;  // too near the outline for plain arithmetic to decide
       }
       const bool expected = least > 0;
       ASSERT_EQ(contains(*plane, a + s * (b - a) + t * (c - a)), expected) << "triangle " << i << " s " << s << " t " << t;

@@ -59,8 +59,8 @@ TEST(VertexTree, FindsWhatIsNearASegmentAsLookingAtAllDoes) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const std::vector<Vec3> points = draw_points(seed, 600, true);
     std::vector<Vec3> ends = draw_points(seed + 100, 80, false);
-    for (std::size_t i = 0; i < 20; ++i) ends[i][static_cast<int>(i % 3)] = ends[i + 1][static_cast<int>(i % 3)];  // along planes
-    ends.push_back(ends.back());                                                                                   // of no length
+    for (std::size_t i = 0; i < 20; ++i) ends[i][static_cast<int>(i % 3)] = ends[i + 1][static_cast<int>(i % 3)];  // normal to an axis
+    ends.push_back(ends.back());                                                                                   // of length zero
     const std::vector<std::uint32_t> items = every_second(points.size());
     VertexTree tree(points, items);
     std::vector<VertexTree::Found> found;

@@ -25,7 +25,7 @@ TEST(CommandedMotion, IsAtRestUntilItIsCommanded) {
   EXPECT_EQ(motion.newest().serial, 0U);
 }
 
-// The pivot on a straight line, the turn about one axis, both even in time.
+// The pivot moves on a straight line, the rotation is about one axis, and both are uniform in time.
 TEST(CommandedMotion, MovesStraightAndEvenly) {
   CommandedMotion motion(kCommandPivot);
   const Vec3 to = kCommandPivot + Vec3(0.1, 0.0, -0.05);
@@ -42,7 +42,7 @@ TEST(CommandedMotion, MovesStraightAndEvenly) {
   for (const double time : {6.0, 6.1, 1e5}) EXPECT_EQ(motion.pose_at(time).matrix(), at_end.matrix()) << "it stays, exactly";
 }
 
-// To the last bit: whoever evaluates the time of the takeover by one move or by the other gets one pose.
+// At the time of the takeover, the old move and the new one give the same pose to the last bit.
 TEST(CommandedMotion, ANewerMoveTakesOverWithoutAJump) {
   CommandedMotion motion(kCommandPivot);
   std::mt19937 random(7);
@@ -61,7 +61,7 @@ TEST(CommandedMotion, ANewerMoveTakesOverWithoutAJump) {
   }
 }
 
-// A picture shows samples of a moment ago, when the newest move had not started yet.
+// A picture may show a sample from a moment ago, before the newest move started.
 TEST(CommandedMotion, KnowsTheMovesBefore) {
   CommandedMotion motion(Vec3::Zero());
   std::vector<Pose> felt;
@@ -97,7 +97,7 @@ TEST(CommandedMotion, LeavesOutWhatIsNotNewer) {
   EXPECT_EQ(motion.pose_at(2.0).translation().x(), 1.0);
 }
 
-// Between two samples no time passes: the first of two requests never was.
+// Two moves requested between the same two samples start at the same time; the first of them has no effect.
 TEST(CommandedMotion, OfTwoMovesAtOneTimeTheNewerCounts) {
   CommandedMotion motion(Vec3::Zero());
   motion.begin(make_move(motion, 1, 0.0, command_key(Vec3(1, 0, 0), 0.0), 10.0, 0.0, 1.0));
@@ -107,7 +107,7 @@ TEST(CommandedMotion, OfTwoMovesAtOneTimeTheNewerCounts) {
   EXPECT_LT((motion.pose_at(10.0).translation() - Vec3(0.5, 1, 0)).norm(), 1e-15);
 }
 
-// A shift and a turn of the farthest point, added.
+// The least time allows for the translation plus the rotation of the farthest point.
 TEST(CommandedMove, TakesTheTimeRequestedOrTheLeastAllowed) {
   const CommandedMotion motion(kCommandPivot);
   constexpr double kFarthest = 0.05;
@@ -124,7 +124,7 @@ TEST(CommandedMove, TakesTheTimeRequestedOrTheLeastAllowed) {
   EXPECT_NEAR(seconds(2.0 * least), 2.0 * least, 1e-12);
 }
 
-// No point of the body is faster, whatever takes over when.
+// No point of the body is faster than allowed, whichever moves take over and whenever.
 TEST(CommandedMove, NoPointIsFasterThanAllowed) {
   constexpr double kFarthest = 0.05;
   constexpr double kMax = 0.25;

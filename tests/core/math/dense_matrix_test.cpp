@@ -45,7 +45,7 @@ TEST(DenseMatrix, TheExponentialOfARotationIsThatAngle) {
 TEST(DenseMatrix, EigenvaluesAreThoseThatTheMatrixWasMadeOf) {
   RecordProperty("seed", std::to_string(kMatrixSeed));
   std::mt19937_64 random(kMatrixSeed);
-  // Two real ones and a conjugate pair.
+  // Two real eigenvalues and a conjugate pair.
   Eigen::MatrixXd blocks = Eigen::MatrixXd::Zero(4, 4);
   blocks.diagonal() << -3.0, 0.25, 1.0, 1.0;
   blocks(2, 3) = -2.0;
@@ -56,7 +56,7 @@ TEST(DenseMatrix, EigenvaluesAreThoseThatTheMatrixWasMadeOf) {
             [](const auto& a, const auto& b) { return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag()); });
   const std::complex<double> expected[] = {-3.0, 0.25, {1.0, -2.0}, {1.0, 2.0}};
   ASSERT_EQ(found.size(), 4);
-  // The pair's real parts are equal but for rounding.
+  // The real parts of the pair are equal except for rounding, so the sorted order of the two may be either.
   if (found[2].imag() > 0.0) std::swap(found[2], found[3]);
   for (int i = 0; i < 4; ++i) EXPECT_LE(std::abs(found[i] - expected[i]), 1e-12) << i;
 }

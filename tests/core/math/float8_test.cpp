@@ -68,7 +68,7 @@ void append(Bits& bits, F a, int lanes) {
   for (int i = 0; i < lanes; ++i) bits.push_back(bits_of(out[i]));
 }
 
-// Every function of one implementation, in one order.
+// Calls every function of one implementation, always in the same order.
 template <class Float8, class Uint32x8, class Float4, class Int4, class Double4>
 Bits run(const Input& in) {
   Bits bits;

@@ -14,7 +14,7 @@ Quat about_z(double degrees) { return Quat(Eigen::AngleAxisd(degrees * std::numb
 
 const Vec3 kPivot(0.1, 0.2, 0.3);
 
-// A quarter of a turn about the pivot in two seconds, then a second of rest, then 30 mm along x in three.
+// A quarter of a turn about the pivot in two seconds, then a second of rest, then 30 mm along x in three seconds.
 KeyframeMotion quarter_and_shift(bool loops = false) {
   const Vec3 there = kPivot + Vec3(0.03, 0.0, 0.0);
   return {
@@ -64,7 +64,7 @@ TEST(KeyframeMotion, TurnsTheShorterWay) {
   EXPECT_LT((motion.pose_at(0.25).linear() - about_z(-40).toRotationMatrix()).norm(), 1e-12);
 }
 
-// The bound is reached by a point at that radius, square to the axis, and never exceeded.
+// A point at this radius, perpendicular to the axis, reaches the bound but never exceeds it.
 TEST(KeyframeMotion, KnowsHowFastItIs) {
   const KeyframeMotion motion = quarter_and_shift();
   const double radius = 0.08;

@@ -82,7 +82,7 @@ TEST(Orient3d, IsZeroExactlyForCoplanarPoints) {
   }
 }
 
-// One unit in the last place off a plane, where plain doubles show noise.
+// A point one unit in the last place off a plane: there, the sign from plain double arithmetic is noise.
 TEST(Orient3d, SeesOneUnitInTheLastPlace) {
   Points points(3);
   int wrong_in_doubles = 0;

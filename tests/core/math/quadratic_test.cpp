@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// By small steps: the first time at which it is above zero after having been at or below it.
+// Finds in small steps the first time at which the quadratic is above zero after having been at or below zero.
 double scan_for_rise(double a, double b, double c) {
   const auto value = [&](double t) { return (a * t + 2.0 * b) * t + c; };
   for (int i = 1; i <= 400'000; ++i) {
@@ -43,11 +43,11 @@ TEST(Quadratic, FromAboveRisesAtOnceOrAfterItHasFallen) {
   EXPECT_EQ(time_of_rise(1.0, 0.5, 0.0), 0.0);
   EXPECT_EQ(time_of_rise(-1.0, 0.5, 2.0), 0.0);
   EXPECT_EQ(time_of_rise(1.0, -3.0, 5.0), 5.0);  // roots 1 and 5
-  EXPECT_EQ(time_of_rise(1.0, -1.0, 5.0), 2.0);  // stays above zero: back at its first value at 2
+  EXPECT_EQ(time_of_rise(1.0, -1.0, 5.0), 2.0);  // it stays above zero; at 2 it is back at its first value
   EXPECT_EQ(time_of_rise(-1.0, -1.0, 5.0), kNever);
 }
 
-// Its maximum is 1 above zero, which a play of 1 ignores.
+// The maximum of this quadratic is 1 above zero; a play (tolerance) of 1 ignores it.
 TEST(Quadratic, ACrestWithinThePlayIsNoRise) {
   EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0), 0.0);
   EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0, 1.0), kNever);

@@ -61,7 +61,7 @@ TEST(RigidPose, RejectsAnythingElse) {
 }
 
 TEST(RigidPose, BothFunctionsHaveOneTolerance) {
-  // R R^T of a scaled rotation differs from the identity by 3 (s^2 - 1), over the diagonal alone.
+  // For a scaled rotation, R R^T differs from the identity by 3 (s^2 - 1), summed over the diagonal; elsewhere it does not differ.
   for (const double part : {0.0, 0.5, 0.99, 1.01, 2.0}) {
     const double scale = std::sqrt(1.0 + part * kRigidTolerance / 3.0);
     const auto numbers = numbers_of(scale * Mat3::Identity(), Vec3::Zero());

@@ -17,7 +17,7 @@ TEST(RoundedToFloat, IsTheNearestNumberOfSinglePrecision) {
   EXPECT_EQ(rounded_to_float(1.0 + 0x1.8p-24), 1.0 + 0x1p-23);
 }
 
-// Where three numbers are stored and read back, the compiler vectorises the conversions.
+// In a loop that stores three numbers, which are then read back, the compiler vectorises the conversions.
 [[gnu::noinline]] double kept_error(std::array<float, 3>& kept, const Vec3& p) {
   for (int i = 0; i < 3; ++i) kept[static_cast<std::size_t>(i)] = static_cast<float>(rounded_to_float(p[i]));
   return (Vec3(kept[0], kept[1], kept[2]) - p).norm();
@@ -25,7 +25,7 @@ TEST(RoundedToFloat, IsTheNearestNumberOfSinglePrecision) {
 
 TEST(RoundedToFloat, WhatIsStoredIsWhatIsComputedWith) {
   std::array<float, 3> kept = {};
-  // Errors of 2^-25, 2^-26 and 2^-25.
+  // The errors are 2^-25, 2^-26 and 2^-26 + 2^-27.
   const double error = kept_error(kept, {1.0 + 0x1p-25, 0.5 - 0x1p-26, 1.0 - 0x1p-26 - 0x1p-27});
   const Vec3 each(1.0 + 0x1p-25 - kept[0], 0.5 - 0x1p-26 - kept[1], 1.0 - 0x1p-26 - 0x1p-27 - kept[2]);
   EXPECT_EQ(error, each.norm());

@@ -12,7 +12,7 @@ TEST(TurnByDegrees, TurnsAboutOneAxis) {
   EXPECT_EQ(turn_by_degrees({0, 0, 0}).coeffs(), Quat::Identity().coeffs());
 }
 
-// About x first, and about axes that stay: y becomes z, and that then x.
+// The turns are about fixed axes, x first: the first one turns y into z, the second one turns z into x.
 TEST(TurnByDegrees, TheAxesStayAndXIsFirst) {
   EXPECT_LT((turn_by_degrees({90, 90, 0}) * Vec3::UnitY() - Vec3::UnitX()).norm(), 1e-15);
   EXPECT_LT((turn_by_degrees({90, 90, 90}) * Vec3::UnitY() - Vec3::UnitY()).norm(), 1e-15);
