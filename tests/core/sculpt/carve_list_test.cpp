@@ -48,7 +48,7 @@ TEST(CarveList, WhatIsNoEntryIsLeftOut) {
   EXPECT_TRUE(list.find_press(1).is_empty()) << "it has not come";
 }
 
-// Carves and undos of carves in any order, each up to three times: the list is the same.
+// Carves and undos in any order, some of them twice, give the same list as in order of their serials, each once.
 TEST(CarveList, OrderAndRepetitionDoNotMatter) {
   std::mt19937_64 random(7);
   std::vector<MadeCarve> entries;
@@ -93,7 +93,7 @@ TEST(CarveList, KeepsTheNumbersThatMessagesHave) {
   EXPECT_EQ(seen, 50U);
 }
 
-// The brute-force twin: a whole field, carved by all that is left.
+// The brute-force twin is an uncarved field, carved with all carves that are left.
 TEST(RestoreUndone, IsTheFieldOfTheCarvesThatAreLeftToTheLastBit) {
   for (const auto& [mesh, voxel] : {std::pair(make_icosphere(0.03, 4), 0.0013), std::pair(make_box(Vec3(0.05, 0.03, 0.04)), 0.001)}) {
     const auto whole = CarvedField::make(mesh, voxel);
@@ -105,7 +105,7 @@ TEST(RestoreUndone, IsTheFieldOfTheCarvesThatAreLeftToTheLastBit) {
     std::uint32_t undone_nodes = 0;
     for (std::uint32_t serial = 1; serial <= 400; ++serial) {
       if (serial % 20 == 0) {
-        // Also undone ones again, ranges across presses, and those of another object alone.
+        // The range may include carves that are already undone, span several presses, and include carves of another object.
         const auto last = static_cast<std::uint32_t>(1 + random() % (serial - 1));
         const CarveRange undone{last > 7 ? last - 7 : 1, last};
         ASSERT_TRUE(list.add({.serial = serial, .undone = undone}));
@@ -129,7 +129,7 @@ TEST(RestoreUndone, IsTheFieldOfTheCarvesThatAreLeftToTheLastBit) {
   }
 }
 
-// Where nodes outside the box changed, a picture that computes the box alone would show a crack.
+// If a node outside the box changed, a picture that recomputes only the box would show a crack.
 TEST(RestoreUndone, ReturnsABoxAroundAllThatChanges) {
   const auto whole = CarvedField::make(make_icosphere(0.03, 4), 0.0013);
   ASSERT_TRUE(whole);

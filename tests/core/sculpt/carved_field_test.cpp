@@ -116,7 +116,7 @@ TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
   }
 }
 
-// A ball of 31 m, with carves 1024 times as large: the code contains no absolute length.
+// A ball with a radius of 31 m, with carves 1024 times as large: the code contains no absolute length.
 TEST(CarvedField, LargeBodiesAreCarvedAsSmallOnesAre) {
   constexpr double kScale = 1024.0;
   CarvedField small = ball_of_clay(), large = ball_of_clay(0.03 * kScale, kVoxelM * kScale);
@@ -204,7 +204,7 @@ TEST(CarvedField, CarveAndQueriesUseNoHeap) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
-// The cells of the mesh and four on each side; along x the number of nodes is a multiple of eight. The mesh is in the middle.
+// The grid has the cells of the mesh and four on each side, with a multiple of eight nodes along x. The mesh is in the grid's middle.
 TEST(CarvedField, TheGridIsAsLargeAsTheMeshAndItsMargins) {
   const TriangleMesh box = scaled_and_moved(make_box(Vec3(0.096, 0.046, 0.016)), 1.0, Vec3(1.0, 2.0, 3.0));
   const auto grid = CarvedField::plan(box, 0.01);

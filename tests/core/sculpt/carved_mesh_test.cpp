@@ -20,7 +20,7 @@ double volume_of(const TriangleMesh& mesh) {
   return volume;
 }
 
-// Several blocks along each axis, so that their borders are within the surface.
+// The grid has several blocks along each axis, so that the surface crosses their borders.
 TEST(CarvedMesh, HasNoOpenEdgeAndFacesOutwards) {
   const TriangleMesh ball = make_icosphere(0.03, 4);
   auto field = CarvedField::make(ball, 0.001);

@@ -24,7 +24,7 @@ Vec3 random_direction(std::mt19937_64& random) {
   return Vec3(normal(random), normal(random), normal(random)).normalized();
 }
 
-// From inside and outside, from beyond the band and from outside the grid.
+// The given points lie inside and outside the ball, beyond the band and outside the grid.
 TEST(ClosestSurfacePoint, OfABallIsOnTheRayFromItsCentre) {
   const CarvedField field = make_clay();
   std::mt19937_64 random(5);
@@ -33,8 +33,8 @@ TEST(ClosestSurfacePoint, OfABallIsOnTheRayFromItsCentre) {
       const Vec3 direction = random_direction(random);
       const auto found = find_closest_surface_point(field, (kClayM + away) * direction);
       ASSERT_TRUE(found);
-      // The icosphere is flat between its vertices, the field between its nodes; what is closest on a facet of it is beside the ray by the
-      // facet's slope, 0.03, times the distance, and inside by more where all directions become equal.
+      // The icosphere is flat between its vertices, the field between its nodes; the closest point of a facet is beside the ray by the
+      // facet's slope, 0.03, times the distance; from inside it is farther beside, as towards the centre all directions become equal.
       EXPECT_NEAR(found->norm(), kClayM, 0.05 * kSpacingM) << away;
       EXPECT_LE((*found - kClayM * direction).norm(), 0.1 * kSpacingM + 0.05 * std::abs(away)) << away;
       EXPECT_LE(std::abs(field.value(*found)), 1e-6 * kSpacingM) << "on the zero set";
@@ -42,7 +42,7 @@ TEST(ClosestSurfacePoint, OfABallIsOnTheRayFromItsCentre) {
   }
 }
 
-// A ball that has carved a pit of its radius touches its bottom: the direction in which it has least room.
+// A ball in a pit of its own radius, which it carved, touches the pit's bottom: there it has the least room.
 TEST(ClosestSurfacePoint, InAPitIsItsBottom) {
   CarvedField field = make_clay();
   constexpr double kPit = 0.004, kDeep = 0.008;
@@ -53,7 +53,7 @@ TEST(ClosestSurfacePoint, InAPitIsItsBottom) {
     ASSERT_TRUE(found);
     EXPECT_NEAR((*found - Vec3(0, kDeep, 0)).norm(), kPit, 0.05 * kSpacingM) << "on the sphere at its end";
     EXPECT_NEAR((*found - p).norm(), kPit - gap, 0.05 * kSpacingM);
-    // Near the middle of the pit all of it is equally far: beside the bottom by what the roughness of the field is worth there.
+    // Near the centre of the pit all its points are about equally far, so the roughness of the field moves the result along the pit.
     EXPECT_LE((*found - Vec3(0, kDeep - kPit, 0)).norm(), 0.05 * kSpacingM * kPit / gap) << gap;
   }
   const auto wall = find_closest_surface_point(field, {0.001, 0.02, 0});
@@ -61,7 +61,7 @@ TEST(ClosestSurfacePoint, InAPitIsItsBottom) {
   EXPECT_LE((*wall - Vec3(kPit, 0.02, 0)).norm(), 0.1 * kSpacingM);
 }
 
-// The twin: no point of a ball around p that is a little smaller than the distance found is on the other side.
+// The twin: in a ball around p, a little smaller than the distance found, no point is on the other side of the surface.
 TEST(ClosestSurfacePoint, NothingOfTheSurfaceIsNearer) {
   constexpr std::uint64_t kSeed = 6;
   RecordProperty("seed", std::to_string(kSeed));

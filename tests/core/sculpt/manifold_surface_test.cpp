@@ -13,13 +13,13 @@
 namespace hapton {
 namespace {
 
-// A grid with that many nodes along each axis, its border outside.
+// A grid with `side` nodes along each axis; the nodes of its border are outside the body.
 struct MadeGrid {
   explicit MadeGrid(int side) : count(side), values(static_cast<std::size_t>(side * side * side), 1.0F) {}
 
   float& at(int x, int y, int z) { return values[static_cast<std::size_t>(x + count * (y + count * z))]; }
   NodeValues nodes() const { return {values, {count, count, count}}; }
-  // Each node within is inside with that probability, at random distances.
+  // Each inner node is inside the body with probability `share_inside`; the distances are random.
   void fill(std::uint32_t seed, double share_inside) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> distance(0.01F, 1.0F);
@@ -73,7 +73,7 @@ std::size_t count_split_fans(const TriangleMesh& mesh) {
   return split;
 }
 
-// Whatever is inside and outside: 40 grids of 16^3 random nodes have all cells, and all pairs of cells, some thousand times.
+// In 40 grids of 16^3 random nodes, practically every kind of cell, and of pair of adjacent cells, occurs many times.
 TEST(ManifoldSurface, IsAClosedManifoldForRandomValues) {
   std::size_t shared_by_four = 0;
   for (std::uint32_t seed = 1; seed <= 40; ++seed) {
@@ -109,7 +109,7 @@ TEST(ManifoldSurface, IsAClosedManifoldForEveryPairOfCells) {
   }
 }
 
-// The same surface, to the last bit, where no cell has several pieces.
+// Where no cell contains several pieces of surface, both surfaces are the same to the last bit.
 TEST(ManifoldSurface, OfASmoothBodyIsThatOfSurfaceNets) {
   MadeGrid grid(16);
   for (int z = 0; z < 16; ++z) {

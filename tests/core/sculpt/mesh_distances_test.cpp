@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kRounding = 1e-6;  // of a float, relative to the band
+constexpr double kRounding = 1e-6;  // rounding of a float, relative to the band
 
 FieldGrid grid_around(double half_m, double spacing_m) {
   const int nodes = static_cast<int>(std::ceil(2.0 * half_m / spacing_m / 8.0)) * 8;
@@ -35,7 +35,7 @@ void for_each_node(const FieldGrid& grid, Visit&& visit) {
   }
 }
 
-// Each node by all triangles and by the solid angle.
+// Checks the distance at each node against all triangles, and its sign against the solid angle of the mesh.
 void expect_as_brute_force(const TriangleMesh& mesh, const FieldGrid& grid, double band_m) {
   const std::vector<float> values = distances(mesh, grid, band_m);
   const PointInMesh brute(mesh);
@@ -53,7 +53,7 @@ TEST(MeshDistances, AreThoseByBruteForce) {
                         grid_around(0.06, 0.012), 0.03);
 }
 
-// A grid in a part of the mesh: no node beyond it is written, and all within have their values.
+// The grid covers only a part of the mesh: no value beyond the grid is written, and all its nodes have the right values.
 TEST(MeshDistances, OfAMeshThatGoesBeyondTheGridAreThoseOfItsNodes) {
   const TriangleMesh ball = make_icosphere(0.05, 2);
   for (const double x : {-0.06, -0.02, 0.02}) {

@@ -24,7 +24,7 @@ TEST(Sculpture, NumbersTheCarvesOfAllBodiesAndHasTheOneOfTheStep) {
   EXPECT_EQ(sculpture.made()->carve, rounded(carve));
   sculpture.begin_step();
   EXPECT_FALSE(sculpture.made());
-  // What is no more there is not carved.
+  // Where no material is left, nothing is carved.
   sculpture.carve(0, carve);
   sculpture.carve(1, {{0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}, 0.005});
   EXPECT_FALSE(sculpture.made());
@@ -47,7 +47,7 @@ TEST(Sculpture, IsAlikeWhatWasTheSameBeforeAnyCarve) {
   EXPECT_FALSE(one.is_alike(other_object));
   EXPECT_FALSE(one.is_alike(Sculpture()));
   Sculpture other_place, other_button, more;
-  ASSERT_TRUE(other_place.add(0, kSculpted, scaled_and_moved(ball, 1.0, Vec3(0.002, 0.0, 0.0))));  // by one voxel: the same values
+  ASSERT_TRUE(other_place.add(0, kSculpted, scaled_and_moved(ball, 1.0, Vec3(0.002, 0.0, 0.0))));  // by one voxel: same field values
   ASSERT_TRUE(other_button.add(0, {.voxel_m = 0.002, .tool_radius_m = 0.005, .button = 2}, ball));
   ASSERT_TRUE(more.add(0, kSculpted, ball) && more.add(1, kSculpted, ball));
   for (const Sculpture* other : {&other_place, &other_button, &more}) {
@@ -57,7 +57,7 @@ TEST(Sculpture, IsAlikeWhatWasTheSameBeforeAnyCarve) {
   EXPECT_FALSE(one.add(1, kSculpted, make_plane_grid(0.1, 2)));
 }
 
-// An undo made the other shapes; the next carve has the number after it, and the step has none of its own.
+// The other shapes come from an undo; the next carve has the number after that of the undo, and the step has no carve of its own.
 TEST(Sculpture, GoesOnWithTheShapesOfAnother) {
   const TriangleMesh ball = make_icosphere(0.02, 3);
   const Carve carve{{0.02, 0.0, 0.0}, {0.02, 0.0, 0.0}, 0.005};
@@ -80,7 +80,7 @@ TEST(Sculpture, GoesOnWithTheShapesOfAnother) {
   EXPECT_TRUE(felt.is_full());
 }
 
-// The first carve of all, and the first one after a button that carves went down: not while it stays down, nor for another button.
+// The first carve, and the first one after a carving button went down, begin a press; carves while it is held and other buttons do not.
 TEST(Sculpture, APressBeginsWithTheButton) {
   Sculpture sculpture;
   ASSERT_TRUE(sculpture.add(0, kSculpted, make_icosphere(0.02, 3)));

@@ -15,7 +15,7 @@ namespace {
 
 using Place = std::array<float, 3>;
 
-// Nodes whose values are a function of their place.
+// A grid of nodes whose values are a function of their place.
 struct SampledNodes {
   template <class Function>
   SampledNodes(const SurfaceNets::Index& size, Function&& value) : counts(size) {
@@ -31,14 +31,14 @@ struct SampledNodes {
   std::vector<float> values;
 };
 
-// A ball that crosses blocks, at no whole number.
+// A ball that extends over several blocks; its centre is not at whole numbers.
 const Vec3 kBallAt(22.3, 20.7, 19.1);
 constexpr double kBallRadius = 14.2;
 SampledNodes sampled_ball() {
   return {{44, 41, 39}, [](const Vec3& p) { return (p - kBallAt).norm() - kBallRadius; }};
 }
 
-// All blocks in one, with vertices of the same place, to the last bit, as one.
+// All blocks joined to one net; vertices whose places are equal to the last bit become one vertex.
 struct WholeNet {
   WholeNet(const NodeValues& grid, int stride) {
     SurfaceNets nets;
@@ -65,7 +65,7 @@ struct WholeNet {
       quads.push_back(whole);
     }
   }
-  // How often each edge is passed, from its first vertex to its second.
+  // How often each edge is traversed from its first vertex to its second.
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed_edges() const {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     for (const auto& quad : quads) {
@@ -92,7 +92,7 @@ TEST(SurfaceNets, ABallIsWhereItIs) {
   for (const int stride : {1, 2, 4}) {
     const WholeNet net(ball.view(), stride);
     ASSERT_FALSE(net.quads.empty());
-    // The mean of places on the ball's surface that lie in one cell: inside of it by no more than the sagitta of the cell's diagonal.
+    // A vertex is the mean of points on the ball's surface in a cell, so it is inside the ball, by about the sagitta of a cell's diagonal.
     const double sagitta = 3.0 * stride * stride / (8.0 * kBallRadius);
     for (const Eigen::Vector3f& p : net.positions) {
       const double height = (p.cast<double>() - kBallAt).norm() - kBallRadius;
@@ -104,7 +104,7 @@ TEST(SurfaceNets, ABallIsWhereItIs) {
   }
 }
 
-// Each edge has a quad on either side, in opposite directions: no crack at the borders of blocks either.
+// Each edge has a quad on either side, which traverse it in opposite directions: there is no crack, not even at the borders of blocks.
 TEST(SurfaceNets, BlocksFitTogetherToTheLastBit) {
   const SampledNodes ball = sampled_ball();
   for (const int stride : {1, 2, 4}) {
@@ -123,7 +123,7 @@ TEST(SurfaceNets, ACoarserLevelHasAQuarterOfTheQuads) {
   EXPECT_NEAR(static_cast<double>(WholeNet(ball.view(), 4).quads.size()) / fine, 1.0 / 16.0, 0.01);
 }
 
-// By brute force: the quads are one for each edge of the grid that the surface crosses.
+// By brute force: there is one quad for each edge of the grid that the surface crosses.
 TEST(SurfaceNets, OneQuadForEachEdgeThatIsCrossed) {
   constexpr unsigned kSeed = 77;
   std::mt19937 random(kSeed);
@@ -151,7 +151,7 @@ TEST(SurfaceNets, OneQuadForEachEdgeThatIsCrossed) {
   }
 }
 
-// By brute force: in each cell of a block, and in those just before it, one vertex if the surface passes through, and none elsewhere.
+// By brute force: each cell of a block, and each cell just before the block, has one vertex if the surface passes through it, else none.
 TEST(SurfaceNets, OneVertexForEachCellThatTheSurfacePassesThrough) {
   const SampledNodes ball = sampled_ball();
   const SurfaceNets::Index count = SurfaceNets::count_blocks(ball.counts);
@@ -193,7 +193,7 @@ TEST(SurfaceNets, NothingWhereThereIsNoSurface) {
   EXPECT_TRUE(WholeNet(empty.view(), 1).quads.empty()) << "zero is outside";
 }
 
-// At random: nodes of value 0 make the cells and quads that those slightly outside make.
+// In a random grid, nodes of value 0 give the same quads and as many vertices as nodes outside.
 TEST(SurfaceNets, ZeroIsOutside) {
   constexpr unsigned kSeed = 78;
   std::mt19937 random(kSeed);
@@ -229,8 +229,8 @@ TEST(SurfaceNets, NodesAtTheBorderCountWithTheirValues) {
   }
 }
 
-// The nodes of a block: from one stride before its first cell to the end of its last one.
-// Nodes beyond the grid are outside by 1 at every stride, whatever the border has: as in a grid that goes on with that value on all sides.
+// A block uses the nodes from one stride before its first cell to the end of its last cell.
+// Nodes beyond the grid count as outside by 1 at every stride, whatever the border's values: as in a grid that goes on with 1 on all sides.
 TEST(SurfaceNets, BeyondTheGridEverythingIsOutsideByOne) {
   const SurfaceNets::Index counts = {14, 15, 16};
   std::mt19937 random(8);
@@ -288,7 +288,7 @@ TEST(SurfaceNets, ABlockChangesWithTheNodesFromAStrideBeforeItToItsEnd) {
   }
 }
 
-// A change of one node changes only the blocks that are listed, and all of these at one stride or another.
+// A change of one node changes, at every stride, only blocks that are listed; at most eight are.
 TEST(SurfaceNets, TheBlocksThatANodeChanges) {
   const SampledNodes ball = sampled_ball();
   const SurfaceNets::Index count = SurfaceNets::count_blocks(ball.counts);

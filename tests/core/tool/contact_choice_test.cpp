@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kTolerance = 1e-10;
 
-// Contacts of a face that looks up (1) or down (-1), on a disc, as bounds of shift and turn about its middle. least: between 0 and this.
+// Contacts on a disc that faces up (1) or down (-1), as bounds of its shift and its turn about the middle. Their `least`: from 0 to this.
 std::vector<MotionBound> face_of(std::size_t count, std::mt19937_64& random, double up = 1.0, double least = -1e-3) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::vector<MotionBound> bounds;
@@ -32,7 +32,7 @@ std::vector<MotionBound> face_of(std::size_t count, std::mt19937_64& random, dou
   return bounds;
 }
 
-// The coupling's own metric, with turns that cost as much as shifts; and `stiffer` times that, as contacts may make it.
+// The coupling's own metric, in which turns cost as much as shifts, but `stiffer` times as stiff, as contacts may make it.
 LocalContacts metric_of(double stiffer = 1.0) {
   LocalContacts metric;
   metric.tolerance = kTolerance;
@@ -41,7 +41,7 @@ LocalContacts metric_of(double stiffer = 1.0) {
   return metric;
 }
 
-// The motion as LocalContacts::solve finds it, within any number of bounds.
+// The motion that LocalContacts::solve would find within these bounds, however many they are.
 Vec6 motion_within(std::vector<MotionBound> bounds, const Vec6& goal, const LocalContacts& metric) {
   const double root = metric.inverse_root(0, 0);
   const auto find = [&](double scale, int& active_count) {
@@ -64,7 +64,7 @@ Vec6 motion_within(std::vector<MotionBound> bounds, const Vec6& goal, const Loca
 
 Placement placement_of(const Vec6& motion) { return RigidMotion{Placement(), motion.head<3>(), motion.tail<3>()}.at(1.0); }
 
-// How far the motion of the local set is from that within all bounds, at most.
+// The largest difference, over all goals, between the motion within the chosen bounds and the motion within all bounds.
 double find_error(const std::vector<MotionBound>& bounds, const std::vector<Vec6>& goals, const LocalContacts& metric) {
   std::array<std::uint32_t, LocalContacts::kMax> chosen;
   EXPECT_EQ(choose_contacts(bounds, goals, metric, chosen), LocalContacts::kMax);
@@ -80,7 +80,7 @@ double find_error(const std::vector<MotionBound>& bounds, const std::vector<Vec6
 class ContactChoice : public testing::TestWithParam<unsigned> {
  protected:
   ContactChoice() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
-  // Pressed, and shifted and turned by `aside` of the depth.
+  // Goals that press by `depth`, randomly shifted and turned by about `aside` times the depth.
   std::vector<Vec6> draw_goals(std::size_t count, double depth, double aside = 0.1) {
     std::normal_distribution<double> normal;
     std::vector<Vec6> goals(count);
@@ -107,14 +107,14 @@ TEST_P(ContactChoice, TheMotionIsThatWithinAllBounds) {
   }
 }
 
-// A stiffer metric makes a motion shorter, so that it meets no bound; then it is that of the plain one.
+// In a stiffer metric a motion is shorter, so it may meet no bound; the motion is then that of the plain metric.
 TEST_P(ContactChoice, TheMotionIsThatOfThePlainMetricWhereTheOtherHasNoActiveBound) {
   std::vector<MotionBound> bounds = face_of(1000, random_);
   for (MotionBound& bound : bounds) bound.least = -0.01 - 1e-4 * bound.row.tail<3>().squaredNorm();  // the nearest in the middle
   for (int trial = 0; trial < 10; ++trial) EXPECT_LT(find_error(bounds, draw_goals(1, 0.1, 0.5), metric_of(64.0)), 1e-7);
 }
 
-// Between two faces, with less room in their middles than both contact offsets, and more room outside.
+// Between two faces, with less room in their middles than both contact offsets, and more room farther out.
 TEST_P(ContactChoice, BoundsThatContradictEachOtherAreLowered) {
   for (const double stiffer : {1.0, 9.0}) {
     for (const std::size_t count : {50U, 500U, 2000U}) {
@@ -131,7 +131,7 @@ TEST_P(ContactChoice, BoundsThatContradictEachOtherAreLowered) {
   }
 }
 
-// Of one goal, however many cuts it takes: the faces of a ball.
+// For one goal, the motion is found however many cuts that takes, here within the faces of a ball.
 TEST_P(ContactChoice, TheFirstGoalHasAsManyPlacesAsThereAre) {
   std::normal_distribution<double> normal;
   std::vector<MotionBound> bounds;
@@ -168,7 +168,7 @@ TEST(ContactChoiceOfFew, TakesAllAndNoMoreThanFit) {
   EXPECT_EQ(choose_contacts(bounds, goals, metric_of(), std::span(chosen).first(2)), 2U);
 }
 
-// A box over a fine slab that moves: the bounds are those of where the slab will be.
+// A box over a fine slab that moves: the bounds are those for the place where the slab will be.
 TEST(LocalSetOfAMovingPart, HoldsTheToolWhereThePartWillBe) {
   constexpr unsigned kSeed = 7;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

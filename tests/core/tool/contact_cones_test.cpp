@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// A tool with contacts at these points (from the grip point), all on surfaces with these normals.
+// A tool with contacts at these points (relative to the grip point), each on a surface with the normal given beside it.
 LocalContacts cones_at(std::initializer_list<std::pair<Vec3, Vec3>> points, const CoulombFriction& friction, double turn_length = 0.5) {
   LocalContacts local;
   local.is_blocked = false;
@@ -77,8 +77,8 @@ TEST(ContactCones, AGrooveHoldsByItsSides) {
   EXPECT_NEAR(wanted[0] - cone_motion(cones, local, wanted)[0], 0.3 * std::sqrt(2.0) * 0.01, 2e-7);
 }
 
-// Random contacts on one tool, friction up to 1.2: nothing penetrates but for what the iteration leaves, and the energy of the coupling
-// does not grow over that of the tool that stays.
+// Random contacts on one tool, friction up to 1.2: penetration is no more than what the iteration leaves, and the energy of the
+// coupling is at most 5 % above that of the tool that stays.
 TEST(ContactCones, RandomContactsHoldTheTool) {
   std::mt19937_64 random(20261128);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -128,7 +128,7 @@ TEST(ContactCones, TheLastStepIsTheFirstGuess) {
 }
 
 TEST(ContactCones, AContactThatWasLeftOutIsAdded) {
-  // The frictionless tool would slide off over the edge contact; with friction it stays on the floor and needs it.
+  // The frictionless solution that is passed on has no active contact; with friction the tool stays on the floor and needs its contacts.
   LocalContacts local = box_on_floor({0.9, 0.9});
   ContactCones cones;
   Vec6 wanted = Vec6::Zero();

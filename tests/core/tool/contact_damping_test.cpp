@@ -22,10 +22,10 @@ constexpr DampingCoefficients kHoney = {.normal_ns_per_m = 3.0, .along_ns_per_m 
 
 Placement drag_at(const Vec3& p, const Vec3& turn = Vec3::Zero()) { return {p, turn_by(turn)}; }
 
-// Until what the drag was before is below 1e-14 of it.
+// Number of samples after which less than 1e-14 of an earlier drag is left.
 constexpr int kSettled = 200;
 
-// The drag after so many samples of a steady motion with these contacts; unit 1 m.
+// The drag after kSettled samples of a steady motion with these contacts; the local unit is 1 m.
 ContactDamping::Wrench steady(ContactDamping& drag, const std::vector<DragContact>& contacts, const Vec3& velocity,
                               const Vec3& turn_rate = Vec3::Zero()) {
   ContactDamping::Wrench wrench;
@@ -58,7 +58,7 @@ TEST(ContactDamping, ManyContactsOfAFaceShareItsDamping) {
   }
 }
 
-// The sum of both would be 12 Ns/m along x.
+// The sum of both materials would be 12 Ns/m along x.
 TEST(ContactDamping, SurfacesAcrossEachOtherHaveTheLargestOfTheirMaterials) {
   ContactDamping drag({{{.along_ns_per_m = 5.0}, {.along_ns_per_m = 7.0}}}, 1.0, 1.0);
   const std::vector<DragContact> contacts = {{.normal = Vec3::UnitZ(), .force_n = 4.0},
@@ -118,7 +118,7 @@ TEST(ContactDamping, BeginsAndEndsWithTheForceOfItsContact) {
     EXPECT_NEAR(wrench.force_n.x(), -force_n, 1e-9 * force_n);
     EXPECT_NEAR(wrench.force_n.z(), -force_n, 1e-9 * force_n) << "no more than the spring pushes: it never attracts";
   }
-  // Of two surfaces, each is bounded by its own.
+  // With two surfaces, the drag of each is bounded by its own contact force.
   const ContactDamping::Wrench beside =
       steady(drag, {{.normal = Vec3::UnitZ(), .force_n = 0.1}, {.normal = Vec3::UnitY(), .force_n = 50.0, .object = 1}}, {2.0, 0.0, 0.0});
   EXPECT_NEAR(beside.force_n.x(), -0.1, 1e-9);
@@ -137,7 +137,7 @@ double sum_of_forces(const std::vector<DragContact>& contacts) {
   return sum_n;
 }
 
-// What the drag is made of: the mean velocity of the last samples.
+// The velocity from which the drag is computed: the mean of the last samples.
 struct VelocityTwin {
   SmoothVelocity shift;
   SmoothVelocity turn;
@@ -168,9 +168,9 @@ TEST(ContactDamping, NeverGivesEnergyAndStaysWithinItsBound) {
   double given_j = 0.0;
   double lag_j = 0.0;
   double last_n = 0.0;
-  double arm = 0.0;  // of what is not forgotten, at least
+  double arm = 0.0;  // the longest lever of any contact so far
   for (int n = 0; n < 20000; ++n) {
-    // Steady for a while, so that the velocity of the damper becomes that of the motion.
+    // The motion is steady for some samples, so that the velocity of the damper becomes that of the motion.
     const Vec3 shift = std::pow(10.0, -5.0 + 3.0 * std::abs(any(random))) * vector();
     const Vec3 turn = std::pow(10.0, -5.0 + 3.0 * std::abs(any(random))) * vector();
     std::vector<DragContact> contacts;
@@ -206,7 +206,7 @@ TEST(ContactDamping, NeverGivesEnergyAndStaysWithinItsBound) {
   EXPECT_LE(given_j, lag_j) << "and never more than the lag of the velocity explains";
 }
 
-// With contacts that stay, and forces far above the damping, the mean of the velocity gives no energy back either: SmoothVelocity.
+// If contacts stay, with forces far above the damping, the averaging of the velocity gives no energy back either (see SmoothVelocity).
 TEST(ContactDamping, ReversalsGiveNoEnergyWhereContactsStay) {
   const unsigned seed = 17;
   SCOPED_TRACE(seed);
@@ -223,7 +223,7 @@ TEST(ContactDamping, ReversalsGiveNoEnergyWhereContactsStay) {
     Placement at;
     double given_j = 0.0;
     for (int n = 0; n < 2000; ++n) {
-      // A reversal after each 1 to 16 samples, the frequencies at which the mean lags most.
+      // The motion reverses every 1 to 16 samples: at these frequencies the mean lags most.
       const double sign = (n / (1 + round % 16)) % 2 == 0 ? 1.0 : -1.0;
       const Vec3 shift = 1e-5 * sign * Vec3(1.0, 0.5, -0.3) + 1e-6 * vector();
       const Vec3 turn = 1e-5 * sign * Vec3(0.4, -1.0, 0.2) + 1e-6 * vector();
@@ -236,7 +236,7 @@ TEST(ContactDamping, ReversalsGiveNoEnergyWhereContactsStay) {
   }
 }
 
-// The largest change of the drag from one sample to the next, where it moves on at `speed` along x.
+// The largest change of the drag from one sample to the next, while the tool moves on at `speed` along x.
 double largest_change_n(ContactDamping& drag, const std::vector<DragContact>& contacts, double speed, int first, int count) {
   double last_n = drag.step(contacts, true).force_n.x();
   double most_n = 0.0;
@@ -252,7 +252,7 @@ double largest_change_n(ContactDamping& drag, const std::vector<DragContact>& co
 TEST(ContactDamping, AChangeToASurfaceWithoutDampingIsSmoothed) {
   const double share = kSampleS / (ContactDamping::kSmoothS + kSampleS);
   for (const DampingCoefficients& damping : {DampingCoefficients{.along_ns_per_m = 5.0}, {.normal_ns_per_m = 5.0}}) {
-    // The motion is along the damping.
+    // The motion is in the direction that the surface damps.
     const Vec3 normal = damping.along_ns_per_m > 0.0 ? Vec3::UnitZ() : Vec3::UnitX();
     for (const int part : {0, 1}) {
       ContactDamping drag({{damping, {}}, {{}}}, 1.0, 1.0);
@@ -267,7 +267,7 @@ TEST(ContactDamping, AChangeToASurfaceWithoutDampingIsSmoothed) {
   }
 }
 
-// A contact that the slow task found late begins with a force.
+// A contact that the slow task found late begins with a contact force, but without drag: the drag grows from zero.
 TEST(ContactDamping, BeginsAtZeroWithContact) {
   ContactDamping drag({{kHoney}}, 1.0, 1.0);
   steady(drag, {}, {0.2, 0.0, 0.0});
@@ -282,7 +282,7 @@ TEST(ContactDamping, BeginsAtZeroWithContact) {
 TEST(ContactDamping, DecaysWhereTheToolIsHeldByContactsThatAreNotKnown) {
   ContactDamping drag({{{.along_ns_per_m = 5.0}}}, 1.0, 1.0);
   const std::vector<DragContact> contacts = {{.normal = Vec3::UnitZ(), .force_n = 9.0}};
-  for (const double speed : {0.2, 20.0}) {  // below its bound, and above
+  for (const double speed : {0.2, 20.0}) {  // the drag is below its bound, and at it
     double last_n = steady(drag, contacts, {speed, 0.0, 0.0}).force_n.x();
     EXPECT_NEAR(last_n, -std::min(9.0, 5.0 * speed), 1e-9);
     for (int n = kSettled; n < kSettled + 80; ++n) {
@@ -317,7 +317,7 @@ TEST(ContactDamping, AChangeOfContactsIsSmoothed) {
   EXPECT_LT(most_nm, 1.01 * change_nm * kSampleS / (ContactDamping::kSmoothS + kSampleS));
 }
 
-// The same over steps of the whole tool.
+// For the tests below, which make steps of a whole tool: a cube of 20 mm over this scene.
 std::unique_ptr<ToolStep> make_damped_step(const std::vector<TriangleMesh>& scene, const std::vector<DampingCoefficients>& damping,
                                            const std::vector<int>& parts = {}) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
@@ -336,7 +336,7 @@ ToolInput drag_input(const Vec3& p, double turn_rad = 0.0) {
   return input;
 }
 
-// And rests there until the damping has come to its full value.
+// Presses the cube 2 mm into a plane at z = 0 and rests there until the damping has its full value.
 void press_down(ToolStep& step) {
   step.reset(drag_input({0.003, 0.004, 0.03}));
   for (int n = 0; n <= 220 + kSettled; ++n) step.step(drag_input({0.003, 0.004, 0.03 - 0.0001 * std::min(n, 220)}));
@@ -357,7 +357,7 @@ TEST(ContactDamping, ABoxThatSlidesOnAPlaneIsHeldBackByTheViscosity) {
     if (n < 10) continue;
     const Vec3 drag_n = out.force_n - without.force_n;
     ASSERT_LT((drag_n - Vec3(-5.0 * 0.04, 5.0 * 0.02, 0.0)).norm(), 1e-6) << n;
-    // It acts at the foot of the box, where the force presses on the plane: through the middle, 10 mm below the grip.
+    // The drag acts at the bottom of the box, where the force presses on the plane: in its middle, 10 mm below the grip point.
     ASSERT_LT((out.torque_nm - without.torque_nm - Vec3(0.0, 0.0, -0.01).cross(drag_n)).norm(), 1e-4 * drag_n.norm()) << n;
   }
 }
@@ -374,14 +374,14 @@ TEST(ContactDamping, ABoxPressedFurtherInFeelsTheDampingAlongTheNormal) {
   }
 }
 
-// A face on four corners: coefficient times the squared distance of a corner.
+// A face rests on four corners: the torque is coefficient times turn rate times the squared distance of a corner from the middle.
 TEST(ContactDamping, ABoxThatTurnsOnAPlaneFeelsATorque) {
   const auto step = make_damped_step({make_plane_grid(0.2, 1)}, {{.along_ns_per_m = 5.0}});
   step->reset(drag_input({0.0, 0.0, 0.03}));
   for (int n = 0; n <= 220; ++n) step->step(drag_input({0.0, 0.0, 0.03 - 0.0001 * n}));
   for (int n = 0; n < 300; ++n) {
     const ToolOutput out = step->step(drag_input({0.0, 0.0, 0.008}, 2e-3 * n));
-    // The corners may cross the diagonal of the plane's two triangles, which carries then.
+    // In other samples the corners may cross the diagonal between the plane's two triangles; then the diagonal carries the box.
     if (n >= 20 && n < 60) {
       ASSERT_NEAR(out.torque_nm.z(), -5.0 * 2e-4 * 2.0, 0.03 * 5.0 * 2e-4 * 2.0) << n;
     }
@@ -396,7 +396,7 @@ TriangleMesh wall_at_y(double y) {
   return wall;
 }
 
-// Each alone would hold it back less.
+// The drag is that of the wall (7 Ns/m), not the sum of floor (5 Ns/m) and wall.
 TEST(ContactDamping, InACornerTheMoreViscousSurfaceDetermines) {
   const auto step = make_damped_step({make_plane_grid(0.2, 4), wall_at_y(-0.03)}, {{.along_ns_per_m = 5.0}, {.along_ns_per_m = 7.0}});
   step->reset(drag_input({0.0, 0.0, 0.03}));
@@ -415,7 +415,7 @@ TriangleMesh ridge_at_x(double x) {
   return ridge;
 }
 
-// Two rails under the box carry it by the law of the lever: one takes (5 + 2) / 10 of the force.
+// Two rails under the box carry it by the law of the lever: the rail at x = 5 mm takes (5 + 2) / 10 of the force.
 TEST(ContactDamping, ABoxOnTwoRailsFeelsTheMeanOfTheirMaterialsByForce) {
   const auto step = make_damped_step({ridge_at_x(-0.005), ridge_at_x(0.005)}, {{.along_ns_per_m = 4.0}, {.along_ns_per_m = 14.0}});
   step->reset(drag_input({0.002, 0.0, 0.03}));
@@ -449,7 +449,7 @@ TEST(ContactDamping, AnObjectThatMovesPastAToolAtRestFeelsTheSame) {
   }
   EXPECT_NEAR(a.force_n.x(), -5.0 * 0.03, 1e-4);
   EXPECT_NEAR(b.force_n.x(), -5.0 * 0.03, 1e-4);
-  // A part that jumps has no velocity.
+  // A jump of a part does not count as a velocity.
   moved[0].translation().x() += 0.01;
   ToolInput rests = drag_input({0.0, 0.0, 0.03});
   rests.X_SO = moved;

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// Where tool and scene are near: kind, closest points and distance.
+// A pair of features that are near: kind, closest points of tool and scene, distance, and whether it is a minimum.
 using GapKey = std::tuple<int, std::array<double, 3>, std::array<double, 3>, double, bool>;
 
 std::multiset<GapKey> gaps_of(const NearFeatures& near) {
@@ -62,7 +62,7 @@ class ContactSurfaceTest : public testing::Test {
   }
 };
 
-// The twin is made of the same meshes at once: one tree over all triangles, and features of each object.
+// The twin is built from the same meshes at once: one tree over all triangles, and the features of each object.
 TEST_F(ContactSurfaceTest, AJoinedSceneHasTheNearFeaturesOfOneThatIsBuiltAtOnce) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const ObjectGeometry tool(make_box({0.1, 0.2, 0.15}, 2), {Vec3::Zero(), built.unit_m()});
@@ -85,7 +85,7 @@ TEST_F(ContactSurfaceTest, AJoinedSceneHasTheNearFeaturesOfOneThatIsBuiltAtOnce)
   EXPECT_EQ(touched, (std::set<std::uint32_t>{0, 1, 3}));
 }
 
-// What the tool is: the same surface about its grip point. Its features refer to the prepared positions.
+// The tool is the surface of a prepared object, relative to its grip point; its features refer to the prepared positions.
 TEST_F(ContactSurfaceTest, AToolOfAPreparedObjectHasTheNearFeaturesOfOneThatIsBuiltAboutItsGrip) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 8);
@@ -111,7 +111,7 @@ TEST_F(ContactSurfaceTest, AToolOfAPreparedObjectHasTheNearFeaturesOfOneThatIsBu
 
 TEST_F(ContactSurfaceTest, CountsItsBytes) {
   EXPECT_EQ(objects[2]->geometry().triangle_count(), 0U);
-  // A node of 64 bytes is at each leaf and each fork.
+  // The tree has one node of 64 bytes for each leaf and each branching.
   const std::size_t nodes = 2 * objects[0]->geometry().triangle_count() - 1;
   EXPECT_GE(objects[0]->bytes(), objects[0]->geometry().bytes() + 64 * nodes);
   EXPECT_LE(objects[0]->bytes(), objects[0]->geometry().bytes() + 128 * nodes);

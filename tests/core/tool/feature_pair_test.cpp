@@ -22,7 +22,7 @@ double brute_distance(const FeaturePair& pair, const Placement& at) {
     case FeaturePair::Kind::edge_edge:
       break;
   }
-  // Dense samples of one edge against the other.
+  // The distances of dense samples of one edge from the other edge.
   double least = 1e300;
   for (int i = 0; i <= 2000; ++i) {
     const Vec3 p = a + i / 2000.0 * (b - a);
@@ -62,7 +62,7 @@ TEST_F(FeaturePairTest, GapsAlongAMotionAreThoseAfterItToSecondOrder) {
   EXPECT_GT(inside, 100);
 }
 
-// Against differences of second order; what they leave out is of fourth order of the motion.
+// Compared with second-order differences, whose error is of fourth order in the motion.
 TEST_F(FeaturePairTest, TheCurvatureIsTheSecondDerivativeAlongAnyMotion) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   constexpr double kSize = 0x1p-12;

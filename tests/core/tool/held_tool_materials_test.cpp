@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Two tiles of a floor side by side, at z = 0, and a wall far off that moves by itself.
+// Two tiles of a floor side by side, their tops at z = 0, and a distant wall that is a moving part of its own.
 std::vector<std::shared_ptr<const TriangleMesh>> tiles_and_wall() {
   return {made::shared(made::box({-0.2, -0.1, -0.01}, {0.0, 0.1, 0.0})), made::shared(made::box({0.5, -0.1, -0.1}, {0.6, 0.1, 0.1})),
           made::shared(made::box({0.0, -0.1, -0.01}, {0.2, 0.1, 0.0}))};
@@ -25,7 +25,7 @@ ToolMaterials materials_of(double stiffness_n_per_m, const std::vector<double>& 
   return materials;
 }
 
-// A cube of 20 mm that a hand leads over them, 2 mm deep, as a haptics node does with one slow step for each sample.
+// A cube of 20 mm that a hand moves over the tiles, 2 mm deep; as in a haptics node, with one slow step for each sample.
 struct LedCube {
   explicit LedCube(const ToolMaterials& materials) {
     auto step = ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), tiles_and_wall(),
@@ -43,7 +43,7 @@ struct LedCube {
     tool->follow();
     return felt;
   }
-  // Along x at 0.1 m/s, the last sample at x.
+  // A slide along x at 0.1 m/s whose last sample is at x.
   ToolOutput slide_to(double x, int samples = 300) {
     ToolOutput felt;
     for (int n = samples; n >= 0; --n) felt = go_to(x - 1e-4 * n);
@@ -73,7 +73,7 @@ TEST(HeldToolMaterials, StiffnessScalesForceAndTorqueAndMovesNothing) {
               250.0 * find_mean_squared_lever(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01))), 1e-12);
 }
 
-// Whatever was there before, it is the tool that was made of these materials, once both have slid alike.
+// Whatever its materials were before, after the same slide it feels like a tool that was made with the wanted materials.
 TEST(HeldToolMaterials, IsFeltAsIfItHadBeenMadeOfThem) {
   for (const ToolMaterials& wanted : {materials_of(1000.0, {0.5, 0.0, 0.2}, {0, 0, 0}), materials_of(700.0, {0, 0, 0}, {5.0, 0.0, 2.0}),
                                       materials_of(400.0, {0.3, 0.9, 0.1}, {1.0, 3.0, 4.0}), kPlain}) {
@@ -85,7 +85,7 @@ TEST(HeldToolMaterials, IsFeltAsIfItHadBeenMadeOfThem) {
         one->slide_to(-0.06);
       }
       tuned.tool->set_materials(wanted);
-      for (const double x : {-0.03, 0.05, 0.08}) {  // on the one tile, and on the other
+      for (const double x : {-0.03, 0.05, 0.08}) {  // on the first tile, then on the second
         const ToolOutput a = tuned.slide_to(x);
         const ToolOutput b = made.slide_to(x);
         EXPECT_LT((a.force_n - b.force_n).norm(), 2e-3 * b.force_n.norm())

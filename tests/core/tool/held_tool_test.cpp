@@ -37,13 +37,13 @@ ToolInput sliding(int n) {
 }
 
 struct Difference {
-  double force_n = 0.0;  // largest
+  double force_n = 0.0;  // largest difference
   double torque_nm = 0.0;
-  double most_n = 0.0;  // of the whole step
+  double most_n = 0.0;  // largest force of the whole step
   int contacts = 0;
 };
 
-// Against the whole step at each sample, where the slow task is done each `every` samples, and `late` samples behind.
+// Compares the fast task with the whole step at each sample; the slow task runs at every `every`-th sample.
 Difference compare(int every) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 3);
   const TriangleMesh scene = make_bumpy_sphere(0.05, 0.05, 5000, 1);
@@ -97,7 +97,7 @@ TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
   }
 }
 
-// A fine ball slides and turns in a fine bowl that is 1 % larger: all of its lower half is near the bowl. Only what is nearest is found.
+// A fine ball slides and turns in a fine bowl that is 1 % larger: its lower half is near the bowl. Only the nearest contacts are found.
 TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
   const TriangleMesh tool = make_icosphere(0.0099, 4);
   const TriangleMesh scene = make_icosphere(0.01, 5);
@@ -116,7 +116,7 @@ TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
     const ToolOutput felt = held.step(input, n * kTickNs);
     if (n < 20) continue;
     EXPECT_GE(held.tool().proxy().last_local_reach(), kMin);
-    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kMin) << "sample " << n;  // at first 15 times as far was asked for
+    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kMin) << "sample " << n;  // requested: 15 times kMin
     EXPECT_LT((felt.force_n - expected.force_n).norm(), 0.01 * expected.force_n.norm()) << "sample " << n;
     contacts += felt.contact ? 1 : 0;
   }
@@ -129,7 +129,7 @@ TEST(HeldTool, FeelsWhatTheWholeStepFeels) {
   EXPECT_GT(each.most_n, 5.0);
   EXPECT_LT(each.force_n, 2e-3 * each.most_n);
   EXPECT_LT(each.torque_nm, 2e-3 * each.most_n * 0.02);
-  // The pose comes every 5 ms: the surface is taken to be as it was there.
+  // The slow task runs only every 5 ms; until it runs again, the fast task uses the surface near the pose of its last run.
   const Difference late = compare(5);
   EXPECT_LT(late.force_n, 0.1 * late.most_n);
 }
@@ -157,7 +157,7 @@ TEST(HeldTool, GivesNoForceBeforeItKnowsAndWhereItOverlaps) {
   EXPECT_TRUE(out.proxy.is_blocked);
   EXPECT_TRUE(held.is_known());
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
-  // Out, and in again: now it is felt.
+  // The tool leaves the plane and comes back: now the plane is felt.
   for (int n = 0; n <= 300; ++n) {
     out = held.step(input_at({0.0, 0.0, n < 150 ? 0.005 + 1e-4 * n : 0.035 - 1e-4 * n}), (2 + n) * kTickNs);
     held.follow();
@@ -196,7 +196,7 @@ TEST(HeldTool, TheForceFadesWhereTheSlowTaskStalls) {
   EXPECT_NEAR(before_n, whole_n, 0.1);
 }
 
-// The hand goes on into a plate that the slow task has not seen: the tool is drawn above it.
+// The hand moves on into a plate that the slow task has not found yet: the tool is drawn above the plate.
 TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 2);
   HeldTool held(held_step(tool, make_box({0.1, 0.1, 0.02}, 4)));
@@ -209,7 +209,7 @@ TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
   EXPECT_EQ(held.lateness().faded, 0U);
   for (int n = 0; n < 100; ++n) {
     const ToolOutput felt = step(0.002 - 1e-4 * n);
-    if (n <= 20) continue;  // twice kLateS, and 2 mm away
+    if (n <= 20) continue;  // twice kLateS has passed, and the hand has moved 2 mm
     EXPECT_GT(felt.X_WP.translation().z(), 0.02) << n;
   }
   EXPECT_GT(held.lateness().faded, 45U);
@@ -241,8 +241,8 @@ TEST(HeldTool, BeginningAnewPutsTheToolWhereTheDeviceIs) {
   EXPECT_FALSE(out.proxy.is_blocked);
 }
 
-// Two fine faces that are flush, with more pairs of features than are considered: the proxy cannot move. It must not hold the hand for
-// good.
+// Two fine faces that are flush, with more pairs of features than are considered: the proxy cannot move. It must not hold the hand
+// forever.
 TEST(HeldTool, WhereTooManyPairsAreNearItLetsGo) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 36);
   HeldTool held(held_step(tool, make_plane_grid(0.02, 36)));
@@ -263,12 +263,12 @@ TEST(HeldTool, WhereTooManyPairsAreNearItLetsGo) {
     before_n = force_n;
   }
   EXPECT_EQ(before_n, 0.0);
-  // It is at the hand again: a step down to the surface is felt there, not where the proxy was.
+  // The proxy is at the hand again: a motion down to the surface is felt at the hand, not where the proxy was before.
   const Vec3 at_hand = held.tool().to_local(input_at({0.0, 0.0, 0.03})).position;
   EXPECT_LT((held.tool().proxy().placement().position - at_hand).norm(), 1e-9);
 }
 
-// A long box on a sheet cannot tilt, whichever way. Where the stylus is half a turn away, the shortest way back reverses.
+// A long box on a sheet cannot tilt in either direction. When the stylus has made half a turn, the shortest turn back reverses.
 TEST(HeldTool, TheTorqueReversesAtHalfATurnWithoutAJump) {
   const TriangleMesh box = make_box({0.2, 0.01, 0.01});
   const TriangleMesh sheet = make_plane_grid(0.5, 8);
@@ -326,7 +326,7 @@ TEST(HeldTool, TwoThreadsUseNoHeapInTheFastOne) {
   EXPECT_EQ(count, 0U);
 }
 
-// The slow task looks each 40 ms only: the box is 2 mm deep in the plate before it is known, and free for as long before that is known.
+// The slow task runs only every 40 ms: it finds the contact after the box has entered the plate, and notices only later that it has left.
 TEST(HeldTool, ContactsThatComeLateChangeTheForceWithoutADiscontinuity) {
   HeldTool held(held_step(make_box({0.02, 0.02, 0.02}, 2), make_box({0.2, 0.2, 0.02}, 4)));
   Vec3 last_n = Vec3::Zero();
@@ -343,7 +343,7 @@ TEST(HeldTool, ContactsThatComeLateChangeTheForceWithoutADiscontinuity) {
   }
   const double k = held.tool().coupling().stiffness_n_per_m;
   EXPECT_GT(most_n, 10.0);
-  // At most what the device has moved meanwhile, spread over kContactFadeS, and the motion of the step itself.
+  // At most the distance that the device moved until the slow task knew, spread over kContactFadeS, plus the motion of the step itself.
   EXPECT_LT(most_change_n, k * kSpeed * (0.08 * 1e-3 / HeldTool::kContactFadeS + 2e-3));
   EXPECT_EQ(last_n, Vec3::Zero());
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kVoxelM = 0.0005;
 
-// A cube of 20 mm over a floor at z = 0, held in its middle.
+// A cube of 20 mm, held in its middle, over a floor whose top is at z = 0.
 std::unique_ptr<VoxelTool> cube_over_floor() {
   auto made = VoxelTool::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)),
                               {made::shared(made::box({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}))},
@@ -39,7 +39,7 @@ TEST(HeldVoxels, BeginsAtTheDeviceAndIsKnownFromTheNextStepOn) {
   EXPECT_EQ(held.vertex_m(), Vec3(0.01, 0.01, 0.01));
 }
 
-// It is the tool of hapton replay, sample by sample.
+// Sample by sample, the force is that of a VoxelTool alone, as `hapton replay` uses it.
 TEST(HeldVoxels, GivesTheForceOfTheVoxels) {
   HeldVoxels held(cube_over_floor(), Vec3::Zero());
   const auto alone = cube_over_floor();
@@ -56,14 +56,14 @@ TEST(HeldVoxels, GivesTheForceOfTheVoxels) {
   EXPECT_EQ(held.push_on(0).force_n, Vec3::Zero());
 }
 
-// Half a voxel a sample is 0.25 mm: a hand that is gone 60 mm has gone around the floor, maybe.
+// The tool moves half a voxel, 0.25 mm, in each sample: a hand that is 60 mm ahead may have gone around the floor.
 TEST(HeldVoxels, AHandThatIsFarAheadIsNotPulledBackToWhatTheToolMeetsLater) {
   HeldVoxels held(cube_over_floor(), Vec3::Zero());
   held.step(hand_at(0.02), 0);
   held.step(hand_at(-0.04), 1);
   for (int n = 2; n < 400; ++n) EXPECT_EQ(held.step(hand_at(-0.04), n).force_n, Vec3(Vec3::Zero())) << n;
   EXPECT_LT(held.tool().placement().position.z(), -0.03);
-  // One in contact stays where it is, however far the hand.
+  // A tool in contact stays there, however far away the hand is.
   for (int n = 0; n < 400; ++n) held.step(hand_at(-0.04 + 1e-4 * n), n);
   const double below_m = held.tool().placement().position.z();
   EXPECT_LT(below_m, -0.018);

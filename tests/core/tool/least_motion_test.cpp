@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-// The optimum by trying every set of up to six bounds.
+// Finds the optimum by trying every set of up to six active bounds.
 class Enumeration {
  public:
   Enumeration(const Vec6& goal, const std::vector<MotionBound>& bounds) : goal_(goal), bounds_(bounds) { extend(0); }
@@ -71,7 +71,7 @@ class LeastMotionTest : public testing::Test {
     for (double& x : v) x = normal(random);
     return v;
   }
-  // Half-spaces that contain zero, as contacts of a free tool do, with rows leaning against the goal.
+  // Half-spaces that contain zero, as those of a free tool's contacts do; most of their rows point against the goal.
   std::vector<MotionBound> draw_bounds(const Vec6& goal, std::size_t count) {
     std::vector<MotionBound> bounds(count);
     for (MotionBound& bound : bounds) {
@@ -101,7 +101,7 @@ TEST_F(LeastMotionTest, MultipliersBalanceTheMotion) {
   for (int n = 0; n < 200; ++n) {
     const Vec6 goal = draw();
     std::vector<MotionBound> bounds = draw_bounds(goal, 300);
-    const auto copies = bounds;  // duplicates depend on each other
+    const auto copies = bounds;  // duplicates are linearly dependent
     bounds.insert(bounds.end(), copies.begin(), copies.end());
     const LeastMotion found = find_least_motion(goal, bounds, 1e-10);
     ASSERT_TRUE(found.solved) << "case " << n;

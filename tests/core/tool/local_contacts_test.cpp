@@ -14,7 +14,7 @@ MotionBound bound_of(const Vec3& normal, const Vec3& lever, double least) {
   return bound;
 }
 
-// A tool at the origin, with turns that cost as much as shifts of a tenth.
+// A tool at the origin; a turn of one radian costs as much as a shift of `turn_length`.
 LocalContacts local_of(double turn_length = 0.1) {
   LocalContacts local;
   local.is_blocked = false;
@@ -42,7 +42,7 @@ TEST(LocalContacts, APlaneUnderTheMiddleHoldsOnlyTheDepth) {
   EXPECT_LT((turn_between(Quat::Identity(), at.orientation) - Vec3(0, 0, 0.2)).norm(), 1e-9);
 }
 
-// A contact off the middle gives way by turning: the shares are as the energies say.
+// A contact off the middle also turns the tool: the energies of shift and turn determine the share of each.
 TEST(LocalContacts, AContactWithALeverTurnsTheTool) {
   constexpr double kLever = 0.2;
   constexpr double kLength = 0.1;
@@ -54,7 +54,7 @@ TEST(LocalContacts, AContactWithALeverTurnsTheTool) {
   EXPECT_NEAR(turn_between(Quat::Identity(), at.orientation).y(), -0.01 / (1.0 + ratio) * kLever / (kLength * kLength), 1e-9);
 }
 
-// Brute force: no motion within the bounds that lies nearby is better.
+// Brute force: no nearby motion within the bounds has less energy.
 TEST(LocalContacts, NoMotionNearbyIsBetter) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
@@ -109,7 +109,7 @@ TEST(LocalContacts, BlockedFollowsTheDeviceAndHeldStays) {
   EXPECT_EQ(local.constrain(device).position, local.proxy.position);
 }
 
-// The nearest allowed motion: that of a search over all sets of bounds that may be active.
+// project() gives the nearest motion that the bounds allow; the expected motions are computed by hand.
 TEST(LocalContacts, ProjectAMotionOntoTheirBounds) {
   LocalContacts local;
   local.is_blocked = false;
@@ -130,7 +130,7 @@ TEST(LocalContacts, ProjectAMotionOntoTheirBounds) {
   Vec6 expected = below;
   expected[2] = 0.25;
   EXPECT_LT((local.project(below) - expected).norm(), 1e-12);
-  // Into the wall by 0.5: shared between shift and turn by their compliances, 1 and 4.
+  // A motion into the wall by 0.5: shift and turn share the correction by their compliances, 1 and 4.
   Vec6 within = free;
   within[0] = -0.5;
   expected = within;

@@ -48,7 +48,7 @@ TEST_F(MotionEnergyTest, HasTheCurvatureThatItWasGivenWithinItsBounds) {
     const Vec6 parts = parts_of(motion);
     EXPECT_NEAR(energy.to_coordinates(motion).squaredNorm(), parts.dot(curvature * parts), 1e-13);
     EXPECT_LT((parts_of(energy.to_motion({}, energy.to_coordinates(motion))) - parts).norm(), 1e-13);
-    // The pull has the same work in these coordinates.
+    // In these coordinates, the pull of the coupling does the same work.
     const RigidMotion wanted = draw();
     const Vec6 pull = energy.coupling_curvature() * parts_of(wanted);
     EXPECT_NEAR(energy.goal_of(wanted).dot(energy.to_coordinates(motion)), pull.dot(parts), 1e-13);

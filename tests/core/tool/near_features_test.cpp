@@ -36,7 +36,7 @@ class NearFeaturesTest : public testing::Test {
   }
 };
 
-// The nearest features are found, and the nearest of all is a minimum; also from candidates that an earlier call has kept.
+// The nearest features are found, and the nearest of all is a minimum; also from candidates that an earlier collect has kept.
 TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   Placement at;
@@ -65,7 +65,7 @@ TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
   EXPECT_GT(compared, 100);
 }
 
-// Which features a pair is of, however the triangles around them are numbered.
+// Identifies the two features of a pair by their corners, however the triangles around them are numbered.
 using FeatureKey = std::pair<FeaturePair::Kind, std::vector<double>>;
 
 FeatureKey key_of(const FeaturePair& pair) {
@@ -95,7 +95,7 @@ std::vector<FeaturePair> all_pairs_of(const std::array<Vec3, 3>& tool, const std
   return pairs;
 }
 
-// Against all pairs of features, at many times of the motion.
+// Compared with all pairs of features, at five times of the motion.
 TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::size_t brought = 0;
@@ -111,7 +111,7 @@ TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
     const RigidMotion motion{at, length * vector(), length * vector()};
     ASSERT_TRUE(near.collect(at, near_by, 0.0));
     const std::size_t collected = near.features().size();
-    // Twice: what is known is not added again.
+    // Called twice: pairs that are known are not added again.
     ASSERT_TRUE(near.extend(motion, distance));
     const std::size_t extended = near.features().size();
     ASSERT_TRUE(near.extend(motion, distance));
@@ -142,7 +142,7 @@ TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
   EXPECT_GT(added, 100U);
 }
 
-// Most collects of a slide measure only the features that were near before. Between two of them extend asks for fewer.
+// In a slide, most calls of collect measure only the features that were near before. Between two calls, extend asks for fewer of them.
 TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   NearFeatures from_roots{tool, scene};
@@ -162,7 +162,7 @@ TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
       ASSERT_TRUE(from_roots.collect(at, distance, 0.0));
       ASSERT_EQ(keys_of(near), keys_of(from_roots)) << "slide " << slide << ", step " << n;
       found += near.features().size();
-      // A turn: what is near its axis moves less than its bound.
+      // The motion has a large turn: features near its axis move less than the bound for the whole tool.
       const RigidMotion motion{at, 0.2 * distance * vector(), 1.5 * distance / near.radius() * vector()};
       ASSERT_TRUE(near.extend(motion, 0x1p-20));
       at = motion.at(0.02 * std::abs(uniform(random)));
@@ -171,7 +171,7 @@ TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
   EXPECT_GT(found, 10000U);
 }
 
-// Several motions after one collect: what each has come near is measured where it leads. Short ones need no walk.
+// Several motions after one call of collect: the pairs that each brings near are measured at its end. Short motions need no walk.
 TEST_F(NearFeaturesTest, WhatIsFollowedHasAllThatACollectThereFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   NearFeatures from_roots{tool, scene};
@@ -183,7 +183,7 @@ TEST_F(NearFeaturesTest, WhatIsFollowedHasAllThatACollectThereFinds) {
     for (int n = 0; n < 12; ++n) {
       const double distance = 0.01 * std::abs(uniform(random));
       const double length = n % 3 == 0 ? 0.1 * distance : 0.02;
-      // Of several, the last one is made.
+      // Of several motions given to extend, the last one is carried out.
       ASSERT_TRUE(near.extend({at, length * vector(), length * vector()}, distance));
       const RigidMotion motion{at, length * vector(), length * vector()};
       ASSERT_TRUE(near.extend(motion, distance));
