@@ -27,7 +27,7 @@ TEST(SeamMesh, FindsTheBoundaryAsCountingEdgesDoes) {
   EXPECT_TRUE(find_boundary_vertices(make_icosphere(1.0, 2)).empty());
   for (const std::uint64_t seed : {1U, 2U}) {
     TriangleMesh mesh = made::soup(seed, 200, 1.0, 0.5);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.triangles[i][2] = mesh.triangles[i * 7 % 200][0];  // edges with many
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.triangles[i][2] = mesh.triangles[i * 7 % 200][0];  // non-manifold
     const std::size_t boundary = count_edges(mesh).boundary;
     TriangleMesh copy = mesh;
     EXPECT_EQ(seam_of(copy).boundary_edges().size(), boundary) << "seed " << seed;
