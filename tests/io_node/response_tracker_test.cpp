@@ -55,7 +55,7 @@ TEST_F(ResponseTrackerTest, OvertakenAndWithoutAReplyIsLostAfterThePatience) {
   tracker->settle(ResponseTracker::kReplyTimeoutNs);
   EXPECT_EQ(tracker->counts().lost, 0U);
   tracker->settle(ResponseTracker::kReplyTimeoutNs + 100 * kMs);
-  EXPECT_EQ(tracker->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has a response
+  EXPECT_EQ(tracker->counts().lost, 4U);  // 6 to 10 still wait: no newer sample has a reply
   EXPECT_EQ(tracker->reply(to(3)), Verdict::reordered);
   EXPECT_EQ(tracker->counts().lost, 3U);
 }
@@ -77,7 +77,7 @@ TEST_F(ResponseTrackerTest, ALieAboutSkippingExcusesNoMoreThanThereIs) {
   EXPECT_EQ(tracker->counts().superseded, 8U);
 }
 
-// 1 has a response; 2 and 5 are sent, 3 and 4 are not, because there was a newer one; the node skips 2 and 5 and responds to 6.
+// 1 has a reply. 2 and 5 are sent; 3 and 4 are not, because a newer one was there. The node skips 2 and 5 and replies to 6.
 TEST_F(ResponseTrackerTest, SamplesThatWereNeverSentDoNotCountAsSkipped) {
   take(1, 1);
   tracker->reply(to(1));
@@ -93,7 +93,7 @@ TEST_F(ResponseTrackerTest, SamplesThatWereNeverSentDoNotCountAsSkipped) {
   EXPECT_EQ(tracker->counts().taken, 6U);
 }
 
-// The numbers in between are of cycles that were never reported, once in the slots of old samples and once in fresh ones.
+// The cycles in between were never reported. Their slots are unused in the first run and hold old samples in the second one.
 TEST_F(ResponseTrackerTest, NumbersOfCyclesThatWereNotReportedDoNotCountAsSkipped) {
   for (const std::uint64_t before : {std::uint64_t{3}, 2 * ResponseTracker::kCapacity}) {
     tracker = std::make_unique<ResponseTracker>();
@@ -111,8 +111,8 @@ TEST_F(ResponseTrackerTest, NumbersOfCyclesThatWereNotReportedDoNotCountAsSkippe
   }
 }
 
-// A node that falls behind and responds to the newest of its waiting samples, and a hub that falls behind and sends the newest of its own:
-// a node that responds to all that it did not skip has lost nothing.
+// A node that falls behind replies to the newest of its waiting samples; a hub that falls behind sends the newest of its own.
+// If the node replies to all samples that it did not skip, none is lost.
 TEST_F(ResponseTrackerTest, ANodeThatSaysWhatItSkippedHasLostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
@@ -142,7 +142,7 @@ TEST_F(ResponseTrackerTest, SamplesWithoutAHapticsNodeAreExcused) {
   take(11, 20);
   tracker->reply(to(12));
   tracker->excuse_waiting();
-  EXPECT_EQ(tracker->counts().lost, 1U);  // 11: overtaken
+  EXPECT_EQ(tracker->counts().lost, 1U);  // 11: a newer sample has a reply
   EXPECT_EQ(tracker->counts().excused, 18U);
   EXPECT_EQ(tracker->reply(to(5)), Verdict::reordered);
   EXPECT_EQ(tracker->counts().excused, 17U);
@@ -174,7 +174,7 @@ TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
   }
 }
 
-// The device side alone has counted meanwhile. A count through all the numbers would take days.
+// The device side alone has counted in between. A tracker that visits each of these numbers would take days.
 TEST_F(ResponseTrackerTest, AJumpOfTheNumbersIsNotCountedThrough) {
   constexpr std::uint64_t kFar = 1'000'000'000'000'000;
   take(1, 1);
@@ -188,7 +188,7 @@ TEST_F(ResponseTrackerTest, AJumpOfTheNumbersIsNotCountedThrough) {
   EXPECT_EQ(tracker->counts().excused, 0U);
 }
 
-// Of the same ones, excused and lost are told apart by whether a newer one has its reply.
+// The same samples count as lost or excused: those that a newer reply overtook are lost, the others only if the node is alive.
 TEST_F(ResponseTrackerTest, AtTheEndOnlyALivingNodeHasLostWhatWaits) {
   for (const bool is_alive : {true, false}) {
     tracker = std::make_unique<ResponseTracker>();
@@ -200,7 +200,7 @@ TEST_F(ResponseTrackerTest, AtTheEndOnlyALivingNodeHasLostWhatWaits) {
   }
 }
 
-// Lost is a sample whose time is more than the patience ago.
+// A sample is lost when its own time is more than kReplyTimeoutNs ago.
 TEST_F(ResponseTrackerTest, ThePatienceIsForEachSample) {
   take(1, 4);
   tracker->reply(to(4));

@@ -1,4 +1,4 @@
-// The median of the round trips, by which the place of the force is chosen.
+// The median of the round trips, from which io_node chooses where the force is computed.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct RoundTrips : testing::Test {
   ForceExchange exchange{loop, peers, clock, stats};
   std::uint64_t sample = 0;
 
-  // A sample that gets its reply after this time; `every` from the reply before to this one.
+  // A sample that gets its reply after round_trip_ns. every_ns: from the reply before to this reply.
   void trip(std::int64_t round_trip_ns, std::int64_t every_ns = 100 * kMs, bool contact = false) {
     clock.advance_ns(every_ns - round_trip_ns);
     DeviceCycle cycle;

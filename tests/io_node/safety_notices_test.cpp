@@ -36,7 +36,7 @@ struct SafetyNoticesTest : testing::Test {
   DeviceCycle cycle;
   std::int64_t now_ns = 0;
 
-  // As the governor does.
+  // Latches a fault as the governor does.
   void latch(SafetyFault fault) {
     side.governor.fault = fault;
     ++side.governor.counters.latched;
@@ -76,7 +76,7 @@ TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   EXPECT_EQ(tap.cycles.size(), 6U);
 }
 
-// Whoever keeps the latched fault for the next start must hear of the one that is there last.
+// Whoever saves the latched fault for the next start goes by the last event, which must report what is latched now.
 TEST_F(SafetyNoticesTest, AFaultThatFollowsAResetAtOnceIsReportedAfterIt) {
   check();
   latch(SafetyFault::jump);
@@ -93,7 +93,7 @@ TEST_F(SafetyNoticesTest, AFaultThatFollowsAResetAtOnceIsReportedAfterIt) {
   EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::latched, ServoEvent::Kind::reset})) << "it is over";
 }
 
-// Where the network side was late: people and the recording would have had a fault without a name.
+// This happens when the network side is late. Without it, people and the recording would get a fault without a name.
 TEST_F(SafetyNoticesTest, AFaultThatIsResetBeforeTheNextLookIsReportedByItsName) {
   const auto named = [&] {
     std::vector<std::pair<ServoEvent::Kind, SafetyFault>> all;
@@ -122,7 +122,7 @@ TEST_F(SafetyNoticesTest, AFaultThatIsResetBeforeTheNextLookIsReportedByItsName)
   EXPECT_TRUE(named().empty());
 }
 
-// A stalled network side records all at once what was on the motors cycle by cycle.
+// A stalled network side records several cycles at once: each with the force that was on the motors in that cycle.
 TEST_F(SafetyNoticesTest, AnOvertakenCycleHasTheForceOfItsOwnEnd) {
   side.written.force_n = Vec3(0, 0, 3);
   cycle.written.force_n = Vec3(0, 0, 1);
@@ -193,7 +193,7 @@ TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
 TEST_F(SafetyNoticesTest, ADeviceThatHasFailedAtTheEndIsRecordedOnce) {
   notices.finish(side, DeviceStatus::ready, now_ns);
   EXPECT_TRUE(tap.faults.empty());
-  side.governor.fault = SafetyFault::device;  // as an earlier process left it: it is not counted
+  side.governor.fault = SafetyFault::device;  // latched by an earlier process: the counters do not have it
   check();
   notices.finish(side, DeviceStatus::fault, now_ns);
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
@@ -208,7 +208,7 @@ TEST_F(SafetyNoticesTest, ADeviceThatHasFailedAtTheEndIsRecordedOnce) {
   EXPECT_EQ(tap.faults.size(), 3U) << "another failure";
 }
 
-// Otherwise the latched fault would not be kept for the next start.
+// Otherwise the latched fault would not be saved for the next start.
 TEST_F(SafetyNoticesTest, WhatWasLatchedSinceTheLastCheckIsReportedAtTheEnd) {
   check();
   latch(SafetyFault::speed);
@@ -224,7 +224,7 @@ TEST_F(SafetyNoticesTest, WhatWasLatchedSinceTheLastCheckIsReportedAtTheEnd) {
 
 TEST_F(SafetyNoticesTest, EachKindOfFaultIsRecordedWhenItBegins) {
   check();
-  // What a check adds to the recording.
+  // The faults that one check adds to the recording.
   const auto added = [&] {
     tap.faults.clear();
     check();

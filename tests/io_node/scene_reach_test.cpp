@@ -34,7 +34,7 @@ TEST(SceneReach, GoesByWhereTheSurfaceIs) {
 TEST(SceneReach, ASpeckIsTooSmall) { EXPECT_EQ(reach_of(box_at(0, 1e-4F)), SceneReach::too_small); }
 
 TEST(SceneReach, SaysNothingOfWhatItCannotKnow) {
-  // The workspace is in the midst of it: 16 points say little of the piece that is there.
+  // The workspace is a small part in the middle of this box: the few points of a scene (16 at most) tell little of the surface in it.
   EXPECT_EQ(reach_of(box_at(0, 50.0F)), SceneReach::unknown);
   EXPECT_EQ(reach_of(SceneFacts{}), SceneReach::unknown);
   EXPECT_EQ(find_reach(box_at(0, 0.05F), Pose::Identity(), {}), SceneReach::unknown);

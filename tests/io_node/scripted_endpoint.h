@@ -13,17 +13,17 @@
 
 namespace hapton {
 
-// The network end of a test that plays all the other nodes: on_send gets what the hub sends; the agenda has what the hub shall receive,
-// with times of arrival. Waiting advances the simulated clock.
+// The hub's network endpoint in a test that plays all other nodes: on_send gets each datagram that the hub sends; the agenda holds the
+// datagrams that the hub will receive, with their times of arrival. Waiting advances the simulated clock.
 class ScriptedEndpoint final : public Endpoint {
  public:
   explicit ScriptedEndpoint(SimulatedClock& clock) : clock_(clock) {}
 
   std::function<void(const Address& to, const Datagram&)> on_send;
-  // Of bytes that are not a datagram of ours.
+  // Gets the bytes of everything that the hub sends, also if they are not a datagram of ours.
   std::function<void(const Address& to, std::span<const std::byte>)> on_send_raw;
 
-  // The key that datagrams from there were sealed with; not set: none.
+  // The role of the key with which datagrams from this address are sealed. Not set: they are not sealed.
   std::function<KeyRole(const Address& from)> key_role_of;
 
   void arrive(std::int64_t when_ns, const Address& from, const Datagram& datagram) {

@@ -32,7 +32,7 @@ struct ServiceLivenessTest : testing::Test {
     ::unsetenv("NOTIFY_SOCKET");
     ::unsetenv("WATCHDOG_USEC");
   }
-  // All that has come since the last call.
+  // All notifications that have arrived since the last call, each followed by a space.
   std::string received() {
     std::string all;
     std::array<char, 64> one = {};

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// A recording is read by what its faults are called.
+// Whoever reads a recording goes by the names of its faults.
 TEST(SessionFaultOf, EachLatchedFaultHasItsOwnNameInARecording) {
   for (int n = 0; n < kSafetyFaults; ++n) {
     const auto fault = static_cast<SafetyFault>(n);

@@ -45,7 +45,7 @@ struct Recorders : testing::Test {
     EXPECT_EQ(reader->problem(), "");
     return entries;
   }
-  // Those that are complete (runtime/atomic_file.h).
+  // The flight records that are complete: a name ends in .part while the file is written (runtime/atomic_file.h).
   std::vector<std::filesystem::path> flight_files() {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(flights)) {
@@ -101,7 +101,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
 
 TEST_F(Recorders, WithAFullRingCountWhatIsDroppedInsteadOfWaiting) {
   auto recorder = make({.record = file, .ring_bytes = 1024});
-  for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // before start no thread drains
+  for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // no thread empties the ring before start()
   ASSERT_TRUE(recorder.start());
   ASSERT_TRUE(recorder.stop());
   const auto entries = read(file);
@@ -191,7 +191,7 @@ TEST_F(Recorders, AFaultIsFollowedForAWhileAndThenWrittenWithoutWaitingForTheEnd
   ASSERT_TRUE(recorder.stop());
 }
 
-// Three faults within two seconds, each written before the next one comes: the last record goes back to the first.
+// Three faults within two seconds, each written before the next one comes: the last record also contains the first fault.
 TEST_F(Recorders, ARecordGoesBackTwoSecondsOverWhatWasWrittenBefore) {
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());
@@ -226,9 +226,9 @@ TEST_F(Recorders, FlightRecordsAreFew) {
     return flight_files().size() - before;
   };
   EXPECT_EQ(fault_and_wait(clock.now_ns() + kMs), 1U);
-  recorder.on_fault(SessionFault::clamped, clock.now_ns());  // within ten seconds
+  recorder.on_fault(SessionFault::clamped, clock.now_ns());  // the same kind of fault within ten seconds
   for (int n = 1; n < SessionRecorder::kMaxFlights; ++n) ASSERT_EQ(fault_and_wait(clock.now_ns() + SessionRecorder::kFlightEveryNs), 1U);
-  recorder.on_fault(SessionFault::device, clock.now_ns());  // one too many
+  recorder.on_fault(SessionFault::device, clock.now_ns());  // one more than a session may have
   ASSERT_TRUE(recorder.stop());
   EXPECT_EQ(recorder.counts().flights, SessionRecorder::kMaxFlights);
   EXPECT_EQ(recorder.counts().flights_left_out, 2);
@@ -272,7 +272,7 @@ TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
   EXPECT_NE(started.error().what.find("give another file with --record"), std::string::npos);
   auto other = make({{}, "/proc/nowhere/flight"});
   EXPECT_FALSE(other.start());
-  auto full = make({{}, "/proc"});  // it is there, and nothing can be made in it
+  auto full = make({{}, "/proc"});  // this folder exists, but no file can be created in it
   const auto without_flights = full.start();
   ASSERT_FALSE(without_flights);
   EXPECT_NE(without_flights.error().what.find("flight records: /proc cannot be written"), std::string::npos)
@@ -296,7 +296,7 @@ TEST_F(Recorders, ADefaultFolderIsMadeWhenThereIsSomethingToWrite) {
   EXPECT_EQ(flight_files().size(), 1U);
 }
 
-// What is recorded cannot be made again.
+// What is recorded cannot be produced again, so a new recording must not overwrite an earlier one.
 TEST_F(Recorders, KeepAnEarlierRecordingOfTheSameName) {
   for (const std::uint64_t sample : {1U, 2U, 3U}) {
     auto recorder = make({file, {}});
@@ -328,7 +328,7 @@ TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
   auto recorder = make({.record = file, .ring_bytes = SessionRecorder::kRecordRingBytes});
   ASSERT_TRUE(recorder.start());
   for (int n = 1; n <= 20'000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
-  // Files of this process end here, as on a full disk. Nothing else writes meanwhile.
+  // No file of this process can grow beyond this size, as on a full disk. Nothing else writes in the meantime.
   constexpr rlim_t kMaxBytes = 300'000;
   rlimit before = {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -353,7 +353,7 @@ TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
   EXPECT_NE(reader->problem(), "");
 }
 
-// A process that is killed leaves what was written, entry by entry.
+// A killed process leaves the entries that were written so far. A copy made during the recording is such a file.
 TEST_F(Recorders, ARecordingOfANodeThatWasKilledHasNoEnd) {
   auto recorder = make({.record = file, .ring_bytes = SessionRecorder::kRecordRingBytes});
   ASSERT_TRUE(recorder.start());

@@ -56,7 +56,7 @@ TEST(SessionSetup, TheHeaderHasTheOptionsThatAForceDependsOn) {
   EXPECT_EQ(settings["device-file"], "a.toml");
 }
 
-// --flight, else beside the report, else in the user's state; each of several devices in a folder of its own.
+// The folder is --flight, else a folder beside the report, else one in the user's state; each of several devices has its own in it.
 TEST(SessionSetup, FlightRecordsHaveAPlace) {
   ::setenv("STATE_DIRECTORY", "/state", 1);
   IoOptions options;
@@ -86,7 +86,7 @@ TEST(SessionSetup, WithoutAFolderForStateThereAreNoFlightRecords) {
   for (const auto& [name, value] : before) ::setenv(name.c_str(), value.c_str(), 1);
 }
 
-// A driver that knows nothing of it, or a HID device whose node or report has no room in the page.
+// Either its driver does not use the heartbeat page, or the path or report of its HID device does not fit into the page.
 TEST(SessionSetup, ADeviceThatTheWatchdogProcessCannotReleaseIsWarnedOf) {
   HeartbeatPage page;
   EXPECT_THAT(describe_missing_means(page, "my arm"), testing::HasSubstr("cannot release the force of this device (my arm)"));

@@ -48,7 +48,7 @@ TEST_F(NetworkLoops, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
   };
   start(7, 2, 4);
   start(7, 3, 1);
-  say(kHaptics, part_of(7, 4, 64, 0, 1));  // the next one of that object, which has not begun
+  say(kHaptics, part_of(7, 4, 64, 0, 1));  // a part of the next shape of object 1, which has not begun
   run(80);
   ASSERT_EQ(shape_statuses.size(), 1U);
   EXPECT_EQ(shape_statuses[0].second.object, 4);

@@ -43,7 +43,7 @@ TEST_F(StaleForceWatchdogTest, LeavesALivingLoopAlone) {
   EXPECT_EQ(loop->collect_stats().cuts, 0U);
 }
 
-// The device loop's thread never comes again: displaced, throttled with its CPU, or hung in a library.
+// The thread of the device loop does not run again: displaced by another, throttled with its whole CPU, or hung in a library.
 TEST_F(StaleForceWatchdogTest, ReleasesInTimeWhenTheLoopStalls) {
   press(200);
   const std::int64_t sample_ns = loop->force_sample_ns();
@@ -61,7 +61,7 @@ TEST_F(StaleForceWatchdogTest, WithoutAForceItChecksAgainSoon) {
   EXPECT_FALSE(is_cut());
 }
 
-// A cut just after the loop had released the force itself must not last: the force ramps down, and up again.
+// A cut just after the loop itself has released the force must not last: the force ramps down, and up again.
 TEST_F(StaleForceWatchdogTest, WhatItCutComesBackWithARampWhileForcesComeAllTheTime) {
   press(200);
   EXPECT_TRUE(loop->cut_if_older(0));

@@ -44,7 +44,7 @@ TEST_F(NetworkLoops, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView)
   ASSERT_FALSE(views.empty());
   EXPECT_EQ(views.front().X_WS[3], 0.5F);
   EXPECT_EQ(probes.back().view_revision, 4U);
-  // Killed: neither replies nor heartbeats; then another at another port.
+  // The haptics node is killed: it sends neither replies nor heartbeats. Then another process joins from the same address.
   reply_delay_ns = -1;
   sequences.erase(kHaptics);
   run(1200);
@@ -61,7 +61,7 @@ TEST_F(NetworkLoops, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView)
   EXPECT_GT(stats().responses.excused, 1000U);
 }
 
-// The haptics node dies in contact, a vision node joins with this view, and the next haptics node comes.
+// Whether contact is resumed if the haptics node dies in contact, a vision node joins with this view, and the next haptics node joins.
 struct ContactAcrossAView : NetworkLoops {
   bool resumes_after(const ViewTransform& view) {
     make();
@@ -94,7 +94,7 @@ TEST_F(ContactAcrossAView, IsForgottenWhereTheSceneMoves) {
   EXPECT_FALSE(resumes_after(view));
 }
 
-// A second vision node, which joins with the pose of its own start.
+// Two vision nodes. The second one joins with the pose that the scene had at that node's start.
 struct TwoViewers : NetworkLoops {
   static constexpr std::uint16_t kSecond = 4;
   ViewTransform turned{.revision = 41};
@@ -172,7 +172,7 @@ TEST_F(TwoViewers, AfterTheFirstHasLeftTheNextSetsAny) {
   EXPECT_EQ(of_haptics[0].revision, 3U);
 }
 
-// The hub was restarted, and no vision node is there.
+// The hub was restarted, and no vision node has joined yet.
 TEST_F(NetworkLoops, AHubWithoutAViewTakesThatOfTheHapticsNode) {
   make();
   join(kHaptics, NodeRole::haptics);

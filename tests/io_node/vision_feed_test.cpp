@@ -19,7 +19,7 @@ struct Feed : testing::Test {
   ScriptedEndpoint endpoint{clock};
   HubPeers peers{endpoint, clock, kFeedSession, 1000.0};
   std::unique_ptr<ServoStats> stats = std::make_unique<ServoStats>();
-  VisionFeed feed{peers, *stats, 1000.0, 5};  // the buttons that are down below hurry nothing
+  VisionFeed feed{peers, *stats, 1000.0, 5};  // ignores buttons 5, which report() holds down: they must not hasten states
   ProbeHistory memory;
   DeviceSide side;
   DeviceCycle cycle;
@@ -61,7 +61,7 @@ TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
   EXPECT_EQ(received[0].buttons, 5U);
   EXPECT_EQ(received[0].view_revision, 3U);
   report(0.02);
-  EXPECT_EQ(received.size(), 1U);  // it has not drawn yet
+  EXPECT_EQ(received.size(), 1U);  // the vision node has not drawn yet
   feed.on_frame_ack({}, drawn(), place, cycle.number, clock.now_ns());
   for (int n = 0; n < 20; ++n) report(0.03);
   EXPECT_GT(received.size(), 1U);
@@ -82,7 +82,7 @@ TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
   report(0.01);
   EXPECT_EQ(received.back().energy_percent, 34U);
   feed.on_frame_ack({}, drawn(), place, cycle.number, clock.now_ns());
-  side.governor.energy_spent_j = -0.05;  // the device has taken more than it gave
+  side.governor.energy_spent_j = -0.05;  // the device has taken in more energy than it gave
   for (int n = 0; n < 20; ++n) report(0.02);
   EXPECT_EQ(received.back().energy_percent, 0U);
 }
@@ -93,7 +93,7 @@ TEST_F(Feed, SendsTheTorqueOnTheMotors) {
   EXPECT_EQ(received.back().torque_nm, side.written.torque_nm);
 }
 
-// Replies that come too late give no force, and the good time before says nothing of that.
+// Replies that come too late give no force. The median, which includes the good time before, does not show that.
 TEST_F(Feed, SendsTheRoundTripOfTheHapticsNodeAndTheNewestWhereRepliesAreLate) {
   const auto sent_us = [&] {
     feed.refresh_statistics(cycle.number, clock.now_ns());
@@ -123,7 +123,7 @@ TEST_F(Feed, AcknowledgementsOfFramesThatWereNeverSentAreIgnored) {
   EXPECT_EQ(stats->drawn, 0U);
 }
 
-// As `hapton dds` does: its messages are not frames, and do not count as such.
+// `hapton dds` is such a node: it passes states on. Its messages are not frames, and do not count as frames.
 TEST_F(Feed, ANodeThatPassesStatesOnDrawsNothing) {
   for (int n = 0; n < 10; ++n) {
     report(0.01);

@@ -33,7 +33,7 @@ TEST(VisionPaces, ALostStateIsSentAgain) {
   EXPECT_EQ(pace.decide(0, state_at(3), VisionPace::kRepeatNs), Decision::send);
 }
 
-// Nothing changes but the sample.
+// Only the number of the sample changes.
 TEST(VisionPaces, ANodeThatPassesStatesOnGetsEverySample) {
   VisionPace pace(2000.0);
   for (const bool every : {true, false}) {
@@ -98,7 +98,7 @@ TEST(VisionPaces, MotionTooSmallToSeeCostsAStateAFrame) {
   EXPECT_EQ(pace.decide(0, state_at(3), kMs + VisionPace::kUnseenNs), Decision::send);
 }
 
-// A picture that is drawn all the time tells again of a hand at rest: it does not wait when it moves.
+// While the hand rests, a node that draws all the time repeats its acknowledgement. That must not delay the state when the hand moves.
 TEST(VisionPaces, AnAcknowledgementThatIsToldAgainDelaysNothing) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
@@ -110,7 +110,7 @@ TEST(VisionPaces, AnAcknowledgementThatIsToldAgainDelaysNothing) {
   EXPECT_EQ(pace.decide(0, state_at(40), 40 * kMs), Decision::send);
 }
 
-// And where the first one is lost, it counts.
+// The repeated acknowledgement counts if the first one was lost.
 TEST(VisionPaces, AnAcknowledgementThatIsToldAgainCountsWhereTheFirstWasLost) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
@@ -179,7 +179,7 @@ TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
   EXPECT_EQ(pace.decide(0, state_at(3), 7 * kMs), Decision::send);
 }
 
-// A stroke has a point of each, however slowly pictures are drawn.
+// A vision node draws a stroke with a point from each state, however slowly it draws pictures.
 TEST(VisionPaces, WhileAButtonIsDownStatesDoNotWaitForFrames) {
   VisionPace pace(200.0);
   const auto pressed = [](std::int64_t ms, std::uint32_t buttons) {
@@ -192,7 +192,7 @@ TEST(VisionPaces, WhileAButtonIsDownStatesDoNotWaitForFrames) {
   int sent = 0;
   for (std::int64_t ms = 10; ms < 110; ++ms) {
     sent += pace.decide(0, pressed(ms, 2), ms * kMs) == Decision::send ? 1 : 0;
-    // A slow picture, and one that looks the same: neither delays the next state.
+    // This acknowledges a slow picture that looks the same as before: it does not delay the next state.
     if (ms == 50) pace.on_frame_ack(0, FrameAck{.echo_sample = 50, .rest_ns = 30 * kMs, .unchanged = true}, ms * kMs);
   }
   EXPECT_NEAR(sent, 20, 1) << "one every 5 ms";
@@ -217,7 +217,7 @@ TEST(VisionPaces, Rate0SendsNothing) {
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::wait);
 }
 
-// Its period is longer than 64 bits hold in ns.
+// In ns, the period of this rate does not fit into 64 bits.
 TEST(VisionPaces, AtARateOfNearlyNothingOnlyTheFirstStateIsSent) {
   VisionPace pace(1e-308);
   EXPECT_EQ(pace.decide(0, state_at(1), kMs), Decision::send);

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// As fast as it may, from a rest on: the time that it works within a while.
+// Works for while_ns whenever it may, beginning at from_ns after a rest. Returns the time that it worked.
 std::int64_t worked_ns(WorkShare& share, std::int64_t from_ns, std::int64_t while_ns, std::int64_t piece_ns) {
   std::int64_t sum_ns = 0;
   for (std::int64_t now_ns = from_ns; now_ns < from_ns + while_ns;) {
@@ -23,7 +23,7 @@ TEST(WorkShare, WorksForItsShareAndABurstAtMost) {
     const std::int64_t first_ns = worked_ns(share, 5'000'000, 20'000'000'000, piece_ns);
     EXPECT_LE(first_ns, 6'000'000'000 + piece_ns) << piece_ns;
     EXPECT_GE(first_ns, 5'700'000'000) << piece_ns;
-    // A long rest gives one burst, no more.
+    // A long rest allows one burst, no more.
     const std::int64_t later_ns = worked_ns(share, 900'000'000'000, 20'000'000'000, piece_ns);
     EXPECT_LE(later_ns, 6'000'000'000 + piece_ns) << piece_ns;
   }

@@ -51,7 +51,7 @@ void expect_echo(const char* bind_address) {
 
 TEST(BareEchoEndpoint, ReturnsWhatItGets) { expect_echo("127.0.0.1:0"); }
 
-// Also the one that was moved from, which has none any more.
+// Also after a move: the object that was moved from has no socket any more.
 TEST(BareEchoEndpoint, ItsSocketIsClosedWithIt) {
   EXPECT_FALSE(leaves_files_open([] {
     auto echo = BareEchoEndpoint::open("127.0.0.1:0");
@@ -75,7 +75,7 @@ TEST(BareEchoEndpoint, IgnoresWhatIsNoRequest) {
   EXPECT_EQ((*endpoint)->receive(in, 0).bytes, 0U);
 }
 
-// Someone sends one datagram to one echo in the other's name.
+// An attacker sends one datagram to one echo, with the address of the other echo as its sender.
 TEST(BareEchoEndpoint, TwoOfThemDoNotLoop) {
   for (const std::string_view text : {"hapecho? and so on", "hapecho! and so on", "and so on"}) {
     auto one = BareEchoEndpoint::open("127.0.0.1:0");
@@ -113,7 +113,7 @@ TEST(BareEchoEndpoint, APortInUseIsAnErrorThatNamesIt) {
 }
 
 TEST(BareEchoEndpoint, AnAddressOfAnotherHostIsAnErrorThatSaysSo) {
-  const auto echo = BareEchoEndpoint::open("192.0.2.1:0");  // reserved for documents (RFC 5737): no host has it
+  const auto echo = BareEchoEndpoint::open("192.0.2.1:0");  // reserved for documentation (RFC 5737): no host has it
   ASSERT_FALSE(echo);
   EXPECT_NE(echo.error().what.find("use an address of this host"), std::string::npos) << echo.error().what;
 }

@@ -1,4 +1,4 @@
-// Undos among carves: what a datagram may say of them.
+// Carves that include undos: what a datagram may contain.
 #include <gtest/gtest.h>
 
 #include "tests/link/codec_fixture.h"
@@ -28,7 +28,7 @@ TEST_F(CarveCodecTest, AnUndoIsBetweenCarves) {
   EXPECT_TRUE(std::get<Carves>(decoded_.message).carves[1].is_undo());
 }
 
-// What a slot had from the datagram before is gone.
+// Nothing that the previous datagram left in a slot remains.
 TEST_F(CarveCodecTest, ACarveAfterAnUndoIsACarve) {
   ASSERT_EQ(round_trip(good), DecodeStatus::ok);
   good.carves[1] = good.carves[2];
@@ -49,7 +49,7 @@ TEST_F(CarveCodecTest, ARequestNamesAProcessAndACarve) {
   EXPECT_EQ(round_trip(CarveUndo{.serial = 1}), DecodeStatus::bad_value);
 }
 
-// By hand: as many bits as the message has, and as many numbers as these say.
+// Bytes written by hand: the masks have bits only for entries that exist, and the numbers are as many as the masks say.
 TEST_F(CarveCodecTest, MasksAndNumbersMatch) {
   const auto decode_masks = [&](std::uint32_t begins, std::uint32_t undoes, std::size_t carves, std::size_t undone) {
     std::string inner("\x0D\x01\x00\x00\x00\x15\x40\x00\x00\x00\x1D\x05\x00\x00\x00", 15);  // source 1, newest 64, first 5

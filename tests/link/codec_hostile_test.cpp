@@ -46,7 +46,7 @@ TEST_F(CodecTest, RandomBytesNeverCrash) {
     for (std::byte& byte : bytes) {
       byte = static_cast<std::byte>(random_.bits());
     }
-    if (i % 2 == 0 && bytes.size() > 2) {  // get past the version half of the time
+    if (i % 2 == 0 && bytes.size() > 2) {  // half of the datagrams get past the check of the version
       bytes[0] = std::byte{0x08};
       bytes[1] = std::byte{kProtocolVersion};
     }
@@ -78,7 +78,7 @@ TEST_F(CodecTest, MutatedDatagramsNeverCrash) {
   }
 }
 
-// From a program with a key, whatever is wrong with it: differences of such times would not fit into 64 bits.
+// A program with a key may send such times, through whatever fault of its own: their differences would not fit into 64 bits.
 TEST_F(CodecTest, RejectsTimesThatNoClockHas) {
   constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
@@ -162,7 +162,7 @@ TEST_F(CodecTest, HostileBytesDoNotReachTheHeapEither) {
   const AllocationGuard guard;
   for (int i = 0; i < 100'000; ++i) {
     const std::size_t size = codec_.encode(random_.draw(random_.bits() % kKinds), buffer);
-    // Corrupt some bytes and let rubbish follow, up to a full datagram.
+    // Corrupt one byte and append rubbish, up to a full datagram.
     std::size_t length = size;
     while (length + 8 <= buffer.size() && random_.bits() % 64 != 0) {
       const std::uint64_t rubbish = random_.bits();
@@ -172,7 +172,7 @@ TEST_F(CodecTest, HostileBytesDoNotReachTheHeapEither) {
     buffer[2 + random_.bits() % (length - 2)] = static_cast<std::byte>(random_.bits());
     codec_.decode(std::span(buffer).first(length), decoded_);
   }
-  // Well-formed floods: every field of every message that can grow, filled with one whole datagram.
+  // Well-formed floods: in the messages 16 to 28 of the envelope, each field in turn is given or repeated until the datagram is full.
   for (int message = 16; message < 29; ++message) {
     for (int field = 1; field < 16; ++field) {
       for (const int wire_type : {0, 1, 2, 3, 5}) {

@@ -20,7 +20,7 @@ TEST_F(CodecTest, RoundTripsEveryMessage) {
   }
 }
 
-// Of the name in a request and in a move, and of the reason of a rejection.
+// The length of the message's text: the name in a request or a move, or the reason for a rejection; 0: it has none.
 std::size_t length_of_text(const Message& message) {
   const auto length = [](const auto& text) { return std::string_view(text.data()).size(); };
   if (const auto* request = std::get_if<MoveRequest>(&message)) return length(request->object);
@@ -30,7 +30,7 @@ std::size_t length_of_text(const Message& message) {
   return 0;
 }
 
-// Two vectors, each with two bytes of tag and one of length, and a number with two bytes of tag, in sessions with a tool only.
+// Bytes that only sessions with a tool have: two vectors, each with 2 bytes of tag and 1 of length, and a number with 2 bytes of tag.
 std::size_t length_of_tool(const Message& message) {
   const auto* probe = std::get_if<ProbeState>(&message);
   return probe == nullptr ? 0U : (probe->push ? 2U * (2 + 1 + 24) : 0U) + (probe->haptons ? 2U + 4U : 0U);
@@ -56,9 +56,9 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
        ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7, odd, odd}},
       {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U},
        ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}},
-      // With a tool that can push something, whether it does or not.
+      // With a tool that can push objects: whether it pushes one or not.
       {ForceCommand{.push = ObjectPush(), .haptons = 0}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}},
-      // With layers, whether a needle is in them or not.
+      // With layers: whether a needle is in them or not.
       {ForceCommand{.held_offset_m = Vec3::Zero()}, ForceCommand{.contact = true, .held_offset_m = odd}},
       {ProbeState{.push = ObjectPush(), .haptons = 0}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}}};
   for (const auto& messages : kinds) {
@@ -75,7 +75,7 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
   }
 }
 
-// A haptics node of an earlier build says nothing of objects, of a tool, or of what moves.
+// A haptics node of an earlier build sends nothing about objects, a tool or motion.
 TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   Bytes bytes = encode({{},
                         ForceCommand{.echo_sample = 9,
@@ -86,9 +86,9 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
                                      .move_serial = 5,
                                      .carve_serial = 6,
                                      .shape_serial = 7}});
-  // The message is the last field of the envelope. The last of the message are its object, a byte of tag and four of the number, torque and
-  // turn, each a byte of tag, one of length and three numbers, the time of the scene, a byte of tag and eight of the number, and the
-  // serials of the newest move, the newest carve and the newest shape, two bytes of tag and four of the number each.
+  // The message is the last field of the envelope. Its last fields are cut off: the object (1 byte of tag, 4 of number), torque and turn
+  // (each 1 byte of tag, 1 of length, three numbers), the time of the scene (1 byte of tag, 8 of number), and the serials of the newest
+  // move, carve and shape (each 2 bytes of tag, 4 of number).
   constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 3 * 6;
   const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
   std::size_t at = 2;
@@ -151,7 +151,7 @@ TEST_F(CodecTest, ReportsAnotherVersion) {
   Bytes bytes = encode(random_.draw(3));
   bytes[1] = std::byte{kProtocolVersion + 1};
   EXPECT_EQ(decode(bytes), DecodeStatus::wrong_version);
-  // Whatever a later version puts behind its number.
+  // Whatever a later version has after its version number.
   EXPECT_EQ(decode({std::byte{0x08}, std::byte{kProtocolVersion + 1}, std::byte{0xFF}, std::byte{0xFF}}), DecodeStatus::wrong_version);
   EXPECT_EQ(decode({std::byte{0x08}, std::byte{0x80}, std::byte{0x01}}), DecodeStatus::wrong_version);
   EXPECT_EQ(decode({std::byte{0x08}, std::byte{0x00}}), DecodeStatus::wrong_version);
@@ -362,7 +362,7 @@ TEST_F(CodecTest, RejectsBadCarves) {
     EXPECT_EQ(with([&](Carves& m) { m.carves[1].from_m[0] = x; }), DecodeStatus::bad_value) << x;
     EXPECT_EQ(with([&](Carves& m) { m.carves[1].to_m[2] = x + 0.3F; }), DecodeStatus::bad_value) << x;
   }
-  // What is just allowed.
+  // The largest values that are allowed.
   EXPECT_EQ(with([](Carves& m) { m.carves[1].radius_m = static_cast<float>(Carves::kMaxRadiusM); }), DecodeStatus::ok);
   EXPECT_EQ(with([](Carves& m) { m.carves[1].object = std::numeric_limits<std::int32_t>::max(); }), DecodeStatus::ok);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -380,7 +380,7 @@ TEST_F(CodecTest, RejectsBadCarves) {
   EXPECT_EQ(round_trip(CarveStatus{.complete = 4}), DecodeStatus::bad_value);
 }
 
-// By hand, as the struct has no room for what the count claims.
+// Written by hand, because the struct has no room for as many as the count claims.
 TEST_F(CodecTest, RejectsCarvesWhoseNumbersDoNotMatchTheirCount) {
   const auto decode_carves = [&](int objects, int numbers) {
     const auto varint = [](std::string& to, std::size_t value) {
@@ -437,8 +437,8 @@ TEST_F(CodecTest, RejectsMarkersThatNoTableCanHold) {
   Bytes bytes = encode(Datagram{{1, 2, 3, 4}, longest});
   EXPECT_EQ(decode(bytes), DecodeStatus::ok);
   const std::size_t text = bytes.size() - MarkerText::kMaxBytes;
-  std::byte& text_length = bytes[text - 2];            // two bytes of varint before the text
-  std::byte& marker_length = bytes[text - 3 - 5 - 2];  // ... before its tag, the request, and its length
+  std::byte& text_length = bytes[text - 2];            // low byte of the 2-byte varint before the text
+  std::byte& marker_length = bytes[text - 3 - 5 - 2];  // same for the message: before the text's tag, the request (5), its own length (2)
   ASSERT_EQ(text_length, std::byte{0xA0});
   ASSERT_EQ(marker_length, std::byte{0xA8});
   text_length = std::byte{0xA1};
@@ -470,7 +470,7 @@ TEST_F(CodecTest, WritesNothingWhereThereIsNoRoom) {
   EXPECT_EQ(codec_.encode(hello, std::span(room).first(room.size() - 1)), 0U);
 }
 
-// The compiler may drop a new-expression it can see through, but not this call.
+// The compiler may drop a new-expression that has no effect, but not this call.
 TEST(AllocationGuardTest, SeesAnAllocation) {
   if (!AllocationGuard::is_available()) {
     GTEST_SKIP() << "heap use cannot be counted in this build";

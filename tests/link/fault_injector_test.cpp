@@ -28,7 +28,7 @@ double share_of(const std::vector<Fate>& fates, const std::function<bool(const F
 
 bool is_passed(const Fate& fate) { return fate.kind == Fate::Kind::passed; }
 
-// Five standard deviations of a share of so many draws: the seed is fixed, so this passes always or never.
+// Five standard deviations of a share in kMany draws. The seed is fixed, so a test always passes or always fails.
 double tolerance(double share) { return 5.0 * std::sqrt(share * (1.0 - share) / kMany); }
 
 TEST(FaultInjectorTest, WithoutFaultsEverythingPassesAtOnce) {
@@ -102,7 +102,7 @@ TEST(FaultInjectorTest, BurstsHaveTheRequestedShareAndLength) {
     int spells = 0;
     for (std::size_t n = 1; n < fates.size(); ++n) spells += is_bad(fates[n]) && !is_bad(fates[n - 1]) ? 1 : 0;
     const double share = share_of(fates, is_bad);
-    // Draws within a spell hang together: fewer of them count.
+    // Draws within a burst depend on each other, so fewer of them count.
     EXPECT_NEAR(share, 0.1, tolerance(0.1) * std::sqrt(2.0 * length)) << length;
     EXPECT_NEAR(share * kMany / spells, length, 0.1 * length) << length;
   }

@@ -28,11 +28,11 @@ Bytes sealed(seal::Kind kind, std::size_t size = 100) {
   return bytes;
 }
 
-// A socket that stays open under the filter, and nodes that send to it.
+// The hub's socket, to which the filter applies, and peers that send to it.
 struct Wire {
   explicit Wire(const char* at = "127.0.0.1:0") : hub(std::move(*open_udp_endpoint(at, true))) {}
 
-  // How many of these came through.
+  // Sends the datagram this many times. Returns how many of them the hub received.
   int passed(Endpoint& from, const Bytes& datagram, int times) {
     std::array<std::byte, 2048> into = {};
     int count = 0;
@@ -43,13 +43,13 @@ struct Wire {
     while (hub->receive(into, clock.now_ns() + 5 * kMs).bytes > 0) ++count;
     return count;
   }
-  // Until the hub drops unknown peers.
+  // Sends unknown datagrams until the hub has the kernel drop unknown peers.
   void flood(Endpoint& from) {
     for (int n = 0; n < 100 && hub->socket_counts().floods == 0; ++n) {
       passed(from, Bytes(50, std::byte{1}), 200);
     }
     ASSERT_EQ(hub->socket_counts().floods, 1U);
-    // The share that passes settles during the flood.
+    // The share that passes settles only while the flood goes on.
     for (int n = 0; n < 20; ++n) passed(from, Bytes(50, std::byte{1}), 2000);
   }
 
@@ -106,7 +106,7 @@ TEST(FloodFilter, OversizedAndEmptyDatagramsAreCounted) {
   EXPECT_EQ(wire.hub->socket_counts().oversized, 2U);
 }
 
-// Pure from here on: time and the kernel's count are handed in.
+// The tests from here on use no socket and no clock: they supply the time and the kernel's count of dropped datagrams.
 struct FloodFilterTest : testing::Test {
   FloodFilter::Action window(std::uint64_t unknown_peers, std::uint32_t dropped_more = 0) {
     for (std::uint64_t n = 0; n < unknown_peers; ++n) filter.note_received(unknown, junk, false);
@@ -119,7 +119,7 @@ struct FloodFilterTest : testing::Test {
   Bytes junk = Bytes(9);
   Address unknown{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 9}, 9};
   std::int64_t now_ns = 1'000'000'000'000;
-  std::uint32_t dropped = 0xFFFFFFF0;  // it wraps
+  std::uint32_t dropped = 0xFFFFFFF0;  // near its end, so that it wraps around
 };
 
 TEST_F(FloodFilterTest, AFewUnknownPeersAreNoFlood) {
@@ -146,7 +146,7 @@ TEST_F(FloodFilterTest, AFloodShutsAndItsEndOpensAfterAWhile) {
   EXPECT_EQ(filter.counts().floods, 2U);
 }
 
-// About 5,000 a second, whatever the flood: of 100,000 a twentieth.
+// About 5,000 datagrams a second pass, however large the flood is: of 100,000 one in twenty.
 TEST_F(FloodFilterTest, LetsThroughNoMoreThanCanBeLookedAt) {
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);
@@ -167,7 +167,7 @@ TEST_F(FloodFilterTest, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the reply";
   ASSERT_EQ(filter.end_period(dropped, now_ns), FloodFilter::Action::install);
   EXPECT_GT(filter.program().size(), before);
-  // Not for everyone: endless handshakes would make a program each time.
+  // Only one new peer in each period is admitted at once: endless handshakes would otherwise make a program each time.
   filter.note_expected(node_at(78), kConnection, now_ns);
   EXPECT_FALSE(filter.is_due(now_ns));
   EXPECT_EQ(window(500), FloodFilter::Action::install);

@@ -16,8 +16,8 @@ using Finished = ClientHandshake::Finished;
 using Verdict = HubHandshake::Verdict;
 using Where = AgreementWorker::Where;
 
-constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;  // of the hub's clock; later than two cookie times
-constexpr std::uint64_t kHost = 77;                               // any
+constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;  // a time of the hub's clock, later than two cookie times
+constexpr std::uint64_t kHost = 77;                               // any value
 
 LinkKey master_of(std::uint8_t number) {
   EXPECT_TRUE(seal::start_crypto());
@@ -159,7 +159,7 @@ TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   const Bytes with_cookie = request_with_cookie();
   const Bytes replied = reply(with_cookie);
   const RoleKey vision = key_of(1, KeyRole::vision);
-  // As a hub that has this key alone: it cannot read the request.
+  // The owner of this key poses as a hub: it cannot read the request.
   AgreementTask task;
   task.kind = AgreementTask::Kind::reply_to_request;
   task.psk = seal::derive_psk(vision);
@@ -167,7 +167,7 @@ TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   std::copy_n(seal::bytes_of(std::span(with_cookie)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
   run_agreement(task);
   EXPECT_FALSE(task.went_well);
-  // As a node that has this key alone: it cannot read the reply.
+  // The owner of this key poses as the node: it cannot read the reply.
   ClientHandshake vision_node(vision, kHost, Where::caller);
   vision_node.begin();
   EXPECT_FALSE(vision_node.read_reply(replied));
@@ -182,7 +182,7 @@ TEST_F(HandshakeTest, AKeyLearntLaterOpensNoRecordedDatagram) {
   SealedChannel channel = client_.take_channel();
   Bytes recorded(kMaxDatagramBytes);
   recorded.resize(channel.seal(Bytes(20), recorded));
-  // All that can be done with them is a handshake of one's own on the same request, which gives other keys.
+  // The most that the attacker can do is to reply to the same request with a new handshake, which gives other keys.
   AgreementTask task;
   task.kind = AgreementTask::Kind::reply_to_request;
   task.connection = 5;
@@ -295,7 +295,7 @@ TEST_F(HandshakeTest, NoSenderIsSentMoreThanItSent) {
 TEST_F(HandshakeTest, EveryRequestHasALaterTimestampAndAKeyPairOfItsOwn) {
   ASSERT_TRUE(client_.start_request(500));
   ASSERT_TRUE(client_.start_request(500));
-  ASSERT_TRUE(client_.start_request(3));  // a clock that was set back
+  ASSERT_TRUE(client_.start_request(3));  // the clock was set back
   std::int64_t last_ns = 0;
   std::vector<Bytes> firsts;
   Bytes bytes(seal::kRequestBytes);
@@ -319,7 +319,7 @@ TEST_F(HandshakeTest, NodesOfOneRoleOnSeveralHostsHaveClocksOfTheirOwn) {
   EXPECT_EQ(check_request(request_of(other)), Verdict::wants_cookie);
 }
 
-// An eavesdropper does not learn which nodes of several roles are on one host.
+// An eavesdropper must not learn which nodes of different roles are on the same host.
 TEST_F(HandshakeTest, TheHostIsHiddenAndAlikeForOneRoleAlone) {
   const auto host_in_request = [&](KeyRole role, std::uint64_t host) {
     ClientHandshake client(key_of(1, role), host, Where::caller);

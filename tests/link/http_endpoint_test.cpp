@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kPatienceNs = 2'000'000'000;
 
-// Accepts one connection, reads the request, and replies with that text.
+// Accepts one connection, reads the request, and replies with the given text.
 class OneReply {
  public:
   explicit OneReply(std::string reply)

@@ -24,7 +24,7 @@ class HubClientTest : public testing::Test {
     network_.set_impairments(impairments_);
   }
 
-  // Both sides turn for a while, a millisecond at a time: the hub sends `per_ms` states, the client drains them.
+  // Runs both sides for duration_ms, a millisecond at a time: the hub sends `per_ms` states, the client drains them.
   void run(std::int64_t duration_ms, int per_ms = 0) {
     for (std::int64_t i = 0; i < duration_ms; ++i) {
       clock_.advance_ns(kMs);
@@ -98,7 +98,7 @@ TEST_F(HubClientTest, WhatItCannotReadIsCountedAndPassedOver) {
   EXPECT_EQ(client_->counts().wrong_version, 1U);
 }
 
-// Whoever waits no longer is not kept by what is of no use: 64 of it are passed over at once.
+// A caller that does not wait must not be held up by useless datagrams: one call of receive() skips 64 of them at most.
 TEST_F(HubClientTest, AFloodOfWhatItCannotReadHoldsNobodyUp) {
   start_hub(1);
   start_client();
@@ -166,7 +166,7 @@ TEST_F(HubClientTest, JoinsARestartedHubByItself) {
   EXPECT_EQ(client_->sequence_counts().restarts, 1U);
 }
 
-// The hub has forgotten where its numbers were: another node has had the place.
+// The hub no longer knows its sequence numbers for this node, because another node has had the slot.
 TEST_F(HubClientTest, AReturningNodeHearsAHubThatCountsFromOneAgain) {
   start_hub(1);
   start_client();
@@ -221,7 +221,7 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
   start_hub(2);
   run(110);
   ASSERT_EQ(client_->session(), 2U);
-  // The earlier hub's late datagrams: a state, and a welcome that would take us back.
+  // Late datagrams of the earlier hub: a state, and a Welcome that would take the client back to the earlier session.
   states_ = 0;
   Codec codec;
   std::array<std::byte, kMaxDatagramBytes> bytes;
@@ -235,7 +235,7 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
   EXPECT_EQ(client_->counts().other_session, 2U);
 }
 
-// The hub rejected this node as long as another one had its slot; the network delivers that after the Welcome.
+// While another node held the slot, the hub rejected this one. The network delivers that rejection after the later Welcome.
 TEST_F(HubClientTest, ARejectionThatAWelcomeHasOvertakenIsDropped) {
   start_hub(1);
   start_client();
@@ -316,7 +316,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRejectedAndTakesOverWhenTheFirstDies) 
   EXPECT_EQ(second.state(), JoinState::joined);
 }
 
-// A partition: the hub drops the node, which returns in the same session. New datagrams must not look old to it.
+// A partition of the network: the hub drops the node, which returns in the same session. New datagrams must not count as old.
 TEST_F(HubClientTest, ReceivesAtOnceAfterItWasMissed) {
   start_hub(1);
   start_client();

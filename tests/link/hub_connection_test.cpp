@@ -58,7 +58,7 @@ TEST_F(HubConnectionTest, EachRoleJoins) {
   }
 }
 
-// Where the machine stands still for 50 ms the second one rightly takes over; then it is tried again.
+// If the machine stands still for 50 ms, the second node rightly takes over; then the test tries again.
 TEST_F(HubConnectionTest, ASecondHapticsNodeIsToldWhy) {
   std::string why;
   for (int attempt = 0; attempt < 10 && why.empty(); ++attempt) {

@@ -18,7 +18,7 @@ using Kind = PeerEvent::Kind;
 inline constexpr std::uint64_t kSession = 777;
 inline constexpr double kRate = 1000.0;
 
-// A peer with hand-made datagrams.
+// A peer whose datagrams the test makes.
 struct RawNode {
   std::unique_ptr<Endpoint> endpoint;
   std::uint64_t sender = 0;
@@ -40,7 +40,7 @@ class HubPeersTest : public testing::Test {
     node.endpoint->send(hub_endpoint_->local_address(), std::span(bytes).first(size));
   }
 
-  // The hub's events from all that has come, timeouts included.
+  // All events of the hub for the datagrams that have arrived, and its timeouts.
   std::vector<PeerEvent> events() {
     std::vector<PeerEvent> all;
     while (true) {

@@ -158,7 +158,7 @@ TEST_F(HubPeersTest, ItsNumbersGoOnForAPeerThatReturns) {
   EXPECT_EQ(received_by(node).front().header.sequence, last + 1);
 }
 
-// Another one had its place meanwhile, and has left.
+// Another node had its slot in the meantime, and has left.
 TEST_F(HubPeersTest, ItsNumbersGoOnForAPeerWhosePlaceWasTaken) {
   RawNode first = raw_node(2, 20);
   RawNode second = raw_node(3, 30);
@@ -270,7 +270,7 @@ TEST_F(HubPeersTest, AFloodFromOneAddressTakesOnePlaceAndNoHeap) {
     const Message message = i % 3 == 0 ? Message(Hello{NodeRole::tool}) : Message(ForceCommand{.force_n = Vec3(99, 0, 0)});
     const std::size_t size = codec_.encode({{random() % 2 == 0 ? kSession : random(), random() | 1U, random(), 0}, message}, bytes);
     clock_.advance_ns(1000);
-    // Straight into the hub: the memory network would allocate for the reply only.
+    // Passed straight to the hub, because the memory network would allocate for a datagram.
     const std::uint64_t before = guard.count();
     const PeerEvent e = hub_->handle_datagram(std::span(bytes).first(size), from, clock_.now_ns(), datagram_);
     allocations += guard.count() - before;

@@ -8,7 +8,7 @@
 namespace hapton::hub_peers {
 namespace {
 
-// What a datagram sealed with a role's key can do.
+// What a sender may do whose datagrams are sealed with the key of a role.
 class RoleRights : public HubPeersTest {
  protected:
   PeerEvent say(KeyRole key_role, const Message& message, std::uint64_t sender = 30, const Address& from = memory_address(3, 9)) {
@@ -77,7 +77,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       {ObjectShape{.source = 1, .serial = 1, .part = {.total = 1}}, NodeRole::haptics},
       {ShapeStart{.source = 1, .total = 1}, NodeRole::haptics},
       {ShapeStatus{.source = 1, .serial = 1}, NodeRole::vision}};
-  // The hub's own, those of every role, and those of two roles, below.
+  // Kinds that only the hub sends, that every role may send, and that two roles may send (below).
   const std::vector<Message> others = {Hello{},      Welcome{},    Bye{},          DeviceState{}, ProbeState{},
                                        ReportPart{}, SceneFacts{}, ViewRejected{}, PatchStatus{}, LoopFacts{},
                                        ObjectPose{}, Marker{},     MarkerReply{},  MoveRequest{}, ShapeRequest{}};
@@ -96,7 +96,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
     }
   }
   EXPECT_EQ(hub_->counts().wrong_role, 2 * messages.size());
-  // Two roles have a scene; where its objects are one says, and the other asks for.
+  // Two roles may send each of these: haptics and vision the first two kinds, vision and tool the other two.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
     EXPECT_EQ(say(nodes[n].second, SceneFacts{}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);

@@ -34,8 +34,8 @@ class KeyScheduleTest : public testing::Test {
   RoleKey key_{master_, KeyRole::haptics};
 };
 
-// The expected values come from an independent implementation (tests/link/known_answers.py): a change of the schedule, of the order of the
-// fields or of the protocol version is a new wire format, and needs a new version.
+// The expected values come from an independent implementation (tests/link/known_answers.py). A change of the schedule, of the order of the
+// fields or of the protocol version changes them: this is a new wire format, and needs a new version.
 TEST_F(KeyScheduleTest, GivesTheKnownRoleKeys) {
   const auto of = [&](KeyRole role) { return hex(derive_role_key(master_, role)); };
   EXPECT_EQ(of(KeyRole::haptics), "b4ce355e13f44bad8ce76dc2ef7e9fdc7796efe368978f0a14488e66fc8429e5");
@@ -75,7 +75,7 @@ TEST_F(KeyScheduleTest, AgreesOnTheKnownSessionAndSealsToTheKnownDatagram) {
   EXPECT_EQ(hex(keys.client_to_hub), "464447173a5c77ecf57305daf11b7a9ea67d0c3f618671d236ba07fd43245728");
   EXPECT_EQ(hex(keys.hub_to_client), "0a4d43867baed6b3957ee6a956020fc17f52c6db29536dc4eac4dd34d3ceab28");
   SealedChannel channel(keys, load<std::uint32_t>(connection.data()), SealedChannel::Side::client);
-  constexpr std::string_view kText = "known answer, of two blocks";  // of AES, the second one incomplete
+  constexpr std::string_view kText = "known answer, of two blocks";  // two blocks of AES, the second one incomplete
   std::array<std::byte, 64> sealed;
   const std::size_t bytes = channel.seal(std::as_bytes(std::span(kText)), sealed);
   EXPECT_EQ(hex(std::span(sealed).first(bytes)),

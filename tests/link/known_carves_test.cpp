@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Each is told by its object.
+// Each carve has its serial as its object, so that the tests can tell carves apart.
 Carves carved(std::uint32_t source, std::uint32_t first, std::uint32_t count, std::uint32_t newest) {
   Carves carves{.source = source, .newest = newest, .first = count > 0 ? first : 0, .count = count};
   for (std::uint32_t n = 0; n < count; ++n) carves.carves[n] = {.object = static_cast<std::int32_t>(first + n), .radius_m = 0.01F};

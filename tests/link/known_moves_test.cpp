@@ -18,7 +18,7 @@ ObjectMove announced_at_rest(std::uint32_t source, std::int32_t object) {
   return {.source = source, .object = object, .from_p_m = kPivotAtRest, .to_p_m = kPivotAtRest};
 }
 
-// Two seconds long.
+// A move that takes two seconds.
 ObjectMove announced_move(std::uint32_t serial, std::int64_t start_ns, const Vec3& from, const Vec3& to) {
   return {
       .source = 5, .serial = serial, .object = 2, .start_ns = start_ns, .end_ns = start_ns + 2 * kSecondNs, .from_p_m = from, .to_p_m = to};
@@ -34,7 +34,7 @@ TEST(KnownMoves, AnObjectThatWasNotAnnouncedIsUnknown) {
   EXPECT_FALSE(placed->is_moving);
 }
 
-// As haptics and pictures compute it.
+// The position must be the one that haptics and pictures compute (CommandedMotion).
 TEST(KnownMoves, AnObjectIsWhereItsMovesHaveItAtThatTime) {
   KnownMoves known;
   CommandedMotion felt(kPivotAtRest);
@@ -54,7 +54,7 @@ TEST(KnownMoves, AnObjectIsWhereItsMovesHaveItAtThatTime) {
   }
 }
 
-// The program joined later.
+// The program joined after the moves before.
 TEST(KnownMoves, BeforeItsFirstKnownMoveAnObjectIsWhereThatOneBegan) {
   KnownMoves known;
   ObjectMove move = announced_move(9, 5 * kSecondNs, Vec3(0.1, 0.2, 0.0), Vec3(0.4, 0.0, 0.0));
@@ -96,7 +96,7 @@ TEST(KnownMoves, AnObjectIsKnownByTheNameThatItsMovesHave) {
   announce(1, "lid");
   announce(2, "bolt");
   announce(3, "bolt");
-  announce(0, "");  // of a haptics node of an earlier build
+  announce(0, "");  // no name: a haptics node of an earlier build
   EXPECT_EQ(known.objects(), (std::vector<std::int32_t>{0, 1, 2, 3, 4}));
   EXPECT_EQ(known.find_named("door").object, 4);
   EXPECT_EQ(known.find_name(1), "lid");

@@ -7,11 +7,11 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kTotal = 100;  // two parts
+constexpr std::uint32_t kTotal = 100;  // vertices: two parts
 constexpr std::size_t kSkin = 1;       // the object
 constexpr std::int64_t kOneMs = 1'000'000;
 
-// All vertices are displaced by its serial, in mm.
+// A part of a shape in which each vertex is displaced by as many mm as its serial says.
 ObjectShape part_of(std::uint32_t serial, std::uint32_t first, std::uint32_t source = 5) {
   ObjectShape shape{.source = source, .serial = serial, .object = kSkin, .part = {.total = kTotal, .first = first}};
   shape.part.displacements_m.fill({1e-3F * static_cast<float>(serial), 0.0F, 0.0F});
@@ -29,7 +29,7 @@ class KnownShapesTest : public testing::Test {
   void begin(std::uint32_t serial, std::uint32_t before, std::int64_t start_ns, std::int64_t end_ns) {
     known_.take(start_of(serial, before, start_ns, end_ns), Arrival::newest);
   }
-  // In mm; -1: not known.
+  // The displacement at this scene time, in mm; -1: it is not known.
   float displaced_mm(std::int64_t at_ns) const {
     const auto place = known_.find(kSkin, at_ns);
     if (!place) return -1.0F;
@@ -62,7 +62,7 @@ TEST_F(KnownShapesTest, MovesStraightFromShapeToShape) {
   EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F) << "an earlier sample";
 }
 
-// A motion that takes no time.
+// The motion to this shape takes no time.
 TEST_F(KnownShapesTest, AShapeMayBeThereAtOnce) {
   give(1);
   begin(1, 0, 100 * kOneMs, 100 * kOneMs);
@@ -79,7 +79,7 @@ TEST_F(KnownShapesTest, WhatCameInAnotherOrderIsTheSame) {
   EXPECT_FLOAT_EQ(displaced_mm(350 * kOneMs), 2.0F);
 }
 
-// Who joins late knows only the newest shape, and which one.
+// A program that joins late learns which shape is the newest. It has no part of that shape, and does not have the shape before.
 TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
   begin(9, 8, 100 * kOneMs, 200 * kOneMs);
   EXPECT_EQ(displaced_mm(150 * kOneMs), -1.0F);
@@ -101,7 +101,7 @@ TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
   EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 9.0F) << "there, although the way is not known";
 }
 
-// For who makes ready what comes: the first that is not over, or the last.
+// For a program that prepares the next shape: the first one whose motion has not ended, else the newest.
 TEST_F(KnownShapesTest, TheNextShapeThatIsWholeIsFound) {
   EXPECT_EQ(known_.newest_start(kSkin), nullptr);
   EXPECT_EQ(known_.find_next(kSkin, 0, 0), nullptr);
@@ -128,7 +128,7 @@ TEST_F(KnownShapesTest, TheNextShapeThatIsWholeIsFound) {
   EXPECT_EQ(known_.find_next(kSkin + 1, 0, 0), nullptr) << "no such object";
 }
 
-// Each shape that was announced, once: the runs of parts that are missing.
+// Each announced shape is requested once: one request for each run of missing parts.
 TEST_F(KnownShapesTest, MissingPartsAreRequestedAhead) {
   constexpr std::uint32_t kParts = 40;
   KnownShapes known({kParts * ShapePart::kMaxHere - 3});
@@ -200,7 +200,7 @@ TEST_F(KnownShapesTest, ForgetsTheObjectsThatAreNotKept) {
   EXPECT_TRUE(known_.find(4, 5));
 }
 
-// As many wait for their start as a surface can have (StreamedGeometry), and the picture is still of an earlier one.
+// As many shapes wait for their start as a surface can have (StreamedGeometry), and the picture still shows an earlier one.
 TEST_F(KnownShapesTest, EightThatWaitDoNotHideThePresentOne) {
   for (std::uint32_t serial = 1; serial <= 10; ++serial) {
     give(serial);
@@ -244,7 +244,7 @@ TEST_F(KnownShapesTest, OfAnotherSceneIsLeftOut) {
   EXPECT_FALSE(known_.take_request(900 * kOneMs));
 }
 
-// However many shapes come, as many are kept as a picture needs.
+// However many shapes come, only as many are kept as a picture needs.
 TEST_F(KnownShapesTest, ThousandsOfShapesKeepTheNewest) {
   for (std::uint32_t serial = 1; serial < 5000; ++serial) {
     give(serial);

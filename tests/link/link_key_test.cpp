@@ -78,7 +78,7 @@ TEST_F(LinkKeyTest, LeavesAFileThatIsThereAsItIs) {
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().what, HasSubstr("already exists"));
   EXPECT_EQ(std::filesystem::file_size(path), 14U);
-  // Not through a link either.
+  // It does not write through a symbolic link either.
   std::filesystem::create_symlink(folder_.path() / "elsewhere", folder_.path() / "link");
   EXPECT_FALSE(make_key_file(folder_.path() / "link"));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "elsewhere"));
@@ -107,7 +107,7 @@ TEST_F(LinkKeyTest, RejectsAModeThatLetsOthersInWithTheRemedy) {
 
 TEST_F(LinkKeyTest, TakesWhatSystemdHandsToAService) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can make a file that is root's";
-  // Root's own, with an access list for the service's user: shown as the right of root's group to read.
+  // A file of root with an access list for the service's user: the list appears as read permission of root's group.
   const auto path = write_key("key", kKeyFileBytes, 0440);
   ASSERT_EQ(chown(path.c_str(), 0, 0), 0);
   const auto key = read_key_file(path);
@@ -171,7 +171,7 @@ TEST_F(LinkKeyTest, RejectsAFolderThatEveryoneMayChange) {
   EXPECT_THAT(rejection(folder_.path() / "link"), HasSubstr("chmod o-w"));
   ASSERT_EQ(chmod(open_folder.c_str(), 0755), 0);
   EXPECT_TRUE(read_key_file(path));
-  // And a link that everyone may change leads wherever they like.
+  // A link in a folder that everyone may change can be made to lead anywhere.
   const auto good = write_key("good", kKeyFileBytes, 0600);
   std::filesystem::create_symlink(good, open_folder / "way");
   EXPECT_TRUE(read_key_file(open_folder / "way"));
@@ -274,7 +274,7 @@ TEST_F(LinkKeyTest, BeyondLoopbackAFileMustBeNamed) {
   EXPECT_FALSE(find_role_key("", *parse_address("10.0.0.1:4950"), KeyRole::tool));
 }
 
-// Changes the environment of this process, which is why it is one test.
+// This is one test because it changes the environment of this process.
 TEST_F(LinkKeyTest, OnLoopbackTheUsersOwnKeyIsFound) {
   const auto keep = [](const char* name) {
     const char* value = std::getenv(name);
@@ -318,7 +318,7 @@ TEST_F(LinkKeyTest, IsClosedAgain) {
   }));
 }
 
-// As on a disk that is full: half a key would be a key that nobody else has.
+// As on a full disk: an incomplete key would be a key that nobody else has.
 TEST_F(LinkKeyTest, AKeyThatCannotBeWrittenWholeIsNotThereAtAll) {
   const auto path = folder_.path() / "master.key";
   for (const rlim_t bytes : {0U, 16U}) {

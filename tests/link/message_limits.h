@@ -9,7 +9,7 @@
 #include "link/codec.h"
 #include "link/messages.h"
 
-// The limits that link/messages.h states, for whatever a decoder accepts.
+// Checks that what a decoder accepts keeps within the limits that link/messages.h states.
 
 namespace hapton {
 

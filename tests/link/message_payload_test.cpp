@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// A message alone parses as the envelope's does: put into an envelope of our own, it is the same.
+// The payload is the end of the encoded datagram: only the header and the length stand before it.
 TEST_F(CodecTest, ThePayloadIsTheMessageOfAnyKind) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     const Datagram datagram = random_.draw(kind);
@@ -28,7 +28,7 @@ TEST_F(CodecTest, WhatIsNoEnvelopeHasNoPayload) {
   }
 }
 
-// A field of a later build in front is passed over.
+// A field of a later build in front of the message is skipped.
 TEST_F(CodecTest, ThePayloadIsOfAKindThatThisBuildKnows) {
   Bytes bytes = encode(random_.draw(4));
   const std::string payload(find_message_payload(bytes));

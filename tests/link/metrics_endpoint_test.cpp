@@ -19,7 +19,7 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// A client that says these bytes; -1 where the system has no socket for it.
+// Connects a client that sends these bytes. Returns its socket; -1: the system has none left.
 int say(const Address& to, const std::string& text) {
   const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
@@ -39,10 +39,10 @@ std::string read_all(int client) {
   return arrived;
 }
 
-// Longer than what gets a reply takes, and less than the time after which a client is dropped.
+// Longer than a request takes that gets a reply, and shorter than the time after which a silent client is dropped.
 constexpr std::int64_t kSlowNs = kNanosecondsPerSecond;
 
-// An endpoint that stands still for as long as it waits for a client drops it: then it is asked again.
+// An endpoint whose thread stands still for as long as it waits for a client drops the client: then the request is repeated.
 std::string get(const Address& to, const std::string& text) {
   const SteadyClock clock;
   for (int attempt = 1;; ++attempt) {
@@ -71,7 +71,7 @@ TEST(MetricsEndpointTest, ServesTheNewestText) {
 TEST(MetricsEndpointTest, ARequestGetsATextThatIsNewerThanItself) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;
-  // A text that comes later than kFreshNs is not waited for: where this test stands still for as long, it is tried again.
+  // The endpoint does not wait longer than kFreshNs for a text: if this test itself stands still for as long, it tries again.
   const SteadyClock clock;
   std::string arrived;
   std::int64_t took_ns = 0;
@@ -108,7 +108,7 @@ TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
   EXPECT_THAT(arrived, HasSubstr("alive 1"));
 }
 
-// A page from elsewhere whose name was made to mean 127.0.0.1 sends that name.
+// A foreign web page whose host name was made to resolve to 127.0.0.1 sends that name (DNS rebinding).
 TEST(MetricsEndpointTest, RepliesToTheNamesOfThisMachineAlone) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;

@@ -75,7 +75,7 @@ TEST(MoveRequests, AMoveOfTheWireIsInSecondsOfSceneTime) {
   EXPECT_EQ(move.to, (Keyframe{4.0, Vec3(4, 5, 6), Quat(0, 0, 1, 0)}));
 }
 
-// A hub whose haptics node replies to a request to move when it has come so often.
+// A hub whose haptics node replies to a request to move when the request has come `replies_to` times.
 class MovingHub final : public Endpoint {
  public:
   explicit MovingHub(SimulatedClock& clock) : clock_(clock) {}

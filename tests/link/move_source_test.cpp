@@ -15,7 +15,7 @@ TEST(MoveSource, TheFirstMoveOfAProcessMakesThoseOfTheOneBeforeVoid) {
   EXPECT_EQ(source.note({.source = 6, .serial = 1}, Arrival::newest), MoveVerdict::known);
 }
 
-// A datagram of before the restart that comes late.
+// A datagram that was sent before the restart comes late.
 TEST(MoveSource, AMoveThatWasOvertakenByAnotherProcessIsOld) {
   MoveSource source;
   source.note({.source = 5, .serial = 9}, Arrival::newest);
@@ -24,14 +24,14 @@ TEST(MoveSource, AMoveThatWasOvertakenByAnotherProcessIsOld) {
   EXPECT_EQ(source.note({.source = 6, .serial = 1}, Arrival::newest), MoveVerdict::known);
 }
 
-// Each object has moves of its own: one that came late is as good as new.
+// Each object has its own moves, so a move counts although a later move of another object overtook it.
 TEST(MoveSource, AnOvertakenMoveOfTheSameProcessCounts) {
   MoveSource source;
   EXPECT_EQ(source.note({.source = 5, .serial = 2}, Arrival::reordered), MoveVerdict::other) << "nothing is known yet";
   EXPECT_EQ(source.note({.source = 5, .serial = 1}, Arrival::reordered), MoveVerdict::known);
 }
 
-// It waited while another one had its place.
+// This process waited while another one held the slot.
 TEST(MoveSource, AProcessMayReturn) {
   MoveSource source;
   source.note({.source = 5, .serial = 9}, Arrival::newest);

@@ -160,14 +160,14 @@ TEST_F(NoiseTest, APublicKeyOfSmallOrderEndsTheHandshake) {
   }
 }
 
-// Forward secrecy: with the psk, the prologue and every byte that was sent, but neither of the secrets that were made for the handshake.
+// Forward secrecy: the attacker has the psk, the prologue and every byte that was sent, but neither of the ephemeral secrets.
 TEST_F(NoiseTest, AnAttackerWithThePskCannotOpenTheSecondMessageLater) {
   std::uint8_t none = 0;
   const Bytes one = first();
   ASSERT_TRUE(responder_.read_first(one, &none));
   const Bytes payload = from_hex("0102030405060708");
   const Bytes two = second(payload);
-  // Reads the first message as the hub did, which sets all of the state but the secret, and then the second one.
+  // Reads the first message as the hub did, which restores all of the state but the secret, and then the second one.
   const auto opens = [&](const Key& guessed_secret) {
     HandshakeState later;
     later.begin(key_from_hex(kPsk), from_hex(kPrologue), guessed_secret);

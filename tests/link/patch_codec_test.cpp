@@ -1,4 +1,4 @@
-// What a datagram may say of the scene in parts.
+// What a datagram with a part of a scene (a patch) may contain.
 #include <gtest/gtest.h>
 
 #include <limits>

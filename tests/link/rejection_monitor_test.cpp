@@ -23,11 +23,11 @@ TEST(RejectionMonitorTest, SaysNothingOfAFew) {
   EXPECT_FALSE(watch.take(kSecond));
   note(watch, Rejection::wrong_key, kOne, 900);
   EXPECT_FALSE(watch.take(2 * kSecond));
-  note(watch, Rejection::replayed_handshake, kOne, 20);  // two nodes of one host with simultaneous requests
+  note(watch, Rejection::replayed_handshake, kOne, 20);  // two nodes of one host that send requests at the same time
   EXPECT_FALSE(watch.take(3 * kSecond));
 }
 
-// Our nodes repeat none: a peer that repeats a hundred a second is reported, although a thousand of other kinds would pass.
+// Our nodes repeat no handshake: a peer that repeats a hundred a second is reported, although of other kinds a thousand would pass.
 TEST(RejectionMonitorTest, NamesASlowFloodOfHandshakes) {
   for (const Rejection rejection : {Rejection::replayed_handshake, Rejection::too_many_handshakes}) {
     RejectionMonitor watch;
@@ -67,7 +67,7 @@ TEST(RejectionMonitorTest, NamesAFloodOnceASecondAndTheWorstAlone) {
   EXPECT_FALSE(watch.take(3 * kSecond)) << "it is over";
 }
 
-// A filter in the kernel lets a few through, by chance.
+// A filter in the kernel drops most of a flood unseen and lets a random few through.
 TEST(RejectionMonitorTest, WhatWasKeptOutCountsForEachKindInItsShare) {
   RejectionMonitor watch;
   watch.take(kSecond);

@@ -25,7 +25,7 @@ struct Relays : testing::Test {
     relay.emplace(*RelayEndpoint::open({.listen = "127.0.0.1:0", .hub = hub->local_address(), .schedule = {{phase}, false}, .seed = 3}));
   }
 
-  // The next datagram there; empty when none comes.
+  // The text of the next datagram at this endpoint; empty if none comes in time.
   std::string receive(Endpoint& at, std::int64_t patience_ns = kPatienceNs) {
     const std::int64_t end_ns = clock.now_ns() + patience_ns;
     do {
@@ -46,7 +46,7 @@ struct Relays : testing::Test {
     }
   }
 
-  // All that comes: at least so many, however long they take, and what else is there within a moment.
+  // All texts that arrive: the first `at_least` of them, however long they take, then those that come within 100 ms of the one before.
   std::vector<std::string> receive_rest(Endpoint& at, std::size_t at_least) {
     std::vector<std::string> texts;
     for (;;) {

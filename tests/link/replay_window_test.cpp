@@ -37,7 +37,7 @@ TEST(ReplayWindowTest, AskingLeavesNoMark) {
   EXPECT_TRUE(window.is_fresh(1));
 }
 
-// Against a set without a limit: what passes was never marked, and what is recent and unmarked passes.
+// Compared with a set that has no limit: a counter passes exactly if it is recent and was never marked.
 TEST(ReplayWindowTest, AgreesWithASetUnderAnyOrder) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);

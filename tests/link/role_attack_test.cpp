@@ -1,5 +1,5 @@
-// What the holder of one role's key can do to the others, with the hub's whole link between: he sees every byte on the wire, and may send
-// from any address.
+// What the holder of one role's key can do to the other nodes, through the complete link code of the hub. The attacker sees every byte on
+// the wire, and may send from any address.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -46,7 +46,7 @@ class RoleAttack : public testing::Test {
     return std::make_unique<Member>(network_, clock_, RoleKey(master_, key_role), role, host, hub_at_);
   }
 
-  // A millisecond at a time: the hub sends a state, the haptics node replies, the attacker has his turn.
+  // A millisecond at a time: the hub sends a state, the haptics node replies, then the attacker acts.
   template <class Turn>
   void run(int ms, Turn&& attacker) {
     for (int i = 0; i < ms; ++i) {
@@ -91,12 +91,12 @@ class RoleAttack : public testing::Test {
   int false_forces_ = 0;
 };
 
-// The attack that found 3,399 of 3,399 forces its own: listen to the handshake, derive the session's keys, seal forces with them.
+// An attack that once got 3,399 of 3,399 forces accepted: listen to the handshake, derive the session's keys, seal forces with them.
 TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
   run(300, [] {});
   ASSERT_GT(true_forces_, 250);
-  // Every request and reply on the wire, and everything he can do with them and his key: a handshake of his own on each request, posing as
-  // the hub, with the vision key and with the tag and role that would belong to it.
+  // For each request on the wire, the most that the attacker can do with it and the vision key: pose as the hub, and reply to it with a
+  // handshake of the attacker's own.
   const RoleKey vision(master_, KeyRole::vision);
   Codec codec;
   int tried = 0;
@@ -122,7 +122,7 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
     std::copy_n(request + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
     run_agreement(task);
     EXPECT_FALSE(task.went_well);
-    // Whatever is in the state now is the best he has.
+    // The keys in the state after the failed handshake are the best guess that the attacker has.
     const noise::TransportKeys guess = task.state.split();
     seal::ChannelKeys keys;
     keys.client_to_hub = guess.initiator_to_responder;
@@ -132,7 +132,7 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
       Bytes plain(kMaxDatagramBytes);
       plain.resize(codec.encode({{7, 1, sequence, clock_.now_ns()}, ForceCommand{.force_n = Vec3(kFalseForceN, 0, 0)}}, plain));
       Bytes sealed(kMaxDatagramBytes);
-      for (int skip = 0; skip < 50; ++skip) channel.seal(plain, sealed);  // counters that the hub has not seen
+      for (int skip = 0; skip < 50; ++skip) channel.seal(plain, sealed);  // passes the counters that the hub has seen
       sealed.resize(channel.seal(plain, sealed));
       hub_endpoint_.put_in(arrived.from, sealed);
       turn_hub();

@@ -25,14 +25,14 @@ class FixedCodec : public testing::Test {
     const std::size_t size = encode_round_trip(datagram, bytes);
     return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)};
   }
-  // As a datagram of a later build, with a field in front that only the general decoder skips.
+  // The datagram as a later build might write it: with an unknown field in front, which only the general decoder skips.
   static Bytes with_unknown_field(const Bytes& bytes) {
     Bytes longer(bytes.begin(), bytes.begin() + 2);
     for (const unsigned byte : {0x78U, 0x01U}) longer.push_back(static_cast<std::byte>(byte));  // field 15, varint
     longer.insert(longer.end(), bytes.begin() + 2, bytes.end());
     return longer;
   }
-  // What this decoder accepts, the general one accepts, and reads the same. Returns whether it accepts.
+  // Checks that the general decoder accepts what this decoder accepts, and reads the same. Returns whether this decoder accepts it.
   bool expect_as_general(const Bytes& bytes) {
     Datagram fast;
     Datagram general;
@@ -89,7 +89,7 @@ TEST_F(FixedCodec, LeavesOtherMessagesToTheGeneralCodec) {
   }
 }
 
-// Bytes changed, cut off, added and put elsewhere: nothing is read that the general decoder does not read, too.
+// With bytes changed, cut off, added or removed, this decoder accepts nothing that the general decoder rejects.
 TEST_F(FixedCodec, AcceptsNothingThatTheGeneralDecoderRejects) {
   int accepted = 0;
   for (int i = 0; i < 60'000; ++i) {

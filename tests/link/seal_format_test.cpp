@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kMost32 = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kMost64 = std::numeric_limits<std::uint64_t>::max();
 constexpr std::int64_t kMinTime = -kMaxWireTimeNs;
-// No value is left out for being zero, and none is short.
+// None of these values is left out of a message for being zero, and none has a short encoding.
 const Vec3 kVector(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
 const Quat kRotation(0.5, -0.5, 0.5, -0.5);
 constexpr float kRate = 1e9F;
@@ -28,7 +28,7 @@ void fill_text(std::array<char, N>& text) {
   std::fill(text.begin(), text.end() - 1, 'x');
 }
 
-// Each kind of message at its longest. A new kind has to say here what that is.
+// Each kind of message at its longest. A new kind of message needs its own function here.
 void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
@@ -141,7 +141,7 @@ void lengthen(MoveReply& m) {
 void lengthen(ObjectMove& m) {
   m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMaxWireTimeNs, kMaxWireTimeNs, kVector, kRotation, kVector, kRotation};
 }
-// An undo is shorter than a carve, with the two fields that it needs.
+// An undo is shorter than a carve, also with the two fields that it adds.
 void lengthen(Carves& m) {
   m = {kMost32, kMost32, kMost32 - Carves::kMax, Carves::kMax, {}};
   m.carves.fill({std::numeric_limits<std::int32_t>::max(), {0.1F, 0.2F, 0.3F}, {0.2F, 0.3F, 0.4F}, 0.1F, true});
@@ -219,7 +219,7 @@ TEST(SealFormatTest, ClassifiesByLeadAndLength) {
   EXPECT_EQ(classify_sealed(bytes).kind, seal::Kind::request);
   for (int kind = 0; kind < 256; ++kind) {
     bytes[2] = static_cast<std::byte>(kind);
-    // As data it has a good length, too.
+    // The length is valid for data (kind 4), too.
     EXPECT_EQ(classify_sealed(bytes).status == OpenStatus::opened, kind == 1 || kind == 4) << kind;
   }
   bytes[2] = std::byte{1};

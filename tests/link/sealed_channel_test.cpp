@@ -80,7 +80,7 @@ TEST_F(SealedChannelTest, ShowsNothingOfWhatItCarries) {
   const Bytes second = seal(client_, zeros);
   std::size_t alike = 0;
   for (std::size_t i = seal::kHeaderBytes; i < first.size(); ++i) alike += first[i] == second[i] ? 1 : 0;
-  EXPECT_LT(alike, 20U);  // by chance 0.6
+  EXPECT_LT(alike, 20U);  // 0.6 bytes are alike by chance
 }
 
 TEST_F(SealedChannelTest, NoTruncatedDatagramOpens) {
@@ -116,7 +116,7 @@ TEST_F(SealedChannelTest, NoRandomBytesOpen) {
   const Bytes sealed = seal(client_, payload_);
   for (int i = 0; i < 50'000; ++i) {
     Bytes junk = random_bytes(random_() % 250, random_);
-    // Past the header half of the time.
+    // Half of the datagrams have a valid header.
     if (i % 2 == 0 && junk.size() > seal::kHeaderBytes) std::copy_n(sealed.begin(), seal::kHeaderBytes, junk.begin());
     ASSERT_NE(open(hub_, junk), OpenStatus::opened);
   }

@@ -13,7 +13,7 @@
 namespace hapton::sealed_hub {
 namespace {
 
-// --- handshakes that were recorded, and floods of them
+// --- recorded handshakes, and floods of handshakes
 
 TEST_F(SealedHubTest, AReplayedHandshakeGetsNoReplyFromAnyAddressAndIsCounted) {
   const auto node = make_node(2);
@@ -36,8 +36,8 @@ TEST_F(SealedHubTest, AReplayedHandshakeGetsNoReplyFromAnyAddressAndIsCounted) {
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, replays);
 }
 
-// A restarted hub has seen no timestamps: it then gives one cookie, no longer than the request, for each recorded request that is later
-// than those before, within the rate; never a session.
+// A restarted hub has seen no timestamps: for each recorded request that is later than those before, it sends a cookie, no longer than
+// the request and within the rate limit, but it never agrees on a session.
 TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   const auto node = make_node(2);
   join(*node);
@@ -52,7 +52,7 @@ TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
 }
 
-// Datagrams that only a hub sends, or with a role that does not exist.
+// Datagrams of a kind that only a hub sends, or with a role that does not exist.
 TEST_F(SealedHubTest, WhatNoNodeSendsIsMalformed) {
   const auto node = make_node(2);
   join(*node);
@@ -73,7 +73,7 @@ TEST_F(SealedHubTest, WhatNoNodeSendsIsMalformed) {
   EXPECT_EQ(hub_->seal_counts().malformed, malformed + 1);
 }
 
-// Its holder has the key of a role, and not what belongs to this handshake: it ends there, and its place is free again.
+// The sender can sign with a role's key, but lacks the secrets of this handshake: the handshake ends, and its slot is free again.
 TEST_F(SealedHubTest, AHandshakeThatIsSignedAndDoesNotFitEndsWithoutASession) {
   const auto node = make_node(2);
   join(*node);
@@ -100,7 +100,7 @@ TEST_F(SealedHubTest, AHandshakeThatIsSignedAndDoesNotFitEndsWithoutASession) {
 }
 
 TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
-  // The holder of a key can make as many valid requests as he likes: one address, many ports and hosts.
+  // The holder of a key can make any number of valid requests: one address, many ports and hosts.
   for (int i = 0; i < 1000; ++i) {
     ClientHandshake greedy(RoleKey(key_of(1), KeyRole::tool), static_cast<std::uint64_t>(i), AgreementWorker::Where::caller);
     greedy.begin();
@@ -113,7 +113,7 @@ TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
   EXPECT_EQ(hub_->seal_counts().retries, static_cast<std::uint64_t>(SealedHub::kHandshakeRates.source_burst));
   EXPECT_EQ(hub_->seal_counts().retries + hub_->seal_counts().too_many_handshakes, 1000U);
   EXPECT_EQ(hub_endpoint_.sent(), hub_->seal_counts().retries);
-  // Others are served meanwhile.
+  // Other nodes are served meanwhile.
   const auto node = make_node(2);
   join(*node);
 }
@@ -161,7 +161,7 @@ TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   EXPECT_TRUE(flood->is_mostly_filtered);
 }
 
-// The reply's session number is sealed: the filter must be notified of it, or it drops the node's first data.
+// The reply's session number is sealed: the filter must be told of it, or it drops the node's first data.
 TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
   const auto node = make_node(2);
   join(*node);
@@ -175,7 +175,7 @@ TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
 
 // --- roles
 
-// A request of a node that has only a key, from wherever it says.
+// A request of a sender that has only a key: it can claim any host.
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
   ClientHandshake greedy(RoleKey(key_of(1), role), host, AgreementWorker::Where::caller);
   greedy.begin();
@@ -185,9 +185,9 @@ Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
   return request;
 }
 
-// Addresses can be forged: without the rates by role, the holder of a tool's key keeps the haptics node from its cookie for ever.
+// Addresses can be forged. Without the rates by role, the holder of a tool's key could keep the haptics node from its cookie for ever.
 TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
-  std::unique_ptr<Node> haptics;  // comes when the flood has spent every burst
+  std::unique_ptr<Node> haptics;  // joins when the flood has used up every burst
   std::uint64_t made = 0;
   for (int ms = 0; ms < 200; ++ms) {
     clock_.advance_ns(kMs);
@@ -205,10 +205,10 @@ TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
   EXPECT_TRUE(reply(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
 }
 
-// As many live sessions as a tool's key can have, kept busy: the haptics node still comes in, and changes its keys.
-// Half of a role's places: the next request takes that of the oldest, though places are free.
+// Sessions in which nothing was opened yet have half of a role's slots at most: the next request takes the slot of the oldest one,
+// although slots are free.
 TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
-  constexpr std::size_t kMax = SealedHub::kRolePlaces[0] / 2;  // of a haptics node's
+  constexpr std::size_t kMax = SealedHub::kRolePlaces[0] / 2;  // half of the slots of haptics nodes
   std::vector<std::unique_ptr<Node>> nodes;
   for (std::size_t i = 0; i <= kMax; ++i) {
     nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::haptics));

@@ -28,7 +28,7 @@ TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
       const std::uint64_t handshakes = node->sealed.seal_counts().handshakes;
       replies_ = 0;
       run_for({node.get()}, 10'000);
-      // Ten datagrams a second, and each has to come both ways.
+      // The node sends ten datagrams a second; for a reply, both ways must succeed.
       EXPECT_GT(replies_, static_cast<int>(0.5 * 100 * (1.0 - loss) * (1.0 - loss)));
       if (loss == 0.0) {
         EXPECT_EQ(node->sealed.seal_counts().handshakes, handshakes) << "it agreed on sessions that it did not need";
@@ -38,7 +38,7 @@ TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
   }
 }
 
-// All at the same time, as after a restart of the hub: there are fewer places for candidates than the nodes send requests.
+// All nodes join at the same time, as after a restart of the hub: they send more requests than there are slots for candidates.
 TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondDoNotDisplaceEachOther) {
   network_.set_impairments({.seed = 1, .delay_ns = 500 * kMs});
   for (const auto& [role, count] : {std::pair(KeyRole::haptics, 2), std::pair(KeyRole::vision, 8)}) {
@@ -57,7 +57,7 @@ TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondDoNotDisplaceEachOther) {
   }
 }
 
-// The hub was busy for seconds when the node joined. The node adds two of them at most to the time after which it considers the hub gone.
+// The hub was busy for this time when the node joined. The node adds the time, but at most two seconds, to its timeout for the hub.
 TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
   for (const std::int64_t trip_ms : {500, 1'500, 2'500}) {
     SCOPED_TRACE(trip_ms);

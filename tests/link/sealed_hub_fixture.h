@@ -39,7 +39,7 @@ inline std::string words(std::span<const std::byte> bytes) {
   return text;
 }
 
-// A node with a sealed connection to the hub, on its own host for each address.
+// A node with a sealed connection to the hub. Each address is a host of its own.
 struct Node {
   Node(MemoryNetwork& network, const Clock& clock, const Address& at, const Address& hub, const RoleKey& key)
       : endpoint(*network.open(at)), sealed(endpoint, clock, key, hub, {.host = at.ip[15]}) {}
@@ -59,7 +59,7 @@ class SealedHubTest : public testing::Test {
     return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_at_, RoleKey(key, role));
   }
 
-  // All datagrams sealed for the hub now, by sender.
+  // All datagrams that the hub opens now: the text of each, with its sender.
   std::multimap<std::string, Address> hub_receives() {
     std::multimap<std::string, Address> all;
     std::array<std::byte, kMaxDatagramBytes> into;

@@ -1,4 +1,4 @@
-// Which session gives way when the places are taken, and what a node sends, to whom, and under a flood.
+// Which session is dropped when all slots are taken, and what a node sends, to whom, also during a flood.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 class SealedPlaces : public SealedHubTest {
  protected:
-  // Haptics nodes that have joined; theirs are the fewest places.
+  // Joins this many haptics nodes, a role with few slots.
   void join_haptics(std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
       nodes_.push_back(make_haptics(static_cast<std::uint8_t>(10 + i)));
@@ -24,7 +24,7 @@ class SealedPlaces : public SealedHubTest {
     }
   }
   std::unique_ptr<Node> make_haptics(std::uint8_t host) { return make_node(host, key_of(1), KeyRole::haptics); }
-  // All of them but these go on.
+  // Runs all nodes except the silent ones.
   void run_for_without(std::initializer_list<std::size_t> silent, int ms) {
     std::vector<Node*> others;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
@@ -37,7 +37,7 @@ class SealedPlaces : public SealedHubTest {
   std::vector<std::unique_ptr<Node>> nodes_;
 };
 
-// However long ago it joined: else whoever has the role's key ends the session of the node that holds the hand.
+// However long ago it joined: otherwise any holder of the role's key could end the session of the node that moves the hand.
 TEST_F(SealedPlaces, ASessionInUseKeepsItsPlace) {
   join_haptics(kPlacesOfHaptics);
   run_for_without({}, 3000);
@@ -58,7 +58,7 @@ TEST_F(SealedPlaces, TheOneThatIsSilentLongestMakesRoom) {
   for (std::size_t n = 0; n < nodes_.size(); ++n) EXPECT_EQ(reply(*nodes_[n], "are you there?"), n != 5) << n;
 }
 
-// Its reply was lost, or it is gone: its place is none for ever.
+// Its reply was lost, or the node is gone: it must not keep its slot for ever.
 TEST_F(SealedPlaces, ASessionThatWasNeverUsedMakesRoomForTheNext) {
   join_haptics(kPlacesOfHaptics - 1);
   const auto ghost = make_haptics(100);
@@ -75,7 +75,7 @@ TEST_F(SealedPlaces, ASessionThatWasNeverUsedMakesRoomForTheNext) {
   EXPECT_EQ(hub_->seal_counts().unknown_session, 1U);
 }
 
-// An address is given to another program once nothing comes from it; what the hub sends there is for that one alone.
+// Another program may get the address once nothing comes from it. What the hub then sends to the address is for that program alone.
 TEST_F(SealedPlaces, AnAddressThatIsSilentForLongMayBecomeAnotherRoles) {
   auto haptics = make_haptics(2);
   join(*haptics);
@@ -93,7 +93,7 @@ TEST_F(SealedPlaces, AnAddressThatIsSilentForLongMayBecomeAnotherRoles) {
 
 // --- nodes
 
-// Who repeats a cookie from the hub's address gets no flood of requests out of a node, with a key pair for each.
+// An attacker who repeats a cookie from the hub's address must not make a node send a flood of requests, with a key pair for each.
 TEST_F(SealedPlaces, ARepeatedCookieIsWorthOneRequest) {
   const auto node = make_node(2);
   say(*node, "first");
@@ -122,7 +122,7 @@ TEST_F(SealedPlaces, AFloodHoldsNoPollOfANode) {
   EXPECT_EQ(node->sealed.seal_counts().rejected(), 1000U);
 }
 
-// The hub was started again, and somebody else floods in its name: there is always something to receive.
+// The hub was restarted, and an attacker floods the node from the hub's address: there is always something to receive.
 TEST_F(SealedPlaces, AFloodDoesNotKeepANodeFromLookingForItsHub) {
   const auto node = make_node(2);
   join(*node);

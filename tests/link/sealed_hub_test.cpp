@@ -43,7 +43,7 @@ TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
   for (const auto& node : nodes) join(*node);
   for (const auto& node : nodes) EXPECT_TRUE(reply(*node, "to you"));
   for (const auto& node : nodes) EXPECT_EQ(node_receives(*node), std::vector<std::string>{"to you"});
-  // A datagram to one node opens for no other.
+  // No other node can open a datagram to one node.
   ASSERT_TRUE(reply(*nodes[0], "yours alone"));
   node_receives(*nodes[0]);
   nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.arrived().back().bytes);
@@ -61,13 +61,13 @@ TEST_F(SealedHubTest, WithAnotherKeyThereIsNoReplyAndACount) {
   EXPECT_FALSE(reply(*outsider, "no"));
 }
 
-// Whoever can send from the hub's address can forge replies: a waiting node counts them, and then joins all the same.
+// Whoever can send from the hub's address can forge replies: a waiting node counts them, and joins nevertheless.
 TEST_F(SealedHubTest, AForgedReplyToAHandshakeIsCountedAndHarmless) {
   const auto node = make_node(2);
   say(*node, "first");
   const auto forge = [&](seal::Kind kind, std::size_t size) {
     Bytes forged(size, std::byte{0x5A});
-    std::fill_n(forged.begin() + seal::kRoleAt + 1, 3, std::byte{0});  // of a request, always
+    std::fill_n(forged.begin() + seal::kRoleAt + 1, 3, std::byte{0});  // the spare bytes of a request, which are always zero
     seal::write_lead(kind, seal::bytes_of(std::span(forged)));
     node->endpoint.put_in(hub_at_, forged);
     EXPECT_TRUE(node_receives(*node).empty());
@@ -83,7 +83,7 @@ TEST_F(SealedHubTest, AForgedReplyToAHandshakeIsCountedAndHarmless) {
   EXPECT_EQ(meet(*node).count("first"), 1U);
   EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U);
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
-  // Without a handshake a late reply is not a fault.
+  // Outside a handshake a late reply is not a fault.
   forge(seal::Kind::reply, seal::kReplyBytes);
   EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U);
   EXPECT_EQ(node->sealed.seal_counts().unknown_session, 0U);
@@ -124,7 +124,7 @@ TEST_F(SealedHubTest, ARecordedDatagramIsNotAcceptedAgain) {
   }
   EXPECT_GT(hub_->seal_counts().replayed, before.replayed);
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, before.replayed_handshakes + 6);
-  // And the session continues.
+  // The session continues.
   node_receives(*node);
   say(*node, "still here");
   EXPECT_EQ(hub_receives().count("still here"), 1U);
@@ -149,7 +149,7 @@ TEST_F(SealedHubTest, ARecordedHandshakeDoesNotEndALiveSession) {
   auto first = make_node(2);
   join(*first);
   const auto recorded = hub_endpoint_.arrived();
-  // The same node once more, restarted: its session is the living one now.
+  // The same node, restarted: its new session is the live one now.
   first.reset();
   const auto second = make_node(2);
   join(*second);
@@ -298,7 +298,7 @@ TEST_F(SealedHubTest, UntilTheHubUsesTheNewSessionTheOldOneIsAccepted) {
     EXPECT_TRUE(reply(*node, "still the old one"));
     EXPECT_EQ(node_receives(*node), std::vector<std::string>{"still the old one"});
     const Bytes old = node->endpoint.arrived().back().bytes;
-    // After one datagram in each direction of the new one, the old one is over, except for late datagrams.
+    // After one datagram in each direction of the new session, the old one is over, except for late datagrams.
     say(*node, "heard");
     EXPECT_EQ(hub_receives().count("heard"), 1U);
     EXPECT_TRUE(reply(*node, "the new one"));
@@ -346,7 +346,7 @@ TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
 
 TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
   std::vector<std::unique_ptr<Node>> crowd;
-  for (std::size_t i = 0; i < SealedHub::kRolePlaces[1]; ++i) {  // a vision node's
+  for (std::size_t i = 0; i < SealedHub::kRolePlaces[1]; ++i) {  // the slots of vision nodes
     crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
     join(*crowd.back());
   }
@@ -362,7 +362,7 @@ TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
 TEST_F(SealedHubTest, RecordedHandshakesCannotCrowdOutTheLiving) {
   const auto node = make_node(2);
   join(*node);
-  // Requests with valid cookies whose nodes never come back: as many as the holder of a key, or a recording, can send.
+  // Requests with valid cookies whose nodes never come back: as many as the holder of a key, or of a recording, can send.
   for (std::uint8_t i = 0; i < 100; ++i) {
     auto ghost = make_node(static_cast<std::uint8_t>(100 + i));
     say(*ghost, "boo");
@@ -447,7 +447,7 @@ TEST_P(SealedHubHeapTest, NeitherSideUsesTheHeapOnceBuilt) {
   std::array<std::byte, kMaxDatagramBytes> into;
   int arrived = 0;
   const AllocationGuard guard;
-  // A session, another one after a timeout, and one more after the time of a rekeying; the clock does not advance while a thread works.
+  // Agrees on one more session: the first, one after a timeout, then one after the time of a rekeying. The clock advances rarely meanwhile.
   const auto agree_on = [&](std::uint64_t handshakes) {
     for (int turn = 0; turn < 200'000 && hub.seal_counts().handshakes < handshakes; ++turn) {
       node.send(hub_end.local_address(), payload);

@@ -26,7 +26,7 @@ struct Speaker {
   void say(std::int32_t sender, std::int32_t type) { append_empty(said, {sender, type, kNow, 0}); }
 };
 
-// Types and senders of the messages in there, as "type/sender".
+// Types and senders of all messages in these bytes, as "type/sender".
 std::vector<std::string> messages_in(std::span<const std::byte> bytes) {
   std::vector<std::string> found;
   Message message;
@@ -118,7 +118,7 @@ TEST(VrpnClient, SetsItsRateOfReports) {
   EXPECT_FALSE(client.wanted_rate_hz());
   const auto ask = [&](double rate_hz) {
     Bytes said;
-    append_analog(said, {3, 4, kNow, 0}, {});  // one number: how many follow
+    append_analog(said, {3, 4, kNow, 0}, {});  // its body is one 64-bit number, a count, which the rate replaces below
     const auto bits = std::bit_cast<std::uint64_t>(rate_hz);
     for (std::size_t i = 0; i < 8; ++i) said[kHeaderBytes + i] = static_cast<std::byte>(bits >> (56 - 8 * i));
     EXPECT_TRUE(client.receive(said, kNow));
@@ -131,7 +131,7 @@ TEST(VrpnClient, SetsItsRateOfReports) {
   }
   Speaker without;
   without.said.clear();
-  without.say(3, 4);  // no number
+  without.say(3, 4);  // its body is empty
   EXPECT_TRUE(client.receive(without.said, kNow));
   EXPECT_EQ(client.wanted_rate_hz(), 60.0);
 }
@@ -187,7 +187,7 @@ TEST(VrpnClient, MayGiveANumberAnotherMeaning) {
 TEST(VrpnClient, ThatRequestsUdpSendsItsPortInTheSendersPlace) {
   Client client("Phantom0");
   Speaker speaker;
-  // "127.0.0.1" and a zero, for port 0xd431.
+  // The text "127.0.0.1" with a zero byte at its end, for port 0xd431.
   const Bytes request = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
   speaker.said.insert(speaker.said.end(), request.begin(), request.end());
   ASSERT_TRUE(client.receive(speaker.said, kNow));

@@ -85,7 +85,7 @@ TEST(VrpnFeed, TheDeviceIsTheSameAsUnwatched) {
   EXPECT_EQ(watched.set_hand_target(Vec3::Zero()), bare->set_hand_target(Vec3::Zero()));
 }
 
-// Where a force is ended, and by what, the device must hear of it.
+// Records the calls that it gets. Those that end a force, and all others, must reach the device.
 class HeardDevice final : public Device {
  public:
   std::string_view name() const noexcept override { return "heard"; }

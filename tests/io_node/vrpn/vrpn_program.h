@@ -18,10 +18,10 @@
 
 namespace hapton::vrpn {
 
-// A VRPN client like its own client library, connecting in either way. Nothing blocks: poll() takes what is there.
+// A VRPN client that acts like VRPN's own client library and connects in either way. Nothing blocks: poll() takes what has arrived.
 class Program {
  public:
-  // Messages received: by name, newest last; and whether by UDP.
+  // A received message: its name, its body, and whether it came by UDP. received() has the newest last.
   struct Received {
     std::string name;
     Bytes body;
@@ -37,7 +37,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  // By TCP, as for "name@tcp://host".
+  // Connects by TCP, as for "name@tcp://host".
   void connect(const Address& server, int receive_buffer_bytes = 0) {
     tcp_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (receive_buffer_bytes > 0) ::setsockopt(tcp_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
@@ -45,7 +45,7 @@ class Program {
     if (::connect(tcp_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) is_closed_ = true;
   }
 
-  // By a datagram that requests a call back, as for "name@host".
+  // Sends a datagram that requests a TCP connection from the server, as for "name@host".
   void request_callbacks(const Address& server, const std::string& host = "127.0.0.1") {
     listening_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const std::uint16_t port = bind_to_any(listening_);
@@ -59,7 +59,7 @@ class Program {
     ::close(socket);
   }
 
-  // Where datagrams are to be sent.
+  // Tells the server where to send datagrams.
   void describe_udp(const std::string& host = "127.0.0.1") {
     udp_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const std::uint16_t port = bind_to_any(udp_);

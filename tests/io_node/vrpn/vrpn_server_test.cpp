@@ -1,4 +1,4 @@
-// The server over loopback, seen by a program that speaks VRPN by either entry.
+// The server over loopback, as seen by a VRPN client that connects in either way (vrpn_program.h).
 #include "io_node/vrpn/vrpn_server.h"
 
 #include <arpa/inet.h>
@@ -56,7 +56,7 @@ struct VrpnServer : testing::Test {
   }
   const Address& at() const { return server->local_address(); }
 
-  // Sixteen clients that say nothing. Each is let in: it has the server's cookie.
+  // Sixteen clients that send nothing. Each has a slot: it has received the server's cookie.
   std::vector<int> fill_with_silent_clients() {
     std::vector<int> silent;
     for (int n = 0; n < 16; ++n) {
@@ -76,7 +76,7 @@ struct VrpnServer : testing::Test {
     return silent;
   }
 
-  // Feeds a sample a millisecond until the condition holds, or half a minute is over.
+  // Feeds a sample each millisecond until the condition holds, or for half a minute.
   template <class Condition>
   bool feed_until(Program& program, Condition&& holds) {
     const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
@@ -213,7 +213,7 @@ TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
   slow.forget();
   fast.forget();
   const std::int64_t begin_ns = clock.now_ns();
-  // On a busy machine the samples themselves are few, and a second is longer.
+  // On a busy machine there are fewer samples, and the loop may take longer than a second.
   EXPECT_TRUE(feed_until(slow, [&] {
     fast.poll();
     return clock.now_ns() - begin_ns > kNanosecondsPerSecond && positions(slow) > 0 && positions(fast) > 2 * positions(slow);
@@ -251,7 +251,7 @@ TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
-// It heard of changes alone, and of this device nothing at all.
+// If the server reported only changes, a client that joins while the device is away would hear nothing of the device.
 TEST_F(VrpnServer, TellsWhoComesLaterThatTheDeviceIsAway) {
   open();
   sample.status = DeviceStatus::away;
@@ -293,7 +293,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
   for (int n = 0; n < 24; ++n) {
     programs.push_back(std::make_unique<Program>());
     programs.back()->connect(at());
-    // A client that has said nothing yet would make room for the next.
+    // A client that has sent nothing yet would lose its slot to the next one.
     if (n == 15) {
       ASSERT_TRUE(feed_until(*programs.front(), [&] {
         poll_all();
@@ -311,7 +311,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
   EXPECT_EQ(count([](const Program& p) { return p.has_received(kPosition); }), 16);
 }
 
-// Each took a slot for the whole timeout, and sixteen of them all slots.
+// If each silent client kept its slot for the whole timeout, sixteen of them would take all slots.
 TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   open();
   const std::vector<int> silent = fill_with_silent_clients();
@@ -325,7 +325,7 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   for (const int client : silent) ::close(client);
 }
 
-// It asks once; VRPN's own clients repeat the request, but not for ever.
+// This client sends its request once. VRPN's own clients repeat theirs, but not for ever.
 TEST_F(VrpnServer, SilentClientsKeepNoneOutThatRequestsByUdp) {
   open();
   const std::vector<int> silent = fill_with_silent_clients();
@@ -335,7 +335,7 @@ TEST_F(VrpnServer, SilentClientsKeepNoneOutThatRequestsByUdp) {
   for (const int client : silent) ::close(client);
 }
 
-// What goes to stderr while it lives, to be read at any time: between two captures by gtest a line of another thread is lost.
+// Redirects stderr to a file that can be read at any time. Between two captures by gtest a line of another thread would be lost.
 class StderrFile {
  public:
   StderrFile() : before_(::dup(STDERR_FILENO)) {
@@ -366,13 +366,13 @@ TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
   open(10'000.0);
   Program lazy;
   lazy.connect(at(), 4096);
-  // Its cookie, so that it is served at all; from then on it does not read.
+  // Sends the cookie, without which the server sends it nothing. From then on it does not read.
   lazy.poll();
   const StderrFile log;
   Program nobody;
   ASSERT_TRUE(feed_until(nobody, [&] {
     for (int n = 0; n < 10; ++n) {
-      // Every change must be sent.
+      // The server must send every change of a button, so unread bytes pile up.
       sample.device.buttons ^= 0xFFFFFFFF;
       feed.push(sample);
     }
