@@ -453,7 +453,7 @@ TEST_F(CodecTest, RejectsMoreThanADatagramHolds) {
   EXPECT_EQ(decode(Bytes(kMaxDatagramBytes + 1, std::byte{0x08})), DecodeStatus::bad_value);
   for (const std::size_t size : {kMaxDatagramBytes, kMaxDatagramBytes + 1}) {
     Bytes bytes = encode(Datagram{{1, 2, 3, 4}, Hello{NodeRole::haptics}});
-    // A field of a later version fills it up: its tag in two bytes, its length in two more.
+    // A field of a later version fills the datagram: its tag in two bytes, its length in two more.
     const std::size_t left = size - bytes.size() - 4;
     for (const std::size_t byte : {std::size_t{0xC2}, std::size_t{0x3E}, 0x80U | (left & 0x7FU), left >> 7U}) {
       bytes.push_back(static_cast<std::byte>(byte));

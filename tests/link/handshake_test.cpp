@@ -50,7 +50,7 @@ class HandshakeTest : public testing::Test {
     EXPECT_EQ(hub_.write_retry(to, from_, kNow, bytes), bytes.size());
     return bytes;
   }
-  // A request that shows the hub's cookie.
+  // A request that contains the hub's cookie.
   Bytes request_with_cookie() {
     EXPECT_TRUE(client_.read_retry(retry(request())));
     return request();

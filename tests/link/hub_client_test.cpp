@@ -17,7 +17,7 @@ class HubClientTest : public testing::Test {
  protected:
   void start_hub(std::uint64_t session) { hub_.emplace(*hub_endpoint_, clock_, session, 1000.0); }
 
-  // A hub that dies without a goodbye.
+  // Ends the hub without a Bye, as a crash does.
   void crash_hub() {
     network_.set_impairments({.loss = 1.0});
     hub_.reset();
@@ -304,7 +304,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRejectedAndTakesOverWhenTheFirstDies) 
   EXPECT_EQ(second.state(), JoinState::rejected);
   EXPECT_EQ(client_->state(), JoinState::joined);
   EXPECT_FALSE(second.send(ForceCommand{}));
-  // The first dies without a goodbye: after 50 ms of timeout and one Hello period the second has its slot.
+  // The first node dies without a Bye: after 50 ms of timeout and one Hello period the second one has its slot.
   int served_at_ms = -1;
   for (int i = 0; i < 300 && served_at_ms < 0; ++i) {
     clock_.advance_ns(kMs);

@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 constexpr std::uint32_t kTotal = 100;  // vertices: two parts
-constexpr std::size_t kSkin = 1;       // the object
+constexpr std::size_t kSkin = 1;       // index of the object that programs deform
 constexpr std::int64_t kOneMs = 1'000'000;
 
 // A part of a shape in which each vertex is displaced by as many mm as its serial says.

@@ -166,7 +166,7 @@ TEST_F(LinkKeyTest, RejectsAFolderThatEveryoneMayChange) {
   EXPECT_TRUE(read_key_file(path));
   ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
   EXPECT_THAT(rejection(path), HasSubstr("chmod o-w " + open_folder.string()));
-  // A link leads to the same folder.
+  // A symbolic link leads to the same folder, which is checked, too.
   std::filesystem::create_symlink(path, folder_.path() / "link");
   EXPECT_THAT(rejection(folder_.path() / "link"), HasSubstr("chmod o-w"));
   ASSERT_EQ(chmod(open_folder.c_str(), 0755), 0);

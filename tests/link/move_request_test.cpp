@@ -129,7 +129,7 @@ struct MovesOfObjects : testing::Test {
   MoveRequest request = *make_move_request("lid", {.position_m = Vec3(0.1, 0.2, 0.3)});
 };
 
-// A datagram may be lost.
+// A datagram may be lost, so the request is repeated.
 TEST_F(MovesOfObjects, AreRequestedUntilTheReplyComes) {
   hub.replies_to = 3;
   hub.reply.over_s = 0.75;

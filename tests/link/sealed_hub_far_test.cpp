@@ -64,10 +64,10 @@ TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
     start_hub();
     const auto node = make_node(2);
     say(*node, "first");
-    hub_receives();        // cookie
-    node_receives(*node);  // requests with it
+    hub_receives();        // sends a cookie
+    node_receives(*node);  // requests with the cookie
     clock_.advance_ns(trip_ms * kMs);
-    hub_receives();  // agrees
+    hub_receives();  // agrees on a session
     node_receives(*node);
     ASSERT_EQ(node->sealed.seal_counts().handshakes, 1U);
     hub_receives();
@@ -87,8 +87,8 @@ TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
 TEST_F(SealedHubTest, AnAddressGetsAnotherReplyOnlyWhenItsReplyMayBeLost) {
   const auto node = make_node(2);
   say(*node, "first");
-  hub_receives();        // cookie
-  node_receives(*node);  // requests with it, and again every 50 ms
+  hub_receives();        // sends a cookie
+  node_receives(*node);  // requests with the cookie, and again every 50 ms
   std::vector<std::int64_t> replied_ms;
   for (std::int64_t ms = 0; ms < 3000; ms += 10) {
     const std::size_t before = hub_endpoint_.sent();

@@ -284,11 +284,11 @@ TEST_F(SealedHubTest, UntilTheHubUsesTheNewSessionTheOldOneIsAccepted) {
   for (std::uint64_t round = 1; round <= 3; ++round) {
     SCOPED_TRACE(round);
     clock_.advance_ns(SealedClient::kPeerTimeoutNs);
-    node_receives(*node);  // requests
-    hub_receives();        // cookie
+    node_receives(*node);  // requests a session
+    hub_receives();        // sends a cookie
     say(*node, "lost on the way");
-    node_receives(*node);  // requests with it
-    hub_receives();        // agrees
+    node_receives(*node);  // requests with the cookie
+    hub_receives();        // agrees on a session
     node_receives(*node);  // has a new session, and sends its datagram in it
     std::array<std::byte, kMaxDatagramBytes> into;
     while (hub_endpoint_.receive(into, 0).bytes != 0) {
