@@ -19,7 +19,7 @@ int choose_own_domain() {
     const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     sockaddr_un name = {};
     name.sun_family = AF_UNIX;
-    // A name that begins with a zero is not a file, and goes with its socket.
+    // A name that begins with a zero byte is not a file; it vanishes with its socket.
     const std::string text = "hapton dds_test in domain " + std::to_string(domain);
     text.copy(name.sun_path + 1, sizeof(name.sun_path) - 1);
     if (::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) return domain;

@@ -9,7 +9,7 @@
 
 namespace hapton::dds_test {
 
-// Type names of ROS 2 on DDS.
+// The DDS names of ROS 2 message types.
 inline const std::string kPose = "geometry_msgs::msg::dds_::PoseStamped_";
 inline const std::string kTwist = "geometry_msgs::msg::dds_::TwistStamped_";
 inline const std::string kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
@@ -23,16 +23,16 @@ int domain();
 // `hapton dds` beside a system's nodes, in domain(). Threads: one.
 class Bridge {
  public:
-  // interface: empty: none given.
+  // interface: if empty, --interface is not given.
   explicit Bridge(const process::System& system, const std::vector<std::string>& more = {}, const std::string& interface = "127.0.0.1")
       : Bridge(system.hub(), system.folder(), more, interface) {}
-  // folder: where the key is, in hapton/key.
+  // folder: contains the key as hapton/key.
   Bridge(const std::string& hub, const std::filesystem::path& folder, const std::vector<std::string>& more, const std::string& interface);
 
   bool is_publishing();
-  // As Ctrl-C does, and expects it to end well. What it printed.
+  // Ends the program as Ctrl-C does and expects exit code 0. Returns its standard output.
   std::string end();
-  // As a crash does.
+  // Ends the program as a crash does.
   void kill() { program_->kill(); }
   std::string out() const { return program_->out(); }
   std::string err() const { return program_->err(); }

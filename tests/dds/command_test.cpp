@@ -1,4 +1,4 @@
-// Forces that another DDS sends: bounded, short-lived, off by default.
+// Forces that another DDS implementation sends: they are limited, end soon without a new one, and are off by default.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ class CommandTest : public ::testing::Test {
  protected:
   explicit CommandTest(std::vector<std::string> io_options = {"--vision-rate", "2000"}) : system_(std::move(io_options)) {}
 
-  // Over System's own trajectory: at rest above the cube.
+  // Replaces System's own trajectory: the hand rests above the cube.
   void rest() const { std::ofstream(system_.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.07\n600,0.01,0.02,0.07\n"; }
   void begin(const std::vector<std::string>& more) {
     rest();
@@ -46,7 +46,7 @@ class CommandTest : public ::testing::Test {
     ros_->subscribe(wrench_, kWrench);
     ASSERT_TRUE(System::wait_until([&] { return ros_->is_matched(wrench_); }));
   }
-  // Until holds(force) of the newest wrench, with send between; false: never.
+  // Calls send repeatedly until holds(force) is true for the newest wrench. False: not within kPatience.
   template <class Send, class Holds>
   bool reaches(Send&& send, Holds&& holds) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -85,7 +85,7 @@ TEST_F(CommandTest, AForceIsScaledDownAndEndsWithItsPublisher) {
   EXPECT_TRUE(reaches(command, [](const Vec3& force) { return (force - Vec3(0.0, 0.3, -0.4)).norm() < 1e-9; })) << force_.transpose();
   EXPECT_TRUE(reaches([] {}, is_zero)) << "a command counts for 20 ms";
   EXPECT_LE(most_n_, 0.5 + 1e-9);
-  // Again, smaller than allowed.
+  // A force that is smaller than the limit.
   const auto smaller = [&] { ros_->write_wrench(kServo, "world", 0.25, 0.0, 0.0); };
   EXPECT_TRUE(reaches(smaller, [](const Vec3& force) { return (force - Vec3(0.25, 0.0, 0.0)).norm() < 1e-9; })) << force_.transpose();
   const std::string out = bridge_->end();
@@ -139,7 +139,7 @@ TEST_F(CommandTest, OfTwoPublishersOneCounts) {
   system_.end_all();
 }
 
-// Seen by another one, which takes no forces.
+// A second bridge, which takes no forces, shows the force on the hand.
 TEST_F(CommandTest, ACrashLeavesNoForce) {
   begin({"--prefix", "watch"});
   Bridge taker(system_, {"--accept-forces", "1", "--prefix", "hapton"});
@@ -163,7 +163,7 @@ TEST_F(CommandTest, WithoutConsentNothingIsTaken) {
   system_.end_all();
 }
 
-// Over a device with motors that turn the stylus, limited to 0.05 Nm, less than the 0.17 Nm of its own.
+// A device with motors that turn the stylus. --max-torque limits it to 0.05 Nm; its own limit is 0.17 Nm.
 class TorqueTest : public CommandTest {
  protected:
   TorqueTest() : CommandTest({"--vision-rate", "2000", "--device", "simulated-6dof", "--max-torque", "0.05"}) {}
@@ -173,7 +173,7 @@ class TorqueTest : public CommandTest {
   }
 };
 
-// The same device, as somebody starts it who wants no torque.
+// The same device, started with --max-torque 0: no torque is wanted.
 class ForbiddenTorqueTest : public CommandTest {
  protected:
   ForbiddenTorqueTest() : CommandTest({"--vision-rate", "2000", "--device", "simulated-6dof", "--max-torque", "0"}) {}
@@ -193,7 +193,7 @@ TEST_F(TorqueTest, ATorqueReachesTheHandAndEndsWithItsPublisher) {
   begin({"--accept-forces", "0.5", "--accept-torques", "0.04"});
   EXPECT_TRUE(turns(0.03, 0.03)) << torque_.transpose();
   EXPECT_LE(most_nm_, 0.03 + 1e-9);
-  // Scaled down by `hapton dds`.
+  // `hapton dds` scales the torque down.
   EXPECT_TRUE(turns(-5.0, -0.04)) << torque_.transpose();
   EXPECT_LE(most_nm_, 0.04 + 1e-9);
   EXPECT_TRUE(reaches([] {}, [&](const Vec3& force) { return is_zero(force) && torque_.isZero(0.0); })) << "a command counts for 20 ms";
@@ -220,7 +220,7 @@ TEST_F(TorqueTest, WithoutConsentNoTorqueIsTaken) {
   system_.end_all();
 }
 
-// Three motors: the force alone.
+// The device has three motors: it gets the force without the torque.
 TEST_F(CommandTest, ADeviceThatCannotTurnTheStylusGetsNoTorque) {
   begin({"--accept-forces", "0.5", "--accept-torques", "0.1"});
   const auto command = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.25, 0.0, 0.05); };

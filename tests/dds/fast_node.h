@@ -53,10 +53,10 @@ class FastNode {
   FastNode(const FastNode&) = delete;
   FastNode& operator=(const FastNode&) = delete;
 
-  // A reader as a ROS 2 subscription has it: of that DDS topic and type.
+  // Makes a reader of that DDS topic and type, as a ROS 2 subscription does.
   void subscribe(const std::string& topic, const std::string& type, bool is_reliable = false);
   bool is_matched(const std::string& topic) const;
-  // All since the last call, oldest first.
+  // All samples since the last call, oldest first.
   std::vector<std::vector<unsigned char>> take(const std::string& topic);
 
   static Stamped read_stamped(const std::vector<unsigned char>& bytes, std::size_t numbers);

@@ -1,4 +1,4 @@
-// The device as another DDS sees it: names, types, QoS, values, frames, stamps.
+// The device as another DDS implementation sees it: names, types, QoS, values, frames, stamps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::Key;
 using ::testing::Not;
 
-// A haptics node that replies to every sample with the same force. In a thread of its own until it is destroyed.
+// A haptics node that replies to every sample with the same force. It runs in its own thread until it is destroyed.
 class Responder {
  public:
   Responder(const System& system, const ForceCommand& reply)
@@ -69,7 +69,7 @@ constexpr double kTurnRadPerS = 2e-3;  // about z
 constexpr double kFirstTurnRad = 0.5;
 constexpr std::uint32_t kButtons = 0x80000005;
 
-// Replaces the trajectory that io_node replays (System's taps) by the line. Before io_node is started.
+// Replaces the trajectory that io_node replays (System's taps) by the line. Call this before io_node starts.
 void write_line(const System& system) {
   std::ofstream file(system.folder() / "taps.csv");
   file << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons\n";
@@ -83,7 +83,7 @@ void write_line(const System& system) {
   }
 }
 
-// The time at which the line is at this pose (x, y, z, then the quaternion), s.
+// The time at which the hand on the line has this pose (x, y, z, then the quaternion), s.
 double time_of(const std::vector<double>& pose) { return (pose.at(0) - kStart.x()) / kVelocity.x(); }
 
 void expect_on_the_line(const std::vector<double>& pose) {
@@ -126,7 +126,7 @@ TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
   system.end_all();
 }
 
-// A node of ROS 2 announces an address of the network as its own, if the host has one; here no setting makes either side use loopback.
+// If the host has a network address, a ROS 2 node announces that address. In this test no setting makes either side use loopback.
 TEST(DdsLive, AProgramOfThisHostWithDefaultSettingsSeesIt) {
   ::unsetenv("CYCLONEDDS_URI");
   System system;
@@ -216,7 +216,7 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   for (const auto& [unused, pose] : poses) expect_on_the_line(pose);
   // Stamps are the time of day; their differences are the time that passed on the line.
   EXPECT_NEAR(static_cast<double>(poses.begin()->first) * 1e-9, static_cast<double>(start_s), 60.0);
-  // The middle half only: where the machine stands still between a position and its stamp, the stamp is late.
+  // Only the middle half of the offsets counts: if the machine stands still between a position and its stamp, the stamp is late.
   std::vector<double> offsets_s;
   for (const auto& [stamp, pose] : poses) offsets_s.push_back(1e-9 * static_cast<double>(stamp - poses.begin()->first) - time_of(pose));
   std::sort(offsets_s.begin(), offsets_s.end());
@@ -274,7 +274,7 @@ TEST(DdsLive, AReliableSubscriberIsServedOnRequest) {
   Bridge bridge(system, {"--reliable"});
   ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
   FastNode ros(domain());
-  ros.subscribe("rt/hapton/measured_cf", kWrench, true);  // only a reliable writer has such a reader
+  ros.subscribe("rt/hapton/measured_cf", kWrench, true);  // only a reliable writer matches a reliable reader
   double most_n = 0.0;
   EXPECT_TRUE(System::wait_until([&] {
     for (const auto& bytes : ros.take("rt/hapton/measured_cf")) most_n = std::max(most_n, FastNode::read_stamped(bytes, 6).numbers[2]);

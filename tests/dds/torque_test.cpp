@@ -1,4 +1,4 @@
-// A rigid tool over DDS: the torque that another DDS reads is the one on the motors.
+// A rigid tool over DDS: the torque that another DDS implementation reads is the one on the motors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using process::LedHand;
 using process::System;
 using Numbers = std::array<double, 6>;
 
-// Force and torque on the motors, of each cycle of a table of `hapton session export`.
+// The force and torque on the motors in each cycle of a table that `hapton session export` wrote.
 std::set<Numbers> read_written(const std::string& csv) {
   std::istringstream lines(csv);
   std::string line;
@@ -48,7 +48,7 @@ std::set<Numbers> read_written(const std::string& csv) {
   return written;
 }
 
-// The peg goes half over the edge of a block, where it is pressed and tilts.
+// Half of the peg is beyond the edge of a block when it is pressed down, so that it tilts.
 TEST(DdsTorque, AWrenchIsTheForceAndTheTorqueOnTheMotors) {
   LedHand hand("simulated-6dof",
                "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,0.99995,0.01,0,0\n1,0,0.014,0.024,0.99995,0.01,0,0\n"
@@ -76,7 +76,7 @@ TEST(DdsTorque, AWrenchIsTheForceAndTheTorqueOnTheMotors) {
   const auto exported = process::run("hapton", {"session", "export", hand.file, "--format", "csv", "--out", table}, hand.scratch.path());
   ASSERT_TRUE(exported && exported->exit_code == 0);
   const std::set<Numbers> written = read_written(process::read_text(hand.scratch.path() / "table" / "session.csv"));
-  // A cycle is recorded at its end: where a force came late, another one was on the motors before.
+  // A cycle is recorded at its end: if a force came late, another force was on the motors before that in the same cycle.
   const auto found = std::count_if(wrenches.begin(), wrenches.end(), [&](const Numbers& wrench) { return written.contains(wrench); });
   EXPECT_GT(static_cast<double>(found), 0.95 * static_cast<double>(wrenches.size())) << "to the last bit";
 }

@@ -40,7 +40,7 @@ TEST(NearPairs, FindsEveryPairThatABruteForceSearchFinds) {
         for (std::uint32_t s = 0; s < scene.object_geometry(o).triangle_count(); ++s) {
           if (!around.overlaps(box_at(scene.object_geometry(o), s, {}))) continue;
           ++found;
-          // An object's number stands above its triangles'.
+          // In the id, the bits of the object's number are above those of the triangle's number.
           const std::uint32_t id = s | (o == 0 ? 0U : scene.object_bits() & (~scene.object_bits() + 1U));
           ASSERT_EQ(pairs.count({t, id}), 1U) << "case " << n;
         }

@@ -43,7 +43,7 @@ class ObbFrontTest : public testing::Test {
     return {at.at(tool.corner(t, 0)), at.at(tool.corner(t, 1)), at.at(tool.corner(t, 2))};
   }
   Corners3 scene_at(std::uint32_t id) const { return {scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)}; }
-  // The least distance at some times of the motion.
+  // The smallest distance at nine times of the motion.
   double distance_over(const RigidMotion& motion, std::uint32_t t, std::uint32_t id) const {
     double least = 1e300;
     for (double time = 0.0; time <= 1.0; time += 0.125) least = std::min(least, triangle_gap(tool_at(t, motion.at(time)), scene_at(id)));
@@ -51,8 +51,8 @@ class ObbFrontTest : public testing::Test {
   }
 };
 
-// Also from the front of earlier walks, over motions of every length, and where pairs were left out because the visit said that they are
-// far apart.
+// Most walks begin at the front of earlier walks. The motions have very different lengths, and a walk may leave out pairs that an earlier
+// visit found to be far apart.
 TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::size_t found = 0;
@@ -86,8 +86,8 @@ TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
   EXPECT_LT(visited, 6 * found) << "the search is not a search";
 }
 
-// An infinite distance, of pairs that do not matter to the visitor, is not taken for the bounds of those beside them.
-// Between two walks that begin at some pairs, one begins at none.
+// The visitor returns an infinite distance for pairs that do not matter to it. This must not become the bound of pairs beside them.
+// Between two walks that begin at some pairs, there is a walk that begins at none.
 TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -122,7 +122,7 @@ TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
   EXPECT_GT(found, 1000U);
 }
 
-// Hundreds of short motions in a row, mostly along the surface, so that bounds found many placements ago decide.
+// Hundreds of short motions, mostly along the surface, so that bounds from many placements ago decide which pairs a walk visits.
 TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::size_t found = 0;
@@ -174,7 +174,7 @@ TEST_F(ObbFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   EXPECT_EQ(again, all);
 }
 
-// What a visitor knows is left out until it forgets.
+// A walk leaves out pairs whose features the visitor has found before, until forget() is called.
 TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&] {
@@ -189,12 +189,12 @@ TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   ASSERT_GT(all, 10U);
   EXPECT_EQ(walk(), 0U);
   front.forget();
-  const std::size_t again = walk();  // some turned out to be too far away
+  const std::size_t again = walk();  // less than all: some pairs were found to be too far away
   EXPECT_GT(again, all / 2);
   EXPECT_LE(again, all);
 }
 
-// The same pairs at the same places, whatever the number of workers; also after walks that a visitor has ended.
+// Any number of workers visits the same pairs at the same places (ObbFront::Turn), also after walks that a visitor has ended.
 TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   using Visits = std::vector<std::array<std::uint32_t, 3>>;
@@ -235,7 +235,7 @@ TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   }
 }
 
-// A fast motion along a surface brings few of the boxes together.
+// In a fast motion along a surface, most boxes of the tool stay separate from those of the surface.
 TEST_F(ObbFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
   const TriangleMesh grid = make_plane_grid(1.0, 40);
   const TouchGeometry plane(std::vector<const TriangleMesh*>{&grid});

@@ -16,7 +16,7 @@ struct Checked {
   int depth = 0;
 };
 
-// Every box contains the exact corners of all triangles under it.
+// Expects that every box contains the exact corners of all triangles below it. Returns these triangles and the depth of the tree.
 Checked check_tree(const ObbTree& tree, const std::function<std::array<Vec3, 3>(std::uint32_t)>& corners) {
   Checked checked;
   const std::function<std::vector<std::uint32_t>(std::uint32_t, int)> visit = [&](std::uint32_t at, int depth) {

@@ -32,7 +32,7 @@ TEST(Placement, ComposesAndInverts) {
     const Vec3 r = draw();
     ASSERT_LE(((a * b).at(r) - a.at(b.at(r))).norm(), 1e-13);
     ASSERT_LE((a.inverse().at(a.at(r)) - r).norm(), 1e-13);
-    // What a body moves past a tool that stays, no point of the tool exceeds.
+    // When a body moves past a tool at rest, no point of the tool moves farther relative to the body than motion_past().
     const Placement tool{draw(), turn_by(draw())};
     const Vec3 before = (a.inverse() * tool).at(r);
     const Vec3 after = (b.inverse() * tool).at(r);

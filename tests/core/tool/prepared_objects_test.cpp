@@ -37,7 +37,7 @@ Pose grip_pose() {
   return X_SD;
 }
 
-// Lifted, pressed against the ball while it turns, and down on the plate.
+// The cube is lifted, pressed against the ball while it turns, and moved down onto the plate.
 Pose pose_on_path(int n) {
   Pose X_WD = grip_pose();
   const double share = n / 400.0;
@@ -69,7 +69,7 @@ std::unique_ptr<ToolStep> hold_cube(PreparedObjects& objects, const std::vector<
   return std::move(*step);
 }
 
-// A tool of the cube's mesh, made when the cube is gripped, along the axes of the stylus.
+// A tool that is made from the cube's mesh, converted to the frame of the stylus at grip_pose().
 std::unique_ptr<ToolStep> make_twin(const Meshes& meshes, const std::vector<CoulombFriction>& friction, const std::vector<int>& parts) {
   TriangleMesh mesh = *meshes[kHeldCube];
   const Pose X_DS = grip_pose().inverse(Eigen::Isometry);
@@ -110,8 +110,8 @@ TEST(PreparedObjects, AHeldObjectPenetratesNothing) {
   }
 }
 
-// The ball comes upon the cube, which the hand keeps where it is, and turns past it; the plate stands still, moves, or moves with the ball.
-// With friction, the step in which two parts that move together begin to slip may be another one.
+// The hand holds the cube still. The ball moves against it and turns past it; the plate stands still, moves, or moves with the ball.
+// If it moves with the ball and there is friction, held object and twin may begin to slip in different steps: hence the larger bound.
 TEST(PreparedObjects, AHeldObjectFeelsWhatMovesAsAToolOfItsMeshDoes) {
   for (const auto& [friction, parts, bound_n] :
        {std::tuple(std::vector<CoulombFriction>(), std::vector{0, 1}, 1e-9), std::tuple(kRough, std::vector{0, 1}, 1e-9),
@@ -224,7 +224,7 @@ TEST(PreparedObjects, AProbeGetsThemMarkedWhereTheyTouchAndOnlyWhatHasMovedIsBui
     while (objects.prepare_next()) {
     }
     EXPECT_EQ(objects.build()->objects, first->objects);
-    // Down onto the plate.
+    // The cube is moved down onto the plate.
     meshes[kHeldCube] = displaced(*meshes[kHeldCube], {-0.03, 0.0, -0.001});
     objects.replace(kHeldCube, meshes[kHeldCube]);
     const auto second = objects.build();
@@ -234,7 +234,7 @@ TEST(PreparedObjects, AProbeGetsThemMarkedWhereTheyTouchAndOnlyWhatHasMovedIsBui
     EXPECT_LT(second->objects[0]->adjacency().walkable_count(), first->objects[0]->adjacency().walkable_count());
     EXPECT_TRUE(objects.prepare_next());
     EXPECT_FALSE(objects.prepare_next());
-    // And up again, into the air elsewhere.
+    // The cube is moved up again, into the air above another place.
     meshes[kHeldCube] = displaced(*make_objects()[kHeldCube], {-0.02, 0.05, 0.005});
     objects.replace(kHeldCube, meshes[kHeldCube]);
     const auto third = objects.build();
@@ -266,7 +266,7 @@ TEST(PreparedObjects, AToolOutlivesWhatItWasPreparedFrom) {
   expect_same_bits(follow_path(*kept), expected);
 }
 
-// How many triangles an object may have, once its cracks are sealed, is the same for all of them.
+// All objects have the same limit on their number of triangles after cracks are sealed. If it changes, all are prepared again.
 TEST(PreparedObjects, AreAllPreparedAgainWhereOneHasManyMoreTriangles) {
   PreparedObjects objects(make_objects());
   const auto prepare_all = [&] {
@@ -293,7 +293,7 @@ TEST(PreparedObjects, TheFrameStaysWhereTheSceneSuitsItAndElseAllIsPreparedAgain
   EXPECT_EQ(objects.frame().origin, before.origin);
   EXPECT_TRUE(objects.prepare_next());
   EXPECT_FALSE(objects.prepare_next());
-  // Far outside of it.
+  // The cube is far outside the frame.
   Meshes far = meshes;
   far[kHeldCube] = displaced(*meshes[kHeldCube], {0.0, 0.0, 1.0});
   objects.replace(kHeldCube, far[kHeldCube]);
@@ -302,7 +302,7 @@ TEST(PreparedObjects, TheFrameStaysWhereTheSceneSuitsItAndElseAllIsPreparedAgain
   int prepared = 0;
   while (objects.prepare_next()) ++prepared;
   EXPECT_EQ(prepared, 3);
-  // And back: the scene is small in that frame.
+  // The cube is back at its place: the scene is too small for the larger frame.
   objects.replace(kHeldCube, meshes[kHeldCube]);
   EXPECT_EQ(objects.frame().origin, before.origin);
   EXPECT_EQ(objects.frame().unit_m, before.unit_m);

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Each coordinate uniform in -1..1, drawn in the order x, y, z.
+// A vector whose coordinates are uniform in -1..1, drawn in the order x, y, z.
 inline Vec3 draw_in_cube(std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const double x = uniform(random);

@@ -11,7 +11,7 @@ constexpr double kGain = 0.125;
 
 Placement at(double x) { return {Vec3(x, 0.0, 0.0), Quat::Identity()}; }
 
-// Rounds until the progress is stalled, if they begin at these distances in turn; the last ones are repeated.
+// The number of rounds until progress stalls (-1: never). The rounds begin at `distances` in turn; the last `repeated` of them repeat.
 template <std::size_t kCount>
 int rounds_until_stalled(const std::array<double, kCount>& distances, std::size_t repeated) {
   RoundProgress progress(kGain);

@@ -64,7 +64,7 @@ TEST_F(ScenePartTest, WhereBothMoveItsFrameSeesAStraightMotionBetweenBothEnds) {
   expect_same(before * own.at(0.0), motion.from);
   expect_same(target * own.at(1.0), motion.at(1.0));
   expect_same(part.own_end(motion), own.at(1.0));
-  // A share of the motion: the part is where the tool has made that share of its motion, in the part's frame.
+  // After a share of the motion the part is where, in the part's frame, the tool has made that share of its motion.
   part.advance(motion, 0.4, motion.at(0.4));
   EXPECT_FALSE(part.is_moving());
   EXPECT_FALSE(part.is_arrived());

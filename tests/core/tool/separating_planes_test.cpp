@@ -15,7 +15,7 @@ namespace {
 
 using Node = ObbTree::Node;
 
-// A box in the scene, with the axes as they are stored.
+// The box of a node, placed in the scene, with the axes as the node stores them.
 struct BoxInScene {
   Vec3 centre;
   Mat3 axes;
@@ -24,7 +24,7 @@ struct BoxInScene {
   BoxInScene(const Node& node, const Placement& at) : centre(at.at(node.at())), half(node.half_size()) {
     for (int i = 0; i < 3; ++i) axes.col(i) = at.orientation * node.axis(i);
   }
-  // Of its corners along a normal.
+  // The largest coordinate of the box's corners along a normal.
   double highest(const Vec3& normal) const {
     double most = -std::numeric_limits<double>::infinity();
     for (int corner = 0; corner < 8; ++corner) {
@@ -34,14 +34,14 @@ struct BoxInScene {
     }
     return most;
   }
-  // Nearly orthonormal axes make this nearly the closest point; it is always one of the box.
+  // As the axes are only nearly orthonormal, this is only nearly the closest point; it is always a point of the box.
   Vec3 point_near(const Vec3& p) const {
     const Vec3 y = axes.inverse() * (p - centre);
     return centre + axes * y.cwiseMax(-half).cwiseMin(half);
   }
 };
 
-// By alternating projections: never less than the distance, and hardly more.
+// Uses alternating projections: the result is never less than the distance, and hardly more.
 double find_distance(const BoxInScene& a, const BoxInScene& b) {
   Vec3 p = a.centre;
   for (int i = 0; i < 60; ++i) p = a.point_near(b.point_near(p));
@@ -56,7 +56,7 @@ class SeparatingPlanesTest : public testing::Test {
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};
 
   Vec3 draw() { return draw_in_cube(random); }
-  // 10^-n, for n from 0 to `orders`.
+  // 10^-n, with n uniform from 0 to `orders`.
   double draw_size(double orders) { return std::pow(10.0, -0.5 * orders * (1.0 + uniform(random))); }
 
   Node draw_box(const Vec3& centre, double size) {
@@ -70,7 +70,7 @@ class SeparatingPlanesTest : public testing::Test {
     return node;
   }
 
-  // Pairs of boxes some of which are near each other, for a tool at `at`.
+  // Pairs of boxes, some of which are near each other if the tool is at `at`.
   struct Pairs {
     std::vector<Node> tool;
     std::vector<Node> scene;
@@ -90,7 +90,7 @@ class SeparatingPlanesTest : public testing::Test {
     planes.put(i, normal, planes.gap_along(normal, tool, scene), tool);
   }
 
-  // Planes for those pairs that are apart, with the normal between their closest points, a little turned.
+  // Puts planes for the pairs that are apart. A normal points along the line between the closest points, turned a little.
   std::vector<bool> put(SeparatingPlanes& planes, const Pairs& pairs, const Placement& at) {
     std::vector<bool> has_plane(kPairs, false);
     for (std::size_t i = 0; i < kPairs; ++i) {
@@ -116,7 +116,7 @@ class SeparatingPlanesTest : public testing::Test {
   static float gap_of(const Float8& gaps, std::size_t i) { return gaps[static_cast<int>(i % SeparatingPlanes::kTogether)]; }
 };
 
-// Over motions and turns of all sizes since the plane was put, in scenes of all sizes.
+// This holds after motions and turns of all sizes since the plane was put, in scenes of all sizes.
 TEST_F(SeparatingPlanesTest, NoGapIsLargerThanTheDistanceOfTheBoxes) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   int positive = 0;
@@ -156,7 +156,7 @@ TEST_F(SeparatingPlanesTest, NoGapIsLargerThanTheDistanceOfTheBoxes) {
   EXPECT_GT(positive, 5000);
 }
 
-// A small box far from the grip point moves on an arc, whose middle is nearer than both of its ends.
+// A small box far from the grip point moves on an arc; in the middle of the arc it is nearer to the scene's box than at both ends.
 TEST_F(SeparatingPlanesTest, TheGapOfATurnIsNoLargerThanTheDistanceInItsMiddle) {
   for (const double angle : {0.01, 0.1, 0.5}) {
     SCOPED_TRACE(angle);
@@ -177,7 +177,7 @@ TEST_F(SeparatingPlanesTest, TheGapOfATurnIsNoLargerThanTheDistanceInItsMiddle) 
   }
 }
 
-// Where the boxes are, and after small motions of the tool.
+// For planes between the closest points, gaps are not much less than the distances, at the start of a small motion and over it.
 TEST_F(SeparatingPlanesTest, AGapIsTheDistanceAlongTheNormal) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   int compared = 0;
@@ -188,7 +188,7 @@ TEST_F(SeparatingPlanesTest, AGapIsTheDistanceAlongTheNormal) {
     planes.begin(LinearizedMotion(RigidMotion{at}), 0.0);
     const Pairs pairs = draw_pairs(at, 1.0);
     const std::vector<bool> has_plane = put(planes, pairs, at);
-    // To and fro by as much as a turn of 1e-3 and a shift of 1e-2.
+    // The start differs from `at`, and the motion goes on: by a shift of about 1e-2 and a turn of about 1e-3 at most in total.
     const RigidMotion motion{{at.position + 0.005 * draw(), turn_by(0.0005 * draw()) * at.orientation}, 0.005 * draw(), 0.0005 * draw()};
     planes.begin(LinearizedMotion(motion), turn_between(at.orientation, motion.from.orientation).norm());
     for (std::size_t i = 0; i < kPairs; ++i) {

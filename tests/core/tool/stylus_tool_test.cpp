@@ -20,7 +20,7 @@ constexpr double kVoxelM = 0.0005;
 TriangleMesh cube_of_20_mm() { return made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)); }
 std::shared_ptr<const TriangleMesh> floor_at_0() { return made::shared(made::box({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0})); }
 
-// Whatever computes it, the same hand feels the same, up to a voxel.
+// Whether a proxy or voxels compute the force, the same motion of the hand gives the same force and pose within two voxels.
 TEST(StylusTool, ProxyAndVoxelsAreFeltThroughOneInterface) {
   auto proxy = std::make_unique<HeldTool>(ToolStep::make(cube_of_20_mm(), {floor_at_0()}, kCoupling).value());
   HeldTool& followed = *proxy;

@@ -63,7 +63,7 @@ TEST(SurfaceFeatures, OnlyTheHighestOfABoxIsATop) {
   int tops = 0;
   for (std::uint32_t v = 0; v < box.vertices().size(); ++v) tops += features.is_local_maximum(v, corner) ? 1 : 0;
   EXPECT_EQ(tops, 1);
-  // Tilted by 0.1 from straight up: the far edge alone, and with that slope allowed all four corners above.
+  // `up` is tilted by 0.1: only the two corners of the far upper edge are maxima; if that slope is allowed, all four upper corners.
   const Vec3 up = Vec3(0.1, 0.0, 1.0).normalized();
   int level = 0;
   int within = 0;

@@ -21,8 +21,8 @@ std::set<Key> keys_of(const std::vector<SurfaceVoxel>& voxels) {
   return keys;
 }
 
-// The brute-force twin: points sown over the triangles lie in voxels that are found; and from the middle of a voxel that is found, some
-// triangle is no farther than half a diagonal.
+// The brute-force twin: points that are distributed over the triangles (`sown`) lie in voxels that are found, and the middle of each
+// voxel that is found is at most half a diagonal away from some triangle.
 TEST(SurfaceVoxels, HoldEachPointOfTheSurfaceAndNothingFarther) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -58,7 +58,7 @@ TEST(SurfaceVoxels, HoldEachPointOfTheSurfaceAndNothingFarther) {
 
 TriangleMesh triangle_of(const Vec3& a, const Vec3& b, const Vec3& c) { return {{a, b, c}, {{0, 1, 2}}}; }
 
-// Ranges of cells that a triangle misses are left out; no cell that it meets is.
+// The search skips ranges of cells that a triangle does not touch, but no cell that it touches.
 TEST(SurfaceVoxels, AreThoseThatATestOfEveryCellFinds) {
   constexpr unsigned kSeed = 12;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -83,7 +83,7 @@ TEST(SurfaceVoxels, AreThoseThatATestOfEveryCellFinds) {
   }
 }
 
-// The box of this one has more than 10^11 cells.
+// The bounding box of this triangle has more than 10^11 cells.
 TEST(SurfaceVoxels, ALongTriangleTakesTimeForWhatItMeetsAlone) {
   const Vec3 end(1e4, 0.9e4, 0.8e4);
   const auto found = find_surface_voxels(triangle_of(Vec3::Zero(), end, end + Vec3(0.0, 0.0, 0.5)), {Vec3::Zero(), 1.0});

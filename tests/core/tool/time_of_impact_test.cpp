@@ -18,7 +18,7 @@ bool is_left_to_its_ends(const FeaturePair& pair, const RigidMotion& motion, dou
   return std::min(d.norm(), e.norm()) * (sine + motion.turn.norm()) <= 0.26 * floor;
 }
 
-// Until the bound, dense samples of the motion keep the floor. And it is of use: most motions that keep it are found to.
+// Dense samples of the motion stay above the floor until the bound. The bound is 1 for most motions that stay above it to the end.
 TEST_F(TimeOfImpact, NoMotionComesBelowItsFloorBeforeTheBound) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   int keeps = 0;

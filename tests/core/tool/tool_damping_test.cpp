@@ -1,5 +1,5 @@
-// Damping at the contacts of a rigid tool, over steps of ToolStep and HeldTool: what the hand feels where the scene, the device or the
-// contacts do not go on as before.
+// Damping at the contacts of a rigid tool, over steps of ToolStep and HeldTool: what the hand feels when the scene, the samples or the
+// contacts change suddenly or are interrupted.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ ToolInput damping_input(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
 
 Vec3 pressing_path(int n) { return {0.003, 0.004, 0.03 - 0.0001 * std::min(n, 220)}; }
 
-// A tool with damping beside one without, in the whole step or in two tasks: what damping adds.
+// A tool with damping and one without get the same input, in whole steps or in two tasks; `added` returns what damping adds.
 class Pair {
  public:
   virtual ~Pair() = default;
@@ -86,7 +86,7 @@ class HeldPair : public Pair {
   std::int64_t time_ns() const { return time_ns_; }
 
   bool follows = true;  // the slow task is done after each sample
-  ToolOutput felt;      // without damping, the last one
+  ToolOutput felt;      // the last output without damping
 
  private:
   HeldTool damped_;
@@ -127,7 +127,7 @@ TEST(ToolDamping, AViewThatTurnsIsNoMotionOfTheHand) {
   }
 }
 
-// Hand-over is of the spring: the drag follows the hand at once.
+// After late contacts only the spring force is handed over gradually; the drag follows the hand at once.
 TEST(ToolDamping, LateContactsDoNotHoldBackADrag) {
   HeldPair pair(damping_step({make_plane_grid(0.2, 8)}, {kSyrup}), damping_step({make_plane_grid(0.2, 8)}, {}));
   for (int n = 0; n <= 220; ++n) pair.added(damping_input(pressing_path(n)));
@@ -178,7 +178,7 @@ TriangleMesh half_plane(double from_x, int cells) {
   return plane;
 }
 
-// Where the tool comes upon more than the search for contacts can do, it stays, without contacts; the spring holds it.
+// Where the search for contacts meets more than it can handle, the tool stays in place without known contacts, and the spring holds it.
 TEST(ToolDamping, TheDragDecaysWhereContactsAreNotKnown) {
   const auto step = damping_step({half_plane(-0.06, 4), half_plane(0.0, 450)}, {kSyrup, kSyrup});
   const auto drag_n = [&](const ToolInput& input) {
@@ -219,7 +219,7 @@ TEST(ToolDamping, EndsWithContact) {
   }
 }
 
-// A plate that turns under a box at rest, 30 mm from its axis, takes it along: as if the box went round the other way.
+// A plate turns under a box at rest, 30 mm from the plate's axis. It drags the box along, as if the box moved the other way round.
 TEST(ToolDamping, APartThatTurnsPassesTheToolWithItsSurface) {
   constexpr double kRateRadPerS = 1.5;
   for (const auto& pair : pairs_on({make_plane_grid(0.2, 1)}, {kSyrup}, {}, {1})) {
@@ -238,7 +238,7 @@ TEST(ToolDamping, APartThatTurnsPassesTheToolWithItsSurface) {
   }
 }
 
-// The tool sticks while the hand stretches the coupling, and slides then: the hand feels the viscosity all the time.
+// The tool first sticks while the hand stretches the coupling, and then slides; the hand feels the viscosity all the time.
 TEST(ToolDamping, ActsBesideFriction) {
   const std::vector<CoulombFriction> friction = {{.friction_static = 0.5, .friction_dynamic = 0.4}};
   for (const auto& pair : pairs_on({make_plane_grid(0.2, 8)}, {kSyrup}, friction)) {

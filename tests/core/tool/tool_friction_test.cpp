@@ -26,7 +26,7 @@ std::unique_ptr<ToolStep> make_rough_step(const TriangleMesh& scene, const Coulo
   return std::move(*made);
 }
 
-// With a right angle, along x.
+// A groove along x whose sides meet at a right angle.
 TriangleMesh make_right_groove() {
   TriangleMesh groove;
   groove.vertices = {{-0.1, -0.1, 0.1}, {0.1, -0.1, 0.1}, {-0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}, {-0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}};
@@ -48,7 +48,7 @@ ToolInput rub_at(const Vec3& p, double turn_rad = 0.0) {
   return input;
 }
 
-// Down on a plane, so that 2 N press it.
+// Moves the tool down onto a plane until 2 N press it.
 void press_down(ToolStep& step) {
   step.reset(rub_at({0.003, 0.004, 0.03}));
   for (int n = 0; n <= 220; ++n) step.step(rub_at({0.003, 0.004, 0.03 - 0.0001 * n}));
@@ -69,7 +69,7 @@ TEST(ToolFriction, ABoxSticksUpToTheStaticLimitAndThenLagsByTheDynamicOne) {
   EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n, 2e-3);
   EXPECT_NEAR(out.force_n.z(), normal_n, 2e-3);
   EXPECT_NEAR(out.force_n.y(), 0.0, 1e-3);
-  // Back: it sticks until the pull has turned round.
+  // On the way back, the box sticks until the pull has reversed.
   for (int n = 0; n < 20; ++n, x -= 2e-5) out = step->step(rub_at({x, 0.004, 0.008}));
   EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n + kRubK * 20 * 2e-5, kRubK * 4e-5 + 2e-3);
 }
@@ -85,7 +85,7 @@ TEST(ToolFriction, ARestingToolDoesNotCreep) {
   EXPECT_LT((step->step(rub_at({0.0034, 0.004, 0.008})).force_n - force_n).norm(), 0.02 * force_n.norm());
 }
 
-// Of a groove with a right angle each side carries the force over root 2, so that the friction along it is root 2 times that on a plane.
+// Each side of a right-angled groove carries the force divided by root 2, so friction along the groove is root 2 times that on a plane.
 TEST(ToolFriction, AGrooveHoldsByItsSides) {
   auto made = ToolStep::make(make_rod_along_x(), {std::make_shared<TriangleMesh>(make_right_groove())}, {.stiffness_n_per_m = kRubK},
                              {kRubFriction});
@@ -100,7 +100,7 @@ TEST(ToolFriction, AGrooveHoldsByItsSides) {
   EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * std::numbers::sqrt2 * out.force_n.z(), 0.02 * out.force_n.z());
 }
 
-// Pressed on four corners, turned about the normal: a torque of friction times force times a corner's distance from the axis.
+// A box on four corners is turned about the normal. Its torque is friction times force times the distance of a corner from the axis.
 TEST(ToolFriction, ABoxOnItsCornersResistsATurn) {
   const auto step = make_rough_step(make_plane_grid(0.2, 1), kRubFriction);
   step->reset(rub_at({0.0, 0.0, 0.03}));
@@ -109,7 +109,7 @@ TEST(ToolFriction, ABoxOnItsCornersResistsATurn) {
   const double limit_nm = kRubK * kDepth * corner;
   double most_nm = 0.0;
   double turn = 0.0;
-  // It slides on as long as it is turned, whichever of its contacts carry it.
+  // The box slides as long as the device turns, whichever of its contacts carry the force.
   for (int n = 0; n < 400; ++n, turn += 1e-3) {
     const ToolOutput out = step->step(rub_at({0.0, 0.0, 0.008}, turn));
     most_nm = std::max(most_nm, -out.torque_nm.z());
@@ -156,8 +156,8 @@ TEST(ToolFriction, TheFastTaskFeelsWhatTheWholeStepFeels) {
   EXPECT_LT(moved_n, 0.03 * most_n);
 }
 
-// A cube on an edge or a corner, pressed with the fast task: the force stays while the hand holds still, and is the coefficient times the
-// normal force while it slides, whichever way the cube is tilted.
+// A cube is pressed onto an edge or a corner; the fast task computes the force. The force stays the same while the hand holds still. While
+// the cube slides, friction is the dynamic coefficient times the normal force, whichever way the cube is tilted.
 TEST(ToolFriction, ATiltedToolSticksAndSlidesAsAFlatOneDoes) {
   const Vec3 tilts[] = {{0.0, 0.35, 0.0}, {0.0, std::numbers::pi / 4, 0.0}, {1.2, 0.0, 0.0}, {0.5, 0.6, 0.2}};
   for (const double coefficient : {0.3, 0.5, 0.8}) {
@@ -173,7 +173,7 @@ TEST(ToolFriction, ATiltedToolSticksAndSlidesAsAFlatOneDoes) {
           if (n % 3 == 0) held.follow();
           return out;
         };
-        double lowest = 0.0;  // of the cube, below its centre
+        double lowest = 0.0;  // z of the cube's lowest corner, relative to its centre
         for (const double x : {-0.01, 0.01})
           for (const double y : {-0.01, 0.01})
             for (const double z : {-0.01, 0.01}) lowest = std::min(lowest, (turn_by(tilt) * Vec3(x, y, z)).z());
@@ -236,8 +236,8 @@ TEST(ToolFriction, ARandomHandFeelsNoKick) {
   }
 }
 
-// Friction above the slope of its edge tips a cube over, and holds it so while the hand holds still. It turns back gradually as the hand
-// lifts it, though the contacts are known where it is and the device is far from there.
+// If friction exceeds the slope from the edge to the cube's centre (1), a pull tips the cube, and it stays tipped while the hand is still.
+// The cube turns back gradually when the hand lifts it, although its contacts were found at the tipped pose, far from the device.
 TEST(ToolFriction, ACubeThatTipsComesBackGradually) {
   HeldTool held(make_rough_step(make_plane_grid(0.2, 8), {1.2, 0.96}));
   std::int64_t n = 0;
@@ -262,7 +262,7 @@ TEST(ToolFriction, ACubeThatTipsComesBackGradually) {
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
 }
 
-// Whatever the iteration leaves, the tool is not within a contact that is known.
+// Whatever error the iteration leaves, the tool does not penetrate a known contact.
 TEST(ToolFriction, NoKnownContactIsViolated) {
   std::mt19937_64 random(20261129);
   std::uniform_real_distribution<double> u(-1.0, 1.0);

@@ -38,7 +38,7 @@ std::unique_ptr<ToolStep> make_moving_step(const TriangleMesh& tool, const std::
   return std::move(*made);
 }
 
-// By exact signs, and by distance, for each part where the tool feels it.
+// Checks the tool against each part, where the tool feels the part: for penetration by exact signs, and for the distance.
 class MovingCheck {
  public:
   explicit MovingCheck(const ToolStep& step) : step_(step) {
@@ -53,7 +53,7 @@ class MovingCheck {
     }
     return false;
   }
-  // In contact offsets, up to 4.
+  // The smallest distance, in contact offsets, at most 4.
   double gap() {
     double least = 4.0;
     for (std::size_t p = 0; p < checks_.size(); ++p) {
@@ -96,7 +96,7 @@ TEST(ToolAndMotion, ASlabThatRisesPushesTheToolAheadAndIsFelt) {
   EXPECT_NEAR(out.X_WP.translation().z(), 0.030, 2e-6);
 }
 
-// Where the slab makes way, the tool stays on it.
+// When the slab sinks, the tool stays on it.
 TEST(ToolAndMotion, ASlabThatSinksIsFollowed) {
   const auto step = make_moving_step(kCube, {kSlab}, {1});
   Pose hand = moved_by({0.003, 0.004, 0.025});
@@ -113,7 +113,7 @@ TEST(ToolAndMotion, ASlabThatSinksIsFollowed) {
   }
 }
 
-// The same relative motion, whoever moves: forces and torques are the same in the frame of the part.
+// For the same relative motion, forces and torques in the frame of the part are the same, whether or not the part moves too.
 TEST(ToolAndMotion, OnlyTheMotionOfOnePastTheOtherCounts) {
   const TriangleMesh bumps = make_bumpy_sphere(0.05, 0.1, 1200, 3);
   const auto still = make_moving_step(kCube, {bumps}, {});
@@ -148,7 +148,7 @@ TEST(ToolAndMotion, OnlyTheMotionOfOnePastTheOtherCounts) {
   EXPECT_GT(compared, 1100);
 }
 
-// Between a part that moves and what stands still there is no room: the part stays behind, and the force never depends on how far it went.
+// Between a moving part and one at rest there is no room for the tool: the part stays behind, and the force does not depend on its target.
 TEST(ToolAndMotion, ASqueezedToolKeepsThePartBackUntilThereIsRoom) {
   const TriangleMesh ceiling = scaled_and_moved(kSlab, 1.0, {0.0, 0.0, 0.05});  // its bottom is at 40 mm
   const auto step = make_moving_step(kCube, {ceiling, kSlab}, {0, 1});
@@ -159,7 +159,7 @@ TEST(ToolAndMotion, ASqueezedToolKeepsThePartBackUntilThereIsRoom) {
   Vec3 before_n = Vec3::Zero();
   Vec3 before_nm = Vec3::Zero();
   for (int n = 0; n <= 1200; ++n) {
-    // The room is gone at 10 mm; it goes on to 15 mm, and down again.
+    // No room is left when the slab has risen by 10 mm; it goes on to 15 mm, and back down.
     const Pose X_SO = moved_by({0.0, 0.0, 0.015 - 0.015 * std::abs(1.0 - n / 600.0)});
     const ToolOutput out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
     ASSERT_FALSE(out.proxy.is_blocked) << n;
@@ -194,7 +194,7 @@ TEST(ToolAndMotion, APartThatIsKeptBackKeepsNoOtherBack) {
   EXPECT_NEAR(out.X_WP.translation().x(), 0.030, 2e-6);
 }
 
-// Seeded: bodies that tumble about a pressed tool, some faster than a scene file allows, beside one that stands still.
+// With a seed, two bodies tumble around a pressed tool, in some walks faster than a scene file allows; a slab stands still.
 TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
   constexpr unsigned kSeed = 21;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -209,7 +209,7 @@ TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
   int squeezed = 0;
   int unconverged = 0;
   for (int walk = 0; walk < 8; ++walk) {
-    const double speed = std::pow(10.0, -4.5 + 2.0 * walk / 7.0);  // m a step
+    const double speed = std::pow(10.0, -4.5 + 2.0 * walk / 7.0);  // m per step
     Pose hand = moved_by({0.0, 0.0, 0.06}, draw());
     Pose X_SO[2] = {moved_by({0.05, 0.0, 0.06}), moved_by({-0.05, 0.0, 0.08})};
     step->reset({.X_WD = hand, .X_SO = X_SO});
@@ -242,7 +242,7 @@ TEST(ToolAndMotion, AToolThatSticksIsCarriedAlong) {
   const auto step = make_moving_step(kCube, {kSlab}, {1}, kGrip);
   step->reset({.X_WD = moved_by({0.0, 0.0, 0.03})});
   ToolOutput out;
-  // 2 mm deep: 2 N press it, so that it holds up to 1 N, 1 mm.
+  // At a depth of 2 mm, 2 N press the tool: static friction holds up to 1 N, which stretches the spring by 1 mm.
   for (int n = 0; n <= 120; ++n) out = step->step({.X_WD = moved_by({0.0, 0.0, 0.03 - 1e-4 * n})});
   double most_n = 0.0;
   for (int n = 0; n <= 300; ++n) {
@@ -259,8 +259,8 @@ TEST(ToolAndMotion, AToolThatSticksIsCarriedAlong) {
   EXPECT_NEAR(out.force_n.z(), 2.0, 5e-3);
 }
 
-// The slow task is done each 5 samples; between two of its steps the contacts move with the part.
-// Friction is that of the sample's own force: where the slab rises at once, in that step already.
+// The friction belongs to the normal force of the same sample: when the slab rises or sinks within one step, the friction changes in that
+// same step.
 TEST(ToolAndMotion, FrictionFollowsASlabThatRisesInTheSameStep) {
   const CoulombFriction friction = {0.5, 0.3};
   const auto step = make_moving_step(kCube, {kSlab}, {1}, friction);
@@ -297,7 +297,7 @@ TEST(ToolAndMotion, AHeldToolFeelsAPartThatMovesWithoutADiscontinuity) {
     const double rise = 0.010 - 0.010 * std::abs(1.0 - n / 200.0);
     const Pose X_SO = moved_by({0.0, 0.0, rise});
     const ToolOutput out = held.step({.X_WD = hand, .X_SO = {&X_SO, 1}}, 1'000'000 * n);
-    if (n % 5 == 0) held.follow();
+    if (n % 5 == 0) held.follow();  // the slow task; between two of its steps the contacts move with the part
     if (n > 120 && n < 280) {
       ASSERT_NEAR(out.force_n.z(), kSpring * (rise - 0.005), 5e-3) << n;
     }
@@ -328,7 +328,7 @@ TEST(ToolAndMotion, AHeldToolPushesNothingWhereAPositionIsNotFinite) {
   EXPECT_EQ(held.push_on(0).torque_nm, Vec3(Vec3::Zero()));
 }
 
-// Where its contacts are late it is drawn near where they were found, and felt where the hand is.
+// A tool whose contacts are late is drawn near the place where they were found, but its force acts where the hand is.
 TEST(ToolAndMotion, WhatALateToolDoesToAPartIsAboutItsDrawnGripPoint) {
   HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
   const Pose X_SO = Pose::Identity();

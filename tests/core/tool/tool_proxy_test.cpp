@@ -69,7 +69,7 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
         RigidMotion motion{proxy.placement(), draw(), draw() / kTurnLength};
         motion = motion.scaled(1.9 * ToolProxy::kContactOffset * std::abs(uniform(random)) / motion.length(proxy.radius()));
         const Placement moved = motion.at(1.0);
-        // Of the energy's slope times the tolerance of the rounds.
+        // The margin is twice the slope of the energy, times the tolerance of the rounds.
         if (energy(moved, device) < now - 4.0 * std::sqrt(now) * ToolProxy::kConverged * ToolProxy::kContactOffset) {
           nearer += least_gap(moved) > 1.01 * ToolProxy::kContactOffset ? 1 : 0;
         }
@@ -81,7 +81,7 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
   EXPECT_EQ(nearer, 0);
 }
 
-// Rounds went round two to five placements until there were kMaxRounds.
+// An earlier version repeated cycles of two to five placements until it reached kMaxRounds.
 TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const TriangleMesh knob = make_bumpy_sphere(0.1, 0.2, 300, 7);
@@ -105,8 +105,8 @@ TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
   EXPECT_LT(most, ToolProxy::kMaxRounds);
 }
 
-// A tool that was nearly at rest is moved far along the surface: one search found up to 4,093 pairs along a motion that crossed the surface
-// at its beginning.
+// A tool that was nearly at rest is moved far along the surface. An earlier version searched once along the whole motion, which crossed the
+// surface at its beginning, and found up to 4,093 pairs.
 TEST(ToolProxy, ALongMotionIsSearchedFromItsBeginning) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -28,7 +28,7 @@ Pose pose_at(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
   return X;
 }
 
-// Exact: whether any two triangles of tool and scene intersect.
+// Tests exactly whether any two triangles of tool and scene intersect.
 bool penetrates(const ToolStep& step) {
   const Placement& at = step.proxy().placement();
   for (std::uint32_t t = 0; t < step.tool().triangle_count(); ++t) {
@@ -49,7 +49,7 @@ TEST(ToolStep, ABoxPressedFlatOnAPlaneGivesTheForceOfItsDepth) {
   step->reset({pose_at({0.003, 0.004, 0.03})});
   ToolOutput out;
   for (int n = 0; n <= 250; ++n) out = step->step({pose_at({0.003, 0.004, 0.03 - 0.0001 * n})});
-  // 5 mm above the plane: the box's lower face would be 5 mm below.
+  // The device is 5 mm above the plane: without contact the box's lower face would be 5 mm below it.
   EXPECT_TRUE(out.contact);
   EXPECT_NEAR(out.force_n.z(), kK * 0.005, 2e-3);
   EXPECT_NEAR(out.force_n.head<2>().norm(), 0.0, 2e-3);
@@ -72,7 +72,7 @@ TEST(ToolStep, FreeSpaceGivesNothingAtAll) {
   }
 }
 
-// However stiff the turn: a torque then takes a far smaller one than shifts are followed to.
+// With a high rotational stiffness, the turn that belongs to a torque is far smaller than the accuracy with which shifts are followed.
 TEST(ToolStep, ACornerOnAPlaneHasTheTorqueOfItsForceHoweverStiffTheTurn) {
   const TriangleMesh box = make_box({0.02, 0.02, 0.02});
   for (const double nm_per_rad : {3.0, 300.0, 1e4, 1e5}) {
@@ -115,7 +115,7 @@ TEST(ToolStep, ATiltedBoxOnItsEdgeBalancesForceAndTorque) {
 }
 
 TEST(ToolStep, APegStaysInItsHole) {
-  // A square hole with 20 um of clearance on each side, walls of four blocks.
+  // A square hole with 20 um of clearance on each side; its walls are four blocks.
   constexpr double kSide = 0.01;
   constexpr double kClearance = 20e-6;
   TriangleMesh walls;
@@ -157,7 +157,7 @@ TEST(ToolStep, UsesNoHeap) {
   EXPECT_EQ(count, 0U);
 }
 
-// Force, torque and pose, to the bit, over motions that slide, turn and press.
+// Force, torque and pose are the same to the bit with any number of workers, in motions that slide, turn and press.
 TEST(ToolStep, WorkersChangeNothingButTheTime) {
   const TriangleMesh scene = make_bumpy_sphere(0.05, 0.1, 1200, 3);
   const TriangleMesh tool = make_bumpy_sphere(0.01, 0.1, 300, 5);

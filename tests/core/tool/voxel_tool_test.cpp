@@ -28,7 +28,7 @@ ToolInput at(const Vec3& p) {
   return input;
 }
 
-// A cube of 20 mm pressed 4 mm into a plane: the right force is 4 N. Voxels keep it apart by up to a voxel, and their springs give way.
+// Presses a cube of 20 mm 4 mm into a plane; the right force is 4 N. Voxels keep the cube up to a voxel away, and their springs yield.
 double error_of_pressing(double voxel_m) {
   auto tool = VoxelTool::make(make_box(Vec3::Constant(0.02), 2), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, voxel_m);
   EXPECT_TRUE(tool);
@@ -59,7 +59,7 @@ TEST(VoxelTool, GivesNoForceInFreeSpaceAndFollowsTheDevice) {
   }
 }
 
-// A bar that is held at one end, and pressed with the other on a block.
+// A bar is held at one end, and its other end is pressed onto a block.
 ToolOutput press_far_end(const Pose& X_WS) {
   const TriangleMesh bar = scaled_and_moved(make_box({0.04, 0.01, 0.01}, 4), 1.0, {0.02, 0.0, 0.0});
   const TriangleMesh block = scaled_and_moved(make_box({0.02, 0.04, 0.02}, 4), 1.0, {0.04, 0.0, -0.01});
@@ -100,7 +100,7 @@ TEST(VoxelTool, FeelsTheSameInASceneThatIsMovedAndTurned) {
   EXPECT_LT((turned.X_WP.linear() - X_WP.linear()).norm(), 1e-2);
 }
 
-// However fast the device goes, no point passes a voxel unseen: a sphere thrown at a wall stays before it.
+// However fast the device moves, no point passes through a voxel unnoticed: a sphere that is thrown at a wall stays in front of it.
 TEST(VoxelTool, IsNotThrownThroughAWall) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_box({0.2, 0.2, 0.02}, 4))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
@@ -112,7 +112,7 @@ TEST(VoxelTool, IsNotThrownThroughAWall) {
   EXPECT_GT((*tool)->placement().position.z(), 0.018);
 }
 
-// Twin by brute force: each point of the shell that lies in a voxel of the scene, beyond the plane through its middle.
+// Brute-force twin: counts the points of the tool's shell that lie in a voxel of the scene, beyond the plane through the voxel's middle.
 int count_contacts(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene, double voxel_m,
                    const Pose& X_SD) {
   Vec3 low = scene.front()->vertices.front();
@@ -137,7 +137,7 @@ int count_contacts(const TriangleMesh& tool, const std::vector<std::shared_ptr<c
   return count;
 }
 
-// Two boxes of unlike sides in opposite corners of a grid that is mostly empty.
+// Two boxes with different side lengths in opposite corners of a grid that is mostly empty.
 TEST(VoxelTool, FindsTheContactsThatBruteForceFinds) {
   constexpr double kVoxelM = 0.0013;
   const TriangleMesh tool = make_icosphere(0.006, 2);
@@ -176,7 +176,7 @@ TEST(VoxelTool, TheRotationalStiffnessChangesWithTheOther) {
   EXPECT_NEAR((*tool)->coupling().rotational_stiffness_nm_per_rad, 0.1, 1e-12);
 }
 
-// A bar held at one end and turned at once: the limit is that of its far end, wherever the grip is.
+// A bar is held at one end, and the device turns by 90 degrees in one step: the limit applies to the far end, whichever end is held.
 TEST(VoxelTool, NoPointMovesFartherThanHalfAVoxelAStepHoweverItIsTurned) {
   constexpr double kVoxelM = 0.001;
   constexpr double kLengthM = 0.04;
@@ -216,7 +216,7 @@ TEST(VoxelTool, WhatIsNoPoseIsNotFollowed) {
   const ToolOutput felt = (*tool)->step(at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
   EXPECT_EQ(felt.force_n, Vec3::Zero());
   EXPECT_EQ((*tool)->placement().position, Vec3(0.0, 0.0, 0.05));
-  // And far outside the grid nothing is touched.
+  // Far outside the grid the tool touches nothing.
   EXPECT_FALSE((*tool)->step(at(Vec3::Constant(1e12))).contact);
 }
 
@@ -230,9 +230,9 @@ TEST(VoxelTool, ImpossibleSizesAreErrorsThatNameOneThatFits) {
   }
   const auto tiny = VoxelTool::make(make_icosphere(0.01, 2), {cube}, kSoftCoupling, 1e-6);
   ASSERT_FALSE(tiny);
-  // 2^30 cells are a cube of 1024: 0.2 m at 0.195 mm, and a twentieth more.
+  // 2^30 cells are a cube of 1024 cells a side: 0.195 mm each for 0.2 m. The error names a twentieth more.
   EXPECT_THAT(tiny.error().what, testing::EndsWith("; 0.000205 m fits"));
-  // The normals of its two sides cancel in every voxel.
+  // The normals of the sheet's two sides cancel in every voxel.
   const TriangleMesh sheet = joined(make_plane_grid(0.02, 2), flipped(make_plane_grid(0.02, 2)));
   const auto flat = VoxelTool::make(sheet, {scene}, kSoftCoupling, 0.001);
   ASSERT_FALSE(flat);
