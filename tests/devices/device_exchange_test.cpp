@@ -51,7 +51,7 @@ TEST(DeviceExchange, ADeviceThatHasBecomeReadyGetsItsForceOverTheRamp) {
   EXPECT_DOUBLE_EQ(before_n, 2.0);
 }
 
-// Where the driver stands still between its first sample and its first command, or after a restart of the ramp.
+// The driver may stand still between its first sample and its first command, or after a restart of the ramp.
 TEST(DeviceExchange, TheRampBeginsWithTheFirstCommandHoweverLateThatIs) {
   DeviceExchange exchange;
   std::int64_t t = 0;

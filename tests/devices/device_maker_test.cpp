@@ -108,8 +108,8 @@ TEST(DeviceMaker, IgnoresNoSetting) {
   EXPECT_THAT(refusal_of(settings), HasSubstr("--loop"));
 }
 
-// By its name the haptics node knows how stiff a wall the device bears; a longer one arrives cut. Those of vendors, and the SpaceMouse,
-// have it in their own tests; a plug-in's is known to nobody.
+// The haptics node finds by a device's name how stiff a wall the device can render; a name that is too long arrives truncated. Vendors'
+// devices and the SpaceMouse check their names in their own tests; the names of plug-ins are not known here.
 TEST(DeviceMaker, GivesNamesThatTheHapticsNodeGetsWhole) {
   std::vector<std::string> names = {std::string(HaptonHidBackend().name()), std::string(WoodenHapticsBackend(WoodenSettings()).name())};
   const ScratchFolder scratch;

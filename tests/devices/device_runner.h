@@ -51,7 +51,7 @@ class DeviceRunner {
   }
 
   const DeviceSample& sample() const { return sample_; }
-  // Between two commands of the last serve_until: a busy machine may keep this thread from its turn.
+  // The longest time between two commands of the last serve_until: on a busy machine this thread may have to wait for the CPU.
   std::int64_t longest_gap_ns() const { return longest_gap_ns_; }
 
  private:

@@ -7,7 +7,7 @@
 namespace hapton::dhd {
 namespace {
 
-// What docs/vendor-devices.md lists: limits that are larger than a device's own would overheat its motors.
+// The limits are those that docs/vendor-devices.md lists: limits above a device's own would overheat its motors.
 TEST(DhdLibrary, EachTypeHasTheLimitsOfTheDocument) {
   struct Row {
     int type;

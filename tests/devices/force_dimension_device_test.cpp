@@ -1,4 +1,4 @@
-// Against a stand-in of libdrd with a point mass in place of a device.
+// Uses a stand-in for libdrd with a point mass as the device.
 #include "devices/force_dimension_device.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ struct ForceDimension : ServedDevice {
     settings.id = id;
     return make_force_dimension(settings, {standin::library(library), warning_s});
   }
-  double warning_s = 0.1;  // from the warning to the motion
+  double warning_s = 0.1;  // time from the warning to the motion
 };
 
 TEST_F(ForceDimension, LimitsDependOnTheType) {
@@ -50,7 +50,7 @@ TEST_F(ForceDimension, LimitsDependOnTheType) {
   EXPECT_EQ(device->limits().max_torque_nm, 0.4);
 }
 
-// sigma.7: what the library does not report, Hapton chooses. The motors warm up by what is more than the continuous force.
+// For a sigma.7, Hapton chooses the limits that the library does not report. Force above the continuous force warms up the motors.
 TEST_F(ForceDimension, ForceAndTorqueRiseInFourMilliseconds) {
   board->system_type = 104;
   open();
@@ -148,7 +148,7 @@ TEST_F(ForceDimension, ThatCannotCalibrateExertsNoForce) {
   EXPECT_EQ(board->kept_forces, 0);
 }
 
-// The library's reason is that of its last call.
+// The library keeps only the reason of its last call.
 TEST_F(ForceDimension, AFailedCalibrationIsReportedWithItsOwnReason) {
   board->calibration = 1;
   board->updates_until_good = 0;
@@ -178,7 +178,7 @@ TEST_F(ForceDimension, OneThatMovesAndIsNotCalibratedThenExertsNoForce) {
   EXPECT_THAT(said, HasSubstr("has moved to calibrate, but is still not calibrated; start again"));
 }
 
-// Before it has moved, and then it does not move any more.
+// The program ends before the device has moved; after that the device does not move.
 TEST_F(ForceDimension, TheEndOfTheProgramEndsTheWarning) {
   board->calibration = 1;
   warning_s = 1e6;
@@ -294,7 +294,7 @@ TEST_F(ForceDimension, APositionThatIsNotFiniteReachesTheGovernor) {
   EXPECT_TRUE(serve_until([&] { return runner.sample().p_WD.allFinite(); }));
 }
 
-// A matrix of half the length, or of NaN: the stylus keeps its orientation, and its position still follows.
+// The device reports a matrix of half the length, or of NaN: the stylus keeps its orientation, and its position still follows.
 TEST_F(ForceDimension, AnOrientationThatIsNoRotationIsLeftOut) {
   board->follows_hand = 0;
   board->turn_rad[2] = std::numbers::pi / 2;
@@ -330,7 +330,7 @@ TEST_F(ForceDimension, CallsThatFailAgainAndAgainAreAnUnpluggedCable) {
   EXPECT_TRUE(serve_until_ready());
 }
 
-// What it reports is only asked for ten times a second, and not necessary to drive it.
+// The status is requested only ten times a second, and is not necessary to drive the device.
 TEST_F(ForceDimension, AStatusThatCannotBeReadChangesNothing) {
   open();
   ASSERT_TRUE(serve_until_ready());
@@ -416,7 +416,7 @@ TEST_F(ForceDimension, TheServosSideUsesNoHeap) {
   EXPECT_EQ(DeviceRunner::count_heap_use(*device), 0U);
 }
 
-// The firmware keeps it off after that until it is enabled again.
+// After its watchdog, the firmware keeps the force off until it is enabled again.
 TEST_F(ForceDimension, AForceThatItsWatchdogReleasedReturns) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
@@ -429,7 +429,7 @@ TEST_F(ForceDimension, AForceThatItsWatchdogReleasedReturns) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("its watchdog"));
 }
 
-// The limits of the one that was there would be another's.
+// Hapton has the limits of the device that was there before, which may be wrong for the other one.
 TEST_F(ForceDimension, AnotherDeviceInItsPlaceIsNotDriven) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
@@ -446,7 +446,7 @@ TEST_F(ForceDimension, AnotherDeviceInItsPlaceIsNotDriven) {
   EXPECT_TRUE(serve_until_ready());
 }
 
-// Of the same type, but another arm.
+// A device of the same type, but another arm.
 TEST_F(ForceDimension, OneOfAnotherSerialNumberInItsPlaceIsNotDriven) {
   open();
   EXPECT_EQ(device->condition().serial, "42");

@@ -87,7 +87,7 @@ HandScript::Options path_over(bool repeats) {
   return options;
 }
 
-// The hand this many steps after it has reached the path's first row.
+// The position of the hand, this many steps after it has reached the path's first row.
 Vec3 hand_on_path(HandScript& script, int steps) {
   Vec3 hand = box(3).start_m;
   for (int step = 0; step < 5000 && (hand - Vec3(0.05, 0, 0)).norm() > 1e-12; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
@@ -160,8 +160,8 @@ TEST(HandScript, ALedHandHoldsTheStylusStillAndContinuesFromThere) {
   EXPECT_LT((after.gimbal_rad - before.gimbal_rad).norm(), 0.01) << "without a jump";
 }
 
-// A pin of 2 mm to the side, which a blind search does not find within seconds. The surface touched from inside the workspace has a normal
-// that leads out of it: the hand retreats only as far as the workspace's limit.
+// The hand touches a surface at the limit of the workspace, and the surface's normal leads out of the workspace. The hand retreats only as
+// far as that limit, and then goes elsewhere.
 TEST(HandScript, LeavesASurfaceAtTheLimitOfItsWorkspace) {
   HandScript script(box(4));
   const Vec3 border(0.0, -0.1, 0.0);
@@ -175,7 +175,7 @@ TEST(HandScript, LeavesASurfaceAtTheLimitOfItsWorkspace) {
 }
 
 TEST(HandScript, GoesToTheReportedScene) {
-  const Vec3 pin(0.07, -0.08, 0.05);
+  const Vec3 pin(0.07, -0.08, 0.05);  // with a radius of 2 mm, to the side: a blind search does not find it within seconds
   const auto seconds_until_touch = [&](bool is_reported) {
     HandScript script(box(3));
     Vec3 last = box(3).start_m;
@@ -201,7 +201,7 @@ TEST(HandScript, AimsOutOfItsReachLeaveItAsItWas) {
   EXPECT_EQ(a, b);
 }
 
-// Toward the old point there may be nothing any more.
+// At the old aim there may be nothing left to touch.
 TEST(HandScript, OnItsWayItTurnsToNewAimsAndElsewhereItGoesOn) {
   HandScript script(box(1));
   Vec3 last = box(1).start_m;

@@ -1,4 +1,4 @@
-// Against a stand-in of the Haply Inverse Service.
+// Uses a stand-in for the Haply Inverse Service.
 #include "devices/haply_device.h"
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ TEST_F(Haply, GivesPositionOrientationAndButtonsInTheWorld) {
   EXPECT_EQ(device->condition().firmware, "7.4.0");
 }
 
-// The service reports none. A slew limit that is twice as high is a blow twice as hard.
+// The service reports no limits. With a slew limit twice as high, a blow would be twice as hard.
 TEST_F(Haply, ItsLimitsAreTheCarefulOnesOfTheDocuments) {
   open();
   const DeviceLimits& limits = device->limits();
@@ -55,7 +55,7 @@ TEST_F(Haply, ItsLimitsAreTheCarefulOnesOfTheDocuments) {
 }
 
 TEST_F(Haply, IntroducesItselfOnceAndThenSendsForcesAlone) {
-  // A service that stands still for half a second is rightly connected anew; then it is tried again.
+  // If the service stands still for half a second, the device connects again, as it should; then the test tries again.
   for (int attempt = 0; attempt < 10; ++attempt) {
     device.reset();
     service = std::make_unique<HaplyService>();
@@ -104,7 +104,7 @@ TEST_F(Haply, AFewStatesWithoutTheArmAreNotAnAbsence) {
   EXPECT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }));
 }
 
-// A dead man's switch on it must not stay held.
+// A dead man's switch on the grip must not stay held.
 TEST_F(Haply, AGripThatIsGoneHoldsNoButton) {
   service->buttons = 1;
   open();
@@ -153,7 +153,7 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   EXPECT_THAT(said, HasSubstr("reconnected"));
 }
 
-// It was updated meanwhile: another version would take the messages and ignore the forces.
+// The service was updated meanwhile: another version might accept the messages and ignore the forces.
 TEST_F(Haply, AServiceThatComesBackInAnotherVersionIsNotDriven) {
   open();
   ASSERT_TRUE(serve_until_ready());
@@ -177,7 +177,7 @@ TEST_F(Haply, AServiceThatComesBackInAnotherVersionIsNotDriven) {
   EXPECT_TRUE(is_driven) << "one that does not tell counts as it does at the start";
 }
 
-// At once, the servo might not see that it was away, and its force would go on where it had been.
+// If it were tried again at once, the servo might not notice that the device was away, and the force would continue without a ramp.
 TEST_F(Haply, ALostConnectionIsTriedAgainAQuarterOfASecondLater) {
   open();
   ASSERT_TRUE(serve_until_ready());
@@ -245,7 +245,7 @@ TEST_F(Haply, AServiceOfAnotherVersionIsOneClearLine) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("does not report its version (HTTP status 404 for /version)"));
 }
 
-// A quarter turn about the service's z, and a place: the hand is where it was, and feels what it felt.
+// The session turns the device by 90 degrees about the service's z and moves it; position and force of the hand stay the same.
 TEST_F(Haply, StaysAtTheDeviceWhereASessionPlacesIt) {
   const double half = std::sqrt(0.5);
   service->mount = R"({"position":{"x":0.5,"y":0,"z":0},"rotation":{"w":)" + std::to_string(half) + R"(,"x":0,"y":0,"z":)" +

@@ -45,7 +45,7 @@ TEST(HaplyMessages, AStateGivesCursorGripAndCalibration) {
   EXPECT_EQ(state->grip->buttons, 5U);
 }
 
-// The first of a kind is the one in use, and one without a cable before one with.
+// Of several grips of one kind the first is used, and a wireless grip is used rather than one with a cable.
 TEST(HaplyMessages, TheFirstGripCountsAndAWirelessOneBeforeOneWithACable) {
   const auto buttons = [](const std::string& text) {
     const auto state = read_state(text);
@@ -64,7 +64,7 @@ TEST(HaplyMessages, TheFirstGripCountsAndAWirelessOneBeforeOneWithACable) {
   EXPECT_EQ(buttons("{}"), -1);
 }
 
-// An arm that does not say so is calibrated, and one may be of no known model.
+// An arm that does not report its calibration counts as calibrated, and its model may be unknown.
 TEST(HaplyMessages, AnArmIsCalibratedUnlessItSaysOtherwise) {
   const auto arm = [](const std::string& more) {
     const auto state =
@@ -132,7 +132,7 @@ TEST(HaplyMessages, OtherVersionsAreNamedWithWhatToDo) {
   EXPECT_THAT(why_unknown({4, 0}), testing::HasSubstr("a newer Hapton"));
 }
 
-// The service's own order: device, mount, workspace, application.
+// The service applies its transforms in this order: device, mount, workspace, application.
 TEST(HaplyMessages, PositionsAndForcesAreThoseOfTheDeviceWhateverTheSessionPlacesIt) {
   Session session;
   Arm arm;
@@ -146,7 +146,7 @@ TEST(HaplyMessages, PositionsAndForcesAreThoseOfTheDeviceWhateverTheSessionPlace
   };
   const Vec3 p(0.02, -0.1, 0.17), f_W(0.5, -1, 2);
   EXPECT_TRUE(session.to_w(placed(p)).isApprox(to_w(p), 1e-12));
-  // Work is the same in both.
+  // The work of a force is the same in both frames.
   const Vec3 step(1e-3, -2e-3, 5e-4);
   EXPECT_NEAR(session.force_from_w(f_W).dot(placed(p + step) - placed(p)), f_W.dot(to_w(p + step) - to_w(p)), 1e-15);
 }

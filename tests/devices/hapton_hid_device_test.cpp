@@ -33,7 +33,7 @@ hapton_hid_limits maker_limits() {
   return limits;
 }
 
-// The backend and the maker's own code, one on each side of a wire.
+// The backend and the device maker's own code, one at each end of a simulated connection.
 class HaptonHid : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -87,7 +87,7 @@ TEST_F(HaptonHid, IsWhatItsMakerSays) {
   EXPECT_EQ(backend_.condition().firmware, "1.0");
 }
 
-// Each number differs, so that none can stand for another.
+// Each number is different, so that the test fails if two are interchanged.
 TEST_F(HaptonHid, EveryLimitOfItsMakerIsKept) {
   hapton_hid_limits said = maker_limits();
   said.has_torque = true;
@@ -161,7 +161,7 @@ TEST_F(HaptonHid, RepeatedStatesAreNoNews) {
   EXPECT_FALSE(backend_.decode(state, now_ns_, reading_));
 }
 
-// A device that was switched off and on may begin with the same number.
+// A device that was switched off and on may begin with the same number of its state.
 TEST_F(HaptonHid, AfterItWasOpenedAgainTheSameStateIsNews) {
   ASSERT_TRUE(begin());
   Bytes state(HAPTON_HID_STATE_BYTES);
@@ -193,7 +193,7 @@ TEST_F(HaptonHid, EachForceIsNumberedAndNamesTheNewestState) {
   EXPECT_EQ(backend_.encode({}, false, now_ns_, small), 0U);
 }
 
-// The bit that says so is of no meaning then: a dead man's switch would never be held.
+// The bit for a held stylus has no meaning for such a device: if it counted, a dead man's switch would never be held.
 TEST_F(HaptonHid, OneThatCannotSenseAHandIsAlwaysHeld) {
   ASSERT_TRUE(begin());
   Bytes state(HAPTON_HID_STATE_BYTES);
@@ -284,7 +284,7 @@ TEST_F(HaptonHid, TorquesArriveWhereThereAreMotorsForThem) {
   EXPECT_FLOAT_EQ(turned[1], 0.25f);
 }
 
-// Away, it would be waited for; a fault latches.
+// The servo would wait for a device that is away; a fault latches.
 TEST_F(HaptonHid, AFaultCountsMoreThanATrippedWatchdogAndThatMoreThanItsCalibration) {
   ASSERT_TRUE(begin());
   constexpr int kIsCalibrated = 1, kHasTripped = 8, kHasFault = 32;

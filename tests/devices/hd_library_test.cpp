@@ -24,7 +24,7 @@ Library library_with_errors(int count) {
   return hd;
 }
 
-// The first releases the force for a moment, the second opens the device again.
+// Because of a force error the force is released for a moment; because of a device error the device is opened again.
 TEST(HdLibrary, AnErrorOfTheForceIsNoneOfTheDevice) {
   for (const Enum code : {0x200U, 0x204U, 0x2FFU}) EXPECT_TRUE(is_force_error(code) && !is_device_error(code)) << code;
   for (const Enum code : {0x300U, 0x302U, 0x3FFU, 0x104U}) EXPECT_TRUE(is_device_error(code) && !is_force_error(code)) << code;

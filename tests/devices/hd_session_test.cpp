@@ -12,11 +12,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// What libHD was told to do, and what it is to do. Its functions have no data of their own.
+// The calls that the stand-in for libHD got, and the errors it is to report. libHD's functions get no user data: hence a global pointer.
 struct Said {
   std::deque<Enum> errors;
-  std::map<std::string, std::vector<Enum>> of_opening;  // by name: the errors; without any it opens
-  std::vector<Enum> of_starting;                        // errors
+  std::map<std::string, std::vector<Enum>> of_opening;  // errors of opening, by device name; without any, it opens
+  std::vector<Enum> of_starting;                        // errors of starting the scheduler
   std::vector<std::string> calls;
   bool gives_no_handle = false;
 };
@@ -73,7 +73,7 @@ TEST_F(HdSession, ErrorsFromBeforeAreNotThoseOfTheDeviceThatIsOpened) {
   EXPECT_THAT(told.calls, ElementsAre("open Left", "start with 0 errors"));
 }
 
-// Nor those of the name that was tried before it.
+// Errors of the name that was tried first do not count for the next name either.
 TEST_F(HdSession, ANameThatFailsTwiceSpoilsNoOther) {
   told.of_opening["Default Device"] = {kCommError, kCommConfigError};
   const auto attached = attach("");
@@ -111,7 +111,7 @@ TEST_F(HdSession, ASchedulerThatDoesNotStartIsReportedAndNothingStaysOpen) {
   EXPECT_TRUE(attach("Left")) << "its second error is not the next device's";
 }
 
-// It may be another device's, which looks for it itself.
+// The error may belong to another device, which checks for its errors itself.
 TEST_F(HdSession, AnErrorWhileOthersTickIsNotThatOfTheScheduler) {
   ASSERT_TRUE(attach("Left"));
   told.of_starting = {kCommError};

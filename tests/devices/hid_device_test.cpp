@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-// In: {position in mm, status}; out: {0, whether it may exert force, force x in N}.
+// Input report: {position in mm, status}; output report: {0, whether the device may exert force, force x in N}.
 class PlainBackend final : public HidBackend {
  public:
   Result<void> on_open(HidTransport&) override { return {}; }
@@ -124,7 +124,7 @@ TEST_F(HidDeviceTest, ACutTurnsOffWhatTheDriverAddsUntilItIsRestored) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
-// What a driver adds by itself (gravity compensation) would be for angles of long ago.
+// What a driver adds by itself (gravity compensation) would be computed from outdated angles.
 TEST_F(HidDeviceTest, WithoutReportsTheDeviceMayExertNothing) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   reporter_.be_silent(true);
@@ -136,7 +136,7 @@ TEST_F(HidDeviceTest, WithoutReportsTheDeviceMayExertNothing) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
-// A CPU is not spent on the same report again and again.
+// The device does not use up a CPU by writing the same report again and again.
 TEST_F(HidDeviceTest, RepeatsWhatItWroteEveryTwoMilliseconds) {
   constexpr std::size_t kReports = 100;
   const SteadyClock clock;
@@ -150,7 +150,7 @@ TEST_F(HidDeviceTest, RepeatsWhatItWroteEveryTwoMilliseconds) {
 TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   const Vec3 last = runner_.sample().p_WD;
-  // Where a thread of the device stands still for the whole ramp, its steps are few; then it is tried again.
+  // If a thread of the device stands still for the whole ramp, the test sees only few steps of it, and tries again.
   int steps = 0;
   for (int attempt = 0; attempt < 10 && steps < 3; ++attempt) {
     hid_.unplug();
@@ -171,8 +171,8 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
     ASSERT_FALSE(reports.empty());
     EXPECT_EQ(reports.front()[1], 0) << "the first report after it was opened is not a force";
     EXPECT_EQ(reports.front()[2], 0);
-    // Where a busy machine kept the servo from its commands for half of what the device waits for one, or the device from its reports, the
-    // force may have been released in between: the ramp is the last one then.
+    // On a busy machine the servo may have sent no command for half the time for which the device waits for one, or the device no report.
+    // Then the force may have been released in between, and only the last ramp counts.
     std::size_t begin = 0;
     if (runner_.longest_gap_ns() > DeviceExchange::kServoTimeoutNs / 2 || was_away_again) {
       for (begin = reports.size() - 1; begin > 0 && reports[begin][2] != 0;) --begin;
@@ -214,7 +214,7 @@ TEST_F(HidDeviceTest, ADeviceThatTakesNoReportsIsReopened) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
-// The writer sees nothing of a replug while a write hangs, and must not close the device for what the one before rejected.
+// While a write hangs, the writer does not notice that the device was plugged in again. It must not close it for earlier rejections.
 TEST_F(HidDeviceTest, WhatWasRejectedBeforeItWasOpenedAgainDoesNotCount) {
   constexpr int kPart = HidDevice::kMaxRejected * 6 / 10;
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
@@ -231,7 +231,7 @@ TEST_F(HidDeviceTest, WhatWasRejectedBeforeItWasOpenedAgainDoesNotCount) {
 
 TEST_F(HidDeviceTest, SilentThoughPluggedInItIsAwayAndItsForceRampsInAgainAfterwards) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
-  // Where a thread of the device stands still for the whole ramp, nothing is seen of it; then it is tried again.
+  // If a thread of the device stands still for the whole ramp, the test sees nothing of the ramp, and tries again.
   bool saw_part = false;
   for (int attempt = 0; attempt < 10 && !saw_part; ++attempt) {
     reporter_.be_silent(true);
@@ -252,7 +252,7 @@ TEST_F(HidDeviceTest, AnUncalibratedOrBrokenDeviceGetsNoForce) {
   for (const DeviceStatus status : {DeviceStatus::calibrating, DeviceStatus::fault}) {
     reporter_.set_status(status);
     EXPECT_TRUE(serve_until([&] { return device_->status() == status; }));
-    // A report from before may be on its way.
+    // A report from before the change of status may be on its way.
     (void)hid_.take_written();
     EXPECT_TRUE(serve_until([&] { return hid_.written() >= 1; }));
     (void)hid_.take_written();

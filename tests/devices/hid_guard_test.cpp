@@ -1,4 +1,4 @@
-// What a HID device says to the watchdog process, and of its motors.
+// What a HID device tells the watchdog process, and what it reports about its motors.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,12 +14,12 @@
 namespace hapton {
 namespace {
 
-// How the test holds a device up while it is being opened.
+// With this the test delays a device while it is being opened.
 struct Opening {
   std::atomic<bool> waits = false, has_begun = false;
 };
 
-// In: {temperature in hundredths, whether it is calibrated}; out: {7, whether it may exert force, 9}.
+// Input report: {temperature in hundredths, whether the device is calibrated}; output report: {7, whether it may exert force, 9}.
 class WarmBackend final : public HidBackend {
  public:
   explicit WarmBackend(Opening& opening) : opening_(opening) {}
@@ -75,7 +75,7 @@ struct GuardedHid : testing::Test {
     ends = true;
     reporter.join();
   }
-  // As of a new read.
+  // The condition after a new read.
   DeviceCondition condition() {
     (void)device->read(SteadyClock().now_ns());
     return device->condition();
@@ -109,7 +109,7 @@ TEST_F(GuardedHid, ThePageGetsItsNodeAndTheReportThatTurnsItOff) {
   expect_the_means_to_turn_it_off();
 }
 
-// It may have another node then.
+// When it is plugged in again, the device may have another device node.
 TEST_F(GuardedHid, ThePageGetsThemAnewWhenItIsPluggedInAgain) {
   device->use_heartbeat_page(*page);
   const std::uint32_t before = page->generation.load();
@@ -120,7 +120,7 @@ TEST_F(GuardedHid, ThePageGetsThemAnewWhenItIsPluggedInAgain) {
   expect_the_means_to_turn_it_off();
 }
 
-// io_node would report that it has none.
+// Otherwise io_node would report that there are no means to cut the device.
 TEST_F(GuardedHid, APageThatComesWhileItIsUnpluggedHasItsMeans) {
   hid.unplug();
   ASSERT_TRUE(wait_until([&] {
@@ -143,13 +143,13 @@ TEST_F(GuardedHid, APageThatComesWhileItIsOpenedAgainGetsThemToo) {
   EXPECT_TRUE(wait_until([&] { return opening.has_begun.load(); }));
   std::thread owner([&] { device->use_heartbeat_page(*page); });
   SteadyClock clock;
-  clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);  // the owner waits by then, until it is open
+  clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);  // by then the owner waits until the device is open
   opening.waits = false;
   owner.join();
   expect_the_means_to_turn_it_off();
 }
 
-// By that the governor judges whether the motors are too hot.
+// With the temperature the governor judges whether the motors are too hot.
 TEST_F(GuardedHid, SaysHowWarmItsMotorsAreAndWhetherItIsCalibrated) {
   EXPECT_TRUE(wait_until([&] { return std::abs(condition().motor_temperature - 0.2) < 1e-9 && condition().is_calibrated; }));
   temperature_percent = 95;

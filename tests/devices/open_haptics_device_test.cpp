@@ -67,7 +67,7 @@ TEST_F(OpenHaptics, AStiffnessThatNoDeviceHasIsBounded) {
   }
 }
 
-// DeviceLimits: zero would mean the greatest force, for ever.
+// In DeviceLimits, zero would mean that the motors may exert the largest force for ever.
 TEST_F(OpenHaptics, AContinuousForceThatNoDeviceHasIsAQuarterOfTheMaximum) {
   board->max_force_n = 8.0;
   for (const double given : {0.0, -0.88, std::numeric_limits<double>::quiet_NaN()}) {
@@ -110,7 +110,7 @@ TEST_F(OpenHaptics, ATemperatureThatIsNoNumberIsLeftOut) {
   EXPECT_TRUE(serve_until([&] { return device->condition().motor_temperature == 0.1; })) << "that of the other motors";
 }
 
-// As many as there is time for in a tick. The force stays away meanwhile, and returns.
+// Each tick reads only as many errors as it has time for. The force stays off meanwhile, and returns afterwards.
 TEST_F(OpenHaptics, ALibraryThatReportsErrorsWithoutEndHoldsNoTickUp) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
@@ -365,7 +365,7 @@ TEST_F(OpenHaptics, TwoAtOnceGetEachItsOwnForce) {
   const standin::BoardFile second_board(folder.path() / "second", standin::kSecondBoardVariable);
   open();
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
-  // While the first is in contact.
+  // The second device is opened while the first is in contact.
   auto made = make("Second Device");
   ASSERT_TRUE(made) << made.error().what;
   const std::unique_ptr<Device> second = std::move(*made);
@@ -382,7 +382,7 @@ TEST_F(OpenHaptics, TwoAtOnceGetEachItsOwnForce) {
   EXPECT_TRUE(serve_both_until([&] { return board->force[2] == 2.0 && second_board->force[0] == 1.0; }));
   EXPECT_EQ(board->force[0], 0.0);
   EXPECT_EQ(second_board->largest_force, 1.0);
-  // One goes, the other stays.
+  // One is unplugged, the other goes on.
   second_board->is_plugged = 0;
   EXPECT_TRUE(serve_both_until([&] { return second->status() == DeviceStatus::away && second_board->closed == 1U; }));
   EXPECT_TRUE(serve_both_until([&] { return device->status() == DeviceStatus::ready && board->force[2] == 2.0; }));
@@ -448,7 +448,7 @@ TEST_F(OpenHaptics, AfterAForceErrorTheForceComesBackInSmallSteps) {
       [&] { return board->largest_step < 0.5; }));
 }
 
-// As when another device is opened: its ticks come back before it is given up.
+// The scheduler pauses like this when another device is opened: the ticks return before the device would be opened again.
 TEST_F(OpenHaptics, AfterAPauseOfTheSchedulerTheForceBeginsAtZero) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Stays where it is put and records its commands, in its own base frame.
+// A device that stays where it is put and records its commands, in its own base frame.
 class StillDevice final : public Device {
  public:
   StillDevice() {
@@ -101,7 +101,7 @@ TEST_F(PlacedDevices, AreOtherwiseAsTheyWere) {
   EXPECT_EQ(device.status(), DeviceStatus::calibrating);
 }
 
-// What releases the force when the governor cannot must reach a device wherever it stands.
+// The means that release the force when the governor cannot must reach the device wherever it is placed.
 TEST_F(PlacedDevices, AreCutRestoredAndWatchedAsTheyWere) {
   EXPECT_TRUE(device.cut());
   EXPECT_TRUE(inner->is_cut);

@@ -66,7 +66,7 @@ TEST(PluginDevice, AwayRepeatsTheLastSample) {
   EXPECT_NE(device->read(3'000'000'000).p_WD, first);
 }
 
-// Its own memory may be damaged.
+// After a fault, the plug-in's own memory may be damaged.
 TEST(PluginDevice, AfterAFaultItIsReadNoMore) {
   const auto device = std::move(*make("does=write_exception"));
   const Vec3 first = device->read(1'000'000'000).p_WD;
@@ -79,7 +79,7 @@ TEST(PluginDevice, AfterAFaultItIsReadNoMore) {
 
 TEST(PluginDevice, AQuaternionThatIsRoundedIsNormalized) { EXPECT_EQ((*make("does=nearly"))->read(1000).q_WT.norm(), 1.0); }
 
-// What io_node does with it.
+// The governor is used as in io_node.
 TEST(PluginDevice, NonsenseReachesNoMotor) {
   for (const char* does : {"nan", "q"}) {
     const auto device = std::move(*make(std::string("after=100,does=") + does));
@@ -123,7 +123,7 @@ TEST(PluginDevice, OurSideUsesNoHeap) {
   EXPECT_EQ(heap.count(), 0U);
 }
 
-// Each number differs, so that none can stand for another.
+// Each number is different, so that the test fails if two are interchanged.
 TEST(PluginDevice, EveryLimitThatItStatesIsKept) {
   const DeviceLimits limits = (*make("does=full"))->limits();
   EXPECT_EQ(limits.max_force_n, 3.0);

@@ -76,7 +76,7 @@ TEST(ReplayDevice, HoldsTheButtonsOfARowUntilTheNext) {
   EXPECT_EQ(device.read(10'001'000).buttons, 5U);
 }
 
-// Nothing of a recording may lie where the governor fades or brakes.
+// No part of a recording may lie so near the limits that the governor fades or brakes the force there.
 TEST(ReplayDevice, ItsLimitsLeaveRoomAroundTheWholeRecording) {
   const ReplayDevice device(two_rows(), {});
   EXPECT_LT((device.limits().workspace_min_m - Vec3(-0.02, -0.02, -0.05)).norm(), 1e-12);

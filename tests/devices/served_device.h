@@ -18,13 +18,13 @@ namespace hapton {
 // One device of a vendor, run as the device loop runs it.
 struct ServedDevice : testing::Test {
   static void SetUpTestSuite() { start_log("test"); }
-  // Before what stands in for the hardware goes, which the test's own fixture holds.
+  // Destroys the device before the stand-in for the hardware, which belongs to the test's own fixture.
   void TearDown() override { device.reset(); }
 
-  // The device of that id; empty: the first one.
+  // Makes the device with that id; empty: the first device.
   virtual Result<std::unique_ptr<Device>> make(const std::string& id) = 0;
   Result<std::unique_ptr<Device>> make() { return make(""); }
-  // Where the machine stands still for longer than a device is waited for, it is tried again.
+  // Tries again if the machine stood still for longer than the time for which a device is waited for.
   void open() {
     auto made = make("");
     for (int attempt = 1; attempt < 4 && !made; ++attempt) made = make("");
@@ -36,8 +36,8 @@ struct ServedDevice : testing::Test {
   bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
     return runner.serve_until(*device, holds, wrench);
   }
-  // Unplugs the device and plugs it in again, until the force is seen to come back in small steps: a test that stands still meanwhile sees
-  // no more than the end of the ramp, so it is tried again. unplug has the number of the attempt, from 1.
+  // Unplugs the device and plugs it in again, until the test has seen the force return in small steps. A test that stands still meanwhile
+  // sees only the end of the ramp: then this tries again. The argument of unplug is the number of the attempt, from 1.
   bool ramps_up(const std::function<void(std::uint64_t)>& unplug, const std::function<bool()>& is_small) {
     for (std::uint64_t attempt = 1; attempt <= 10 && !HasFatalFailure(); ++attempt) {
       unplug(attempt);

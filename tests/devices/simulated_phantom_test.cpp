@@ -93,7 +93,7 @@ TEST(SimulatedPhantom, ForcePushesTheHandBackByItsStiffness) {
   EXPECT_NEAR(device.exact_position_m().z() - place.z(), give, 1e-6);
 }
 
-// As hapton_watchdog does it from its own process, and the device side by itself.
+// hapton_watchdog cuts the motors in this way from its own process; the device side does so with cut().
 TEST(SimulatedPhantom, ItsMotorsAreSeenAndCutThroughTheHeartbeatPage) {
   StylusModel frictionless;
   frictionless.friction_n = 0.0;
@@ -207,7 +207,7 @@ TEST(SimulatedPhantom, AWallStaysStableAtEveryRate) {
   }
 }
 
-// By whole turns too, never faster than an arm, and back.
+// The stylus also turns by whole turns, never faster than an arm, and back.
 TEST(SimulatedPhantom, TheLedHandTurnsTheStylus) {
   for (const bool has_torque : {false, true}) {
     SimulatedPhantom device({.stylus = {}, .has_torque = has_torque});

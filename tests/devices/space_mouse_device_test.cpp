@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// The cap in counts of the device's own axes.
+// The report of a cap that is moved by these counts along and about the device's own axes.
 FakeHid::Bytes cap(int x, int y, int z, int rx, int ry, int rz) {
   FakeHid::Bytes report = {1};
   for (const int axis : {x, y, z, rx, ry, rz}) {
@@ -36,7 +36,7 @@ class SpaceMouseHand : public ::testing::Test {
     ASSERT_TRUE(reader->open());
     device_ = std::make_unique<SpaceMouseDevice>(std::move(reader));
   }
-  // Holds the cap until the condition holds.
+  // Holds the cap in this position until the condition is true.
   template <class Condition>
   bool hold_until(int x, int y, int z, int rx, int ry, int rz, Condition&& holds, const Vec3& force_n = Vec3::Zero()) {
     const FakeHid::Bytes report = cap(x, y, z, rx, ry, rz);
@@ -48,7 +48,7 @@ class SpaceMouseHand : public ::testing::Test {
                                {.force_n = force_n});
   }
   const Vec3& p() const { return runner_.sample().p_WD; }
-  // Holds the cap from now on, and has the device know it before any time passes for it: the buttons tell.
+  // Holds the cap from now on. Returns once the device knows this, as its buttons show, before any time passes for the device.
   void hold(const FakeHid::Bytes& report) {
     ASSERT_TRUE(hid_.send(report) && hid_.send({3, ++marker_}));
     ASSERT_TRUE(wait_until([&] { return device_->read(time_ns_).buttons == marker_; }));
@@ -114,7 +114,7 @@ TEST_F(SpaceMouseHand, UnpluggedStaysWhereItIs) {
 }
 
 TEST_F(SpaceMouseHand, HalfThePushIsAQuarterOfTheSpeed) {
-  hold(cap(180, 0, 0, 0, 0, 0));  // half of the way beyond the dead band
+  hold(cap(180, 0, 0, 0, 0, 0));  // half of the range beyond the dead band
   EXPECT_NEAR(read_after(10 * kMs).p_WD.x(), 0.01 * SpaceMouseDevice::kFullSpeedMPerS / 4.0, 1e-12);
   hold(cap(350, 0, 0, 0, 0, 180));
   EXPECT_NEAR(Eigen::AngleAxisd(read_after(10 * kMs).q_WT).angle(), 0.01 * SpaceMouseDevice::kFullTurnRadPerS / 4.0, 1e-12);

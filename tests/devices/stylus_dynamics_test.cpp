@@ -14,7 +14,7 @@ namespace {
 
 constexpr AxisStops kNoStops{-1e6, 1e6};
 
-// Device mass and stylus not joined: each side then has its own closed form.
+// Device mass and stylus are not connected: the motion of each then has its own closed form.
 StylusModel apart() {
   StylusModel model;
   model.structure_hz = 0.0;
@@ -209,7 +209,7 @@ TEST(StylusDynamics, EnergyNeverGrowsWithoutADrive) {
   }
 }
 
-// A plain fine-stepped integration of the same equations, friction smoothed by nothing: only its step is small.
+// The brute-force twin integrates the same equations in small steps, without smoothing the friction.
 TEST(StylusDynamics, AgreesWithBruteForceIntegration) {
   const StylusModel model;
   const StylusDynamics dynamics(model);

@@ -7,13 +7,13 @@
 namespace hapton {
 namespace {
 
-// A device whose driver is the test.
+// A device for which the test acts as the driver.
 class DrivenDevice final : public VendorDevice {
  public:
   std::string_view name() const noexcept override { return "driven"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
 
-  // A cycle of the servo, which wants 2 N, and of the driver; returns the force that the driver applies.
+  // One cycle of the servo, which commands 2 N, and of the driver; returns the force that the driver applies.
   double force_n_at(std::int64_t t_ms) {
     DeviceExchange::Reading reading;
     reading.sample.time_ns = t_ms * kMs;
@@ -41,7 +41,7 @@ TEST(VendorDevice, ACutTakesTheForceFromItsDriverUntilItIsRestored) {
   EXPECT_EQ(device.force_n_at(510), 2.0);
 }
 
-// Nobody else can reach it: its driver, or the library's own, sees that its handle was closed.
+// No other process can reach the device. Its driver, or that of the library, notices that the handle was closed.
 TEST(VendorDevice, IsReleasedByTheEndOfItsProcess) {
   DrivenDevice device;
   HeartbeatPage page;

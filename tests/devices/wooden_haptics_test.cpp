@@ -68,7 +68,7 @@ class Wooden : public ::testing::Test {
     EXPECT_EQ(int16_at(into, 7), 0);
     return Vec3(int16_at(into, 1), int16_at(into, 3), int16_at(into, 5));
   }
-  // After gravity compensation has ramped up in full.
+  // The currents once gravity compensation has ramped up in full.
   Vec3 settled_currents_ma(const Vec3& force_n) {
     for (int n = 0; n < 1000; ++n) (void)currents_ma(force_n);
     return currents_ma(force_n);
@@ -237,7 +237,7 @@ TEST_F(Wooden, InItsRestPoseMayLoseItsCountsUnnoticed) {
   EXPECT_EQ(receive({0, 0, 0, 0}).status, DeviceStatus::ready);
 }
 
-// Near zero: 50 counts; moved: more than 200. One encoder alone shows it, in either direction.
+// Counts were reset if they are within 50 of zero and were more than 200 before. One encoder alone shows this, in either direction.
 TEST_F(Wooden, EachEncoderTellsByItselfWhetherTheCountsWereReset) {
   const auto status_after = [&](const std::vector<int>& before, const std::vector<int>& after) {
     begin();
@@ -313,7 +313,7 @@ TEST_F(LaterWooden, AWristEncoderMayWrapAround) {
   int rested = 0;
   while (receive({0, 0, 0, 32'000, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
   const Quat at_rest = reading_.sample.q_WT;
-  // 500 of 2,000 counts a turn are a quarter.
+  // With 2,000 counts per turn, 500 counts are a quarter turn.
   EXPECT_NEAR(at_rest.angularDistance(receive({0, 0, 0, 32'500, 0, 0, 0}).sample.q_WT), 0.5 * 3.14159265358979, 1e-9);
   EXPECT_NEAR(at_rest.angularDistance(receive({0, 0, 0, 33'000 - 65'536, 0, 0, 0}).sample.q_WT), 3.14159265358979, 1e-6);
 }

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Another build than the default: nothing in it is round or equal.
+// A build that differs from the default: its values are different and not round.
 WoodenArm odd_arm() {
   WoodenArm arm;
   arm.bodies[0] = {.capstan_diameter_m = 0.011,
@@ -103,7 +103,7 @@ TEST(WoodenKinematics, GravityIsTheGradientOfTheEnergy) {
   }
 }
 
-// Its heights come from the kinematics: an arm whose mass is in the device point weighs as much as that point.
+// The energy uses heights from the kinematics: an arm whose whole mass is at the device point has the energy of that point.
 TEST(WoodenKinematics, AMassAtTheDevicePointHasTheEnergyOfItsHeight) {
   WoodenArm build = odd_arm();
   build.bodies[1].mass_kg = 0.0;

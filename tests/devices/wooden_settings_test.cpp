@@ -87,7 +87,7 @@ offset_deg = 180
   EXPECT_NEAR(settings->wrist->joints[2].offset_rad, std::numbers::pi, 1e-12);
 }
 
-// Each number differs, so that none can stand for another: a wrong one is a force that is too large, or that points elsewhere.
+// Each number is different, so that the test fails if two are interchanged: the force would be too large or have a wrong direction.
 TEST_F(WoodenSettingsFile, EveryNumberOfABodyIsItsOwn) {
   const auto settings = read(R"(
 origin_m = [0.1, 0.02, 0.2]
