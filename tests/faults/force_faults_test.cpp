@@ -22,7 +22,7 @@ void expect_bounded(const PressingDevice& device) {
     ASSERT_TRUE(written.force_n.allFinite());
     ASSERT_LE(written.force_n.norm(), limits.max_force_n + 1e-9);
     if (last != nullptr) {
-      // Without changes the governor steps once a cycle, so a change takes at least one cycle.
+      // The governor steps once a cycle even if nothing changes, so a change of the force takes at least one cycle.
       const double passed_s = 1e-9 * static_cast<double>(std::max(written.time_ns - last->time_ns, std::int64_t{0}));
       ASSERT_LE((written.force_n - last->force_n).norm(), limits.max_slew_n_per_s * passed_s + 1e-9)
           << 1e-6 * static_cast<double>(written.time_ns) << " ms";
@@ -32,7 +32,7 @@ void expect_bounded(const PressingDevice& device) {
 }
 
 struct Faults : testing::Test {
-  // Contact with the full force of 2 mm at 1000 N/m.
+  // Brings the device into contact, with the full force of 2 mm at 1000 N/m: 2 N.
   void press(std::uint64_t seed = 1) {
     system.emplace(seed);
     system->start_haptics();
@@ -63,7 +63,7 @@ TEST_F(Faults, HapticsRestartedInContactExertsForceAgainWithin200Ms) {
     system->start_haptics();
     const std::int64_t restarted_ns = now_ns();
     system->run_for_ns(1000 * kMs);
-    // A command timeout lies between, however short the absence was, because the old slot was still in use.
+    // However short the absence was, a command timeout comes first, because the killed node's slot was still in use.
     const auto force_ns = system->force_after_ns(std::max(restarted_ns, restarted_ns - away_ns + 25 * kMs));
     ASSERT_TRUE(force_ns) << away_ns;
     EXPECT_LE(*force_ns - restarted_ns, 200 * kMs) << away_ns;
@@ -111,14 +111,14 @@ TEST_F(Faults, HubFrozenAndThawedGoesOnWithARamp) {
     system->network.run_nodes_until(now_ns() + frozen_for_ns);
     system->run_for_ns(1500 * kMs);
     EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << frozen_for_ns;
-    // The first that is written is not the force from before the gap: that one is too old by now.
+    // The first force that is written is not the one from before the gap, which is too old by now.
     ASSERT_GT(system->device.written.size(), before);
     EXPECT_LE(system->device.written[before].force_n.norm(), 2.0);
     EXPECT_GT(system->stats().missed_cycles, 0U);
   }
 }
 
-// Forces to the last bit, and their times.
+// The forces on the motors, to the last bit, and their times.
 std::vector<std::pair<double, std::int64_t>> force_of(const PressingDevice& device) {
   std::vector<std::pair<double, std::int64_t>> force;
   for (const auto& written : device.written) force.emplace_back(written.force_n.z(), written.time_ns);
@@ -202,7 +202,7 @@ TEST_F(Faults, APartitionInOneDirectionIsSurvivedToo) {
   }
 }
 
-// Nodes compare times of one clock only. The other node's clock, and a step of it, makes no difference to the force.
+// A node compares only times of the same clock, so a step of another node's clock makes no difference to the force.
 TEST_F(Faults, AClockStepAtTheHapticsNodeDoesNotChangeTheForce) {
   press();
   for (const std::int64_t step_ns : {3600'000'000'000LL, -7200'000'000'000LL, 1LL, -1'000'000LL}) {
@@ -232,7 +232,7 @@ TEST_F(Faults, AClockStepAtTheHubReleasesTheForceAndStartsAgain) {
   EXPECT_TRUE(was_zero);
 }
 
-// Changed twice a second instead of every two minutes; the force is the same as with one key for the whole time, to the last bit.
+// The keys change twice a second instead of every two minutes. The force is the same to the last bit as with one key for the whole time.
 TEST_F(Faults, AChangeOfKeysInContactDoesNotChangeTheForce) {
   std::vector<std::vector<PressingDevice::Written>> written;
   for (const std::int64_t every_ns : {SealedClient::kRekeyEveryNs, 500 * kMs}) {
@@ -255,7 +255,7 @@ TEST_F(Faults, AChangeOfKeysInContactDoesNotChangeTheForce) {
   for (std::size_t n = 0; n < written[0].size(); ++n) ASSERT_EQ(written[0][n].force_n, written[1][n].force_n) << n;
 }
 
-// Captured on the line and sent again 200 times a cycle, from the node's own address and from others.
+// A handshake is captured on the network and sent again 200 times per cycle, from the node's own address and from others.
 TEST_F(Faults, HundredsOfReplayedHandshakesACycleDoNotChangeTheForce) {
   press();
   const LinkKey key = system->key();

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kPostTopM = 0.045;  // at rest
+constexpr double kPostTopM = 0.045;  // when the post is at rest
 const Vec3 kOverPost = {-0.04, 0.02, 0.055};
 const Vec3 kOnPost = {-0.04, 0.02, kPostTopM - 0.001};
 
@@ -21,7 +21,7 @@ struct MovableBesideMotion : MovableTouch {
     post.material.stiffness_n_per_m = kBlockStiffness;
     scene.objects.push_back(std::move(post));
   }
-  // Up and down by 3 mm, again and again.
+  // Adds a post that moves up and down by 3 mm, again and again.
   static void add_rocking_post(Scene& scene) {
     add_post(scene);
     scene.objects[kPost].motion = std::make_shared<const KeyframeMotion>(
@@ -43,8 +43,8 @@ struct MovableBesideMotion : MovableTouch {
     if (post.motion != nullptr) return post.motion->pose_at(time_s).translation().z();
     return system->haptics->touch().find_commanded(kPost)->pose_at(time_s).translation().z();
   }
-  // The hand goes there from the block, stays on it for a while, and comes back. The hub computes the force of each sample from the post
-  // where it is at that sample's scene time.
+  // The hand goes from the block to the post, stays on it for a while, and returns. The hub computes the force of each sample from the post
+  // where that is at the sample's scene time.
   void feel_post() {
     system->device.target = kPressed + moved + Vec3(0, 0, 0.02);
     system->run_for_ns(1'500 * kMs);
@@ -98,7 +98,7 @@ TEST_F(MovableBesideMotion, BothAreFeltWhereTheyAre) {
   }
 }
 
-// Moves before the object is picked up, while it is held, and after it is put down: the hub's parts of the new place have them all.
+// A program moves the post before the object is picked up, while it is held, and after it is put down. The new patches have all moves.
 TEST_F(MovableBesideMotion, ProgramsMoveTheOtherMeanwhile) {
   change = add_commanded_post;
   ASSERT_NO_FATAL_FAILURE(press(175, kFar));

@@ -1,4 +1,4 @@
-// As movable_touch_test.cpp: a hand that touches something else, and one that does not rest.
+// More tests like those of movable_touch_test.cpp: with a hand that touches something else, and one that does not rest.
 #include <chrono>
 #include <cstdlib>
 #include <random>
@@ -11,12 +11,12 @@
 namespace hapton {
 namespace {
 
-// A vision node takes a pick-up back while the hand presses on something else: it goes on doing so.
+// A vision node undoes a pick-up while the hand presses on another object: the hand keeps that contact.
 TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
   const Vec3 on_plate(-0.03, -0.03, -0.002);
   for (const int delay_ms : {6, 30, -30}) {
     SCOPED_TRACE(delay_ms);
-    // The reply to the first sample after the hub has dropped its parts is late: until then the hub has confirmed that.
+    // Negative: the reply to the first sample after the hub has dropped its patches is late. The hub confirms the drop before that reply.
     builds_on_approach = delay_ms < 0;
     moved = Vec3::Zero();
     checked = 0;
@@ -44,8 +44,8 @@ TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
   }
 }
 
-// The hand goes on into the object that it has released. It is held from where it touched the object, if it stays within a resume's reach
-// of that; otherwise it begins inside, without a force, whoever computes it.
+// The hand moves on into the object that it has just put down. If it stays within kResumeReachM of where it touched the object, the object
+// stops it there. Otherwise the hand begins inside, without a force. The same holds for remote force and for patches.
 TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
   for (const TouchChoice choice : {TouchChoice::remote, TouchChoice::patch}) {
     for (const double deep_m : {0.004, 0.9 * kResumeReachM, 1.2 * kResumeReachM}) {
@@ -55,7 +55,7 @@ TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
       ASSERT_NO_FATAL_FAILURE(press(171, choice == TouchChoice::remote ? LinkFaults{} : kFar, choice));
       ASSERT_NO_FATAL_FAILURE(pick_up());
       carry(kPressed + Vec3(0, 0, 0.03));
-      // The pose of the object comes from a thread of its own.
+      // The pose of the object comes from another thread, in real time.
       int turns = 0;
       (void)system->wait_until([&] { return ++turns > 50; });
       // At 1 m/s down, then to that depth in the object; the button is released on the way.
@@ -69,7 +69,7 @@ TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
       system->device.target = kPressed + moved - Vec3(0, 0, below_m);
       system->run_for_ns(200 * kMs);
       const bool is_held = deep_m < kResumeReachM;
-      // The scene may be there before the hand is, on a machine that stands still meanwhile: then that is not known.
+      // If the machine stands still meanwhile, the new scene may be there before the hand is. Then this case cannot be checked.
       if (!is_held && !grasp().is_busy()) continue;
       ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
       if (choice == TouchChoice::patch) {
@@ -88,7 +88,7 @@ TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
   }
 }
 
-// Whatever happens while an object is picked up and put down, again and again: no force from where it is not, and in the end all is felt.
+// Whatever happens while an object is picked up and put down repeatedly: no force comes from where it is not, and at the end it is felt.
 TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
   const std::uint64_t first = 17300;
   for (std::uint64_t seed = first; seed < first + 1; ++seed) {
@@ -99,7 +99,7 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
     checked = 0;
     const LinkFaults bad{.delay_ns = (5 + draw(60)) * kMs, .jitter_ns = draw(40) * kMs, .loss = 0.01 * draw(30), .duplicate = 0.3};
     ASSERT_NO_FATAL_FAILURE(press(seed, bad));
-    // By the sample: what is held, or not built yet where it was put down, is felt from no patch.
+    // Checks in small steps: an object that is held, or not yet built where it was put down, is felt from no patch.
     const auto watch = [&](int ms) {
       for (; ms > 0 && !testing::Test::HasFailure(); ms -= 2) {
         system->run_for_ns(2 * kMs);
@@ -123,7 +123,7 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
           system->start_hub();
           break;
         case 2:
-          // A haptics node that is started again has the scene as its file says.
+          // A haptics node that is started again has the scene as in its file.
           watch(1500 * draw(2));
           system->device.buttons = 0;
           system->device.target = kPressed + Vec3(0, 0, 0.03);
@@ -133,7 +133,7 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
           checked = system->touched.size();
           moved = Vec3::Zero();
           system->start_haptics();
-          // The parts of the node before serve until it joins.
+          // The hub uses the patches of the previous node until the new one joins.
           ASSERT_TRUE(system->wait_until([&] { return system->haptics->client().state() == JoinState::joined; }));
           ASSERT_TRUE(system->wait_for_patches()) << "it meets the hand above";
           system->device.target = kPressed;

@@ -18,12 +18,12 @@
 
 namespace hapton {
 
-// A hand that presses on the block from patches, then picks it up. After that no force may come from a place where it is not.
+// A hand presses on the block, which it feels from patches, and picks it up. After that no force may come from where the block is not.
 struct MovableTouch : testing::Test {
   static constexpr int kBlock = 1;
   static constexpr double kBlockTopM = 0.05;  // of the block, under the pressing device
   static constexpr double kBlockStiffness = 1000.0;
-  static constexpr double kOnGridN = 1e-4;  // what the grid moves vertices by, as force
+  static constexpr double kOnGridN = 1e-4;  // the rounding of vertices to a patch's grid, as a force
   static inline const Vec3 kPressed = Vec3(0.01, 0.02, kBlockTopM - 0.002);
   static inline const Vec3 kCarried = Vec3(0.03, 0.0, 0.005);
   static constexpr LinkFaults kFar{.delay_ns = 30 * kMs};
@@ -44,10 +44,10 @@ struct MovableTouch : testing::Test {
   }
 
   std::optional<SimulatedSystem> system;
-  Vec3 moved = Vec3::Zero();  // the block, from where the scene has it
-  std::size_t checked = 0;    // of system->touched
+  Vec3 moved = Vec3::Zero();  // displacement of the block from its place in the scene
+  std::size_t checked = 0;    // number of entries of system->touched that were checked
   bool builds_on_approach = false;
-  std::function<void(Scene&)> change = {};  // of the scene, before it is loaded; the block stays
+  std::function<void(Scene&)> change = {};  // changes the scene before it is loaded, but not the block
 
   void press(std::uint64_t seed, const LinkFaults& faults, TouchChoice choice = TouchChoice::patch) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -56,7 +56,7 @@ struct MovableTouch : testing::Test {
     if (change) change(system->scene);
     system->builds_on_approach = builds_on_approach;
     system->start_haptics();
-    // While the hand is above: one that begins inside has no contact.
+    // Waits for a force command while the hand is above: a hand that begins inside the block has no contact.
     for (int n = 0; builds_on_approach && n < 80 && system->stats().forces == 0; ++n) {
       system->run_for_ns(kMs);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -77,7 +77,7 @@ struct MovableTouch : testing::Test {
   }
   const Grasp& grasp() const { return system->haptics->grasp(); }
 
-  // What the hub has computed from its patches since the last call is the force of the block where it is now, and of nothing else.
+  // Expects that the hub's forces from patches since the last call are those of the block where it is now, and of nothing else.
   bool expect_block() {
     for (; checked < system->touched.size(); ++checked) {
       const auto& [sample, force, is_beyond] = system->touched[checked];
@@ -99,10 +99,10 @@ struct MovableTouch : testing::Test {
     ASSERT_TRUE(system->wait_until([&] { return grasp().tool() != nullptr; }));
     ASSERT_TRUE(expect_block()) << "where it was until it is picked up";
   }
-  // No force comes from patches as long as it is held.
+  // No force comes from patches as long as the block is held.
   void carry(const Vec3& to) {
     const Vec3 from = std::exchange(system->device.target, to).value_or(to);
-    // In time for the task that moves the object, which is in real time.
+    // Runs slowly enough for the task that moves the object, which runs in real time.
     system->run_slowly_for_ns(static_cast<std::int64_t>(2e10 * (to - from).norm()) + 500 * kMs);
     EXPECT_EQ(system->touched.size(), checked);
   }
@@ -121,7 +121,7 @@ struct MovableTouch : testing::Test {
       ASSERT_TRUE(expect_block());
     }
   }
-  // Into where the block was, and then onto it where it is.
+  // The hand moves into the place where the block was, and then onto the block.
   void feel_both_places() {
     lead(kPressed + moved + Vec3(0, 0, 0.02));
     lead(kPressed + Vec3(-0.005, 0, 0.03));

@@ -1,5 +1,5 @@
 // A scene with an object that can be picked up, felt from patches across a slow and a bad network. Times are simulated; only the threads
-// that send and build patches, make the tool and build the scene take their own.
+// that send and build patches, make the tool and build the scene run in real time.
 #include "tests/faults/movable_touch_stage.h"
 
 namespace hapton {
@@ -13,7 +13,7 @@ TEST_F(MovableTouch, AnObjectIsFeltFromPatchesWhereItLies) {
   EXPECT_LT((moved - kCarried).norm(), 1e-9);
   EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN) << "the hand is on it, as when it was picked up";
   ASSERT_NO_FATAL_FAILURE(feel_both_places());
-  // Again, from there.
+  // The hand picks the block up again at its new place.
   ASSERT_NO_FATAL_FAILURE(pick_up());
   carry(kPressed);
   ASSERT_NO_FATAL_FAILURE(put_down());
@@ -55,7 +55,7 @@ TEST_F(MovableTouch, AShortPressMovesNothing) {
   }
 }
 
-// The hub is started again while the object is held, and while it is about to be picked up: it is told of the new place only.
+// The hub is started again while the object is held, and while it is about to be picked up. The new hub gets only the new place.
 TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
   for (const int after_ms : {0, 20, 50, 80, 300}) {
     SCOPED_TRACE(after_ms);
@@ -67,7 +67,7 @@ TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
     system->start_hub();
     system->run_for_ns(500 * kMs);
     ASSERT_TRUE(expect_block());
-    // Where the hub of the press was gone before the object could be picked up, the button is pressed again.
+    // If the hub to which the button was pressed ended before the object could be picked up, the button is pressed again.
     if (!grasp().is_busy()) {
       system->device.buttons = 0;
       system->run_for_ns(100 * kMs);
@@ -79,7 +79,7 @@ TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
   }
 }
 
-// A vision node takes a pick-up back: what the hub feels is dropped before the object is moved.
+// A vision node undoes a pick-up: the hub drops its patches before the object is moved.
 TEST_F(MovableTouch, AnObjectThatIsRequestedToBeElsewhereIsFeltThere) {
   ASSERT_NO_FATAL_FAILURE(press(164, kFar));
   lead(kPressed + Vec3(0, 0, 0.02));
@@ -99,7 +99,7 @@ TEST_F(MovableTouch, AnObjectThatIsRequestedToBeElsewhereIsFeltThere) {
   ASSERT_NO_FATAL_FAILURE(feel_both_places());
 }
 
-// A round trip at which remote force is used, and one at which what is held is not felt: in the worst case both ends fade at once.
+// With one round trip, remote force is used; with the other, a held object is not felt. In the worst case, two forces fade at once.
 TEST_F(MovableTouch, TheForceHasNoJump) {
   for (const int delay_ms : {6, 30}) {
     SCOPED_TRACE(delay_ms);
@@ -125,7 +125,7 @@ TEST_F(MovableTouch, TheForceHasNoJump) {
   }
 }
 
-// Another haptics node has the scene as its file says, whatever the one before was about to do.
+// A new haptics node has the scene as in its file, whatever the previous node was about to do.
 TEST_F(MovableTouch, AHapticsNodeThatIsStartedAgainIsFeltAsItHasTheScene) {
   for (const int after_ms : {20, 70, 300}) {
     SCOPED_TRACE(after_ms);
@@ -149,7 +149,7 @@ TEST_F(MovableTouch, AHapticsNodeThatIsStartedAgainIsFeltAsItHasTheScene) {
   }
 }
 
-// The parts of the new place are still on their way, or have not been made yet, when it leaves that, too.
+// The patches of the new place are still on their way, or have not been made yet, when the object leaves that place too.
 TEST_F(MovableTouch, AnObjectThatIsPickedUpAgainAtOnceIsFeltWhereItLiesInTheEnd) {
   for (const int after_ms : {0, 10, 40, 100}) {
     SCOPED_TRACE(after_ms);
@@ -170,7 +170,7 @@ TEST_F(MovableTouch, AnObjectThatIsPickedUpAgainAtOnceIsFeltWhereItLiesInTheEnd)
   }
 }
 
-// The hub wants no parts any more, and later again: those of before it has dropped, and what it gets is of the new place.
+// The hub stops wanting patches, and wants them again later: it has dropped the old ones, and gets patches of the new place.
 TEST_F(MovableTouch, AnObjectThatMovesWhileTheForceIsRemoteIsFeltWhereItIs) {
   const LinkFaults slow{.delay_ns = 12 * kMs, .jitter_ns = 10 * kMs, .duplicate = 0.3};
   for (const bool is_held : {true, false}) {
@@ -203,7 +203,7 @@ TEST_F(MovableTouch, AnObjectThatMovesWhileTheForceIsRemoteIsFeltWhereItIs) {
   }
 }
 
-// The haptics node cannot know what the hub has: nothing leaves its place until it does, and then it does.
+// While the link is down, the haptics node cannot know which patches the hub has, so no object leaves its place until it knows.
 TEST_F(MovableTouch, APickUpWhileTheLinkIsDownWaitsForIt) {
   const LinkFaults down{.loss = 1.0};
   for (const bool is_one_way : {false, true}) {

@@ -1,5 +1,5 @@
 // A scene that moves, felt from patches of its bodies across a slow and a bad network. Times are simulated; only the threads that send and
-// build patches take their own.
+// build patches run in real time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kBoxTopM = 0.05;
 constexpr double kBoxStiffness = 1000.0;
-// What the grid moves vertices by, as force.
+// The rounding of vertices to a patch's grid, as a force.
 constexpr double kGridN = 1e-4;
 
-// The box of the pressing device, 2 mm in it.
+// The box that PressingDevice presses 2 mm deep.
 SceneObject pressed_box() {
   SceneObject box;
   box.name = "box";
@@ -29,7 +29,7 @@ SceneObject pressed_box() {
   return box;
 }
 
-// Up and down by a millimetre, again and again.
+// A box that moves up and down by a millimetre, again and again.
 Scene rocking_box() {
   Scene scene;
   scene.objects.push_back(pressed_box());
@@ -50,13 +50,13 @@ Scene commanded_box() {
   return scene;
 }
 
-// One way, 30 ms: no remote force is used.
+// Each direction takes 30 ms: the hub uses no remote force.
 void be_far(SimulatedSystem& system, double loss = 0.0) {
   const LinkFaults faults{.delay_ns = 30 * kMs, .jitter_ns = loss > 0.0 ? 10 * kMs : 0, .loss = loss};
   system.set_faults(faults, faults);
 }
 
-// The hand is pressed in beside the haptics node, and stays so when the node is far: a hand that begins inside an object has no force.
+// The hand presses in while the haptics node is near, and stays when the node becomes far: a hand that begins inside gets no force.
 void press_in_and_be_far(SimulatedSystem& system, double loss = 0.0) {
   system.start_haptics();
   system.run_for_ns(500 * kMs);
@@ -71,12 +71,12 @@ double spring_n(double top_m, const SimulatedSystem::Touched& touched) {
   return kBoxStiffness * std::max(0.0, top_m - touched.sample.p_WD.z());
 }
 
-// The surface under the hand, which holds still, goes no faster than any may.
+// Expects that the surface under the hand, which holds still, moves no faster than kMaxSurfaceSpeed.
 void expect_no_jump(const SimulatedSystem& system) {
   ASSERT_GT(system.touched.size(), 1000U);
   for (std::size_t n = 1; n < system.touched.size(); ++n) {
     const std::int64_t passed_ns = system.touched[n].sample.time_ns - system.touched[n - 1].sample.time_ns;
-    if (passed_ns > 2 * kMs) continue;  // haptics was not heard for a second
+    if (passed_ns > 2 * kMs) continue;  // the hub had not heard from the haptics node for a second
     const double most_n = kBoxStiffness * kMaxSurfaceSpeed * 1e-9 * static_cast<double>(passed_ns);
     ASSERT_LE(std::abs(system.touched[n].force.force_n.z() - system.touched[n - 1].force.force_n.z()), most_n + 1e-6) << n;
   }
@@ -90,7 +90,7 @@ TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
   const KeyframeMotion& motion = *system.scene.objects[0].motion;
   for (int n = 0; n < 20; ++n) {
     system.run_for_ns(97 * kMs);
-    // Of one of the samples that the hub has sent it: up to 50 ms and half a round trip ago.
+    // The node has the scene time of a sample that the hub sent up to 50 ms, plus half a round trip, ago.
     const auto known = std::find_if(system.touched.begin(), system.touched.end(), [&](const SimulatedSystem::Touched& one) {
       return one.force.scene_time_ns == system.haptics->scene_time_ns();
     });
@@ -113,7 +113,7 @@ TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
   EXPECT_GT(most_n, 2.95);
 }
 
-// Announced before it begins, a program's move is the same on both sides, to the bit of its scene time.
+// A program's move is announced before it begins, so both sides have the same move at exactly the same scene time.
 TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
   SimulatedSystem system(4, TouchChoice::patch);
   system.scene = commanded_box();
@@ -154,7 +154,7 @@ TEST(MovingTouch, LostMovesDoNotMakeTheSurfaceJump) {
   EXPECT_NEAR(system.touched.back().force.force_n.z(), spring_n(top_m, system.touched.back()), kGridN);
 }
 
-// A program raises the top of the box and lets it sink.
+// A box whose top a program raises and lowers.
 Scene swelling_box() {
   Scene scene;
   scene.objects.push_back(pressed_box());
@@ -168,7 +168,7 @@ std::vector<ShapePart::Displacement> raised_top(const TriangleMesh& box, double 
   return shape;
 }
 
-// Until the haptics node has announced the shape of that number.
+// Runs until the haptics node has announced this many shapes. False: it does not.
 bool wait_for_shape(SimulatedSystem& system, std::uint64_t taken) {
   for (int n = 0; n < 3000 && system.haptics->shaper().counts().shapes < taken; ++n) {
     system.run_for_ns(2 * kMs);
@@ -177,7 +177,7 @@ bool wait_for_shape(SimulatedSystem& system, std::uint64_t taken) {
   return system.haptics->shaper().counts().shapes >= taken;
 }
 
-// Beside the threads that make shapes ready, which take their own time.
+// Runs with pauses in real time, for the threads that prepare shapes.
 void run_beside_builders(SimulatedSystem& system, int tens_of_ms) {
   for (int n = 0; n < tens_of_ms; ++n) {
     system.run_for_ns(10 * kMs);
@@ -185,7 +185,7 @@ void run_beside_builders(SimulatedSystem& system, int tens_of_ms) {
   }
 }
 
-// Announced before it begins, a program's shape is the same on both sides, to the bit of its scene time.
+// A program's shape is announced before it begins, so both sides have the same shape at exactly the same scene time.
 TEST(MovingTouch, AProgramsShapeIsFeltAsItWasAnnounced) {
   SimulatedSystem system(8, TouchChoice::patch);
   system.scene = swelling_box();
@@ -246,7 +246,7 @@ TEST(MovingTouch, LostShapesDoNotMakeTheSurfaceJump) {
   ASSERT_NO_FATAL_FAILURE(expect_no_jump(system));
 }
 
-// From patches to remote force and back, while the box moves: no force discontinuity, and at the end the remote force is that of the box.
+// The source changes from patches to remote force while the box moves: no force discontinuity, and at the end all force is remote.
 TEST(MovingTouch, TheForceHasNoJumpWhereTheSourceChanges) {
   SimulatedSystem system(6, TouchChoice::automatic);
   system.scene = rocking_box();
@@ -275,7 +275,7 @@ TEST(MovingTouch, TheForceHasNoJumpWhereTheSourceChanges) {
   EXPECT_GT(least_n, 1.8);
 }
 
-// hapton set: the hub's force goes to the new stiffness by the same fade.
+// After a request like that of `hapton set`, the force of the hub fades to the new stiffness, as when its source changes.
 TEST(MovingTouch, OtherMaterialsFadeInWhileTheHubComputesTheForce) {
   SimulatedSystem system(7, TouchChoice::patch);
   press_in_and_be_far(system);

@@ -14,8 +14,8 @@
 
 namespace hapton {
 
-// A star of one hub and any nodes on one simulated clock and one thread. The hub's loop drives it: while the hub waits, time advances from
-// event to event, and a node whose datagram or time has come gets its turn. Each direction has its own FaultInjector.
+// A star of one hub and any number of nodes on one simulated clock and one thread. The hub's loop drives it: while the hub waits, time
+// advances from event to event, and a node whose datagram or time has come gets its turn. Each direction has its own FaultInjector.
 class SimulatedNetwork {
  public:
   static constexpr std::int64_t kTurnNs = 20'000'000;   // a node gets a turn at least so often
@@ -33,13 +33,13 @@ class SimulatedNetwork {
     return std::make_unique<Port>(*this, address, true);
   }
 
-  // turn: called whenever something has come for the node, or it is time for it.
+  // turn: called whenever a datagram has arrived for the node, and at least every kTurnNs.
   std::unique_ptr<Endpoint> open_node(const Address& address, std::function<void()> turn) {
     nodes_.push_back({address, std::move(turn), clock_.now_ns(), {}, false});
     return std::make_unique<Port>(*this, address, false);
   }
 
-  // As a crash takes a process: from now on nothing leaves it and nothing arrives.
+  // Ends a node as a crash ends a process: from now on it sends nothing and nothing arrives at it.
   void kill(const Address& address) {
     std::erase_if(nodes_, [&](const Node& node) { return node.address == address; });
   }
@@ -51,7 +51,7 @@ class SimulatedNetwork {
     node.next_turn_ns = clock_.now_ns();
   }
 
-  // The nodes run until then while the hub is stopped.
+  // Runs the nodes until end_ns while the hub is stopped.
   void run_nodes_until(std::int64_t end_ns) {
     while (step_nodes(end_ns)) {
     }
@@ -132,7 +132,7 @@ class SimulatedNetwork {
     return hand_out(hub_inbox_, into);
   }
 
-  // Runs the next event until then; false if there is none.
+  // Runs the next event up to end_ns; false if there is none.
   bool step_nodes(std::int64_t end_ns) {
     const auto arrival = std::min_element(in_flight_.begin(), in_flight_.end(), [](const InFlight& a, const InFlight& b) {
       return a.due_ns != b.due_ns ? a.due_ns < b.due_ns : a.order < b.order;

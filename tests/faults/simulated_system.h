@@ -73,8 +73,8 @@ class PressingDevice final : public Device {
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   std::vector<Written> written;
-  std::optional<Vec3> target;   // it goes there instead ...
-  double target_step_m = 5e-5;  // ... so far in each sample
+  std::optional<Vec3> target;   // if set, the device moves there instead
+  double target_step_m = 5e-5;  // by at most this in each sample
   std::uint32_t buttons = 0;
 
  private:
@@ -135,7 +135,7 @@ class SimulatedHaptics {
     }
   }
   const ObjectShaper& shaper() const { return *shaper_; }
-  // As its watcher does when the scene's file was saved again.
+  // Sets the scene, as the file watcher of the node does when the scene's file was saved again.
   void set_scene(const Scene& scene) {
     touched_ = scene.touch_scene();
     const auto made = make_new_scene(scene, 0.0, ++revision_, false);
@@ -143,7 +143,7 @@ class SimulatedHaptics {
     EXPECT_TRUE(built) << built.error().what;
     patches_.set_scene(touched_, made->hash);
   }
-  // As its material_task does when a request is accepted.
+  // Sets materials, as the node's MaterialTask does when it accepts a request.
   void set_materials(const std::vector<Material>& materials) {
     step_.set_materials(materials);
     patches_.set_materials(materials);
@@ -277,7 +277,7 @@ class SimulatedSystem {
     haptics.reset();
   }
 
-  // A vision node sends it, and leaves.
+  // A vision node joins, sends the view and leaves.
   void send_view(const ViewTransform& view) {
     const auto vision = make_vision(1);
     run_for_ns(100 * kMs);
@@ -295,7 +295,7 @@ class SimulatedSystem {
     }
     return false;
   }
-  // Until the force comes from patches. False: it does not.
+  // Runs until the force comes from patches. False: not within the time of wait_until.
   bool wait_for_patches() {
     std::uint64_t before = stats().local_forces;
     return wait_until([&] { return stats().local_forces > std::exchange(before, stats().local_forces) + 3; });
@@ -307,7 +307,7 @@ class SimulatedSystem {
   }
 
   // As run_for_ns, but pauses in real time every 5 ms, so that the threads that send and build patches keep up on a busy machine: for 1 ms,
-  // and for longer once they have not.
+  // or for longer if they are late.
   void run_slowly_for_ns(std::int64_t duration_ns) {
     const std::int64_t end_ns = clock.now_ns() + duration_ns;
     while (clock.now_ns() < end_ns) {
@@ -322,7 +322,7 @@ class SimulatedSystem {
   const ServoStats& stats() { return network_loop->collect_stats(); }
   Vec3 force_n() const { return device.written.empty() ? Vec3(Vec3::Zero()) : device.written.back().force_n; }
 
-  // Since when the force has been zero, until the newest write; none: it is not zero, or none was written.
+  // The time since which all written forces are zero; none: the newest one is not zero, or no force was written.
   std::optional<std::int64_t> zero_since_ns() const {
     std::optional<std::int64_t> since;
     for (const auto& written : device.written) {
@@ -333,7 +333,7 @@ class SimulatedSystem {
     }
     return since;
   }
-  // The time of the first force at or after that time; none: there is none.
+  // The time of the first force at or after time_ns that is not zero; none: there is no such force.
   std::optional<std::int64_t> force_after_ns(std::int64_t time_ns) const {
     for (const auto& written : device.written) {
       if (written.time_ns >= time_ns && written.force_n != Vec3::Zero()) return written.time_ns;
@@ -341,8 +341,8 @@ class SimulatedSystem {
     return std::nullopt;
   }
 
-  // A force that the hub computed itself, and its sample. is_beyond: past the edge of its patches, whose next one is not there yet; on a
-  // busy machine the threads that send and build it may be late.
+  // A force that the hub computed itself, and its sample. is_beyond: the sample is past the edge of the hub's patches, and the next
+  // patch is not there yet; on a busy machine the threads that send and build it may be late.
   struct Touched {
     DeviceSample sample;
     LocalForce force;
