@@ -1,4 +1,4 @@
-// Messages that a newer one of their kind overtook on the network, and a hand that begins inside a body: on simulated time, with a hub.
+// On simulated time, with a hub: messages overtaken on the network by a newer one of their kind, and a hand that starts inside a body.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class ReplyLoopOvertaken : public ReplyLoopStage {
     if (const auto* got = std::get_if<ForceCommand>(&message)) force_ = *got;
     if (const auto* got = std::get_if<HapticsSetup>(&message)) method_ = got->method;
   }
-  // What is sent next comes first.
+  // Delays this message by 3 ms, so that what is sent next arrives first.
   void send_late(const Message& message) {
     network_.set_impairments({.delay_ns = 3 * kMs});
     send(message);
@@ -60,7 +60,7 @@ TEST_F(ReplyLoopOvertaken, AViewDoesNotTurnTheSceneBack) {
   EXPECT_EQ(step_.counts().views_applied, 1U);
 }
 
-// A hub that has the parts would be taken for one that has none, and an object lifted off them.
+// Otherwise the haptics node would take a hub that has parts for one that has none, and an object could be lifted off these parts.
 TEST_F(ReplyLoopOvertaken, AStatusSaysNothingOfTheHub) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   send_late(PatchStatus{.is_wanted = false, .request = 5});
@@ -71,7 +71,7 @@ TEST_F(ReplyLoopOvertaken, AStatusSaysNothingOfTheHub) {
   }
 }
 
-// It would take back the newer one, and a tool may have the reply to that already.
+// It would undo the newer request, although a tool may have received the reply to the newer one already.
 TEST_F(ReplyLoopOvertaken, ARequestIsNotCarriedOutAfterANewerOne) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   const auto request = [](std::string_view method, std::uint32_t number) {
@@ -81,7 +81,7 @@ TEST_F(ReplyLoopOvertaken, ARequestIsNotCarriedOutAfterANewerOne) {
   };
   send_late(request("smooth", 1));
   send(request("sweep", 2));
-  const auto live = [&](int most, std::uint64_t changes) {  // the builder lives in real time
+  const auto live = [&](int most, std::uint64_t changes) {  // the builder's thread needs real time
     for (int n = 0; n < most && step_.counts().method_changes < changes; ++n) {
       exchange();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -108,7 +108,7 @@ class ReplyLoopInside : public ReplyLoopStage {
   void take(const Message& message) override {
     if (const auto* got = std::get_if<SceneFacts>(&message)) is_said_ = got->is_hand_inside;
   }
-  // Stays there until the hub knows it. The watch lives in real time.
+  // Keeps the hand at this place until the hub knows whether it is inside a body. The thread that checks this needs real time.
   bool is_said_to_be(bool inside, const Vec3& hand) {
     for (int n = 0; n < 6000 && is_said_ != inside; ++n) {
       exchange(hand);

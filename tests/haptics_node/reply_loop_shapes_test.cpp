@@ -19,7 +19,7 @@ namespace hapton {
 namespace {
 
 constexpr double kShapeReachM = 0.02;
-constexpr int kSkinSquares = 12;  // 169 vertices: three parts
+constexpr int kSkinSquares = 12;  // 169 vertices, sent in three parts
 constexpr std::int32_t kSkinObject = 1;
 const Vec3 kHandOverSkin(0.0061, 0.0043, 0.002);
 
@@ -71,7 +71,7 @@ class ReplyLoopShapes : public ReplyLoopStage {
     if (const auto* got = std::get_if<HapticsSetup>(&message)) rejection_ = got->rejection.data();
   }
 
-  // All vertices raised.
+  // A displacement for each vertex, which raises it by this height.
   Displacements raised(double height_m) const { return Displacements(mesh().vertices.size(), {0.0F, 0.0F, static_cast<float>(height_m)}); }
   const TriangleMesh& mesh() const { return *scene_.objects[kSkinObject].mesh; }
   void give(std::uint32_t shape, const Displacements& displacements, double over_s = 0.0, std::uint32_t stream = 7,
@@ -88,7 +88,7 @@ class ReplyLoopShapes : public ReplyLoopStage {
     into = {};
     std::copy(text.begin(), text.end(), into.begin());
   }
-  // Where the announced surface is under the hand.
+  // Height of the announced surface under the hand, m; -1: no shape is known.
   double announced_height() const {
     const auto place = known_.find(kSkinObject, force_.scene_time_ns);
     return place ? static_cast<double>(known_.displacements_m(kSkinObject, *place)[0][2]) : -1.0;
@@ -122,7 +122,7 @@ TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
     }
     const ForceCommand force = cycle();
     ASSERT_NEAR(force.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSkin.z()), 2e-3) << n;
-    // 1000 N/m, the largest speed of a surface 0.25 m/s, at most 2.1 ms from sample to sample.
+    // A stiffness of 1000 N/m, a surface that moves at 0.25 m/s at most, and at most 2.1 ms from one sample to the next.
     ASSERT_LE(std::abs(force.force_n.z() - before_n), 1000.0 * 0.25 * 0.0021) << n;
     before_n = force.force_n.z();
     most_n = std::max(most_n, before_n);
@@ -185,7 +185,7 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
   key(0, 0);
   std::uint32_t last = 0;
   for (const ShapeStart& start : starts_) {
-    if (start.serial <= last) continue;  // announced again
+    if (start.serial <= last) continue;  // the same start, announced again
     ASSERT_EQ(start.before, last);
     if (1e-9 * static_cast<double>(start.start_ns) > keys.back().time_s) key(start.start_ns, start.before);
     key(start.end_ns, start.serial);
@@ -269,7 +269,7 @@ TEST_F(ReplyLoopShapes, AShapeThatLostAPartIsLeftOut) {
   for (int n = 0; n < 50; ++n) cycle();
   EXPECT_EQ(step_.counts().shapes_applied, 0U);
   give(2, raised(0.004));
-  give(1, raised(0.005));  // comes late
+  give(1, raised(0.005));  // all of its parts arrive, but after the newer shape
   for (int n = 0; n < 50; ++n) cycle();
   EXPECT_EQ(step_.counts().shapes_applied, 1U);
   EXPECT_EQ(shaper_.counts().incomplete, 1U);
@@ -315,7 +315,7 @@ TEST_F(ReplyLoopShapes, WhatCannotBeIsRejectedInOneLine) {
   give(1, raised(0.021), 0.0, 7);
   expect_rejected("the largest distance is the reach");
   Displacements folded = raised(0.0);
-  folded[0] = {0.02F, 0.0F, 0.0F};  // into the middle of the sheet
+  folded[0] = {0.02F, 0.0F, 0.0F};  // the vertex moves into the middle of the sheet
   give(2, folded, 0.0, 7);
   expect_rejected("at its end");
   give(1, raised(0.001), 0.0, 9);
@@ -334,8 +334,8 @@ TEST_F(ReplyLoopShapes, TheMethodStays) {
   EXPECT_EQ(step_.counts().method_changes, 0U);
 }
 
-// However many parts arrive: the reply to a sample is sent first, few datagrams follow it, and the loop allocates nothing. Shapes that jump
-// as far as they may do not make the force jump.
+// However many parts arrive, the reply to a sample is sent first, few datagrams follow it, and the loop allocates no memory. Even shapes
+// that jump as far as they are allowed to do not make the force jump.
 TEST_F(ReplyLoopShapes, AFloodNeverComesBeforeAForce) {
   has_task_ = false;
   std::uint32_t shape = 0;
@@ -377,7 +377,7 @@ TEST_F(ReplyLoopShapes, WithoutAShaperRequestsAreLeftOut) {
   EXPECT_TRUE(replies_.empty());
 }
 
-// The surface stays as it is while materials change.
+// The surface keeps its shape while materials change.
 TEST_F(ReplyLoopShapes, MaterialsChangeUnderAShape) {
   give(1, raised(0.005));
   for (int n = 0; n < 100; ++n) cycle();

@@ -1,4 +1,4 @@
-// What the log of a haptics node says of the scene that a vision node shows.
+// What a haptics node logs about the scene that a vision node shows.
 #include <string>
 #include <vector>
 
@@ -14,7 +14,7 @@ class ShownSceneTest : public ReplyLoopStage {
  protected:
   void take(const Message&) override {}
 
-  // The log of a haptics node that touches the one scene, while it is told of the others as shown, one after the other.
+  // The log of a haptics node that touches one scene, and is told one after the other that a vision node shows these scenes.
   std::string log_while_shown(const SceneFacts& touched, const std::vector<SceneFacts>& shown) {
     ReplyLoop loop(client_, clock_, step_, builder_, {}, false, touched);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {

@@ -15,13 +15,13 @@
 
 namespace hapton {
 
-// A haptics node's client and a hub, on simulated time.
+// The client of a haptics node, and a hub, on simulated time.
 class ReplyLoopStage : public ::testing::Test {
  protected:
-  // A message that the hub has received.
+  // Called with each message that the hub has received.
   virtual void take(const Message& message) = 0;
 
-  // Takes what the hub receives in a millisecond.
+  // Passes what the hub receives within a millisecond to take().
   void receive_at_hub() {
     const std::int64_t end_ns = clock_.now_ns() + kMs;
     Datagram datagram;
@@ -39,7 +39,7 @@ class ReplyLoopStage : public ::testing::Test {
   std::unique_ptr<Endpoint> endpoint_ = *network_.open(memory_address(2, 0));
   HubPeers hub_{*hub_endpoint_, clock_, 1, 1000.0};
   HubClient client_{*endpoint_, clock_, NodeRole::haptics, memory_address(1, 4950)};
-  std::vector<std::size_t> order_;  // kinds of messages, since it was cleared
+  std::vector<std::size_t> order_;  // kinds of the messages received since this was cleared
 };
 
 }  // namespace hapton

@@ -40,7 +40,7 @@ class ReplyLoopTest : public ::testing::Test {
 
   void turn(std::int64_t wait_ns) { loop_.turn(clock_.now_ns() + wait_ns); }
 
-  // What the hub receives within 1 ms; the last force command of it.
+  // Receives at the hub for 1 ms. Returns the last force command that came, if any came.
   std::optional<ForceCommand> receive_reply() {
     std::optional<ForceCommand> command;
     const std::int64_t end_ns = clock_.now_ns() + kMs;
@@ -152,7 +152,7 @@ TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
     const auto command = exchange({0.01, 0.01, -0.002});
     ASSERT_TRUE(command);
     ASSERT_NEAR(command->force_n[2], 2.0, 1e-9);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder's thread needs real time
   }
   EXPECT_EQ(step_.counts().method_changes, 1U);
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
@@ -166,7 +166,7 @@ TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
     for (int i = 0; i < 6000 && setups_.back().method_request != number; ++i) {
       send(settings);  // repeated, because datagrams may be lost
       exchange({0.01, 0.01, 0.001});
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder's thread needs real time
     }
     return setups_.back();
   };
@@ -201,7 +201,7 @@ TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMeth
   send(settings);
   for (int i = 0; i < 6000 && step_.counts().method_changes == 0; ++i) {
     exchange({0.01, 0.01, 0.001});
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder's thread needs real time
   }
   exchange({0.01, 0.01, 0.001});
   EXPECT_EQ(setups_.back().method_serial, 1U);
@@ -218,26 +218,26 @@ TEST_F(ReplyLoopTest, TheFirstReplyWaitsUntilWhatIsNearIsBuilt) {
     send_state({0.01, 0.01, 0.001});
     loop.turn(clock_.now_ns() + kMs);
     first = receive_reply();
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder's thread needs real time
   }
   ASSERT_TRUE(first);
   EXPECT_NE(step.touch().method().describe().find("1 of 1 objects built"), std::string::npos) << step.touch().method().describe();
   EXPECT_EQ(step.counts().replied, 1U);
-  // From now on every one, also where the probe begins anew.
+  // From now on every sample gets a reply, also where the probe starts anew.
   send_state({0.01, 0.01, -0.002});
   loop.turn(clock_.now_ns() + kMs);
   EXPECT_TRUE(receive_reply()->contact);
   send_state({0.01, 0.01, 0.05});
   loop.turn(clock_.now_ns() + kMs);
   ASSERT_TRUE(receive_reply());
-  send_state({0.01, 0.01, -0.05});  // not in one cycle
+  send_state({0.01, 0.01, -0.05});  // farther than a hand moves in one cycle
   loop.turn(clock_.now_ns() + kMs);
   const auto anew = receive_reply();
   ASSERT_TRUE(anew) << "at once";
   EXPECT_FALSE(anew->contact);
 }
 
-// A method with a slow task as long as the test wants.
+// A method whose slow task, prepare(), lasts until the test ends it.
 class SlowMethod : public ForceMethod {
  public:
   SlowMethod(std::unique_ptr<ForceMethod> method, std::atomic<bool>& done) : method_(std::move(method)), done_(done) {}
@@ -262,7 +262,7 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
   struct Release {
     ~Release() { done = true; }
     std::atomic<bool>& done;
-  } const release{done};  // before the builder ends its thread
+  } const release{done};  // ends prepare() before the builder waits for its thread
   const SceneFacts scene{.given_hash = 9};
   ReplyLoop loop(client_, clock_, step, builder, {}, true, scene);
   const auto turn_on = [&](int turns) {
@@ -272,7 +272,7 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
       receive_reply();
     }
   };
-  turn_on(2000);  // of a millisecond each
+  turn_on(2000);  // turns of a millisecond each
   ASSERT_FALSE(scenes_.empty());
   EXPECT_GT(scenes_.back().preparing_s, 1.7F);
   EXPECT_GE(scenes_.size(), 10U) << "several times a second";
@@ -320,13 +320,13 @@ TEST_F(ReplyLoopTest, AnOvertakenStateGetsNoReplyAfterANewerOne) {
     }
   }
   EXPECT_GT(client_.sequence_counts().reordered, 20U);
-  // Welcomes are overtaken too: there is one for each Hello.
+  // A Welcome may be overtaken as well, and counts as reordered; the hub sends one for each Hello.
   const auto welcomes = static_cast<std::uint64_t>((clock_.now_ns() - begin_ns) / HubClient::kHelloPeriodNs + 1);
   EXPECT_LE(step_.counts().replied + step_.counts().skipped + client_.sequence_counts().reordered, 300U + welcomes);
   EXPECT_GT(newest, 250U);
 }
 
-// The same node with somebody who works out changes of materials.
+// The same node with a task that computes changes of materials.
 class TunedLoopTest : public ReplyLoopTest {
  protected:
   static Scene named_sheet() {
@@ -347,7 +347,7 @@ class TunedLoopTest : public ReplyLoopTest {
       send(asked);
       const auto command = exchange({0.01, 0.01, -0.002});
       if (command) forces_n_.push_back(command->force_n[2]);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the material_task lives in real time
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the thread of material_task_ needs real time
     }
     return materials_.empty() ? MaterialState() : materials_.back();
   }
@@ -368,7 +368,7 @@ TEST_F(TunedLoopTest, AMaterialChangesInContactAndFades) {
   EXPECT_EQ(state.objects[0].change.stiffness_n_per_m, 1500.0);
   for (int i = 0; i < 120; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
   EXPECT_NEAR(forces_n_.back(), 3.0, 1e-9);
-  // The clock moves on by up to 2 ms an exchange.
+  // From one exchange to the next the clock advances by 2 ms at most.
   for (std::size_t i = 1; i < forces_n_.size(); ++i) EXPECT_LE(std::abs(forces_n_[i] - forces_n_[i - 1]), 0.03) << i;
   for (int i = 0; i < 20; ++i) {
     send(request(7, "hull", 1500.0));
@@ -406,7 +406,7 @@ TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
   EXPECT_EQ(setups_.front().material_serial, 0U);
 }
 
-// The hub gets the new material beside the parts that it has.
+// The hub has requested the parts of the scene, to compute forces itself: materials may be changed nevertheless.
 TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsChange) {
   PatchSender patches(one_sheet(), 0.0, 42, true);
   loop_.set_patch_sender(&patches);
@@ -420,7 +420,7 @@ TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsChange) {
   loop_.set_patch_sender(nullptr);
 }
 
-// A scene file that was saved with another sheet, 1 mm lower, and another material, under a pressed stylus.
+// While the stylus presses, the scene file is saved with another sheet, 1 mm lower, and another material.
 TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
   exchange({0.01, 0.01, 0.001});
   exchange({0.01, 0.01, -0.002});
@@ -441,13 +441,13 @@ TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
   EXPECT_EQ(scenes_.back().given_hash, 78U) << "vision nodes compare it with theirs";
   EXPECT_EQ(materials_.back().serial, 2U);
   EXPECT_EQ(materials_.back().object_count, 0U);
-  // The material_task still has the scene before: it must not bring that one's materials.
+  // The material task still has the former scene, whose materials must not come into use.
   const MaterialState late = ask(request(9, "hull", 300.0));
   EXPECT_NE(std::string_view(late.rejection.data()).find("read again"), std::string_view::npos) << late.rejection.data();
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 0.8, 1e-4);
 }
 
-// What a recording and a report have to know of them.
+// A recording and a report need to know of these effects.
 TEST_F(ReplyLoopTest, EffectsFromFilesAreInTheSetupAlsoAfterAChangeOfMethodAndWhenCutOff) {
   PluginEffects effects(clock_);
   ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=nan,after=3")));

@@ -29,7 +29,7 @@ HapticsSetup::Text describe_at(double n_per_m) {
   return text;
 }
 
-// The stylus holds a rigid tool, and an effect from a shared library acts beside it.
+// The stylus holds a rigid tool, and an effect from a shared library acts as well.
 class ToolLoopTest : public ReplyLoopStage {
  protected:
   ToolLoopTest() {
@@ -64,19 +64,19 @@ class ToolLoopTest : public ReplyLoopStage {
   std::uint64_t sample_ = 0;
 };
 
-// What a recording and a report have to know of them.
+// A recording and a report need to know of these effects.
 TEST_F(ToolLoopTest, EffectsFromFilesStayInTheSetupWhereMaterialsChange) {
   PluginEffects effects(clock_);
   ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=push")));
   step_.use_effects(&effects);
   loop_.set_effects(&effects);
-  for (int n = 0; n < 1500; ++n) exchange();  // a setup comes once a second
+  for (int n = 0; n < 1500; ++n) exchange();  // long enough: a setup is sent once a second
   EXPECT_EQ(method(), "name=tool soft" + effects.to_text());
   const MaterialRequest harder{.request = 7, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 1500.0}};
   for (int n = 0; n < 6000 && materials_.request != 7; ++n) {
     send(harder);
     exchange();
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the material task lives in real time
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the thread of the material task needs real time
   }
   ASSERT_EQ(materials_.request, 7U);
   ASSERT_STREQ(materials_.rejection.data(), "");

@@ -61,7 +61,7 @@ class ReplyLoopUndo : public ReplyLoopStage {
   CarveSender carves_{kUndoSource, 10'000};
   CarveUndoTask task_{*step_.touch().method().sculpture()};
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
-  CarveList list_;  // what the hub gets
+  CarveList list_;  // the carves that the hub has received
   std::uint32_t carve_serial_ = 0;
   std::uint64_t sample_ = 0;
 };
@@ -81,7 +81,7 @@ TEST_F(ReplyLoopUndo, IsInTheListAndInTheForce) {
   cycle(false);
   EXPECT_EQ(carve_serial_, newest + 1) << "the force says so";
   EXPECT_EQ(step_.touch().count_carves(), newest + 1);
-  // Requested again, as a datagram may come twice: nothing more is undone.
+  // The request is sent again, as a datagram may come twice: nothing more is undone.
   send(CarveUndo{.source = kUndoSource, .serial = newest});
   for (int n = 0; n < 60; ++n) {
     cycle(false);

@@ -44,7 +44,7 @@ TEST(SceneDescriber, FindsHashAndFactsOfAScene) {
   EXPECT_FALSE(placed.take());
 }
 
-// The first description does not end before the test lets it: whoever asks for one goes on meanwhile.
+// The test delays the end of the first description; describe() returns meanwhile without waiting for it.
 TEST(SceneDescriber, NobodyWaitsForADescriptionAndOnlyTheNewestIsMade) {
   std::promise<void> begun;
   std::promise<void> may_end;

@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A scene of one triangle, its file, and who brings its changes under the hand. The test polls itself, and takes as the reply loop does.
+// A scene of one triangle, its file, its watcher and the tasks that apply changes. The test polls, and takes results as ReplyLoop does.
 struct SceneWatcherTest : testing::Test {
   SceneWatcherTest() {
     folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
@@ -34,7 +34,7 @@ struct SceneWatcherTest : testing::Test {
   std::filesystem::path write(const std::string& material, const std::string& object = "") {
     const auto path =
         folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\n" + object + "\n[material.m]\n" + material + "\n");
-    // Two writes within the clock's step of a file system would look like one.
+    // Two writes within the resolution of the file system's clock would look like one.
     std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
     return path;
   }
@@ -55,7 +55,7 @@ struct SceneWatcherTest : testing::Test {
   ScratchFolder folder;
   std::filesystem::path file;
   int writes = 0;
-  std::string log;  // of the last two polls
+  std::string log;  // log of the last two polls
   TouchScene felt;
   std::shared_ptr<ForceMethod> method;
   std::optional<MaterialTask> material_task;
@@ -98,7 +98,7 @@ TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
-// What is prepared for picking up, and where it was put down, must stay true.
+// The data prepared for picking up objects, and the places where objects were put down, must stay valid.
 TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
   constexpr const char* kRejected = "a.toml: the stylus picks up objects of this scene, so only stiffness, damping and friction may change";
   write("stiffness_n_per_m = 500", "movable = true");
@@ -164,7 +164,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   EXPECT_EQ(result->scene, 0U);
   material_task->retire(std::move(result));
   EXPECT_EQ(builder->take(), nullptr);
-  // Back to what it was: the state says so.
+  // Back to the stiffness at the start: the state then has no change of any object.
   write("stiffness_n_per_m = 500");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   result = wait_for_materials();
@@ -207,7 +207,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
   EXPECT_EQ(built->scene->touch.objects.size(), 2U);
   EXPECT_NE(built->scene->facts.given_hash, 0U);
 
-  // From here on tools name objects of the new scene.
+  // From here on the names in requests by tools are those of the new scene.
   MaterialRequest request{.request = 4, .object = {"a"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
   material_task->request(request);
   const auto result = wait_for_materials();
@@ -224,7 +224,7 @@ TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
   EXPECT_EQ(builder->take(), nullptr);
 }
 
-// What was carved stays: so the bodies must be the same.
+// What was carved stays carved, so the objects that can be carved must stay the same.
 TEST_F(SceneWatcherTest, WhatCanBeCarvedStaysTheSameObject) {
   const TriangleMesh box = make_box(Vec3::Constant(0.04));
   std::string obj;
@@ -292,7 +292,7 @@ TEST_F(SceneWatcherTest, WhatProgramsDeformStaysTheSameObject) {
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
 }
 
-// A recording has the differences between the materials in use and those of the scene that it names.
+// A recording has the differences between the materials in use and those of the scene that the recording names.
 TEST_F(SceneWatcherTest, AfterAnotherSceneMaterialsAreDescribedAsDifferencesFromThatOne) {
   const std::string effect = "\nviscosity_ns_per_m = 2";
   write("stiffness_n_per_m = 600" + effect);
@@ -309,7 +309,7 @@ TEST_F(SceneWatcherTest, AfterAnotherSceneMaterialsAreDescribedAsDifferencesFrom
   }
 }
 
-// More materials than a message describes: the scene takes over as a whole.
+// There are more materials than a message can describe, so the scene is replaced as a whole.
 TEST_F(SceneWatcherTest, ManyMaterialsComeAsAnotherScene) {
   const auto write_many = [&](int stiffness_n_per_m) {
     std::string objects;
@@ -345,7 +345,7 @@ TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
 }
 
-// Once, and not for the moment that an editor takes to replace it.
+// The log says so once, and not during the moment in which an editor replaces the file.
 TEST_F(SceneWatcherTest, AFileThatIsGoneIsOneLine) {
   const auto aside = folder.path() / "aside.toml";
   const auto log_of_polls = [&](int polls) {

@@ -18,7 +18,7 @@ namespace hapton {
 
 inline constexpr std::array<float, 12> kAtW = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-// A sender, and a hub that wants the scene.
+// A PatchSender, and a hub that requests the parts of the scene.
 struct SenderStage {
   explicit SenderStage(bool is_offered = true, TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20)))
       : sender(std::move(scene), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0}) {}
@@ -33,7 +33,7 @@ struct SenderStage {
     sender.accept(status, clock.now_ns());
     sender.note_hand({.sample = ++sample, .sample_time_ns = clock.now_ns(), .p_WD = p_WD}, X_WS);
   }
-  // Takes what is sent for that long.
+  // Receives all parts that are sent within this time.
   void receive_for(std::chrono::milliseconds time) {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
       want();
@@ -45,7 +45,7 @@ struct SenderStage {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
-  // What is sent is lost, and so is all that the hub says.
+  // Loses what is sent, and sends nothing from the hub, until holds(). False: it did not hold within 30 s.
   bool lose_until(const auto& holds) {
     for (int n = 0; n < 6000 && !holds(); ++n) {
       for (; sender.front() != nullptr && !holds(); sender.pop()) {

@@ -50,7 +50,7 @@ TEST_F(ShapeMakerTest, MakesOneStageAfterTheOther) {
   EXPECT_EQ(begins(*second), ends(*first)) << "to the last bit";
 }
 
-// Until it is taken, a newer one takes its place, from the same beginning.
+// A finished shape that was not taken yet is replaced by a newer one, which begins where the replaced one would have begun.
 TEST_F(ShapeMakerTest, ANewerOneTakesThePlace) {
   give(1, 0.001F);
   maker_.work();
@@ -90,7 +90,7 @@ TEST_F(ShapeMakerTest, WhatTheSurfaceCannotTakeIsRejected) {
   EXPECT_NE(maker_.take(), nullptr);
 }
 
-// Both threads at once: whatever is taken begins where the one taken before ends.
+// Both threads run at once: each shape that is taken begins where the shape taken before it ends.
 TEST_F(ShapeMakerTest, StagesFollowOnFromEachOtherWithAThread) {
   std::atomic<bool> stop = false;
   std::thread task([&] {
@@ -104,7 +104,7 @@ TEST_F(ShapeMakerTest, StagesFollowOnFromEachOtherWithAThread) {
     ++shape;
     give(shape, 1e-4F * static_cast<float>(shape % 100));
     std::unique_ptr<MadeShape> made;
-    // Every third shape is waited for.
+    // The test waits for every third shape.
     for (int look = 0; made == nullptr && look < 200'000; ++look) {
       made = maker_.take();
       if (made == nullptr && shape % 3 != 0) break;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kStateOnTheWayNs = 50 * kUs;
 constexpr std::int64_t kSleepLateNs = 20 * kUs;
 
-// Every sleep ends late.
+// An endpoint whose sleeps all end late, by kSleepLateNs.
 class LateEndpoint final : public Endpoint {
  public:
   LateEndpoint(std::unique_ptr<Endpoint> inner, SimulatedClock& clock) : inner_(std::move(inner)), clock_(clock) {}
@@ -27,7 +27,7 @@ class LateEndpoint final : public Endpoint {
   }
   Address local_address() const override { return inner_->local_address(); }
 
-  bool is_deaf_to_spins = false;  // as if the sender needed the CPU on which the receiver spins
+  bool is_deaf_to_spins = false;  // a spinning receiver gets nothing, as if the sender needed its CPU
 
  private:
   std::unique_ptr<Endpoint> inner_;
@@ -45,7 +45,7 @@ class StateWaits : public ::testing::Test {
     sample_ = static_cast<std::uint64_t>(clock_.now_ns() / kMs);
   }
 
-  // Waits for the next sample, number `step` after the last, which is taken on the millisecond. From its arrival until it was received.
+  // Waits for the sample `step` numbers after the last one, taken at a whole millisecond. Returns the time from its arrival to its receipt.
   std::int64_t receive_next(std::uint64_t step = 1) {
     sample_ += step;
     const std::int64_t tick_ns = static_cast<std::int64_t>(sample_) * kMs;
@@ -57,7 +57,7 @@ class StateWaits : public ::testing::Test {
     wait_.note(std::get<DeviceState>(datagram.message), client_.receive_time_ns());
     const std::int64_t took_ns = clock_.now_ns() - tick_ns - kStateOnTheWayNs;
     network_.set_impairments({});
-    hub_.receive(datagram, 0);  // Hello
+    hub_.receive(datagram, 0);  // takes the client's Hello
     return took_ns;
   }
   std::int64_t find_longest_of(int states) {
@@ -102,7 +102,7 @@ TEST_F(StateWaits, DoesNotSpinForSamplesThatAreNotSent) {
   EXPECT_EQ(wait_.spins(), 0U);
 }
 
-// A thread that is always busy would be throttled.
+// The system would throttle a thread that is always busy.
 TEST_F(StateWaits, SleepsAQuarterOfEachPeriodOrDoesNotSpin) {
   wait_.set_longest_spin(1 * kMs);
   find_longest_of(100);

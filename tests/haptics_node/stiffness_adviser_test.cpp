@@ -20,7 +20,7 @@ namespace {
 
 constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F};
 
-// Until it has made one complete check.
+// Waits until the adviser has made one complete check that began after this call.
 void wait_for(const StiffnessAdviser& adviser) {
   const std::uint64_t before = adviser.checks();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
@@ -30,7 +30,7 @@ void wait_for(const StiffnessAdviser& adviser) {
   }
 }
 
-// What an adviser logs of these facts.
+// What an adviser logs about these facts.
 std::string log_of(const LargestGains& gains, const std::vector<LoopFacts>& facts) {
   testing::internal::CaptureStderr();
   {
@@ -101,7 +101,7 @@ TEST(StiffnessAdviser, WarnsAgainWhenTheDeviceIsServedAtAnotherRate) {
   EXPECT_EQ(count(log, "PHANToM Model A at 500 Hz"), 1U) << log;
 }
 
-// Where the maker's limit decides, neither hand nor delay is to blame.
+// Where the maker's limit decides, the log must not blame the hand or the delay.
 TEST(StiffnessAdviser, NamesTheMakersLimitWhereThatDecides) {
   LoopFacts fast = kSimulated;
   fast.round_trip_s = 1e-4F;
@@ -141,7 +141,7 @@ TEST(StiffnessAdviser, NamesTheKeyOfWhatIsStiff) {
   EXPECT_THAT(log(StiffCause::spring), testing::HasSubstr("lower its stiffness_n_per_m, start with --coupling"));
 }
 
-// Bumps are as stiff as this device can press them, and the maker's limit is one of walls.
+// The stiffness of bumps counts at the largest force of this device. The maker's limit holds for walls and not for bumps.
 TEST(StiffnessAdviser, CountsBumpsAtTheForceOfTheDevice) {
   LoopFacts fast = kSimulated;
   fast.round_trip_s = 1e-4F;
@@ -206,9 +206,9 @@ TEST(StiffnessAdviser, WarnsOfAToolThatTurnsTooStiffly) {
     adviser.note_tool(0.9 * safe);
     adviser.note(kTurning);
     wait_for(adviser);
-    adviser.set_gains({.stiffness_n_per_m = 1.0, .rotational_nm_per_rad = 2.0 * safe});  // stiffer materials, the same tool
+    adviser.set_gains({.stiffness_n_per_m = 1.0, .rotational_nm_per_rad = 2.0 * safe});  // stiffer materials with the same tool
     wait_for(adviser);
-    adviser.note_tool(1.5 * safe);  // less than what it warned of
+    adviser.note_tool(1.5 * safe);  // less than the value that it warned of
     wait_for(adviser);
   }
   const std::string log = testing::internal::GetCapturedStderr();
@@ -260,7 +260,7 @@ TEST(StiffnessAdviser, WarnsOfTooMuchDampingAndOfNothingElse) {
   EXPECT_THAT(viscous, testing::HasSubstr("Ns/m of viscosity, but PHANToM Model A"));
 }
 
-// Of what has risen, not again of what was too much before.
+// The adviser warns of the damping that has risen, and not again of the stiffness, which was too large before.
 TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooDamped) {
   const StiffnessAdvice advice = *advise_stiffness(kSimulated);
   testing::internal::CaptureStderr();

@@ -20,7 +20,7 @@ using ::testing::Not;
 
 constexpr char kLeftOut[] = "two_sided = false, images and effects of surfaces but viscosity_ns_per_m are ignored";
 
-// A ball of 5 cm, felt with a cube of 1 cm.
+// A ball with a radius of 5 cm, felt with a cube of 1 cm.
 Scene scene_with_tool() {
   Scene scene;
   SceneObject ball;
@@ -30,7 +30,7 @@ Scene scene_with_tool() {
   return scene;
 }
 
-// What is logged as the tool is made.
+// What is logged while the tool is made.
 std::string log_of_task(const Scene& scene) {
   testing::internal::CaptureStderr();
   start_log("haptics_node");
@@ -135,14 +135,14 @@ TEST(ToolByVoxels, IsFeltWithoutASlowTask) {
   ToolInput input;
   ToolOutput felt;
   for (int n = 0; n < 400; ++n) {
-    input.X_WD.translation().z() = 0.06 - 2e-5 * n;  // the bottom of the cube meets the ball at 0.055
+    input.X_WD.translation().z() = 0.06 - 2e-5 * n;  // the bottom of the cube meets the ball at z = 0.055
     felt = tool->felt->step(input, 1'000'000 * n);
   }
   EXPECT_TRUE(felt.contact);
   EXPECT_GT(felt.force_n.z(), 0.1);
 }
 
-// Twice as stiff a surface, twice as stiff a turn; and the gains of the scene beside it.
+// Surfaces that are twice as stiff make turning the tool twice as stiff. The other gains are those of the scene.
 TEST(HeldToolOfAScene, ItsGainsFollowTheMaterials) {
   Scene scene = scene_with_tool();
   scene.objects[0].material.stiffness_n_per_m = 500.0;
@@ -194,7 +194,7 @@ TEST(ToolByVoxels, IsRejectedWhereItCannotBe) {
   EXPECT_THAT(without.error().what, HasSubstr("--tool-voxels"));
 }
 
-// A scene may have probes for those who hold no tool.
+// A scene may describe probes as well, for those who hold no tool.
 TEST(ToolTask, IgnoresWhatTheScenesProbeSays) {
   HapticsOptions of_the_probe;
   of_the_probe.method.name = "smooth";
@@ -219,7 +219,7 @@ TEST(ToolTask, FollowsTheHandUntilItIsStopped) {
   };
   input.X_WD.translation().z() = 0.1;
   go_on(100);
-  // A step knows where the tool is once a pose has been followed.
+  // A step knows where the tool is only after the task has followed a pose.
   EXPECT_TRUE(wait_until([&] {
     go_on(1);
     return tool->felt->is_known();
