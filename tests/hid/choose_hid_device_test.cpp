@@ -52,7 +52,7 @@ TEST(ChooseHidDevice, SeveralAreDistinguishedBySerialNumberPathOrPlace) {
   EXPECT_THAT(line, HasSubstr("/dev/hidraw1 (A), /dev/hidraw4 (B)"));
 }
 
-// Counted from 0, in one or two digits: longer ones are serial numbers.
+// A place is a count from 0 with one or two digits; longer numbers are serial numbers.
 TEST(ChooseHidDevice, APlaceIsANumberBelowTheirCount) {
   const std::vector devices = {wooden("/dev/hidraw1", "007"), wooden("/dev/hidraw4", "B")};
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "0")->path, "/dev/hidraw1");
@@ -107,7 +107,7 @@ TEST(ChooseHidDevice, TheSameDeviceMayComeBackAtAnotherNode) {
   EXPECT_FALSE(is_same_device(device("/dev/hidraw1", 1, 2, "A"), device("/dev/hidraw1", 4, 2, "A")));
 }
 
-// After it was unplugged. Two devices without serial numbers look the same: the wrong one must not exert the force of the other.
+// A device was unplugged. Two without serial numbers look the same, and the wrong one must not exert the force of the other.
 TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
   const auto again = [](const std::vector<HidDescription>& devices, const HidDescription& chosen, bool had_twin = false) {
     const auto found = find_hid_device_again(devices, chosen, HidKind::wooden_haptics, had_twin);
@@ -127,7 +127,7 @@ TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
   EXPECT_EQ(again({mouse, twins[1]}, twins[1], true), "/dev/hidraw4");
 }
 
-// The line counted none of the others: "among 0 HID devices".
+// Earlier this line did not count the other devices: it said "among 0 HID devices".
 TEST(ChooseHidDevice, OneThatIsGoneIsMissedAmongAllThatIsThere) {
   const std::vector others = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "B")};
   EXPECT_EQ(rejection(find_hid_device_again(others, wooden("/dev/hidraw1", "A"), HidKind::wooden_haptics, false)),
@@ -140,7 +140,7 @@ TEST(ChooseHidDevice, OnceOneWasOpenedOnlyThatOneIsOpenedAgain) {
   HidChoice choice(HidKind::wooden_haptics, "1");
   const std::vector both = {wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw4", "B")};
   ASSERT_EQ(choice.choose(both)->path, "/dev/hidraw4");
-  // It could not be opened: the next time its place counts again.
+  // It was chosen but could not be opened, so the next choice goes by its place again.
   EXPECT_EQ(choice.choose(std::vector{both[1], both[0]})->path, "/dev/hidraw1");
   choice.note_opened(both[1], both);
   EXPECT_EQ(choice.choose(std::vector{both[1], both[0]})->path, "/dev/hidraw4");
@@ -148,7 +148,7 @@ TEST(ChooseHidDevice, OnceOneWasOpenedOnlyThatOneIsOpenedAgain) {
   EXPECT_EQ(choice.choose(std::vector{both[0], wooden("/dev/hidraw9", "B")})->path, "/dev/hidraw9");
 }
 
-// The one that is left would move the other hand.
+// The other device is still plugged in, and would exert the force on the wrong hand.
 TEST(ChooseHidDevice, ATwinThatWasThereOnceIsRemembered) {
   const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
   HidChoice choice(HidKind::wooden_haptics, "/dev/hidraw4");
@@ -161,11 +161,11 @@ TEST(ChooseHidDevice, ATwinThatWasThereOnceIsRemembered) {
   EXPECT_EQ(alone.choose(std::vector{twins[0]})->path, "/dev/hidraw1");
 }
 
-// It was plugged in while the other one was in use, and is what is left when that one goes.
+// The second device was plugged in while the first one was in use, and is the only one left when the first one is unplugged.
 TEST(ChooseHidDevice, ATwinThatWasPluggedInLaterIsNotTakenForTheOneThatIsGone) {
   const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
   HidChoice choice(HidKind::wooden_haptics, "");
-  choice.note_gone(twins);  // none was opened yet
+  choice.note_gone(twins);  // no device was opened yet
   choice.note_opened(twins[0], std::vector{twins[0]});
   choice.note_gone(std::vector{device("/dev/hidraw0", 0x046d, 0xc077), twins[1]});
   EXPECT_EQ(
@@ -179,7 +179,7 @@ TEST(ChooseHidDevice, ATwinThatWasPluggedInLaterIsNotTakenForTheOneThatIsGone) {
   EXPECT_EQ(alone.choose(std::vector{twins[1]})->path, "/dev/hidraw4") << "it is back at another node";
 }
 
-// Its interfaces have nodes of their own, and all its ids.
+// Each interface of a device has its own node, but all of them have the ids of the device.
 TEST(ChooseHidDevice, AnotherInterfaceOfADeviceIsNoTwin) {
   HidDescription keys = wooden("/dev/hidraw1", "A");
   keys.usage_page = 1;

@@ -1,4 +1,4 @@
-// The bytes of the tables in docs/hid.md that the maker's side in C does not look at.
+// The bytes of the tables in docs/hid.md that the C code for the maker's side does not read.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ TEST(HaptonHidBytes, AFeatureReportOfAnotherNumberIsRejected) {
   ASSERT_TRUE(decode_names(report));
   report[0] = kLimitsId;
   EXPECT_FALSE(decode_names(report));
-  // All that makes sense, but its number.
+  // Limits that are all valid; only the number of the report is changed below.
   std::vector<std::uint8_t> limits(kLimitsBytes);
   limits[0] = kLimitsId;
   limits[1] = kVersion;

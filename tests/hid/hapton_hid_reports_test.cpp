@@ -118,7 +118,7 @@ TEST(HaptonHidReports, ImpossibleLimitsAreRejectedWithAReason) {
             "taken");
 }
 
-// Each number at the edge of what is allowed, as the report has it.
+// Each number at the edge of what is allowed, in the units of the report.
 TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
   struct Row {
     std::size_t at, bytes;
@@ -128,7 +128,7 @@ TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
   const Row rows[] = {{8, 2, 100, 99, "99 times a second"},
                       {10, 2, 5, 4, "watchdog takes 4 ms"},
                       {10, 2, 100, 101, "watchdog takes 101 ms"},
-                      {24, 4, -999'999, -1'000'000, "its workspace is 0 x"},  // the other end is at -0.1 m
+                      {24, 4, -999'999, -1'000'000, "its workspace is 0 x"},  // the other end of the workspace is at -0.1 m
                       {12, 4, -15'000'000, -15'000'001, "its workspace is 3 x"},
                       {36, 4, 200'000'000, 200'000'001, "force limits are 200 N"},
                       {36, 4, 2'250'000, 2'249'999, "and 2.25 N (continuous)"},
@@ -140,7 +140,7 @@ TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
   for (const Row& row : rows) {
     const auto decoded_with = [&](std::int64_t value) {
       Bytes report = feature(kLimitsId);
-      // A workspace of 1.5 m to the other side, where its size is the question.
+      // The rows that test the size of the workspace have its other end at 1.5 m.
       if (row.at == 12) {
         for (std::size_t n = 0; n < 4; ++n) report[24 + n] = static_cast<std::uint8_t>(15'000'000 >> (8 * n));
       }
@@ -184,7 +184,7 @@ TEST(HaptonHidReports, EachBitOfAnAbilityAndOfTheStatusIsItsOwn) {
     EXPECT_EQ(state->is_hot, bits == 16);
     EXPECT_EQ(state->has_fault, bits == 32);
   }
-  // A temperature in parts of 200; the length of a rotation to one in a hundred.
+  // The temperature is in steps of 1/200; the length of a rotation's quaternion must be 1 within 1 %.
   for (const int temperature : {0, 100, 254}) {
     report[34] = static_cast<std::uint8_t>(temperature);
     EXPECT_DOUBLE_EQ(decode_state(report)->temperature, temperature / 200.0);
@@ -220,7 +220,7 @@ TEST(HaptonHidReports, AStateComesThroughWithinItsResolution) {
     for (int n = 0; n < 4; ++n) measured.orientation[n] = static_cast<float>(q.coeffs()[n]);
     measured.is_held = turn % 2 == 0;
     measured.is_hot = turn % 3 == 0;
-    measured.has_fault = turn == 500;  // and stays
+    measured.has_fault = turn == 500;  // from then on the device keeps the fault
     measured.buttons = static_cast<std::uint32_t>(random());
     measured.temperature = turn % 7 == 0 ? -1.0f : 0.5f;
     Bytes report(kStateBytes);
@@ -441,7 +441,7 @@ std::string read_document() {
   return text.str();
 }
 
-// From a line on to the next one that begins in the same way.
+// The text from this heading to the next heading of the second level ("## ").
 std::string section(const std::string& text, const std::string& heading) {
   const std::size_t begin = text.find("\n" + heading);
   if (begin == std::string::npos) return {};

@@ -39,13 +39,13 @@ TEST(HidLayout, OfHaptonHidIsThatOfItsReports) {
 }
 
 TEST(HidLayout, KnowsTheUsagesOfAllTopLevelCollections) {
-  // A mouse (1/2) and a multi-axis controller (1/8) in one interface; the second by a usage of four bytes. What is nested does not count.
+  // A mouse (1/2) and a multi-axis controller (1/8) in one interface; the second one's usage has 4 bytes. Nested collections do not count.
   const Bytes descriptor = {0x05, 0x01, 0x09, 0x02, 0xA1, 0x01, 0x09, 0x01, 0xA1, 0x00,
                             0xC0, 0xC0, 0x0B, 0x08, 0x00, 0x01, 0x00, 0xA1, 0x01, 0xC0};
   EXPECT_THAT(read_hid_layout(descriptor).applications, ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
 }
 
-// A collection may be given several usages; the first is its own. One that is only physical is not an application.
+// A collection may be given several usages; the first one is its own. A collection that is only physical is not an application.
 TEST(HidLayout, AnApplicationHasTheFirstUsageAndAPhysicalCollectionNone) {
   EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0x09, 0x02, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 8}));
@@ -70,7 +70,7 @@ Bytes repeated(const Bytes& item, std::size_t times) {
   return all;
 }
 
-// What was said for a report, or in a collection, is not said of the next one.
+// A usage stated for a report, or inside a collection, does not apply to the next collection.
 TEST(HidLayout, AUsageHoldsUntilTheNextMainItem) {
   for (const std::uint8_t report : Bytes{0x81, 0x91, 0xB1}) {
     EXPECT_TRUE(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, report, 0x02, 0xA1, 0x01, 0xC0}).applications.empty()) << int{report};
@@ -78,17 +78,17 @@ TEST(HidLayout, AUsageHoldsUntilTheNextMainItem) {
                 ElementsAre(HidLayout::Usage{1, 2}))
         << int{report};
   }
-  // Another collection follows: it has none, or one of its own.
+  // Another collection follows, which has no usage, or one of its own.
   const Bytes first = {0x05, 0x01, 0x09, 0x02, 0xA1, 0x01, 0x09, 0x08, 0xC0};
   EXPECT_THAT(read_hid_layout(Bytes(first) + Bytes{0xA1, 0x01, 0xC0}).applications, ElementsAre(HidLayout::Usage{1, 2}));
   EXPECT_THAT(read_hid_layout(Bytes(first) + Bytes{0x09, 0x08, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
-  // A limit is not a main item.
+  // A logical minimum (0x15) is not a main item.
   EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0x15, 0x00, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 8}));
 }
 
-// Of two bytes all are the usage; beyond, the upper two are the page.
+// A usage of two bytes is only the usage; in one of four bytes the upper two are the page.
 TEST(HidLayout, AUsageOfFourBytesHasItsPage) {
   EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x0A, 0xFF, 0xFF, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 0xFFFF}));
@@ -107,7 +107,7 @@ TEST(HidLayout, AReportHasWholeBytes) {
   }
 }
 
-// Of 64 KiB at most: what says more is flawed there.
+// A report has 64 KiB at most. Reading ends at the item with which it would have more.
 TEST(HidLayout, AReportHasAMostSize) {
   const Bytes size = {0x76, 0x00, 0x80};  // 32,768 bits
   EXPECT_THAT(read_hid_layout(size + Bytes{0x95, 16, 0x81, 0x02} + kMouse).reports, ElementsAre(HidLayout::Report{0, 65'536, 0, 0}));

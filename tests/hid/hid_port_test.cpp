@@ -119,7 +119,7 @@ TEST(HidPort, AFailedWriteClosesAndReopensTheDevice) {
   EXPECT_EQ(listener.gone, 1);
 }
 
-// It is looked for four times a second, for hours.
+// The port looks for the device four times a second, possibly for hours.
 TEST(HidPort, SaysOnceForEachReasonWhyItIsNotFound) {
   start_log("test");
   testing::internal::CaptureStderr();

@@ -15,8 +15,8 @@
 namespace hapton {
 namespace {
 
-// The devices of this machine are unknown; the guest of deploy/hid-test has devices. Here: that it replies, and that errors are one
-// line.
+// Which devices this machine has is not known; the guest of deploy/hid-test has devices. These tests check that the calls return, and that
+// each error is one line.
 TEST(HidapiTransport, ListsWhatThereIsWithoutPermissions) {
   for (const HidDescription& device : list_hid_devices()) EXPECT_EQ(device.path.rfind("/dev/", 0), 0U);
 }
@@ -36,7 +36,7 @@ TEST(HidapiTransport, ReadsTheDescriptorOfTheNodesOwnName) {
   EXPECT_EQ(bytes_of("/dev/hidraw2"), 0U) << "it may be unplugged by now";
 }
 
-// Otherwise each signal would count as unplugged, and the force would be released.
+// Otherwise each signal would be taken for an unplugged device, and the force would be released.
 TEST(HidapiTransport, ASignalDuringAReadDoesNotCountAsUnplugged) {
   const auto outcome = [](int returned, int error) { return to_hid_read(returned, error).outcome; };
   EXPECT_EQ(outcome(-1, EINTR), HidIo::nothing);
@@ -58,7 +58,7 @@ TEST(HidapiTransport, ANodeThatIsNotThereIsAnErrorInOneLineAtOnce) {
   EXPECT_EQ(opened.error().what.find('\n'), std::string::npos);
 }
 
-// It may be read and written, but is not a device: nothing changes by waiting.
+// The file may be read and written, but is not a device: waiting would not change that.
 TEST(HidapiTransport, AFileThatIsNoDeviceIsNotDenied) {
   const ScratchFolder folder;
   HidDescription device;
@@ -68,7 +68,7 @@ TEST(HidapiTransport, AFileThatIsNoDeviceIsNotDenied) {
   EXPECT_EQ(opened.error().what.rfind(device.path + ": it cannot be opened: ", 0), 0U) << opened.error().what;
 }
 
-// udev grants access a moment after a device is there: it is awaited for a second, and then the rules are missing.
+// udev grants access a moment after a device appears. Opening waits for that for a second, and then reports that the rules are missing.
 TEST(HidapiTransport, ADeniedNodeIsTriedForASecondAndThenNamesTheRules) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto open_as_nobody = [] {

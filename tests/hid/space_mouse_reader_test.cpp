@@ -36,7 +36,7 @@ TEST(SpaceMouseReader, ReportsTheCapUntilItIsUnpluggedAndAgainAfterwards) {
   EXPECT_TRUE(reader.is_there());
 }
 
-// All that waits when it is read.
+// A device all of whose reports are there before the first read.
 class PrefilledHid final : public HidTransport {
  public:
   explicit PrefilledHid(std::deque<FakeHid::Bytes> reports) : reports_(std::move(reports)) {

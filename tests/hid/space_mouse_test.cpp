@@ -37,7 +37,7 @@ TEST(SpaceMouseDecoder, NewerOnesSayAllSixAxesInOneReport) {
   expect_near(decoder.state(kNow).turn, Vec3(1, 0, 0));
 }
 
-// The device's axes: x right, y to the person, z down to the desk.
+// Axes of the device: x to the right, y towards the person, z down towards the desk.
 TEST(SpaceMouseDecoder, UpIsUpAndTowardsThePersonIsZ) {
   SpaceMouseDecoder decoder;
   decoder.take(report(1, {0, 0, -350}), kNow);

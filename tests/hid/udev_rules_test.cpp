@@ -1,4 +1,4 @@
-// deploy/udev/70-hapton.rules beside the catalogue: no device that we know lacks a rule.
+// deploy/udev/70-hapton.rules has a rule for each device in the catalogue.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -23,14 +23,14 @@ std::vector<std::string> read_rules() {
   return rules;
 }
 
-// "0003:256F:C635.", as the kernel calls a USB HID device but for a number.
+// "0003:256F:C635.": the name that the kernel gives a USB HID device, without the number at its end.
 std::string kernel_name(std::uint16_t vid, std::uint16_t pid) {
   char text[16];
   std::snprintf(text, sizeof text, "0003:%04X:%04X.", vid, pid);
   return text;
 }
 
-// By its product's name, or by one for all of its vendor's: "0003:256F:*".
+// Whether a rule names this product, or all products of its vendor ("0003:256F:*").
 bool grants(const std::vector<std::string>& rules, std::uint16_t vid, std::uint16_t pid) {
   const std::string name = kernel_name(vid, pid);
   for (const std::string& rule : rules) {
@@ -50,13 +50,13 @@ TEST(UdevRules, NameEveryDeviceOfTheCatalogue) {
   EXPECT_FALSE(grants(rules, 0x046d, 0xc077)) << "a Logitech mouse is no affair of ours";
 }
 
-// udev compares with what sysfs says: ids of USB in small letters, names of HID devices in capital ones.
+// udev compares with the text in sysfs: USB ids are in lower case, names of HID devices in upper case.
 TEST(UdevRules, WriteIdsAsTheKernelDoes) {
   static const std::regex kWrong(R"re(id(Vendor|Product)\}=="[^"]*[A-F]|000[35]:[^"]*[a-f])re");
   for (const std::string& rule : read_rules()) EXPECT_FALSE(std::regex_search(rule, kWrong)) << rule;
 }
 
-// A device that is plugged in while the package is installed: its rules hold without another replug.
+// The rules also apply to a device that is plugged in while the package is installed: nobody has to plug it in again.
 TEST(UdevRules, AreAppliedByThePackageToEverySubsystemThatTheyName) {
   std::ifstream file(std::string(HAPTON_SOURCE_DIR) + "/deploy/debian/postinst");
   std::stringstream postinst;
@@ -74,7 +74,7 @@ TEST(UdevRules, AreAppliedByThePackageToEverySubsystemThatTheyName) {
 
 class HaptonHidRule : public ::testing::Test {
  protected:
-  // What udev would run, on a descriptor of ours.
+  // Runs the program that udev would run on this descriptor. True: it recognises a Hapton HID device.
   bool recognises(std::string_view descriptor) {
     static const std::regex kProgram(R"re(PROGRAM=="([^"]*)")re");
     for (const std::string& rule : read_rules()) {

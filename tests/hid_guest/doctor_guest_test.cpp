@@ -1,4 +1,4 @@
-// The doctor on a real kernel's sysfs, with devices that come and go.
+// hapton doctor on the sysfs of a real kernel, with devices that are plugged in and unplugged.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -72,7 +72,7 @@ class Guest : public ::testing::Test {
   std::unique_ptr<WallHaptics> haptics_;
 };
 
-// From zero, in steps, to the earlier force: no jump to it.
+// The force ramps up from zero to the earlier force in steps, without a jump.
 void expect_ramp(const std::vector<Vec3>& received, const Vec3& full) {
   ASSERT_FALSE(received.empty());
   EXPECT_LT(received.front().norm(), 0.05 * full.norm());
@@ -88,13 +88,13 @@ void write_event(const UhidDevice& device) {
 
 class GuestWithWooden : public Guest {
  protected:
-  // The force of the wall and the arm's own weight, at the counts it has now.
+  // Motor currents for the force of the wall and the arm's own weight, at the arm's present encoder counts.
   static Vec3 expected_ma(const VirtualWooden& device, double force_z_n) {
     const WoodenKinematics arm{WoodenArm{}};
     const Vec3 angles = arm.angles_rad(device.counts());
     return 1e3 * arm.motor_current_a(arm.gravity_torque_nm(angles) + arm.joint_torque_nm(angles, Vec3(force_z_n, 0, 0)));
   }
-  // W's z is the base's x.
+  // The z axis of W is the x axis of the arm's base.
   static double z_of(const VirtualWooden& device) {
     const WoodenKinematics arm{WoodenArm{}};
     return arm.position_m(arm.angles_rad(device.counts())).x();
@@ -110,7 +110,7 @@ TEST_F(GuestWithWooden, IsFoundTouchedUnpluggedInContactAndTouchedAgain) {
   touch_a_wall(wall_z_m);
   ASSERT_TRUE(receives_more(100));
   EXPECT_NEAR(p().z(), z_of(device), 1e-9);
-  // Into the wall, slowly, 6 mm.
+  // Moves slowly towards and into the wall, by about 6 mm.
   const double outside_deg = 35.0;
   for (double in_deg = 0.0; in_deg <= 2.0; in_deg += 0.02) {
     device.lean(outside_deg - in_deg);

@@ -30,7 +30,7 @@ class UhidDevice {
 
   void plug_in();
   void unplug();
-  // Of all the time.
+  // Reports since construction, over all times at which it was plugged in.
   std::uint64_t inputs() const { return inputs_; }
   std::uint64_t outputs() const { return outputs_; }
 

@@ -13,7 +13,7 @@ Bytes wooden_descriptor(std::uint8_t bytes) {
           0x00, 0x95, bytes, 0x09, 0x01, 0x81, 0x02, 0x95, bytes, 0x09, 0x02, 0x91, 0x02, 0xC0};
 }
 
-// The SpaceNavigator's: page 1, usage 8; report 1 translations, 2 rotations, 3 two buttons.
+// The descriptor of a SpaceNavigator: page 1, usage 8; report 1 has translations, report 2 rotations, report 3 two buttons.
 const Bytes kSpaceMouseDescriptor = {
     0x05, 0x01, 0x09, 0x08, 0xA1, 0x01,                                                                          //
     0xA1, 0x00, 0x85, 0x01, 0x16, 0xA2, 0xFE, 0x26, 0x5E, 0x01, 0x36, 0x88, 0xFA, 0x46, 0x78, 0x05, 0x55, 0x0C,  //
@@ -67,7 +67,7 @@ std::vector<Bytes> VirtualWooden::make_inputs(std::uint32_t) {
   return {report};
 }
 
-// hidraw hands the leading 0 of a report without number on to uhid; USB would not.
+// hidraw passes on to uhid the leading 0 of a report without a number; over USB a device would not get it.
 void VirtualWooden::take_output(const Bytes& report, std::uint32_t) {
   const std::size_t size = has_wrist_ ? 14 : 8;
   if (report.size() != size && report.size() != size + 1) return;

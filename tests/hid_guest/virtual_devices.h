@@ -6,7 +6,7 @@
 
 namespace hapton::guest {
 
-// The commands to a virtual device's motors since it was plugged in, in the order of its reports.
+// The commands that the motors of a virtual device have got since the last clear(), in the order of arrival.
 class ReceivedForces {
  public:
   void clear() {
@@ -31,17 +31,17 @@ class ReceivedForces {
   std::vector<Vec3> received_;
 };
 
-// WoodenHaptics as its firmware presents itself, with 3 or 6 encoders. The upper arm leans 40 degrees, the column does not move.
+// WoodenHaptics as its firmware presents it, with 3 or 6 encoders. The upper arm leans 40 degrees, the column does not move.
 class VirtualWooden final : public UhidDevice {
  public:
   explicit VirtualWooden(bool has_wrist);
   ~VirtualWooden() override { unplug(); }
 
-  // The lower arm's angle against the vertical.
+  // Sets the angle of the lower arm from the vertical.
   void lean(double degrees) { degrees_ = degrees; }
   // The encoders' counts of the three bodies.
   std::array<std::int16_t, 3> counts() const;
-  // Currents in mA.
+  // The motor currents, mA.
   const ReceivedForces& received() const { return received_; }
   void forget() { received_.clear(); }
 
@@ -56,7 +56,7 @@ class VirtualWooden final : public UhidDevice {
   ReceivedForces received_;
 };
 
-// A Hapton HID device made of docs/hid/hapton_hid_device.c.
+// A Hapton HID device that runs docs/hid/hapton_hid_device.c.
 class VirtualHaptonHid final : public UhidDevice {
  public:
   static constexpr int kWatchdogMs = 100;
@@ -66,9 +66,9 @@ class VirtualHaptonHid final : public UhidDevice {
   ~VirtualHaptonHid() override { unplug(); }
 
   void move_to(double z_m) { z_m_ = z_m; }
-  // Whether its motors are on, as of its newest state.
+  // Whether its motors were on when it made its newest state.
   bool is_on() const { return is_on_; }
-  // What its motors do, N.
+  // The forces of its motors, N.
   const ReceivedForces& received() const { return received_; }
   void forget() { received_.clear(); }
 
@@ -84,7 +84,7 @@ class VirtualHaptonHid final : public UhidDevice {
   ReceivedForces received_;
 };
 
-// A SpaceMouse with a settable cap: 16 ms a report, translations and rotations alternating.
+// A SpaceMouse with a settable cap. Every 16 ms it reports translations, then rotations, then buttons.
 class VirtualSpaceMouse final : public UhidDevice {
  public:
   VirtualSpaceMouse();
