@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kMsNs = 1'000'000;
 
-// Samples a millisecond apart.
+// A hand whose samples are a millisecond apart.
 class Hand {
  public:
   explicit Hand(Clutch& clutch) : clutch_(clutch) {}
@@ -39,7 +39,7 @@ TEST(Clutch, ThePointStandsStillWhileItIsHeldAndGoesOnFromThere) {
   Vec3 felt = Vec3::Zero();
   for (int n = 0; n < 50; ++n) felt = hand.at({1e-3 * n, 0, 0}, 1).p_WD;
   EXPECT_EQ(felt, Vec3(0.049, 0, 0));
-  // Down at the sample at 50 mm; back to the left, and up.
+  // The clutch button goes down at the sample at 50 mm; the hand moves back to the left, and releases the button.
   EXPECT_EQ(hand.at({0.05, 0, 0}, 3).p_WD, Vec3(0.05, 0, 0));
   for (int n = 0; n < 100; ++n) EXPECT_EQ(hand.at({0.05 - 1e-3 * n, 0.02, 0}, 2).p_WD, Vec3(0.05, 0, 0));
   EXPECT_EQ(hand.at({-0.05, 0.02, 0}, 0).p_WD, Vec3(0.05, 0, 0)) << "the release itself moves nothing";
@@ -93,7 +93,7 @@ TEST(Clutch, TheOrientationFollowsTheHand) {
   EXPECT_EQ(clutch.move({.time_ns = 2 * kMsNs, .q_WT = turned, .buttons = 1}).q_WT.coeffs(), turned.coeffs());
 }
 
-// The governor has latched a fault by then; nothing of it stays in the offset.
+// The governor has latched a fault by then; the bad position leaves nothing in the offset.
 TEST(Clutch, APositionThatIsNotFiniteStaysAndIsForgotten) {
   Clutch clutch(1);
   Hand hand(clutch);

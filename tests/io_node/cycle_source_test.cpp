@@ -19,7 +19,7 @@ TEST_F(NetworkLoops, ACycleThatComesTooLateSkipsWholePeriodsAndCountsThem) {
   const std::int64_t before = device.reads.back();
   clock.advance_ns(7 * kMs + 300 * kUs);
   run(5);
-  // A cycle is over when its force is written, 100 us after its tick: the next tick was missed by 6.4 ms.
+  // A cycle ends when its force is written, 100 us after its tick, so the loop is 6.4 ms late for the next tick.
   EXPECT_EQ(stats().missed_cycles, 6U);
   EXPECT_EQ(stats().wake_lateness.max_ns(), 6400 * kUs);
   const std::size_t n = device.reads.size();
@@ -36,7 +36,7 @@ TEST_F(NetworkLoops, EveryMissedCycleHasItsCause) {
   device.slow_read_ns = 3 * kMs;
   run(5);
   EXPECT_EQ(missed_by(stats(), MissCause::device_slow), 2U);
-  clock.advance_ns(3 * kMs);  // between a cycle's force and the wait for the next tick
+  clock.advance_ns(3 * kMs);  // the time passes between a cycle's force and the wait for the next tick
   run(5);
   EXPECT_EQ(missed_by(stats(), MissCause::work_long), 2U);
   clock.advance_ns(30 * kMs);
@@ -51,7 +51,7 @@ TEST_F(NetworkLoops, OfAFloodNoMoreIsHandledThanTheBudgetOfACycle) {
     explicit Flood(SimulatedClock& c) : clock(c) {}
     bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
     Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
-      if (++taken > 100'000) clock.sleep_until_ns(deadline_ns);  // without a budget the test ends, too
+      if (++taken > 100'000) clock.sleep_until_ns(deadline_ns);  // so that the test ends even if no budget limits the loop
       into.front() = std::byte{0};
       return {.bytes = 1, .from = {}};
     }
@@ -131,7 +131,7 @@ TEST_F(NetworkLoops, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
   for (int n = 0; n < 3000; ++n) alone.step();
   const ServoStats& measured = alone.collect_stats();
   EXPECT_LT(measured.wake_lateness.quantile_ns(0.5), 1000.0);
-  EXPECT_GT(measured.wake_lateness.max_ns(), 19 * kUs);  // before it had learnt
+  EXPECT_GT(measured.wake_lateness.max_ns(), 19 * kUs);  // before the loop had learnt to wake early
   EXPECT_GT(alone.spin().spun_ns(), 0);
   EXPECT_LT(alone.spin().spun_ns(), 3000 * 20 * kUs);
   EXPECT_EQ(measured.missed_cycles, 0U);
@@ -148,7 +148,7 @@ TEST_F(NetworkLoops, CatchingUpRunsEveryMissedCycleAtOnce) {
   EXPECT_EQ(stats().missed_cycles, 0U);
   EXPECT_EQ(missed_by(stats(), MissCause::work_long), stats().caught_up_cycles);
   EXPECT_GE(stats().caught_up_cycles, 4U);
-  // On time again, and none was left out.
+  // The loop is on time again, and no cycle was left out.
   EXPECT_EQ(device.reads.back(), next_tick_ns + static_cast<std::int64_t>(device.reads.size() - 1 - before) * kMs);
 }
 
@@ -174,7 +174,7 @@ TEST_F(NetworkLoops, AFloodOfRubbishDoesNotHoldUpTheLoop) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
-  // More than a late loop handles in a cycle, all of it there already, while the clock does not advance.
+  // More datagrams than a late loop handles in a cycle. All of them are there already, and the clock does not advance meanwhile.
   const std::byte rubbish[] = {std::byte{1}, std::byte{2}, std::byte{3}};
   clock.advance_ns(5 * kMs);
   for (int n = 0; n < 500; ++n) endpoint.arrive_raw(clock.now_ns(), at(66), rubbish);

@@ -1,4 +1,4 @@
-// What a person gives io_node to protect the hand is in force: a flag that is lost on the way is noticed by nobody else.
+// The limits that a person gives io_node to protect the hand take effect: nothing else would notice a flag that is lost on the way.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ class SteadyPusher {
 
   std::atomic<bool> stop_{false};
   std::atomic<int> replies_{0};
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // declared last, because it uses the others
 };
 
 struct DeviceHubLimits : testing::Test {
@@ -94,7 +94,7 @@ struct DeviceHubLimits : testing::Test {
     EXPECT_TRUE(hub && (*hub)->run(stop));
     return report();
   }
-  // Of a run in which a haptics node has given that many replies with this wrench.
+  // The report of a run in which a haptics node has replied at least 300 times with this wrench.
   nlohmann::json report_while_pushed(const Wrench& wrench) {
     StopSignal stop;
     const auto hub = DeviceHub::open(options, clock);
@@ -162,7 +162,7 @@ TEST_F(DeviceHubLimits, AForceRisesNoFasterThanItsLimit) {
   EXPECT_LE(note(pushed, "max_force_written_n"), 1.0 * pushed.at("seconds").get<double>() + 1e-3);
 }
 
-// The recording goes where the force pushes it.
+// The recorded hand moves in the direction of the force, so the force gives it energy in every cycle.
 TEST_F(DeviceHubLimits, ThePassivityControllerIsOnWhereAMassIsGiven) {
   replay(0);
   for (const double mass_kg : {0.0, 0.075}) {

@@ -79,7 +79,7 @@ TEST_F(DeviceHubs, DescribeWhatTheyRun) {
   EXPECT_THAT((*hub)->describe(), HasSubstr("2000 Hz, at most 1.50 N, seed 42"));
 }
 
-// A limit is only ever tightened; what asks for more is told so.
+// Limits can only be tightened; the log warns where a larger limit than the device's own is requested.
 TEST_F(DeviceHubs, WarnOfALimitAboveTheDevicesOwn) {
   const auto log_of = [&](double max_force_n, double max_slew_n_per_s) {
     options.device.max_force_n = max_force_n;
@@ -106,7 +106,7 @@ TEST_F(DeviceHubs, ServeMetricsOnlyWhereTheyAreWanted) {
   };
   EXPECT_THAT(log_of(""), Not(HasSubstr("metrics")));
   EXPECT_THAT(log_of("127.0.0.1:0"), HasSubstr("metrics at http://127.0.0.1:"));
-  options.metrics = "9464";  // a port, or an address?
+  options.metrics = "9464";  // it is not clear whether this is a port or an address
   EXPECT_FALSE(DeviceHub::open(options, clock));
 }
 

@@ -1,4 +1,4 @@
-// A torque is released as a force is, and what is measured of a release.
+// A torque is released in the same way as a force; and what the statistics say about a release.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace {
 const Wrench kTurningAlone = {.torque_nm = Vec3(0.1, 0.0, 0.0)};
 const Wrench kPressingAlone = {.force_n = Vec3(0.0, 0.0, 2.0)};
 
-// Has motors that turn the stylus, too. It does not move, and records what is written.
+// A device whose motors turn the stylus, too. It does not move, and records what is written.
 class TurningDevice final : public Device {
  public:
   TurningDevice() {
@@ -41,7 +41,7 @@ class TurningDevice final : public Device {
 
 struct DeviceLoopReleases : testing::Test {
   void make(const DeviceLoop::Options& options = {}) { loop = std::make_unique<DeviceLoop>(device, clock, options); }
-  // Each a millisecond, with this reply to its sample.
+  // Runs cycles of a millisecond each; each sample gets this reply.
   void run(int cycles, const std::optional<Wrench>& reply) {
     for (int n = 0; n < cycles; ++n) {
       clock.sleep_until_ns(loop->tick_ns());
@@ -61,7 +61,7 @@ struct DeviceLoopReleases : testing::Test {
   DeviceCycle newest;
 };
 
-// With no force beside it that changes as well.
+// Only the torque changes: the force is zero all the time.
 TEST_F(DeviceLoopReleases, ATorqueAloneIsReleasedInTime) {
   make();
   run(200, kTurningAlone);
@@ -120,11 +120,11 @@ TEST_F(DeviceLoopReleases, TheOneAtTheEndOfTheSessionIsIntendedAndNotCounted) {
   EXPECT_EQ(loop->collect_stats().governor.counters.command_timeouts, 0U);
 }
 
-// Otherwise whoever watches its age would leave it on the motors.
+// Otherwise a watchdog that goes by the age of the force on the motors would not cut it off in time.
 TEST_F(DeviceLoopReleases, AForceThatIsRejectedMakesTheOneOnTheMotorsNoYounger) {
   make();
   run(200, kPressingAlone);
-  loop->post({kPressingAlone, clock.now_ns() + 50 * kMs});  // of a sample that was not taken
+  loop->post({kPressingAlone, clock.now_ns() + 50 * kMs});  // replies to a sample that was never taken
   EXPECT_EQ(loop->collect_stats().governor.counters.rejected_future, 1U);
   EXPECT_EQ(loop->force_sample_ns(), newest.sample.time_ns);
 }

@@ -1,4 +1,4 @@
-// Where a force comes from, when it is of, and who else holds the device, in the loop of the device.
+// Where a force comes from, the sample of which time it belongs to, and who else holds the device, in the device loop.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-// Does not move. It may take its time to be read, and within_write is called once, in the middle of the next write.
+// A device that does not move. A read takes read_takes_ns; within_write is called once, in the middle of the next write.
 class TimedDevice final : public Device {
  public:
   explicit TimedDevice(SimulatedClock& clock) : clock_(clock) {
@@ -47,7 +47,7 @@ class TimedDevice final : public Device {
   DeviceLimits limits_;
 };
 
-// The force of the device side, as the test gives it.
+// The force of the device side, which the test sets.
 struct GivenTouch final : LocalTouch {
   std::optional<LocalForce> step(const DeviceSample&) noexcept override { return force; }
   std::optional<LocalForce> force;
@@ -65,7 +65,7 @@ struct DeviceLoopSources : testing::Test {
       if (reply_n) loop->post({{.force_n = *reply_n}, newest.sample.time_ns});
     }
   }
-  // By a patch that gives 2 N.
+  // Presses until a patch gives 2 N.
   void press_by_patch() {
     make();
     loop->set_local_touch(&local);
@@ -83,7 +83,7 @@ struct DeviceLoopSources : testing::Test {
   static constexpr double kShareOfAStep = 1e-3 / ForceFade::kInContactS;
 };
 
-// The governor alone would let it rise by 2 N at once.
+// The governor alone would let the force rise by up to 2 N in one cycle.
 TEST_F(DeviceLoopSources, WhereAnotherPatchTakesOverTheDifferenceFades) {
   ASSERT_NO_FATAL_FAILURE(press_by_patch());
   local.force->force_n.z() = 3.0;
@@ -97,7 +97,7 @@ TEST_F(DeviceLoopSources, WhereAnotherPatchTakesOverTheDifferenceFades) {
   EXPECT_NEAR(force_n(), 3.0, 1e-9);
 }
 
-// The same where the two are known for one sample: just their difference fades.
+// As before, but the forces of both patches are known for one sample: only the difference between these two fades.
 TEST_F(DeviceLoopSources, AKnownDifferenceOfTwoPatchesFades) {
   ASSERT_NO_FATAL_FAILURE(press_by_patch());
   local.force->force_n.z() = 3.0;
@@ -109,7 +109,7 @@ TEST_F(DeviceLoopSources, AKnownDifferenceOfTwoPatchesFades) {
   EXPECT_NEAR(force_n(), 3.0, 1e-9);
 }
 
-// How long it was read is not how old its force is.
+// The time that reading takes does not count in the age of the force.
 TEST_F(DeviceLoopSources, ASampleIsOfTheTimeAtWhichTheDeviceReturnedIt) {
   make();
   device.read_takes_ns = 300 * kUs;
@@ -118,8 +118,8 @@ TEST_F(DeviceLoopSources, ASampleIsOfTheTimeAtWhichTheDeviceReturnedIt) {
   EXPECT_EQ(loop->collect_stats().device_read.max_ns(), 300 * kUs);
 }
 
-// Its thread sleeps to the tick that it knew before the cycle: earlier ones of a higher rate would all count as missed, and end a session
-// with --overrun stop.
+// The device thread sleeps until the tick that it knew before the cycle. Earlier ticks, of a higher rate, would all count as missed, and
+// end a session with --overrun stop.
 TEST_F(DeviceLoopSources, AHigherRateBeginsAtTheNextTickAndMissesNone) {
   loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{.rate_hz = 250.0, .overrun = OverrunPolicy::stop});
   run(2);
@@ -127,7 +127,7 @@ TEST_F(DeviceLoopSources, AHigherRateBeginsAtTheNextTickAndMissesNone) {
   loop->begin_cycle();
   const std::int64_t wake_ns = loop->wake_after_next_ns();
   loop->set_rate_hz(10'000.0);
-  clock.advance_ns(3 * kMs);  // late, but not by a period of its rate
+  clock.advance_ns(3 * kMs);  // late, but by less than a period at 250 Hz
   ASSERT_TRUE(loop->run_cycle());
   EXPECT_EQ(loop->tick_ns(), wake_ns);
   EXPECT_EQ(loop->collect_stats().rate_hz, 10'000.0);
@@ -141,7 +141,7 @@ TEST_F(DeviceLoopSources, AHigherRateBeginsAtTheNextTickAndMissesNone) {
   EXPECT_FALSE(loop->has_overrun());
 }
 
-// The session ends while the network side is displaced in the middle of a write, and does not come back.
+// The session ends while the network side is preempted in the middle of a write, and does not continue.
 TEST_F(DeviceLoopSources, AtTheEndANetworkSideThatIsStuckDoesNotKeepTheForceEither) {
   for (const bool finishes : {false, true}) {
     make();

@@ -20,7 +20,7 @@
 namespace hapton {
 namespace {
 
-// Does not move, and records its calls. within_write is called in the middle of a write.
+// A device that does not move and records its calls. within_write is called in the middle of a write.
 class StillDevice final : public Device {
  public:
   StillDevice() {
@@ -60,7 +60,7 @@ class StillDevice final : public Device {
 };
 
 struct DeviceLoops : testing::Test {
-  // A cycle at its tick, and after that a force for its sample.
+  // Runs a cycle at its tick; then a force for its sample comes.
   void cycle(const std::optional<Vec3>& force_n) {
     clock.sleep_until_ns(loop.tick_ns());
     loop.begin_cycle();
@@ -106,7 +106,7 @@ TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
   (void)held.latest();
   latch();
   device.buttons = 0;
-  held.reset_faults(ResetPresence::while_held);  // requested while the newest cycle still had it held
+  held.reset_faults(ResetPresence::while_held);  // requested while the switch was held in the newest cycle
   EXPECT_TRUE(held.latest().is_switch_held);
   run(5);
   EXPECT_NE(held.latest().governor.fault, SafetyFault::none);
@@ -164,7 +164,7 @@ TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
 }
 
-// An interruption in the middle of a write errs on the safe side: whoever watches takes the motors for still on.
+// If a write is interrupted in the middle, this errs on the safe side: whoever watches believes that the motors are still on.
 TEST_F(DeviceLoops, AForceIsAnnouncedBeforeItIsWrittenAndZeroAfterIt) {
   std::vector<std::int64_t> announced;
   device.within_write = [&] { announced.push_back(loop.force_sample_ns()); };
@@ -178,7 +178,7 @@ TEST_F(DeviceLoops, AForceIsAnnouncedBeforeItIsWrittenAndZeroAfterIt) {
   EXPECT_EQ(loop.force_sample_ns(), 0);
 }
 
-// A force late in a period: the next cycle is its own, and the one after that continues the ramp.
+// A force comes late in a period. It has used the next cycle's share of the slew limit as well; the cycle after that continues the ramp.
 TEST_F(DeviceLoops, ARampMissesNoCycleBetweenForces) {
   press();
   cycle(std::nullopt);
@@ -200,7 +200,7 @@ TEST_F(DeviceLoops, ReachesZeroInTimeByItself) {
   EXPECT_LE(loop.collect_stats().longest_release_ns, 21 * kMs);
 }
 
-// The old force used to stay for one or two cycles: the first one after a stall took it for this cycle's.
+// Earlier the old force stayed for one or two cycles: the first cycle after a stall took it for a force that had come for this cycle.
 TEST_F(DeviceLoops, TheFirstCycleAfterAStallWritesZeroBeforeItDoesAnythingElse) {
   for (const std::int64_t stall_ns : {21 * kMs, 50 * kMs, 1116 * kMs}) {
     press();
@@ -216,7 +216,7 @@ TEST_F(DeviceLoops, TheFirstCycleAfterAStallWritesZeroBeforeItDoesAnythingElse) 
 
 TEST_F(DeviceLoops, ALateForceIsNotHeldForLonger) {
   press();
-  // Forces come 15 ms after their samples, then none any more.
+  // Forces come 15 ms after their samples, and then no more forces come.
   std::vector<std::int64_t> samples;
   std::int64_t last_sample_ns = 0;
   for (int n = 0; n < 100; ++n) {
@@ -232,7 +232,7 @@ TEST_F(DeviceLoops, ALateForceIsNotHeldForLonger) {
   EXPECT_LE(clock.now_ns() - last_sample_ns, 21 * kMs);
 }
 
-// The network side is displaced in the middle of a write and does not come back: the device side neither waits nor fails.
+// The network side is preempted in the middle of a write and does not continue: the device side neither waits nor fails.
 TEST_F(DeviceLoops, ANetworkSideStuckInTheMiddleOfAWriteDoesNotKeepTheForce) {
   press();
   const std::int64_t sample_ns = newest.sample.time_ns;
@@ -250,7 +250,7 @@ TEST_F(DeviceLoops, ANetworkSideStuckInTheMiddleOfAWriteDoesNotKeepTheForce) {
   EXPECT_LE(turns, 21);
   EXPECT_EQ(device.force_n(), 0.0);
   EXPECT_EQ(loop.collect_stats().cuts, 1U);
-  // It comes back after all: no jump, and a ramp once forces come again.
+  // The network side continues after all: the force does not jump, and ramps up once forces come again.
   for (int n = 0; n < 3; ++n) cycle(std::nullopt);
   EXPECT_FALSE(device.is_cut);
   EXPECT_EQ(device.force_n(), 0.0);
@@ -275,7 +275,7 @@ TEST_F(DeviceLoops, AForcePostedWhileACycleRunsIsServedAtItsEnd) {
   std::uint64_t number = 0;
   clock.sleep_until_ns(loop.tick_ns());
   loop.begin_cycle();
-  clock.advance_ns(25 * kMs);  // the cycle begins with a write: the release
+  clock.advance_ns(25 * kMs);  // so the cycle begins with a write, which releases the force
   device.within_write = [&] {
     device.within_write = nullptr;
     number = loop.post({{.force_n = Vec3(0, 0, 2)}, clock.now_ns() - 1});
@@ -317,7 +317,7 @@ TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) 
   EXPECT_EQ(loop.collect_stats().cycles_unreported, DeviceLoop::kCyclesKept);
 }
 
-// Forces fade, and come back without a step larger than the fade; the reported device stands still meanwhile.
+// The force fades out, and comes back without a step larger than that of the fade; the reported device point stands still meanwhile.
 TEST_F(DeviceLoops, TheClutchTakesTheForceAwayAndMovesTheDevice) {
   DeviceLoop clutched(device, clock, {.clutch_button = 2});
   const auto cycle_with = [&](const Vec3& force_n) {
@@ -356,8 +356,8 @@ TEST_F(DeviceLoops, TheClutchTakesTheForceAwayAndMovesTheDevice) {
   EXPECT_LT((newest.sample.p_WD - place - Vec3(9e-4, 0, 0)).norm(), 1e-12);
 }
 
-// The governor guards the hardware: the end of its workspace is where the device is, not where the clutch has moved it.
-// What the hand of a simulated device shall reach is said in the frame of the scene.
+// What the hand of a simulated device aims at is given in the frame of the scene. The device gets it in its own frame, where the clutch has
+// moved nothing.
 TEST_F(DeviceLoops, TheClutchMovesWhatTheHandAimsAt) {
   DeviceLoop clutched(device, clock, {.clutch_button = 1});
   const auto run = [&](const Vec3& place, std::uint32_t buttons) {
@@ -380,7 +380,7 @@ TEST_F(DeviceLoops, TheClutchMovesWhatTheHandAimsAt) {
   EXPECT_LT((device.aims[0] - Vec3(0.08, 0.01, 0.0)).norm(), 1e-12);
 }
 
-// A force that was released while nothing came leaves nothing to fade.
+// A force that was released while no new force came leaves nothing that could fade.
 TEST_F(DeviceLoops, AfterAPauseOfTheForceNothingOfTheOldOneFades) {
   class OneSide final : public LocalTouch {
    public:
@@ -403,7 +403,7 @@ TEST_F(DeviceLoops, AfterAPauseOfTheForceNothingOfTheOldOneFades) {
 }
 
 TEST_F(DeviceLoops, TheGovernorSeesTheDeviceWhereItIs) {
-  DeviceLoop clutched(device, clock, {.clutch_button = 1});
+  DeviceLoop clutched(device, clock, {.clutch_button = 1});  // the workspace that the governor guards is that of the device itself
   const auto run = [&](int cycles, const Vec3& force_n) {
     for (int n = 0; n < cycles; ++n) {
       clock.sleep_until_ns(clutched.tick_ns());
@@ -440,7 +440,7 @@ TEST_F(DeviceLoops, UsesNeitherHeapNorSystemCalls) {
   EXPECT_EQ(SystemCallGuard::run([] {}, [&] { press(500); }), "");
 }
 
-// Two threads, no network, and the network side stops for good: the central property of the design.
+// Two threads without a network, and the network side stops for good: the force must be released. This is the design's central property.
 TEST(DeviceThreads, ReleasesTheForceWhenTheNetworkSideStops) {
   SteadyClock clock;
   SimulatedPhantom device({});
@@ -449,7 +449,7 @@ TEST(DeviceThreads, ReleasesTheForceWhenTheNetworkSideStops) {
   ASSERT_TRUE(thread.start({.mode = RealtimeMode::off}));
   DeviceCycle cycle;
   std::uint64_t posted = 0;
-  // A busy machine may be slow; the test fails only if it never happens.
+  // A busy machine may be slow; the test fails only if the forces are not posted within 30 s.
   const std::int64_t end_ns = clock.now_ns() + 30'000 * kMs;
   while (posted <= 100 && clock.now_ns() < end_ns) {
     while (loop->take_cycle(cycle)) posted = loop->post({{.force_n = Vec3(0, 0, 1)}, cycle.sample.time_ns});
@@ -461,7 +461,7 @@ TEST(DeviceThreads, ReleasesTheForceWhenTheNetworkSideStops) {
   EXPECT_GE(loop->collect_stats().governor.counters.command_timeouts, 1U);
 }
 
-// As fast as both can: nothing is lost, nobody waits for ever, and ThreadSanitizer can check it.
+// Both threads run as fast as they can: no force is lost, no thread waits for ever, and ThreadSanitizer can check this.
 TEST(DeviceThreads, CyclesAndForcesFromTwoThreadsNeverMeetInTheDevice) {
   SteadyClock clock;
   StillDevice device;

@@ -96,7 +96,7 @@ TEST_F(DevicesFiles, TheOldNameOfTheDeadMansSwitchCountsFromZero) {
 TEST_F(DevicesFiles, TurnAboutXThenYThenZOfTheWorld) {
   const auto devices = read(kLeft + "rotation_deg = [90, 90, 0]\n");
   ASSERT_TRUE(devices) << devices.error().what;
-  // y goes to z by the first turn and to x by the second.
+  // The first turn, about x, takes y to z; the second turn, about y, takes z to x.
   EXPECT_LT((devices->front().device.X_WB * Vec3::UnitY() - Vec3::UnitX()).norm(), 1e-12);
 }
 
@@ -134,7 +134,7 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
   EXPECT_THAT(read_devices_file(scratch.path() / "none.toml", {}).error().what, HasSubstr("none.toml"));
 }
 
-// The forces of two hubs would alternate on one arm.
+// Otherwise two hubs might open the same arm, and their forces would alternate on it.
 TEST_F(DevicesFiles, TwoOfOneKindNeedIdsThatDiffer) {
   const auto pair = [](const std::string& left, const std::string& right) {
     return "[[device]]\nname = \"left\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n" + left +
@@ -149,11 +149,11 @@ TEST_F(DevicesFiles, TwoOfOneKindNeedIdsThatDiffer) {
   EXPECT_EQ(rejection(kLeft + "[[device]]\nname = \"right\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n"), "it was read");
 }
 
-// Each number at its limits is read, and just beyond them is rejected with its name.
+// Each number is read at its limits. Just beyond them it is rejected, and the error has its name.
 TEST_F(DevicesFiles, NumbersAreReadUpToTheirLimits) {
   struct Limits {
     const char* key;
-    std::string below, least, most, above;  // empty: not tried
+    std::string below, least, most, above;  // an empty text: not tried
   };
   const Limits all[] = {{"cpu", "-2", "-1", "4095", "4096"},
                         {"clutch_button", "-1", "0", "32", "33"},

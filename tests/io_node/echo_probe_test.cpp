@@ -25,7 +25,7 @@ struct Probe : testing::Test {
       endpoint.arrive_raw(clock.now_ns() + delay_ns, to, reply_to(sent));
     };
   }
-  // As BareEchoEndpoint makes it.
+  // The reply that BareEchoEndpoint would make.
   static std::vector<std::byte> reply_to(std::span<const std::byte> request) {
     std::vector<std::byte> reply(request.begin(), request.end());
     EXPECT_EQ(std::memcmp(reply.data(), kEchoRequest.data(), kEchoMarkBytes), 0);

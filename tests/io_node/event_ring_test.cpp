@@ -36,7 +36,7 @@ TEST(EventRing, FullDropsTheNewest) {
   EXPECT_EQ(event.rate_hz, 0.0);
 }
 
-// Whoever may change the rate floods the ring: the latch file must still learn of a fault.
+// A node that may change the rate can flood the ring with changes; the latch file must still learn of a latched fault.
 TEST(EventRing, ALatchedFaultAndItsResetFitWhereNothingElseDoes) {
   EventRing ring;
   for (int n = 0; n < 70; ++n) ring.push({ServoEvent::Kind::rate_changed, NodeRole::tool, {}, static_cast<double>(n), {}});

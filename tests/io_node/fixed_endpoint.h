@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// A haptics, a vision and a tool node in fixed memory: a force 50 us after each sample, now and then one of everything else.
+// A haptics, a vision and a tool node in fixed memory: each sample gets a force 50 us later; all other messages are those given to say().
 class FixedEndpoint final : public Endpoint {
  public:
   explicit FixedEndpoint(SimulatedClock& clock) : clock_(clock) {}

@@ -22,7 +22,7 @@ TEST_F(NetworkLoops, TheWholeSlewOfACycleIsThereForItsForce) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
-  force_reply.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
+  force_reply.force_n = Vec3(0, 0, 3.9);  // 1.9 N more in one cycle; the device permits 2 N
   network->step();
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(stats().governor.counters.slewed, 0U);
@@ -72,8 +72,8 @@ TEST_F(NetworkLoops, AnOvertakenForceIsNotWritten) {
   EXPECT_EQ(stats().responses.reordered, 1U);
 }
 
-// Where the device side's force ends, the haptics node goes on from its probe: what it replied before knows nothing of that, and the reply
-// after it may be another force altogether.
+// Where the force of the device side ends, the haptics node goes on from the device side's probe. Its replies from before do not know of
+// that probe, and the first reply that does may be quite another force.
 TEST_F(NetworkLoops, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   class Touching final : public LocalTouch {
    public:
@@ -107,7 +107,7 @@ TEST_F(NetworkLoops, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   EXPECT_NEAR(device.written.back().force_n.z(), 1.02, 1e-9) << "a hundredth of the difference, although four cycles passed";
 }
 
-// The haptics node saw 20 samples a second: its probe may be where the hand was before it went around an edge.
+// The haptics node got only 20 samples a second, so its own probe may still be where the hand was before it went around an edge.
 TEST_F(NetworkLoops, WhereALocalForceEndsTheHapticsNodeLearnsThatTheHandIsFree) {
   struct Free final : LocalTouch {
     std::optional<LocalForce> step(const DeviceSample&) noexcept override {
@@ -142,7 +142,7 @@ TEST_F(NetworkLoops, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   EXPECT_LT(device.written.back().force_n.z(), 0.3);
   run(120);
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
-  EXPECT_EQ(stats().responses.lost, 0U);  // they wait for the patience to end
+  EXPECT_EQ(stats().responses.lost, 0U);  // none counts as lost before kReplyTimeoutNs is over
   run(250);
   EXPECT_NEAR(static_cast<double>(stats().responses.lost), 22.0, 1.0);
 }
@@ -162,7 +162,7 @@ TEST_F(NetworkLoops, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
   EXPECT_EQ(stats().responses.lost, 0U);
 }
 
-// The device side is ahead of the network side by three cycles, twice; between the two the haptics node falls behind by a sample.
+// Twice the network side sends only the newest of three cycles. The haptics node replies to the last sample, and skips the two sent before.
 TEST_F(NetworkLoops, SamplesThatALateNetworkSideNeverSentAreNotLost) {
   make();
   join(kHaptics, NodeRole::haptics);

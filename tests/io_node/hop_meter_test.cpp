@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// A hub whose datagrams take a given time, and a node whose clock is ahead by a given offset.
+// A hub whose datagrams take given times, and a node whose clock is ahead by a given offset.
 struct Ways : testing::Test {
   SimulatedClock clock{1'000'000'000};
   MemoryNetwork network{clock};
@@ -21,7 +21,7 @@ struct Ways : testing::Test {
   std::int64_t ahead_ns = 0;
   std::uint64_t sample = 0;
 
-  // One sample there and back: 2 us to encode, out_ns on the wire, 7 us held, back_ns, 3 us to decode.
+  // One sample and its force: 2 us to encode, out_ns on the wire, 7 us in the node, back_ns on the wire, 3 us to decode.
   void exchange(std::int64_t out_ns, std::int64_t back_ns) {
     const std::array<std::byte, 10> bytes = {};
     ForceCommand command;
@@ -66,7 +66,7 @@ TEST_F(Ways, BetweenHostsUseTheOffsetOfTheClocks) {
   EXPECT_NEAR(static_cast<double>(stats().clock_offset_ns - ahead_ns), 0.0, 1.0);
   EXPECT_NEAR(static_cast<double>(stats().clock_error_ns), 30.0 * kUs, 2.0 * kUs);
   EXPECT_EQ(stats().wire_out.count(), 20U);
-  // A queue on the return path is seen there and nowhere else.
+  // A queue on the return path lengthens the return path and nothing else.
   exchange(30 * kUs, 230 * kUs);
   EXPECT_NEAR(static_cast<double>(stats().wire_out.max_ns()), 30.0 * kUs, 2.0);
   EXPECT_NEAR(static_cast<double>(stats().wire_back.max_ns()), 230.0 * kUs, 2.0);
@@ -116,7 +116,7 @@ TEST_F(Ways, MotionToPhotonEndsWithTheFrameNotWithItsAcknowledgement) {
   const std::int64_t sample_ns = clock.now_ns();
   metered.send(node->local_address(), bytes);
   ways.on_probe_sent(42);
-  clock.advance_ns(9 * kMs);  // 1 ms to get there, 8 ms to draw
+  clock.advance_ns(9 * kMs);  // 1 ms until it arrives, 8 ms to draw
   Header header;
   header.send_time_ns = clock.now_ns();
   node->send(hub->local_address(), bytes);
@@ -126,9 +126,9 @@ TEST_F(Ways, MotionToPhotonEndsWithTheFrameNotWithItsAcknowledgement) {
   ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 8 * kMs}, 3);
   EXPECT_EQ(stats().motion_to_photon.max_ns(), 9 * kMs);
   EXPECT_EQ(stats().vision_draw.max_ns(), 8 * kMs);
-  ways.on_frame_ack(header, FrameAck{41, sample_ns, 60.0F, 8 * kMs}, 3);  // never sent
-  ways.on_frame_ack(header, FrameAck{0, sample_ns, 60.0F, 8 * kMs}, 3);   // no sample
-  ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 0}, 3);        // does not report it
+  ways.on_frame_ack(header, FrameAck{41, sample_ns, 60.0F, 8 * kMs}, 3);  // of a sample that was never sent
+  ways.on_frame_ack(header, FrameAck{0, sample_ns, 60.0F, 8 * kMs}, 3);   // names no sample
+  ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 0}, 3);        // does not report how long it drew
   EXPECT_EQ(stats().motion_to_photon.count(), 1U);
 }
 

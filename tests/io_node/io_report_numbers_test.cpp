@@ -1,4 +1,4 @@
-// Every number that a person, a dashboard or a script reads in the report is the one that its name says.
+// Each number in the report, which a person, a dashboard or a script reads, is the one that its name says.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -111,7 +111,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"events_dropped", &s.events_dropped}};
   for (std::size_t n = 0; n < counters.size(); ++n) *counters[n].second = 1000 + n;
   s.longest_release_ns = 19'001;
-  std::map<std::string, std::int64_t> expected = {{"longest_release_us", 20}};  // rounded up: it is compared with a limit
+  std::map<std::string, std::int64_t> expected = {{"longest_release_us", 20}};  // rounded up, because it is compared with a limit
   for (std::size_t n = 0; n < counters.size(); ++n) expected[counters[n].first] = 1000 + static_cast<std::int64_t>(n);
   s.hub.undecodable = 1;
   s.hub.other_session = 20;
@@ -221,7 +221,7 @@ TEST_F(IoReportNumbers, ANodeHasItsOwnCounts) {
   EXPECT_EQ(node.lost, 44);
   EXPECT_EQ(node.reordered, 55);
   EXPECT_EQ(node.duplicate, 66);
-  stats->end_ns = 3'000'000'000;  // as of a cycle before it joined
+  stats->end_ns = 3'000'000'000;  // the newest cycle was before the node joined
   EXPECT_EQ(report().nodes[0].seconds, 0.0);
 }
 

@@ -1,4 +1,4 @@
-// Both sides in their threads, over real sockets, with a haptics node in this one's stead.
+// Sessions with both sides in their threads, over real sockets; a class of this test plays the haptics node.
 #include "io_node/io_session.h"
 
 #include <gmock/gmock.h>
@@ -109,7 +109,7 @@ TEST_F(Sessions, EndsWithItsRecording) {
   EXPECT_TRUE(run(device));
 }
 
-// Is away and being calibrated for 100 reads each, is there until a force has been written, and then its recording is over.
+// A device that is away for 100 reads, is calibrated for 100 more, and is ready until a force has been written; then its recording ends.
 class Wayward final : public Device {
  public:
   std::string_view name() const noexcept override { return "wayward"; }
@@ -145,7 +145,7 @@ TEST_F(Sessions, GoesOnWhileTheDeviceIsAwayOrBeingCalibrated) {
   EXPECT_GT(device.forces_after, 0);
 }
 
-// Replies late once.
+// A device that returns one sample late.
 class Stumbling final : public Device {
  public:
   std::string_view name() const noexcept override { return "stumbling"; }
@@ -176,7 +176,7 @@ TEST_F(Sessions, EndsOnRequestAndReportsOnRequest) {
   SimulatedPhantom device({});
   std::atomic<bool> seen{false};
   std::thread asker([&] {
-    // A request from before the session began is of no session.
+    // A request from before the session began is not answered, so it is repeated.
     seen = wait_until([&] {
       std::raise(SIGUSR1);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -198,7 +198,7 @@ TEST_F(Sessions, AReportThatCannotBeWrittenIsAnError) {
   EXPECT_NE(ended.error().what.find("/proc/nowhere"), std::string::npos);
 }
 
-// What a session with these events writes to its log, for people.
+// What a session with these events logs for people.
 struct SessionEvents : Sessions {
   std::string log_with(const std::vector<ServoEvent>& events, const LatchFile* latch_file = nullptr) {
     options.seconds = 0.01;
@@ -301,7 +301,7 @@ TEST_F(SessionEvents, OfTheSceneAndTheLoopAreTold) {
   }
 }
 
-// For the next start. A device that has failed must be started again anyway.
+// The fault is kept for the next start, except that of a device that has failed, which must be started again anyway.
 TEST_F(SessionEvents, ALatchedFaultIsKeptUntilItsReset) {
   const LatchFile kept(scratch.path() / "latched");
   log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::device)}, &kept);

@@ -56,7 +56,7 @@ TEST(LocalPatch, GivesTheForceOfThePatch) {
   }
 }
 
-// Velocity is that of the time between two samples. After a gap of a second the device is not taken for slow: only 20 ms count.
+// The velocity is that over the time between two samples. A gap of a second counts as 20 ms only, so that the device is not taken for slow.
 TEST(LocalPatch, DampingIsThatOfTheTimeThatHasPassed) {
   constexpr double kDamping = 4.0;
   LocalPatch local;
@@ -69,7 +69,7 @@ TEST(LocalPatch, DampingIsThatOfTheTimeThatHasPassed) {
   EXPECT_NEAR(at(-0.0034, 1016), 500.0 * 0.0034 + kDamping * 1e-3 / 0.020, 1e-6);
 }
 
-// The safety case: nothing but patches for no longer than haptics' last word allows.
+// The safety case: without haptics, patches alone give the force until PatchOrders::until_ns and no longer.
 TEST(LocalPatch, EndsWhenHapticsIsSilentForTooLong) {
   LocalPatch local;
   local.offer(sheet_patch(0.0));
@@ -149,7 +149,7 @@ struct MovedFloor {
   }
 };
 
-// Scene time goes on from the newest remote force's, sample by sample: everybody has the floor at one place.
+// Scene time advances with each sample from that of the newest remote force, so that every program has the floor at the same place.
 TEST(LocalPatch, FeelsWhatMovesWhereItIsAtTheSceneTimeOfTheSample) {
   MovedFloor floor;
   for (int n = 1; n < 600; ++n) {
@@ -162,7 +162,7 @@ TEST(LocalPatch, FeelsWhatMovesWhereItIsAtTheSceneTimeOfTheSample) {
   }
 }
 
-// As in the haptics node: a gap is short in scene time, and without a force nothing moves.
+// As in the haptics node, a gap counts as 50 ms of scene time, and nothing moves while there is no force.
 TEST(LocalPatch, SceneTimeStandsStillInAGapAndWithoutHaptics) {
   MovedFloor floor;
   const auto at = [&](std::int64_t ms) { return floor.local.step(sample_at(Vec3(0, 0, 0.2), ms * kMs)); };
@@ -178,7 +178,7 @@ TEST(LocalPatch, SceneTimeStandsStillInAGapAndWithoutHaptics) {
   EXPECT_EQ(at(6021)->scene_time_ns, 752 * kMs);
 }
 
-// The device loop with a patch: its own force, in every cycle, however old what the network brings.
+// The device loop with a patch: it writes its own force in every cycle, however old the forces from the network are.
 struct LoopWithPatch : testing::Test {
   SimulatedClock clock{1'000'000'000};
   BenchDevice device;
@@ -238,7 +238,7 @@ TEST_F(LoopWithPatch, AForceFromTheNetworkIsNotUsedMeanwhile) {
   EXPECT_EQ(loop->collect_stats().commands_unused, 300U);
 }
 
-// Patches are wanted, and none reaches the hand for a second, then one does; later they start again. The network's force goes on meanwhile.
+// Patches are wanted. For a second none reaches the hand, then one does, and later they start again: the network's force fills each gap.
 TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
   PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
   local.publish(orders);
@@ -270,7 +270,7 @@ TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
   EXPECT_LT(worst, 2.0 * 0.3 / 0.1 * 1e-3 + 1e-9) << "0.3 N over 0.1 s";
 }
 
-// From patch to network and back the force changes by no more than the fade's share of a step.
+// When the force changes from patch to network and back, no cycle changes it by more than the fade's share.
 TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
   local.offer(sheet_patch(0.0));
   PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
@@ -281,7 +281,7 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
     device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
     if (n == 600 || n == 1200) {
       orders.is_wanted = n == 1200;
-      // As PatchLink: from where the haptics node has the probe.
+      // As PatchLink does: the patch starts where the haptics node has the probe.
       orders.start += n == 1200 ? 1 : 0;
       orders.p_WP = Vec3(0.001, 0.002, 0.0);
       orders.outward_W = Vec3::UnitZ();
@@ -293,8 +293,8 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
     if (n > 400) worst = std::max(worst, (written - last).norm());
     last = written;
   }
-  // 0.5 N over 0.1 s. On simulated time the cycle that finds no local force holds the one before, and no time is left for the slew when the
-  // network's comes: the next cycle makes up for it.
+  // 0.5 N over 0.1 s, for two cycles at once: on simulated time, the cycle that finds no local force keeps the force from before. When the
+  // network's force comes, no time has passed that would allow a change, and the next cycle makes up for it.
   EXPECT_LT(worst, 2.0 * 0.5 / 0.1 * 1e-3 + 1e-9);
   EXPECT_NEAR(last.z(), 3.0, 1e-6);
 }
@@ -311,7 +311,7 @@ TEST(LocalPatch, ASampleThatIsNotFiniteChangesNothing) {
   EXPECT_TRUE(felt->contact);
 }
 
-// A device that was away comes back in one step, from behind the sheet; a fast hand goes through it.
+// In 1 ms, a device that was away comes back in one step, from behind the sheet; in 4 ms, a fast hand goes through the sheet.
 TEST(LocalPatch, AHandThatMayHaveGoneAroundIsNotPulledBack) {
   for (const std::int64_t gap_ns : {1 * kMs, 4 * kMs}) {
     LocalPatch local;

@@ -56,15 +56,15 @@ class BenchDevice final : public Device {
     turn_rad = turn;
     return true;
   }
-  // Before the network loop is made: motors turn the stylus, too.
+  // Gives the device motors that turn the stylus. Pre: the network loop is not made yet.
   void give_torque(double most_nm) noexcept { limits_.max_torque_nm = limits_.max_torque_slew_nm_per_s = most_nm; }
   Vec3 turn_rad = Vec3::Zero();
-  std::uint32_t buttons = 0;  // of the hand, pressed by who leads it
-  std::uint32_t down = 5;     // of the stylus
+  std::uint32_t buttons = 0;  // of the simulated hand, pressed by the node that leads it
+  std::uint32_t down = 5;     // buttons held on the stylus, as bits
   Vec3 place = Vec3(0.01, 0.02, 0.03);
-  Vec3 drift = Vec3::Zero();  // from one read to the next
+  Vec3 drift = Vec3::Zero();  // motion from one read to the next
   SimulatedClock* clock = nullptr;
-  std::int64_t slow_read_ns = 0;  // of the next one
+  std::int64_t slow_read_ns = 0;  // how long the next read takes
   DeviceStatus state = DeviceStatus::ready;
   bool is_held = true;
   DeviceCondition condition_now;
@@ -81,7 +81,7 @@ class BenchDevice final : public Device {
   DeviceLimits limits_;
 };
 
-// A network loop on simulated time with a device, and the three kinds of nodes as a script.
+// A network loop with a device on simulated time; a script plays the three kinds of nodes.
 struct NetworkLoops : testing::Test {
   SimulatedClock clock{1'000'000'000};
   ScriptedEndpoint endpoint{clock};
@@ -111,14 +111,14 @@ struct NetworkLoops : testing::Test {
   std::vector<std::pair<Address, CarveStatus>> carve_statuses;
   std::vector<std::pair<Address, CarveUndo>> carve_undos;
   std::vector<std::pair<Address, MarkerReply>> marker_replies;
-  std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
+  std::vector<LoopFacts> loop_facts;  // this and the next are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
   // Delay of the haptics node's reply; -1: no reply.
   std::int64_t reply_delay_ns = 100 * kUs;
   ForceCommand force_reply;
-  bool takes_views = true;          // its replies name the newest view it was sent
-  std::optional<double> floor_z_m;  // set: a floor, so that each reply has its own sample's visual offset
-  // How long the vision node draws at a state; -1: it never says.
+  bool takes_views = true;          // replies of the haptics node name the newest view sent to it
+  std::optional<double> floor_z_m;  // if set: height of a floor, from which each reply has the visual offset of its own sample
+  // How long the vision node draws a state; -1: it never reports a frame.
   std::int64_t draw_ns = 0;
   std::deque<std::pair<std::int64_t, FrameAck>> drawing;
 
@@ -184,7 +184,7 @@ struct NetworkLoops : testing::Test {
     say(kHaptics, command, delay_ns);
   }
 
-  // From the node at this port, to arrive after delay_ns. Sequences count in the order of saying.
+  // Sends a message from the node at this port, to arrive after delay_ns. Sequence numbers count in the order of these calls.
   void say(std::uint16_t port, const Message& message, std::int64_t delay_ns = 0) {
     endpoint.arrive(clock.now_ns() + delay_ns, at(port), {{kSession, 1000ULL + port, ++sequences[port], clock.now_ns()}, message});
   }
@@ -203,7 +203,7 @@ struct NetworkLoops : testing::Test {
   const ServoStats& stats() { return network->collect_stats(); }
 };
 
-// Records what it receives.
+// A tap that records what it receives.
 class RecordingTap final : public ServoTap {
  public:
   void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++received; }
@@ -223,7 +223,7 @@ class RecordingTap final : public ServoTap {
   MarkerStatus marker_status = MarkerStatus::recorded;
 };
 
-// The events that came since, of these kinds.
+// The events of these kinds since the last call.
 inline std::vector<ServoEvent> events_of(NetworkLoop& network, std::initializer_list<ServoEvent::Kind> kinds) {
   std::vector<ServoEvent> events;
   for (ServoEvent event; network.events().pop(event);) {

@@ -88,12 +88,12 @@ TEST_F(NetworkLoops, ADeviceThatFailsIsRecordedOnceThoughThatEndsTheSession) {
   peers.set_tap(nullptr);
 }
 
-// While the force is released: whoever keeps the fault for the next start must hear of it.
+// The fault is latched while the force is released at the end. Whoever keeps it for the next start must learn of it.
 TEST_F(NetworkLoops, AFaultThatIsLatchedAtTheEndIsReportedAndRecorded) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   run(240);
-  device.condition_now.motor_temperature = 1.0;  // read every 250 ms
+  device.condition_now.motor_temperature = 1.0;  // the temperature is read every 250 ms
   network->finish();
   EXPECT_EQ(tap.faults, std::vector{SessionFault::thermal});
   const auto latched = events_of(*network, {ServoEvent::Kind::latched});

@@ -1,4 +1,4 @@
-// What a network loop is given reaches the device side.
+// The options of a network loop reach the device side.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -23,7 +23,7 @@ TEST_F(NetworkLoops, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAwa
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
 }
 
-// The hand goes where the force pushes it, so it would get energy all the time.
+// The hand moves in the direction of the force, so the force would give it energy all the time.
 TEST_F(NetworkLoops, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
   device.drift = Vec3(0, 0, 1e-4);
   make({.passive = PassivityController::Mechanics{.mass_kg = 0.1}});

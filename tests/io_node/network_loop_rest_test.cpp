@@ -1,4 +1,4 @@
-// The network side beside a device side that works out its forces itself.
+// The network side while the device side computes its forces itself.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class LocalFloor final : public LocalTouch {
   bool is_there = true;
 };
 
-// The network side sleeps in this endpoint, and meanwhile the device side makes its cycles, as its own thread would.
+// An endpoint in which the network side sleeps. Meanwhile the device side runs its cycles, as its own thread would.
 class SleepingEndpoint final : public Endpoint {
  public:
   explicit SleepingEndpoint(SimulatedClock& clock) : clock_(clock) {}
@@ -37,7 +37,7 @@ class SleepingEndpoint final : public Endpoint {
   }
   Address local_address() const override { return {}; }
   DeviceLoop* loop = nullptr;
-  std::int64_t late_ns = 0;  // of the next cycle
+  std::int64_t late_ns = 0;  // how late the next cycle begins
 
  private:
   SimulatedClock& clock_;
@@ -73,7 +73,7 @@ struct NetworkLoopRest : testing::Test {
     network->start();
     endpoint.loop = &network->device_loop();
   }
-  // How often the network side wakes in so many cycles of the device side.
+  // How often the network side wakes during this many cycles of the device side.
   int count_steps(int cycles) {
     const std::size_t before = device.reads.size();
     int steps = 0;
@@ -97,7 +97,7 @@ TEST_F(NetworkLoopRest, WakesOnceInAMillisecondAndMissesNoCycle) {
 TEST_F(NetworkLoopRest, AsOftenAsAVisionNodeMayHaveStates) {
   make(4000.0);
   count_steps(100);
-  // The rest ends in the middle of a period.
+  // The rest of 0.25 ms ends in the middle of a period of 0.1 ms, so the network side wakes at every third cycle.
   EXPECT_NEAR(count_steps(10'000), 3333, 40);
 }
 

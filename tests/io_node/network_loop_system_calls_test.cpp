@@ -1,4 +1,4 @@
-// A cycle of the network loop makes no system call: the waiting and the datagrams are the endpoint's.
+// A cycle of the network loop makes no system call: only the endpoint waits, sends and receives.
 #include <gtest/gtest.h>
 
 #include <sys/syscall.h>
@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-// A session in this process, all of it made before the first cycle.
+// A session in this process; everything in it is made before the first cycle.
 struct Session {
   SimulatedClock clock;
   FixedEndpoint endpoint{clock};

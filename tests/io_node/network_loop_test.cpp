@@ -60,7 +60,7 @@ TEST_F(NetworkLoops, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
 TEST_F(NetworkLoops, TheDeadMansSwitchReleasesTheForce) {
   make({.dead_mans_switch = 2});
   join(kHaptics, NodeRole::haptics);
-  run(300);  // the device holds buttons 0 and 2
+  run(300);  // buttons 1 and 3 of the device are held, counted from 1
   EXPECT_TRUE(device.written.empty() || device.written.back().force_n == Vec3::Zero());
   make({.dead_mans_switch = 3});
   run(300);
@@ -121,7 +121,7 @@ TEST_F(NetworkLoops, TighterLimitsHold) {
   EXPECT_NEAR(device.written.back().force_n.z(), 1.5, 1e-9);
 }
 
-// Datagrams overtake each other: what a node said before is not what it wants now, whatever the kind.
+// Datagrams overtake each other. A node no longer wants what it sent before its newer message, whatever kind of message it is.
 TEST_F(NetworkLoops, WhatWasOvertakenByItsSuccessorChangesNothing) {
   make();
   join(kHaptics, NodeRole::haptics);
@@ -164,7 +164,7 @@ TEST_F(NetworkLoops, WhatWasOvertakenByItsSuccessorChangesNothing) {
   EXPECT_EQ(object_moves.size(), 2U) << "each of its own object";
 }
 
-// Those that were overtaken as well: a vision node would request them again.
+// Carves that were overtaken are sent on as well: otherwise a vision node would request them again.
 TEST_F(NetworkLoops, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
   make();
   join(kHaptics, NodeRole::haptics);
@@ -194,7 +194,7 @@ TEST_F(NetworkLoops, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
   EXPECT_EQ(carve_undos[0].second.serial, 2U);
 }
 
-// Parts of a shape go to the haptics node, its shapes to who draws them; those that were overtaken as well, as each is another part.
+// Parts of shapes go to the haptics node, and its shapes to vision nodes, also if they were overtaken, because each is another part.
 TEST_F(NetworkLoops, PartsOfShapesGoOnInBothDirections) {
   make();
   join(kHaptics, NodeRole::haptics);
@@ -207,13 +207,13 @@ TEST_F(NetworkLoops, PartsOfShapesGoOnInBothDirections) {
   say(kTool, first, 5 * kMs);
   say(kTool, second);
   say(kVision, ShapeRequest{.stream = 9, .shape = 1, .part = {.total = 100}});
-  say(kHaptics, first);  // it may not
+  say(kHaptics, first);  // a haptics node may not send this
   say(kHaptics, ObjectShape{.source = 3, .serial = 1, .part = {.total = 100}}, 5 * kMs);
   say(kHaptics, ObjectShape{.source = 3, .serial = 1, .part = {.total = 100, .first = 64}});
   say(kHaptics, ShapeStart{.source = 3, .serial = 1, .total = 100});
-  say(kTool, ShapeStart{.source = 3, .serial = 2, .total = 100});  // nor this one
+  say(kTool, ShapeStart{.source = 3, .serial = 2, .total = 100});  // a tool may not send this
   say(kVision, ShapeStatus{.source = 3, .serial = 1});
-  say(kTool, ShapeStatus{.source = 3, .serial = 1});  // nor this one
+  say(kTool, ShapeStatus{.source = 3, .serial = 1});  // a tool may not send this
   run(20);
   ASSERT_EQ(shape_requests.size(), 3U);
   for (const auto& [to, part] : shape_requests) EXPECT_EQ(to, at(kHaptics));
@@ -225,7 +225,7 @@ TEST_F(NetworkLoops, PartsOfShapesGoOnInBothDirections) {
   EXPECT_EQ(shape_statuses[0].first, at(kHaptics));
   say(kHaptics, ShapeReply{.stream = 9, .shape = 1});
   say(kHaptics, ShapeReply{.stream = 7, .shape = 1});
-  say(kHaptics, ShapeReply{.stream = 8, .shape = 1});  // of nobody
+  say(kHaptics, ShapeReply{.stream = 8, .shape = 1});  // nobody has sent this stream
   run(5);
   ASSERT_EQ(shape_replies.size(), 2U);
   EXPECT_EQ(shape_replies[0].first, at(kVision));

@@ -25,8 +25,8 @@ TEST_F(NetworkLoops, VisionReceivesTheProbeAtItsRateWithOffsetAndStatistics) {
   EXPECT_EQ(stats().probe_states_sent, probes.size());
 }
 
-// 0.5 m/s into a floor, each reply 1.3 ms late: an offset combined with another sample's pose would be wrong by the device's motion in
-// between.
+// The device moves into a floor at 0.5 m/s, and each reply comes 1.3 ms late: an offset combined with the pose of another sample would be
+// wrong by the device's motion between the two.
 TEST_F(NetworkLoops, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
   make();
   device.drift.z() = -0.5e-3;
@@ -78,7 +78,7 @@ TEST_F(NetworkLoops, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
   make();
   join(kVision, NodeRole::vision);
   run(1000);
-  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // the statistics change now and then
+  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // not zero, as the statistics change now and then
   EXPECT_NEAR(static_cast<double>(stats().probe_states_unchanged), 228.0, 6.0);
   const std::size_t before = probes.size();
   device.place.x() += 0.001;
@@ -115,7 +115,7 @@ TEST_F(NetworkLoops, FrameAckGivesTheAgeOfTheFrame) {
   EXPECT_EQ(stats().frame_rate_hz, 57.0);
 }
 
-// Nothing was drawn that could be measured.
+// No frame was drawn whose age could be measured.
 TEST_F(NetworkLoops, APictureThatStayedTheSameIsNoFrame) {
   make();
   join(kHaptics, NodeRole::haptics);
@@ -141,7 +141,7 @@ TEST_F(NetworkLoops, APictureThatStayedTheSameIsNoFrame) {
   EXPECT_EQ(stats().frame_rate_hz, 30.0);
 }
 
-// As the picture shows it: where the newest sample with a force had it.
+// They get the probe as a vision node draws it: at the newest sample that has a force.
 TEST_F(NetworkLoops, VrpnClientsGetTheProbeOfTheNewestForce) {
   vrpn::Feed feed;
   make();

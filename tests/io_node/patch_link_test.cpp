@@ -23,7 +23,7 @@ std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
   return patch;
 }
 
-// A network loop that may work with patches, and what it tells the haptics node of them.
+// A network loop that may work with patches, and what it tells the haptics node about them.
 struct PatchLinks : NetworkLoops {
   LocalPatch local;
   PatchThread thread{local};
@@ -36,7 +36,7 @@ struct PatchLinks : NetworkLoops {
     join(kHaptics, NodeRole::haptics);
     run(100);
   }
-  // With the hand 2 mm above the haptics node's floor, and no contact.
+  // Starts with the hand 2 mm above the haptics node's floor, without contact.
   void start_above_floor(TouchChoice choice) {
     device.place = Vec3(0.001, 0.002, 0.002);
     floor_z_m = 0.0;
@@ -45,8 +45,8 @@ struct PatchLinks : NetworkLoops {
     start(choice);
     network->device_loop().set_local_touch(&local);
   }
-  // The patch thread has seen to all that it was told up to now, such as that a node joined: it takes everything in order, and counts a
-  // part of no epoch, which changes nothing, as rejected.
+  // True: the patch thread has handled everything that it was told so far, for example that a node joined. It takes everything in order,
+  // and counts a part that belongs to no epoch as rejected; such a part changes nothing.
   bool thread_has_caught_up() {
     const std::uint64_t before = thread.counts().store.rejected;
     thread.push(PatchTile{});
@@ -66,7 +66,7 @@ TEST_F(PatchLinks, RemoteForceWantsNoParts) {
   EXPECT_FALSE(link->is_wanted());
 }
 
-// Sooner where the patch thread has news: at first that it has nothing.
+// Sooner if the patch thread has news. Its first news is that it has no parts.
 TEST_F(PatchLinks, PatchesAreRequestedEvery100Ms) {
   start(TouchChoice::patch);
   patch_statuses.clear();
@@ -91,7 +91,7 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   EXPECT_TRUE(link->is_wanted());
   ASSERT_FALSE(patch_statuses.empty());
   EXPECT_NEAR(patch_statuses.back().second.round_trip_s, 2.0 * TouchChooser::kSlowS, 0.2 * TouchChooser::kSlowS);
-  // Fast again: it goes on until it has been so for a while, then tells haptics.
+  // The network is fast again: patches stay in use until it has been fast for a while; then the hub tells the haptics node.
   reply_delay_ns = 100 * kUs;
   run(2000);
   EXPECT_TRUE(link->is_wanted());
@@ -128,7 +128,7 @@ TEST_F(PatchLinks, TheLogHasOneLineForEachChangeOfTheSource) {
   EXPECT_LT(fast[0].second, TouchChooser::kFastS);
 }
 
-// The haptics node is there: whoever looks for it looks in the wrong place.
+// The haptics node is there, and its replies come too late: a person who searches for a missing node would search in the wrong place.
 TEST_F(PatchLinks, RepliesThatComeTooLateAreNamedAsTheReason) {
   start(TouchChoice::remote);
   run(2000);
@@ -148,7 +148,7 @@ TEST_F(PatchLinks, RepliesThatComeTooLateAreNamedAsTheReason) {
   EXPECT_FALSE(stats().are_replies_late()) << "it does not reply at all";
 }
 
-// Of a second, or of half of the time: a program's move, a recording and the network are as before.
+// As long as the network is slow for less than half of 3.2 s, the moves of programs, recordings and the datagrams stay as before.
 TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
   start(TouchChoice::automatic);
   run(4000);
@@ -167,11 +167,11 @@ TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
   EXPECT_TRUE(link->is_wanted());
 }
 
-// Wherever it swings, and however fast: two changes take at least as long as it has to be fast for remote force.
+// However the round trip swings, the force becomes remote again only after it was below kFastS for kSettledNs: so changes are seldom.
 TEST_F(PatchLinks, ARoundTripThatSwingsAroundTheLimitsChangesTheSourceSeldom) {
   start(TouchChoice::automatic);
   for (const int half_ms : {50, 700, 1900, 2900}) {
-    reply_delay_ns = 100 * kUs;  // each begins with remote force
+    reply_delay_ns = 100 * kUs;  // each pass begins with remote force
     run(8000);
     int changes = 0;
     bool was_wanted = link->is_wanted();
@@ -196,8 +196,8 @@ TEST_F(PatchLinks, WithoutPatchesTheHapticsNodeLearnsOfTheRoundTrip) {
   EXPECT_NEAR(loop_facts.back().round_trip_s, 2.0 * TouchChooser::kSlowS, 0.2 * TouchChooser::kSlowS);
 }
 
-// The hand presses 2 mm into the haptics node's floor while patches are wanted: its force goes on until one is there, and again when they
-// start again.
+// The hand presses 2 mm into the haptics node's floor while patches are wanted. The remote force goes on until a patch is there, and also
+// when patches start again.
 TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   start_above_floor(TouchChoice::patch);
   ASSERT_TRUE(thread_has_caught_up());
@@ -233,7 +233,7 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
 }
 
-// While the force was remote, the haptics node may have got another scene or method.
+// While the force was remote, the haptics node may have got another scene or method, for which earlier patches are wrong.
 TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   reply_delay_ns = 12 * kMs;
   start_above_floor(TouchChoice::automatic);
@@ -258,7 +258,7 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   EXPECT_GT(stats().local_forces, before + 300);
 }
 
-// Otherwise the device side would compute a force at each cycle until the very end, which then drops in one step.
+// Otherwise the device side would compute a force in each cycle until the very end, where the force then drops in one step.
 TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
   start_above_floor(TouchChoice::patch);
   offer_floor(7);
@@ -272,8 +272,8 @@ TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
   EXPECT_FALSE(local.step(sample));
 }
 
-// The hand stays 2 mm below the floor, which only the hub knows. What it has of the node before is not felt, nor a first patch of the new
-// one as if the hand were free: contact would be lost for good.
+// The hand stays 2 mm below the floor, and only the hub knows this contact. The patches of the former node are not felt. A first patch of
+// the new node is not felt as if the hand were free either: contact would be lost for good.
 TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   start_above_floor(TouchChoice::patch);
   offer_floor(7);
@@ -304,7 +304,7 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   EXPECT_NEAR(states.front().p_WP.z(), 0.0, 1e-6);
 }
 
-// A hub that was started again knows no contact, and the haptics node does. Its first reply may come after its first patch.
+// A hub that was started again knows of no contact, but the haptics node does. That node's first reply may come after its first patch.
 TEST_F(PatchLinks, APatchOfAHapticsNodeThatHasNotRepliedIsNotFelt) {
   device.place = Vec3(0.001, 0.002, -0.002);
   floor_z_m = 0.0;
@@ -341,7 +341,7 @@ TEST_F(PatchLinks, PartsThatWereNotRequestedAreDropped) {
   EXPECT_EQ(link->thread_counts().store.rejected, 0U);
 }
 
-// What the patch thread has taken of it, once it has caught up.
+// Also sends a beginning of parts, and counts the parts that the patch thread has taken once it has caught up.
 struct PatchRequests : PatchLinks {
   std::uint32_t request() const { return patch_statuses.back().second.request; }
   std::uint64_t parts_after(const PatchBegin& begin) {
@@ -352,7 +352,7 @@ struct PatchRequests : PatchLinks {
   }
 };
 
-// Whatever was sent before the hub has dropped its parts comes too late.
+// Parts that were sent before the hub dropped its own parts come too late to be used.
 TEST_F(PatchRequests, AnEpochForAnEarlierRequestIsNotUsed) {
   start(TouchChoice::patch);
   ASSERT_FALSE(patch_statuses.empty());
@@ -376,7 +376,7 @@ TEST_F(PatchRequests, AnEpochForAnEarlierRequestIsNotUsed) {
   EXPECT_EQ(parts_after(begin), 3U) << "of a haptics node that knows of no requests";
 }
 
-// Otherwise a haptics node whose parts are withdrawn would wait for ever if the word that they are not wanted was lost.
+// Otherwise a haptics node that withdraws its parts would wait for ever if the message that they are not wanted was lost.
 TEST_F(PatchRequests, ASenderOfUnwantedPartsIsNotified) {
   start(TouchChoice::remote);
   run(300);
@@ -395,7 +395,7 @@ TEST_F(PatchRequests, ASenderOfUnwantedPartsIsNotified) {
   EXPECT_TRUE(patch_statuses.empty());
 }
 
-// An object was put down where the hand is. Where the haptics node had the probe before, the hand may be inside of it now.
+// An object was put down where the hand is. The place that the haptics node's probe had before may now be inside this object.
 TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   device.place = Vec3(0.001, 0.002, -0.002);
   floor_z_m = 0.0;
@@ -404,7 +404,7 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   start(TouchChoice::patch);
   network->device_loop().set_local_touch(&local);
   run(300);
-  // Bodies are never announced: the patch thread makes nothing.
+  // The bodies (body_count) are never announced, so the patch thread itself makes no patch.
   EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
   local.set_generation(7);
   local.offer(floor_patch(7));
@@ -419,14 +419,14 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   const std::uint64_t before = stats().local_forces;
   run(300);
   EXPECT_GE(stats().local_forces, before + 299);
-  // A newer one is known to the device side at once, before the patch thread can make anything of it.
+  // The device side learns of a newer epoch at once, before the patch thread can make anything of it.
   const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
   EXPECT_TRUE(local.step(sample));
   link->accept(PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-6, .request = request(), .method_serial = 6});
   EXPECT_FALSE(local.step(sample));
 }
 
-// While the device side computes the force the haptics node gets 20 samples a second, but a button picks up what is touched then.
+// While the device side computes the force, the haptics node gets 20 samples a second, but a button picks up what is touched just then.
 TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
@@ -449,8 +449,8 @@ TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   }
 }
 
-// The first patch starts where the haptics node before had the probe, if the new one has put nothing down. Otherwise that place says
-// nothing, however many methods the one before had counted.
+// The first patch starts where the former haptics node had the probe, if the new node has put nothing down. Otherwise that place means
+// nothing, however many changes of the method the former node had counted.
 TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
   device.place = Vec3(0.001, 0.002, -0.002);
   floor_z_m = 0.0;

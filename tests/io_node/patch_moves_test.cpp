@@ -24,7 +24,7 @@ struct PatchMoves : NetworkLoops {
   }
 };
 
-// The haptics node sends a move again until its serial comes back.
+// The haptics node repeats a move until the hub has confirmed its serial.
 TEST_F(PatchMoves, MovesOfObjectsAreConfirmedSoon) {
   start();
   run(200);

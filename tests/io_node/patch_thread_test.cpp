@@ -50,7 +50,7 @@ struct BuilderStage {
     for (const TileCell& cell : tiled.cells) send(to_message(cell, 0, 0), epoch);
     for (const PatchTile& tile : tiled.tiles) send(tile, epoch);
   }
-  // Steps the device 1 mm below the sheet until that holds; false: not within 30 s.
+  // Steps the device 1 mm below the sheet until holds() is true; false: it was not within 30 s.
   bool step_until(const std::function<bool(const std::optional<LocalForce>&)>& holds) {
     for (int n = 0; n < 15000; ++n) {
       time_ns += kMs;
@@ -72,7 +72,7 @@ bool is_felt(const std::optional<LocalForce>& force) { return force.has_value();
 TEST(PatchThread, MakesAPatchOfWhatCameAndConfirmsIt) {
   BuilderStage stage;
   stage.send_all();
-  // The first patch may be of a part of what came.
+  // The first patch may be made of only some of the parts.
   ASSERT_TRUE(stage.step_until([&](const std::optional<LocalForce>& force) {
     const PatchThreadCounts now = stage.thread.counts();
     stage.thread.take_status();
@@ -86,7 +86,7 @@ TEST(PatchThread, MakesAPatchOfWhatCameAndConfirmsIt) {
   EXPECT_EQ(counts.triangles, 2U * 20U * 20U);
 }
 
-// The cell that says where the tile is has not come: that nothing is there is not known.
+// The cell that says where the tile is has not come, so the patch thread does not know which places are empty.
 TEST(PatchThread, GivesNoForceWhereOnlyAPartHasCome) {
   BuilderStage stage;
   stage.send(PatchBegin{0, 0, stage.tiled.grid.origin_m, stage.tiled.grid.step_m, 0.0, 7});
@@ -95,7 +95,7 @@ TEST(PatchThread, GivesNoForceWhereOnlyAPartHasCome) {
     (void)stage.thread.take_status();
     return stage.thread.status().newest_serial == 2;
   }));
-  // A few times as long as the patch thread sleeps when it is idle: it makes patches of what it has.
+  // Waits a few times as long as the patch thread sleeps when it is idle, so that it makes patches of what it has.
   int cycles = 0;
   bool has_force = false;
   EXPECT_TRUE(stage.step_until([&](const std::optional<LocalForce>& force) {
@@ -109,7 +109,7 @@ TEST(PatchThread, AfterAClearNothingOfBeforeIsUsed) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
-  // The request alone ends the force, before the patch thread has cleared.
+  // The request alone ends the force, before the patch thread has dropped its parts.
   stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clears = 1});
   stage.time_ns += kMs;
   EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
@@ -178,7 +178,7 @@ struct ShapedStage {
       PatchStatus status = received.status();
       status.is_wanted = true;
       source.accept(status);
-      // Some at a time, so that there is room for all.
+      // Only some parts at a time, so that the ring has room for all of them.
       if (++sent % 64 == 0) cycle(std::chrono::milliseconds(60));
     }
   }
@@ -229,7 +229,7 @@ TEST(PatchThread, SaysHowLongShapesTake) {
   EXPECT_EQ(stage.thread.status().shape_s_per_vertex, 0.0F);
 }
 
-// However many shapes a haptics node sends.
+// However many shapes a haptics node sends, making them takes no more than a fixed share of the patch thread's time.
 TEST(PatchThread, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
   ShapedStage stage;
   for (int n = 0; n < 15000 && stage.thread.counts().stages < 1; ++n) {
@@ -244,14 +244,14 @@ TEST(PatchThread, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
   double worst_s = 0.0;
   std::uint64_t made = 0;
   for (int idle = 0; stage.seconds() < 5.0; ++idle) {
-    // One at a time: the ring holds little more than one shape.
+    // One shape at a time: the ring holds little more than one shape.
     const std::uint64_t stages = stage.thread.counts().stages;
     if (std::exchange(made, stages) != stages || idle > 200) {
       stage.send_shape();
       idle = 0;
     }
     stage.cycle(std::chrono::milliseconds(1));
-    // Before the time, so that no stage ends between the two.
+    // Read before the clock, so that no stage ends between the two readings.
     const double now_s = stage.thread.counts().stages_s - before_s;
     longest_s = std::max(longest_s, now_s - std::exchange(sum_s, now_s));
     const double most_s = 1e-9 * static_cast<double>(PatchThread::kStageBurstNs) + PatchThread::kStageShare * stage.seconds();
@@ -259,7 +259,7 @@ TEST(PatchThread, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
   }
   const PatchThreadCounts counts = stage.thread.counts();
   EXPECT_GT(counts.stages, 3U) << "it goes on";
-  // Two: one that was being made at the beginning counts as well. The bound is in stages and not in seconds, so it holds on any machine.
+  // Two stages: one that was being made at the beginning counts as well. The bound is in stages, not in seconds: it holds on any machine.
   EXPECT_LE(worst_s, 2.0 * longest_s) << "above its share by no more than the stages that were being made";
   RecordProperty("stages", static_cast<int>(counts.stages));
   RecordProperty("stages_ms", static_cast<int>(1e3 * (counts.stages_s - before_s)));
@@ -270,7 +270,7 @@ TEST(PatchThread, TakesPartsWithoutHeap) {
   BuilderStage stage;
   const Message part = stage.tiled.tiles.front();
   const AllocationGuard guard;
-  // More than there is room for: the rest is dropped, and comes again as it is never confirmed.
+  // More parts than there is room for: the rest is dropped, and sent again, because it is never confirmed.
   for (int n = 0; n < 1000; ++n) stage.thread.push(part);
   EXPECT_EQ(guard.count(), 0U);
 }

@@ -58,7 +58,7 @@ TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
   EXPECT_EQ(shown.sample, 2U);
 }
 
-// Objects that move by keyframes stay where they were felt last.
+// Objects that move by keyframes stay where they were when they were last felt.
 TEST_F(Memory, ShowsTheSceneTimeOfTheLastReply) {
   memory.note_sample(1, sample_at(1, 0.1));
   ForceCommand command = reply_to(1, true);
@@ -110,10 +110,10 @@ TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
   memory.note_reply(reply_to(1, false));
   memory.note_new_haptics();
-  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it has no position
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // no position is kept without contact
 }
 
-// The surface is 2 mm above the device. Beyond it there is nothing to go on with: contact would hold the hand from within.
+// The surface is 2 mm above the device. Beyond the surface contact does not go on: it would hold the hand from the wrong side.
 TEST_F(Memory, NoContactGoesOnForADeviceThatHasLeftTheSurface) {
   memory.note_sample(1, sample_at(1, 0.1));
   memory.note_reply(reply_to(1, true));
@@ -121,7 +121,7 @@ TEST_F(Memory, NoContactGoesOnForADeviceThatHasLeftTheSurface) {
   EXPECT_TRUE(memory.find_resume_point(Vec3(0.105, 0.001, 0.0019)));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0.0021)));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.105, 0.001, 0.01)));
-  // It may come back: then contact is where it was.
+  // The device may come back: then contact goes on where it was.
   EXPECT_EQ(memory.find_resume_point(Vec3(0.1, 0, 0.001)), Vec3(0.1, 0, 0.002));
 }
 
@@ -130,7 +130,7 @@ TEST_F(Memory, AReplyToASampleFromBeforeTheRequestDoesNotCount) {
   memory.note_reply(reply_to(1, true));
   memory.note_sample(2, sample_at(2, 0.1));
   memory.note_new_haptics();
-  memory.note_reply(reply_to(2, true));  // sent before
+  memory.note_reply(reply_to(2, true));  // replies to a sample from before the request
   EXPECT_TRUE(memory.is_haptics_new());
   memory.note_resumed(2);
   EXPECT_TRUE(memory.is_haptics_new());
@@ -139,7 +139,7 @@ TEST_F(Memory, AReplyToASampleFromBeforeTheRequestDoesNotCount) {
   EXPECT_FALSE(memory.is_haptics_new());
 }
 
-// A needle is drawn at its tip, and goes on from where the surface holds it.
+// A needle is drawn at its tip, but contact goes on from the point where the surface holds the needle.
 TEST_F(Memory, ContactGoesOnFromTheProxyWhereverTheProbeIsDrawn) {
   memory.note_sample(1, sample_at(1, 0.1));
   ForceCommand command = reply_to(1, true);
@@ -152,7 +152,7 @@ TEST_F(Memory, ContactGoesOnFromTheProxyWhereverTheProbeIsDrawn) {
   EXPECT_EQ(*memory.find_resume_point(Vec3(0.1, 0, 0)), Vec3(0.1, 0, 0.007));
 }
 
-// Where the device side worked out the force until now, it knows of a free hand too.
+// Where the device side has computed the force until now, it also knows the probe of a hand without contact.
 TEST_F(Memory, AFreeHandIsGivenToANodeThatIsToGoOn) {
   for (const bool was_local : {false, true}) {
     memory.note_sample(1, sample_at(1, 0.1));

@@ -23,7 +23,7 @@ struct ReportServerTest : testing::Test {
     };
   }
 
-  // A tool at this port; returns its slot.
+  // Joins as a tool at this port; returns its slot.
   std::size_t join(std::uint16_t port) {
     endpoint.arrive(clock.now_ns(), {{9}, port}, {{0, 100ULL + port, 1, 0}, Hello{NodeRole::tool}});
     Datagram datagram;
@@ -92,7 +92,7 @@ TEST_F(ReportServerTest, InvalidRequestsGetNoReply) {
   report_server.publish("text", "");
   report_server.accept(tool, {ReportDocument::json, 1, 7});
   report_server.accept(1000, {ReportDocument::json, 1, 0});
-  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // no tool at that address
+  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // no tool has this slot
   for (int n = 0; n < 5; ++n) report_server.serve(peers);
   EXPECT_TRUE(reported.empty());
 }

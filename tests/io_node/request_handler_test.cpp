@@ -64,7 +64,7 @@ TEST_F(NetworkLoops, AChangeOfMaterialGoesOnToHapticsAndItsResultToToolsAndVisio
   run(5);
   const MaterialRequest request{.request = 7, .object = {"hull"}, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 2.0}};
   say(kTool, request);
-  say(kVision, request);  // it may not
+  say(kVision, request);  // a vision node may not send this
   run(2);
   ASSERT_EQ(material_requests.size(), 1U);
   EXPECT_EQ(material_requests[0].first, at(kHaptics));
@@ -91,7 +91,7 @@ TEST_F(NetworkLoops, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics)
   EXPECT_EQ(object_poses[0].first, at(kVision));
   EXPECT_EQ(object_poses[1].first, at(kTool));
   EXPECT_EQ(object_poses[1].second.object, 1);
-  say(kTool, ObjectPose{.serial = 4});  // it may not
+  say(kTool, ObjectPose{.serial = 4});  // a tool may not send this
   say(kVision, ObjectPose{.serial = 3, .object = 1});
   run(2);
   ASSERT_EQ(object_poses.size(), 3U);
@@ -118,8 +118,8 @@ TEST_F(NetworkLoops, ARequestToMoveGoesOnToHapticsAndItsReplyToWhoSentIt) {
   run(1);
   say(kHaptics, MoveReply{.request = 7});
   run(1);
-  say(kHaptics, MoveReply{.request = 9});  // of nobody
-  say(kTool, MoveReply{.request = 7});     // it may not
+  say(kHaptics, MoveReply{.request = 9});  // nobody has sent this request
+  say(kTool, MoveReply{.request = 7});     // a tool may not send this
   say(kHaptics, ObjectMove{.source = 3, .serial = 1, .object = 2});
   run(2);
   ASSERT_EQ(move_replies.size(), 2U);
@@ -244,7 +244,7 @@ TEST_F(NetworkLoops, AnotherVisionNodeDoesNotReleaseTheHand) {
 
 TEST_F(NetworkLoops, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   RecordingTap tap;
-  make({.dead_mans_switch = 3}, nullptr, &tap);  // held: someone is at the device
+  make({.dead_mans_switch = 3}, nullptr, &tap);  // the switch is held: someone is at the device
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   join(kTool, NodeRole::tool);
