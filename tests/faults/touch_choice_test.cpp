@@ -1,5 +1,5 @@
-// Where the force is computed, chosen by the round trip, while that changes: the force of a hand that rests 2 mm deep is the same all the
-// time, so that every change of its source would show. Times are simulated; only the threads that send and build patches take their own.
+// The round trip changes, and with it where the force is computed: in the haptics node, or from patches beside the device. A hand rests 2
+// mm deep, so its force must not change with it. Times are simulated; only the threads that send and build patches run in real time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ constexpr double kTopM = 0.05;
 constexpr double kDepthM = 0.002;
 constexpr double kStiffness = 1000.0;
 constexpr double kForceN = kStiffness * kDepthM;
-// What the grid of the parts moves vertices by, as force.
+// Patches round vertices to a grid: the force may differ by this much.
 constexpr double kRoundingN = 1e-4;
 
 Scene box_up_to(double top_m) {
@@ -53,7 +53,7 @@ Extent extent_since(const PressingDevice& device, std::size_t first) {
   return extent;
 }
 
-// The network as it comes: far and near, losing single datagrams and bursts of them, jittering around both limits. Three people look on.
+// Round trips are long and short, single datagrams and bursts are lost, jitter crosses both limits. Three vision nodes are connected.
 TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
   for (const double rate_hz : {1000.0, 10'000.0}) {
     SCOPED_TRACE(rate_hz);
@@ -78,7 +78,7 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
       run(one_way(0.2), 0.7);
       run(one_way(9.0), 2.0);
       ASSERT_TRUE(system.wait_for_patches());
-      run(bursts, 3.0);  // now: one of 11 ms, which may come, takes a remote force away
+      run(bursts, 3.0);  // only now: a burst of 11 ms may occur, which would end a remote force
       run(one_way(300.0), 2.0);
       run(jittering, 2.0);
       run(one_way(0.2), 2.5);
@@ -96,7 +96,7 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
   }
 }
 
-// The haptics node gets few samples while the force is local, so the time before counts for more round trips than the time after.
+// With patches the haptics node gets few samples: for long, most round trips that it knows are those from before the change.
 TEST(TouchChoice, ANetworkThatHasBecomeFastIsChosenForOnce) {
   SimulatedSystem system(13, TouchChoice::automatic);
   ASSERT_NO_FATAL_FAILURE(press_in_near(system));
@@ -118,7 +118,7 @@ TEST(TouchChoice, ANetworkThatHasBecomeFastIsChosenForOnce) {
   EXPECT_GT(extent_since(system.device, first).least_n, kForceN - kRoundingN);
 }
 
-// Another haptics node, with the same scene: far away, and then near.
+// Another haptics node with the same scene is started: first one with a long round trip, then one with a short one.
 TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
   SimulatedSystem system(12, TouchChoice::automatic);
   ASSERT_NO_FATAL_FAILURE(press_in_near(system));
@@ -141,9 +141,9 @@ TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
   EXPECT_NEAR(system.force_n().z(), kForceN, kRoundingN);
 }
 
-// Half a millimetre lower each time (a surface that is moved past the probe is on its other side): by 0.5 N, which fade in over 0.1 s. The
-// hub's force goes over to the haptics node's, and from there to that of the new parts, so that two fades may overlap; none of both is more
-// than these 0.5 N.
+// Each time, the top is half a millimetre lower (if it rose past the probe, the probe would be on its other side). The force falls by 0.5
+// N, which fades in over 0.1 s. The hub's force is replaced by that of the haptics node, and then by that of the new patches, so two fades
+// may overlap; neither is of more than 0.5 N.
 TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
   constexpr double kLowerM = 0.0005;
   for (const double round_trip_ms : {0.2, 9.0, 12.0, 17.0}) {
@@ -180,7 +180,7 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
   }
 }
 
-// hapton set, in the middle of each way and of the change between them: from 1,000 to 500 N/m and back.
+// `hapton set` changes 1,000 to 500 N/m and back: with a remote force, with patches, and while the hub changes from one to the other.
 TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
   SimulatedSystem system(14, TouchChoice::automatic);
   ASSERT_NO_FATAL_FAILURE(press_in_near(system));
@@ -202,17 +202,17 @@ TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
   expect_changed();
   system.set_faults(one_way(12.0), one_way(12.0));
   for (int n = 0; n < 1000 && !system.wants_patches(); ++n) system.run_for_ns(10 * kMs);
-  change();  // the first parts are on their way
+  change();  // the first parts of the scene are being sent
   ASSERT_TRUE(system.wait_for_patches());
   expect_changed();
   change();
   expect_changed();
   system.set_faults(one_way(0.2), one_way(0.2));
   for (int n = 0; n < 1000 && system.wants_patches(); ++n) system.run_for_ns(10 * kMs);
-  change();  // just remote again
+  change();  // the force has just become remote again
   expect_changed();
   system.run_for_ns(1000 * kMs);
-  // The parts that the hub had are those of another stiffness.
+  // The parts that the hub received earlier have another stiffness.
   change();
   expect_changed();
   system.set_faults(one_way(12.0), one_way(12.0));

@@ -1,5 +1,5 @@
-// What dies, freezes or is cut off while the force comes from the haptics node, and while it comes from patches of the scene beside the
-// device: one table for both. Times are simulated; only the threads that send and build patches take their own.
+// A node dies or freezes, or the network is cut, while the force comes from the haptics node, or from patches beside the device: one table
+// for both. Times are simulated; only the threads that send and build patches run in real time.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kACycleNs = kMs;
-// The force that has to end: 20 ms after the sample that the last force replies to; from patches, kAloneNs after haptics was heard last.
+// The force must end 20 ms after the sample that the last force replies to. From patches it may last kAloneNs longer.
 constexpr std::int64_t kRemoteReleaseNs = 20 * kMs + kACycleNs;
 
 struct FaultRow {
@@ -23,14 +23,14 @@ struct FaultRow {
   std::function<void(SimulatedSystem&)> begin;
   std::int64_t lasts_ns = 0;
   std::function<void(SimulatedSystem&)> end = [](SimulatedSystem&) {};
-  std::int64_t felt_after_ns = 500 * kMs;  // ... the end
-  bool takes_haptics_away = true;          // false: the force goes on
+  std::int64_t felt_after_ns = 500 * kMs;  // after end(): by then there is a force again
+  bool takes_haptics_away = true;          // false: the force continues
 };
 
 void cut(SimulatedSystem& system, bool up, bool down) { system.set_faults({.partition = up}, {.partition = down}); }
 void freeze_haptics(SimulatedSystem& system, bool is_frozen) { system.network.freeze(system.haptics->address(), is_frozen); }
 
-// The scene, one millimetre along x and a degree about z: the hand stays 2 mm deep.
+// Moves the scene by one millimetre along x and turns it by a degree about z: the hand stays 2 mm deep.
 void move_scene(SimulatedSystem& system) {
   ViewTransform view;
   const double angle = 0.0175;
@@ -72,7 +72,7 @@ std::vector<FaultRow> fault_rows() {
   };
 }
 
-// The hand is pressed in, with the full force. From patches: until they have come.
+// Runs until the hand is pressed in and feels the full force; with patches, until the patches compute it.
 void press_in(SimulatedSystem& system, TouchChoice touch) {
   system.start_haptics();
   system.run_for_ns(500 * kMs);
@@ -104,7 +104,7 @@ void run_row(const FaultRow& row, TouchChoice touch) {
   if (row.takes_haptics_away && row.lasts_ns > 0) {
     const auto zero_ns = system.zero_since_ns();
     EXPECT_EQ(zero_ns.has_value(), row.lasts_ns > release_ns);
-    // Haptics was heard last up to a cycle before.
+    // The last datagram of the haptics node came up to one cycle before `began_ns`.
     EXPECT_LE(zero_ns.value_or(began_ns) - began_ns, release_ns);
   }
   row.end(system);
@@ -131,7 +131,7 @@ TEST(TouchFaults, TheForceEndsAndComesBackWhereverItIsWorkedOut) {
   }
 }
 
-// Half of all that the haptics node sends is lost, parts of the scene too. The hand is in contact before they are there.
+// Half of all that the haptics node sends is lost, parts of the scene too. The hand is in contact before these parts have arrived.
 TEST(TouchFaults, ALossyLinkTakesNoForceAwayUntilPatchesAreThere) {
   SimulatedSystem system(1, TouchChoice::patch);
   system.start_haptics();

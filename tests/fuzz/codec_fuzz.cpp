@@ -13,7 +13,7 @@ FUZZ_TARGET(codec) {
   if (status != DecodeStatus::ok) return;
   std::array<std::byte, kMaxDatagramBytes> said;
   const std::size_t size = codec.encode(arrived, said);
-  if (size == 0) return;  // unknown fields are not kept, so that it can only become shorter
+  if (size == 0) return;  // unknown fields are not kept, so that the message can only become shorter
   Datagram again;
   fuzz::require(codec.decode(std::span(said).first(size), again) == DecodeStatus::ok);
   fuzz::require(again.message.index() == arrived.message.index());
@@ -22,7 +22,7 @@ FUZZ_TARGET(codec) {
 
 namespace {
 
-// Every message has the form of protobuf, with lengths before their content.
+// Each message is protobuf, in which a length stands before each nested content: mutate_proto() keeps these lengths right.
 hapton::fuzz::Bytes mutate_message(std::span<const std::uint8_t> message, hapton::fuzz::Mutation& mutation) {
   return hapton::fuzz::mutate_proto(hapton::fuzz::Bytes(message.begin(), message.end()), mutation);
 }

@@ -18,5 +18,5 @@ FUZZ_TARGET(config) {
   const auto& options = std::get<IoOptions>(parsed);
   fuzz::require(options.rate_hz >= 250.0 && options.rate_hz <= 10'000.0);
   fuzz::require(std::isfinite(options.seconds) && options.seconds >= 0.0);
-  fuzz::require(options.device.max_force_n >= 0.0 && std::isfinite(options.device.max_slew_n_per_s));  // infinite force: the device's own
+  fuzz::require(options.device.max_force_n >= 0.0 && std::isfinite(options.device.max_slew_n_per_s));  // infinite: the device's own limit
 }

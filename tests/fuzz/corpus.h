@@ -10,7 +10,7 @@
 
 #include "tests/fuzz/mutation.h"
 
-// The corpora in the tree, and the simple changes that tests make to them.
+// Reads the corpora of the source tree, and makes the simple changes to them that tests use.
 namespace hapton::fuzz {
 
 inline std::vector<std::filesystem::path> corpus_of(const std::string& target) {
@@ -33,7 +33,7 @@ inline std::vector<Bytes> read_corpus(const std::string& target) {
   return inputs;
 }
 
-// One of the inputs with a few bytes changed, taken out or put in, or with the end of another.
+// Returns one of the inputs, in which a few bytes are changed, removed or inserted, or the end is that of another input.
 inline Bytes mutate(const std::vector<Bytes>& inputs, std::mt19937_64& random) {
   Bytes bytes = inputs[random() % inputs.size()];
   for (std::uint64_t change = 0; change < 1 + random() % 8; ++change) {

@@ -16,19 +16,19 @@ struct ListedDatagram {
   std::uint8_t flags = 0;
   Bytes bytes;
 
-  // Bit 0: from the hub to the node, else from a node to the hub.
+  // Bit 0 is set: from the hub to the node. It is clear: from a node to the hub.
   bool is_to_node() const { return (flags & 1U) != 0; }
-  // Bits 1 and 2: which of four nodes, each with the key of its role and an address of its own.
+  // Bits 1 and 2 select one of four nodes. Each has the key of its role and its own address.
   std::uint8_t node() const { return (flags >> 1) & 3U; }
   KeyRole role() const { return static_cast<KeyRole>(kFirstKeyRole + node()); }
-  // Bits 3 and 4: how much later than the one before.
+  // Bits 3 and 4 select the pause after the previous datagram.
   std::int64_t pause_ns() const {
     constexpr std::int64_t kPauses[] = {0, 1, 60, 1100};
     return kPauses[(flags >> 3) & 3U] * kNanosecondsPerMillisecond;
   }
 };
 
-// The last one may be cut short. Datagrams longer than a UDP payload of ours are left as they are.
+// The last datagram may be shorter than its length says. Datagrams longer than kMaxDatagramBytes are kept at their length.
 std::vector<ListedDatagram> split_datagrams(std::span<const std::uint8_t> input);
 Bytes join_datagrams(const std::vector<ListedDatagram>& datagrams);
 

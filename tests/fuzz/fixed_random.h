@@ -9,7 +9,7 @@
 
 namespace hapton::fuzz {
 
-// libsodium's random numbers from a counter, so that a finding can be found again: the same in every run and after every restart.
+// Replaces libsodium's random numbers by a fixed sequence, the same in every run and after every restart(): a crash can be repeated.
 class FixedRandom {
  public:
   // False when the system lacks what libsodium needs.

@@ -11,10 +11,10 @@
 
 #include "tests/fuzz/mutation.h"
 
-// FUZZ_TARGET(name) { ... bytes ... }: a function that must bear any bytes. In a fuzzing build it is libFuzzer's entry point, one program a
-// target; in every other build it joins the list that fuzz_test replays its corpus with. FUZZ_MUTATOR(name, mutate) and
-// FUZZ_CROSSOVER(name, cross) teach the fuzzer of that target a checksum, a seal or a count: without them nearly every change is rejected
-// at the door.
+// FUZZ_TARGET(name) { ... bytes ... }: a function that must accept any bytes without a crash. In a fuzzing build it is libFuzzer's entry
+// point, one program per target; in every other build fuzz_test runs it on its corpus. FUZZ_MUTATOR(name, mutate) and FUZZ_CROSSOVER(name,
+// cross) teach the fuzzer of that target a checksum, a seal or a count: without them the target's first check rejects nearly every changed
+// input.
 namespace hapton::fuzz {
 
 using Target = void (*)(std::span<const std::uint8_t> bytes);
@@ -38,12 +38,12 @@ inline std::map<std::string, Cross>& crossovers() {
   return all;
 }
 
-// What must hold of whatever passes: a fuzzer sees an abort as a crash.
+// Ends the program if a property does not hold: a fuzzer sees an abort as a crash.
 inline void require(bool holds) {
   if (!holds) std::abort();
 }
 
-// The bytes after the first, as they come from a stream: in pieces whose length the first byte gives, until `receive` says that it is over.
+// Gives `receive` the bytes after the first, as from a stream: in pieces whose length the first byte sets, until it returns false.
 template <class Receive>
 void feed_in_pieces(std::span<const std::uint8_t> bytes, Receive&& receive) {
   if (bytes.empty()) return;
@@ -56,11 +56,11 @@ void feed_in_pieces(std::span<const std::uint8_t> bytes, Receive&& receive) {
   }
 }
 
-// Counts the inputs that pass what a random change breaks: a seal, a tag, a checksum, a count.
+// Counts the inputs that pass the check that most random changes fail: a seal, a tag, a checksum, a count.
 struct Passage {
   std::uint64_t inputs = 0;
   std::uint64_t passed = 0;
-  bool has_passed = false;  // the input at hand
+  bool has_passed = false;  // the current input
 
   void begin() {
     has_passed = false;
@@ -74,7 +74,7 @@ inline Passage& passage() {
   return only;
 }
 
-// Says that the input at hand came past it.
+// Notes that the current input passed that check.
 inline void note_passage() { passage().has_passed = true; }
 
 inline void run_counted(Target target, std::span<const std::uint8_t> bytes) {
@@ -83,7 +83,7 @@ inline void run_counted(Target target, std::span<const std::uint8_t> bytes) {
   passage().end();
 }
 
-// HAPTON_FUZZ_COUNTS=FILE: at the end of a fuzzer, its inputs and how many of them passed go there.
+// HAPTON_FUZZ_COUNTS=FILE: at its end a fuzzer writes to FILE how many inputs it ran and how many of them passed.
 inline void write_passage() {
   if (const char* const path = std::getenv("HAPTON_FUZZ_COUNTS"))
     std::ofstream(path) << passage().inputs << ' ' << passage().passed << '\n';
@@ -95,7 +95,7 @@ inline bool is_plain() {
   return plain;
 }
 
-// One change in eight knows nothing of checks, so that these are tried as well.
+// One change in eight ignores the checks, so that the checks themselves are tested as well.
 inline Bytes mutate_or_break(Mutate mutate, std::span<const std::uint8_t> bytes, Mutation& mutation) {
   Bytes input(bytes.begin(), bytes.end());
   if (is_plain() || mutation.one_in(8)) return mutation.change(std::move(input), mutation.most());

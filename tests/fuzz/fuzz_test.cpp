@@ -1,4 +1,4 @@
-// Every input that a fuzzer starts from or once tripped over, through its target again.
+// Runs every input that a fuzzer starts from, or that once made a target fail, through its target again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ TEST_P(Corpus, IsBorne) {
     SCOPED_TRACE(path.string());
     const Bytes bytes = read_bytes(path);
     target(bytes);
-    // And cut short, in copies of their own size.
+    // Also inputs that are cut short, each in a buffer of exactly its size.
     for (const std::size_t size : {bytes.size() / 2, bytes.size() - std::min<std::size_t>(bytes.size(), 1)}) {
       target(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
     }

@@ -1,6 +1,6 @@
-// A hub and a node with an attacker between them who follows the bytes: he holds back, repeats, swaps, reflects, changes and forges
-// datagrams, and lets time pass. He holds the key of the role as well: he can give a changed handshake its valid tag, so that the code
-// behind the tag is reached, too. Nothing may be handed out that was not sent, and nothing twice.
+// An attacker between a hub and a node does what the bytes say: he holds back, repeats, swaps, reflects, changes and forges datagrams, and
+// lets time pass. He also has the key of the role: he can give a changed handshake message its valid tag, so that the code behind the check
+// of the tag is reached. Nothing may be handed out that was not sent, and nothing twice within a session.
 #include <algorithm>
 #include <set>
 #include <vector>
@@ -42,7 +42,7 @@ class HeldEndpoint final : public Endpoint {
   Address at_;
 };
 
-// Reads the bytes as commands; zeros when they are over.
+// Reads the bytes as commands; after their end, it reads zeros.
 class Script {
  public:
   explicit Script(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -85,7 +85,7 @@ class Line {
         return deliver(pick(node_end_.sent, script), true);
       case 3:
         return deliver(pick(hub_end_.sent, script), false);
-      case 4:  // turned around
+      case 4:  // reflected to the sender
         return deliver(pick(node_end_.sent, script), false);
       case 5:
         return deliver(pick(hub_end_.sent, script), true);
@@ -130,7 +130,7 @@ class Line {
     return bytes;
   }
 
-  // With the tag that a handshake of these bytes has; anything else as it is.
+  // Gives a handshake message the tag that is valid for its bytes; leaves any other datagram unchanged.
   Bytes tagged(Bytes bytes) const {
     if (classify_sealed(bytes).status != OpenStatus::opened || classify_sealed(bytes).kind == seal::Kind::data) return bytes;
     std::uint8_t* const text = seal::bytes_of(std::span(bytes));
@@ -156,7 +156,7 @@ class Line {
     std::uint32_t number = 0;
     fuzz::require(word.size() == sizeof number);
     std::copy(word.begin(), word.end(), std::as_writable_bytes(std::span(&number, 1)).begin());
-    // Sent by the other side. While a new session is requested a datagram is sent in both sessions: it may arrive once in each.
+    // The other side sent it. While a new session is requested, a datagram is sent in both sessions: it may arrive once in each.
     fuzz::require((by_hub ? said_by_node_ : said_by_hub_).contains(number));
     const std::size_t times = (by_hub ? received_by_hub_ : received_by_node_).insert(number).second ? 1 : 2;
     if (times == 2) fuzz::require(by_hub && ++received_twice_ <= node_.seal_counts().handshakes);

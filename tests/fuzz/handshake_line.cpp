@@ -13,7 +13,7 @@ using namespace seal;
 
 constexpr std::int64_t kStartNs = 1000 * kNanosecondsPerSecond;
 constexpr KeyRole kNodeRole = KeyRole::haptics;
-constexpr std::size_t kMaxHandshakes = 8;  // of a changed input: each takes 0.2 ms and more
+constexpr std::size_t kMaxHandshakes = 8;  // in a mutated input: each takes 0.2 ms or more
 
 LinkKey make_master() {
   LinkKey::Bytes bytes;
@@ -21,7 +21,7 @@ LinkKey make_master() {
   return LinkKey(bytes);
 }
 
-// Random numbers restart before anything draws one: every connection has the same secrets.
+// Restarts the random numbers before the first one is drawn: every connection has the same secrets.
 std::int64_t start() {
   FixedRandom::install();
   FixedRandom::restart();
@@ -41,7 +41,7 @@ void set_tag(Bytes& datagram, KeyRole role) {
 
 KeyRole role_in(const Bytes& request) { return find_node_key_role(request[kRoleAt]).value_or(KeyRole::haptics); }
 
-// The role whose tag a handshake message has.
+// The role whose key gives the tag of a handshake message.
 KeyRole tag_role(const Bytes& datagram, KeyRole node_role) {
   return datagram[2] == static_cast<std::uint8_t>(Kind::request) ? role_in(datagram) : node_role;
 }
@@ -161,7 +161,7 @@ Cookie find_cookie(std::uint8_t node, std::int64_t now_ns) {
 
 namespace {
 
-// The node's own requests, the first of them without a cookie and the second with the one that a retry gave it.
+// The node's own requests: the first is without a cookie, the second has the cookie that a retry gave the node.
 const std::vector<Bytes>& node_requests() {
   static const std::vector<Bytes> requests = [] {
     HandshakeLine line;
@@ -179,14 +179,14 @@ Cookie random_cookie(Mutation& mutation) {
   return cookie;
 }
 
-// When the datagram at that index is delivered.
+// The time at which the datagram at index `place` is delivered.
 std::int64_t time_at(const std::vector<ListedDatagram>& datagrams, std::size_t place) {
   std::int64_t now_ns = kStartNs;
   for (std::size_t i = 0; i <= place; ++i) now_ns += datagrams[i].pause_ns();
   return now_ns;
 }
 
-// The datagram at that index as an honest sender would have made it.
+// The datagram at index `place`, as an honest sender would have made it.
 Bytes make_honest(const std::vector<ListedDatagram>& datagrams, std::size_t place, Mutation& mutation) {
   const ListedDatagram& at = datagrams[place];
   const std::int64_t now_ns = time_at(datagrams, place);
@@ -204,7 +204,7 @@ void change_part(Bytes& datagram, std::size_t at, std::size_t size, Mutation& mu
   std::copy(changed.begin(), changed.end(), begin);
 }
 
-// Changes one field of a request; the Noise message may have to be made again for it.
+// Changes one field of a request, and mostly makes its Noise message and its cookie valid again.
 void change_request(Bytes& request, std::int64_t now_ns, std::uint8_t node, Mutation& mutation) {
   bool is_first_changed = false;
   switch (mutation.below(6)) {
@@ -249,7 +249,7 @@ void change_handshake(std::vector<ListedDatagram>& datagrams, std::size_t place,
   if (*kind == Kind::request) {
     change_request(at.bytes, time_at(datagrams, place), at.node(), mutation);
   } else {
-    // The timestamp says to which request it belongs: mostly it stays.
+    // The timestamp says to which request this message replies: it mostly stays unchanged.
     const std::size_t from = mutation.one_in(4) ? kTimestampAt : kTimestampAt + 8;
     change_part(at.bytes, from, tag_at(at.bytes) - from, mutation);
   }

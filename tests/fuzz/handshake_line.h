@@ -14,7 +14,7 @@
 // them.
 namespace hapton::fuzz {
 
-// Keeps what is sent, and hands out what was put into it, once.
+// Keeps what is sent, and hands out once the datagram that hold() was given.
 class HeldDatagram final : public Endpoint {
  public:
   explicit HeldDatagram(const Address& at) : at_(at) {}
@@ -22,7 +22,7 @@ class HeldDatagram final : public Endpoint {
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return at_; }
 
-  // Pre: no longer than kMaxDatagramBytes.
+  // Pre: `datagram` is no longer than kMaxDatagramBytes.
   void hold(const Bytes& datagram, const Address& from);
 
   struct Sent {
@@ -41,13 +41,13 @@ class HandshakeLine {
  public:
   HandshakeLine();
 
-  // Waits for its pause, then delivers it. Returns the number of bytes handed out that were never sent.
+  // Waits for the pause of the datagram, then delivers it. Returns how many bytes the receiver handed out, though none were ever sent.
   std::size_t deliver(const ListedDatagram& datagram);
 
   const Clock& clock() const { return clock_; }
   const SealedHub& hub() const { return hub_; }
   const SealedClient& node() const { return node_; }
-  // The datagrams sent, the newest last.
+  // The datagrams that were sent, the newest last.
   const std::vector<HeldDatagram::Sent>& from_hub() const { return hub_end_.sent; }
   const std::vector<HeldDatagram::Sent>& from_node() const { return node_end_.sent; }
 
@@ -59,19 +59,19 @@ class HandshakeLine {
   SealedClient node_;
 };
 
-// By kind and length a request, a retry or a reply; and one with the tag of its role.
+// Whether it is a request, a retry or a reply, by its kind and length; and whether it has the tag made with the key of its role.
 std::optional<seal::Kind> find_handshake_kind(const Bytes& datagram);
 bool has_tag(const Bytes& datagram, KeyRole node_role);
 
-// As the holder of the keys: each with the right tag, and a Noise message that belongs to it. Pre: FixedRandom::install().
+// Messages as the holder of the keys makes them: with the right tag, and a Noise message that fits. Pre: FixedRandom::install().
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns, const seal::Cookie& cookie);
 Bytes make_retry(std::int64_t timestamp_ns, const seal::Cookie& cookie, KeyRole role);
 std::optional<Bytes> make_reply(const Bytes& request, std::uint32_t connection);
-// The cookie that the hub of every HandshakeLine issues at that time.
+// The cookie that the hub of every HandshakeLine issues to that node at that time.
 seal::Cookie find_cookie(std::uint8_t node, std::int64_t now_ns);
 
-// A list of handshake messages with a change in one, which then has the tag, mostly the Noise message, the cookie and a timestamp as if its
-// sender held the keys.
+// Changes one message of a list of handshake messages. That message then has a valid tag, and mostly a valid Noise message, cookie and
+// timestamp, as if its sender held the keys.
 Bytes mutate_handshakes(std::span<const std::uint8_t> input, Mutation& mutation);
 Bytes cross_handshakes(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, Mutation& mutation);
 

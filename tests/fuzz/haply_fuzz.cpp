@@ -17,7 +17,7 @@ FUZZ_TARGET(haply) {
     haply::Session session;
     session.update(arm);
     if (!session.is_scaled()) fuzz::require(session.force_from_w(Vec3::UnitX()).allFinite());
-    // Its id is sent back to it, and cannot break the text around it.
+    // Its id is sent back to the service, and cannot break the syntax of that message.
     fuzz::require(haply::read_state(haply::force_message(arm.id, Vec3::Zero())).has_value());
   }
   if (state->grip) fuzz::require(std::abs(state->grip->q_WT.norm() - 1.0) < 1e-9);

@@ -1,4 +1,4 @@
-// Any bytes as data from a HID device: its report descriptor, and reports of every supported kind of device. The first byte selects it.
+// Any bytes as a report descriptor of a HID device, or as reports of a supported kind of device; the first byte selects which.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -50,7 +50,7 @@ void drive_wooden(std::span<const std::uint8_t> bytes, std::size_t report_bytes)
   drive(backend, bytes, 3000.0);
 }
 
-// The first two reports are its self-description.
+// The first two reports are the device's description of itself.
 void drive_hapton_hid(std::span<const std::uint8_t> bytes) {
   FakeHid hid;
   std::size_t used = 0;

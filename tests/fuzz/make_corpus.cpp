@@ -1,5 +1,5 @@
-// Writes the initial inputs of the fuzzers of sealed datagrams, of handshakes and of scenes in parts to tests/fuzz/corpus/, and sets the
-// protocol version of the codec's messages there. Run it again when the protocol version changes: seals and tags of another version are
+// Writes the initial inputs of the fuzzers of sealed datagrams, of handshakes and of the parts of scenes to tests/fuzz/corpus/, and sets
+// the protocol version in the inputs of target codec. Run it again when the protocol version changes: seals and tags of another version are
 // invalid, and fuzz_test reports them.
 #include <cstdio>
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace hapton::fuzz {
 namespace {
 
 constexpr std::int64_t kStartNs = 1000 * kNanosecondsPerSecond;
-// Flags of ListedDatagram: bits 1 and 2 the node, bit 0 from the hub to the node, bits 3 and 4 the pause (here 1.1 s).
+// Flags of ListedDatagram: bits 1 and 2 select the node; bit 0: from the hub to the node; bits 3 and 4 select the pause (here 1.1 s).
 constexpr std::uint8_t kHaptics = 0 << 1;
 constexpr std::uint8_t kVision = 1 << 1;
 constexpr std::uint8_t kTool = 2 << 1;
@@ -192,7 +192,7 @@ Bytes encode(const Message& message, std::uint64_t number) {
   return {bytes, bytes + codec.encode(datagram, into)};
 }
 
-// All parts of a scene, then the messages of `later`. Flag 1: the hand moves after this one (patch_fuzz.cpp).
+// All parts of a scene, then the messages of `later`. Flag 1: the hand moves after that message (patch_fuzz.cpp).
 std::vector<ListedDatagram> parts_of(const TouchScene& scene, std::initializer_list<Message> later = {}) {
   std::vector<ListedDatagram> parts;
   PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
@@ -256,7 +256,7 @@ bool write_patch() {
          write("patch", "next_epoch", parts_of({.objects = {heaving_square()}}, {PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-8}}));
 }
 
-// One of each kind of a scene's parts for target codec.
+// Writes messages with parts of a scene, one of each of these kinds, for target codec.
 bool write_codec_parts() {
   const auto put = [](const char* name, const Message& message) {
     const Bytes bytes = encode(message, 1);

@@ -25,7 +25,7 @@ void store32(std::size_t value, std::uint8_t* into) {
   std::memcpy(into, &number, sizeof number);
 }
 
-// One number of four bytes, at a place where one can be.
+// Replaces one number of four bytes, at an offset that is a multiple of four.
 void change_float(Bytes& bytes, Mutation& mutation) {
   constexpr std::uint32_t kOdd[] = {0,          0x80000000, 0x7F800000, 0xFF800000, 0x7FC00000, 1,
                                     0x7F7FFFFF, 0x3F800000, 0xBF800000, 0x1E3CE508, 0x5E0AC723, 0x33D6BF95};
@@ -73,7 +73,7 @@ Bytes join_glb(std::span<const std::uint8_t> header, std::vector<Chunk>& chunks)
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// The whole number that begins at or after `from`, in its place; nothing when there is none.
+// Offset and length of the first whole number at or after `from`; nothing if there is no number.
 std::optional<std::pair<std::size_t, std::size_t>> find_number(std::string_view text, std::size_t from) {
   const std::size_t begin = text.find_first_of("0123456789", from);
   if (begin == std::string_view::npos) return std::nullopt;
@@ -92,7 +92,7 @@ void change_json_number(std::string& text, Mutation& mutation) {
   text.replace(place->first, place->second, std::to_string(number));
 }
 
-// What the first buffer says of its length.
+// Sets the length that the JSON gives for the first buffer.
 void set_buffer_length(std::string& text, std::size_t length) {
   const std::size_t buffers = text.find("\"buffers\"");
   const std::size_t at = text.find("\"byteLength\"", buffers);

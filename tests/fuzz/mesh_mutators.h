@@ -6,15 +6,15 @@
 
 namespace hapton::fuzz {
 
-// A binary STL file that is as long as its count says; a GLB file that is as long as its header says and whose chunks fill it.
+// Whether a binary STL file is as long as its count says; whether a GLB file is as long as its header says and its chunks fill it.
 bool has_stl_count(std::span<const std::uint8_t> file);
 bool has_glb_lengths(std::span<const std::uint8_t> file);
 
-// A binary STL file with changed triangles and the count that belongs to them; other files are changed plainly.
+// Changes triangles of a binary STL file and sets the count that fits them; other files get a plain change of bytes.
 Bytes mutate_stl(std::span<const std::uint8_t> file, Mutation& mutation);
 
-// A GLB file with a change in one chunk and the lengths that belong to it, the first buffer's in the JSON included; other files are changed
-// plainly.
+// Changes one chunk of a GLB file and sets the lengths that fit it, also that of the first buffer in the JSON; other files get a plain
+// change of bytes.
 Bytes mutate_glb(std::span<const std::uint8_t> file, Mutation& mutation);
 
 }  // namespace hapton::fuzz

@@ -30,7 +30,7 @@ inline void require_touchable(const TriangleMesh& mesh) {
   require(report.describe().find('\n') == std::string::npos);
 }
 
-// As many looks as triangles, if any; every index in range and every place in a texture finite.
+// There are as many appearances as triangles, or none; every index is in range and every texture coordinate is finite.
 inline void require_sound(const MeshAppearance& appearance, std::size_t triangles) {
   require(appearance.triangles.empty() || appearance.triangles.size() == triangles);
   for (const VisualMaterial& material : appearance.materials) {
@@ -43,7 +43,7 @@ inline void require_sound(const MeshAppearance& appearance, std::size_t triangle
   }
 }
 
-// The same of what is felt; every image that is used is there, and every triangle's material is one of the file's.
+// The same for haptic materials and maps: every image that a material uses exists, and so does the material of every triangle.
 inline void require_sound(const MeshHaptics& haptics, std::size_t triangles) {
   require(haptics.maps.triangles.empty() || haptics.maps.triangles.size() == triangles);
   for (const HapticMaterial& material : haptics.materials) {
@@ -82,10 +82,10 @@ inline void require_sound(Result<RawMesh> raw) {
   require_touchable(raw->mesh);
 }
 
-// No file lies there, so that a mesh can name no other.
+// This folder does not exist, so that a mesh cannot make the reader open another file.
 constexpr const char* kNoFolder = "/nonexistent/hapton";
 
-// Of a file with instances: a few bytes can request any number of triangles up to the limit.
+// The limit for files with instances, in which a few bytes can request any number of triangles.
 constexpr std::size_t kMaxTriangles = 1U << 16;
 
 }  // namespace hapton::fuzz

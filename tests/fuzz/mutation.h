@@ -23,7 +23,7 @@ class Mutation {
   Mutation(std::uint64_t seed, std::size_t most, ChangeBytes change_bytes)
       : random_(seed), most_(most), change_bytes_(std::move(change_bytes)) {}
 
-  // The bytes that an input may have.
+  // The largest size that an input may have, in bytes.
   std::size_t most() const { return most_; }
   // 0 .. n - 1. Pre: n > 0.
   std::size_t below(std::size_t n) { return random_() % n; }
@@ -37,7 +37,7 @@ class Mutation {
     return bytes;
   }
 
-  // Changed, and of the same size.
+  // Changes the bytes, but not their number.
   Bytes change_in_place(Bytes bytes) {
     const std::size_t size = bytes.size();
     if (size == 0) return bytes;
@@ -46,7 +46,7 @@ class Mutation {
     return bytes;
   }
 
-  // A number that readers trip over, or any.
+  // A number near a limit, which readers may handle wrongly, or any random number.
   std::uint64_t odd_number() {
     const std::uint64_t ones = ~std::uint64_t{0};
     switch (below(6)) {
@@ -63,7 +63,7 @@ class Mutation {
     }
   }
 
-  // The bits of a double that readers trip over: zeros, infinities, NaN, subnormal, huge, around one.
+  // The bits of a double that readers may handle wrongly (zero, infinity, NaN, subnormal, huge, one), or any random bits.
   std::uint64_t odd_double_bits() {
     constexpr std::uint64_t kOdd[] = {0,
                                       0x8000000000000000,
@@ -79,7 +79,7 @@ class Mutation {
     return one_in(3) ? random_() : kOdd[below(std::size(kOdd))];
   }
 
-  // Takes one out, repeats one, swaps two. Pre: not empty.
+  // Removes one item, repeats one, or swaps two. Pre: `items` is not empty.
   template <class Item>
   void change_order(std::vector<Item>& items) {
     const std::size_t at = below(items.size());
@@ -107,7 +107,7 @@ class Mutation {
     return both;
   }
 
-  // As a fuzzer wants it back. Pre: `into` has room for most().
+  // Copies the input to where libFuzzer expects it, and returns its size. Pre: `into` has room for most().
   std::size_t put(const Bytes& bytes, std::uint8_t* into) const {
     const std::size_t size = std::min(bytes.size(), most_);
     std::copy_n(bytes.begin(), size, into);

@@ -1,4 +1,4 @@
-// What fuzzers know of seals, checksums and counts: their changes come past them, where plain changes do not, and still change something.
+// Mutators know seals, checksums and counts: their changes pass these checks, where plain changes do not, and still change something.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -27,7 +27,7 @@ Mutation::ChangeBytes plain_changes(std::mt19937_64& random) {
   };
 }
 
-// The share of inputs that come past the check.
+// The share of inputs that pass the check of the target.
 template <class MakeInput>
 double passing_share(const std::string& target, int inputs, MakeInput&& make_input) {
   passage() = {};
@@ -35,7 +35,7 @@ double passing_share(const std::string& target, int inputs, MakeInput&& make_inp
   return static_cast<double>(passage().passed) / static_cast<double>(passage().inputs);
 }
 
-// A change of a change, as a fuzzer goes on from what it has found.
+// Changes an input of the corpus several times in succession, as a fuzzer continues with an input that it has found.
 Bytes change_of(const std::string& target, const std::vector<Bytes>& corpus, std::uint64_t number, std::uint64_t changes) {
   std::mt19937_64 random(kSeed + number);
   Bytes input = corpus[number % corpus.size()];
@@ -46,7 +46,7 @@ Bytes change_of(const std::string& target, const std::vector<Bytes>& corpus, std
   return input;
 }
 
-// The inputs of a corpus that come past the check as they are.
+// The inputs of a corpus that pass the check unchanged.
 std::vector<Bytes> find_passing(const std::string& target) {
   std::vector<Bytes> passing;
   for (const Bytes& input : read_corpus(target)) {
@@ -57,8 +57,8 @@ std::vector<Bytes> find_passing(const std::string& target) {
 
 struct Case {
   const char* target;
-  double at_least;   // of the changes that know the check
-  double advantage;  // over plain ones
+  double at_least;   // smallest share of the mutator's changes that pass
+  double advantage;  // over plain changes, as a factor
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.target; }
@@ -69,7 +69,7 @@ class Mutator : public testing::TestWithParam<Case> {
   const std::vector<Bytes> corpus_ = find_passing(GetParam().target);
 };
 
-// Not so when the protocol has changed and the corpus has not: see make_corpus.cpp.
+// This fails when the protocol has changed and the corpus has not: see make_corpus.cpp.
 TEST_P(Mutator, BeginsWithInputsThatComePast) {
   EXPECT_GE(corpus_.size(), 1U);
   if (GetParam().target == std::string("codec")) {
@@ -158,7 +158,7 @@ TEST(SealedMutator, SealsAsTheChannelDoes) {
   }
 }
 
-// As many sessions as there are good requests: the Noise message and the cookie are right, too.
+// Requests get replies, and replies open sessions: the mutator makes the cookie and the Noise message right, too.
 TEST(HandshakeMutator, ReachesTheAgreementAndTheSession) {
   ASSERT_TRUE(FixedRandom::install());
   const std::vector<Bytes> corpus = read_corpus("request");

@@ -1,4 +1,4 @@
-// Any parts of a scene, as a haptics node would send them: kept, put together, and touched by a hand that goes through the middle of it.
+// Any parts of a scene, as a haptics node sends them. They are stored and assembled; a hand moves through the middle and touches them.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -19,7 +19,7 @@ namespace {
 constexpr double kStepS = 1e-3;
 constexpr int kSteps = 12;
 
-// As the hub has it: PatchThread's store and makers, and the chain of its device loop.
+// Does what the hub does, with the store and the makers of PatchThread and the chain of the device loop.
 class PatchHub {
  public:
   PatchHub() {
@@ -86,7 +86,7 @@ class PatchHub {
 
   PatchStore store_;
   std::vector<PatchMaker> makers_;
-  std::array<std::unique_ptr<PatchShape>, PatchChain::kLinks> shapes_;  // on their way to the chain
+  std::array<std::unique_ptr<PatchShape>, PatchChain::kLinks> shapes_;  // made, but not yet taken by the chain
   std::unique_ptr<PatchChain> chain_ = std::make_unique<PatchChain>();
   MoveTable moves_;
   std::uint32_t generation_ = 0;
@@ -114,7 +114,7 @@ fuzz::Bytes cross_parts(std::span<const std::uint8_t> a, std::span<const std::ui
 }  // namespace
 }  // namespace hapton
 
-// Bit 0 of a part's flags: the hand moves before the next one comes.
+// Bit 0 of a part's flags: the hand moves before the next part comes.
 FUZZ_TARGET(patch) {
   using namespace hapton;
   static Codec codec;

@@ -59,7 +59,7 @@ bool take_field(std::span<const std::uint8_t>& rest, ProtoField& field) {
     case Type::bytes:
       return take_bytes(rest, field.bytes);
   }
-  return false;  // groups
+  return false;  // groups are not supported
 }
 
 void append_fixed(std::uint64_t value, std::size_t size, Bytes& to) {

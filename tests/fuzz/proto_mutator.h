@@ -9,13 +9,13 @@
 
 namespace hapton::fuzz {
 
-// One field of a protobuf message on the wire; what it means is not known here.
+// One field of a protobuf message as it is sent; this code does not know its meaning.
 struct ProtoField {
   enum class Type : std::uint8_t { varint = 0, fixed64 = 1, bytes = 2, fixed32 = 5 };
   std::uint32_t number = 1;
   Type type = Type::varint;
-  std::uint64_t value = 0;  // of all but bytes
-  Bytes bytes;              // of bytes: text, a message within, packed numbers
+  std::uint64_t value = 0;  // for every type but bytes
+  Bytes bytes;              // for type bytes: text, a nested message, packed numbers
 
   bool operator==(const ProtoField&) const = default;
 };
@@ -24,8 +24,8 @@ struct ProtoField {
 std::optional<std::vector<ProtoField>> split_proto(std::span<const std::uint8_t> message);
 Bytes join_proto(const std::vector<ProtoField>& fields);
 
-// Changes a field of the message, at any depth, or which fields there are; lengths fit again. Bytes that are not a message are changed
-// plainly.
+// Changes, adds, removes, repeats or swaps a field of the message, at any depth, and makes all lengths fit again. Bytes that are not a
+// message get a plain change of bytes.
 Bytes mutate_proto(const Bytes& message, Mutation& mutation, int depth = 0);
 
 }  // namespace hapton::fuzz

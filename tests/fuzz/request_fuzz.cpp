@@ -1,6 +1,6 @@
-// Handshake messages to a hub and to a node that has requested a session, from an attacker who holds the keys and so can give each its tag.
-// In all cases: nothing is handed out, because nothing was sent; every datagram is counted once or replied to (a request may be a repeat);
-// no reply is longer than its request; and no request, retry or reply without its tag gets a reply.
+// An attacker who holds the keys, and so can make valid tags, sends handshake messages to a hub and to a node that has requested a session.
+// In all cases nothing is handed out, because nothing was sent; every datagram is counted once or replied to (a request may be a repeat); a
+// node gets no more bytes in replies than it sent; and a datagram without a valid tag gets no reply.
 #include <map>
 
 #include "tests/fuzz/fixed_random.h"

@@ -1,5 +1,5 @@
-// Sealed datagrams of four nodes and their hub, in sessions with known keys: what is behind the seal reaches the hub's table of nodes and a
-// node's client. An opened datagram comes from the holder of the key; nobody does more than the role of that key allows.
+// Sealed datagrams of four nodes and their hub, in sessions with known keys: their opened content reaches the hub's table of nodes and a
+// node's client. An opened datagram comes from the holder of the key; nobody can do more than the role of that key allows.
 #include <array>
 
 #include "link/hub_client.h"
@@ -20,7 +20,7 @@ NodeRole allowed_role(KeyRole role) {
   return role == KeyRole::haptics ? NodeRole::haptics : role == KeyRole::vision ? NodeRole::vision : NodeRole::tool;
 }
 
-// Accepts all that is sent, and hands out what was put into it, once.
+// Accepts all that is sent, and hands out once the payload that hold() was given.
 class HeldPayload final : public Endpoint {
  public:
   bool send(const Address&, std::span<const std::byte> datagram) noexcept override {
@@ -53,7 +53,7 @@ class Sessions {
     }
   }
 
-  // True when its seal held.
+  // Returns whether the seal of the datagram is valid.
   bool deliver(const fuzz::ListedDatagram& datagram) {
     clock_.advance_ns(datagram.pause_ns());
     SealedChannel& channel = (datagram.is_to_node() ? at_node_ : at_hub_)[datagram.node()];

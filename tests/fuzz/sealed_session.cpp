@@ -12,9 +12,9 @@ namespace {
 
 using namespace seal;
 
-constexpr std::uint32_t kSequenceField = 4;  // of an Envelope: what a receiver drops duplicates by
+constexpr std::uint32_t kSequenceField = 4;  // of an Envelope: a receiver finds duplicates by it
 
-// A datagram, and what is behind its seal.
+// A datagram, and its decrypted content; none if its seal is not valid.
 struct Item {
   ListedDatagram datagram;
   std::optional<OpenedData> data;

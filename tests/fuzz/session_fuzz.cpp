@@ -1,4 +1,4 @@
-// Any bytes as a recorded session, and what it holds as datagrams.
+// Any bytes as a recorded session, whose entries are then decoded as datagrams.
 #include "link/codec.h"
 #include "link/session_reader.h"
 #include "tests/fuzz/input_file.h"

@@ -8,7 +8,7 @@
 namespace hapton::fuzz {
 namespace {
 
-constexpr std::size_t kCheckBytes = 5;  // as proto/session.proto lays down: the field's tag and a CRC-32
+constexpr std::size_t kCheckBytes = 5;  // as proto/session.proto defines: the field's tag and a CRC-32
 constexpr std::uint8_t kCheckTag = 0x7D;
 
 std::size_t take_length(std::span<const std::uint8_t>& rest) {

@@ -8,12 +8,12 @@
 
 namespace hapton::fuzz {
 
-// The messages of a recorded session, without length and check. Nothing when the file does not begin as one; damage ends the list.
+// The messages of a recorded session, without lengths and checksums; nothing if the file has no session header. Damage ends the list.
 std::optional<std::vector<Bytes>> split_session(std::span<const std::uint8_t> file);
-// With the lengths and checks that belong to them.
+// Gives each message its length and its checksum.
 Bytes join_session(const std::vector<Bytes>& messages);
 
-// A recorded session with a change in one message, whose check holds again.
+// Changes one message of a recorded session, and makes its checksum valid again.
 Bytes mutate_session(std::span<const std::uint8_t> file, Mutation& mutation);
 Bytes cross_sessions(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, Mutation& mutation);
 

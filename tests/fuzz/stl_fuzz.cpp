@@ -1,4 +1,4 @@
-// Any bytes as a STL file.
+// Any bytes as an STL file.
 #include "tests/fuzz/mesh_mutators.h"
 #include "tests/fuzz/mesh_target.h"
 

@@ -1,4 +1,4 @@
-// Any bytes as a file of recorded texture models: an error in one line, or models that give finite numbers anywhere.
+// Any bytes as a file of recorded texture models: they give a one-line error, or models whose numbers are always finite.
 #include <cmath>
 #include <string_view>
 

@@ -11,7 +11,7 @@ FUZZ_TARGET(tracker) {
     const bool goes_on = client.receive(piece);
     const auto pose = client.take_newest();
     fuzz::require(!pose || (pose->p_m.allFinite() && std::abs(pose->q.norm() - 1.0) < 1e-9));
-    // It says its cookie, its name for the tracker and one of a type, and nothing in reply.
+    // The client sends its cookie, the name of its tracker and the name of one message type, and no replies.
     fuzz::require(client.out().size() <= 256);
     fuzz::require(client.describe_devices().size() <= 8 * 102);
     return goes_on;

@@ -8,7 +8,7 @@ FUZZ_TARGET(vrpn) {
   fuzz::feed_in_pieces(bytes, [&](std::span<const std::byte> piece) {
     const bool goes_on = client.receive(piece, {1, 2});
     client.take_workspace_request();
-    // A reply is at most eight times as long as its request (two transforms), beside our names and one text of an error.
+    // A reply is at most eight times as long as its request (two transforms). Our names and one error text come in addition.
     fuzz::require(client.out().size() <= 8 * bytes.size() + 4096);
     fuzz::require(!client.udp_request() || (client.udp_request()->port != 0 && client.udp_request()->address.size() <= 64));
     return goes_on;

@@ -24,7 +24,7 @@ std::unique_ptr<TouchStep> carving_touch(const char* method = "proxy") {
   return std::make_unique<TouchStep>(std::shared_ptr<ForceMethod>(*make_method({.name = method}, scene)), scene);
 }
 
-// Round the ball, in its surface, the button down from sample 200 on.
+// The device goes round the ball, in and out of its surface, with the button down after sample 200.
 DeviceState carving_state(std::uint64_t sample) {
   const double angle = 3e-3 * static_cast<double>(sample);
   const Vec3 p = (0.0315 + 0.004 * std::cos(5.0 * angle)) * Vec3(std::cos(angle), std::sin(angle), 0.1);
@@ -36,7 +36,7 @@ struct CarvedRun {
   std::vector<MadeCarve> carves;
 };
 
-// Another method at sample `change`; 0: none.
+// The method is replaced at sample `change`; 0: never.
 CarvedRun carve_round(std::uint64_t count, std::uint64_t change) {
   HapticsStep step(carving_touch(), kCarvingOffset);
   CarvedRun run;
@@ -76,7 +76,7 @@ TEST(CarvingStep, ForceHasNoJumpAtAChangeOfMethod) {
   EXPECT_LT((run.forces[699].force_n - run.forces[698].force_n).norm(), 0.5);
 }
 
-// A step before the first sample of a session, to settle, would carve what no recording has.
+// A settling step before the first sample of a session would make a carve that no recording contains.
 TEST(CarvingStep, EachCarveOfASessionThatGoesOnInContactIsReported) {
   HapticsStep step(carving_touch(), kCarvingOffset);
   int in_contact = 0;
@@ -109,9 +109,9 @@ TEST(CarvingStep, ChangesWithoutHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// A hand on the bottom of what it has carved: the force fades, whether it is released or not, and the list counts the undo.
+// A hand rests on the bottom of its carves, and all but the first 19, or all, are undone: the force fades, and the undo gets a serial.
 TEST(CarvingStep, AnUndoFadesTheForce) {
-  constexpr std::uint64_t kHeld = 1047, kUndone = 1200;  // it is deep in the ball, and held there without the button
+  constexpr std::uint64_t kHeld = 1047, kUndone = 1200;  // the hand is deep in the ball, and stays there without the button
   for (const bool is_all : {true, false}) {
     HapticsStep step(carving_touch(), kCarvingOffset);
     Sculpture copy = *step.touch().method().sculpture();

@@ -68,7 +68,7 @@ TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
   EXPECT_TRUE(output.contact);
   EXPECT_NEAR((output.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
 
-  // The hand has moved too far since.
+  // Since the report the hand has moved too far.
   inside.p_WD.z() = -1.1 * kResumeReachM;
   HapticsStep late(make_touch(), kOffset);
   EXPECT_FALSE(reply_to(late, inside).contact);
@@ -83,12 +83,12 @@ TEST(HapticsStep, KeepsContactInANewSessionUnlessReset) {
     forgets ? step.restart() : step.resume();
     const ForceCommand first = reply_to(step, states.at({0.01, 0.011, -0.003}));
     EXPECT_EQ(first.contact, !forgets);
-    // A recording of the new session alone cannot know it.
+    // A recording of the new session alone cannot tell which samples had a reply before it.
     EXPECT_EQ(first.replied_before, forgets ? 0 : kUnknownBefore);
   }
 }
 
-// A hub that was started again has an older place than this node.
+// A hub that has restarted reports an older position of the probe than this node has.
 TEST(HapticsStep, KeepsContactWhereTheHubKnowsNone) {
   HapticsStep step(make_touch(), kOffset);
   States states;
@@ -104,7 +104,7 @@ TEST(HapticsStep, KeepsContactWhereTheHubKnowsNone) {
   EXPECT_EQ(first.replied_before, kUnknownBefore) << "a recording of the new session alone cannot know it";
 }
 
-// Contact there would hold the hand back from the other side of the sheet.
+// If the contact continued here, it would hold the hand back as if it had come from the other side of the sheet.
 TEST(HapticsStep, ANewSessionFindsAHandFreeThatHasLeftTheSurface) {
   for (const double z_m : {0.0001, 0.001, 0.01}) {
     HapticsStep step(make_touch(), kOffset);
@@ -115,7 +115,7 @@ TEST(HapticsStep, ANewSessionFindsAHandFreeThatHasLeftTheSurface) {
     const ForceCommand first = reply_to(step, states.at({0.01, 0.011, z_m}));
     EXPECT_FALSE(first.contact) << z_m;
     EXPECT_EQ(first.replied_before, 0U);
-    // It is felt again where it comes back.
+    // The hand feels the sheet again when it comes back to it.
     EXPECT_NEAR(reply_to(step, states.at({0.01, 0.011, -0.001})).force_n.z(), 1.0, 1e-6);
   }
 }
@@ -226,7 +226,7 @@ TEST(HapticsStep, AMethodTakesOverInContactWithoutAForceDiscontinuity) {
   }
 }
 
-// As where an object is taken out of the scene while it is pressed.
+// For example, an object is removed from the scene while the hand presses it.
 TEST(HapticsStep, TheForceFadesWhereTheNextMethodHasNoSurface) {
   const TouchScene elsewhere = {.objects = {{made::shared(made::sheet(0.1, -0.05, 6)), {}}}};
   HapticsStep step(make_touch(), kOffset);
@@ -252,7 +252,7 @@ TEST(HapticsStep, AMethodTakesOverOnTheSameSideWithEffects) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
 }
 
-// A scene that is read again, or with an object put down, knows how fast the hand moves: viscosity goes on without a step.
+// When a scene is read again, or an object is put down, the new method knows the speed of the hand: viscosity continues smoothly.
 TEST(HapticsStep, ATakeoverKeepsTheSpeedOfTheHand) {
   const SurfaceEffects honey{.viscosity = {.damping_ns_per_m = 5.0}};
   const TouchScene surface = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}, honey}}};
@@ -349,7 +349,7 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_NEAR(command.force_n.z(), 2.0, 0.2) << "the box rests on the sheet, far above a probe's contact";
   EXPECT_NEAR(command.visual_offset_m.z(), 0.002, 0.0002);
   EXPECT_GT(command.replied_before, 0U);
-  // Held askew it turns, and that is felt.
+  // When the hand holds the box askew, the box turns, and the hand feels a torque.
   DeviceState askew = states.at({0.01, 0.01, 0.008});
   askew.q_WT = turn_by({0.1, 0.0, 0.0});
   for (int n = 0; n < 20; ++n) {
@@ -366,12 +366,12 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_GE(command.haptons, 1U);
   EXPECT_TRUE(step.has_contact());
   EXPECT_EQ(step.free_starts(), 1U);
-  // A corner of the box, where the hand would have it.
+  // The reported point is a corner of the box, in the pose in which the hand would hold the box.
   const Vec3 p_DV = turn_by({0.1, 0.0, 0.0}).conjugate() * (step.p_STouching() - Vec3(0.01, 0.01, 0.008));
   EXPECT_LT((p_DV.cwiseAbs() - Vec3::Constant(0.01)).norm(), 1e-6) << p_DV.transpose();
 }
 
-// Damping of a tool's contacts: live, by the times of the samples, and not from one session to the next.
+// Contacts of a tool are damped: live, by the times of the samples, but not by the motion from one session to the next.
 TEST(HapticsStep, AHeldToolIsDampedByTheMotionOfThisSession) {
   HapticsStep step(make_touch(), kOffset);
   auto made = *ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {made::shared(made::sheet(0.1, 0.0, 6))},
@@ -404,7 +404,7 @@ TEST(HapticsStep, AHeldToolIsDampedByTheMotionOfThisSession) {
   EXPECT_NEAR(command.force_n.x(), -5.0 * 0.04, 1e-6);
 }
 
-// The sheet turned and moved, with a spring to its middle that is felt beside the box, and a motor that runs with the time of the session.
+// The scene is moved. A spring to the middle of the sheet, and a vibration in the time of the session, act in addition to the tool.
 TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}},
                             .effects = {SpringEffect{.stiffness_n_per_m = 50.0, .max_force_n = 5.0},
@@ -429,7 +429,7 @@ TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
       EXPECT_EQ(command.torque_nm, Vec3::Zero());
     }
   }
-  // With the contact of the tool, which rests on the sheet.
+  // The force of the tool's contact is added when the tool rests on the sheet.
   ForceCommand command;
   for (int n = 0; n < 60; ++n) {
     command = reply_to(step, states.at(shift + Vec3(0.0, 0.0, 0.02 - 0.0002 * n)));
@@ -465,7 +465,7 @@ TEST(HapticsStep, AHeldToolFeelsObjectsThatMoveAndTellsWhatItDoesToThoseOfProgra
     }
     States states;
     ForceCommand command;
-    // 15 mm above the block: it goes 5 mm into where the tool is held.
+    // The tool is held 15 mm above the block, which rises by 20 mm: 5 mm into the tool.
     for (int n = 0; n < 300; ++n) {
       command = reply_to(step, states.at({0.0, 0.0, 0.045}));
       tool.follow();

@@ -151,7 +151,7 @@ TEST_P(FrictionChanges, LessFrictionLetsTheProxySlideAndTheForceFade) {
   for (int i = 0; i < 100; ++i) node.press(kAside, kDepth);
   EXPECT_NEAR(node.press(kAside, kDepth).force_n.x(), 0.0, kTolerance);
 
-  // Friction on again: the proxy sticks where it is, and then the device pulls it along on the cone.
+  // Friction is on again: the proxy sticks where it is, and then the device pulls it along on the cone.
   const Material again{.stiffness_n_per_m = kStiffness, .friction_static = 0.5, .friction_dynamic = 0.4};
   node.step.set_materials({&again, 1});
   for (int i = 1; i <= 120; ++i) node.press(kAside * (1.0 + 0.05 * i), kDepth);

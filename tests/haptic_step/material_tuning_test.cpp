@@ -106,7 +106,7 @@ TEST_F(Tuned, WhatASceneFileCouldNotHaveIsRejectedAndChangesNothing) {
   EXPECT_EQ(tuned_materials(scene.touch_scene(), tuning.state(), 0.0)[0].friction_dynamic, 0.4);
 }
 
-// One of all cannot follow: whoever asked learns how to change the others.
+// A change of all objects fails if one cannot take it: the error says how to change the others.
 TEST(MaterialTuningOfLayers, TheOtherObjectsCanBeNamed) {
   Scene scene = scene_of({"hull", "tissue"});
   scene.objects[1].effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0});
@@ -138,7 +138,7 @@ TEST(MaterialTuningLimit, MoreObjectsThanAMessageHoldsAreRejected) {
   ASSERT_FALSE(one_more);
   EXPECT_THAT(one_more.error().what, HasSubstr("no more than 20 objects"));
   EXPECT_TRUE(tuning.change(request(names[3], stiffness(700.0)))) << "a known one may change again";
-  // In the order that the codec wants.
+  // The state lists the objects in the order that the codec requires.
   for (std::size_t i = 0; i < MaterialState::kMaxObjects; ++i) EXPECT_EQ(tuning.state().objects[i].object, static_cast<int>(i));
   EXPECT_TRUE(tuning.change(request("", stiffness(400.0))));
   EXPECT_EQ(tuning.state().object_count, 1U);

@@ -48,7 +48,7 @@ TEST(ToolText, IsReadAsItWasWritten) {
   EXPECT_EQ(read->rotational_stiffness_nm_per_rad, coupling.rotational_stiffness_nm_per_rad);
 }
 
-// A recording of a build that wrote 0 for a stiffness that follows from the size of the tool.
+// Older builds wrote 0 into a recording for a stiffness that follows from the size of the tool.
 TEST(ToolText, ATurnWithoutAStiffnessOfItsOwnIsOne) {
   const auto read = parse_tool_text("name=tool stiffness_n_per_m=800 rotational_stiffness_nm_per_rad=0 effects=wind@0");
   ASSERT_TRUE(read);

@@ -1,4 +1,4 @@
-// A needle in layers is drawn at its tip, which is not where the surface holds the proxy: contact goes on from the proxy.
+// A needle in layers is drawn at its tip, but the surface holds the proxy elsewhere: after a break, contact continues from the proxy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// A block of flesh under a skin that gives way at 0.4 N: pressed 1 mm in. The hand stays within kResumeReachM of the skin.
+// A block of flesh under a skin that gives way at 0.4 N, when pressed 1 mm in. The hand stays within kResumeReachM of the skin.
 TouchScene flesh() {
   SurfaceEffects layers;
   layers.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 0.4, .drag_ns_per_m = 2.0});
@@ -31,14 +31,14 @@ class NeedleStep : public testing::Test {
     step.offer(state);
     return step.reply();
   }
-  // Through the skin and into the muscle below, 0.2 mm a sample.
+  // Pushes the needle through the skin and into the muscle below, 0.2 mm per sample.
   ForceCommand push_in(HapticsStep& step) {
     ForceCommand last;
     for (double z = 0.002; z > kDeep; z -= 2e-4) last = move_to(step, z);
     for (int n = 0; n < 20; ++n) last = move_to(step, kDeep);
     return last;
   }
-  // Out again: no spring holds it back, the skin least of all.
+  // Pulls the needle out again: no spring holds it back, and the skin's certainly not.
   void expect_free_way_out(HapticsStep& step) {
     double pressed_in_n = 0.0;
     for (double z = kDeep; z < 0.002; z += 2e-4) pressed_in_n = std::max(pressed_in_n, -move_to(step, z).force_n.z());

@@ -30,7 +30,7 @@ SceneObject box_object(const char* name, const Vec3& low, const Vec3& high, bool
   return object;
 }
 
-// 0: a floor that no program moves; 1: a plate above it; 2 and 3: two of one name.
+// 0: a floor that no program moves; 1: a plate above it; 2 and 3: two objects with the same name.
 Scene movers_scene() {
   Scene scene;
   scene.objects.push_back(box_object("floor", {-0.2, -0.2, -0.06}, {0.2, 0.2, -0.05}, false));
@@ -73,7 +73,7 @@ struct ObjectMoverTest : testing::Test {
   }
 };
 
-// What is felt, what is announced and what the reply says are one motion.
+// The felt motion, the announced motion and the reply agree.
 TEST_F(ObjectMoverTest, ARequestMovesTheObjectAndItsForce) {
   for (int i = 0; i < 10; ++i) reply_to();
   const ObjectMover::Done done = send(lift(0.03, 0.4));
@@ -164,7 +164,7 @@ TEST_F(ObjectMoverTest, ARepeatedRequestGetsTheSameReplyAndNoNewMove) {
   EXPECT_EQ(rejection_of(unknown), rejection_of(unknown));
 }
 
-// A sender repeats until its reply comes, which is a few samples later at the soonest.
+// A sender repeats its request until the reply comes, a few samples later at the earliest.
 TEST_F(ObjectMoverTest, ARepetitionOfARequestThatWaitsIsThatRequest) {
   reply_to();
   const MoveRequest only = lift(0.02, 0.5);
@@ -236,7 +236,7 @@ TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
   EXPECT_EQ(done.reply.request, flood.back().request);
   EXPECT_EQ(mover.work(step).reply.object, 3);
   EXPECT_FALSE(mover.has_request());
-  // One of the last kRemembered, whose replies are kept.
+  // This is one of the last kRemembered requests, whose replies are kept.
   EXPECT_THAT(send(flood[4990]).reply.rejection.data(), HasSubstr("a newer request for 'plate' replaced this one"));
   EXPECT_EQ(step.counts().moves_taken, 2U);
 }
@@ -250,7 +250,7 @@ TEST_F(ObjectMoverTest, RequestsBeyondTheQueueAreCounted) {
   EXPECT_EQ(crowded.overflows(), 30U - ObjectMover::kMaxWaiting);
 }
 
-// No heap for requests, good or bad, however many: the loop that replies to the device calls this.
+// Requests use no heap, whether valid or not and however many: the loop that replies to the device handles them.
 TEST_F(ObjectMoverTest, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   reply_to();
@@ -274,7 +274,7 @@ TEST_F(ObjectMoverTest, UsesNoHeap) {
   EXPECT_GT(step.counts().moves_taken, 10U);
 }
 
-// The same requests at the same samples give the same forces, to the last bit, as the announced moves do in a replay.
+// The announced moves, applied at the same samples as in a replay, give the same forces as the requests, to the last bit.
 TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
   std::vector<std::pair<std::size_t, ObjectMove>> announced;
   std::vector<ForceCommand> live;
@@ -310,8 +310,8 @@ TEST_F(ObjectMoverTest, AMoveStartsAfterTheLead) {
   EXPECT_NEAR(height(), 0.015, 1e-12);
 }
 
-// The lead has become shorter, so the newer move starts before the pending one. It replaces it at once, without the least distance in time
-// that moves otherwise keep.
+// The lead has become shorter, so the newer move starts before the pending one. The newer move replaces it at once, without the least
+// distance in time that moves otherwise keep.
 TEST_F(ObjectMoverTest, AMoveThatStartsBeforeThePendingOneIsNotDelayed) {
   for (int i = 0; i < 10; ++i) reply_to();
   mover.set_lead_ns(500'000'000);

@@ -54,7 +54,7 @@ TEST_F(PluginEffectsStep, TheySeeTheContactOfTheMethod) {
   EXPECT_NEAR(pressed.torque_nm.z(), 0.02, 1e-6) << "the stand-in gives a hundredth of the contact force back as a torque";
 }
 
-// The method's part fades as ever; that of the effect neither jumps nor fades.
+// The force of the method fades as usual; the force of the effect neither jumps nor fades.
 TEST_F(PluginEffectsStep, AChangeOfMethodLeavesThemAsTheyAre) {
   use("n=1");
   at({0.01, 0.01, 0.002});

@@ -1,4 +1,4 @@
-// What a reply, and the counters, say beside the force of the probe or the tool.
+// What a reply and the counters report in addition to the force of the probe or the tool.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct ReplyDetails : testing::Test {
   }
 };
 
-// InsideBodyWarning looks where the probe started without an earlier contact, and nowhere else.
+// InsideBodyWarning checks only the places where the probe started without an earlier contact.
 TEST_F(ReplyDetails, AFreeStartIsOneWithoutAContactThatGoesOn) {
   reply(step, {0.01, 0.01, 0.001});
   EXPECT_EQ(step.free_starts(), 1U);
@@ -60,7 +60,7 @@ TEST_F(ReplyDetails, TheLargestForceIsCounted) {
   EXPECT_EQ(step.counts().max_torque_nm, 0.0);
 }
 
-// As where a device repeats a sample, or its clock is set back.
+// This happens when a device repeats a sample, or its clock is set back.
 TEST_F(ReplyDetails, ASampleThatIsNoLaterThanTheOneBeforeCountsAsAMillisecond) {
   TouchScene scene = detail_sheet();
   scene.effects = {WaveEffect{.waveform = Waveform::sine, .amplitude_n = 1.0, .frequency_hz = 20.0}};
@@ -100,7 +100,7 @@ TEST_F(ReplyDetails, PairsOfTrianglesAndTheTorqueOfAToolAreCounted) {
   EXPECT_EQ(held.counts().max_torque_nm, most_nm);
 }
 
-// One part comes from below and one from the side. What presses harder is the object in contact, whichever comes first in the scene.
+// One object comes from below and one from the side. The one that presses harder is the object in contact, first in the scene or not.
 TEST_F(ReplyDetails, OfTwoObjectsOfProgramsTheReplyNamesTheOneThatIsPressedMost) {
   for (const bool is_first : {true, false}) {
     TouchScene scene;
@@ -117,7 +117,7 @@ TEST_F(ReplyDetails, OfTwoObjectsOfProgramsTheReplyNamesTheOneThatIsPressedMost)
       const Keyframe from{0.0, Vec3::Zero(), Quat::Identity()};
       return held.command(object, {.serial = 1, .from = from, .to = {0.2, to, Quat::Identity()}});
     };
-    // 5 mm and 2 mm into where the hand holds the tool.
+    // One object goes 5 mm, the other 2 mm into the tool where the hand holds it.
     ASSERT_TRUE(move(1, {0.0, 0.0, is_first ? 0.020 : 0.017}));
     ASSERT_TRUE(move(2, {is_first ? -0.022 : -0.025, 0.0, 0.0}));
     ForceCommand felt;

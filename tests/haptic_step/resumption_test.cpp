@@ -1,4 +1,4 @@
-// Where a probe goes on after a break, and where it begins anew.
+// When a probe continues from its old position after a break, and when it begins anew at the hand.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -46,7 +46,7 @@ TEST_F(Resumption, AHandFarAwayAfterAGapIsNotPulledBack) {
   }
 }
 
-// The reply of a slow network is to a hand that went fast all the way.
+// On a slow network samples come rarely: a fast hand moves far between two of them.
 TEST_F(Resumption, AFastHandDoesNotPassThroughASheet) {
   reply(0.015);
   const ForceCommand through = reply(-0.015, 4 * kMillisecond);
@@ -61,13 +61,13 @@ TEST_F(Resumption, AHandThatIsStillNearKeepsItsContactAcrossAGap) {
   EXPECT_NEAR(after.force_n.z(), kSheetStiffness * 0.003, 1e-3);
 }
 
-// It was pressed and is farther away than the reach: from its old place the surface in between would hold it.
+// The hand is beyond kResumeReachM. If the probe continued from its old position, the surface in between would hold it.
 TEST_F(Resumption, APressedHandThatWentFarBeginsAnew) {
   press();
   EXPECT_FALSE(reply(-0.002 - 1.1 * kResumeReachM, 500 * kMillisecond).contact);
 }
 
-// The hub worked out the force meanwhile, and knows that the hand is free where this node has not seen it leave.
+// The hub computed the force meanwhile. It knows that the hand is free, although this node has not seen the hand leave the sheet.
 TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
   press();
   DeviceState free = next(-0.002, 50 * kMillisecond);
@@ -77,7 +77,7 @@ TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
   EXPECT_FALSE(step.reply().contact);
 }
 
-// It has moved on from there since, through the sheet.
+// Since then the hand has moved on from that position, through the sheet.
 TEST_F(Resumption, FromTheFreePlaceThatTheHubKnowsTheHandIsFollowed) {
   reply(0.005);
   DeviceState through = next(-0.002, 50 * kMillisecond);
@@ -100,7 +100,7 @@ TEST_F(Resumption, BetweenTwoOfFewStatesAHandGoesFar) {
   EXPECT_FALSE(reply(-0.015, 50 * kMillisecond).contact);
 }
 
-// What is near is built before the first reply of a session. The contact that goes on is still to come.
+// announce_start() has what is near built before the first reply of a session. It must not drop the contact that this reply continues.
 TEST_F(Resumption, AnnouncingTheStartTakesNoContactAway) {
   press();
   step.resume();
@@ -121,7 +121,7 @@ TEST_F(Resumption, AMeasurementThatIsNoPlaceTakesNoContactAway) {
   EXPECT_EQ(after.replied_before & 0b111U, 0b111U) << "no session ended";
 }
 
-// The hub asks to go on from its place in each sample until a reply comes.
+// The hub asks in each sample to continue from the position of its probe, until a reply comes.
 TEST_F(Resumption, SeveralSamplesThatAskToGoOnAreOneBeginning) {
   reply(0.005);
   std::uint64_t replied_before = 0;
@@ -189,7 +189,7 @@ TEST(EffectsOfANewScene, ComeWithoutAJump) {
   EXPECT_GT(after_n, 7.0);
 }
 
-// An effect that pressed harder than the surface pushes is gone: the force of the old method pointed into the surface.
+// The new scene lacks an effect that pressed harder than the surface pushes: the force of the old method pointed into the surface.
 TEST(EffectsOfANewScene, LeaveTheHandOnTheSideOnWhichItWas) {
   const TouchScene plain = sheet_scene();
   TouchScene pressed = plain;

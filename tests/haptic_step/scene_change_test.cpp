@@ -72,7 +72,7 @@ TEST_F(SceneChanges, AreToldApart) {
   EXPECT_EQ(compare_scenes(before, scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500")), SceneChange::shape);
 }
 
-// Applied to the scene before, the state gives the materials of the one after: recordings replay with it.
+// The state, applied to the scene before the change, gives the materials of the scene after it: recordings replay in this way.
 TEST_F(SceneChanges, OfMaterialsAreAStateOfTheSceneBefore) {
   const Scene before = scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500");
   const Scene after = scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 700\nfriction_static = 0.2");

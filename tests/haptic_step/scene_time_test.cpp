@@ -45,7 +45,7 @@ TEST_F(SceneTime, BeginsWithTheFirstReplyAndRunsWithTheSamples) {
   EXPECT_EQ(reply_to(4'000'000).scene_time_ns, 5'000'000);
 }
 
-// What is felt is what the reply says.
+// The plate is felt at the pose that it has at the scene time in the reply.
 TEST_F(SceneTime, TheForceIsThatOfTheTimeInTheReply) {
   const Vec3 hand(0.01, 0.0, 0.005);
   reply_to(0, hand);
@@ -85,7 +85,7 @@ TEST_F(SceneTime, CanBeSet) {
   EXPECT_EQ(reply_to(1'000'000).scene_time_ns, 401'000'000);
 }
 
-// A scene that was read again: the parts that move go on from where they are, and the force fades.
+// A scene is read again: the moving object continues from where it is, and the force fades.
 TEST_F(SceneTime, GoesOnWithAnotherMethod) {
   const Vec3 hand(0.01, 0.0, 0.001);
   reply_to(0, {0.01, 0.0, 0.002});
@@ -100,7 +100,7 @@ TEST_F(SceneTime, GoesOnWithAnotherMethod) {
   EXPECT_NEAR(later.force_n.z(), 1000.0 * (0.1 * 1e-9 * static_cast<double>(later.scene_time_ns) - hand.z()), 0.1);
 }
 
-// Vision nodes are sent what looks another way only.
+// Vision nodes get only changes that can be seen, so the time of a still scene stays 0.
 TEST(SceneTimeOfStillScenes, Is0) {
   HapticsStep step(touch_of(rising(false)), kOffset);
   for (std::uint64_t i = 1; i < 5; ++i) {
@@ -119,7 +119,7 @@ TEST_F(SceneTime, TakesNoHeap) {
   EXPECT_GT(most, 10.0);
 }
 
-// While the hub computes the force it determines where everything is, also across a gap; afterwards time goes on from there.
+// While the hub computes the force, it sets the scene time, also across a gap; afterwards the time continues from that value.
 TEST_F(SceneTime, IsThatOfAHubThatComputesTheForce) {
   reply_to(0);
   time_ns += 300'000'000;

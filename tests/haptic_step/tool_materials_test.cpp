@@ -27,7 +27,7 @@ struct TiltedBox {
     tool.follow();
     return reply;
   }
-  // Until all is at rest.
+  // Presses until everything is at rest.
   ForceCommand rest(int samples = 300) {
     ForceCommand reply;
     for (int n = 0; n < samples; ++n) reply = press();

@@ -1,4 +1,4 @@
-// Where a rigid tool goes on after a break, and where it begins anew.
+// When a rigid tool continues from its old position after a break, and when it begins anew at the hand.
 #include <gtest/gtest.h>
 
 #include "core/math/contact_resumption.h"
@@ -103,7 +103,7 @@ TEST_F(ToolResumption, WhereTheSceneWasTurnedMeanwhileItBeginsAnew) {
   EXPECT_EQ(step.free_starts(), 2U);
 }
 
-// A plate that damps as much as surgical training scenes have it.
+// A plate with as much damping as surgical training scenes use.
 struct DampedResumption : testing::Test {
   std::unique_ptr<TouchStep> make_touch() {
     const TouchScene scene{.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 2.0}}}};
@@ -120,7 +120,7 @@ struct DampedResumption : testing::Test {
   }
 };
 
-// The way from the proxy to the device is none of the hand's: at 3 mm in a millisecond the damping would be 6 N.
+// The hand has not moved from the proxy to the device: as a motion of 3 mm in a millisecond, this would give 6 N of damping.
 TEST_F(DampedResumption, AContactThatTheHubHandsOverIsNotDampedAsAMotion) {
   for (const bool begins_within : {false, true}) {
     if (begins_within) {
@@ -144,7 +144,7 @@ TEST_F(DampedResumption, AContactOfThisNodeIsNotDampedAsAMotionEither) {
   for (int n = 0; n < 3; ++n) EXPECT_NEAR(reply_n(), 3.0, 0.02) << n;
 }
 
-// Two hubs one after the other, before the first of them got a reply.
+// Two hubs start one after the other, before the first of them has got a reply.
 TEST_F(DampedResumption, ASessionWithoutAReplyTakesNoContactAway) {
   reply_n();
   state.p_WD.z() = -0.003;

@@ -15,13 +15,13 @@ namespace {
 
 constexpr std::uint32_t kSource = 7;
 
-// Each is told by its place.
+// The position of each carve tells its serial.
 MadeCarve nth_carve(std::uint32_t serial) { return {.object = 0, .serial = serial, .carve = {Vec3::Zero(), Vec3(serial, 0, 0), 0.005}}; }
 
-// What a vision node knows of the carves.
+// A vision node's knowledge of the carves.
 struct CarveViewer {
   KnownCarves known;
-  std::vector<int> applied;  // by serial - 1
+  std::vector<int> applied;  // at serial - 1: how often that carve was applied
 
   void take(const Carves& carves) {
     const KnownCarves::News news = known.take(carves, Arrival::newest);
@@ -122,7 +122,7 @@ TEST_F(CarveSenderTest, WhoJoinsLateGetsAll) {
   EXPECT_EQ(late.missing(), 0U);
 }
 
-// Two who joined late, at different times, on a link that loses every third datagram either way.
+// Two of the three viewers join late, at different times; the link loses one datagram in three, in both directions.
 TEST_F(CarveSenderTest, EachViewerGetsAllHoweverManyAreLost) {
   constexpr unsigned kSeed = 20261125;
   std::mt19937 random(kSeed);
@@ -162,7 +162,7 @@ TEST_F(CarveSenderTest, RequestsThatMakeNoSenseAreLeftOut) {
   EXPECT_TRUE(sent.empty());
 }
 
-// The scene was read again with other clay.
+// The scene was read again, with other bodies to carve.
 TEST_F(CarveSenderTest, SerialsThatBeginAgainAreOfOtherBodies) {
   make(10);
   run_ms(500);

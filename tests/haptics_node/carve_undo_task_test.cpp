@@ -31,7 +31,7 @@ std::unique_ptr<TouchStep> undo_touch() {
 struct CarveUndoTaskTest : testing::Test {
   HapticsStep step{undo_touch(), 1e-5};
   const Sculpture whole = *step.touch().method().sculpture();
-  CarveList list;  // what a program gets
+  CarveList list;  // the carves as a program receives them
   CarveUndoTask task{whole};
   std::uint64_t sample = 0;
 
@@ -45,7 +45,7 @@ struct CarveUndoTaskTest : testing::Test {
     if (undone) note(*undone);
     return undone.has_value();
   }
-  // Without the work after the reply. True: it carved.
+  // Takes a step without the work after the reply. Returns whether the step carved.
   bool take_step(bool is_down) {
     ++sample;
     const double angle = 3e-3 * static_cast<double>(sample);
@@ -68,7 +68,7 @@ struct CarveUndoTaskTest : testing::Test {
     }
     return false;
   }
-  // The shape that is felt is that of the list, to the last bit.
+  // The felt shape is that of the list of carves, to the last bit.
   void expect_same() {
     CarvedField twin = whole.bodies()[0].field;
     list.for_each_active({}, [&](const MadeCarve& made) { twin.carve(made.carve); });
@@ -88,7 +88,7 @@ TEST_F(CarveUndoTaskTest, UndoesPressAfterPress) {
     before = list.count_active();
     expect_same();
   }
-  // Both copies are carved alike from here on.
+  // From here on, both copies get the same carves.
   carve(2);
   expect_same();
   ASSERT_TRUE(undo(list.newest_active()));
@@ -109,7 +109,7 @@ TEST_F(CarveUndoTaskTest, OfAnEarlierPressLeavesTheLaterOnes) {
 
 TEST_F(CarveUndoTaskTest, WhileItCarves) {
   for (int round = 0; round < 5; ++round) {
-    // Once round a wave of its path the ball is outside, and begins to cut again.
+    // The stylus leaves the body once in each wave of its path, and then begins to cut again.
     for (int n = 0; n < 500; ++n) cycle(true);
     ASSERT_GT(list.newest_active(), 0U);
     expect_same();
@@ -118,13 +118,13 @@ TEST_F(CarveUndoTaskTest, WhileItCarves) {
   }
 }
 
-// Few carves are added as the bodies are exchanged; more than that, and the task catches up first.
+// When the bodies are exchanged, a few missing carves are added; if more are missing, the task first makes them in its own copy.
 TEST_F(CarveUndoTaskTest, CarvesThatAreMadeWhileAnUndoWaitsAreKept) {
   for (const int meanwhile : {1, 3, 4, 5, 20}) {
     SCOPED_TRACE(meanwhile);
     carve(2);
     task.request(list.newest_active());
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // it is ready by now, but for a machine that stands still
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the undo is ready by now, unless the machine stalled
     for (int carves = 0, n = 0; carves < meanwhile && n < 20'000; ++n) carves += take_step(true) ? 1 : 0;
     std::optional<MadeCarve> undone;
     for (int n = 0; n < 20'000 && !undone; ++n) {
@@ -137,7 +137,7 @@ TEST_F(CarveUndoTaskTest, CarvesThatAreMadeWhileAnUndoWaitsAreKept) {
   }
 }
 
-// The copy lacks carves that it did not hear of: in use, it would put material back under the stylus.
+// The task's copy lacks carves that it was not told of. If that copy were used, material would come back under the stylus.
 TEST_F(CarveUndoTaskTest, NothingIsUndoneOnceThereWereTooManyCarvesAtOnce) {
   constexpr int kSide = 20;  // points of a cube within the ball, 1.5 mm apart
   int next = 0;
@@ -200,7 +200,7 @@ TEST_F(CarveUndoTaskTest, TheLoopUsesNoHeap) {
   EXPECT_TRUE(undone);
 }
 
-// Carves that were read from a file are a press each.
+// Each carve that was read from a file counts as one press.
 TEST(CarveUndoTaskOfAFile, UndoesWhatWasThereAtTheStart) {
   HapticsStep step(undo_touch(), 1e-5);
   const Sculpture whole = *step.touch().method().sculpture();

@@ -8,11 +8,11 @@
 namespace hapton {
 namespace {
 
-constexpr double kBeginsS = 3.0;         // the wall stands still before
-constexpr double kWallM = 0.02;          // how far it goes, towards the cube
+constexpr double kBeginsS = 3.0;         // until then the wall stands still
+constexpr double kWallM = 0.02;          // how far the wall moves, towards the cube
 constexpr double kStiffness = 800.0;     // of all surfaces
 constexpr double kMaxJumpN = 0.03;       // a sample's motion of hand and wall, 70 um, times the stiffness, is 0.056 N at most
-const Vec3 kLifted = {0.03, 0.0, 0.04};  // the stylus with the cube, whose face is 10 mm from the wall before that moves
+const Vec3 kLifted = {0.03, 0.0, 0.04};  // position of the stylus with the cube: the cube's face is 10 mm from the wall at rest
 
 void let_wall_move(Scene& scene) {
   const Keyframe rest{kBeginsS, Vec3::Zero(), Quat::Identity()};
@@ -55,7 +55,7 @@ TEST_F(GraspBesideKeyframes, WhatIsHeldIsPushedByWhatMovesAndPutDownBesideIt) {
   EXPECT_FALSE(last.push) << "no program moves it";
   EXPECT_LT(most_change_n, kMaxJumpN);
 
-  // Where the wall leaves it room, onto the plate.
+  // The cube goes onto the plate, where the wall leaves room for it.
   go({-0.02, 0.0, 0.04}, 1);
   go({-0.02, 0.0, 0.0195}, 1);
   rest(0, 1);
@@ -81,7 +81,7 @@ TEST_F(GraspBesideKeyframes, ACubeThatIsPutDownIsPickedUpAgainBesideTheWallWhere
   wait_for_method(1);
   rest(0, 200);
   wait_until_s(kBeginsS + 1.5, 0);
-  // By now the wall has gone through the cube, which lies where it was released.
+  // By now the wall has moved through the cube, which lies where it was released.
   EXPECT_EQ(last.object, kCube);
   go({0.024, 0.0, 0.06}, 0);
   go({0.024, 0.0, 0.0405 - 2.0 * kPress}, 0);
@@ -92,7 +92,7 @@ TEST_F(GraspBesideKeyframes, ACubeThatIsPutDownIsPickedUpAgainBesideTheWallWhere
   EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
   go({0.004, 0.0, at.z()}, 1);
   EXPECT_FALSE(step->is_tool_blocked());
-  // The stylus holds it 4 mm from its face towards the wall, which is at 0.03.
+  // The stylus holds the cube 4 mm from its face towards the wall, which is at 0.03 now.
   go({0.016, 0.0, at.z()}, 1);
   EXPECT_NEAR(last.force_n.x(), -kStiffness * 0.002, 0.02);
 }
@@ -114,7 +114,7 @@ struct GraspBesidePrograms : GraspTaskTest {
   GraspBesidePrograms() : GraspTaskTest({}, {}, let_programs_move_wall) {}
 };
 
-// The wall is pushed by what is held, with the opposite of what the hand feels.
+// The held object pushes the wall, with the opposite of the force that the hand feels.
 TEST_F(GraspBesidePrograms, WhatIsHeldPushesWhatProgramsMove) {
   reply(at, 0);
   EXPECT_FALSE(last.push) << "nothing is held";
@@ -143,7 +143,7 @@ TEST_F(GraspBesidePrograms, WhatIsHeldPushesWhatProgramsMove) {
   EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
   EXPECT_LT(most_change_n, kMaxJumpN + kStiffness * 1e-4);
 
-  // It is put down, and the wall is felt where the program has moved it.
+  // The cube is put down, and the wall is felt where the program has moved it.
   go({0.0, 0.0, 0.0195}, 1);
   rest(0, 1);
   wait_for_method(1);

@@ -1,4 +1,4 @@
-// What is built where an object is put down, and what happens where it cannot be.
+// What is built when an object is put down, and what happens if it cannot be put down.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST_F(GraspTaskTest, WhatDoesNotMoveIsNotBuiltAgain) {
   EXPECT_NE(built_of[1]->objects[kCube], built_of[0]->objects[kCube]);
 }
 
-// What is drawn is where it is felt.
+// The object is drawn where it is felt.
 TEST_F(GraspTaskTest, AnObjectThatCannotBePutDownIsBackWhereItWas) {
   reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
@@ -61,7 +61,7 @@ TEST_F(GraspTaskTest, AnObjectThatCannotBePutDownIsBackWhereItWas) {
   EXPECT_EQ(last.object, -1) << "nothing is at the hand, and nothing between it and the cube holds the probe";
   EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-9);
   fails = false;
-  // It is felt and picked up there, and put down elsewhere.
+  // The cube is felt and picked up at its old place, and put down elsewhere.
   go({0.0, 0.0, 0.05}, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   go(at, 1);
@@ -76,7 +76,7 @@ TEST_F(GraspTaskTest, AnObjectThatCannotBePutDownIsBackWhereItWas) {
   EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
 }
 
-// The hand is in the cube where it is again: the probe is on its surface, as it was when it was picked up.
+// The cube is back in its old place, and the hand is in it: the probe is on its surface, as it was when the cube was picked up.
 TEST_F(GraspTaskTest, AnObjectThatIsBackUnderTheHandIsFeltFromOutside) {
   reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);

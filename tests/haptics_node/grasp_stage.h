@@ -29,7 +29,7 @@ struct GraspTaskTest : testing::Test {
   static constexpr double kSide = 0.02;
   static constexpr double kPress = 0.0005;  // how deep the stylus presses
 
-  // change: of the scene, before it is loaded.
+  // `change` changes the scene before it is loaded.
   explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}, std::vector<SceneEffect> effects = {},
                          const std::function<void(Scene&)>& change = {}) {
     scene.effects = std::move(effects);
@@ -66,7 +66,7 @@ struct GraspTaskTest : testing::Test {
     return object;
   }
 
-  // As the reply loop does.
+  // Takes a method that was built, as the reply loop does.
   void take_method() {
     if (waits) return;
     auto built = builder->take();
@@ -91,7 +91,7 @@ struct GraspTaskTest : testing::Test {
     take_method();
     return command;
   }
-  // At 50 mm/s.
+  // Moves the stylus at 50 mm/s.
   ForceCommand go(const Vec3& to, std::uint32_t buttons) {
     const Vec3 from = at;
     const int steps = 1 + static_cast<int>((to - from).norm() / 5e-5);
@@ -102,7 +102,7 @@ struct GraspTaskTest : testing::Test {
     for (int i = 0; i < steps; ++i) reply(at, buttons);
     return last;
   }
-  // The builder has a thread of its own.
+  // The builder works in its own thread, in real time.
   void wait_for_method(int count) {
     for (int i = 0; i < 30'000 && methods < count; ++i) {
       rest(0, 1);
@@ -111,7 +111,7 @@ struct GraspTaskTest : testing::Test {
     ASSERT_EQ(methods, count);
   }
 
-  // So does what describes the scene.
+  // The description of the scene, too, is made in a thread of its own.
   const PlacedScene* wait_for_placed() {
     const PlacedScene* placed = grasp->take_placed();
     for (int i = 0; i < 30'000 && placed == nullptr; ++i) {
@@ -142,10 +142,10 @@ struct GraspTaskTest : testing::Test {
   ForceCommand last;
   double most_change_n = 0.0;
   double most_change_nm = 0.0;
-  bool waits = false;                                         // nothing that was built is taken
+  bool waits = false;                                         // no method that was built is taken
   std::atomic<bool> fails = false;                            // no method can be built
-  std::vector<std::shared_ptr<const BuiltObjects>> built_of;  // by scene; the builder's thread writes it while put_down waits
-  std::vector<TouchScene> felt_scenes;                        // each with an object put down
+  std::vector<std::shared_ptr<const BuiltObjects>> built_of;  // one per scene; the builder's thread writes it while put_down waits
+  std::vector<TouchScene> felt_scenes;                        // one per object put down
   int methods = 0;
 };
 

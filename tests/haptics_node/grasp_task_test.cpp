@@ -34,11 +34,11 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   go({0.0, 0.0, 0.04}, 1);
   EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
   go({0.041, 0.0, 0.04}, 1);
-  // The face of the cube, 0.01 ahead of the stylus, stands at the wall's, 0.05.
+  // The face of the cube, 0.01 ahead of the stylus, is stopped at the face of the wall, at 0.05.
   EXPECT_NEAR(last.force_n.x(), -800.0 * 0.001, 0.01);
   EXPECT_NEAR(last.visual_offset_m.x(), -0.001, 1e-5);
   go({0.03, 0.0, 0.04}, 1);
-  // Down on the plate: the stylus is 0.0205 - 0.001 above the cube's bottom.
+  // The cube goes down onto the plate: the stylus is 0.0205 - 0.001 above the cube's bottom.
   go({0.03, 0.0, 0.0195 + 0.0005}, 1);
   go({0.03, 0.0, 0.0195}, 1);
   EXPECT_NEAR(last.force_n.norm(), 0.0, 0.01);
@@ -76,7 +76,7 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   EXPECT_LT(most_change_nm, 0.01);
 }
 
-// Who draws it moves it with the stylus.
+// A vision node that draws the object moves it with the stylus.
 TEST_F(GraspTaskTest, AHeldObjectIsShownInTheFrameOfTheStylus) {
   reply(at, 0);
   const Vec3 moved(0.03, 0.0, 0.0);
@@ -95,7 +95,7 @@ TEST_F(GraspTaskTest, AHeldObjectIsShownInTheFrameOfTheStylus) {
   EXPECT_LT((turned * pose.q).angularDistance(Quat::Identity()), 1e-6);
 }
 
-// What is held is damped by what it touches, as `hapton set` has changed it since the scene was loaded.
+// The touched surfaces damp a held object, with the damping that `hapton set` has given them since the scene was loaded.
 TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
   MaterialRequest request{.request = 1, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 3.0}};
   put_text("wall", request.object);
@@ -136,7 +136,7 @@ TEST_F(GraspTaskTest, WhatHasMovedIsPickedUpAgain) {
   }
 }
 
-// A quarter turn and 30 mm aside: as a file of annotations has it.
+// The cube lies 30 mm aside, after a quarter turn, as a file of annotations may say.
 struct PlacedGraspTest : GraspTaskTest {
   PlacedGraspTest() : GraspTaskTest({{kCube, {0.03, 0.0, 0.0}, Quat(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5))}}) {}
 };
@@ -214,7 +214,7 @@ TEST_F(SwitchedGraspTest, AnEffectThatIsOffInTheSceneWithTheObjectPutDownFadesOu
   EXPECT_LT(most_change_n, 0.04) << "a tenth in each step";
 }
 
-// As vision_node asks when a person takes a move back.
+// vision_node makes such a request when a person undoes a move.
 TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   reply(at, 0);
   go({-0.05, 0.0, 0.03}, 0);
@@ -224,7 +224,7 @@ TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   rest(0, 1);
   EXPECT_EQ(grasp->poses()[kCube].p_m, wanted.p_m) << "said at once";
   EXPECT_GT(grasp->poses()[kCube].serial, wanted.serial);
-  grasp->request_pose(wanted);  // again, as a reply may be lost
+  grasp->request_pose(wanted);  // repeated, because a reply may be lost
   wait_for_method(1);
   rest(0, 200);
   EXPECT_EQ(last.object, kPlate) << "the probe has not sunk in";
@@ -235,7 +235,7 @@ TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   go({-0.05, 0.0, 0.05}, 0);
   go({0.03, 0.0, 0.05}, 0);
   EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
-  // Under the tip: nothing is left there to be felt.
+  // The cube leaves the place under the tip: nothing is left there to be felt.
   wanted = {.serial = grasp->poses()[kCube].serial, .object = kCube};
   grasp->request_pose(wanted);
   rest(0, 1);
@@ -357,7 +357,7 @@ TEST_F(GraspTaskTest, AButtonThatWasDownBeforePicksUpNothingAndOneInTheAirNeithe
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
-// What was never picked up is said to stay. What was held and is put down does not stay, and nothing says so.
+// The log says that an object stays if it was never picked up. It does not say so if the object was held and put down.
 TEST_F(GraspTaskTest, SaysThatAnObjectStaysOnlyIfItWasNotPickedUp) {
   reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);

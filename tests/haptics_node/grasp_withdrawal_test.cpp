@@ -1,4 +1,4 @@
-// Nothing leaves its place while somebody else computes forces with it there (Grasp::set_may_leave).
+// No object leaves its place while the hub may still compute forces with the object there (Grasp::set_may_leave).
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -15,7 +15,7 @@ struct GraspWithdrawalTest : GraspTaskTest {
     reply(at, 0);
     EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   }
-  // The scene is built with what was put down, and no sample comes meanwhile.
+  // Builds the scene with the object that was put down; no sample comes meanwhile.
   void build_without_samples() {
     for (int n = 0; n < 30'000 && methods == 0; ++n) {
       task->run_once();
@@ -24,7 +24,7 @@ struct GraspWithdrawalTest : GraspTaskTest {
     }
     ASSERT_EQ(methods, 1);
   }
-  // The hub has computed the force until now, and had the probe there.
+  // The first sample after the hub has computed the force, with its probe at p_WP.
   void resume_at(const Vec3& p_WP, std::uint32_t buttons) {
     ++sample;
     step->offer({.sample = sample,
@@ -37,7 +37,7 @@ struct GraspWithdrawalTest : GraspTaskTest {
     task->run_once();
     take_method();
   }
-  // And the hand rests on it, where it was before.
+  // Picks the object up and puts it down; the hand then rests on it, where it was before.
   void hold_and_put_down() {
     rest(1, 200);
     ASSERT_TRUE(step->holds_tool());
@@ -90,7 +90,7 @@ TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
   EXPECT_FALSE(step->holds_tool());
   EXPECT_EQ(grasp->poses()[kCube].serial, serial);
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
-  // And the next time it is picked up.
+  // The next press picks the cube up.
   rest(1, 200);
   EXPECT_TRUE(step->holds_tool());
 }
@@ -116,7 +116,7 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   EXPECT_FALSE(grasp->is_object_away(true)) << "that pose is not the newest any more";
 }
 
-// Once the hub has no parts any more, it asks to go on from its probe. What waited for that must not leave before that probe is known.
+// Once the hub has no parts any more, it asks to continue from its probe. An object that waited must not leave before that is known.
 TEST_F(GraspWithdrawalTest, WhatLeavesAsTheProbeBeginsAnewTakesNoContactAway) {
   press_on_plate();
   grasp->set_may_leave(false);
@@ -149,7 +149,7 @@ TEST_F(GraspWithdrawalTest, AButtonPressedAsTheProbeBeginsAnewCounts) {
   EXPECT_TRUE(step->holds_tool()) << "released and pressed again";
 }
 
-// Another session of the hub begins, and the first sample of it has no reply yet, when the scene with the object is there.
+// A new session of the hub begins. The scene with the object put down is ready before the first sample of that session has a reply.
 TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContact) {
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
@@ -163,7 +163,7 @@ TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContac
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
-// The hub is started again before a sample has a reply in that scene.
+// The hub restarts before any sample has a reply in the scene with the object put down.
 TEST_F(GraspWithdrawalTest, ASessionThatBeginsAfterAPutDownKeepsTheContact) {
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
@@ -175,7 +175,7 @@ TEST_F(GraspWithdrawalTest, ASessionThatBeginsAfterAPutDownKeepsTheContact) {
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
-// It may know of no reply since the object was put down: the place is that of a hand without a probe.
+// The hub may not have got a reply since the object was put down: its position is then that of a hand without a probe.
 TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway) {
   const Vec3 before = at;
   ASSERT_NO_FATAL_FAILURE(hold_and_put_down());
@@ -185,7 +185,7 @@ TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway)
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
-// After a longer while without a sample here the hand may have gone around what it touched here: then the place of the hub counts.
+// After a long time without samples, the hand may have gone around what it touched in this node: then the hub's position counts.
 TEST_F(GraspWithdrawalTest, WhatWasFeltHereLongAgoDoesNotCount) {
   const Vec3 before = at;
   ASSERT_NO_FATAL_FAILURE(hold_and_put_down());
@@ -207,7 +207,7 @@ TEST_F(GraspWithdrawalTest, ARequestIsWithdrawnWhereTheButtonIsUpAsTheProbeBegin
   EXPECT_FALSE(grasp->is_busy());
 }
 
-// It would come after the hand, through whatever is in between.
+// Otherwise the object would follow the hand, through whatever is in between.
 TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
   const Vec3 first = at;
   for (const bool is_free : {false, true}) {
@@ -217,7 +217,7 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
     for (const double gone_m : {0.9 * kResumeReachM, 1.1 * kResumeReachM}) {
       SCOPED_TRACE(gone_m);
       const Vec3 pressed = first + grasp->poses()[kCube].p_m;
-      // Pressed before the tool is made, whether somebody has parts or not.
+      // The button is pressed before the tool is made, whether the hub has parts or not.
       const auto sample_at = [&](const Vec3& p, std::uint32_t buttons) {
         step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .buttons = buttons});
         last = step->reply();
@@ -254,8 +254,8 @@ TEST_F(GraspWithdrawalTest, AHandThatHasTurnedPicksNothingUp) {
   EXPECT_FALSE(step->holds_tool());
 }
 
-// The hand goes 14 mm down before the slow task has found the tool, which then rests on the plate: after the object was picked up, or while
-// that still waits and the probe is felt.
+// The hand goes 14 mm down before the slow task has found the pose of the tool, which then rests on the plate. Either the object is already
+// picked up, or it still waits and the hand feels the probe.
 TEST_F(GraspWithdrawalTest, TheFirstForceOfWhatIsPickedUpLateMakesNoJump) {
   const auto press_without_task = [&](const Vec3& p) {
     step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .buttons = 1});
@@ -285,7 +285,7 @@ TEST_F(GraspWithdrawalTest, TheFirstForceOfWhatIsPickedUpLateMakesNoJump) {
   }
 }
 
-// Nobody needs to wait for the next sample for that: while the hub computes the force there are few.
+// This must not need another sample: while the hub computes the force, samples are rare.
 TEST_F(GraspWithdrawalTest, AToolThatIsMadeIsKnownBetweenSamples) {
   grasp->set_may_leave(false);
   step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});

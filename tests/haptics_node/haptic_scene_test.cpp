@@ -29,9 +29,9 @@ std::vector<Material> tuned_boxes() {
   return materials;
 }
 
-// The gains are those of the scene as it is felt; the hub gets the parts.
+// The gains follow the scene that is felt; the hub gets the parts of that scene.
 struct FeltSceneTest : testing::Test {
-  // Of the parts that it gets from now on, with what is said of materials beside them; 0: none came.
+  // The stiffness in the parts and the messages about materials that the hub gets from now on; 0: none came.
   float sent_stiffness() {
     const SteadyClock clock;
     float found = 0.0F;
@@ -62,7 +62,7 @@ struct FeltSceneTest : testing::Test {
                    adviser, inside, patches};
 };
 
-// A change that comes while the scene is built with the object where it was put down is not in that scene.
+// The scene with an object put down is built meanwhile, and does not contain a change of materials that comes during this time.
 TEST_F(FeltSceneTest, WhatWasTunedMeanwhileIsFeltWhereAnObjectWasPutDown) {
   felt.tune(tuned_boxes());
   EXPECT_EQ(gain_n_per_m, kTunedNPerM);

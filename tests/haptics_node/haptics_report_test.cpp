@@ -26,7 +26,7 @@ TEST(HapticsReport, TimesSayTheWorstStepAndTheTail) {
   EXPECT_THAT(text, testing::HasSubstr("worst 1250.00, n 10000"));
 }
 
-// Method smooth has seven lines or so on each.
+// Method smooth has about seven lines on each object.
 TEST(HapticsReport, OfTheObjectsOneLineIsLogged) {
   const auto log_of = [](int objects) {
     TouchScene scene;

@@ -132,7 +132,7 @@ TEST(MaterialTask, NoResultIsLost) {
   material_task.request(stiffness_request(1, "hull", 700.0));
   ASSERT_TRUE(wait_until([&] { return is_worked_out.load(); })) << "a later request replaces one that has not started";
   material_task.request(stiffness_request(2, "nobody", 800.0));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it may poll several times
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // time for several polls of the task
   auto first = wait_for_result(material_task);
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(first->state.request, 1U);
@@ -144,7 +144,7 @@ TEST(MaterialTask, NoResultIsLost) {
   EXPECT_EQ(second->state.object_count, 1U) << "the first is still in use";
 }
 
-// The scene file is read again while a change is worked out. By object, its materials would be those of other objects.
+// The scene file is read again while a change is computed. By index, the materials of that change would go to other objects.
 TEST(MaterialTask, AChangeOfASceneThatIsReplacedMeanwhileNotifiesNobody) {
   std::atomic<MaterialTask*> task = nullptr;
   std::mutex mutex;

@@ -74,13 +74,13 @@ TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
   EXPECT_EQ(builder.take_rejection(), nullptr);
 }
 
-// Its thread takes a request, and has nothing to do afterwards.
+// Waits until the builder's thread has taken a request and has nothing left to do.
 bool is_settled(MethodBuilder& builder) {
   const std::uint64_t before = builder.idle_polls();
   return wait_until([&] { return builder.idle_polls() >= before + 2; });
 }
 
-// Without the scene the node would not know of it, and without the request its sender would wait for the reply.
+// Without the scene, the node would not know that scene; without the request, its sender would wait for the reply.
 TEST(MethodBuilder, WhatReplacesAMethodThatWasNotTakenKeepsItsSceneAndItsRequest) {
   MethodBuilder builder({}, one_sphere());
   auto moved = std::make_shared<NewScene>();

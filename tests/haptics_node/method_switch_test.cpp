@@ -40,7 +40,7 @@ const Shape& shape_of(const std::string& name) {
   return name == "box" ? kBox : kSphere;
 }
 
-// Equal friction sliding and sticking: a release is a jump of the method's own.
+// Static and dynamic friction are equal: otherwise a release would be a force jump of the method itself.
 TouchScene scene_of(const Shape& shape, double friction, double damping = 0.0) {
   return {.objects = {
               {shape.mesh,
@@ -73,7 +73,7 @@ class Hand {
 
   HapticsStep& step() { return step_; }
   const ForceCommand& output() const { return output_; }
-  // Since press, beyond twice the stiffness times the motion.
+  // The part of the largest change of force since press() that exceeds twice the stiffness times the motion.
   double largest_excess_n() const { return largest_excess_n_; }
   double largest_change_n() const { return largest_change_n_; }
   double largest_force_n() const { return step_.counts().max_force_n; }
@@ -104,7 +104,7 @@ class Hand {
   double largest_excess_n_ = 0.0;
 };
 
-// The jump of a method's own between two facets; in sweep, whose proxy lags behind, also with a stationary device.
+// The force jump that a method makes between two facets; with sweep, whose proxy lags behind, also while the device is at rest.
 double facet_jump_n(const Shape& shape, const Hand& hand) { return shape.facet_turn * hand.largest_force_n(); }
 
 using Pair = std::tuple<const char*, const char*, const char*>;

@@ -38,7 +38,7 @@ TEST(NewSceneOf, AnObjectPutDownHasItsOrder) {
   EXPECT_EQ(made->put_down, 3U);
 }
 
-// Two springs in series.
+// Material and coupling are two springs in series.
 TEST(NewSceneOf, MaterialsAreCoupled) {
   const auto made = make_placed_scene(scene_of_two(), kCouplingOfNewScenes, 1, 0);
   ASSERT_EQ(made->materials.size(), 2U);

@@ -115,8 +115,8 @@ TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeItStop) {
   for (std::size_t s = 1; s < starts_.size(); ++s) EXPECT_EQ(starts_[s].start_ns, starts_[s - 1].end_ns) << s;
 }
 
-// While the hub computes the force, it knows of each motion a round trip before, and the surface does not stop. Haptics has the same
-// surface at each sample.
+// While the hub computes the force, it knows of each motion a round trip ahead, and the surface does not stop. The haptics node has the
+// same surface at each sample.
 TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
   constexpr std::int64_t kLeadNs = 250'000'000;
   shaper_.set_pace({.lead_ns = kLeadNs, .part_ns = 10'000'000});
@@ -140,7 +140,7 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
     EXPECT_EQ(starts_[s].start_ns, starts_[s - 1].end_ns) << "the surface does not stop: " << s;
     EXPECT_GE(starts_[s].end_ns - starts_[s].start_ns, 36'000'000) << "so that no more than eight wait";
   }
-  // Beside the hub again, one waits at most, as ever.
+  // When the hub no longer computes the force, at most one motion waits, as usual.
   shaper_.set_pace({});
   for (int n = 0; n < 600; ++n) cycle();
   const std::size_t before = starts_.size();
@@ -150,7 +150,7 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
   EXPECT_LT(starts_.back().start_ns, force_.scene_time_ns + 30'000'000);
 }
 
-// As far ahead as the hub needs to make the shape ready, by what it says; not below 30 us a vertex, and not without end.
+// Shapes are announced as early as the hub says it needs to prepare them: 30 us per vertex or more, up to a limit.
 TEST_F(ObjectShaperTest, ABusyHubKnowsOfShapesEarlier) {
   constexpr std::int64_t kLeadNs = 100'000'000;
   constexpr std::array<std::pair<std::int64_t, std::int64_t>, 5> kStages = {
@@ -211,7 +211,7 @@ TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
       return true;
     });
     for (; seen < starts_.size() && starts_[seen].start_ns <= force_.scene_time_ns; ++seen) {
-      if (seen < 20) continue;  // until it is known that parts get lost
+      if (seen < 20) continue;  // until the sender knows that parts get lost
       ++begun;
       const ShapeStart* const next = hub.find_next(0, starts_[seen].serial - 1, 0);
       whole += next != nullptr && next->serial == starts_[seen].serial ? 1 : 0;
@@ -221,8 +221,8 @@ TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
   EXPECT_GT(whole, begun * 8 / 10) << "of three parts; half of them without a second try";
 }
 
-// Each object moves on its own: a slow motion of one does not delay fast motions of the other.
-// Without a loss. The first part of the next shape comes before the last one of this, as with jitter where a program sends without pause.
+// No part is lost. The first part of the next shape comes before the last part of this one, as with jitter when a program sends without
+// pause.
 TEST_F(ObjectShaperTest, PartsThatOvertakeOneAnotherLeaveNoShapeOut) {
   constexpr std::uint32_t kGiven = 20;
   const auto send = [&](std::uint32_t shape, std::uint32_t part) {

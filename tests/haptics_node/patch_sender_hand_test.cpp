@@ -1,4 +1,4 @@
-// What the sender of the scene in parts makes of the hand, of the hub's round trip and of what the hub knows.
+// How the sender of the scene's parts uses the position of the hand, the round trip of the hub and what the hub supports.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Of a scene much larger than the reach, moved by 6 m: elsewhere the hub has nothing.
+// The scene is much larger than the reach and is moved by 6 m. Away from the hand the hub has nothing.
 TEST(PatchSenderHand, WhatIsNearTheHandIsSentAlsoWhereTheSceneWasMoved) {
   SenderStage stage(true, scene_of(made::sheet(10.0, 0.0, 150)));
   stage.p_WD = Vec3(8.0, 8.0, 0.0);

@@ -39,7 +39,7 @@ TEST(PatchSender, SendsTheWholeSceneAndThenNothingMore) {
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
   EXPECT_EQ(stage.store.begin().scene_hash, 7U);
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 800U);
-  // What has come is confirmed; what was sent twice before is over.
+  // Parts that arrived are confirmed, so that after a while none is sent again.
   int before = -1;
   EXPECT_TRUE(stage.receive_until([&] {
     stage.receive_for(std::chrono::milliseconds(300));
@@ -69,7 +69,7 @@ TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
   EXPECT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
 }
 
-// A scene that was read again: the hub gets the parts of that one, with the materials that it has, and no part of the one before.
+// A scene is read again: the hub gets the parts of the new scene, with its own materials, and no part of the scene before.
 TEST(PatchSender, AnotherSceneIsOfferedAsAnEpochOfItsOwn) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
@@ -85,7 +85,7 @@ TEST(PatchSender, AnotherSceneIsOfferedAsAnEpochOfItsOwn) {
   EXPECT_EQ(piece.scene.objects.at(0).material.stiffness_n_per_m, 654.0);
 }
 
-// ... also where parts cannot hold it, and back. The method in use may have been taken over before or after.
+// The scene changes to one that parts cannot represent, and back. The method may be taken over before or after the change.
 TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanHoldIt) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
@@ -106,7 +106,7 @@ TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanHoldIt) {
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 200U);
 }
 
-// Beside the parts that the hub has: none of them is sent again.
+// The hub keeps the parts that it has: none of them is sent again.
 TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
@@ -119,7 +119,7 @@ TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   EXPECT_EQ(stage.store.status().epoch, epoch);
   stage.receive_for(std::chrono::milliseconds(300));
   EXPECT_LE(stage.sender.counts().sent, sent + 2);
-  // An epoch of its own has them, too: the tiles are those of before.
+  // A new epoch has these materials, too, though its tiles are those of before.
   stage.sender.set_offered(false);
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
   stage.sender.set_offered(true);
@@ -127,7 +127,7 @@ TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   EXPECT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
 }
 
-// To free a large one takes so long that the next one comes meanwhile, and a change of its material.
+// Freeing a large scene takes so long that meanwhile the next scene comes, and a change of its material.
 TEST(PatchSender, WhileASceneIsFreedTheNextOneComesWithItsMaterials) {
   std::function<void()> meanwhile;
   const auto free = [&](const TriangleMesh* mesh) {
@@ -147,7 +147,7 @@ TEST(PatchSender, WhileASceneIsFreedTheNextOneComesWithItsMaterials) {
       [&] { return stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material.stiffness_n_per_m == 321.0; }));
 }
 
-// One that does not would compute other forces.
+// A hub that does not know effects would compute other forces.
 TEST(PatchSender, ASceneWithEffectsIsForHubsThatKnowThem) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
@@ -196,14 +196,14 @@ TEST(PatchSender, ASceneWithAnEffectThatTheHubRejectsIsNotOffered) {
   EXPECT_EQ(stage.store.begin().effect_bytes, 0U);
 }
 
-// The hub would keep parts of it only, and take the rest for unknown.
+// The hub would keep only some parts of it, and would treat the rest as unknown.
 TEST(PatchSender, ASceneThatTheHubCannotKeepIsNeverOffered) {
   SenderStage stage(true, scene_of(made::sheet(0.05, 0.0, 520)));
   EXPECT_FALSE(stage.sender.is_offered());
   EXPECT_EQ(stage.sender.obstacle(), "the scene has more triangles than the hub keeps (about 500,000)");
 }
 
-// Large triangles all across each other: the place where they overlap cannot be told in a datagram.
+// Large triangles cross each other everywhere: one place has too many of them for the datagram of a part.
 TEST(PatchSender, ASceneWithAPlaceThatNoPartCanTellIsNotOffered) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> place(-0.05, 0.05);
@@ -290,12 +290,12 @@ TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
   const std::size_t before = stage.moves.size();
   stage.receive_for(std::chrono::milliseconds(400));
   EXPECT_EQ(stage.moves.size(), before);
-  // A hub that has begun anew knows nothing of it.
+  // A hub that has restarted knows nothing of the move.
   stage.confirmed.clear();
   EXPECT_TRUE(stage.receive_until([&] { return stage.moves.size() > before; }));
 }
 
-// Each with the one line of its kind.
+// Each reason has its own line of text.
 TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
   const auto obstacle_of = [](const TouchScene& scene) { return std::string(SenderStage(true, scene).sender.obstacle()); };
   TouchScene many;
@@ -319,7 +319,7 @@ TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
   EXPECT_EQ(obstacle_of(scene), "an object of the scene has more than 4,096 keys of its shape");
 }
 
-// What deforms is sent whole; what cannot be felt on the grid of its parts, not at all.
+// A deforming object is sent complete; if it cannot be felt on the grid of its parts, it is not sent at all.
 TEST(PatchSender, ASceneThatDeformsIsOfferedIfItCanBeFelt) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects.push_back({made::shared(made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02))), {}});
@@ -338,7 +338,7 @@ TEST(PatchSender, ASceneThatDeformsIsOfferedIfItCanBeFelt) {
   EXPECT_EQ(other.sender.obstacle(), "an object that deforms cannot be felt from parts of the scene");
 }
 
-// With the newest shape that was announced, whether that was before the parts were made or after.
+// A deformed object is sent with its newest announced shape, whether that was announced before or after the parts were made.
 TEST(PatchSender, WhatProgramsDeformIsSentWithTheShapeThatItHas) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects.push_back({made::shared(made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02))), {}});
@@ -349,7 +349,7 @@ TEST(PatchSender, WhatProgramsDeformIsSentWithTheShapeThatItHas) {
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies() && stage.store.find_stream(1) != nullptr; }));
   EXPECT_EQ(stage.store.find_stream(1)->shape_serial(), 5U);
   EXPECT_FALSE(std::isinf(stage.store.known_radius(Vec3::Zero(), 1))) << "the shape has not come";
-  // Vertices that are one on the grid may move apart.
+  // Two vertices that coincide on the grid may move apart.
   TriangleMesh mesh = *scene.objects[1].mesh;
   mesh.vertices.push_back(mesh.vertices[0] + Vec3(1e-10, 0, 0));
   mesh.triangles[0][0] = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
@@ -433,7 +433,7 @@ TEST(PatchSender, AHubThatWantsNoPartsNeedNotConfirmThatItHasNone) {
   stage.sender.accept({.epoch = stage.store.status().epoch, .request = 9}, stage.clock.now_ns());
   stage.sender.set_withdrawn(true, 0);
   EXPECT_TRUE(stage.sender.is_withdrawn(0));
-  // It wants them again: what it then gets is without any.
+  // The hub wants parts again: it then gets an epoch without any.
   stage.request = 11;
   stage.store.clear();
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
@@ -442,7 +442,7 @@ TEST(PatchSender, AHubThatWantsNoPartsNeedNotConfirmThatItHasNone) {
   EXPECT_EQ(stage.triangles(), 0U);
 }
 
-// It has dropped what it had, and takes nothing that was sent before.
+// The hub has dropped its parts, and accepts nothing that was sent before its new request.
 TEST(PatchSender, EachRequestGetsAnEpochOfItsOwn) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
@@ -453,7 +453,7 @@ TEST(PatchSender, EachRequestGetsAnEpochOfItsOwn) {
   EXPECT_EQ(stage.store.begin().request, 11U);
 }
 
-// It may compute forces from its parts nevertheless.
+// Such a hub may still compute forces from its parts.
 TEST(PatchSender, PartsAreWithdrawnFromAHubThatHasNotBeenHeardOfForLong) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));

@@ -46,7 +46,7 @@ struct PlacedSceneTest : testing::Test {
   }
 };
 
-// Where the images of a surface are, the surface is.
+// The images of a surface stay at the surface.
 TEST_F(PlacedSceneTest, TheImagesOfASurfaceMoveWithIt) {
   SceneObject& cube = scene.objects[1];
   auto mapped = std::make_shared<std::vector<MappedTriangle>>();
@@ -131,7 +131,7 @@ TEST_F(PlacedSceneTest, WithoutAFileNothingIsPutDown) {
   EXPECT_THAT(broken.error().what, HasSubstr("broken.json"));
 }
 
-// Also the normals that a file gives, which turn and do not move.
+// The normals that a file gives turn with the mesh, but are not shifted.
 TEST_F(PlacedSceneTest, NormalsTurnAlong) {
   TriangleMesh mesh = make_box(Vec3::Ones());
   mesh.authored_normals.resize(mesh.triangles.size());
@@ -144,7 +144,7 @@ TEST_F(PlacedSceneTest, NormalsTurnAlong) {
   EXPECT_LT((moved.vertices[3] - X * mesh.vertices[3]).norm(), 1e-12);
 }
 
-// What was carved is carved again, before the first force; carves on what cannot be carved are left out, and said once.
+// What was carved is carved again before the first force; carves of bodies that cannot be carved are dropped, and the log says so once.
 TEST_F(PlacedSceneTest, WhatAFileHasCarvedIsCarvedAgain) {
   scene.objects[1].is_movable = false;
   scene.objects[1].sculpt = SculptSettings{.voxel_m = 0.01, .tool_radius_m = 0.03};

@@ -1,4 +1,4 @@
-// What the stylus carved, in the loop of the haptics node: on simulated time, with a hub.
+// Messages about carves, in the loop of the haptics node: in simulated time, with a hub.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -67,7 +67,7 @@ class ReplyLoopCarves : public ReplyLoopStage {
   std::uint64_t sample_ = 0;
 };
 
-// A picture may still have what another process carved.
+// A picture may still show what another process carved.
 TEST_F(ReplyLoopCarves, TheProcessIsAnnouncedBeforeTheFirstForce) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   EXPECT_EQ(announced_before_force_, 1U);
@@ -86,7 +86,7 @@ TEST_F(ReplyLoopCarves, ACarveIsSentAtOnceAndItsSerialOnceASecond) {
   EXPECT_EQ(received_[0].count, 1U);
   for (int n = 0; n < 500; ++n) cycle();
   received_.clear();
-  for (int n = 0; n < 3000; ++n) cycle();  // of 1 ms
+  for (int n = 0; n < 3000; ++n) cycle();  // 1 ms each
   EXPECT_GE(received_.size(), 2U);
   EXPECT_LE(received_.size(), 4U);
   for (const Carves& each : received_) {
@@ -106,7 +106,7 @@ TEST_F(ReplyLoopCarves, WhatIsMissingIsSentAgain) {
   EXPECT_EQ(viewer_.complete(), 2000U);
 }
 
-// However much is requested: each sample has its reply, before anything else is sent.
+// However much is requested, each sample gets its reply before anything else is sent.
 TEST_F(ReplyLoopCarves, AFloodOfRequestsNeverComesBeforeAForce) {
   carve(5000);
   for (int n = 0; n < 1000; ++n) cycle();

@@ -36,7 +36,7 @@ HeldTool made_tool() {
       *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
 }
 
-// The test is the slow task of grasping.
+// The test itself takes the place of the slow task of grasping.
 class GraspLoopTest : public ReplyLoopStage {
  protected:
   explicit GraspLoopTest(std::int64_t start_ns = 0) {
@@ -72,7 +72,7 @@ class GraspLoopTest : public ReplyLoopStage {
     ASSERT_TRUE(link_.requests.take());
     link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
   }
-  // The method that is named after that many samples.
+  // Holds the tool for `count` samples. Returns the method that the node names then.
   std::string hold(HeldTool& tool, int count) {
     for (int n = 0; n < count; ++n) {
       exchange({0.0, 0.0, 0.02}, 1);
@@ -81,7 +81,7 @@ class GraspLoopTest : public ReplyLoopStage {
     return std::string(method());
   }
   std::string_view method() const { return setup_.method.data(); }
-  // The scene of that revision, with the box put down where it was.
+  // Builds the scene of that revision, with the box put down where it was.
   bool put_down(std::uint32_t revision) {
     auto made = std::make_shared<NewScene>();
     made->touch = two_boxes_of_loop();
@@ -136,7 +136,7 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   EXPECT_EQ(object_, 1) << "felt where it is shown";
 }
 
-// It was requested before the object was picked up, or a scene was saved: the forces are those of the tool, which replays have to know.
+// The method was requested before the pick-up, or a scene was saved meanwhile. Replays must know that the forces are the tool's.
 TEST_F(GraspLoopTest, AMethodThatIsBuiltWhileAnObjectIsHeldIsNamedOnceItIsPutDown) {
   HeldTool tool = made_tool();
   ASSERT_NO_FATAL_FAILURE(pick_up(tool));
@@ -158,7 +158,7 @@ TEST_F(GraspLoopTest, AMethodThatIsBuiltWhileAnObjectIsHeldIsNamedOnceItIsPutDow
   EXPECT_TRUE(method().starts_with("name=proxy")) << method();
 }
 
-// What a recording and a report have to know of them.
+// A recording and a report must name these effects.
 TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) {
   PluginEffects effects(clock_);
   ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=nan,after=100")));
@@ -179,7 +179,7 @@ TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) 
   EXPECT_TRUE(method().starts_with("name=proxy effects=odd_one@")) << method();
 }
 
-// Hash and facts of the scene come some time after it is felt, and not before it is in use.
+// Hash and facts of a scene become known some time after it is felt. They are not used before that scene is.
 TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceThatIsKnown) {
   exchange({0.0, 0.0, 0.05}, 0);
   exchange({0.0, 0.0, 0.05}, 0);
@@ -204,7 +204,7 @@ TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceThatIsKnown) {
   EXPECT_EQ(setup_.scene_hash, 44U);
 }
 
-// They are the same objects: as stiff as they were made, from the first force in the new scene on, and after it.
+// The objects are the same: they keep the stiffness that they were given, from the first force in the new scene on.
 TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   constexpr double kDepth = 0.002;
   Scene named;
@@ -219,9 +219,9 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
     for (int i = 0; i < 6000 && materials_.request != number; ++i) {
       send(MaterialRequest{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}});
       press(1);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the material_task lives in real time
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // material_task works in real time
     }
-    press(120);  // it fades
+    press(120);  // until the force has faded
     EXPECT_STREQ(materials_.rejection.data(), "");
     EXPECT_NEAR(force_n_, n_per_m * kDepth, 1e-4);
   };
@@ -238,10 +238,10 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   EXPECT_GT(materials_.serial, before);
   ASSERT_EQ(materials_.object_count, 1U) << "for recordings and tools";
   EXPECT_EQ(materials_.objects[0].change.stiffness_n_per_m, 1500.0);
-  stiffen(2, 800.0);  // the material_task knows of no other scene, and needs not
+  stiffen(2, 800.0);  // material_task was told of no other scene, and need not be
 }
 
-// The hub computes forces, with parts from a thread that lives in real time: that of the test is ahead of it.
+// The hub computes forces, with parts from a thread in real time. The simulated time of the test is far ahead of that.
 class WithdrawnPartsTest : public GraspLoopTest {
  protected:
   WithdrawnPartsTest() : GraspLoopTest(100'000'000'000'000'000) { loop_.set_patch_sender(&patches_); }
@@ -280,7 +280,7 @@ class WithdrawnPartsTest : public GraspLoopTest {
   std::uint32_t request_ = 5;
 };
 
-// A hand goes far between two of few states. A gap among many is none of these, though the hub wants parts.
+// When states are rare, the hand may go far between two. A gap among frequent states is another case, though the hub wants parts.
 TEST_F(WithdrawnPartsTest, BetweenFewStatesTheHandIsFollowedAndAcrossAGapItIsNot) {
   const auto go_to = [&](double z_m, std::int64_t after_ns) {
     send_status();
@@ -306,7 +306,7 @@ TEST_F(WithdrawnPartsTest, AnObjectIsPickedUpOnceTheHubHasConfirmedThatItHasNoPa
   for (int n = 0; n < 50; ++n) turn(1);
   EXPECT_FALSE(is_empty()) << "it may turn out that it cannot be picked up";
   link_.replies.publish({link_.requests.value().serial, &tool_, {"name=tool"}});
-  // The hub gets the epoch without parts, and what it says of that is lost.
+  // The hub gets the epoch without parts, and its confirmation is lost.
   for (int n = 0; n < 2000 && !is_empty(); ++n) {
     exchange({0.0, 0.0, 0.0095}, 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -321,7 +321,7 @@ TEST_F(WithdrawnPartsTest, AnObjectIsPickedUpOnceTheHubHasConfirmedThatItHasNoPa
   EXPECT_TRUE(is_empty());
 }
 
-// It takes parts of the old place for those of the new one if they come late.
+// If parts of the object's old place come late, an older hub takes them for parts of the new place.
 TEST_F(WithdrawnPartsTest, AnOlderHubGetsNoParts) {
   request_ = 0;
   touch();
@@ -363,7 +363,7 @@ TEST_F(WithdrawnPartsTest, PartsAreWithdrawnWithoutWaitingForASample) {
   EXPECT_TRUE(step_.holds_tool());
 }
 
-// As with remote force, which it is: the loop has the round trip in it, and a move need not be known to the hub before it begins.
+// The force is remote here: the control loop contains the round trip, and a move may begin before the hub knows of it.
 TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
   const auto advice = [&](std::uint32_t buttons) {
     return log_of([&] {

@@ -1,4 +1,4 @@
-// Objects that programs move, in the loop of the haptics node: on simulated time, with a hub.
+// Objects that programs move, in the loop of the haptics node: in simulated time, with a hub.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -80,7 +80,7 @@ class ReplyLoopMoves : public ReplyLoopStage {
   std::uint64_t sample_ = 0;
 };
 
-// The announced motion, evaluated at the scene time of each reply, is what the forces are of.
+// The forces are those of the announced motion, evaluated at the scene time of each reply.
 TEST_F(ReplyLoopMoves, ForcesAndTheAnnouncedMotionAgree) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   moves_.clear();
@@ -124,7 +124,7 @@ TEST_F(ReplyLoopMoves, WhatWasLostOrCameLaterIsAnnouncedAgain) {
 }
 
 TEST_F(ReplyLoopMoves, SoonTheNewestIsAnnouncedAgain) {
-  for (int n = 0; n < 600; ++n) cycle();  // at first all are, a few times
+  for (int n = 0; n < 600; ++n) cycle();  // at first all moves are announced, a few times
   send(lift(7, 0.02, 0));
   for (int n = 0; n < 10; ++n) cycle();
   send(lift(8, 0.02, 1));
@@ -135,13 +135,13 @@ TEST_F(ReplyLoopMoves, SoonTheNewestIsAnnouncedAgain) {
   EXPECT_LE(newest_moves(1).size(), 1U) << "only with all others, once a second";
 }
 
-// The objects of this process are where the scene file has them; who draws may still have them where the process before moved them.
+// This process has the objects where the scene file has them; a vision node may still have them where an earlier process moved them.
 TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForce) {
   EXPECT_EQ(moves_before_force_, 2U) << "both";
   EXPECT_EQ(newest_moves(0).size(), moves_.size());
 }
 
-// Another process takes the place while this one stands still. When it has left, this one goes on with its own moves.
+// Another process takes this one's place while this one stands still. When the other has left, this one continues with its own moves.
 TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForceAfterAnotherProcess) {
   send(lift(7, 0.02));
   for (int n = 0; n < 400; ++n) cycle();
@@ -178,7 +178,7 @@ TEST_F(ReplyLoopMoves, ARequestIsRepeatedUntilItsReplyComes) {
   EXPECT_EQ(step_.counts().moves_taken, 1U);
 }
 
-// However many come: each sample has its reply, before anything else is sent, and one request is carried out every few milliseconds.
+// However many requests come, each sample gets its reply before anything else is sent, and one request is executed every few ms.
 TEST_F(ReplyLoopMoves, AFloodNeverComesBeforeAForce) {
   const int setups_before = setups_;
   const std::uint64_t replied = step_.counts().replied;
@@ -203,7 +203,7 @@ std::size_t count_of_text(const std::string& text, const std::string& part) {
   return count;
 }
 
-// A program may send hundreds a second.
+// A program may send hundreds of requests a second.
 TEST_F(ReplyLoopMoves, MovesAndRejectedRequestsAreReportedOnceASecondAtMost) {
   std::uint32_t request = 100;
   const auto request_often = [&](std::int32_t object) {
