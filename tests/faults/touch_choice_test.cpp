@@ -96,7 +96,7 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
   }
 }
 
-// With patches the haptics node gets few samples: for long, most round trips that it knows are those from before the change.
+// With patches the haptics node gets few samples: for long, most of the measured round trips are from before the change.
 TEST(TouchChoice, ANetworkThatHasBecomeFastIsChosenForOnce) {
   SimulatedSystem system(13, TouchChoice::automatic);
   ASSERT_NO_FATAL_FAILURE(press_in_near(system));

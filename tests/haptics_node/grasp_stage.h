@@ -145,7 +145,7 @@ struct GraspTaskTest : testing::Test {
   bool waits = false;                                         // no method that was built is taken
   std::atomic<bool> fails = false;                            // no method can be built
   std::vector<std::shared_ptr<const BuiltObjects>> built_of;  // one per scene; the builder's thread writes it while put_down waits
-  std::vector<TouchScene> felt_scenes;                        // one per object put down
+  std::vector<TouchScene> felt_scenes;                        // each with an object put down
   int methods = 0;
 };
 

@@ -382,7 +382,7 @@ TEST_F(GraspTaskTest, ABriefPressLeavesEverythingAsItWas) {
   reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);
   for (int i = 0; i < 20; ++i) {
-    // Without the slow task between press and release, then with it.
+    // The slow task does not run between press and release, only after the release.
     step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
     (void)step->reply();
     rest(0, 1 + i % 3);

@@ -139,7 +139,7 @@ TEST_F(GraspWithdrawalTest, AButtonPressedAsTheProbeBeginsAnewCounts) {
   EXPECT_TRUE(step->holds_tool());
   rest(0, 5);
   wait_for_method(1);
-  // But not one that was down before.
+  // In a new session, a short press and its release leave nothing held; the next press picks the object up.
   step->restart();
   resume_at({0.0, 0.0, 0.021}, 0);
   rest(1, 5);

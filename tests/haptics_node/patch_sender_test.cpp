@@ -273,7 +273,7 @@ TEST(PatchSender, KnowsHowLongTheHubTakesForAShape) {
   }
 }
 
-// The caller sends a move at once; here it is sent again until the hub confirms it.
+// The caller sends a move at once; the sender sends it again until the hub confirms it.
 TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].command_pivot = Vec3::Zero();
