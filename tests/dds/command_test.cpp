@@ -94,7 +94,7 @@ TEST_F(CommandTest, AForceIsScaledDownAndEndsWithItsPublisher) {
   system_.end_all();
 }
 
-TEST_F(CommandTest, WhatIsNoForceReleasesIt) {
+TEST_F(CommandTest, AnInvalidCommandReleasesTheForce) {
   begin({"--accept-forces", "1"});
   const auto good = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.4, 0.0); };
   const auto is_full = [](const Vec3& force) { return (force - Vec3(0.0, 0.4, 0.0)).norm() < 1e-9; };

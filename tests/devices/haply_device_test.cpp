@@ -275,7 +275,7 @@ TEST_F(Haply, ASessionWithAScaleHasNoForce) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("has a scale"));
 }
 
-TEST_F(Haply, AMissingServiceIsOneClearLine) {
+TEST_F(Haply, AMissingServiceIsReportedInOneLine) {
   const std::string address = service->address();
   service.reset();
   DeviceSettings settings;

@@ -25,7 +25,7 @@ Library library_with_errors(int count) {
 }
 
 // Because of a force error the force is released for a moment; because of a device error the device is opened again.
-TEST(HdLibrary, AnErrorOfTheForceIsNoneOfTheDevice) {
+TEST(HdLibrary, ForceErrorsAreNotDeviceErrors) {
   for (const Enum code : {0x200U, 0x204U, 0x2FFU}) EXPECT_TRUE(is_force_error(code) && !is_device_error(code)) << code;
   for (const Enum code : {0x300U, 0x302U, 0x3FFU, 0x104U}) EXPECT_TRUE(is_device_error(code) && !is_force_error(code)) << code;
   for (const Enum code : {0U, 0x100U, 0x103U, 0x105U, 0x1FFU, 0x400U, 0x600U, 0x1200U, 0x1300U}) {

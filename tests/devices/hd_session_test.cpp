@@ -74,7 +74,7 @@ TEST_F(HdSession, ErrorsFromBeforeAreNotThoseOfTheDeviceThatIsOpened) {
 }
 
 // Errors of the name that was tried first do not count for the next name either.
-TEST_F(HdSession, ANameThatFailsTwiceSpoilsNoOther) {
+TEST_F(HdSession, ErrorsOfOneNameDoNotAffectTheNext) {
   told.of_opening["Default Device"] = {kCommError, kCommConfigError};
   const auto attached = attach("");
   ASSERT_TRUE(attached) << attached.error().what;

@@ -125,7 +125,7 @@ void run_row(const FaultRow& row, TouchChoice touch) {
   EXPECT_GT(governor.counters.accepted, 0U) << "the governor is in charge";
 }
 
-TEST(TouchFaults, TheForceEndsAndComesBackWhereverItIsWorkedOut) {
+TEST(TouchFaults, TheForceEndsAndComesBackWhereverItIsComputed) {
   for (const FaultRow& row : fault_rows()) {
     for (const TouchChoice touch : {TouchChoice::remote, TouchChoice::patch}) run_row(row, touch);
   }

@@ -21,7 +21,7 @@ std::vector<std::string> names() {
 
 class Corpus : public testing::TestWithParam<std::string> {};
 
-TEST_P(Corpus, IsBorne) {
+TEST_P(Corpus, CrashesNothing) {
   const Target target = targets().at(GetParam());
   const auto files = corpus_of(GetParam());
   EXPECT_GE(files.size(), 3U);
@@ -37,7 +37,7 @@ TEST_P(Corpus, IsBorne) {
   }
 }
 
-TEST_P(Corpus, MutantsAreBorne) {
+TEST_P(Corpus, MutantsCrashNothing) {
   constexpr std::uint64_t kSeed = 8;
   constexpr int kMutants = 1000;
   RecordProperty("seed", std::to_string(kSeed));

@@ -70,14 +70,14 @@ class Mutator : public testing::TestWithParam<Case> {
 };
 
 // This fails when the protocol has changed and the corpus has not: see make_corpus.cpp.
-TEST_P(Mutator, BeginsWithInputsThatComePast) {
+TEST_P(Mutator, HasInputsThatPassTheCheck) {
   EXPECT_GE(corpus_.size(), 1U);
   if (GetParam().target == std::string("codec")) {
     EXPECT_EQ(corpus_.size(), read_corpus("codec").size());
   }
 }
 
-TEST_P(Mutator, ComesPastWhatStopsPlainChanges) {
+TEST_P(Mutator, PassesChecksThatStopPlainChanges) {
   const Case& c = GetParam();
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);

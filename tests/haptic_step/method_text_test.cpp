@@ -49,14 +49,14 @@ TEST(ToolText, IsReadAsItWasWritten) {
 }
 
 // Older builds wrote 0 into a recording for a stiffness that follows from the size of the tool.
-TEST(ToolText, ATurnWithoutAStiffnessOfItsOwnIsOne) {
+TEST(ToolText, ARotationalStiffnessOfZeroIsAccepted) {
   const auto read = parse_tool_text("name=tool stiffness_n_per_m=800 rotational_stiffness_nm_per_rad=0 effects=wind@0");
   ASSERT_TRUE(read);
   EXPECT_EQ(read->stiffness_n_per_m, 800.0);
   EXPECT_EQ(read->rotational_stiffness_nm_per_rad, 0.0);
 }
 
-TEST(ToolText, IsNoMethodAndNothingElse) {
+TEST(ToolText, RejectsMethodsAndMalformedTexts) {
   for (const char* text : {"", "name=proxy", "name=toolbox stiffness_n_per_m=5", "stiffness_n_per_m=5", "name=tool stiffness_n_per_m=soft",
                            "name=tool stiffness_n_per_m=-5", "name=tool stiffness_n_per_m=nan", "name=tool stiffness_n_per_m",
                            "name=tool rotational_stiffness_nm_per_rad=-1", "name=tool rotational_stiffness_nm_per_rad=soft",

@@ -106,7 +106,7 @@ TEST_F(CarveSenderTest, NewAndRequestedOnesTakeTurns) {
   EXPECT_GT(next, 600U);
 }
 
-TEST_F(CarveSenderTest, WhoJoinsLateGetsAll) {
+TEST_F(CarveSenderTest, AViewerThatJoinsLateGetsAllCarves) {
   make(5000);
   run_ms(1500);
   sent.clear();

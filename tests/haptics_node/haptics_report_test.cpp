@@ -27,7 +27,7 @@ TEST(HapticsReport, TimesSayTheWorstStepAndTheTail) {
 }
 
 // Method smooth has about seven lines on each object.
-TEST(HapticsReport, OfTheObjectsOneLineIsLogged) {
+TEST(HapticsReport, ObjectsAreLoggedInOneLine) {
   const auto log_of = [](int objects) {
     TouchScene scene;
     for (int n = 0; n < objects; ++n)
@@ -46,7 +46,7 @@ TEST(HapticsReport, OfTheObjectsOneLineIsLogged) {
   EXPECT_LT(std::count(of_many.begin(), of_many.end(), '\n'), 10);
 }
 
-TEST(HapticsReport, NothingMeasuredIsNoLine) { EXPECT_EQ(describe_times("step", LatencyHistogram()), ""); }
+TEST(HapticsReport, NothingMeasuredGivesNoLine) { EXPECT_EQ(describe_times("step", LatencyHistogram()), ""); }
 
 class HapticsReportOfARun : public ReplyLoopStage {
  protected:

@@ -113,7 +113,7 @@ TEST(MaterialTask, ARejectedRequestHasNoMaterials) {
   EXPECT_FALSE(was_told);
 }
 
-TEST(MaterialTask, WhatHappensToARequestIsALine) {
+TEST(MaterialTask, TheOutcomeOfARequestIsLogged) {
   const auto log_after = [](std::string_view object) {
     return log_of([&] {
       MaterialTask material_task(hull_and_deck(), 0.0);

@@ -204,7 +204,7 @@ TEST(PatchSender, ASceneThatTheHubCannotKeepIsNeverOffered) {
 }
 
 // Large triangles cross each other everywhere: one place has too many of them for the datagram of a part.
-TEST(PatchSender, ASceneWithAPlaceThatNoPartCanTellIsNotOffered) {
+TEST(PatchSender, ASceneWithTooManyTrianglesInOnePlaceIsNotOffered) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> place(-0.05, 0.05);
   TriangleMesh mesh;

@@ -61,7 +61,7 @@ TEST_F(ReplyLoopOvertaken, AViewDoesNotTurnTheSceneBack) {
 }
 
 // Otherwise the haptics node would take a hub that has parts for one that has none, and an object could be lifted off these parts.
-TEST_F(ReplyLoopOvertaken, AStatusSaysNothingOfTheHub) {
+TEST_F(ReplyLoopOvertaken, AnOvertakenStatusIsIgnored) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   send_late(PatchStatus{.is_wanted = false, .request = 5});
   send(PatchStatus{.is_wanted = true, .request = 5});
@@ -126,7 +126,7 @@ class ReplyLoopInside : public ReplyLoopStage {
   std::uint64_t sample_ = 0;
 };
 
-TEST_F(ReplyLoopInside, AHandThatBeginsInABodyIsSaidUntilItIsOut) {
+TEST_F(ReplyLoopInside, AHandThatStartsInsideABodyIsReportedUntilItIsOutside) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   EXPECT_TRUE(is_said_to_be(true, Vec3::Zero()));
   for (double z = 0.0; z < 0.03; z += 0.001) exchange(Vec3(0, 0, z));

@@ -235,7 +235,7 @@ TEST_F(ReplyLoopShapes, TheShapeIsAnnouncedBeforeTheFirstForceWithIt) {
   EXPECT_NEAR(1e-9 * static_cast<double>(start->end_ns - start->start_ns), replies_[0].over_s, 1e-9);
 }
 
-TEST_F(ReplyLoopShapes, WhereObjectsAreIsAnnouncedAgain) {
+TEST_F(ReplyLoopShapes, TheStartOfAShapeIsAnnouncedAgain) {
   give(1, raised(0.005));
   for (int n = 0; n < 600; ++n) cycle();
   const auto newest = [&] { return std::count_if(starts_.begin(), starts_.end(), [](const ShapeStart& one) { return one.serial == 1; }); };
@@ -277,7 +277,7 @@ TEST_F(ReplyLoopShapes, AShapeThatLostAPartIsLeftOut) {
 }
 
 // Of the shapes that arrive while the surface moves, only the newest is used.
-TEST_F(ReplyLoopShapes, OfThoseThatWaitTheNewestCounts) {
+TEST_F(ReplyLoopShapes, OnlyTheNewestWaitingShapeIsUsed) {
   give(1, raised(0.005), 0.5);
   for (int n = 0; n < 20; ++n) cycle();
   for (std::uint32_t shape = 2; shape <= 6; ++shape) {

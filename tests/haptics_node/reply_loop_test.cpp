@@ -97,7 +97,7 @@ TEST_F(ReplyLoopTest, EveryStateGetsAReply) {
   EXPECT_LE(loop_.step_times().max_ns(), loop_.compute_times().max_ns());
 }
 
-TEST_F(ReplyLoopTest, AToolIsFeltAndRejectsWhatIsOfAProbe) {
+TEST_F(ReplyLoopTest, AToolIsFeltAndRejectsRequestsForAProbe) {
   HeldTool tool(std::move(*ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {one_sheet().objects[0].mesh}, {})));
   step_.hold(&tool);
   std::optional<ForceCommand> command;

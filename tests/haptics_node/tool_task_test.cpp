@@ -68,7 +68,7 @@ TEST(HeldToolOfAScene, HasTheDampingOfTheMaterials) {
   EXPECT_TRUE(make_live_tool({}, scene).value().followed->tool().drag().is_on());
 }
 
-TEST(HeldToolOfAScene, IsNoneWhereNoneIsNamed) {
+TEST(HeldToolOfAScene, IsAbsentIfTheSceneNamesNone) {
   Scene scene = scene_with_tool();
   scene.tool.reset();
   const auto tool = make_live_tool({}, scene);

@@ -108,7 +108,7 @@ TEST(HidLayout, AReportHasWholeBytes) {
 }
 
 // A report has 64 KiB at most. Reading ends at the item with which it would have more.
-TEST(HidLayout, AReportHasAMostSize) {
+TEST(HidLayout, AReportHasALargestSize) {
   const Bytes size = {0x76, 0x00, 0x80};  // 32,768 bits
   EXPECT_THAT(read_hid_layout(size + Bytes{0x95, 16, 0x81, 0x02} + kMouse).reports, ElementsAre(HidLayout::Report{0, 65'536, 0, 0}));
   EXPECT_TRUE(read_hid_layout(size + Bytes{0x95, 16, 0x81, 0x02} + kMouse).has_application(1, 2));

@@ -22,7 +22,7 @@ std::vector<std::uint8_t> report(std::uint8_t id, const std::vector<int>& axes) 
 // Debian's eigen prints badly in failures: compare by distance.
 void expect_near(const Vec3& a, const Vec3& b) { EXPECT_LT((a - b).norm(), 1e-12) << a.transpose() << " is not " << b.transpose(); }
 
-TEST(SpaceMouseDecoder, ThreeAxesAReportAreAllThatTheOldOnesSay) {
+TEST(SpaceMouseDecoder, OlderDevicesReportThreeAxesAtATime) {
   SpaceMouseDecoder decoder;
   EXPECT_TRUE(decoder.take(report(1, {350, 0, 0}), kNow));
   EXPECT_TRUE(decoder.take(report(2, {0, 0, -350}), kNow));

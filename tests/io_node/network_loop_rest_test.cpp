@@ -94,14 +94,14 @@ TEST_F(NetworkLoopRest, WakesOnceInAMillisecondAndMissesNoCycle) {
   EXPECT_TRUE(tap.faults.empty());
 }
 
-TEST_F(NetworkLoopRest, AsOftenAsAVisionNodeMayHaveStates) {
+TEST_F(NetworkLoopRest, WakesAsOftenAsVisionNodesGetStates) {
   make(4000.0);
   count_steps(100);
   // The rest of 0.25 ms ends in the middle of a period of 0.1 ms, so the network side wakes at every third cycle.
   EXPECT_NEAR(count_steps(10'000), 3333, 40);
 }
 
-TEST_F(NetworkLoopRest, NotWhileForcesComeFromTheNetwork) {
+TEST_F(NetworkLoopRest, DoesNotRestWhileForcesComeFromTheNetwork) {
   make();
   floor.is_there = false;
   count_steps(100);

@@ -451,7 +451,7 @@ TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
 
 // The first patch starts where the former haptics node had the probe, if the new node has put nothing down. Otherwise that place means
 // nothing, however many changes of the method the former node had counted.
-TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
+TEST_F(PatchRequests, TheProbeOfTheFormerHapticsNodeIsNotUsedAsAReply) {
   device.place = Vec3(0.001, 0.002, -0.002);
   floor_z_m = 0.0;
   force_reply.contact = true;

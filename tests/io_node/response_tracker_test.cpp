@@ -49,7 +49,7 @@ TEST_F(ResponseTrackerTest, DistinguishesInTimeLateReorderedDuplicateAndUnknown)
   EXPECT_EQ(tracker->reply(to(~std::uint64_t{0})), Verdict::unknown);
 }
 
-TEST_F(ResponseTrackerTest, OvertakenAndWithoutAReplyIsLostAfterThePatience) {
+TEST_F(ResponseTrackerTest, AnOvertakenSampleIsLostAfterTheReplyTimeout) {
   take(1, 10);
   tracker->reply(to(5));
   tracker->settle(ResponseTracker::kReplyTimeoutNs);
@@ -175,7 +175,7 @@ TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
 }
 
 // The device side alone has counted in between. A tracker that visits each of these numbers would take days.
-TEST_F(ResponseTrackerTest, AJumpOfTheNumbersIsNotCountedThrough) {
+TEST_F(ResponseTrackerTest, AJumpOfTheNumbersCostsNoTime) {
   constexpr std::uint64_t kFar = 1'000'000'000'000'000;
   take(1, 1);
   tracker->reply(to(1));
@@ -201,7 +201,7 @@ TEST_F(ResponseTrackerTest, AtTheEndOnlyALivingNodeHasLostWhatWaits) {
 }
 
 // A sample is lost when its own time is more than kReplyTimeoutNs ago.
-TEST_F(ResponseTrackerTest, ThePatienceIsForEachSample) {
+TEST_F(ResponseTrackerTest, TheReplyTimeoutIsForEachSample) {
   take(1, 4);
   tracker->reply(to(4));
   tracker->settle(ResponseTracker::kReplyTimeoutNs + 2 * kMs);

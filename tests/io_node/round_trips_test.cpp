@@ -77,7 +77,7 @@ TEST_F(RoundTrips, TheNewestThirtyTwoAndTheLastingHundredAndSixty) {
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.002, 1e-8);
 }
 
-TEST_F(RoundTrips, SettledTheNewestCountAsLasting) {
+TEST_F(RoundTrips, AfterSettlingTheNewestCountAsLasting) {
   exchange.settle_round_trip();
   EXPECT_EQ(exchange.find_round_trip_s(), -1.0) << "there are none to settle on";
   trips(160, 2 * kMs);

@@ -21,7 +21,7 @@ SceneFacts box_at(float x, float half) {
 
 SceneReach reach_of(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return find_reach(facts, X_WS, hand_wide()); }
 
-TEST(SceneReach, GoesByWhereTheSurfaceIs) {
+TEST(SceneReach, IsJudgedByTheSurface) {
   EXPECT_EQ(reach_of(box_at(0, 0.05F)), SceneReach::in_reach);
   EXPECT_EQ(reach_of(box_at(0.14F, 0.05F)), SceneReach::in_reach);
   EXPECT_EQ(reach_of(box_at(0.3F, 0.05F)), SceneReach::out_of_reach);
@@ -40,7 +40,7 @@ TEST(SceneReach, SaysNothingOfWhatItCannotKnow) {
   EXPECT_EQ(find_reach(box_at(0, 0.05F), Pose::Identity(), {}), SceneReach::unknown);
 }
 
-TEST(SceneReach, APointGoesWithTheView) {
+TEST(SceneReach, APointMovesWithTheView) {
   const ViewTransform view{.revision = 1, .X_WS = {0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3}};
   EXPECT_LT((point_in_world(box_at(1, 0.5F), pose_of(view), 1) - Vec3(1, 3.5, 3)).norm(), 1e-6);
 }

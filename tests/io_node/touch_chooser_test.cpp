@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(TouchChooser, KeepsToItsOrders) {
+TEST(TouchChooser, ObeysAFixedChoice) {
   TouchChooser remote(TouchChoice::remote);
   TouchChooser patch(TouchChoice::patch);
   for (std::int64_t t = 0; t < 100; ++t) {

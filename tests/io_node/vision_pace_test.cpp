@@ -88,7 +88,7 @@ TEST(VisionPaces, APauseBeyondTheRepeatIsLimited) {
   EXPECT_EQ(pace.decide(0, state_at(2), kMs + VisionPace::kRepeatNs), Decision::send);
 }
 
-TEST(VisionPaces, MotionTooSmallToSeeCostsAStateAFrame) {
+TEST(VisionPaces, InvisibleMotionSendsOneStatePerFrame) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   FrameAck same{1, 0, 60.0F};
@@ -119,7 +119,7 @@ TEST(VisionPaces, AnAcknowledgementThatIsToldAgainCountsWhereTheFirstWasLost) {
   EXPECT_EQ(pace.decide(0, state_at(54), 38 * kMs + VisionPace::kUnseenNs), Decision::send);
 }
 
-TEST(VisionPaces, WhatHasNotChangedIsSpared) {
+TEST(VisionPaces, AnUnchangedStateIsNotSent) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 5 * kMs);

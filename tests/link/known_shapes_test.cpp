@@ -228,7 +228,7 @@ TEST_F(KnownShapesTest, AnotherProcessBeginsAtRest) {
   EXPECT_EQ(displaced_mm(900 * kOneMs), 0.0F) << "of the process that was replaced";
 }
 
-TEST_F(KnownShapesTest, OfAnotherSceneIsLeftOut) {
+TEST_F(KnownShapesTest, AShapeOfAnotherSceneIsIgnored) {
   ShapeStart start = start_of(1, 0, 1, 2);
   for (const std::int32_t object : {0, 2, -1}) {
     start.object = object;

@@ -17,7 +17,7 @@ TEST_F(CodecTest, ThePayloadIsTheMessageOfAnyKind) {
   }
 }
 
-TEST_F(CodecTest, WhatIsNoEnvelopeHasNoPayload) {
+TEST_F(CodecTest, BytesThatAreNoEnvelopeHaveNoPayload) {
   EXPECT_EQ(find_message_payload({}), "");
   const Bytes bytes = encode(random_.draw(4));
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_EQ(find_message_payload(std::span(bytes).first(size)), "") << size;

@@ -161,7 +161,7 @@ TEST(DeformingMethod, AHandThatHoldsStillIsNeverFallenThrough) {
 }
 
 // In a gap of the samples, of any length, the sheet does not pass the hand either.
-TEST(DeformingMethod, AGapInTheSamplesPassesNothing) {
+TEST(DeformingMethod, AGapInTheSamplesLosesNoContact) {
   for (const double gap_s : {0.02, 0.05, 0.15}) {
     const auto method = make_shaped(coming_sheet(1.0, 0.2));
     ASSERT_TRUE(method);

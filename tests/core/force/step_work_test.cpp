@@ -53,7 +53,7 @@ class Somewhere {
 };
 
 // However far the device moves in a step, follower and sweep together do no more than the work of one step plus the event in progress.
-TEST(StepWork, NoStepDoesMore) {
+TEST(StepWork, NoStepExceedsItsWork) {
   constexpr std::uint64_t kOneEvent = 1024;
   constexpr unsigned kSeed = 154;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

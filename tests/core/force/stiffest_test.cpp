@@ -153,7 +153,7 @@ TEST(Stiffest, AToolHasDampingAndViscosityUnderOneLimit) {
   EXPECT_EQ(find_tool_gains(scene).viscosity_ns_per_m, 11.0);
 }
 
-TEST(Stiffest, OfPointAndToolByTurnsTheLargestCount) {
+TEST(Stiffest, TheLargerGainsOfPointAndToolCount) {
   const LargestGains both = LargestGains{.stiffness_n_per_m = 3.0, .damping_ns_per_m = 2.0, .viscosity_ns_per_m = 1.0}.largest_of(
       {.stiffness_n_per_m = 2.0, .damping_ns_per_m = 3.0, .viscosity_ns_per_m = 4.0, .rotational_nm_per_rad = 0.5});
   EXPECT_EQ(both.stiffness_n_per_m, 3.0);

@@ -192,7 +192,7 @@ TEST(StreamedMethod, NoShapeMakesTheForceJump) {
 }
 
 // In a gap in the samples one stage ends and another begins: the surface does not pass through the hand unnoticed.
-TEST(StreamedMethod, AGapInTheSamplesPassesNothing) {
+TEST(StreamedMethod, AGapInTheSamplesLosesNoContact) {
   const auto mesh = made::shared(made::sheet(0.03, 0.0, 12));
   for (const double gap_s : {0.01, 0.05, 0.2, 2.0}) {
     const auto method = make_streamed(mesh, 0.03);

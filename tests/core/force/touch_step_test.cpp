@@ -77,7 +77,7 @@ TEST(TouchStep, EffectsTurnWithTheScene) {
 }
 
 // "Reset view" jumps; the knob box turns in small steps. Neither is a motion of the hand.
-TEST(TouchStep, MovingTheSceneUnderAStillHandIsNoVelocity) {
+TEST(TouchStep, MovingTheSceneUnderAStillHandGivesNoVelocity) {
   TouchStep touch = make_step_over("proxy", sheet_with({}, {ViscousEffect{.damping_ns_per_m = 5.0}}));
   const Vec3 p_WD(0.05, 0.001, 0.02);
   touch.reset({.p_WD = p_WD});

@@ -35,7 +35,7 @@ TEST(VirtualCoupling, WithoutOneNothingChanges) {
 }
 
 // The force at a depth in a ball, by every method. A coupling of 1,000 N/m in series with 3,000 N/m leaves a quarter of it.
-TEST(VirtualCoupling, EveryMethodHasIt) {
+TEST(VirtualCoupling, EveryMethodUsesTheCoupling) {
   const TouchScene ball{.objects = {{made::shared(made::sphere(0.05, 32)), {.stiffness_n_per_m = 3000.0}}}};
   for (const char* name : {"proxy", "smooth", "sweep", "reference"}) {
     const auto force_of = [&](double coupling_n_per_m) {

@@ -133,7 +133,7 @@ TEST(BoundaryEdges, TheWidestCrackIsMeasured) {
 }
 
 // With triangles as large as the mesh, the work per edge grows with their number until it is cut off; has_given_up reports this.
-TEST(BoundaryEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
+TEST(BoundaryEdges, TheSearchIsCutOffForRandomTriangles) {
   const TriangleMesh soup = made::soup(5, 2000, 1.0, 1.0);
   const BoundaryEdges all = count_boundary_edges(soup, 1e-3);
   EXPECT_FALSE(all.has_given_up);

@@ -24,7 +24,7 @@ TEST(LeftContact, ADeviceOnThePlaneOrBeyondHasLeft) {
 
 TEST(LeftContact, WithoutADirectionNothingIsKnown) { EXPECT_FALSE(has_left_contact(kProxy, Vec3::Zero(), kProxy + Vec3(0, 0, 0.005))); }
 
-TEST(LeftContact, APlaceThatIsNoneHasLeft) {
+TEST(LeftContact, AnInvalidPlaceHasLeft) {
   EXPECT_TRUE(has_left_contact(kProxy, kOutward, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
 }
 

@@ -132,7 +132,7 @@ TEST_P(ContactChoice, BoundsThatContradictEachOtherAreLowered) {
 }
 
 // For one goal, the motion is found however many cuts that takes, here within the faces of a ball.
-TEST_P(ContactChoice, TheFirstGoalHasAsManyPlacesAsThereAre) {
+TEST_P(ContactChoice, TheFirstGoalMayUseAllPlaces) {
   std::normal_distribution<double> normal;
   std::vector<MotionBound> bounds;
   for (int i = 0; i < 5000; ++i) {

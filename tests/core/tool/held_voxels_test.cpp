@@ -80,7 +80,7 @@ TEST(HeldVoxels, BeginsAnewWhereTheDeviceIs) {
   EXPECT_FALSE(held.is_known());
 }
 
-TEST(HeldVoxels, APoseThatIsNoneBeginsNothing) {
+TEST(HeldVoxels, AnInvalidPoseBeginsNothing) {
   HeldVoxels held(cube_over_floor(), Vec3::Zero());
   const ToolOutput felt = held.step(hand_at(std::numeric_limits<double>::quiet_NaN()), 0);
   EXPECT_EQ(felt.force_n, Vec3::Zero());

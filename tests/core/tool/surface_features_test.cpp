@@ -40,7 +40,7 @@ TEST(SurfaceFeatures, ABoundaryEdgeIsItsTrianglesOwn) {
   EXPECT_EQ(edges, 5);
 }
 
-TEST(SurfaceFeatures, ARingIsTheVerticesBeside) {
+TEST(SurfaceFeatures, ARingIsTheNeighbouringVertices) {
   const ObjectGeometry sphere(make_icosphere(0.5, 1), kMetres);
   const SurfaceFeatures features(sphere);
   for (std::uint32_t v = 0; v < sphere.vertices().size(); ++v) {

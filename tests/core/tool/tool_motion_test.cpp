@@ -351,7 +351,7 @@ TEST(ToolAndMotion, WhatALateToolDoesToAPartIsAboutItsDrawnGripPoint) {
   EXPECT_LT((about_origin_nm - hand.cross(push.force_n)).norm(), 1e-3);
 }
 
-TEST(ToolAndMotion, MoreThanItsPartsAreOneLine) {
+TEST(ToolAndMotion, TooManyMovingPartsAreAnErrorInOneLine) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes(ToolStep::kMaxParts + 1, std::make_shared<TriangleMesh>(kSlab));
   std::vector<int> parts;
   for (std::size_t n = 0; n < meshes.size(); ++n) parts.push_back(static_cast<int>(n) + 1);

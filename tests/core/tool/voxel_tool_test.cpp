@@ -167,7 +167,7 @@ TEST(VoxelTool, FindsTheContactsThatBruteForceFinds) {
   EXPECT_LT(touching, 500);
 }
 
-TEST(VoxelTool, TheRotationalStiffnessChangesWithTheOther) {
+TEST(VoxelTool, TheRotationalStiffnessScalesWithTheStiffness) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 2), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.002);
   ASSERT_TRUE(tool);
   EXPECT_EQ((*tool)->coupling().rotational_stiffness_nm_per_rad, 0.2);
@@ -209,7 +209,7 @@ TEST(VoxelTool, AStepTakesNothingFromTheHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(VoxelTool, WhatIsNoPoseIsNotFollowed) {
+TEST(VoxelTool, AnInvalidPoseIsNotFollowed) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
   (*tool)->reset(at({0.0, 0.0, 0.05}));

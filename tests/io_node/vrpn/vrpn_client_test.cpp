@@ -249,7 +249,7 @@ TEST(VrpnClient, WithAnImpossibleMessageIsDropped) {
   EXPECT_FALSE(client.receive(speaker.said, kNow));
 }
 
-TEST(VrpnClient, ThatNamesWithoutEndTakesNoMoreMemoryThanAFew) {
+TEST(VrpnClient, WithEndlessNamesTakesBoundedMemory) {
   Client client("Phantom0");
   Speaker speaker;
   for (std::int32_t id = 0; id < 100'000; ++id) speaker.describe_type(id, "vrpn_ForceDevice Plane");

@@ -326,7 +326,7 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
 }
 
 // This client sends its request once. VRPN's own clients repeat theirs, but not for ever.
-TEST_F(VrpnServer, SilentClientsKeepNoneOutThatRequestsByUdp) {
+TEST_F(VrpnServer, SilentClientsDoNotKeepOutAUdpRequester) {
   open();
   const std::vector<int> silent = fill_with_silent_clients();
   Program program;

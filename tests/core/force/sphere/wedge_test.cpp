@@ -27,7 +27,7 @@ TEST(WedgeOfPlanes, ACornerOfThreeWallsHolds) {
 }
 
 // The small box lies between the walls, nearer than a way out of the corner may lead (Wedge::kFarthest).
-TEST(WedgeOfPlanes, NotWithSomethingInBetween) {
+TEST(WedgeOfPlanes, DoesNotHoldWithAnObjectBetweenTheWalls) {
   const TriangleMesh between = made::box(Vec3::Constant(0.004), Vec3::Constant(0.005));
   EXPECT_FALSE(InCorner({&between}).holds());
 }
@@ -37,7 +37,7 @@ TEST(WedgeOfPlanes, BehindTheWallsNothingCounts) {
   EXPECT_TRUE(InCorner({&behind}).holds());
 }
 
-TEST(WedgeOfPlanes, WhereItCannotBeSeenItDoesNotHold) {
+TEST(WedgeOfPlanes, DoesNotHoldWithoutGatheredTriangles) {
   InCorner in;
   in.near->clear();
   EXPECT_FALSE(in.holds());
