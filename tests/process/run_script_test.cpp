@@ -22,7 +22,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Far more than it takes: a minute for a machine that does other things, twenty times that for a sanitizer.
+// Far longer than a run takes on a busy machine, where it may need a minute; kPatience is longer with a sanitizer.
 constexpr Seconds kRunPatience = 3 * kPatience;
 
 class RunScript : public ::testing::Test {
@@ -33,7 +33,7 @@ class RunScript : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return Program(HAPTON_SOURCE_DIR "/deploy/run", words, folder_.path(), display);
   }
-  // For five seconds. A machine that stands still may leave too little of them for a touch: then for longer.
+  // Runs for 5 s. If nothing was touched, as on a machine that stood still, runs once more for 20 s.
   std::optional<Ended> run_headless(const std::vector<std::string>& more) {
     std::optional<Ended> ended;
     for (const char* seconds : {"5", "20"}) {
@@ -45,7 +45,7 @@ class RunScript : public ::testing::Test {
     }
     return ended;
   }
-  // Until all nodes have been started and touch.
+  // Waits until the script says that all nodes have been started and that something is touched.
   static bool wait_until_touching(Program& run) {
     for (int i = 0; i < 1200 && run.out().find("run: touching") == std::string::npos && run.is_running(); ++i)
       (void)run.wait(Seconds(0.05));
@@ -80,7 +80,7 @@ TEST_F(RunScript, ChoosesTheCpusByMeasurementIfAskedTo) {
       << ended->out;
 }
 
-// Ctrl-C reaches the script alone: the nodes are in their own sessions.
+// Ctrl-C reaches only the script, because each node runs in a process session of its own.
 TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Program run = start({"--headless", "--seconds", "200"});
@@ -97,7 +97,7 @@ TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
   }
 }
 
-// The file's numbers are millimetres far from the origin: without a fit the device would never reach it.
+// The mesh lies far from the origin, and its numbers are millimetres: unless it is fitted to the workspace, the device never reaches it.
 TEST_F(RunScript, TouchesAMeshInAnyUnitAndItsRecordingReplays) {
   const std::string mesh = HAPTON_SOURCE_DIR "/meshes/wingnut.obj";
   for (const char* unit : {"m", "mm", "in"}) {
@@ -153,7 +153,7 @@ TEST_F(RunScript, WithoutATimeIsStoppedBySignalsAsItShouldBe) {
   EXPECT_TRUE(has("report.json") && has("latency.png"));
 }
 
-// The current folder of the process that has all of these words on its command line; empty: there is none.
+// The current folder of the process that has all of these words on its command line; empty if there is no such process.
 std::filesystem::path find_folder_of(const std::vector<std::string>& words) {
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::ifstream file(entry.path() / "cmdline");
@@ -165,7 +165,7 @@ std::filesystem::path find_folder_of(const std::vector<std::string>& words) {
   return {};
 }
 
-// Screenshots, saved annotations and exports of its keys go to the current folder.
+// Screenshots, saved annotations and exports that the keys of vision_node make go to the current folder.
 TEST_F(RunScript, TheWindowRunsInTheFolderWhereItWasCalled) {
   Program script("/usr/bin/env",
                  {"--chdir=" + folder_.path().string(), HAPTON_SOURCE_DIR "/deploy/run", "--bin", HAPTON_BIN_DIR, "--out", out().string(),
@@ -174,7 +174,7 @@ TEST_F(RunScript, TheWindowRunsInTheFolderWhereItWasCalled) {
   ASSERT_TRUE(wait_until_touching(script)) << script.out() << script.err();
   const std::vector<std::string> words = {"bin/vision_node", (out() / "stereo.png").string()};
   const auto called_from = std::filesystem::canonical(folder_.path());
-  // The last of the programs that start it sets the folder.
+  // The window is started through several programs; the last of them sets the folder.
   for (int i = 0; i < 200 && find_folder_of(words) != called_from; ++i) (void)script.wait(Seconds(0.05));
   EXPECT_EQ(find_folder_of(words), called_from);
   script.send_signal(SIGINT);
@@ -204,7 +204,7 @@ TEST_F(RunScript, SaysHowOtherProgramsJoin) {
   EXPECT_FALSE(std::filesystem::exists(key)) << "the key of a run goes with it";
 }
 
-// Programs as they are, but vision_node is a script that goes on for 12 s after the window has closed, as one that writes its files.
+// The real programs, but in place of vision_node a script that runs on for 12 s after the window has closed, as if it wrote its files.
 class LateWindow : public RunScript {
  protected:
   LateWindow() {

@@ -1,4 +1,4 @@
-// The touched scene: reported if two nodes have different ones, or if the device cannot reach it; and written into the report.
+// Two nodes with different scenes, and a scene that the device cannot reach, are reported; the report names the touched scene.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ std::string note(const Json& report, const char* name) { return report["notes"].
 
 TEST(SceneCheck, TheReportSaysWhatIsTouched) {
   System system;
-  // Over the body from the start: a hand that haptics_node finds within it is held there, and the status says so.
+  // The hand is over the body from the start: haptics_node would hold a hand that it first finds inside, and the status would say so.
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n600,0.01,0.02,0.06\n";
   system.start("io_node");
   system.start("haptics_node");

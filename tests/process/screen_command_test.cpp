@@ -1,4 +1,4 @@
-// A person who touches the corners of a screen, by the real programs.
+// A person touches the corners of a screen; the programs are the real ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The hand goes to a point and stays there until the program has said that.
+// The hand goes to p_WH and stays there until the program has printed `said`.
 bool touches(SessionObserver& hand, const Vec3& p_WH, Program& program, const std::string& said) {
   hand.hold_hand(p_WH);
   const std::int64_t end_ns = hand.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());

@@ -30,7 +30,7 @@ struct Sessions : testing::Test {
     return run("hapton", arguments, scratch.path()).value_or(Ended{});
   }
 
-  // A session with a contact, a kill and another life of the haptics node, and a change of method.
+  // Records a session: a contact, a kill of the haptics node during the contact, and a contact after its restart.
   void record() {
     system.start("io_node");
     system.start("haptics_node");
@@ -178,7 +178,7 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
     }
     return !record.empty();
   };
-  // For ten seconds after a record, such as that of a machine that stood still, there is no other: then it is tried again.
+  // No flight record is written for ten seconds after another one, such as that of a machine that stood still: then the test tries again.
   for (int attempt = 0; attempt < 3 && record.empty(); ++attempt) {
     system.start("haptics_node");
     ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
@@ -192,7 +192,7 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   system.end("io_node");
 }
 
-// A limit on the size of files stands for a full disk; a program inherits it.
+// A limit on the size of files takes the place of a full disk; io_node inherits the limit.
 TEST(SessionsOnAFullDisk, SayHowMuchIsInTheRecording) {
   const ScratchFolder scratch;
   rlimit before{};

@@ -25,7 +25,7 @@ constexpr bool kCanCheckMemory = true;
 // Rate and drift are not checked here: this machine may be busy.
 bool is_compared(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kCanCheckMemory); }
 
-// The child process of that name; -1: none.
+// The process ID of the child with this name; -1 if there is none.
 pid_t find_child(pid_t parent, const std::string& name) {
   const std::string parent_line = "\nPPid:\t" + std::to_string(parent) + "\n";
   std::error_code error;
@@ -55,7 +55,7 @@ TEST(Soak, AMinuteKeepsMemoryDescriptorsAndThreadsAndLosesNoForce) {
     ++compared;
     EXPECT_TRUE(finding.at("flat").get<bool>()) << finding;
   }
-  EXPECT_EQ(compared, kCanCheckMemory ? 8 : 6);  // the run, lost forces, and these three of two processes
+  EXPECT_EQ(compared, kCanCheckMemory ? 8 : 6);  // the run, lost forces; memory, descriptors and threads of two processes
   EXPECT_EQ(ended->exit_code, soak.at("flat").get<bool>() ? 0 : 1) << ended->err;
   // Part of the run is in contact: a force that is always zero would prove little.
   const std::string table = read_text(folder.path() / "soak" / "soak.csv");
@@ -67,7 +67,7 @@ TEST(Soak, OfANodeThatDiesEndsAtOnceAndSaysWhichOne) {
   const std::string out = (folder.path() / "soak").string();
   const std::string scene = HAPTON_SOURCE_DIR "/scenes/car_front.toml";
   Program soak("hapton", {"soak", "--seconds", "200", "--every", "0.5", "--scene", scene, "--out", out}, folder.path());
-  // It reports its first sample when the nodes are running.
+  // The soak test reports its first sample when the nodes are running.
   const std::regex kFirstProgress("soak: [0-9]+ of 200 s");
   for (int tries = 0; tries < 1200 && !std::regex_search(soak.out(), kFirstProgress) && soak.is_running(); ++tries) {
     (void)soak.wait(Seconds(0.05));

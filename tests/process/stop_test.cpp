@@ -13,7 +13,7 @@
 namespace hapton::process {
 namespace {
 
-// Large enough for a look while it is read.
+// Large enough that the test can look at the node while it reads the mesh.
 void write_large_mesh(const std::filesystem::path& path) {
   constexpr int kSide = 400;
   std::ofstream file(path);
@@ -36,13 +36,13 @@ bool catches_sigterm(pid_t pid) {
   return false;
 }
 
-// It says what its method is as soon as the scene is loaded.
+// The node names its method as soon as the scene is loaded.
 bool has_loaded(const Program& node) { return node.err().find("proxy:") != std::string::npos; }
 
 TEST(Stopping, WhileItLoadsItsSceneEndsInOrder) {
   const TestFolder folder;
   write_large_mesh(folder.path() / "large.obj");
-  // A look may come too late on a busy machine: then it is taken again.
+  // On a busy machine the test may look too late: then it starts another node.
   bool seen_while_loading = false;
   for (int attempt = 0; attempt < 10 && !seen_while_loading; ++attempt) {
     Program node("haptics_node", {"--scene", (folder.path() / "large.obj").string()}, folder.path());
@@ -57,11 +57,11 @@ TEST(Stopping, WhileItLoadsItsSceneEndsInOrder) {
   EXPECT_TRUE(seen_while_loading);
 }
 
-// As `io_node 2>&1 | tee log` without tee: whoever reads its output must not end the force.
+// As `io_node 2>&1 | tee log` after tee has ended: the end of the program that reads the node's output must not end the force.
 TEST(Stopping, ANodeOutlivesWhoReadsItsOutput) {
   const TestFolder folder;
   const std::string code = (folder.path() / "code").string();
-  // Reports for more than one buffer of its output.
+  // Requests enough reports to fill more than one buffer of the output.
   const std::string script = std::string(HAPTON_BIN_DIR) +
                              "/io_node --bind 127.0.0.1:0 2>&1 & node=$!; "
                              "for n in 1 2 3 4 5 6 7 8 9 10; do sleep 0.2; kill -USR1 $node; done; "

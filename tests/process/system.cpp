@@ -8,7 +8,7 @@
 namespace hapton::process {
 namespace {
 
-// A cube of 0.1 m, and a motion that is 2 mm inside its top half of the time: contact whenever the nodes are up.
+// A cube of 0.1 m, and a motion that is 2 mm below its top for half of the time: contact comes soon, whenever the nodes start.
 void write_cube_scene(const std::filesystem::path& folder) {
   std::ofstream(folder / "cube.obj") << "v -0.05 -0.05 -0.05\nv 0.05 -0.05 -0.05\nv 0.05 0.05 -0.05\nv -0.05 0.05 -0.05\n"
                                         "v -0.05 -0.05 0.05\nv 0.05 -0.05 0.05\nv 0.05 0.05 0.05\nv -0.05 0.05 0.05\n"

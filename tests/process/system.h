@@ -33,7 +33,7 @@ class System {
   }
   Program& operator[](const std::string& name) { return *programs_.at(name); }
 
-  // One more of them, beside the running one.
+  // Starts one more program of this name beside the running one.
   std::unique_ptr<Program> start_another(const std::string& name) {
     return std::make_unique<Program>(name, arguments_of(name), folder_.path(), display_ ? display_->name() : "");
   }
@@ -49,12 +49,12 @@ class System {
   }
   std::filesystem::path relay_report_path() const { return folder_.path() / "relay.json"; }
 
-  // More for a program's command line.
+  // Arguments that are added to those of a program that is started from now on.
   void add_arguments(const std::string& name, const std::vector<std::string>& arguments) { more_[name] = arguments; }
 
   // Requests the I/O node's report so far; null if none comes.
   Json request_report() {
-    // Earlier than this the signal would end it.
+    // Before io_node prints this line, the signal would end it.
     wait_until([&] { return (*this)["io_node"].out().starts_with("hub on ") || !(*this)["io_node"].is_running(); });
     std::filesystem::remove(report_path());
     (*this)["io_node"].send_signal(SIGUSR1);
@@ -96,7 +96,7 @@ class System {
   }
 
   const std::string& hub() const { return hub_; }
-  // The one that its programs share.
+  // The key that the programs of this system share.
   LinkKey key() const { return *find_or_make_shared_key(folder_.path() / "hapton"); }
   const std::filesystem::path& folder() const { return folder_.path(); }
   std::filesystem::path report_path() const { return folder_.path() / "out" / "report.json"; }
@@ -125,7 +125,7 @@ class System {
 
   TestFolder folder_;
   std::string hub_ = "127.0.0.1:" + find_free_port();
-  std::string nodes_hub_ = hub_;  // where the nodes look for it
+  std::string nodes_hub_ = hub_;  // where the nodes look for the hub
   std::vector<std::string> io_options_;
   std::map<std::string, std::vector<std::string>> more_;
   std::unique_ptr<VirtualDisplay> display_;
@@ -137,7 +137,7 @@ std::int64_t count(const Json& report, const std::string& name);
 bool has_contact(const Json& report);
 bool is_drawn(const Json& report);
 
-// What must hold of every report, however the run went.
+// Checks what is true of every report, however the run went.
 void expect_sane(const Json& report);
 
 // All nodes that are built, and whether a report shows all of them at work.
@@ -173,7 +173,7 @@ class SessionObserver {
     return false;
   }
 
-  // Receives until there is a force (or none any more); false if that does not come in time.
+  // Receives until there is a force, or with force = false until there is none; returns false if that does not happen in time.
   bool see_until(bool force, ProbeState& state) {
     const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
     while (clock_.now_ns() < end_ns && see(state)) {
@@ -182,14 +182,14 @@ class SessionObserver {
     return false;
   }
 
-  // From then on: where the hand of a simulated device is.
+  // Sets where the hand of a simulated device is from now on.
   void hold_hand(const Vec3& p_WH, std::uint32_t buttons = 0) { hand_ = {.active = true, .p_WH = p_WH, .buttons = buttons}; }
   void send(const Message& message) { client_.send(message); }
-  // The newest one that came, of any object.
+  // The newest pose that was received, of any object.
   const ObjectPose& object_pose() const { return object_pose_; }
 
   std::int64_t now_ns() const { return clock_.now_ns(); }
-  std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last one seen
+  std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last probe state that was seen
 
  private:
   SteadyClock clock_;

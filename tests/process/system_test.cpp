@@ -49,7 +49,7 @@ std::string order_name(const ::testing::TestParamInfo<std::vector<std::string>>&
 
 INSTANTIATE_TEST_SUITE_P(All, JoiningOrder, ::testing::ValuesIn(all_orders()), order_name);
 
-// "haptics_node: 1983 samples with a reply, ..."
+// Reads the number in a line such as "haptics_node: 1983 samples with a reply, ..."; -1: there is no such line.
 std::int64_t replied_by(Program& haptics_node) {
   const std::string out = haptics_node.out();
   const std::size_t at = out.find("haptics_node: ");
@@ -57,7 +57,7 @@ std::int64_t replied_by(Program& haptics_node) {
 }
 
 TEST(SystemRun, ReportsWhatItMeasured) {
-  // A short run that a busy machine kept from its samples is repeated as a longer one.
+  // If a busy machine took too few samples in a short run, the run is repeated with twice the length.
   std::optional<System> run;
   Json report;
   double elapsed_s = 0.0;
@@ -82,7 +82,7 @@ TEST(SystemRun, ReportsWhatItMeasured) {
   expect_sane(report);
   EXPECT_GT(count(report, "contact_samples"), 0);
   EXPECT_GE(report.at("seconds").get<double>(), seconds - 0.5);
-  // Independent measurements: the time by this process, the samples by the haptics node.
+  // Compares with independent measurements: this process measures the time, the haptics node counts the samples.
   EXPECT_LE(report.at("seconds").get<double>(), elapsed_s);
   EXPECT_LE(count(report, "samples") + count(report, "missed_cycles"), std::llround(1000.0 * elapsed_s));
   EXPECT_GE(static_cast<double>(count(report, "samples")), 500.0 * seconds)
@@ -114,7 +114,7 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
 
   system["haptics_node"].kill();
   const std::int64_t killed_ns = observer.now_ns();
-  // The last force is for a sample from before this moment; 20 ms after that one there is none. As much again for a busy machine.
+  // The last force is for a sample before this moment, and ends 20 ms after that sample. Another 20 ms are for a busy machine.
   const std::int64_t silent_ns = killed_ns + 40 * kNanosecondsPerMillisecond;
   int seen = 0;
   while (observer.see(state) && state.sample_time_ns < killed_ns + kNanosecondsPerSecond) {
@@ -166,7 +166,7 @@ TEST(Haptics, TheSecondOneSaysAtItsEndThatThereWasAnother) {
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
   system.add_arguments("haptics_node", {"--seconds", "3"});
-  // Where the first one stands still the second rightly takes over; then it is tried again.
+  // If the first node stands still, the second one rightly takes over; then the test tries again.
   std::optional<Ended> ended;
   for (int attempt = 0; attempt < 5; ++attempt) {
     ended = system.start_another("haptics_node")->wait(kPatience);
@@ -183,7 +183,7 @@ TEST(Hub, ThatEndsInOrderIsNoWarningAtTheOthers) {
   System system;
   for (const std::string& node : kNodes) system.start(node);
   ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
-  // A hub that stood still before may have been missed for a moment.
+  // Only what the nodes print from here on counts: they may have missed a hub that stood still for a moment before.
   std::map<std::string, std::size_t> said;
   for (const std::string& node : kNodes) said[node] = system[node].err().size();
   system.end("io_node");
@@ -265,7 +265,7 @@ TEST(Vision, KilledDisturbsNoOtherNode) {
   const Json whole = system.wait_for_report(is_complete);
   ASSERT_TRUE(is_complete(whole));
   system["vision_node"].kill();
-  // On a machine that is too busy for them, other nodes may time out for a moment as well.
+  // On a machine that is too busy, other nodes may time out for a moment as well.
   const auto misses_one = [&](const Json& report) { return count(report, "peers_timed_out") > count(whole, "peers_timed_out"); };
   const Json gone = system.wait_for_report(misses_one);
   EXPECT_TRUE(misses_one(gone));

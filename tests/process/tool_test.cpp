@@ -17,10 +17,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Both hands go round and round: on a busy machine haptics_node may join when they are there already, where the tool overlaps the scene and
-// gives no force, or the button is pressed already.
+// With --loop the hand repeats its motion: on a busy machine haptics_node may join while the tool already overlaps the scene and gives no
+// force, or while the button is already pressed; the next round is felt then.
 
-// The peg goes half over the edge of a block, where it is pressed and tilts, and back.
+// The peg moves down, half over the edge of a block, where it is pressed and tilts, and back up.
 TEST(Tool, IsFeltRecordedAndReportedWithItsTorque) {
   LedHand hand("simulated-6dof",
                "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,0.99995,0.01,0,0\n1,0,0.014,0.024,0.99995,0.01,0,0\n"
@@ -38,7 +38,7 @@ TEST(Tool, IsFeltRecordedAndReportedWithItsTorque) {
   EXPECT_THAT(replayed.err, HasSubstr("hapton replay --tool"));
 }
 
-// The peg lies on a block; a program makes all of it softer and rougher meanwhile.
+// The peg is pressed onto a block; meanwhile `hapton set` makes all materials softer and rougher.
 TEST(Tool, ItsMaterialsAreTunedWhileItIsPressed) {
   LedHand hand("simulated-6dof", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,1,0,0,0\n1,0,0.014,0.024,1,0,0,0\n", "pegs.toml");
   EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
@@ -54,7 +54,7 @@ TEST(Tool, ItsMaterialsAreTunedWhileItIsPressed) {
   EXPECT_THAT(info.out, HasSubstr("name=tool stiffness_n_per_m=300 "));
 }
 
-// Picked up from above, lifted, put into its hole, and touched there.
+// A peg is picked up from above, lifted, put into its hole, and touched there.
 TEST(Tool, AnObjectIsPickedUpAndPutDownByAButton) {
   LedHand hand(
       "simulated-6dof",

@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// hapton with these arguments, and the system's key.
+// Runs `hapton` with these arguments and the key of this system.
 Ended hapton(System& system, const std::vector<std::string>& words) {
   const auto ended = run("hapton", words, system.folder(), 2 * kPatience);
   EXPECT_TRUE(ended) << "still runs";
@@ -112,7 +112,7 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
   EXPECT_EQ(report.at("verdict").at("rate_hz"), 1000.0);
   EXPECT_EQ(report.at("verdict").at("fit_for").size(), 3U);
   EXPECT_EQ(report.at("notes").at("echo_bytes"), "300");
-  // Measured twice, before and after; each counts the periods that its last tick was late, beyond the end.
+  // The bare timer runs before and after the measurement; each run also counts the periods after its end by which its last tick was late.
   const Json& timer = report.at("bare_timer");
   const double periods = timer.at("ticks").get<double>() + timer.at("missed").get<double>();
   EXPECT_GE(periods, 748.0);
@@ -123,7 +123,7 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
     EXPECT_GT(report.at("hops").at(hop).at("n"), forces / 2);
   EXPECT_EQ(read_text(system.folder() / "a" / "latency.txt"), ran.out);
 
-  // The exit code of `run` is the verdict's, whatever this machine makes of it.
+  // The exit code of `run` follows the verdict, whatever the verdict on this machine is.
   const std::string other = (system.folder() / "b").string();
   const Ended evaluated =
       hapton(system, {"latency", "run", "--seconds", "1", "--rate", "500", "--cpu", "-1", "--out", other, "--scene", scene});
@@ -153,7 +153,7 @@ TEST(Latency, OfARunningHubCoversOnlyTheMeasuredSeconds) {
   system.end_all();
 }
 
-// The figures themselves belong to a quiet machine; here all the programs come together, and the force is that of the parts of the scene.
+// The figures need a quiet machine. This test checks that all programs work together, and that the force comes from patches of the scene.
 TEST(BenchRemote, ComparesTheRealPrograms) {
   System system;
   const auto csv = system.folder() / "processes.csv";

@@ -1,4 +1,4 @@
-// What dies, freezes, is cut off or floods, with whole programs, while the force comes from the haptics node and while it comes from
+// Whole programs that die, freeze or are cut off, while the force comes from the haptics node and while it comes from
 // patches of the scene beside the device. The exact bounds are those of tests/faults, on simulated time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,14 +19,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kTopM = 0.05;     // of the cube
-constexpr double kAboveM = 0.015;  // where the hand is free: at its start it comes from above and swings 4 mm past that
+constexpr double kTopM = 0.05;     // height of the cube's top
+constexpr double kAboveM = 0.015;  // height above the top where the hand is free: when it starts, it comes down and swings 4 mm past this
 
-// How io_node is to work out forces, and through which network. At so long a round trip no remote force is used.
+// How io_node gets its forces, and through which network. With the round trip of kAutoFar, `auto` uses no remote force.
 struct TouchSetup {
   std::string name;
   std::string touch;
-  std::vector<std::string> relay;  // empty: none
+  std::vector<std::string> relay;  // empty: no relay
 };
 const TouchSetup kRemote = {"Remote", "remote", {}};
 const TouchSetup kPatch = {"Patch", "patch", {}};
@@ -40,7 +40,7 @@ class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
 
   // The hand comes down onto the cube and stays in contact.
   void press(bool through_relay = false) {
-    // Over it from the start: who meets a hand inside a body for the first time cannot know where it came in.
+    // The hand starts above the cube: a program that first meets a hand inside a body cannot know where it came in.
     std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.065\n600,0.01,0.02,0.065\n";
     system.add_arguments("io_node", {"--trajectory", (system.folder() / "taps.csv").string()});
     start("io_node");
@@ -59,8 +59,8 @@ class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
     ASSERT_TRUE(observer->see_until(true, state)) << "no contact";
   }
   void start(const std::string& name) { system.start(name); }
-  // As waits_for, with the hand held: the hub leads it for a second after the last message of the observer. Then it rises, and a haptics
-  // node that joins as it is led down again meets it inside, where nobody knows of a contact.
+  // As waits_for, but keeps the hand led: the hub leads it for only a second after the last message of the observer. Otherwise the hand
+  // would rise, and a haptics node that joins while it is led down again would first meet it inside the cube, with no known contact.
   bool waits_with_hand(const std::function<bool(const Json&)>& holds) {
     return waits_for(system, [&](const Json& report) { return sees_newest() && holds(report); });
   }
@@ -72,8 +72,8 @@ class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
     return false;
   }
 
-  // The force ends, and does not come back by itself. From patches it ends a second after the last that was heard of haptics; before, a
-  // machine that stands still may take it away for a moment.
+  // The force ends, and does not come back by itself. A force from patches ends a second after the last message of the haptics node;
+  // until then, a machine that stands still may interrupt it for a moment.
   void expect_released() {
     const std::int64_t over_ns = observer->now_ns() + 5 * kNanosecondsPerSecond;
     for (int released = 0; released < 300;) {
@@ -83,7 +83,7 @@ class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
       ASSERT_TRUE(is_released || state.sample_time_ns < over_ns) << "the force stays, or comes back: " << state.force_n.transpose();
     }
   }
-  // A force comes, of the size that the hand presses with.
+  // A force comes that fits the press of the hand: more than 0.2 N upwards, and within its limits.
   void expect_felt() {
     bool is_felt = false;
     for (const std::int64_t end_ns = observer->now_ns() + std::int64_t(1e9 * kPatience.count()); !is_felt && observer->now_ns() < end_ns;) {
@@ -124,7 +124,7 @@ TEST_P(FaultsInContact, HapticsKilledLeavesNoForceAndBringsItBack) {
   system.end_all();
 }
 
-// Where contact was is known to who was there. It is of no use to a hand that has left meanwhile: it would be held from the other side.
+// The programs that still run remember where the contact was. If the hand has left meanwhile, that contact must not pull it back.
 TEST_P(FaultsInContact, NothingPullsAHandBackThatHasLeftMeanwhile) {
   ASSERT_NO_FATAL_FAILURE(press());
   for (const char* node : {"haptics_node", "io_node"}) {
@@ -163,7 +163,7 @@ TEST_P(FaultsInContact, HapticsFrozenLeavesNoForceAndBringsItBack) {
   system.end_all();
 }
 
-// What it held back comes all at once when it is back.
+// When the relay continues, it sends all datagrams that it held back at once.
 TEST_P(FaultsInContact, TheNetworkCutLeavesNoForceAndBringsItBack) {
   ASSERT_NO_FATAL_FAILURE(press(true));
   system["relay"].send_signal(SIGSTOP);
@@ -206,7 +206,7 @@ TEST_P(FaultsInContact, TheHubFrozenAndContinuedIsFelt) {
   system.end_all();
 }
 
-// Up by half a millimetre, and turned about z: the hand is that much deeper.
+// The scene moves up by half a millimetre and turns about z: the hand is then half a millimetre deeper.
 TEST_P(FaultsInContact, AMovedSceneIsFeltWhereItIs) {
   ASSERT_NO_FATAL_FAILURE(press());
   ViewTransform view;
@@ -223,14 +223,14 @@ TEST_P(FaultsInContact, AMovedSceneIsFeltWhereItIs) {
   system.end_all();
 }
 
-// 257, none of which is felt.
+// 257 effects that are too weak to be felt: one more than patches can hold.
 std::string many_effects() {
   std::string lines;
   for (int n = 0; n < 257; ++n) lines += "[[effect]]\ntype = \"viscous\"\ndamping_ns_per_m = 0.000001\n";
   return lines;
 }
 
-// The file is saved with the cube half a millimetre lower, then with honey on it, and then in more air than parts hold.
+// The file is saved with the cube half a millimetre lower, then with honey on it, and then with more effects than patches can hold.
 TEST_P(FaultsInContact, ASceneThatIsSavedAgainIsFelt) {
   system.add_arguments("haptics_node", {"--watch-scene"});
   ASSERT_NO_FATAL_FAILURE(press());
@@ -269,7 +269,7 @@ void PrintTo(const TouchSetup& setup, std::ostream* out) { *out << setup.name; }
 INSTANTIATE_TEST_SUITE_P(All, FaultsInContact, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
                          [](const auto& setup) { return setup.param.name; });
 
-// What parts of the scene do not hold is felt all the same, from the haptics node, and a line says why.
+// What patches cannot hold is still felt, with forces from the haptics node, and a line says why.
 struct Unserved {
   std::string name;
   std::string scene;
@@ -307,7 +307,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Unserved{"Effects", kPlainScene + many_effects(), {}, "but the scene has more than 256 effects in free space"}),
     [](const auto& unserved) { return unserved.param.name; });
 
-// Over a slow and lossy network a hand takes the cube 20 mm aside. From patches, it is felt where it lies, before and after.
+// Over a slow and lossy network a hand moves the cube 20 mm aside. Forces from patches are felt where the cube lies, before and after.
 TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
   System system({"--touch", "patch", "--device", "simulated"});
   std::ofstream(system.folder() / "cube.toml") << kPlainScene << "movable = true\n" << kPlainScene << "position_m = [0, 0, -0.2]\n";
@@ -349,7 +349,7 @@ TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
   EXPECT_TRUE(feels_patches(system));
   observer.hold_hand(on_it + aside - Vec3(0, 0, 0.002));
   ASSERT_TRUE(sees(touches)) << state.p_WD.transpose();
-  // Beside it, where it was.
+  // The hand goes beside the cube, to where the cube was before.
   const Vec3 beside(-0.045, 0.02, kTopM - 0.01);
   observer.hold_hand(beside);
   EXPECT_TRUE(sees([&] { return (state.p_WD - beside).norm() < 0.001 && !state.contact && state.force_n.isZero(0.0); }))

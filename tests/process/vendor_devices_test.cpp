@@ -61,7 +61,7 @@ struct VendorDevices : testing::Test {
   }
 };
 
-// The stand-in's middle is 2 cm up: W's origin is at (0, 0.02, 0) there.
+// The middle of the stand-in's workspace is 2 cm up: in its own axes, the origin of W is at (0, 0.02, 0).
 TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
   ::setenv("LD_LIBRARY_PATH", standin::library("openhaptics").c_str(), 1);
   board->hand_m[1] = 0.02;
@@ -70,7 +70,7 @@ TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
   start_haptics();
   ASSERT_TRUE(System::wait_until([&] { return io->err().find("joined from") != std::string::npos && board->ticks > 1000; }));
   EXPECT_EQ(board->pushed_ticks, 0U) << "nothing is touched yet";
-  // Into the cube from above, slowly.
+  // Moves the hand into the cube from above, slowly.
   const auto press = [&] {
     for (int step = 0; step <= 100; ++step) {
       board->hand_m[2] = 0.03 - 0.018 * step / 100;
@@ -81,7 +81,7 @@ TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
   ASSERT_TRUE(System::wait_until([&] { return board->force[2] > 0.3; })) << io->err() << haptics->err();
   EXPECT_LE(board->largest_force, board->max_force_n);
 
-  // On a machine that stands still it may have been disconnected for that: then it is pulled out again.
+  // On a machine that stands still, the device may have been disconnected for that reason: then it is pulled out again.
   bool is_said = false;
   for (int attempt = 0; attempt < 5 && !is_said; ++attempt) {
     board->is_plugged = 0;
@@ -149,7 +149,7 @@ TEST_F(VendorDevices, AMissingLibraryOrServiceIsOneLineAndNoStart) {
 TEST_F(VendorDevices, VrpnProgramsSeeTheStylusAndItsButtons) {
   ::setenv("LD_LIBRARY_PATH", standin::library("openhaptics").c_str(), 1);
   start_io({"openhaptics", "--vrpn", "127.0.0.1:0"});
-  // "VRPN: Phantom0@127.0.0.1:PORT"
+  // Finds the address in "VRPN: Phantom0@127.0.0.1:PORT".
   const std::string err = io->err();
   const std::size_t at = err.find("Phantom0@127.0.0.1:");
   ASSERT_NE(at, std::string::npos) << err;

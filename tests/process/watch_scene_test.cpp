@@ -21,7 +21,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Pixels of a picture in which one channel is more than twice each of the others: red, green, blue.
+// Counts the pixels in which one channel is more than twice each of the others: for red, green and blue.
 std::array<std::size_t, 3> count_colours(const std::filesystem::path& file) {
   std::array<std::size_t, 3> counts = {};
   png_image image = {};
@@ -57,7 +57,7 @@ struct WatchedScene : testing::Test {
       return count >= times;
     });
   }
-  // Ends it; what its last picture shows.
+  // Ends vision_node, and counts the colours of its last picture.
   std::array<std::size_t, 3> end_and_look(Program& vision) const {
     vision.send_signal(SIGTERM);
     const auto ended = vision.wait(kPatience);
@@ -80,16 +80,16 @@ TEST_F(WatchedScene, IsSeenAsItIsFelt) {
   Program vision("vision_node", arguments(vision_arguments), system.folder(), display.name());
   EXPECT_TRUE(waits_for(vision, "joined the hub")) << vision.err();
   (void)system.wait_for_report([](const Json& now) { return !now["notes"].value("scene_hash", std::string()).empty(); });
-  // Neither takes it.
+  // Neither node accepts this file.
   save("colr = [0, 1, 0]\n");
   EXPECT_TRUE(waits_for(vision, "line 5: unknown key 'colr'")) << vision.err();
   EXPECT_TRUE(waits_for(vision, "the present picture stays"));
   EXPECT_TRUE(waits_for(haptics, "the present scene stays in use"));
-  // Another colour and another place: both do.
+  // Another colour and another place: both nodes accept this file.
   save("color = [0, 1, 0]\nposition_m = [0.01, 0, 0]\n");
   EXPECT_TRUE(waits_for(haptics, "its objects fade in")) << haptics.err();
   EXPECT_TRUE(waits_for(vision, "was read again, and is shown")) << vision.err();
-  // Only a colour: nothing is felt of it.
+  // Only another colour, which affects no force.
   save("color = [0, 0, 1]\nposition_m = [0.01, 0, 0]\n");
   EXPECT_TRUE(waits_for(haptics, "nothing that affects the forces has changed")) << haptics.err();
   EXPECT_TRUE(waits_for(vision, "was read again, and is shown", 2)) << vision.err();
@@ -100,18 +100,18 @@ TEST_F(WatchedScene, IsSeenAsItIsFelt) {
   EXPECT_THAT(vision.err(), Not(HasSubstr("another scene")));
 }
 
-// The haptics node does not watch: what is felt stays, and so does the picture of it.
+// This haptics node does not watch the file: what is felt stays, and so does the picture.
 TEST_F(WatchedScene, WaitsForAHapticsNodeThatDoesNotTakeIt) {
   save("color = [1, 0, 0]\n");
   Program haptics("haptics_node", arguments({}), system.folder());
   Program vision("vision_node", arguments(vision_arguments), system.folder(), display.name());
   EXPECT_TRUE(waits_for(vision, "joined the hub")) << vision.err();
   (void)system.wait_for_report([](const Json& now) { return !now["notes"].value("scene_hash", std::string()).empty(); });
-  // What is felt is announced every second; before that, the picture has nothing to wait for.
+  // haptics_node announces what is felt once a second; before its first announcement the picture has nothing to wait for.
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   save("color = [0, 1, 0]\nposition_m = [0.01, 0, 0]\n");
   EXPECT_TRUE(waits_for(vision, "the picture waits until haptics_node uses it")) << vision.err();
-  // One that starts later has read the file as it is now.
+  // A haptics node that starts later reads the file as it is now.
   haptics.send_signal(SIGTERM);
   EXPECT_TRUE(haptics.wait(kPatience));
   Program later("haptics_node", arguments({}), system.folder());

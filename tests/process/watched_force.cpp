@@ -29,7 +29,7 @@ Watched expect_bounded(SessionObserver& observer, double seconds, Until until) {
   while (goes_on() && observer.see(state)) {
     EXPECT_TRUE(state.force_n.allFinite());
     EXPECT_LE(state.force_n.norm(), kMaxForceN + 1e-9);
-    // A force may have been written a cycle after its sample, and later while replies are too old to be shown: the force is the newest.
+    // A state has the newest force, which was written a cycle after the state's sample, or later while replies are too old to be shown.
     const std::int64_t passed_ns = std::max(state.sample_time_ns - last.sample_time_ns, observer.sent_ns() - last_sent_ns);
     const double passed_s = 1e-9 * static_cast<double>(passed_ns) + 2e-3;
     const double risen_n = state.force_n.norm() - last.force_n.norm();

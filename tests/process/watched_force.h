@@ -8,17 +8,17 @@
 
 namespace hapton::process {
 
-// Limits that a fault comes near, and as many probe states as samples.
+// Limits so tight that a fault comes near them; tight_limits() also requests a probe state for each sample.
 constexpr double kMaxForceN = 1.5;
 constexpr double kMaxSlewNPerS = 100.0;
-// touch: of io_node --touch. A storm of delays has forces computed beside the device with `auto`.
+// Options of io_node; touch: the value of --touch. With `auto`, a storm of delays makes io_node compute forces beside the device.
 std::vector<std::string> tight_limits(const std::string& touch);
 
 bool waits_for(System& system, const std::function<bool(const Json&)>& holds);
-// Forces come from patches of the scene.
+// True if forces come from patches of the scene.
 bool feels_patches(System& system);
 
-// Observes the force for this long, and as much longer as nothing, or no force, has been seen: within its limits.
+// Expects the force to stay within its limits for this long, and longer if by then no state (seen) or no force (force) has been seen.
 enum class Until { seen, force };
 struct Watched {
   int seen = 0;

@@ -30,7 +30,7 @@ TEST(CycleTable, AForceStandsBesideItsSampleWheneverItCame) {
   joined.table.add(cycle_of(2), nullptr);
   joined.table.add(cycle_of(3), nullptr);
   joined.force(3, sample_ns(3) + 300'000);
-  joined.force(2, sample_ns(3) + 400'000);  // overtaken
+  joined.force(2, sample_ns(3) + 400'000);  // overtaken by the force for sample 3
   joined.table.finish();
   ASSERT_EQ(joined.rows.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -123,7 +123,7 @@ TEST(CycleTable, AMarkerStandsAtItsSample) {
   EXPECT_TRUE(empty.rows.empty());
 }
 
-// As `--overrun stop` ends a session: the fault is the last entry.
+// As when `--overrun stop` ends a session: the fault is the last entry.
 TEST(CycleTable, AFaultBehindTheLastCycleIsNotLost) {
   Joined joined;
   SessionEntry local = cycle_of(1);
@@ -153,7 +153,7 @@ TEST(CycleTable, WhatNoForceCameForIsNotKnown) {
   EXPECT_DOUBLE_EQ(row.late_s, 3e-6);
 }
 
-// Where two samples have one time, or the first has none before it, the difference says nothing.
+// If a sample has the time of the sample before it, or an earlier time, or is the first one, the difference gives no velocity.
 TEST(CycleTable, AVelocityNeedsTimeBetweenTwoSamples) {
   Joined joined;
   joined.table.add(cycle_of(4), nullptr);
@@ -174,7 +174,7 @@ TEST(CycleTable, TheFirstForceOfASampleIsTheOneThatActed) {
   Joined joined;
   joined.table.add(cycle_of(1), nullptr);
   joined.table.add(cycle_of(3), nullptr);
-  joined.force(2, sample_ns(3));  // of a sample that the recording lacks
+  joined.force(2, sample_ns(3));  // for a sample that the recording lacks
   ForceCommand second = force_of(3);
   joined.force(3, sample_ns(3) + 250'000);
   second.force_n = Vec3(9.0, 9.0, 9.0);
@@ -187,7 +187,7 @@ TEST(CycleTable, TheFirstForceOfASampleIsTheOneThatActed) {
   EXPECT_NEAR(joined.rows[1].round_trip_s, 2.5e-4, 1e-12);
 }
 
-// A force that the hub sent is a request of another node; only one that it received acts.
+// Only a force that the hub received can act; a force that it sent is not a reply to it.
 TEST(CycleTable, AForceThatWasSentIsNoReply) {
   Joined joined;
   joined.table.add(cycle_of(1), nullptr);
@@ -198,7 +198,7 @@ TEST(CycleTable, AForceThatWasSentIsNoReply) {
   EXPECT_TRUE(std::isnan(joined.rows.at(0).wanted_n.z()));
 }
 
-// 64 forces wait for their cycles; one more, and the oldest goes.
+// At most 64 forces wait for their cycles; one more drops the oldest.
 TEST(CycleTable, OnlySoManyForcesWaitForTheirCycles) {
   for (const std::uint64_t early : {64U, 65U}) {
     Joined joined;
@@ -229,7 +229,7 @@ TEST(CycleTable, ForcesComputedBesideTheDevice) {
   EXPECT_EQ(joined.rows[1].q_WP.coeffs(), Quat(0.6, 0.8, 0.0, 0.0).coeffs());
 }
 
-// Given out once it is known that no force in time will come: after five seconds, not at five seconds.
+// A row is given out when no force can come in time any more: after more than five seconds, not at exactly five seconds.
 TEST(CycleTable, ARowWaitsForItsForceAsLongAsItMayCome) {
   Joined joined;
   joined.table.add(cycle_of(1), nullptr);
@@ -273,7 +273,7 @@ TEST(CycleTable, TimesOfAHostileFileDoNoHarm) {
   EXPECT_EQ(joined.rows.size(), 3U);
 }
 
-// In every file that is exported.
+// Every exported file has these columns.
 TEST(CycleTable, EachColumnHasTheNumberOfItsName) {
   CycleRow row;
   row.sample_t_s = 0.25;

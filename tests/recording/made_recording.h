@@ -14,24 +14,24 @@
 
 namespace hapton {
 
-// A recording of four seconds at 1 kHz: the second sample of each two has a reply, contact from 2 s to 3 s, markers at 1 s and 3.5 s, a
-// fault at 2.5 s; the scene is shifted by 0.25 m at 1.5 s, object 1 is held from 0.5 s to 0.8 s, object 2 moved by a program at 1.2 s.
-// Object 0 is carved at 1.6 s (and the message repeated), and whole again from 3.2 s on, by another haptics process. A test adds what it
-// needs besides.
+// A recording of four seconds at 1 kHz. Every second sample has a reply. There is contact from 2 s to 3 s, markers at 1 s and 3.5 s, and a
+// fault at 2.5 s. The scene is shifted by 0.25 m at 1.5 s, object 1 is held from 0.5 s to 0.8 s, and a program moves object 2 at 1.2 s.
+// Object 0 is carved at 1.6 s (and the message repeated), and is whole again from 3.2 s on, in another haptics process. A test can add what
+// it needs.
 struct MadeRecording {
   std::uint64_t samples = 4000;
-  bool has_device = true;  // samples in the cycles
+  bool has_device = true;  // each cycle contains its sample
   std::string scene = "made.toml";
   std::uint64_t given_hash = 77;
   std::uint32_t scene_loading = 0;
-  bool is_carved_before = false;  // that carve was made before the recording, as is announced at 0.05 s
+  bool is_carved_before = false;  // the carve was made before the recording, as a message at 0.05 s says
   std::uint64_t lost_from = 0;    // these samples are missing
   std::uint64_t lost_to = 0;
   bool has_replies = true;
   Vec3 written_nm = Vec3::Zero();                // torque on the motors, in each cycle
   std::vector<std::uint64_t> marks_at = {};      // more markers, at these samples
-  std::int64_t slower_ns = 0;                    // so much later than the others comes the reply to each fourth sample
-  std::function<void(std::uint64_t)> also = {};  // after each sample
+  std::int64_t slower_ns = 0;                    // the reply to each fourth sample comes this much later than the others
+  std::function<void(std::uint64_t)> also = {};  // called after each sample
 
   std::uint64_t session = kSession;  // of the datagrams
 
@@ -52,12 +52,12 @@ struct MadeRecording {
     return scratch.write("made.hapton", bytes);
   }
 
-  // At the time of a sample, or so much later.
+  // The hub receives a message at the time of a sample, or later_ns after it.
   void receive(std::uint64_t sender, const Message& message, std::uint64_t sample, std::int64_t later_ns = 0) {
     add(SessionEntry::Kind::received, sender, message, sample_ns(sample) + later_ns);
   }
 
-  // To a vision node.
+  // The hub sends a probe state to a vision node.
   void notice(const ProbeState& state, std::uint64_t sample) { add(SessionEntry::Kind::sent, 1, state, sample_ns(sample)); }
 
   static Carves through_middle(std::uint32_t source, std::uint32_t serial) {

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-// What the haptics node said, at a time.
+// Adds a message of the haptics node at a time.
 void receive(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received) {
   SessionEntry entry;
   entry.kind = kind;
@@ -89,8 +89,8 @@ TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
 TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
   ObjectChanges changes(kCyclesStartNs);
   receive(changes, Carves{.source = 7, .newest = 3}, 0.1);
-  receive(changes, carved(7, 5, 4, 2), 0.2);  // made meanwhile
-  receive(changes, carved(7, 5, 1, 4), 0.3);  // requested
+  receive(changes, carved(7, 5, 4, 2), 0.2);  // made during the recording
+  receive(changes, carved(7, 5, 1, 4), 0.3);  // sent again on request
   receive(changes, carved(9, 1, 1, 1), 0.4);
   changes.finish();
   ASSERT_EQ(changes.carves().size(), 6U);
@@ -108,7 +108,7 @@ TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
   EXPECT_EQ(value_of(carve_columns(), "radius_m", changes.carves()[5]), 1.0);
 }
 
-// Memory is bounded by what a haptics node can make.
+// Memory is bounded: a serial far above those of any session is ignored.
 TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
   ObjectChanges changes(kCyclesStartNs);
   receive(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
@@ -123,7 +123,7 @@ std::string row_text(std::span<const ChangeColumn<Row>> columns, const Row& row)
   return text;
 }
 
-// In every file that is exported.
+// Every exported file has these columns.
 TEST(ObjectChanges, EachColumnHasTheNumberOfItsName) {
   RecordedMove move;
   move.t_s = 0.25;
@@ -148,7 +148,7 @@ TEST(ObjectChanges, EachColumnHasTheNumberOfItsName) {
             "undone_first=12 undone_last=13 ");
 }
 
-// Another method, scene, way to load it, build or haptics node: what was felt from then on is computed with that.
+// Another method, scene, way to load the scene, build or haptics node is another set-up: what is felt from then on is computed with it.
 TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
   ObjectChanges changes(kCyclesStartNs);
   HapticsSetup setup;
@@ -173,7 +173,7 @@ TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
   EXPECT_EQ(changes.setups().back().sender, 9U);
 }
 
-// The hub began to record while the stylus carved: the first message has carves already, and those before it are requested.
+// The hub began to record while the stylus carved: the first message already has carves, and the hub requests the earlier ones.
 TEST(ObjectChanges, CarvesBeforeTheFirstThatCameAreOfBeforeTheRecording) {
   ObjectChanges changes(kCyclesStartNs);
   receive(changes, carved(7, 6, 4, 2), 0.2);

@@ -72,7 +72,7 @@ TEST(RecordingIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
   EXPECT_EQ(count_until(index.carves(), 2.0), 1U);
 }
 
-// They come when the hub has requested them, and show from the beginning.
+// Earlier carves come when the hub has requested them, but are shown from the beginning of the recording.
 TEST(RecordingIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
   const ScratchFolder scratch;
   MadeRecording recording;
@@ -86,7 +86,7 @@ TEST(RecordingIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
   EXPECT_TRUE(index.carves()[1].message.starts_anew);
 }
 
-// As where the hub began to record while the stylus carved: the first message has a carve already.
+// As when the hub began to record while the stylus carved: the first message already has a carve.
 TEST(RecordingIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginning) {
   const ScratchFolder scratch;
   MadeRecording recording;
@@ -100,7 +100,7 @@ TEST(RecordingIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBegin
   ASSERT_EQ(index.carves().size(), 3U) << "the recording's own first carve belongs to the beginning, the third one does not";
   EXPECT_NEAR(index.carves()[0].t_s, 0.1, 0.001);
   ASSERT_EQ(index.carves()[0].message.carves.size(), 2U);
-  // In any order: each has its number.
+  // The carves may be in any order, because each has its serial.
   EXPECT_EQ(index.carves()[0].message.carves[0].serial, 2U);
   EXPECT_EQ(index.carves()[0].message.carves[1].serial, 1U);
   EXPECT_NEAR(index.carves()[1].t_s, 0.2, 0.001);
@@ -109,7 +109,7 @@ TEST(RecordingIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBegin
   EXPECT_TRUE(index.carves()[2].message.starts_anew);
 }
 
-// Serials are those of one haptics process: another one begins with 1 again.
+// Each haptics process numbers its changes from 1 again.
 TEST(RecordingIndex, WhatAnotherProcessSaysIsNoRepetition) {
   const ScratchFolder scratch;
   MadeRecording recording;
@@ -247,7 +247,7 @@ TEST(RecordingIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
   EXPECT_EQ(index.moves().size(), 3U);
 }
 
-// The pose of the scene of a revision: the newest of that number until then; the newest of all where none has it.
+// The pose of the scene for a revision and a time: the newest until then with this revision; if there is none, the newest until then.
 TEST(RecordingIndex, AViewIsFoundByItsRevision) {
   const ScratchFolder scratch;
   MadeRecording recording;
@@ -274,7 +274,7 @@ TEST(RecordingIndex, AViewIsFoundByItsRevision) {
   EXPECT_EQ(x_of(0U, -1.0), 0.0F);
 }
 
-// As from a file whose times were changed.
+// As in a file whose times were changed.
 TEST(RecordingIndex, WhatWasSaidLaterInTheFileIsNotEarlierInTime) {
   const ScratchFolder scratch;
   MadeRecording recording;
@@ -295,7 +295,7 @@ TEST(RecordingIndex, NoticesOfTheDeviceAreThoseThatChanged) {
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
     if (sample == 200 || sample == 300) recording.notice({.energy_percent = 40, .force_limit_n = 8.0F}, sample);
-    if (sample == 300) recording.receive(MadeRecording::kVision, ProbeState{.energy_percent = 99}, sample);  // said by nobody who knows
+    if (sample == 300) recording.receive(MadeRecording::kVision, ProbeState{.energy_percent = 99}, sample);  // not from the hub: ignored
   };
   const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_NE(index.find_notice(0.15), nullptr);
@@ -308,7 +308,7 @@ TEST(RecordingIndex, NoticesOfTheDeviceAreThoseThatChanged) {
   EXPECT_EQ(index.find_notice(99.0)->status, ProbeStatus::fault_latched);
 }
 
-// A megabyte a quarter of a second: a jump into it reads on from within the last one.
+// About a megabyte in each 25 ms: after a jump to a time, reading begins no more than about a megabyte before it.
 TEST(RecordingIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
   const ScratchFolder scratch;
   MadeRecording recording;
@@ -348,7 +348,7 @@ TEST(RecordingIndex, ARecordingWithoutSamplesIsAnErrorInOneLine) {
   EXPECT_NE(index.error().what.find("older recording"), std::string::npos);
 }
 
-// Any number may stand where a time is.
+// In a hostile file any number may be in the place of a time.
 TEST(RecordingIndex, TimesOfAHostileFileDoNoHarm) {
   const ScratchFolder scratch;
   SessionCodec codec;

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// The sample of that time, found among all.
+// The newest sample until t_s, found by a search through all rows.
 std::uint64_t brute_force_sample(const std::vector<CycleRow>& all, double t_s) {
   std::uint64_t newest = all.front().sample;
   for (const CycleRow& row : all) {
@@ -124,7 +124,7 @@ TEST(RecordingRows, AReplyAsOldAsAskedForIsOne) {
   EXPECT_EQ(opened.rows->replied_at(at_s, 0.0)->sample, 2000U);
 }
 
-// As of a device that was unplugged.
+// As after a device was unplugged: datagrams are recorded, but no samples.
 TEST(RecordingRows, AfterTheLastSampleItIsShownAlsoWhereMoreWasRecorded) {
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {

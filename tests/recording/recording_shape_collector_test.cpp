@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kCollectedVertices = 100;  // two parts
+constexpr std::uint32_t kCollectedVertices = 100;  // sent in two parts
 
 struct ShapeCollectorTest : testing::Test {
   void receive(const Message& message) {
@@ -34,7 +34,7 @@ struct ShapeCollectorTest : testing::Test {
   }
 
   std::int64_t milliseconds = 0;
-  // "process.serial" of each; with a question mark without vertices.
+  // "process.serial" of each shape that was handed on, with a question mark if it has no vertices.
   std::vector<std::string> taken;
   std::vector<double> times_s;
   RecordingShapeCollector::Take take = [this](const RecordedShape& shape) {
@@ -64,7 +64,7 @@ TEST_F(ShapeCollectorTest, EachShapeIsHandedOnOnceItIsThere) {
   EXPECT_EQ(taken.size(), 1U) << "what is repeated";
 }
 
-// As of a shape of before the recording: the hub requests it.
+// As for a shape from before the recording, whose parts the hub requests.
 TEST_F(ShapeCollectorTest, PartsMayComeAfterTheStart) {
   start(4);
   part(4, 0);
@@ -125,7 +125,7 @@ TEST_F(ShapeCollectorTest, PartsOfAnotherNumberOfVerticesAreNotThoseOfTheShape) 
   EXPECT_EQ(taken, std::vector<std::string>({"0.1?"}));
 }
 
-// One array for each object and process, which has as many vertices as the first shape in it.
+// An export has one array for each object and process, with as many vertices as the first shape in it.
 TEST_F(ShapeCollectorTest, CountsTheShapesThatAnExportHasTheVerticesOf) {
   std::vector<std::string> rows;  // "process.object.serial row"
   take = [&](const RecordedShape& shape) {
@@ -139,7 +139,7 @@ TEST_F(ShapeCollectorTest, CountsTheShapesThatAnExportHasTheVerticesOf) {
   };
   whole(1, 5, 0, 3);
   whole(1, 5, 1, 7);
-  whole(2, 5, 0, 4);  // other vertices than before: the object of another scene
+  whole(2, 5, 0, 4);  // another number of vertices: the object of another scene
   whole(3, 5, 0, 3);
   start(4);
   start(1, 6);

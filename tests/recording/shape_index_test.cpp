@@ -78,7 +78,7 @@ TEST(ShapeIndex, AnotherProcessBeginsAtRest) {
   EXPECT_EQ(index.find(0, 3.1, kAheadS, 1'400'000'000), nullptr) << "in its own scene time";
 }
 
-// The start is repeated, and the parts come on request.
+// The start of a shape is repeated, and its parts come on request.
 TEST(ShapeIndex, AShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
   ShapeIndex index;
   index.add(ForceCommand{.scene_time_ns = 5'000'000'000});
@@ -94,7 +94,7 @@ TEST(ShapeIndex, AShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
   EXPECT_EQ(shape->last_position, 710U);
 }
 
-// Its scene time begins at 0 again, below the first one of the recording.
+// The scene time of a later process begins at 0 again, below the first scene time of the recording.
 TEST(ShapeIndex, AShapeOfALaterProcessIsNotThereFromTheBeginning) {
   ShapeIndex index;
   index.add(ForceCommand{.scene_time_ns = 5'000'000'000});
@@ -123,7 +123,7 @@ TEST(ShapeIndex, PartsThatAreSentAgainAreLeftOut) {
   EXPECT_EQ(index.all()[0].message.last_position, 1000U);
 }
 
-// Among the samples, with those of another shape between them.
+// The parts are recorded among the samples, with the parts of another shape between them.
 TEST(RecordingShapes, ReadsThePartsOfAShapeWhereTheyAre) {
   const ScratchFolder scratch;
   MadeRecording recording;

@@ -72,7 +72,7 @@ TEST_F(TakenDatagramsTest, ASecondHapticsNodeCountsOnceTheHubHasAcceptedIt) {
   EXPECT_FALSE(receives(kFirst, HapticsSetup{}));
 }
 
-// The numbers of samples begin anew with each session of the hub: the force was that of the sample of the same number.
+// Sample numbers begin anew with each session of the hub: the force was for the sample of this number in the earlier session.
 TEST(TakenDatagramsOfARecording, AForceOfAnEarlierSessionIsInNoTable) {
   const ScratchFolder scratch;
   MadeRecording made;
