@@ -42,7 +42,7 @@ TEST(DeadbandCoder, WithFractionZeroEachValueIsSent) {
   EXPECT_TRUE(coder.note(kX, kMs));
 }
 
-// The slope is that over the last ten values, or over those there are.
+// The slope is taken over the last ten values, or over all of them if there are fewer.
 TEST(DeadbandCoder, TheSlopeIsThatOfTheLastTenValues) {
   for (const auto& [count, per_ms] : {std::pair{1, 0.0}, {2, 1.0}, {5, 4.0}, {9, 8.0}, {10, 9.0}, {11, 11.0}, {25, 39.0}}) {
     DeadbandCoder linear(0.1, 0.1, Prediction::linear);
@@ -62,7 +62,7 @@ TEST(DeadbandCoder, TheSlopeIsThatOfTheLastTenValues) {
   EXPECT_EQ(at_once.send().per_ns, Vec3(Vec3::Zero())) << "without time between them";
 }
 
-// A ramp needs an update for each tenth of its value with hold; a line that is known goes on by itself.
+// With `hold` a ramp needs an update for each tenth of its value; with `linear` it needs none once its slope is known.
 TEST(DeadbandCoder, PredictionSavesUpdatesOfALine) {
   const auto updates_of = [](Prediction prediction) {
     DeadbandCoder coder(0.1, 0.1, prediction);

@@ -11,7 +11,7 @@ constexpr double kRowS = 1e-3;
 constexpr double kWallNPerM = 1000.0;
 constexpr double kDepthM = 1e-3;
 
-// Down along z to kDepthM below a floor, a rest, and up again.
+// The device moves down along z to kDepthM below a floor, rests there, and moves up again.
 std::vector<ForceRow> press(std::size_t late_rows, const Vec3& added = Vec3::Zero()) {
   std::vector<double> depths;
   for (int i = -20; i <= 100; ++i) depths.push_back(kDepthM * i / 100.0);
@@ -44,7 +44,7 @@ TEST(ForceComparison, OfTheSameForceIsZero) {
   EXPECT_NEAR(found.contact_s, 0.4, 2e-3);
 }
 
-// In the rest, where the machine stalled for 50 periods.
+// The machine stalled for 50 periods while the device rested.
 TEST(ForceComparison, PeriodsWithoutARowAddToNoDurationAndNoDelay) {
   auto rows = press(0);
   const double contact_s = compare_forces(rows, kRowS, 0.05).contact_s;
@@ -55,7 +55,7 @@ TEST(ForceComparison, PeriodsWithoutARowAddToNoDurationAndNoDelay) {
   EXPECT_EQ(found.time_offset_s, 0.0);
 }
 
-// A tenth too strong: the errors are a tenth, of the root of the mean square over the contact.
+// The force is a tenth too strong: the errors are a tenth, relative to the root mean square of the force over the contact.
 TEST(ForceComparison, AForceThatIsTooStrongByAShareHasThatError) {
   auto rows = press(0);
   double squares = 0.0;
@@ -82,7 +82,7 @@ TEST(ForceComparison, AForceThatIsTooStrongByAShareHasThatError) {
   EXPECT_EQ(found.falls, 0U);
 }
 
-// 45 degrees for a part of the contact where both are above the least.
+// The force is turned by 45 degrees in some of the rows in which both forces are above kMinN.
 TEST(ForceComparison, AnglesAreInDegrees) {
   auto rows = press(0);
   std::size_t counted = 0;
@@ -107,7 +107,7 @@ TEST(ForceComparison, AForceAcrossIsAnErrorOfDirection) {
   EXPECT_EQ(found.falls, 0U);
 }
 
-// Late by t, a spring gives k v t d more on the way out than it takes on the way in, beyond what it holds.
+// A spring whose force is late by t takes about k v t d less than it stores on the way in, and gives about k v t d more on the way out.
 TEST(ForceComparison, ALateForceGivesEnergyAndFallsAtFirst) {
   constexpr std::size_t kLate = 60;
   const ForceComparison found = compare_forces(press(kLate), kRowS, 0.1);

@@ -1,4 +1,4 @@
-// Each baseline where its result is known by hand.
+// Each baseline in cases whose result is known by hand.
 #include "remote_touch/remote_methods.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kSheetNPerM = 1000.0;
 
-// On a rolling sheet, or a flat one, in circles.
+// The hand presses on a rolling or flat sheet, and moves in circles.
 Vec3 hand_at(int row, double bottom_m) {
   const double t_s = 1e-3 * row;
   const double press = std::clamp((t_s - 0.2) / 0.2, 0.0, 1.0);
@@ -37,7 +37,7 @@ struct Rows {
   std::vector<Vec3> zero_delay_n;
 };
 
-// The method has what it needs before the hand comes down.
+// Steps the method until it has what it needs; only then the hand comes down.
 Rows run(std::string_view name, const RemoteScene& scene, const RemoteNetwork& network, const RemoteSettings& settings = {}) {
   const auto touch = make_remote_touch(*find_remote_method(name), scene, network, settings);
   WholeScene whole(scene.near);
@@ -80,8 +80,8 @@ TEST(RemoteMethods, WithoutDelayAndLossAllGiveTheZeroDelayForce) {
   const RemoteScene scene = scene_of(rolling());
   for (const RemoteMethod& method : remote_methods()) {
     SCOPED_TRACE(method.name);
-    // A patch's vertices are rounded by the grid, so that the proxy goes over an edge a step earlier or later; a deadband hides a tenth of
-    // the force, and a tenth of a millimetre of a place that has changed the slope by then.
+    // The grid rounds the vertices of a patch, so the proxy crosses an edge a step earlier or later. A deadband hides a tenth of the force,
+    // and a tenth of a millimetre of the position, where the slope may already be another.
     const double bound_n = method.scheme == RemoteMethod::Scheme::patch ? 0.05
                            : method.scheme == RemoteMethod::Scheme::deadband
                                ? 0.1 * 3.0 + 2.0 * 0.1 * kSheetNPerM * RemoteDeadband::kPositionM
@@ -128,7 +128,7 @@ TEST(RemoteMethods, ADeadbandSendsFewerPacketsForAFractionOfTheForce) {
 TEST(RemoteMethods, OnePlaneIsExactOnAFlatFaceAndOnlyThere) {
   const RemoteNetwork network = RemoteNetwork::of(0.06, 0.1, 0.0, 1);
   const Rows flat = run("plane", scene_of(made::sheet(0.05, 0.0, 10)), network);
-  // From where the first plane has come.
+  // Compares the rows from 500 on, when the first plane has arrived.
   double worst = 0.0;
   for (std::size_t i = 500; i < flat.force_n.size(); ++i) worst = std::max(worst, (flat.force_n[i] - flat.zero_delay_n[i]).norm());
   EXPECT_LT(worst, 1e-9);
@@ -140,7 +140,7 @@ TEST(RemoteMethods, PatchesGiveTheZeroDelayForceAtAnyDelay) {
   EXPECT_LT(error_rms(run("patch", scene, RemoteNetwork::of(1.0, 0.3, 0.02, 1))), 1e-3);
 }
 
-// Released 20 ms after its sample: below that the governor lets it through, above there is none.
+// The governor releases a force 20 ms after its sample: with a shorter round trip it lets the force through, with a longer one it does not.
 TEST(RemoteLaw, TheGovernorReleasesAForceOfAnOldSample) {
   const RemoteScene scene = scene_of(made::sheet(0.05, 0.0, 10));
   const RemoteMethod& method = *find_remote_method("remote");

@@ -39,7 +39,7 @@ class RealMesh : public testing::TestWithParam<const char*> {
   RemoteDevice device_ = device_of("premium-1.5");
 };
 
-// The acceptance of the comparison: no fall-through, no generated energy, 1 % at most, 50 packets a second at most.
+// What the comparison has to show: no fall-through, no generated energy, an error of 1 % at most, and 50 packets a second at most.
 TEST_P(RealMesh, PatchesAreTouchWithoutDelayAtAnyRoundTrip) {
   for (const double round_trip_s : {0.0, 0.1, 1.0}) {
     SCOPED_TRACE(testing::Message() << round_trip_s << " s");
@@ -55,8 +55,8 @@ TEST_P(RealMesh, PatchesAreTouchWithoutDelayAtAnyRoundTrip) {
   }
 }
 
-// The device's machine stands still five times a second, for 150 ms on average: the hand has jumped then, by up to 75 mm. What is felt
-// after that is what the whole scene gives for the same samples.
+// The device's machine stands still for 150 ms on average, after gaps of 200 ms on average: then the hand has jumped by up to 75 mm. What
+// is felt after a jump is what the whole scene gives for the same samples.
 TEST_P(RealMesh, PatchesAreTheWholeSceneWhereTheMachineStalls) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -97,8 +97,8 @@ TEST_P(RealMesh, RemoteForceThatIsHeldGivesEnergyAndDoesNotRest) {
 
 INSTANTIATE_TEST_SUITE_P(Meshes, RealMesh, testing::Values("nefertiti_70k.ply", "fish_22k.obj"));
 
-// Linear theory for a force that is late by the round trip, against presses of the same device: without friction, joints and encoder
-// steps, which it leaves out.
+// Compares linear theory for a force that is late by the round trip with presses of the same device. The device has no friction, joints
+// and encoder steps, because the theory leaves them out.
 TEST(RestStiffness, OfRemoteForceIsWhereTheoryHasItAndOfPatchesThatOfNoDelay) {
   RemoteDevice device = device_of("premium-1.5");
   device.model.friction_n = device.model.encoder_step_m = device.model.max_force_n = 0.0;
@@ -149,7 +149,7 @@ TEST(RemoteRun, AHandWithoutASpringFollowsNoPath) {
   EXPECT_EQ(loop.error().what, "a hand without a spring cannot follow a path");
 }
 
-// A datagram each way in each period, and the nodes' greetings, ten a second.
+// In each period a datagram goes each way; in addition, the nodes greet each other ten times a second.
 TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
@@ -180,7 +180,7 @@ TEST(RemoteRun, TheLargestDistanceIsThatOfAnyTwoPositions) {
   EXPECT_EQ(largest_distance({}), 0.0);
 }
 
-// From where the device was without delay: nowhere, or a millimetre aside in each period.
+// The error is the distance from where the device was without delay: zero, or a millimetre if this test shifts these positions by one.
 TEST(RemoteRun, ThePathErrorIsADistance) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {.stiffness_n_per_m = 300.0});
   ASSERT_TRUE(scene);

@@ -89,10 +89,10 @@ TEST(RemotePlane, PushesOneWayAndEndsWithTheContact) {
   EXPECT_EQ(plane.step(at_depth(0.003), now_ns += kMs).force_n, Vec3(Vec3::Zero())) << "no plane is left of a contact that is over";
 }
 
-// Replies with an offset of the proxy and a force that need not go together.
+// Replies with an offset of the proxy and a force that need not fit each other.
 class MadeReply final : public ForceMethod {
  public:
-  MethodOutput output;  // p_SP: from the device
+  MethodOutput output;  // p_SP is relative to the device
 
   MethodOutput step(const MethodInput& input) noexcept override {
     MethodOutput made = output;
@@ -123,7 +123,7 @@ TEST(RemotePlane, IsThereOnlyWithContactAndAWayToTheSurface) {
   EXPECT_EQ(force(true, Vec3::Zero(), Vec3(0, 0, -0.001)), Vec3(Vec3::Zero()));
 }
 
-// Packets that a hand needs which moves so for a second, by a fraction of a tenth.
+// Packets that are sent in a second for a hand that moves like this, with a deadband of a tenth.
 std::uint64_t packets_up(const std::function<Vec3(double)>& hand) {
   RemoteDeadband touch(sheet_method(), {}, {.fraction = 0.1});
   for (int n = 0; n < 1000; ++n) (void)touch.step(hand(1e-3 * n), (1000 + n) * kMs);
@@ -135,13 +135,13 @@ TEST(RemoteDeadband, AHandWhoseVelocityIsKnownNeedsNoPackets) {
   const auto steady = packets_up([](double t_s) { return Vec3(0.1 * t_s, 0, 0.01); });
   EXPECT_LT(steady, 10U) << "until its speed is known";
   EXPECT_GE(steady, 2U);
-  // It turns back every tenth of a second.
+  // This hand turns back every tenth of a second.
   const auto turning = packets_up([](double t_s) { return Vec3(0.1 * std::fabs(std::fmod(t_s, 0.2) - 0.1), 0, 0.01); });
   EXPECT_GT(turning, 3 * steady);
   EXPECT_LT(turning, 400U);
 }
 
-// A creep below the speeds that count: sent when the place is off by a tenth of a millimetre.
+// A motion slower than any speed that counts is sent when the extrapolated position is off by a tenth of a millimetre.
 TEST(RemoteDeadband, ASlowHandIsSentWhereItIsOff) {
   const double speed = 0.004;  // less than a tenth of kMinSpeed
   const auto sent = packets_up([&](double t_s) { return Vec3(speed * t_s, 0, 0.01); });
@@ -157,7 +157,7 @@ TEST(RemoteDeadband, ContactIsToldAtOnceWhenItBeginsAndEnds) {
     return touch.traffic().down.packets;
   };
   const auto free = packets_after(-0.002);
-  // 20 mN: less than half of the force that the smallest counts as.
+  // 20 mN: less than half of kMinForceN, as which every smaller force counts.
   const auto touched = packets_after(0.002);
   EXPECT_EQ(touched, free + 1);
   EXPECT_EQ(packets_after(0.002), touched);

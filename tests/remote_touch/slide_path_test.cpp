@@ -47,7 +47,7 @@ TEST(SlidePath, AHandAimsSoThatTheDeviceIsAsDeepAsItShould) {
   ASSERT_TRUE(path);
   const HandPath hand = path->make_hand_path(500.0, 1000.0, kSampleS);
   const SlideRow& row = path->rows[path->sliding];
-  // 1 mm deep the surface gives 1 N, for which the hand's spring is drawn by 2 mm.
+  // At a depth of 1 mm the surface gives 1 N, which stretches the spring of the hand by 2 mm.
   EXPECT_NEAR((hand.position_m(static_cast<std::int64_t>(path->sliding) * 1'000'000) - (row.p_SQ - 3e-3 * row.outward_S)).norm(), 0.0,
               1e-9);
   EXPECT_NEAR((hand.position_m(0) - path->rows.front().device_m()).norm(), 0.0, 1e-12) << "in free space, where the device is";
@@ -71,7 +71,7 @@ TEST(SlidePath, WithoutRoomAboveTheSurfaceThereIsNone) {
   EXPECT_EQ(path.error().what, "slide: no path over the surface was found that the hand can follow, in 1000 draws with seed 4");
 }
 
-// Back the same way, in the same places.
+// The path goes back the same way, through the same positions.
 TEST(SlidePath, TurnsBackAfterAStroke) {
   const RemoteScene scene = scene_of_sphere();
   const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 2, .speed_m_per_s = 0.3, .slide_s = 1.2, .stroke_m = 0.06});

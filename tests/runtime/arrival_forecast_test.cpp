@@ -6,9 +6,9 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kSenderPeriodNs = 1'000'000;
-constexpr std::int64_t kSenderOffsetNs = -5'000'000'000;  // of this clock to the sender's
+constexpr std::int64_t kSenderOffsetNs = -5'000'000'000;  // this clock minus the sender's
 
-// Samples of a sender whose datagrams take delay_ns; returns the number of the next one.
+// Feeds samples of a sender whose datagrams take delay_ns; returns the number of the next sample.
 std::uint64_t feed(ArrivalForecast& forecast, std::uint64_t first, std::uint32_t count, std::int64_t delay_ns) {
   for (std::uint64_t n = first; n < first + count; ++n) {
     const auto sample_ns = static_cast<std::int64_t>(n) * kSenderPeriodNs;
@@ -85,7 +85,7 @@ TEST(ArrivalForecast, ForecastsNothingWhileSamplesAreMissing) {
   EXPECT_TRUE(forecast.find_next_ns());
 }
 
-// Those at the ends of what a decoder accepts: a due time is then some number, and later samples put it right.
+// Times at the ends of the range that a decoder accepts make the due time arbitrary; later samples correct it.
 TEST(ArrivalForecast, RecoversFromTimesOfABrokenSender) {
   constexpr std::int64_t kMaxNs = (std::int64_t{1} << 61) - 1;
   for (const std::int64_t first_ns : {-kMaxNs, kMaxNs}) {

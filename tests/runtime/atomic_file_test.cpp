@@ -64,7 +64,7 @@ TEST_F(AtomicFileTest, AFullDiskLeavesTheOldFile) {
   EXPECT_EQ(read(path), "old");
 }
 
-// Whatever the process allows others, and whatever they were allowed before.
+// This holds whatever the umask of the process is, and whatever permissions the file had before.
 TEST_F(AtomicFileTest, WhatIsTheOwnersIsReadableByNobodyElse) {
   const auto others_of = [&](const std::filesystem::path& path) {
     return std::filesystem::status(path).permissions() & (std::filesystem::perms::group_all | std::filesystem::perms::others_all);

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// A machine that oversleeps every tenth time, by so much.
+// A clock that oversleeps every tenth time, by oversleep_ns.
 class SleepyClock final : public Clock {
  public:
   explicit SleepyClock(std::int64_t oversleep_ns) : oversleep_ns_(oversleep_ns) {}

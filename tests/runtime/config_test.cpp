@@ -138,7 +138,7 @@ TEST_F(ConfigTest, RejectsSectionsAndDates) {
   expect_one_error("an element of 'gains'");
 }
 
-// It counted as the flag without a value.
+// An empty list once counted as the flag without a value.
 TEST_F(ConfigTest, AnEmptyListSwitchesNothingOn) {
   EXPECT_EQ(parse({"--config", file("rate = 2000\nheadless = []\n")}), 2);
   expect_one_error(path_.string() + ":2: 'headless' is an empty list");
@@ -168,7 +168,7 @@ TEST_F(ConfigTest, AMissingFileOrAFolderIsAnError) {
   expect_one_error("/tmp: cannot be read");
 }
 
-// As of a script whose variable is not set: the limits of a file that is not read would be missing.
+// As from a script with a variable that is not set: without an error, the limits in the file would be missing.
 TEST_F(ConfigTest, AnEmptyNameOfTheFileIsAnError) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"--config", ""}, {"--config=", "--rate", "500"}}) {
     EXPECT_EQ(parse(words), 2);
@@ -194,7 +194,7 @@ TEST_F(ConfigTest, ABadCommandLineIsOneLineAndExitCodeTwo) {
   expect_one_error("--config");
 }
 
-// CLI11 takes 010 for 8, and -1 of an unsigned number for the largest one.
+// CLI11 takes 010 for 8, and takes -1 for the largest number if the flag has an unsigned one.
 TEST_F(ConfigTest, AWholeNumberIsNeverTakenForAnother) {
   std::uint64_t seed = 5;
   app_.add_option("--seed", seed);

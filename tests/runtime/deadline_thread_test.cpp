@@ -16,7 +16,7 @@ TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
     const int before = ::sched_getscheduler(0);
     const bool is_granted = enter_deadline(kMs / 10, kMs);
     EXPECT_EQ(::sched_getscheduler(0) & 0xFF, is_granted ? 6 : before);
-    // It sleeps and wakes as any.
+    // The thread sleeps and wakes like any other.
     SteadyClock clock;
     const std::int64_t due_ns = clock.now_ns() + 5 * kMs;
     clock.sleep_until_ns(due_ns);

@@ -43,13 +43,13 @@ void check_with(rlim_t allowed) {
 
 TEST(DescriptorCheckTest, EndsWithOneLineWhereThereIsTooLittle) {
   const std::uint64_t in_use = find_descriptor_room().in_use;
-  // None left at all, not even one to look, up to one too few.
+  // From no descriptor left, not even the one that the check itself needs, to one too few.
   for (const std::uint64_t allowed : {std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{8}, in_use + kDescriptorsNeeded - 1}) {
     EXPECT_EXIT(check_with(allowed), ExitedWithCode(1),
                 std::string("^this_test: only [0-9]+ file descriptors .*ulimit -n 1024[^\n]*") + kNothingElse)
         << allowed;
   }
-  // The test program may have a few more open in the child.
+  // In the child process, the test program may have a few more descriptors open.
   EXPECT_EXIT(check_with(in_use + kDescriptorsNeeded + 8), ExitedWithCode(0), "^$");
 }
 

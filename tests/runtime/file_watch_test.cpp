@@ -14,7 +14,7 @@ using State = FileWatch::State;
 struct FileWatchTest : testing::Test {
   void write(const std::string& text) {
     folder.write("a.toml", text);
-    // Two writes within the clock's step of a file system would look like one.
+    // Two writes within one step of the file system's clock would look like one.
     std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
   }
 
@@ -37,7 +37,7 @@ TEST_F(FileWatchTest, AChangeCountsOnceTheFileIsTheSameInTwoChecks) {
   EXPECT_EQ(watch.check(), State::unchanged);
 }
 
-// Written twice within the clock's step of a file system.
+// Written twice within one step of the file system's clock.
 TEST_F(FileWatchTest, AnotherSizeAtTheSameTimeIsAChange) {
   write("one");
   const auto time = std::filesystem::last_write_time(file);

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Empty when the text is taken.
+// Empty if the text is accepted.
 std::string rejection(const CLI::Validator& check, std::string text) { return check(text); }
 
 TEST(FlagChecks, RejectWhatIsNotAWholeNumberOfTheType) {

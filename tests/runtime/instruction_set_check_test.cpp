@@ -29,7 +29,7 @@ TEST(CpuCheckTest, NeedsEachOfThemAlone) {
 }
 
 #if defined(__x86_64__)
-// As the kernel lists it.
+// Compares with the flags that the kernel lists.
 TEST(CpuCheckTest, KnowsWhatThisCpuHas) {
   std::ifstream file("/proc/cpuinfo");
   std::string line;

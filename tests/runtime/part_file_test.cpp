@@ -157,7 +157,7 @@ TEST(PartFile, WhatIsNoFileIsWrittenItself) {
   EXPECT_TRUE(std::filesystem::is_symlink(link));
 }
 
-// Also where standard output is a file: renaming another one to its name would leave the program, and the shell, the file of before.
+// This holds also if standard output is a file: a rename would leave the program, and the shell, with the old file.
 TEST(PartFile, StandardOutputIsWrittenItself) {
   const ScratchFolder scratch;
   std::fflush(stdout);

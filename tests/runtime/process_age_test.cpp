@@ -25,7 +25,7 @@ TEST(ProcessAge, GrowsAsTimeGoesOn) {
   EXPECT_GE(*after - *before, 0.09);
 }
 
-// The age of a process that is started is counted from then on: it is no more than the time since, and a step of the kernel's clock.
+// The age of a child process counts from its own start: it is at most the time since the fork plus one step of the kernel's clock.
 TEST(ProcessAge, CountsFromTheStartOfThisProcess) {
   constexpr double kClockStepS = 0.05;
   std::this_thread::sleep_for(std::chrono::milliseconds(300));

@@ -24,7 +24,7 @@ LatencyReport prometheus_sample_report() {
   return report;
 }
 
-// Every line by its name and labels. The grammar of the text format, version 0.0.4.
+// Returns each value by its name and labels, and checks the grammar of the text format, version 0.0.4.
 std::map<std::string, double> parse(const std::string& text) {
   static const std::regex kSample(R"re(^([a-zA-Z_:][a-zA-Z0-9_:]*(\{([a-zA-Z_][a-zA-Z0-9_]*="([^"\\]|\\.)*",?)*\})?) ([-+0-9.eE]+)$)re");
   std::map<std::string, double> samples;
@@ -79,7 +79,7 @@ TEST(PrometheusTextTest, AHistogramCountsWhatIsWithinEachBound) {
   }
 }
 
-// As `promtool check metrics` wants them.
+// Checks the rules of `promtool check metrics`.
 TEST(PrometheusTextTest, EachMetricIsTypedAndNamedAsPrometheusWants) {
   std::istringstream lines(to_prometheus(prometheus_sample_report()));
   std::map<std::string, std::string> types;

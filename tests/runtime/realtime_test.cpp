@@ -99,7 +99,7 @@ TEST(RealtimeTest, ADenialIsReportedWithItsRemedyAndOnlyRequireFails) {
 
 // The reason is that of the call that failed, not of one after it.
 TEST(RealtimeTest, WhoMayNotOpenTheWakeUpLatencyIsToldSo) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");  // this process may have it open already
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // this process may have opened the file already
   const auto say_why = [] {
     constexpr uid_t kNobody = 65534;
     if (geteuid() == 0 && setuid(kNobody) != 0) std::_Exit(2);

@@ -53,7 +53,7 @@ TEST_F(RegularFileTest, OtherFilesAreRejectedInOneLine) {
   EXPECT_THAT(rejection(folder_ / "long"), HasSubstr("1001 bytes"));
 }
 
-// Their size is not known before.
+// The size of these files is not known before they are read.
 TEST_F(RegularFileTest, WhatIsLongerThanItSaysOrCannotBeReadIsRejected) {
   EXPECT_THAT(rejection("/proc/self/maps", 1), HasSubstr("cannot be read: it grows while it is read; a test's file"));
   EXPECT_THAT(rejection("/proc/self/mem"), HasSubstr("cannot be read: Input/output error; a test's file"));

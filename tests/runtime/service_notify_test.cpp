@@ -25,7 +25,7 @@ struct ServiceNotifyTest : testing::Test {
     ::unsetenv("NOTIFY_SOCKET");
     ::unsetenv("WATCHDOG_USEC");
   }
-  // Binds the socket to a name in the folder, to which NOTIFY_SOCKET points then.
+  // Binds the socket to a name in the folder, and sets NOTIFY_SOCKET to that name.
   bool listen_as_manager(int socket, sockaddr_un& at) const {
     const std::string path = (folder.path() / "notify").string();
     at.sun_family = AF_UNIX;
@@ -60,7 +60,7 @@ TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
   EXPECT_EQ(std::string(received.data(), static_cast<std::size_t>(size)), "READY=1");
 }
 
-// systemd's own is abstract where the unit runs in a container: its name begins with @ in the variable, with a zero byte in the address.
+// In a container the socket of systemd is abstract: its name begins with @ in the variable, and with a zero byte in the address.
 TEST_F(ServiceNotifyTest, AnAbstractSocketIsNotifiedAndTheSenderClosed) {
   const std::string name = "hapton_notify_" + std::to_string(::getpid());
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -93,12 +93,12 @@ TEST_F(ServiceNotifyTest, ANameThatDoesNotFitIsNone) {
   EXPECT_FALSE(ServiceNotify().has_manager());
 }
 
-// Of a manager that hangs the kernel keeps a few messages; the next one would wait for it.
+// The kernel keeps a few messages for a manager that hangs; the sender of one more would wait for the manager.
 TEST_F(ServiceNotifyTest, AManagerThatTakesNoMessagesHoldsNobodyUp) {
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un at = {};
   ASSERT_TRUE(listen_as_manager(manager, at));
-  // From a socket each: one alone would reach the limit of its own first.
+  // Each message comes from a socket of its own: a single socket would reach its own limit first.
   const auto is_taken = [&] {
     const int other = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const bool is_sent = ::sendto(other, "x", 1, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 1;

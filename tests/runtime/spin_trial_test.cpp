@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// Waits until the trial has spun so often; the waits that did not spin meanwhile.
+// Waits until the trial has spun `spins` times; returns the number of waits that did not spin meanwhile.
 std::uint32_t run(SpinTrial& trial, std::uint32_t spins, bool arrived) {
   std::uint32_t others = 0;
   for (std::uint32_t n = 0; n < spins;) {

@@ -16,7 +16,7 @@ namespace {
 
 using testing::ExitedWithCode;
 
-// In a child. 0: no file gets a number of the standard streams, and none of those that were open has changed.
+// Runs in a child process. Exit code 0: the file did not get the number of a standard stream, and the output streams can be written.
 [[noreturn]] void open_a_file_without(std::initializer_list<int> closed) {
   for (const int stream : closed) ::close(stream);
   open_standard_streams();
@@ -33,7 +33,7 @@ TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
   EXPECT_EXIT(open_a_file_without({STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}), ExitedWithCode(0), "");
 }
 
-// Prints that many bytes to a disk that is full; 7: that was noticed.
+// Prints `bytes` bytes to a disk that is full. Exit code 7: the loss was noticed.
 [[noreturn]] void print_to_full_disk(int bytes) {
   if (std::freopen("/dev/full", "w", stdout) == nullptr) _exit(1);
   for (int n = 0; n < bytes; ++n) std::fputc('x', stdout);
@@ -43,7 +43,7 @@ TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
   _exit(7);
 }
 
-// The disk is full for a while, and has room again when the rest is written. 7: that was noticed.
+// The disk is full for a while, and has room again when the rest is written. Exit code 7: the loss was noticed.
 [[noreturn]] void print_to_disk_that_was_full(const char* file) {
   static char few[16];
   if (std::freopen(file, "w", stdout) == nullptr || std::setvbuf(stdout, few, _IOFBF, sizeof few) != 0) _exit(1);
@@ -54,7 +54,7 @@ TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
   _exit(flush_standard_output() ? 0 : 7);
 }
 
-// Without a buffer, as stderr. 0: it went on.
+// Prints to a stream without a buffer, like stderr. Exit code 0: the process went on.
 [[noreturn]] void print_without_a_reader() {
   int ends[2];
   if (::pipe(ends) != 0 || ::close(ends[0]) != 0) _exit(1);

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// The three variables as each test wants them, and as they were afterwards.
+// Unsets the five variables for each test, and restores them afterwards.
 struct StateFolders : testing::Test {
   StateFolders() {
     for (const char* name : {"STATE_DIRECTORY", "XDG_STATE_HOME", "HOME", "RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"}) {

@@ -29,9 +29,9 @@ TEST(StopSignalTest, EachUserSignalRequestsAReport) {
 }
 
 constexpr std::array<int, 3> kHandled = {SIGINT, SIGTERM, SIGUSR1};
-std::array<int, 3> handled = {};  // signals that came when no StopSignal was there
+std::array<int, 3> handled = {};  // signals that came while there was no StopSignal
 
-// A library's handlers go on after a command that could be stopped.
+// After a command that could be stopped, the handlers that a library set before it work again.
 TEST(StopSignalTest, WhatHandledASignalBeforeHandlesItAfterwards) {
   std::array<struct sigaction, 3> before = {};
   struct sigaction own = {};

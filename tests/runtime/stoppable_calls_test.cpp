@@ -25,7 +25,7 @@ TEST(StoppableCalls, RunInAnotherThread) {
   EXPECT_NE(calls.call([] { return std::this_thread::get_id(); }), std::this_thread::get_id());
 }
 
-// The function ends long after the calls, and even after the object.
+// The function ends long after call() has returned, and even after the object has been destroyed.
 TEST(StoppableCalls, AreLeftAtTheStop) {
   std::promise<void> release;
   std::promise<void> begun;
@@ -69,7 +69,7 @@ TEST(StoppableCalls, ACallAfterTheStopIsNotBegun) {
     begun->set_value();
     return 1;
   }));
-  // The function is gone without having been called.
+  // The function was destroyed without having been called.
   ASSERT_EQ(seen.wait_for(std::chrono::seconds(60)), std::future_status::ready);
   EXPECT_THROW(seen.get(), std::future_error);
 }

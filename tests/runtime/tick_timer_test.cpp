@@ -40,7 +40,7 @@ TEST(TickTimer, ATimeThatHasPassedOrWasNeverSetIsNotWaitedFor) {
   timer.wait();
   timer.set(begin_ns - kNanosecondsPerMillisecond);
   timer.wait();
-  timer.wait();  // a wait that does not return ends with the time limit of the test
+  timer.wait();  // if a wait does not return, the time limit of the test ends it
 }
 
 TEST(TickTimer, IsClosedAgain) {

@@ -25,7 +25,7 @@ struct TomlFiles : testing::Test {
     EXPECT_TRUE(reader) << (reader ? "" : reader.error().what);
     return *reader;
   }
-  // The error for this text when it is read so.
+  // The error when `read` reads a file with this text.
   std::string rejection(const std::string& text, const std::function<void(TomlReader&)>& read) {
     TomlReader reader = open(text);
     read(reader);

@@ -60,7 +60,7 @@ struct Bad {
   const char* reason;
 };
 
-// As spreadsheets on Windows save it.
+// Spreadsheets on Windows save files with such a mark.
 TEST(TrajectoryCsv, AByteOrderMarkIsPassedOver) {
   const auto rows = parse_trajectory_csv("\xEF\xBB\xBFt_s,x_m,y_m,z_m\r\n0.5,1,2,3\r\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
@@ -119,7 +119,7 @@ TEST(TrajectoryCsv, ReadsAFileAndNamesAMissingOne) {
   EXPECT_FALSE(read_trajectory_csv(testing::TempDir()));
 }
 
-// As truncate makes one: reading it took all memory, and the program ended by a signal.
+// A sparse file, as `truncate` makes one: reading it once took all memory, and a signal ended the program.
 TEST(TrajectoryCsv, AFileWithoutMeasureIsNotRead) {
   const ScratchFolder folder;
   const auto path = folder.write("huge.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n");

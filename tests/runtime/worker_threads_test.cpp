@@ -16,7 +16,7 @@ TEST(WorkerThreads, EachCallIsMadeByAllAndHasEndedWhenRunReturns) {
   for (const int size : {1, 2, 4, 9}) {
     WorkerThreads team(size);
     ASSERT_EQ(team.size(), size);
-    std::array<int, 16> calls = {};  // each counted by its worker alone, so a sanitizer would see two at once
+    std::array<int, 16> calls = {};  // one element for each worker: a sanitizer would see two threads in one element
     for (int call = 1; call <= 2000; ++call) {
       team.run([&](int worker) { ++calls[static_cast<std::size_t>(worker)]; });
       for (int worker = 0; worker < size; ++worker) ASSERT_EQ(calls[static_cast<std::size_t>(worker)], call) << worker << " of " << size;

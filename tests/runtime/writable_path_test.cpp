@@ -54,7 +54,7 @@ TEST(WritablePath, GoesByWhatALinkLeadsTo) {
   EXPECT_EQ(error_of(check_writable_file(link)), "");
 }
 
-// No writer makes a folder through a link: it failed at the end of the run.
+// No writer makes the folder to which a link points: without this check, writing failed at the end of the run.
 TEST(WritablePath, RejectsALinkIntoAFolderThatIsNotThere) {
   const ScratchFolder folder;
   const auto link = folder.path() / "link.csv";
@@ -80,7 +80,7 @@ TEST(WritablePath, RejectsAFolderBehindABrokenLink) {
   EXPECT_EQ(error_of(check_writable_folder(link / "a")), "");
 }
 
-// Until it is complete a file has a longer name.
+// A file has a longer name until it is complete.
 TEST(WritablePath, RejectsANameThatDoesNotFit) {
   const ScratchFolder folder;
   const auto most = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
@@ -117,13 +117,13 @@ TEST(WritablePath, RejectsAFolderWhoseNameDoesNotFit) {
   EXPECT_THAT(error_of(check_writable_file(deep / "a.csv")), HasSubstr("give a shorter path"));
 }
 
-// Its permissions say that root may write there.
+// By its permissions, root may write in /proc.
 TEST(WritablePath, RejectsWhereNothingCanBeMadeThoughItMayBe) {
   EXPECT_THAT(error_of(check_writable_folder("/proc/hapton")), HasSubstr("/proc/hapton cannot be written"));
   EXPECT_THAT(error_of(check_writable_file("/proc/hapton.csv")), HasSubstr("cannot be written"));
 }
 
-// It may be written itself, but is written beside and then replaced: that failed only after a long run.
+// The file itself is writable, but a new file is written beside it and replaces it: without this check, that failed only after a long run.
 TEST(WritablePath, RejectsAFileWhoseFolderTakesNoOther) {
   ASSERT_EQ(::access("/proc/self/comm", W_OK), 0);
   EXPECT_THAT(error_of(check_writable_file("/proc/self/comm")), HasSubstr("nothing can be made in its folder /proc/self"));
