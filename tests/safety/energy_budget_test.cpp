@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kMaxN = 10.0;  // 0.1 J free, 0.3 J at most, 0.02 W forgiven
 
-// force_n was on the motors for 1 ms while the device moved by this.
+// force_n was on the motors for 1 ms while the device moved by moved_m along z.
 void give(EnergyBudget& budget, double force_n, double moved_m) {
   const Wrench wrench{Vec3(0, 0, force_n), Vec3::Zero()};
   budget.held(wrench, 1e-3);

@@ -1,5 +1,5 @@
-// The governor between a wall and the simulated PHANToM with a hand on it: a normal contact does not notice it, and a source of energy does
-// not get away with it.
+// The governor between a wall and the simulated PHANToM with a hand on it: it leaves a normal contact unchanged, and bounds the energy that
+// a source gives.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,16 +17,16 @@ namespace {
 struct Touch {
   double contact_s = 0.0;
   double felt_n2 = 0.0;   // sum of squares of the requested force, in contact
-  double error_n2 = 0.0;  // and of the missing part
+  double error_n2 = 0.0;  // sum of squares of the missing part
   double most_error_n = 0.0;
-  double given_j = 0.0;       // to the hand, in all, at the exact position
-  double most_given_j = 0.0;  // over any time
+  double given_j = 0.0;       // given to the hand, in all, at the exact position
+  double most_given_j = 0.0;  // the most in any span of time
   double most_speed = 0.0;
 };
 
 using Source = std::function<Vec3(const Vec3& p_WD, const Vec3& v)>;
 
-// 1 kHz, replies 100 us after the sample, `lag` samples late.
+// Runs at 1 kHz. Each force is written 100 us after a sample, and is the reply to the sample `lag` samples before it.
 Touch touch(SafetyGovernor* governor, const Source& source, double seconds, std::uint64_t seed, std::size_t lag = 0) {
   SimulatedPhantom device({.seed = seed, .stylus = {}});
   Touch touch;
@@ -85,7 +85,7 @@ TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsRenderedUnchanged) {
     EXPECT_LT(output.most_error_n, 1e-6) << seed;
     const GovernorCounters& counters = governor.counters();
     EXPECT_EQ(counters.damped + counters.braked + counters.stopped + counters.cooled + counters.latched, 0U);
-    // Far from both budgets, too.
+    // The governor is far from using up its energy or thermal budget, too.
     EXPECT_LT(governor.energy_spent_j(), 0.0);
     EXPECT_LT(governor.thermal_load(), 0.2);
   }
@@ -106,7 +106,7 @@ TEST(GovernedTouch, APassiveWallIsRenderedAlmostUnchangedUnderThePassivityContro
   governor.keep_passive(kStylus);
   const Touch output = touch(&governor, wall(1000.0), 30.0, 1);
   EXPECT_GT(output.contact_s, 10.0);
-  // The simulated stylus hardly dissipates: 0.1 N s/m and 0.04 N, where sampling adds as much as 0.5 N s/m.
+  // The simulated stylus dissipates little: 0.1 N s/m and 0.04 N, while sampling adds as much energy as a damping of -0.5 N s/m.
   EXPECT_LT(std::sqrt(output.error_n2 / output.felt_n2), 0.06);
   EXPECT_GT(governor.counters().kept_passive, 0U);
 }
@@ -134,8 +134,8 @@ TEST(GovernedTouch, ASourceOfEnergyIsBounded) {
     const Touch wild = touch(nullptr, pump(gain), kSeconds, 1);
     SafetyGovernor governor(model_a::limits());
     const Touch tame = touch(&governor, pump(gain), kSeconds, 1);
-    // energy_budget.h: what is free, the maximum of the budget, what is forgiven, and the energy of the last force during its release.
-    // Positions are read in steps of 32 um, the bound is on the exact ones: a tenth more.
+    // The bound of energy_budget.h: free energy, maximum of the budget, forgiven energy, and energy of the last force during its release.
+    // A tenth more, because the governor sees positions in steps of 32 um, while the test measures the energy at exact positions.
     const double bound_j =
         1.1 * model_a::kMaxForceN *
         (EnergyBudget::kFreeM + EnergyBudget::kMaxM + EnergyBudget::kForgivenMPerS * kSeconds + 0.01 * model_a::kMaxSpeedMPerS);
@@ -146,7 +146,7 @@ TEST(GovernedTouch, ASourceOfEnergyIsBounded) {
 }
 
 TEST(GovernedTouch, AWallThatBuzzesIsCalmed) {
-  // Ten samples late 1000 N/m are not stable.
+  // With a delay of ten samples, 1000 N/m are not stable.
   const Touch wild = touch(nullptr, wall(1000.0), 20.0, 1, 10);
   SafetyGovernor governor(model_a::limits());
   const Touch tame = touch(&governor, wall(1000.0), 20.0, 1, 10);

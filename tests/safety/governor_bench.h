@@ -16,7 +16,7 @@ namespace hapton {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Round numbers, near those of a PHANToM, so that a test can compute each limit in the head.
+// Round numbers, near those of a PHANToM, so that a reader can compute each limit in the head.
 inline DeviceLimits device_limits() {
   return {.max_force_n = 8.0,
           .max_slew_n_per_s = 2000.0,
@@ -33,7 +33,7 @@ inline DeviceLimits device_limits() {
 struct Bench {
   explicit Bench(const DeviceLimits& limits = device_limits()) : governor(limits) {}
 
-  // One cycle in which this force is wanted; none: no command came. What reaches the motors.
+  // Runs one cycle in which this force is wanted; none: no command came. Returns what reaches the motors.
   const Wrench& cycle(const std::optional<Wrench>& wanted) {
     now_ns += kMs;
     sample.time_ns = now_ns;
@@ -41,12 +41,12 @@ struct Bench {
     if (!wanted) return out = governor.step(std::nullopt, now_ns);
     return out = governor.step(WrenchCommand{*wanted, now_ns - kCommandAgeNs}, now_ns);
   }
-  // Cycles in which a force along z is wanted; the last force at the motors.
+  // Runs cycles in which a force along z is wanted; returns the last force at the motors.
   Vec3 press(double z_n, int cycles) {
     for (int n = 0; n < cycles; ++n) cycle(Wrench{Vec3(0, 0, z_n), Vec3::Zero()});
     return out.force_n;
   }
-  // Cycles without a command; the last force at the motors.
+  // Runs cycles without a command; returns the last force at the motors.
   Vec3 wait(int cycles) {
     for (int n = 0; n < cycles; ++n) cycle(std::nullopt);
     return out.force_n;

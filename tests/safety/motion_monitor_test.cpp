@@ -98,7 +98,7 @@ TEST(MotionMonitor, WhatWasForgottenIsNoJump) {
   EXPECT_EQ(motion.update(at(Vec3(0.9, 0, 0)), 2 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
 }
 
-// What is left of an earlier velocity would be damped: a force on a hand that stands still.
+// The rest of an earlier velocity would be damped, which would be a force on a hand that stands still.
 TEST(MotionMonitor, IsAtRestAfterAJumpAndAfterItForgot) {
   const auto moving = [] {
     MotionMonitor motion;
@@ -127,7 +127,7 @@ TEST(MotionMonitor, AGapBeginsAtATenthOfASecond) {
   }
 }
 
-// 50 rad/s, and 0.2 rad more. Where no torque is exerted, a stylus may turn as it likes.
+// The limit is 50 rad/s plus 0.2 rad. Where no torque is exerted, a stylus may turn as it likes.
 TEST(MotionMonitor, ATurnFasterThanAnyHandIsAJump) {
   for (const auto& [turn_rad, expected] : {std::pair{0.69, MotionMonitor::Verdict::fine}, {0.74, MotionMonitor::Verdict::jump}}) {
     for (const double sign : {1.0, -1.0}) {

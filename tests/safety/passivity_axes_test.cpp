@@ -1,4 +1,4 @@
-// One account of energy for all axes, against one for each axis (decision 227): a mass in a plane, at a wall that may be turned.
+// Compares one account of energy for all axes with one for each axis (decision 227): a mass in a plane, at a wall that may be turned.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,7 +17,7 @@ constexpr double kPeriodS = 1e-3;
 constexpr double kDeviceKg = 0.075;
 constexpr double kLimitN = 20.0;
 
-// The controller as it is, with an account for all axes.
+// The controller that is used: one account for all axes.
 struct OneAccount {
   explicit OneAccount(const PassivityController::Mechanics& device) : controller(device) {}
   void observe(const Vec3& moved_m) { controller.observe(kLimitN, moved_m); }
@@ -27,7 +27,7 @@ struct OneAccount {
   PassivityController controller;
 };
 
-// What it is compared with: a controller for each of the axes x and y.
+// The alternative: a controller for each of the axes x and y.
 struct AccountForEachAxis {
   explicit AccountForEachAxis(const PassivityController::Mechanics& device) : axes(2, PassivityController(device)) {}
   void observe(const Vec3& moved_m) {
@@ -46,7 +46,7 @@ struct AccountForEachAxis {
 };
 
 struct TurnedWall {
-  double angle_rad = 0.0;  // from x to its normal
+  double angle_rad = 0.0;  // from x to the wall's normal
   double stiffness_n_per_m = 1000.0;
   double friction = 0.0;  // Coulomb's coefficient
   int delay_samples = 0;
@@ -63,9 +63,9 @@ struct Felt {
   std::vector<double> normal_forces_n;
   double most_given_j = 0.0;
   double most_given_along_normal_j = 0.0;
-  double squared_loss = 0.0;  // of the wanted force
+  double squared_loss = 0.0;  // sum of squares of the part taken from the wanted force
   double squared_wanted = 0.0;
-  double least_normal_m = 1.0;  // over the second half
+  double least_normal_m = 1.0;  // position of the device over the second half
   double most_normal_m = -1.0;
 
   double lost() const { return std::sqrt(squared_loss / squared_wanted); }
@@ -156,8 +156,8 @@ TEST(PassivityAxes, OverADelayASlopeStaysCalmWithOneAccountOnly) {
   }
 }
 
-// The limit of one account: what sliding friction takes from the hand, a wall that is unstable may give back along its normal. It is never
-// more than friction has taken.
+// The limit of one account: an unstable wall may give back along its normal what sliding friction has taken from the hand, but no
+// more than that.
 TEST(PassivityAxes, WithFrictionTheWholeStaysPassiveAndBounded) {
   for (const double friction : {0.3, 0.6}) {
     for (const int delay : {5, 15, 100}) {

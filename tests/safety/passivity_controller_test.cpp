@@ -14,8 +14,8 @@ namespace {
 constexpr double kMassKg = 0.075;
 constexpr double kMaxForceN = 20.0;
 
-// A mass at a wall (x < 0) along one axis: sampled, forces late by whole samples, lost at random. Exact between samples where the hand's
-// force is held as well.
+// A mass at a wall (x < 0) along one axis. The wall is sampled; its forces are late by whole samples, and may be lost at random. The motion
+// between two samples is exact if the force of the hand is held, too.
 struct WallRun {
   double stiffness = 1000.0;
   double period_s = 1e-3;
@@ -29,10 +29,10 @@ struct WallRun {
 
   double least_j = 0.0;  // energy given to the hand, over the run: least and most
   double most_j = 0.0;
-  double most_excess_j = 0.0;  // that the hand's own pull explains
+  double most_excess_j = 0.0;  // energy in one period that the hand's own pull explains
   double deepest_m = 0.0;
   double farthest_m = 0.0;
-  double most_taken_n = 0.0;  // off a wanted force
+  double most_taken_n = 0.0;  // largest part taken from a wanted force
   double fastest = 0.0;
   int limited = 0;
   int contact_steps = 0;
@@ -75,10 +75,10 @@ struct WallRun {
 
 double no_hand(double, double, double) { return 0.0; }
 
-// A hand that presses to 3 N and comes back in a second.
+// A hand that presses with up to 3 N and comes back in a second.
 double press(double t, double, double v) { return -3.0 * std::pow(std::sin(std::numbers::pi * t), 2) - 8.0 * v; }
 
-// A held force lags half a period behind the spring, so that a sampled spring gives back more than it stored, by K T / 2 v^2 each second.
+// A held force lags half a period behind the spring, so a sampled spring gives back more than it stored: a power of K T / 2 v^2.
 TEST(PassivityController, LeavesAWallThatTheDeviceMakesPassiveAsItIs) {
   for (const double stiffness : {100.0, 1000.0, 3000.0}) {
     for (const double rate_hz : {1000.0, 4000.0}) {
@@ -97,7 +97,7 @@ TEST(PassivityController, LeavesAWallThatTheDeviceMakesPassiveAsItIs) {
   }
 }
 
-// Without any damping the force ends where the credit does: at a depth of about sqrt(2 v T depth).
+// Without damping, the credit is used up on the way out at a depth of about sqrt(2 v T d), d being the deepest; there the force ends.
 TEST(PassivityController, OfAnUndampedWallItTakesWhatSamplingAdds) {
   for (const double rate_hz : {1000.0, 4000.0}) {
     WallRun run;
@@ -236,7 +236,7 @@ TEST(PassivityController, CreditIsBounded) {
   EXPECT_DOUBLE_EQ(controller.given_j(), -PassivityController::kMaxCreditM * kMaxForceN);
 }
 
-// What a mass that moves away gets from the force until the next sample: force times (velocity times period, and what the force adds).
+// Energy that the force gives a mass that moves away until the next sample: force times (velocity times period, plus what the force adds).
 TEST(PassivityController, AForceGetsTheWholeCreditAndInADeficitNothing) {
   constexpr double kCreditPeriodS = 1e-3;
   PassivityController controller({.mass_kg = kMassKg});

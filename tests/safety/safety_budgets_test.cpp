@@ -56,7 +56,7 @@ TEST(SafetyGovernor, EnergyGivenBeyondWhatIsFreeIsDampedAgainstTheMotion) {
   move(Vec3(4, 0, 0), 150);
   EXPECT_EQ(bench.out.force_n, Vec3(4, 0, 0));
   move(Vec3(0, 0, 4), 50);
-  EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 4));  // the free energy changes nothing
+  EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 4));  // up to the free energy, nothing changes
   EXPECT_EQ(bench.governor.counters().damped, 0U);
   move(Vec3(4, 0, 0), 200);
   ASSERT_GT(bench.governor.energy_spent_j(), EnergyBudget::free_j(8.0));
@@ -68,7 +68,7 @@ TEST(SafetyGovernor, EnergyGivenBeyondWhatIsFreeIsDampedAgainstTheMotion) {
   EXPECT_LT(bench.governor.energy_spent_j(), spent_j - 1e-4);
 }
 
-// At rest there is nothing to damp: what counts then is the limit, which has faded with the energy.
+// At rest nothing is damped: a force counts as damped if it is above the limit, which has fallen with the energy spent.
 TEST(SafetyGovernor, AFadedLimitCountsAsDampedOnlyWhereItIsReached) {
   Bench bench;
   bench.sample.p_WD.x() = -0.08;
@@ -78,7 +78,7 @@ TEST(SafetyGovernor, AFadedLimitCountsAsDampedOnlyWhereItIsReached) {
     bench.sample.p_WD.x() += 2e-4;
     bench.cycle(Wrench{Vec3(8, 0, 0), Vec3::Zero()});
   }
-  // Without samples for a while, the velocity is not known: zero.
+  // After a while without samples, the velocity is not known and counts as zero.
   bench.now_ns += 300 * kMs;
   bench.press(0.0, 200);
   ASSERT_EQ(bench.governor.speed_m_per_s(), 0.0);
@@ -94,7 +94,7 @@ TEST(SafetyGovernor, AFadedLimitCountsAsDampedOnlyWhereItIsReached) {
   EXPECT_EQ(bench.governor.counters().damped, before + 5);
 }
 
-// Each accepted force counts once, in each way that it was limited.
+// An accepted force counts once for each way in which it was limited.
 TEST(SafetyGovernor, EachForceIsCountedOnce) {
   Bench stopped;
   stopped.sample.p_WD.z() = 0.15;
@@ -119,13 +119,13 @@ TEST(SafetyGovernor, EachForceIsCountedOnce) {
   Bench slewed;
   slewed.press(-7.5, 300);
   ASSERT_EQ(slewed.governor.counters().slewed, 0U);
-  slewed.press(7.5, 5);  // 2 N in a cycle of 1 ms, so 15 N take eight
+  slewed.press(7.5, 5);  // the slew limit allows 2 N in a cycle of 1 ms, so 15 N take eight cycles
   EXPECT_EQ(slewed.governor.counters().slewed, 5U);
   slewed.press(7.5, 5);
   EXPECT_EQ(slewed.governor.counters().slewed, 7U) << "the eighth is there";
 }
 
-// The device goes where the force pushes it: all of it would be energy that nobody put in.
+// The device moves where the force pushes it: all of the work would be energy that nobody put in.
 TEST(SafetyGovernor, EachForceThatPassivityLimitsIsCountedOnce) {
   Bench bench;
   bench.governor.keep_passive({.mass_kg = 0.1, .damping_ns_per_m = 0.0, .friction_n = 0.0});
@@ -239,7 +239,7 @@ TEST(SafetyGovernor, AThermalFaultFromBeforeIsResetOnlyWhenTheMotorsMustHaveCool
   EXPECT_TRUE(bench.governor.reset_faults());
 }
 
-// It is zero, whatever was done to the last one before.
+// The first force is zero because of the ramp, whatever limited the last force before the release.
 TEST(SafetyGovernor, TheFirstForceAfterAReleaseIsNotCountedAsLimited) {
   Bench bench;
   bench.sample.p_WD.z() = 0.1;
@@ -253,7 +253,7 @@ TEST(SafetyGovernor, TheFirstForceAfterAReleaseIsNotCountedAsLimited) {
   EXPECT_EQ(bench.governor.counters().stopped, stopped);
 }
 
-// The load is a share of the force that the motors bear, and there has to be a number where none is allowed.
+// The load is a share of the force that the motors bear; it has to be a number even if no force is allowed.
 TEST(SafetyGovernor, MotorsThatMayNotPushAreColdOrCoolDown) {
   DeviceLimits limits = device_limits();
   limits.continuous_force_n = 2.0;
@@ -294,7 +294,7 @@ TEST(SafetyGovernor, AMachineThatSleptForAnHourHasNotHeatedTheMotors) {
   EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
 }
 
-// A source that turns the stylus must not go on where one that pushes it has to end.
+// A source of energy that turns the stylus must end where a source that pushes the stylus has to end.
 TEST(SafetyGovernor, ASpentEnergyBudgetLowersTheTorqueAsItDoesTheForce) {
   Bench bench;
   bench.sample.p_WD.x() = -0.08;
@@ -303,7 +303,7 @@ TEST(SafetyGovernor, ASpentEnergyBudgetLowersTheTorqueAsItDoesTheForce) {
     bench.sample.p_WD.x() += 2e-4;
     bench.cycle(Wrench{Vec3(8, 0, 0), Vec3::Zero()});
   }
-  // Without samples for a while, the velocity is not known: zero.
+  // After a while without samples, the velocity is not known and counts as zero.
   bench.now_ns += 300 * kMs;
   for (int n = 0; n < 200; ++n) bench.cycle(Wrench{Vec3::Zero(), Vec3(0.5, 0, 0)});
   const double spent_j = bench.governor.energy_spent_j();

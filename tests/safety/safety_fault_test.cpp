@@ -24,7 +24,7 @@ TEST(SafetyFaults, EachFaultAndEachStateHasItsName) {
   }
 }
 
-// To a person, who has to know what to look for.
+// The descriptions are for a person, who has to know what to look for.
 TEST(SafetyFaults, EachFaultIsDescribedAsItself) {
   EXPECT_EQ(describe(SafetyFault::none), "no fault");
   EXPECT_EQ(describe(SafetyFault::not_finite), "repeated forces that are not finite");

@@ -57,7 +57,7 @@ TEST(SafetyGovernor, InvalidPosesAreIgnoredAndLatchWhenTheyRepeat) {
 TEST(SafetyGovernor, AJumpOfThePositionLatches) {
   Bench bench;
   bench.press(4.0, 300);
-  bench.sample.p_WD.x() += 0.004;  // 2 mm at most by speed, 5 mm of tolerance
+  bench.sample.p_WD.x() += 0.004;  // allowed: 2 mm by the speed limit, and 5 mm of tolerance
   bench.press(4.0, 1);
   EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
   bench.sample.p_WD.x() += 0.0071;
@@ -108,7 +108,7 @@ TEST(SafetyGovernor, AButtonCanBeRequired) {
   EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
   bench.sample.buttons = 0b010;
   EXPECT_EQ(bench.press(4.0, 300).z(), 4.0);
-  // It can be required, never waived.
+  // A button can be required, but the requirement cannot be withdrawn.
   for (const int nonsense : {-1, 0, 33, 1000}) bench.governor.require_button(nonsense);
   bench.governor.require_button(3);
   EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
@@ -124,7 +124,7 @@ TEST(SafetyGovernor, ASwitchIsHeldOnlyWhileTheDeviceReportsIt) {
   bench.governor.require_button(2);
   bench.wait(1);
   EXPECT_TRUE(bench.governor.is_switch_held());
-  // A device that is away repeats its last sample, button and all.
+  // A device that is away repeats its last sample with its buttons.
   for (const DeviceStatus status : {DeviceStatus::away, DeviceStatus::calibrating, DeviceStatus::fault, DeviceStatus::ended}) {
     bench.status = status;
     bench.wait(1);
@@ -153,7 +153,7 @@ TEST(SafetyGovernor, ADeviceAwayOrCalibratingGetsNoForceAndRampsOnReturn) {
     EXPECT_EQ(bench.governor.state(), status == DeviceStatus::away ? GovernorState::away : GovernorState::calibrating);
     bench.press(4.0, 500);
     bench.status = DeviceStatus::ready;
-    bench.sample.p_WD = Vec3(0.08, -0.08, 0.01);  // no jump: it was away
+    bench.sample.p_WD = Vec3(0.08, -0.08, 0.01);  // not a jump, because the device was away
     EXPECT_LT(bench.press(4.0, 20).z(), 1.0);
     EXPECT_EQ(bench.press(4.0, 100).z(), 4.0);
     EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
@@ -244,7 +244,7 @@ TEST(SafetyGovernor, NoResetWhileTheDeviceIsSoFastThatItIsBraked) {
   Bench bench;
   bench.sample.p_WD.z() = -0.09;
   bench.governor.restore_latched_fault(SafetyFault::jump);
-  sweep(bench, 1.5, 50);  // of 2 m/s, and above 1.2 it is braked
+  sweep(bench, 1.5, 50);  // the limit is 2 m/s; above 1.2 m/s the device is braked
   ASSERT_EQ(bench.governor.fault(), SafetyFault::jump);
   EXPECT_FALSE(bench.governor.reset_faults());
   sweep(bench, 0.5, 40);

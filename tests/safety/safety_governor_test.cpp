@@ -70,7 +70,7 @@ TEST(SafetyGovernor, ChangesNoFasterThanTheSlew) {
   EXPECT_GT(bench.governor.counters().slewed, 90U);
 }
 
-// A latched fault allows nothing at once, but what the device has is released no faster than its own rates.
+// A latched fault sets the limit to zero at once, but the present force and torque fall no faster than their release rates.
 TEST(SafetyGovernor, WhenAFaultLatchesForceAndTorqueGoAtTheReleaseRate) {
   Bench bench;
   for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(0, 0, 8), Vec3(0.5, 0, 0)});
@@ -125,17 +125,17 @@ TEST(SafetyGovernor, ACommandThatComesExactlyAtTheTimeoutRampsIn) {
   command_at(replied_ns + kCommandTimeoutNs);
   EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
   EXPECT_LT(command_at(replied_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
-  // A command for a sample that old is rejected.
+  // A command for a sample as old as the command timeout is rejected.
   const std::uint64_t rejected = bench.governor.counters().rejected_old;
   bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns + 1}, bench.now_ns + 1 + kCommandTimeoutNs);
   EXPECT_EQ(bench.governor.counters().rejected_old, rejected + 1);
 }
 
-// A late force has used up its time: its age counts from its sample, not from its arrival.
+// The age of a force counts from its sample, not from its arrival.
 TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheSampleHoweverLateItsForceCame) {
   for (const std::int64_t age_ns : {kMs, 8 * kMs, 15 * kMs, 18 * kMs}) {
     Bench bench;
-    // Every force as old as that from the beginning on.
+    // From the beginning, each force is for a sample that is age_ns old.
     for (int n = 0; n < 300; ++n) {
       bench.now_ns += kMs;
       bench.sample.time_ns = bench.now_ns;
@@ -310,7 +310,7 @@ TEST(SafetyGovernor, ATightenedSlewHoldsForTheTorqueAsForTheForce) {
   EXPECT_NEAR(most_nm, 0.06, 1e-6);
 }
 
-// What brakes a fast device, or one that was given too much energy.
+// The damping that brakes a fast device, or one that was given too much energy.
 TEST(SafetyGovernor, DampingFollowsTheStiffnessThatTheDeviceBearsOrElseItsForce) {
   DeviceLimits limits = device_limits();
   EXPECT_DOUBLE_EQ(SafetyGovernor(limits).most_damping_n_s_per_m(), 2.0) << "1000 N/m for 2 ms";

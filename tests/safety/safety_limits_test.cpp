@@ -27,7 +27,7 @@ DeviceLimits full() {
           .max_speed_m_per_s = 3.0};
 }
 
-// Each field that limits, to be set alone.
+// Each field that is a limit; a test sets one of them alone.
 const std::vector<double DeviceLimits::*> kFields = {&DeviceLimits::max_force_n,        &DeviceLimits::max_slew_n_per_s,
                                                      &DeviceLimits::max_torque_nm,      &DeviceLimits::max_torque_slew_nm_per_s,
                                                      &DeviceLimits::continuous_force_n, &DeviceLimits::max_speed_m_per_s};
@@ -77,10 +77,10 @@ TEST(SafetyLimits, WorkspacesShrinkToWhatBothHave) {
   wanted.workspace_max_m = Vec3(1.0, 0.02, 0.6);
   limits.tighten(wanted);
   EXPECT_EQ(limits.now().workspace_min_m, Vec3(-0.05, -0.1, -0.1));
-  EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: they have nothing in common
+  EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: the two ranges have nothing in common
 }
 
-// Empty, the wrong way round or not numbers: that axis stays as it is, and the others shrink.
+// An axis whose wanted range is empty, reversed, not a number or outside stays as it is; the other axes shrink.
 TEST(SafetyLimits, AnAxisThatMakesNoSenseIsNotShrunk) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const auto& [low, high] : {std::pair(0.05, 0.05), std::pair(0.05, -0.05), std::pair(kNan, 0.05), std::pair(-0.05, kNan),

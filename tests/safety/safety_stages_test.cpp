@@ -127,7 +127,7 @@ TEST(RampUp, GoesEvenlyToAllThereIs) {
 }
 
 TEST(VectorLimit, ShortensOnlyWhatIsTooLong) {
-  const Vec3 v(3.0, -4.0, 12.0);  // 13 long
+  const Vec3 v(3.0, -4.0, 12.0);  // its length is 13
   EXPECT_EQ(shortened(v, 13.0), v);
   EXPECT_EQ(shortened(v, 14.0), v);
   const Vec3 less = shortened(v, 6.5);
@@ -143,7 +143,7 @@ TEST(VectorLimit, ShortensOnlyWhatIsTooLong) {
 TEST(WorkspaceStop, OutwardForceFadesOverTheMarginOfEachAxis) {
   DeviceLimits limits;
   limits.workspace_min_m = Vec3(-0.1, -0.2, -0.02);
-  limits.workspace_max_m = Vec3(0.1, 0.3, 0.02);  // the last is short: its margin is a tenth of 40 mm
+  limits.workspace_max_m = Vec3(0.1, 0.3, 0.02);  // z is short: its margin is a tenth of 40 mm
   struct Row {
     int axis;
     double outward, at_m, share;
@@ -164,7 +164,7 @@ TEST(WorkspaceStop, OutwardForceFadesOverTheMarginOfEachAxis) {
   }
 }
 
-// A tenth of it is less than the smallest number: 0 / 0 would be the force.
+// A tenth of such an axis may be less than the smallest number: the force would be 0 / 0.
 TEST(WorkspaceStop, AnAxisOfTheSmallestNumbersEndsTheForceAndIsFinite) {
   constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
   for (const double length_m : {kSmallest, 20.0 * kSmallest, std::numeric_limits<double>::min()}) {

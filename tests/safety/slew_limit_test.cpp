@@ -19,7 +19,7 @@ TEST(SlewLimit, FollowsAtItsRateAndArrivesExactly) {
 TEST(SlewLimit, ReachesTheMagnitudeLimitFirst) {
   SlewLimit slew;
   slew.follow(Vec3(4, 0, 0), 10.0, {10.0, 10.0});
-  // The goal is aside; the whole step goes into coming within the limit.
+  // The goal is in another direction; the whole step is used to come within the limit.
   const Vec3 v = slew.follow(Vec3(0, 3, 0), 3.0, {1.0, 1.0});
   EXPECT_NEAR(v.x(), 3.0, 1e-9);
   EXPECT_NEAR(v.y(), 0.0, 1e-9);

@@ -29,7 +29,7 @@ TEST(SpeedLimit, BelowTheSoftLimitTheForceStays) {
   EXPECT_TRUE(SpeedLimit::is_soft(kFastest, 1.21));
 }
 
-// Half way between 0.6 of the limit and the limit: half of the pushing part is removed and half of the damping is added.
+// 1.6 m/s is half way between 0.6 of the limit and the limit: half of the pushing part is removed, and half of the damping is added.
 TEST(SpeedLimit, TakesAwayWhatPushesAlongTheMotionAndNothingElse) {
   const MotionMonitor motion = moving_at(1.6);
   const Vec3 damped(-0.5 * kDamping * 1.6, 0.0, 0.0);
