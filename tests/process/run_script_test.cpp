@@ -1,4 +1,4 @@
-// deploy/run, as a person starts and stops it.
+// Runs deploy/run, and starts and stops it as a person does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

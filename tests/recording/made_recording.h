@@ -25,7 +25,7 @@ struct MadeRecording {
   std::uint64_t given_hash = 77;
   std::uint32_t scene_loading = 0;
   bool is_carved_before = false;  // the carve was made before the recording, as a message at 0.05 s says
-  std::uint64_t lost_from = 0;    // these samples are missing
+  std::uint64_t lost_from = 0;    // the samples from this one to the one before lost_to are missing
   std::uint64_t lost_to = 0;
   bool has_replies = true;
   Vec3 written_nm = Vec3::Zero();                // torque on the motors, in each cycle
@@ -33,7 +33,7 @@ struct MadeRecording {
   std::int64_t slower_ns = 0;                    // the reply to each fourth sample comes this much later than the others
   std::function<void(std::uint64_t)> also = {};  // called after each sample
 
-  std::uint64_t session = kSession;  // of the datagrams
+  std::uint64_t session = kSession;  // session in the headers of the datagrams
 
   static constexpr std::uint64_t kSession = 0xAB;
   static constexpr std::uint64_t kHaptics = 2;

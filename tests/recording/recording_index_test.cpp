@@ -256,7 +256,7 @@ TEST(RecordingIndex, AViewIsFoundByItsRevision) {
       recording.receive(MadeRecording::kVision, ViewTransform{revision, {1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}, sample);
     };
     if (sample == 2000) shifted(5, 0.5F);
-    if (sample == 2500) shifted(4, 0.75F);  // of a vision node that was started again
+    if (sample == 2500) shifted(4, 0.75F);  // from a vision node that was started again
     if (sample == 3000) shifted(6, 1.0F);
   };
   const RecordingIndex index = index_of(recording.write(scratch));

@@ -194,7 +194,7 @@ TEST_F(ConfigTest, ABadCommandLineIsOneLineAndExitCodeTwo) {
   expect_one_error("--config");
 }
 
-// CLI11 takes 010 for 8, and takes -1 for the largest number if the flag has an unsigned one.
+// CLI11 reads 010 as 8, and -1 as the largest number if the flag takes unsigned numbers.
 TEST_F(ConfigTest, AWholeNumberIsNeverTakenForAnother) {
   std::uint64_t seed = 5;
   app_.add_option("--seed", seed);

@@ -113,7 +113,7 @@ Felt touch(const TurnedWall& wall, Hand&& goal_of) {
   return felt;
 }
 
-// A circle of 3 mm at 1 Hz, so that the wall takes energy by one motion and returns it by another.
+// A circle of 3 mm radius at 1 Hz, so that the wall takes energy by one motion and returns it by another.
 Goal circle(double t_s) {
   const double angle = 2.0 * std::numbers::pi * t_s;
   return {-0.002 + 0.003 * std::cos(angle), 0.003 * std::sin(angle)};

@@ -21,7 +21,7 @@ struct WallRun {
   double period_s = 1e-3;
   int delay_samples = 0;
   double loss = 0.0;
-  double mass_kg = kMassKg;  // of the device with what the hand adds
+  double mass_kg = kMassKg;  // of the device and what the hand adds to it
   double damping = 0.0;      // of the device
   bool is_controlled = true;
   double x = 1e-3;
@@ -164,7 +164,7 @@ TEST(PassivityController, WithoutItTheSameLoopIsASource) {
 TEST(PassivityController, ADeficitIsTakenBackByDamping) {
   PassivityController controller({.mass_kg = kMassKg});
   controller.held(Vec3(1, 0, 0), 1e-3);
-  controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));  // pulled away at 0.1 m/s by a hand
+  controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));  // a hand pulls the device away at 0.1 m/s
   EXPECT_DOUBLE_EQ(controller.given_j(), 1e-4);
   const Vec3 force = controller.shape(Vec3(0, 2, 0), 20.0);
   EXPECT_EQ(force.y(), 0.0) << "no credit: nothing along a direction in which it does not move";
