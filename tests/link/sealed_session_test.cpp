@@ -1,4 +1,4 @@
-// Joining, leaving and coming back as in hub_client_test.cpp, with sealing between.
+// Nodes join a hub, leave and come back, as in hub_client_test.cpp, but with sealed datagrams.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -47,7 +47,7 @@ class SealedSessionTest : public testing::Test {
     sealed_.emplace(*endpoint_, clock_, key_of(1));
     peers_.emplace(*sealed_, clock_, ++session_, 1000.0);
   }
-  // Dies without a goodbye, and its keys with it.
+  // The hub ends without a goodbye, and its session keys are lost.
   void crash_hub() {
     network_.set_impairments({.loss = 1.0});
     peers_.reset();
@@ -55,7 +55,7 @@ class SealedSessionTest : public testing::Test {
     network_.set_impairments(impairments_);
   }
 
-  // A millisecond at a time: the hub sends a state, a haptics node replies to each.
+  // Runs the hub and the nodes in steps of 1 ms: in each the hub sends one state, to which each haptics node replies.
   void run(const std::vector<Node*>& nodes, int ms) {
     for (int i = 0; i < ms; ++i) {
       clock_.advance_ns(kMs);

@@ -101,7 +101,7 @@ TEST(SequenceTrackerTest, TooLateToCheckIsADuplicate) {
   EXPECT_EQ(tracker.track(kSender, 3), Arrival::reordered);
 }
 
-// The twin: a set of all numbers seen.
+// The brute-force twin: a set of all numbers seen.
 TEST(SequenceTrackerTest, AgreesWithASetOnARandomLink) {
   constexpr std::uint64_t kSeed = 7;
   RecordProperty("seed", std::to_string(kSeed));
@@ -142,7 +142,7 @@ TEST(SequenceTrackerTest, ARejoiningPeerMayRestartItsNumbers) {
   EXPECT_EQ(tracker.track(7, 5), Arrival::duplicate);
   EXPECT_EQ(tracker.track(7, 6, true), Arrival::newest);
   EXPECT_EQ(tracker.track(7, 7), Arrival::newest);
-  // A number ahead is as ever: what lies between was lost.
+  // A number ahead of the newest counts as usual: the numbers between them were lost.
   EXPECT_EQ(tracker.track(7, 10, true), Arrival::newest);
   EXPECT_EQ(tracker.counts().lost, 2U);
 }

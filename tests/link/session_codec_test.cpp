@@ -100,7 +100,7 @@ TEST(SessionCodec, GivesBackEveryKindOfEntry) {
   }
 }
 
-// The bytes of a message as they are in a file: length, message, CRC as the field 15 (session.proto). At most 127 bytes.
+// The bytes of a message in a file: length, message, CRC as field 15 (session.proto). The length is one byte, so it is at most 127.
 std::string with_length_and_check(const std::string& message) {
   boost::crc_32_type crc;
   crc.process_bytes(message.data(), message.size());
@@ -110,7 +110,7 @@ std::string with_length_and_check(const std::string& message) {
   return bytes;
 }
 
-// The file is whole, and the address is none that a socket can have.
+// The CRC is right, but no socket can have such an address.
 TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
   SessionCodec codec;
   std::string bytes;
@@ -127,7 +127,7 @@ TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
   EXPECT_EQ(codec.read(with_length_and_check(port), read).status, Status::damaged);
 
   std::string ip = message;
-  const std::size_t begin = ip.find("\x0A\x10\x01\x02\x03");  // field 1 of 16 bytes; the size of the datagram is the byte before
+  const std::size_t begin = ip.find("\x0A\x10\x01\x02\x03");  // field 1, 16 bytes; the byte before is the size of the Datagram
   ASSERT_NE(begin, std::string::npos);
   --ip[begin - 1];
   --ip[begin + 1];
@@ -135,8 +135,8 @@ TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
   EXPECT_EQ(codec.read(with_length_and_check(ip), read).status, Status::damaged);
 }
 
-// A file may hold any text: a reader gives out none that an export could not write.
-// Of a later version, with a field that this one does not know.
+// An entry of a later version, with a field that this version does not know, is skipped. An entry with a field that is longer than the
+// entry is damage.
 TEST(SessionCodec, AnEntryOfAnUnknownKindIsPassedOver) {
   SessionCodec codec;
   SessionEntry read;
@@ -152,7 +152,7 @@ TEST(SessionCodec, AnEntryOfAnUnknownKindIsPassedOver) {
 
 TEST(SessionCodec, AMarkerThatNoNodeMaySendIsDamage) {
   SessionCodec codec;
-  for (const std::string_view text : {"", "a\nb", "\xFF"}) {
+  for (const std::string_view text : {"", "a\nb", "\xFF"}) {  // a reader gives out no text that an export cannot write
     SessionEntry entry = make(Kind::marker);
     entry.marker.text = text;
     std::string bytes;
@@ -162,7 +162,7 @@ TEST(SessionCodec, AMarkerThatNoNodeMaySendIsDamage) {
   }
 }
 
-// As recordings were before the device's sample was among them.
+// Recordings of earlier versions have no sample of the device, and a local force is only there if io_node computed the force.
 TEST(SessionCodec, ACycleMayLackTheDevicesSampleAndALocalForce) {
   SessionCodec codec;
   SessionEntry entry = make(Kind::cycle);
@@ -236,7 +236,7 @@ TEST(SessionCodec, EveryChangedBitIsSeen) {
   }
 }
 
-// Names of files may be any bytes; protobuf reads no text that is not UTF-8, and then no recording.
+// File names may hold any bytes. protobuf does not read a message with a text that is not UTF-8, so the recording could not be read.
 TEST(SessionCodec, ATextThatIsNotUtf8LeavesTheRecordingReadable) {
   SessionCodec codec;
   std::string bytes;

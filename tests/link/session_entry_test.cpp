@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Exports, reports and flight records are found by these names.
+// People search exports, reports and flight records for these names.
 TEST(SessionEntries, EachFaultAndEachCauseHasItsName) {
   constexpr std::array<std::string_view, 14> kFaults = {"none",    "command-timeout", "not-finite", "rejected-future", "clamped",
                                                         "stalled", "device",          "overrun",    "speed",           "position",
@@ -19,7 +19,7 @@ TEST(SessionEntries, EachFaultAndEachCauseHasItsName) {
   for (std::size_t n = 0; n < kCauses.size(); ++n) EXPECT_EQ(to_string(static_cast<MissCause>(n)), kCauses[n]) << n;
 }
 
-// Of a recording that a later version has written.
+// A later version may write recordings with faults and causes that this version does not know.
 TEST(SessionEntries, WhatIsNotKnownIsCalledUnknown) {
   EXPECT_EQ(to_string(static_cast<SessionFault>(200)), "unknown");
   EXPECT_EQ(to_string(static_cast<MissCause>(200)), "unknown");

@@ -24,7 +24,7 @@ SessionEntry plain_entry(SessionEntry::Kind kind, std::int64_t time_ns) {
   return entry;
 }
 
-// has_end: as io_node writes it now; false: before there were ends.
+// has_end: the file has an end entry, as io_node writes it now; false: as io_node wrote it before there were end entries.
 std::string make_file(int entries, bool has_end = false) {
   SessionCodec codec;
   std::string bytes(kSessionMagic);
@@ -128,7 +128,7 @@ TEST_F(SessionReaders, SayThatARecordingHasNoEnd) {
   EXPECT_NE(longer->problem(), "");
 }
 
-// From now on every read of the file, which somebody has open, fails.
+// Makes every further read of this file fail, through each descriptor that this process has open for it.
 void break_disk_under(const std::filesystem::path& file) {
   const int broken = ::open("/proc/self/mem", O_RDONLY | O_CLOEXEC);
   for (const auto& open : std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -139,7 +139,7 @@ void break_disk_under(const std::filesystem::path& file) {
   ::close(broken);
 }
 
-// Neither a complete recording, as those of earlier builds are at any end, nor one of an io_node that was killed.
+// A read error is taken neither for the end of the file, where an earlier build wrote no end entry, nor for an io_node that was killed.
 TEST_F(SessionReaders, SayThatAFileCannotBeReadOn) {
   for (const bool has_end : {false, true}) {
     const auto file = scratch.write("s", make_file(5000, has_end));

@@ -64,7 +64,7 @@ TEST(SettingsRequests, ANameThatIsTooLongIsOneLine) {
   }
 }
 
-// While the tool waits in it, the other side takes its turn.
+// While the tool waits in receive(), the hub takes its turn.
 class WaitingEndpoint final : public Endpoint {
  public:
   explicit WaitingEndpoint(std::unique_ptr<Endpoint> endpoint) : endpoint_(std::move(endpoint)) {}
@@ -88,7 +88,7 @@ HapticsSetup::Text as_text(std::string_view words) {
   return text;
 }
 
-// A tool and its hub, which sends, as a haptics node behind it would, the setup and the state of the materials.
+// A tool and its hub. The hub itself sends the setup and the state of the materials, as it would relay them from a haptics node.
 class ApplySettingsTest : public testing::Test {
  protected:
   ApplySettingsTest() {
@@ -138,8 +138,8 @@ class ApplySettingsTest : public testing::Test {
   bool takes_rate_ = true;
   std::optional<HapticsSetup> setup_;
   std::optional<MaterialState> materials_;
-  std::size_t lost_ = 0;        // requests that never reach the haptics node
-  std::size_t lost_rates_ = 0;  // ... and settings that never reach the hub
+  std::size_t lost_ = 0;        // how many of the first requests never reach the haptics node
+  std::size_t lost_rates_ = 0;  // how many of the first settings never reach the hub
   std::vector<Settings> settings_;
   std::vector<MaterialRequest> requests_;
   std::int64_t began_ns_ = 0;
@@ -150,7 +150,7 @@ constexpr MaterialChange kSoft{.given = MaterialChange::kStiffness, .stiffness_n
 
 TEST_F(ApplySettingsTest, AMaterialIsInUseOnceTheHapticsNodeConfirmsThatRequest) {
   setup_.emplace();
-  materials_ = MaterialState{.request = 2};  // the reply to another one: those of tools are odd
+  materials_ = MaterialState{.request = 2};  // the reply to another request: those of tools have odd numbers
   const auto all = apply({.material = kSoft});
   ASSERT_TRUE(all) << all.error().what;
   EXPECT_EQ(*all, "hub the-hub: servo rate 1000 Hz; material of all objects in use");

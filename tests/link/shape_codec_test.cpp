@@ -1,4 +1,4 @@
-// What a datagram may say of the shapes of objects that programs deform.
+// What datagrams may contain about the shapes of objects that programs deform.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -35,7 +35,7 @@ TEST_F(ShapeCodecTest, APartComesAsItWasSent) {
   }
 }
 
-// What a slot had from a fuller part before is gone.
+// A decoded part keeps nothing of a longer part that the same message object held before.
 TEST_F(ShapeCodecTest, AShorterPartHasNothingOfTheOneBefore) {
   ShapeRequest full = good;
   full.part = {.total = 150};

@@ -21,7 +21,7 @@ class ShapeOutboxTest : public testing::Test {
   ShapeOutboxTest() {
     for (int n = 0; n < 50 && client_.state() != JoinState::joined; ++n) turn();
   }
-  // A millisecond: what is due is sent, and the hub receives it.
+  // Lets 1 ms pass: the outbox sends the parts that are due, and the hub receives them.
   void turn() {
     Datagram datagram;
     outbox_.send(client_, clock_.now_ns());
@@ -73,7 +73,7 @@ TEST_F(ShapeOutboxTest, SendsAShapeInPartsAFewAtATime) {
 TEST_F(ShapeOutboxTest, OfThoseThatWaitTheNewestIsSent) {
   const Displacements shape(640);  // ten parts
   ASSERT_TRUE(outbox_.give("skin", shape, 0.0));
-  turn();  // it has begun
+  turn();  // the first shape has begun
   for (int n = 0; n < 5; ++n) ASSERT_TRUE(outbox_.give("skin", shape, 0.0));
   ASSERT_TRUE(outbox_.give("#3", shape, 0.0)) << "another object";
   for (int n = 0; n < 20; ++n) turn();
@@ -118,7 +118,7 @@ TEST_F(ShapeOutboxTest, WithoutAReplyTheErrorSaysHowLongItWaited) {
   EXPECT_TRUE(outbox_.is_empty()) << "and it is not sent any more";
 }
 
-// Between the end of the time and giving up, another thread may take the reply.
+// Another thread may take the reply after the time to wait has ended, but before the waiting thread gives up.
 TEST_F(ShapeOutboxTest, AReplyAtTheLastMomentCounts) {
   const auto number = outbox_.give("skin", Displacements(100), 0.0, true);
   for (int n = 0; n < 5; ++n) turn();

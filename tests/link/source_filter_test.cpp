@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// True if a datagram from there arrives.
+// True if a datagram that `from` sends arrives at `to`.
 bool passes(Endpoint& from, Endpoint& to) {
   const std::array<std::byte, 20> datagram = {};
   std::array<std::byte, kMaxDatagramBytes> into = {};
@@ -30,7 +30,7 @@ void only_the_peer_passes(const char* at) {
     EXPECT_TRUE(passes(*peer, *node));
     EXPECT_FALSE(passes(*other, *node));
   }
-  // Another peer takes its place.
+  // Now the other endpoint is the peer.
   ASSERT_TRUE(node->accept_only(other->local_address()));
   EXPECT_TRUE(passes(*other, *node));
   EXPECT_FALSE(passes(*peer, *node));

@@ -83,7 +83,7 @@ TEST(StreamEndpoint, TwoConnectSpeakAndPart) {
   EXPECT_FALSE(client.endpoint->send(id, bytes_of("gone")));
 }
 
-// errno is that of the last call that failed, whoever made it.
+// errno belongs to the last call that failed, whichever code made that call.
 TEST(StreamEndpoint, AnErrorOfAnotherCallClosesNoConnection) {
   Party server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
@@ -138,7 +138,7 @@ TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
   EXPECT_EQ(server.closed.size(), 1U);
 }
 
-// Before the connection is there nothing leaves, so the count is exact.
+// Nothing is sent before the connection is established, so the count of waiting bytes is exact.
 TEST(StreamEndpoint, AsMuchAsIsAllowedWaitsAndNoByteMore) {
   Party server, client;
   const auto full = client.endpoint->connect(server.endpoint->local_address());
@@ -186,7 +186,7 @@ TEST(StreamEndpoint, AConnectionThatIsGivenUpTakesNoSlotFromTheNext) {
   EXPECT_NE(client.endpoint->connect(to), 0U) << "before the next wait";
 }
 
-// The socket of this process that is connected to that port; -1: there is none.
+// The socket of this process that is connected to this port; -1: no socket is.
 int find_socket_to(std::uint16_t port) {
   for (int socket = 0; socket < 1024; ++socket) {
     sockaddr_in peer = {};
@@ -197,7 +197,7 @@ int find_socket_to(std::uint16_t port) {
   return -1;
 }
 
-// A host that is switched off cannot be made here: the kernel is told to notice it.
+// A test cannot switch off a host. It checks the options by which the kernel notices that a host no longer replies.
 TEST(StreamEndpoint, AHostThatNoLongerRepliesIsNoticed) {
   Party server, client;
   ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
@@ -217,7 +217,7 @@ TEST(StreamEndpoint, AHostThatNoLongerRepliesIsNoticed) {
   }
 }
 
-// Makes room by its oldest connection.
+// Evicts its oldest connection to make room for a new one.
 struct GivesUpTheOldest final : StreamEndpoint::Listener {
   std::vector<StreamEndpoint::Id> open;
   std::size_t connected = 0;
@@ -232,7 +232,7 @@ struct GivesUpTheOldest final : StreamEndpoint::Listener {
   StreamEndpoint::Id choose_connection_to_evict() override { return open.empty() ? 0 : open.front(); }
 };
 
-// Of those that connected between two waits each gave up the same one, and all were let in.
+// Connections that arrived between two waits used to evict the same old one each, so that all of them were let in, beyond the limit.
 TEST(StreamEndpoint, EachThatConnectsAtOnceTakesAnotherOnesPlace) {
   constexpr std::size_t kAtOnce = 8;
   const auto server = StreamEndpoint::open("127.0.0.1:0", 3883);
@@ -263,8 +263,8 @@ TEST(StreamEndpoint, EachThatConnectsAtOnceTakesAnotherOnesPlace) {
   for (const int caller : callers) ::close(caller);
 }
 
-// A caller that cannot be let in for want of a descriptor used to wake every wait at once, for ever.
-// Nor does data at another descriptor wake it meanwhile: standard output is a socket under some supervisors.
+// If no descriptor is left, a caller cannot be let in. Such a caller used to end every wait at once, for ever.
+// Data at another descriptor must not end the waits either: standard output is a socket under some supervisors.
 TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   Party server;
   std::fflush(stdout);
@@ -294,7 +294,7 @@ TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   for (const int each : {output, ready[0], ready[1]}) ::close(each);
   EXPECT_LT(waits, 30);
   EXPECT_GT(waits, 2) << "but it looks again before the end of a long wait";
-  // And it continues when there is one again.
+  // It lets the caller in when a descriptor is free again.
   EXPECT_TRUE(until({&server}, [&] { return server.peers.size() == 1; }));
   ::close(caller);
 }
@@ -316,7 +316,7 @@ TEST(StreamEndpoint, AnAddressThatCannotBeOpenedIsReported) {
   EXPECT_THAT(StreamEndpoint::open("127.0.0.1:x", 1).error().what, HasSubstr("port 'x'"));
 }
 
-// A VRPN client gets its positions by datagrams.
+// A VRPN server sends its positions to the clients in datagrams.
 TEST(StreamEndpoint, OneOfIpv6SendsDatagramsToClientsOfIpv4) {
   Party server("[::]:0");
   if (!server.endpoint) GTEST_SKIP() << "this machine has no IPv6";

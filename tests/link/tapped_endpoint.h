@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// An endpoint with an attacker on the wire: he sees all incoming datagrams, and injects what he likes under any address.
+// An endpoint with an attacker on the wire, who sees all incoming datagrams and injects any datagrams under any address.
 class TappedEndpoint final : public Endpoint {
  public:
   struct Arrived {
@@ -22,12 +22,12 @@ class TappedEndpoint final : public Endpoint {
 
   void put_in(const Address& from, std::vector<std::byte> bytes) { put_in_.push_back({from, std::move(bytes)}); }
   const std::vector<Arrived>& arrived() const { return arrived_; }
-  // As if the socket had skipped this many oversized datagrams.
+  // Counts as if the socket had skipped this many oversized datagrams.
   void put_in_oversized(const Address& from, std::uint64_t count) {
     counts_.last_oversized = from;
     counts_.oversized += count;
   }
-  // How many datagrams were sent from here.
+  // The number of datagrams that were sent from this endpoint.
   std::size_t sent() const { return sent_; }
 
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override {
@@ -52,9 +52,9 @@ class TappedEndpoint final : public Endpoint {
   Address local_address() const override { return endpoint_->local_address(); }
   SocketCounts socket_counts() const noexcept override { return counts_; }
   void expect(const Address& from, std::uint32_t connection) noexcept override { expected_.emplace_back(from, connection); }
-  // The addresses and sessions from which the hub expects data.
+  // The addresses and connection numbers from which the hub expects datagrams.
   const std::vector<std::pair<Address, std::uint32_t>>& expected() const { return expected_; }
-  // As if a filter in the kernel had dropped this many.
+  // Counts as if a filter in the kernel had dropped this many datagrams.
   void filter(std::uint64_t count) { counts_.filtered += count; }
 
  private:

@@ -43,7 +43,7 @@ class UdpEndpointTest : public testing::Test {
   Received received_;
 };
 
-// Boost's context throws when it gets no descriptor: at eight of them io_node aborted.
+// Boost's io_context throws if it gets no descriptor: with a limit of eight, io_node used to abort.
 TEST(UdpEndpointLimits, TooFewDescriptorsAreOneClearLine) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "sanitizers need descriptors of their own to look at an exception";
@@ -126,7 +126,7 @@ TEST_F(UdpEndpointTest, APreparedWaitEndsWithADatagramOrAtItsDeadline) {
     EXPECT_LT(clock_.now_ns(), deadline_ns + 30 * kNanosecondsPerSecond);
     EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);
     EXPECT_GE(clock_.now_ns(), deadline_ns);
-    EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);  // past by now
+    EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);  // the deadline has passed
   }
   b->prepare_wait(1);
   b->prepare_wait(-5);
@@ -139,7 +139,7 @@ TEST_F(UdpEndpointTest, APastDeadlineOnlyTakesWhatIsThere) {
   EXPECT_EQ(receive(*b, -kMs), "");
   a->send(b->local_address(), bytes_of("1"));
   a->send(b->local_address(), bytes_of("2"));
-  // The kernel may deliver in a thread of its own.
+  // The kernel may deliver the datagrams later, in a thread of its own.
   EXPECT_TRUE(wait_until([&] { return receive(*b, -kMs) == "1"; }));
   EXPECT_TRUE(wait_until([&] { return b->receive(buffer_, 0).bytes == 1U; }));
   EXPECT_EQ(b->receive(buffer_, std::numeric_limits<std::int64_t>::min() / 2).bytes, 0U);
@@ -151,7 +151,7 @@ TEST_F(UdpEndpointTest, IgnoresThatAPeerIsNotThere) {
   const Address gone = open("127.0.0.1:0")->local_address();
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(a->send(gone, bytes_of("anyone?")));
-    EXPECT_EQ(receive(*a, kMs), "");  // the rejection comes back here
+    EXPECT_EQ(receive(*a, kMs), "");  // the ICMP error of the closed port arrives at this socket
   }
   a->send(gone, bytes_of("anyone?"));
   EXPECT_TRUE(a->send(b->local_address(), bytes_of("hello")));
@@ -237,7 +237,7 @@ TEST_F(UdpEndpointTest, UsesNoHeapForADatagram) {
   EXPECT_EQ(received, 800U);
 }
 
-// A tool that asks the hub for its state once a second opens one each time.
+// A tool that asks the hub for its state once a second opens an endpoint each time.
 TEST_F(UdpEndpointTest, IsClosedAgain) {
   EXPECT_FALSE(leaves_files_open([&] { const auto endpoint = open("127.0.0.1:0"); }));
 }

@@ -31,7 +31,7 @@ using ::testing::StartsWith;
 constexpr std::int64_t kPatienceNs = 30'000'000'000;
 constexpr std::int64_t kSoonNs = 50'000'000;
 
-// Does with one connection what the test says, in a thread of its own.
+// Accepts one connection and serves it as the test says, in a thread of its own.
 class Service {
  public:
   explicit Service(std::function<void(tcp::socket&)> serve) : acceptor_(context_, {asio::ip::address_v4::loopback(), 0}) {
@@ -43,7 +43,7 @@ class Service {
     });
   }
   ~Service() {
-    // Whoever still waits for a connection gets one.
+    // Ends the wait for a connection if the thread still waits for one.
     error_code ignored;
     tcp::socket(context_).connect(acceptor_.local_endpoint(), ignored);
     thread_.join();
@@ -56,7 +56,7 @@ class Service {
   std::thread thread_;
 };
 
-// Until the client has gone.
+// Reads until the client has closed the connection.
 void read_all(tcp::socket& socket) {
   std::array<char, 256> block;
   error_code error;
@@ -120,7 +120,7 @@ TEST(WebSocketEndpoint, WithoutAListenerThereIsNone) {
   EXPECT_FALSE(WebSocketEndpoint::connect(nobody, kPatienceNs));
 }
 
-// A message of more than a megabyte would fill the memory; one that does not come in time ends the connection.
+// A message of more than a megabyte could fill the memory, so it ends the connection. So does a message that does not come in time.
 TEST(WebSocketEndpoint, WhatIsTooLongOrTooLateEndsTheConnection) {
   for (const bool is_long : {true, false}) {
     Service service([is_long](tcp::socket& socket) {
