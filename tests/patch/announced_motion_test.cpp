@@ -35,7 +35,7 @@ TEST(AnnouncedMotion, AMoveThatIsKnownBeforeItBeginsIsTheMoveItself) {
   EXPECT_FALSE(motion.accept_in_contact(announced(19, 10.0, 11.0, {}, Vec3::Zero()), 10.0)) << "not newer";
 }
 
-// However late each comes, no point of the body jumps, and it ends where the move ends.
+// However late each move comes, no point of the body jumps, and the body ends where the move ends.
 TEST(AnnouncedMotion, AMoveThatComesLateGoesToTheSameEndWithoutAJump) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> late_s(0.0, 1.0);
@@ -74,7 +74,7 @@ TEST(AnnouncedMotion, AMoveThatIsTooFastIsSlowed) {
   EXPECT_NEAR(motion.pose_at(100.0).translation().x(), 1.0, 1e-12);
 }
 
-// Before anything is felt: a hub that comes later knows the newest move only.
+// Before anything is felt, a move is taken as it is: a hub that starts later knows only the newest move.
 TEST(AnnouncedMotion, BeforeTheFirstKnownMoveItStandsWhereThatBegan) {
   AnnouncedMotion motion(kAnnouncedPivot, kRadius);
   const Keyframe from{5.0, kAnnouncedPivot + Vec3(0.2, 0, 0), Quat::Identity()};
@@ -85,7 +85,7 @@ TEST(AnnouncedMotion, BeforeTheFirstKnownMoveItStandsWhereThatBegan) {
   EXPECT_FALSE(motion.accept(announced(17, 5.0, 6.0, from, kAnnouncedPivot)));
 }
 
-// The move before it never came: it is in time, but does not begin where the body is.
+// The earlier move never came. This one is in time, but does not begin where the body is.
 TEST(AnnouncedMotion, AMoveInTimeThatBeginsElsewhereMovesWithoutAJump) {
   AnnouncedMotion motion(kAnnouncedPivot, kRadius);
   const Keyframe elsewhere{0.0, kAnnouncedPivot + Vec3(0.02, 0, 0), Quat::Identity()};

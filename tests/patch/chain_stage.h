@@ -25,7 +25,7 @@
 
 namespace hapton {
 
-// The scene on the grid that its tiles have, and in the local frame of its patches: the same surface, touched whole.
+// The scene on the grid of its tiles and in the local frame of its patches: touched as a whole, it then has exactly their surface.
 inline TouchScene on_patch_grid(TouchScene scene) {
   const PatchGrid grid = make_tiles(scene).grid;
   for (TouchObject& object : scene.objects) {
@@ -37,11 +37,11 @@ inline TouchScene on_patch_grid(TouchScene scene) {
   return scene;
 }
 
-// All parts of a scene that moves, as messages: in order, as an ideal link brings them.
+// All parts of a scene that moves, as messages in the order in which an ideal link delivers them.
 inline std::vector<Message> parts_of(const TiledScene& tiled, std::uint32_t epoch = 1) {
   std::vector<Message> parts;
   PatchSource source(tiled, 0.0, 7, epoch, {.bits_per_s = 1e15, .least_reach_m = 1e3});
-  PatchStore store;  // what it has is not sent again
+  PatchStore store;  // confirms parts, which are then not sent again
   std::int64_t last_ns = 1'000'000'000;
   for (std::int64_t now_ns = last_ns; now_ns - last_ns < 50'000'000; now_ns += 1'000'000) {
     while (auto part = source.take(now_ns)) {
@@ -54,7 +54,7 @@ inline std::vector<Message> parts_of(const TiledScene& tiled, std::uint32_t epoc
   return parts;
 }
 
-// The body is whole once all parts are there, whatever kind comes last; and again in the next epoch.
+// Expects that the body is complete once all parts are there, whichever kind of part comes last; each kind is tried in its own epoch.
 template <class... Last>
 void expect_known_whichever_is_last(const TiledScene& tiled, std::uint32_t body) {
   PatchStore store;
@@ -68,12 +68,12 @@ void expect_known_whichever_is_last(const TiledScene& tiled, std::uint32_t body)
   (expect_known_with_last([](const Message& part) { return std::holds_alternative<Last>(part); }), ...);
 }
 
-// A scene that moves, touched whole and by patches of its bodies, on an ideal link: the same samples, the same scene time.
+// A scene that moves, touched as a whole and by patches of its bodies over an ideal link, with the same samples at the same scene time.
 class ChainStage {
  public:
   static constexpr double kStepS = 1e-3;
 
-  // few: triangles of a patch. Pre: the scene is on the grid.
+  // few: as in PatchMaker. Pre: the scene is on the grid.
   explicit ChainStage(const TouchScene& scene, std::size_t few = PatchMaker::kFewTriangles) {
     whole_ = std::make_unique<TouchStep>(*make_method({}, scene), scene);
     const TiledScene tiled = make_tiles(scene);
@@ -87,12 +87,12 @@ class ChainStage {
     TouchOutput whole;
   };
 
-  // may_make: patches that are due.
+  // may_make: makes the patches that are due.
   Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity(), bool may_make = true) {
     time_s_ += kStepS;
     const TouchInput input{.p_WD = p_WD, .X_WS = X_WS, .dt_s = kStepS, .time_s = time_s_};
     if (is_first_) whole_->reset(input);
-    // Before the first step there is no hand: patches that are there then are made where it will be.
+    // Patches need a hand, and before the first step there is none: the first patches are made where the hand will be.
     TouchInput before = input;
     before.dt_s = before_s_;
     if (std::exchange(is_first_, false)) (void)chain_.step(before);
@@ -100,13 +100,13 @@ class ChainStage {
     return {chain_.step(input), whole_->step(input)};
   }
 
-  // The haptics node decides it; the hub knows of it when it gets it.
+  // decide: the haptics node decides the move, which the whole scene makes. announce: the hub gets it, and so do the patches.
   bool decide(const ObjectMove& move) { return whole_->command(move.object, to_command(move)); }
   void announce(const ObjectMove& move) {
     (void)moves_.take(move);
     chain_.note_moves(moves_);
   }
-  // The same for a shape of an object that programs deform: the displacement of each vertex, m. Returns whether the surface takes it.
+  // The same for a shape of an object that programs deform: the displacement of each vertex, m. False: the surface does not take the shape.
   using Shape = std::vector<ShapePart::Displacement>;
   bool deform(const ShapeStart& start, const Shape& shape) {
     StreamedMethod& method = *whole_->find_streamed(start.object);
@@ -128,7 +128,7 @@ class ChainStage {
   const CommandedMotion* find_commanded(int object) const { return whole_->find_commanded(object); }
 
   double time_s() const { return time_s_; }
-  // Both before the first step. The chain's time begins with it, as that of the whole scene does: almost none has passed before.
+  // Call both before the first step. begin_together: the chain's scene time begins with that step, as the whole scene's does.
   void begin_together() { before_s_ = 1e-12; }
   void skip_to(double time_s) { time_s_ = time_s; }
   PatchChain& chain() { return chain_; }
@@ -144,13 +144,13 @@ class ChainStage {
       make_stages(link);
       auto patch = makers_[link].make_if_due(store_, 0);
       if (patch == nullptr) continue;
-      makers_[link].note_made(1.0);  // it takes so long that the next one has to be small
+      makers_[link].note_made(1.0);  // so long that the next one has to be small
       (void)chain_.offer(link, std::move(patch));
       make_stages(link);
     }
   }
 
-  // As LocalPatch and PatchThread exchange them: one waits to be taken.
+  // Passes stages on as PatchThread and LocalPatch do: one at a time waits until the chain takes it.
   void make_stages(std::size_t link) {
     std::unique_ptr<PatchShape>& stage = stages_[link];
     for (bool is_taken = true; is_taken;) {
@@ -162,8 +162,8 @@ class ChainStage {
 
   std::unique_ptr<TouchStep> whole_;
   PatchStore store_;
-  std::vector<PatchMaker> makers_;                                      // of the bodies
-  std::array<std::unique_ptr<PatchShape>, PatchChain::kLinks> stages_;  // on their way to the chain
+  std::vector<PatchMaker> makers_;                                      // one for each body
+  std::array<std::unique_ptr<PatchShape>, PatchChain::kLinks> stages_;  // made, but not yet taken by the chain
   PatchChain chain_;
   MoveTable moves_;
   double time_s_ = 0.0;

@@ -1,4 +1,4 @@
-// Touch of surfaces that deform, from their parts, against touch of the whole scene.
+// Compares touch by patches of surfaces that deform with touch of the whole scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-// How far a cushion rises or bulges there, exact as a float.
+// A displacement that is exact as a float, as messages carry it.
 Vec3 rounded_to_floats(const Vec3& v) { return v.cast<float>().cast<double>(); }
 
 template <class Displacement>
@@ -31,7 +31,7 @@ MorphTarget cushion_target(const TriangleMesh& mesh, Displacement&& displacement
   return target;
 }
 
-// A sheet of 40 mm whose middle rises by 4 mm in one target, and which leans to a side in another, again and again.
+// A sheet of 40 mm that deforms in a loop: in one target its middle rises by 4 mm, in another the sheet leans to a side.
 TouchObject cushion(double friction = 0.0) {
   TouchObject object{made::shared(made::sheet(0.02, 0.002, 24)),
                      {.stiffness_n_per_m = 800.0, .friction_static = friction, .friction_dynamic = 0.8 * friction}};
@@ -46,7 +46,7 @@ TouchObject cushion(double friction = 0.0) {
   return object;
 }
 
-// A floor beneath, and a cushion on it that deforms; it may slide as well.
+// A floor, and on it a cushion that deforms; `slides`: the cushion also moves by keyframes.
 TouchScene cushion_on_floor(double friction = 0.0, bool slides = false) {
   TouchScene scene;
   scene.objects.push_back({made::shared(made::sheet(0.05, 0.0, 10)), cushion(friction).material});
@@ -62,7 +62,7 @@ TouchScene cushion_on_floor(double friction = 0.0, bool slides = false) {
   return on_patch_grid(scene);
 }
 
-// Pressed in, to and fro, up and down, and off the edge of the cushion now and then.
+// The hand presses in, moves to and fro, up and down, and now and then off the edge of the cushion.
 Vec3 cushion_hand(double t_s) { return {0.03 * std::sin(2.1 * t_s), 0.009 * std::cos(1.3 * t_s), 0.0045 + 0.0055 * std::cos(5.0 * t_s)}; }
 
 TEST(DeformingPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
@@ -88,7 +88,7 @@ TEST(DeformingPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
   }
 }
 
-// The largest difference to the whole scene's force, where the parts come age_s after that step, with the hand pressed in before.
+// The largest difference to the force on the whole scene if the patches come age_s after step `begin`, with the hand pressed in before.
 double find_worst_after(double friction, int begin, double age_s) {
   const TouchScene scene = cushion_on_floor(friction);
   ChainStage stage(scene);
@@ -120,20 +120,20 @@ double find_worst_after(double friction, int begin, double age_s) {
   return worst_n;
 }
 
-// Its parts come while the hand presses on it: where contact was, and when, is known from the replies. It sinks at 0.3 s and rises at 0.45
-// s.
+// The parts of the cushion come while the hand presses on it. Where contact was, and when, is known from the replies of the haptics node.
+// The cushion sinks at 0.3 s and rises at 0.45 s.
 TEST(DeformingPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
   for (const double friction : {0.0, 0.3}) {
     for (const int begin : {300, 450}) {
       for (const double age_s : {0.0, 0.02, 0.15}) {
-        // What friction held before the parts came is not known.
+        // The chain does not know what friction held before the parts came.
         EXPECT_LT(find_worst_after(friction, begin, age_s), friction == 0.0 ? 1e-9 : 0.3) << friction << " " << begin << " " << age_s;
       }
     }
   }
 }
 
-// With so many keys that they take several messages, and another body that moves beside it, whose tiles follow.
+// The cushion has so many keys that they take several messages. The tiles of a body that programs move beside it come after its own.
 TouchScene busy_cushion() {
   TouchScene scene = cushion_on_floor();
   std::vector<MorphKey> keys;
@@ -166,7 +166,7 @@ TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
   ASSERT_GT(
       std::count_if(of_cushion.begin(), of_cushion.end(), [](const Message& m) { return std::holds_alternative<PatchDeformation>(m); }), 2);
   for (const Message& part : of_cushion) {
-    // No shape is nearer than its highest one.
+    // The radius ends at the highest shape that the cushion can have.
     const double known_m = store.known_radius(above, 1);
     EXPECT_GT(known_m, 0.0125);
     EXPECT_LT(known_m, 0.0142);
@@ -209,7 +209,7 @@ TEST(DeformingPatch, SeveralObjectsThatDeformAreEachSentWhole) {
   }
 }
 
-// Every vertex of the joined mesh is at all times where that of the scene is which has its place at rest.
+// Each vertex of the joined mesh is always where the scene's vertex is that has the same position at rest.
 TEST(DeformingPatch, HasTheShapesOfTheScene) {
   const TouchScene scene = cushion_on_floor();
   PatchStore store;
@@ -235,7 +235,7 @@ TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
   EXPECT_FALSE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.001)) << "a ball cannot feel what deforms";
   EXPECT_FALSE(make_tiles(cushion_on_floor()).has_parting);
 
-  // Vertices at one place that move alike are one.
+  // Vertices at the same position that move alike count as one.
   TouchScene doubled = cushion_on_floor();
   TriangleMesh seam = *doubled.objects[1].mesh;
   const MeshDeformation& own = *doubled.objects[1].deformation;
@@ -272,7 +272,7 @@ TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
   EXPECT_TRUE(make_tiles(parting).has_parting);
 }
 
-// What no scene may do is never felt, and never confirmed.
+// A deformation that no scene can have is never felt.
 TEST(DeformingPatch, ImpossibleDeformationsAreRejected) {
   const TiledScene tiled = make_tiles(cushion_on_floor());
   const auto is_felt = [&](auto&& change) {

@@ -54,7 +54,7 @@ TEST(DevicePath, KeepsItsLengthItsTimeAndItsNewestPlaceWhenFull) {
   EXPECT_LE(widest, 4.0 * kPlaces / DevicePath::kMax) << "no coarser at its old end than at its new one";
 }
 
-// A hand that rests takes no room, however long, and its noise little.
+// A hand at rest takes no room in the path, however long it rests, and its noise takes little.
 TEST(DevicePath, ARestTakesNoRoomFromWhatCameBefore) {
   DevicePath path = path_of(100);
   for (int i = 0; i < 5000; ++i) path.push({Vec3(99.0, 0.0, 0.0), 1e-3});
@@ -67,7 +67,7 @@ TEST(DevicePath, ARestTakesNoRoomFromWhatCameBefore) {
   EXPECT_LE(widest, 4.0);
 }
 
-// The ring begins anywhere.
+// The oldest position may be anywhere in the ring.
 TEST(DevicePath, IsThinnedOutWhereverItBegins) {
   DevicePath path = path_of(DevicePath::kMax);
   for (int i = 0; i < 301; ++i) path.pop();

@@ -182,7 +182,7 @@ TEST(EffectCodec, TakesNothingThatNoSceneMayHave) {
   }
 }
 
-// Whatever bytes come: an error or effects, and never more memory than a small multiple of them.
+// For any bytes decode_effects() returns effects or an error.
 TEST(EffectCodec, EndsWithAnyBytes) {
   const std::string good = encode_effects(one_of_each());
   std::mt19937_64 random(61);

@@ -1,4 +1,4 @@
-// The effects of a scene over patches of it, against those of the whole scene.
+// Compares the effects of a scene on patches of it with those on the whole scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 
 enum class Under : std::uint8_t { stands, moves, programmed, deforms };
 
-// A block with these effects, on a floor without any; that they do not stop at its edge is seen by what comes after.
+// A block with these effects, on a floor without any. The steps on the floor show whether the effects end rightly at the block's edge.
 TouchScene block_on_floor(const NamedEffects& effects, Under under, double friction = 0.0) {
   const Material material{.stiffness_n_per_m = kFloorStiffness, .friction_static = friction, .friction_dynamic = 0.8 * friction};
   TouchScene scene;
@@ -53,8 +53,8 @@ TouchScene block_on_floor(const NamedEffects& effects, Under under, double frict
   return on_patch_grid(scene);
 }
 
-// Taps the block, slides over it with changing depth, leaves it by less than the range of a snap and comes again; with reach_m above the
-// block's 20 mm it goes down beside it as well.
+// Taps the block, slides over it with changing depth, leaves it by less than the range of a snap and comes back. If reach_m is more than
+// the block's 20 mm, the hand goes down beside the block as well.
 Vec3 hand_on_block(double t_s, double reach_m = 0.024) {
   return {reach_m * std::sin(2.3 * t_s), 0.012 * std::cos(3.1 * t_s), 0.004 * std::cos(17.0 * t_s) - 0.0028};
 }
@@ -82,8 +82,8 @@ Difference compare_block(const TouchScene& scene, int steps, double reach_m = 0.
   return found;
 }
 
-// Images and their triangles are rounded on the way, all else only where bodies share the proxy (CommonProxy), and where two triangles that
-// deform meet.
+// Messages round images and their triangles. All else is rounded only where bodies share the proxy (CommonProxy), and where two triangles
+// that deform meet.
 double tolerance_n(const NamedEffects& effects, const Difference& found) {
   return (std::string(effects.name).ends_with("map") ? 1e-4 : 1e-6) * found.most_n;
 }
@@ -157,7 +157,7 @@ class OneBody final : public BodyPlaces {
   std::optional<SurfacePlace> place(std::size_t, int) const noexcept override { return std::nullopt; }
 };
 
-// What a patch gives of a floor at z = 0, as object 2.
+// The output of a patch for a floor at z = 0, which is object 2.
 std::optional<PatchOutput> on_floor(double z, bool is_beyond) {
   if (z >= 0.0) return PatchOutput{.is_beyond = is_beyond};
   return PatchOutput{.force_n = {0, 0, -kFloorStiffness * z},
@@ -167,7 +167,7 @@ std::optional<PatchOutput> on_floor(double z, bool is_beyond) {
                      .object = is_beyond ? -1 : 2};
 }
 
-// A needle in the second layer: past the edge of a patch the plane holds it as the surface did, and no layer is whole again.
+// A needle in the second layer: past the edge of a patch the plane holds it as the surface did, and punctured layers stay punctured.
 TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   SceneEffectSet effects;
   effects.surfaces.resize(3);
@@ -193,7 +193,7 @@ TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9) << "another contact there, of nobody knows what";
 }
 
-// As after the hand was away: the layers are whole, and the time of effects begins again.
+// forget() acts as if the hand had been away: layers are whole again, and the time of effects starts again.
 TEST(EffectPatches, ForgetsContactAndTime) {
   SceneEffectSet effects;
   effects.surfaces.resize(3);
@@ -215,7 +215,7 @@ TEST(EffectPatches, ForgetsContactAndTime) {
   EXPECT_EQ(feel_all(), first);
 }
 
-// The scene has come again while the hand moves: a damper in free space goes on with its speed.
+// The scene comes again while the hand moves: a damper in free space continues with the speed of the hand.
 TEST(EffectPatches, BodiesThatReplaceOthersGoOnWithTheSpeedOfTheHand) {
   TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
   scene.effects = {ViscousEffect{.damping_ns_per_m = 5.0, .volume = EffectVolume::everywhere()}};
@@ -232,7 +232,7 @@ TEST(EffectPatches, BodiesThatReplaceOthersGoOnWithTheSpeedOfTheHand) {
   EXPECT_NEAR(after.patch->force_n.z(), -5.0 * 0.01, 1e-9);
 }
 
-// Of a hostile haptics node: thousands of surfaces, and one list of triangles.
+// A hostile haptics node may send thousands of surfaces with one list of triangles.
 TEST(EffectPatches, SurfacesWithTheSameTrianglesPrepareThemOnce) {
   constexpr std::size_t kSurfaces = 100;
   const SurfaceEffects mapped_block = with_map(made::box({-0.02, -0.02, -0.01}, {0.02, 0.02, 0.0}), &SurfaceMaps::stiffness, 0.2, 1.0);
@@ -245,7 +245,7 @@ TEST(EffectPatches, SurfacesWithTheSameTrianglesPrepareThemOnce) {
       << "of each surface and each finder, and of what is prepared";
 }
 
-// Where patches give no force it is not known what they would give: there is no contact, and nothing is made up.
+// If the patches give no output, it is unknown what they would give: then effects add no force and no contact.
 TEST(EffectPatches, AddsNothingToNoForce) {
   SceneEffectSet effects;
   effects.space = {ConstantEffect{.force_n = {1, 0, 0}}};

@@ -1,4 +1,4 @@
-// Touch of a scene that moves, by patches of its bodies, against touch of the whole scene.
+// Compares touch of a scene that moves, by patches of its bodies, with touch of the whole scene.
 #include "patch/patch_chain.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ Material chain_material(double friction = 0.0) {
 
 TouchObject chain_object(TriangleMesh mesh, double friction = 0.0) { return {made::shared(std::move(mesh)), chain_material(friction)}; }
 
-// A floor; a piston that comes up through it, turns and goes down again and again; a platform that programs move; a wheel that turns.
+// A floor; a piston that comes up through it, turns and goes down again and again; a platform that programs move.
 TouchScene machine(double friction = 0.0) {
   TouchScene scene;
   scene.objects.push_back(chain_object(made::sheet(0.05, 0.0, 30), friction));
@@ -53,7 +53,7 @@ ObjectMove platform_move(std::uint32_t serial, double begin_s, double end_s, con
   return move;
 }
 
-// Over the piston, then over the floor, then on the platform: pressed in, and moving sideways.
+// Over the piston, then over the floor, then on the platform. The hand presses in and moves sideways.
 Vec3 chain_hand(double t_s) {
   const double press = std::clamp((t_s - 0.05) / 0.2, 0.0, 1.0);
   const double over = std::clamp((t_s - 1.5) / 1.0, 0.0, 1.0);
@@ -78,7 +78,7 @@ void compare(const ChainStage::Felt& felt, Compared& compared) {
   const double whole_n = felt.whole.force_n.norm();
   compared.largest_n = std::max(compared.largest_n, whole_n);
   const double error_n = (felt.patch->force_n - felt.whole.force_n).norm();
-  // A force that is a rounding error of its stiffness times a coordinate has no relative accuracy.
+  // A force that is only rounding of a coordinate, times the stiffness, has no relative accuracy.
   compared.worst = std::max(compared.worst, error_n / std::max(whole_n, 1e-3));
 }
 
@@ -89,7 +89,7 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
     Keyframe at{0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()};
     for (int n = 1; n < 6000; ++n) {
       if (n % 700 == 400) {
-        // Announced a tenth of a second ahead.
+        // The move is announced 0.1 s before it begins.
         const double begin_s = stage.time_s() + 0.1;
         const Vec3 to = Vec3(0.03, 0.0, 0.003) + Vec3(0.002, 0.001, n % 1400 == 400 ? 0.006 : 0.0);
         at = stage.find_commanded(kPlatform)->keyframe_at(begin_s);
@@ -99,8 +99,8 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
       }
       ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
     }
-    // Parts agree to 2^-26 of what holds the proxy (CommonProxy).
-    // With friction they may be felt once more or once less where that is close.
+    // Parts agree to 2^-26 of the longest share of them (CommonProxy).
+    // With friction a part that is close to that limit may be felt once more or once less than in the whole scene.
     EXPECT_LT(compared.worst, friction == 0.0 ? 1e-9 : 0x1p-26) << friction;
     EXPECT_GT(compared.in_contact, 3000);
     EXPECT_GT(compared.on_object[0], 40);
@@ -112,7 +112,7 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
   }
 }
 
-// Also where the scene itself is turned by a view.
+// The same holds if a view transform turns the scene.
 TEST(PatchChain, IsFeltAlikeInATurnedView) {
   ChainStage stage(machine());
   Compared compared;
@@ -124,8 +124,8 @@ TEST(PatchChain, IsFeltAlikeInATurnedView) {
   EXPECT_GT(compared.in_contact, 1000);
 }
 
-// Patches of few triangles: each body hands over from one to the next in its own frame, while it moves. The proxy starts again from where
-// it was, so what is left is the contact offset.
+// Patches of few triangles: each body passes from one patch to the next in its own frame, while it moves. The proxy starts again from its
+// old position, so at most a difference of the contact offset is left.
 TEST(PatchChain, PatchesThatFollowTheHandGiveTheSameForce) {
   TouchScene scene = machine();
   scene.objects[0].mesh = made::shared(made::sheet(0.05, 0.0, 60));
@@ -138,7 +138,7 @@ TEST(PatchChain, PatchesThatFollowTheHandGiveTheSameForce) {
   EXPECT_GT(compared.in_contact, 800);
 }
 
-// No new patch comes, and the hand goes on beyond the edge of the one there is.
+// No new patch comes, and the hand goes past the edge of the present one.
 TEST(PatchChain, CountsWhatItsBodiesCount) {
   TouchScene scene = machine();
   scene.objects[0].mesh = made::shared(made::sheet(0.05, 0.0, 60));
@@ -150,15 +150,15 @@ TEST(PatchChain, CountsWhatItsBodiesCount) {
   for (int n = 1; n < 60; ++n) (void)stage.step({0.03 - 0.001 * n, -0.03, -0.001}, Pose::Identity(), false);
   EXPECT_EQ(stage.chain().counts().beyond, 1U);
   EXPECT_GT(stage.chain().counts().beyond_steps, 10U);
-  // With new patches the probe follows the way that the hand has made meanwhile.
+  // When new patches come, the proxy follows the path that the hand has taken meanwhile.
   const std::uint64_t before = stage.chain().counts().followed;
   for (int n = 1; n < 60; ++n) (void)stage.step({-0.029, -0.03, -0.001});
   EXPECT_GT(stage.chain().counts().followed, before);
   EXPECT_LT(stage.chain().counts().followed, 200U);
 }
 
-// Each move comes to the hub up to half a second after it began, or in the wrong order: the surface under the hand never jumps, and is
-// where everybody has it once it is at rest.
+// Each move reaches the hub up to half a second after it began, and maybe in another order. The surface under the hand never jumps, and
+// at rest it is where the whole scene has it.
 TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {
   ChainStage stage(machine());
   std::mt19937_64 random(5);
@@ -194,7 +194,7 @@ TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {
   EXPECT_LE(worst_jump_n, kChainStiffness * kMaxSurfaceSpeed * ChainStage::kStepS * (1.0 + 1e-6)) << "the largest speed of a surface";
 }
 
-// A wheel of the wrong speed, a body that is not unit, places far away: nothing but finite forces comes of it.
+// Moves of an unknown object, to turns that are not unit quaternions, to positions far away, at any time: all forces stay finite.
 TEST(PatchChain, AbsurdMovesGiveFiniteForces) {
   ChainStage stage(machine());
   std::mt19937_64 random(3);
@@ -218,7 +218,7 @@ TEST(PatchChain, AbsurdMovesGiveFiniteForces) {
   }
 }
 
-// A move that was there when patches began has to be known before anything is felt.
+// A move that was decided before the patches began has to be known before anything is felt.
 TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
   const TouchScene scene = machine();
   PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
@@ -263,7 +263,7 @@ TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
   EXPECT_NEAR(felt->force_n.z(), kChainStiffness * (0.016 - 0.015), 0.05) << "10 mm above where it was";
 }
 
-// The first patch takes over from where the haptics node has the probe, in the frame of what moves.
+// The first patches take over where the haptics node has the proxy, in the frame of the body that moves.
 TEST(PatchChain, TakesOverWhereTheProbeWas) {
   const TouchScene scene = machine();
   ChainStage remote(scene);
@@ -291,7 +291,7 @@ TEST(PatchChain, TakesOverWhereTheProbeWas) {
       }
     }
     const auto felt = chain.step(input);
-    // It follows the places since then, a few in each step.
+    // The proxy follows the positions of the hand since then, a few in each step.
     if (n < 700 || n >= 700 + kAge / PatchTouch::kMaxFollowed) {
       ASSERT_EQ(felt.has_value(), n >= 700) << n;
     }
@@ -300,8 +300,8 @@ TEST(PatchChain, TakesOverWhereTheProbeWas) {
   }
 }
 
-// Told where the probe is before any body is known, which begin there too: a hand that is pressed in keeps its force. The same where the
-// bodies come once more, after the hand has been held by others.
+// start_at() says where the proxy is before any body is known. The bodies then begin there, and a hand that is pressed in keeps its force.
+// The same holds if the bodies come again, after other bodies have held the hand.
 TEST(PatchChain, BodiesThatComeLaterBeginWhereTheProbeIs) {
   const TouchScene scene = machine();
   ChainStage remote(scene);
@@ -353,7 +353,7 @@ TEST(PatchChain, StepsUseNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// hapton set: from the next step on, and the difference is told, so that it fades.
+// A material from `hapton set` is used from the next step on. That step sets is_handed_over, so that the difference fades.
 TEST(PatchChain, OtherMaterialsAreUsedFromTheNextStepOn) {
   ChainStage stage(machine());
   const Vec3 pressed(-0.03, 0.0, -0.002);
@@ -372,7 +372,7 @@ TEST(PatchChain, OtherMaterialsAreUsedFromTheNextStepOn) {
   EXPECT_TRUE(felt.patch->is_handed_over) << "the device loop fades the difference";
   felt = stage.step(pressed);
   EXPECT_FALSE(felt.patch->is_handed_over);
-  // An older one that was overtaken.
+  // An older material that arrives late changes nothing.
   softer.serial = 999'999;
   softer.stiffness_n_per_m = 5.0;
   stage.store().accept(softer);
@@ -409,8 +409,8 @@ TEST(PatchChain, HasRoomForAsManyBodiesAsAreAnnounced) {
   EXPECT_EQ(chain->take(std::make_unique<PatchBodies>(PatchBodies{.bodies = {{}}}))->bodies.size(), PatchChain::kLinks);
 }
 
-// A scene that stands still is replaced by one in which something moves: that begins where the hand is, not where it was when the patches
-// began.
+// A scene that stands still is replaced by one in which something moves. Its bodies begin where the hand is now, not where the hand was
+// when the first patches began.
 TEST(PatchChain, BodiesOfANewSceneBeginWhereTheHandIs) {
   TouchScene still;
   still.objects.push_back(chain_object(made::sheet(0.05, 0.0, 30)));
@@ -429,7 +429,7 @@ TEST(PatchChain, BodiesOfANewSceneBeginWhereTheHandIs) {
     input.p_WD = Vec3(0.0004 * n, 0, 0.02);
     ASSERT_TRUE(step()) << n;
   }
-  // Between the two places, from below the hand to above it.
+  // A wall between the first and the present position of the hand, from below the hand's height to above it.
   TouchScene moving = still;
   TouchObject wall = chain_object(made::box(Vec3(0.018, -0.02, 0.001), Vec3(0.022, 0.02, 0.04)));
   wall.command_pivot = Vec3(0.02, 0, 0);

@@ -1,4 +1,4 @@
-// A probe held by a floor and by a wall that programs move, and what materials count where several hold it, or a patch comes later.
+// A floor and a wall that programs move hold a probe. Which materials count where both hold it, and when a patch comes later?
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -27,7 +27,7 @@ TouchScene damped_corner() {
   return on_patch_grid(scene);
 }
 
-// Straight from place to place.
+// Moves the hand straight from `from` to `to`.
 ChainStage::Felt go(ChainStage& stage, const Vec3& from, const Vec3& to, int steps, bool may_make = true) {
   ChainStage::Felt felt;
   for (int n = 1; n <= steps; ++n) {
@@ -42,7 +42,7 @@ void go_into_the_corner(ChainStage& stage) {
   (void)go(stage, kInFloor, kInCorner, 200);
 }
 
-// A spring and a damper of each, along what it holds the probe with.
+// Each surface has a spring and a damper, along the direction in which it holds the probe.
 TEST(PatchCorner, HasTheDampingOfBothSurfaces) {
   ChainStage stage(damped_corner());
   go_into_the_corner(stage);
@@ -59,7 +59,7 @@ TEST(PatchCorner, HasTheDampingOfBothSurfaces) {
   }
 }
 
-// hapton set while the probe is in the corner: both shares have the mean of the stiffnesses that the surfaces have now.
+// After `hapton set` with the probe in the corner, both shares have the mean of the new stiffnesses of the surfaces.
 TEST(PatchCorner, AnotherMaterialCountsWhereBothSurfacesHoldTheProbe) {
   ChainStage stage(damped_corner());
   go_into_the_corner(stage);
@@ -75,7 +75,7 @@ TEST(PatchCorner, AnotherMaterialCountsWhereBothSurfacesHoldTheProbe) {
   EXPECT_LT((felt.patch->force_n - Vec3(-0.7, 0.0, 0.7)).norm(), 1e-3);
 }
 
-// It was being made while the material changed, and has the one of before.
+// The patch was being made while the material changed, so it comes with the old one.
 TEST(PatchCorner, APatchThatComesLaterHasTheMaterialsOfNow) {
   ChainStage stage(on_patch_grid(scene_of(made::sheet(0.05, 0.0, 10), {.stiffness_n_per_m = kCornerStiffness})));
   PatchChain& chain = stage.chain();

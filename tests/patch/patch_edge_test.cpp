@@ -1,4 +1,4 @@
-// Past the edge of a patch, by hand: the plane of the last contact, and what takes over from it.
+// Past the edge of patches made by hand: the plane of the last contact, and the patch that takes over from it.
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -32,7 +32,7 @@ struct PatchEdge : testing::Test {
     (void)touch.take_retired();
     return touch.step({.p_WD = {x, 0.0005, -depth_m}, .dt_s = dt_s});
   }
-  // Down at the middle, and to 12 mm beside it, 1 mm a step.
+  // Goes down at the middle, then 12 mm sideways, 1 mm in each step.
   PatchOutput go_past_the_edge() {
     for (int n = 0; n <= 5; ++n) last = *go(0.0, -0.002 + 0.001 * n);
     EXPECT_FALSE(last.is_beyond);
@@ -56,18 +56,18 @@ TEST_F(PatchEdge, ThePlaneHoldsWhileTheHandGoesOnAtItsDepth) {
   EXPECT_EQ(touch.counts().steps + touch.counts().beyond_steps, 18U);
 }
 
-// Spring, damper against the motion, no pull, and no more than twice the last force within.
+// The plane has a spring and a damper. It never pulls, and gives at most twice the last force within the patch.
 TEST_F(PatchEdge, ThePlaneIsADampedSpringWithinBounds) {
   (void)go_past_the_edge();
   const double x = 0.012;
   struct Row {
     double depth_m, dt_s, force_n;
   };
-  const Row rows[] = {{0.0035, 1.0, 3.5},                          // rather slowly
+  const Row rows[] = {{0.0035, 1.0, 3.5},                          // slowly: the spring alone
                       {0.0036, 1e-3, 3.6 + 1000.0 * 0.005 * 0.1},  // 0.1 m/s inwards
-                      {0.0035, 1e-3, 3.5 - 1000.0 * 0.005 * 0.1},  // and out
-                      {0.0055, 1e-3, 6.0},                         // 2 m/s: twice 3 N
-                      {0.009, 1.0, 6.0},                           // so deep
+                      {0.0035, 1e-3, 3.5 - 1000.0 * 0.005 * 0.1},  // 0.1 m/s outwards
+                      {0.0055, 1e-3, 6.0},                         // 2 m/s inwards: limited to twice 3 N
+                      {0.009, 1.0, 6.0},                           // deep: limited as well
                       {0.005, 1e-3, 0.0},                          // 4 m/s outwards: no pull
                       {0.005, 1e-3, 5.0}};
   for (const Row& row : rows) {
@@ -85,8 +85,8 @@ TEST_F(PatchEdge, ThePlaneIsADampedSpringWithinBounds) {
   EXPECT_EQ(out->visual_offset_m, Vec3(Vec3::Zero()));
 }
 
-// A hand that left the surface so fast that damping took all of the force, or entered it so fast that damping was most of it, and then
-// went on past the edge at one depth.
+// The hand leaves the surface so fast that damping takes all of the force, or enters it so fast that damping is most of the force. Then it
+// is past the edge.
 TEST_F(PatchEdge, ThePlaneIsAsStiffAsTheSurfaceWhateverDampingDidLast) {
   for (const double before_m : {0.003, 0.001}) {
     touch = PatchTouch();
@@ -104,7 +104,7 @@ TEST_F(PatchEdge, ThePlaneIsAsStiffAsTheSurfaceWhateverDampingDidLast) {
   }
 }
 
-// The stiffness in a corner is that of both objects, whichever of them is reported.
+// In a corner the stiffness is that of both objects together, whichever of them is reported.
 TEST_F(PatchEdge, ThePlaneIsAsStiffAsACornerBetweenTwoObjects) {
   for (const auto& [floor_n_per_m, wall_n_per_m] : {std::pair{300.0, 2000.0}, {2000.0, 300.0}}) {
     const std::vector<Material> materials = {{.stiffness_n_per_m = floor_n_per_m, .damping_ns_per_m = 1.0},
@@ -147,7 +147,7 @@ TEST_F(PatchEdge, APatchThatReachesTheHandIsCaughtUpWith) {
   EXPECT_FALSE(go(0.012, kHeldDepth)->is_handed_over);
 }
 
-// One that does not reach back to the last proxy within takes over only if it says that the way is not known.
+// A patch that does not reach back to the last proxy within a patch takes over only if it says that the path is incomplete.
 TEST_F(PatchEdge, APatchBesideTheWayTakesOverFromAboveThePlane) {
   for (const bool is_path_incomplete : {false, true}) {
     touch = PatchTouch();
@@ -166,14 +166,14 @@ TEST_F(PatchEdge, APatchBesideTheWayTakesOverFromAboveThePlane) {
 TEST_F(PatchEdge, ASmallPatchBesideTheWayHasToGrowFirst) {
   (void)go_past_the_edge();
   for (int n = 13; n < 40; ++n) (void)go(0.001 * n, kHeldDepth);
-  // Its room must hold twice the last penetration.
+  // Twice the last penetration must fit into the patch.
   (void)touch.offer(make_patch({0.039, 0, 0}, 0.0095, true));
   EXPECT_TRUE(go(0.039, kHeldDepth)->is_beyond);
   (void)touch.offer(make_patch({0.039, 0, 0}, 0.0099, true));
   EXPECT_FALSE(go(0.039, kHeldDepth)->is_beyond);
 }
 
-// Over a short way the surface cannot have risen far.
+// On a short path the surface cannot have risen far.
 TEST_F(PatchEdge, AfterAShortWayLessRoomIsEnough) {
   (void)go_past_the_edge();
   (void)touch.offer(make_patch({0.012, 0, 0}, 0.0075, true));
@@ -199,7 +199,7 @@ TEST_F(PatchEdge, AFreeHandThatStaysAwayBeginsAnew) {
   EXPECT_TRUE(go(0.02, -0.002).has_value());
 }
 
-// In contact there is no such end.
+// In contact the hand never starts again.
 TEST_F(PatchEdge, AHandOnThePlaneIsHeldForAsLongAsItStays) {
   (void)go_past_the_edge();
   for (int n = 0; n < 20; ++n) {
@@ -217,7 +217,7 @@ TEST_F(PatchEdge, WhatIsNoPlaceChangesNothing) {
   EXPECT_NEAR(go(0.012, kHeldDepth)->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
 }
 
-// Where the hand is, and what a patch has to reach.
+// hand_at() tells where the hand is, and what a patch has to cover.
 TEST_F(PatchEdge, TheWayHoldsTheLastProxyAndThePlacesSince) {
   const Vec3 hand(0.001, 0.002, 0.003);
   EXPECT_FALSE(touch.hand_at(hand, 7).is_beyond);

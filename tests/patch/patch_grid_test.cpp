@@ -25,7 +25,7 @@ TEST(PatchGrid, MovesAVertexByNoMoreThanItSays) {
   }
 }
 
-// Whatever a tile holds, it can be a part of the scene.
+// Every vertex that a tile can hold lies in the box of the grid, so it can be a part of the scene.
 TEST(PatchGrid, ItsBoxHoldsAllThatTilesCanHold) {
   const PatchGrid grid = PatchGrid::around({Vec3(0.1, 0.2, 0.3), Vec3(0.13, 0.21, 0.5)});
   constexpr std::uint32_t kLast = (1U << kPatchGridBits) - 1;

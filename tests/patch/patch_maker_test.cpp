@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t kFew = 4000;
 constexpr std::size_t kAll = 2 * 120 * 120;
-const Vec3 kMiddle(0.011, -0.007, 0.0);  // of no cell: a place that many cells share has all of theirs
+const Vec3 kMiddle(0.011, -0.007, 0.0);  // on no border of cells: there the triangles of all adjacent cells count
 constexpr double kSlowestSpeed = 0.05;   // m/s: a hand at rest counts as moving so fast
 
 const TiledScene& fine_sheet() {
@@ -21,7 +21,7 @@ const TiledScene& fine_sheet() {
   return made;
 }
 
-// A sheet of kAll triangles, all of which the store has; and a hand whose patches take as long to make as a test says.
+// The store has a sheet of kAll triangles. The tests say how long a patch for the hand takes to make.
 struct PatchMakerTest : testing::Test {
   PatchMakerTest() {
     begin();
@@ -34,13 +34,13 @@ struct PatchMakerTest : testing::Test {
     tile.serial = ++serial;
     store.accept(tile);
   }
-  // So far off kMiddle.
+  // Puts the hand at kMiddle + by.
   void hold(const Vec3& by, double at_s = 1.0) { maker.note_hand({kMiddle + by, static_cast<std::int64_t>(1e9 * at_s), false, {}}); }
   void hold_beyond(const PathBall& ball, double at_s) {
     maker.note_hand({ball.p_SC + Vec3(ball.radius_m, 0, 0), static_cast<std::int64_t>(1e9 * at_s), true, ball});
   }
   std::unique_ptr<Patch> make() { return maker.make_if_due(store, 3); }
-  // From here on patches take so long that no larger one pays.
+  // From here on patches take so long that a larger one does not pay.
   void make_slowly() { maker.note_made(1.0 * static_cast<double>(maker.triangles())); }
 
   const TiledScene& tiled = fine_sheet();
@@ -91,7 +91,7 @@ TEST_F(PatchMakerTest, AnotherIsDueWhereTheHandLeavesTheMiddleOfTheNewest) {
   EXPECT_EQ(make(), nullptr);
 }
 
-// A step of 30 mm within 0.1 s, which the mean of the velocity takes in full, and one of 1 mm within 5 ms, of which it takes a quarter.
+// A step of 30 mm within 0.1 s counts fully in the mean of the velocity, one of 1 mm within 5 ms counts as a quarter.
 TEST_F(PatchMakerTest, IsAheadOfTheHand) {
   hold(Vec3(-0.03, 0, 0), 1.0);
   hold(Vec3::Zero(), 1.1);
@@ -133,8 +133,8 @@ TEST_F(PatchMakerTest, PatchesOfAHandAtRestGrowUntilTheyAreAllThereIs) {
   EXPECT_EQ(make(), nullptr) << "nobody leaves that";
 }
 
-// A larger patch pays where twice as many triangles take no more than half of the time until the hand, at its speed, would be out. What
-// the newest took counts as three tenths of the mean.
+// A larger patch pays if twice as many triangles take at most half of the time in which the hand, at its speed, would leave the patch. The
+// time of the newest patch has a weight of 0.3 in the mean.
 TEST_F(PatchMakerTest, GrowsOnlyAsMuchAsCanBeMadeWhileTheHandIsWithin) {
   for (const double speed : {0.0, 0.2}) {
     for (const double share : {0.95, 1.05}) {
@@ -163,11 +163,11 @@ TEST_F(PatchMakerTest, ATimeThatCannotBeOrThatSaysLittleCountsForNothing) {
     EXPECT_NE(make(), nullptr) << "it grows as before";
   }
   maker = PatchMaker(2 * kAll + 2);
-  maker.note_made(1e6);  // of no triangle at all
+  maker.note_made(1e6);  // for no triangle at all
   hold(Vec3::Zero());
   ASSERT_NE(make(), nullptr);
   EXPECT_EQ(maker.triangles(), kAll);
-  maker.note_made(1e6);  // of fewer than half of what is always made
+  maker.note_made(1e6);  // for fewer than half of the triangles that are always made
   maker.forget();
   EXPECT_NE(make(), nullptr);
   EXPECT_EQ(maker.triangles(), kAll);
@@ -191,7 +191,7 @@ TEST_F(PatchMakerTest, PastTheEdgeOneReachesOverTheWayAndAWiderOneFollowsWhereTh
   EXPECT_NE(make(), nullptr) << "unless it does not reach";
   hold_beyond({ball.p_SC, 0.005}, 2.2);
   EXPECT_EQ(make() != nullptr, true);
-  // Twice as wide, and once more.
+  // Each further patch is twice as wide as the one before.
   hold_beyond({ball.p_SC, 0.005}, 2.3);
   patch = make();
   ASSERT_NE(patch, nullptr);
@@ -221,7 +221,7 @@ TEST_F(PatchMakerTest, AHandThatIsWithinAgainBeginsWithTheNarrowestWay) {
   EXPECT_NEAR(maker.radius_m(), narrow_m, 0.3 * narrow_m);
 }
 
-// A strip of it has not come.
+// The store lacks the tiles of a strip of the sheet.
 struct PartlyKnown : PatchMakerTest {
   PartlyKnown() {
     store.clear();
@@ -259,7 +259,7 @@ TEST_F(PartlyKnown, WhereNothingIsKnownNothingIsMade) {
   EXPECT_EQ(make(), nullptr);
 }
 
-// The hand runs out of what is known: what lies ahead is not a place for a patch.
+// The hand leaves the known part. Less is known ahead of the hand, so the patch stays at the hand.
 TEST_F(PartlyKnown, StaysWhereTheHandIsWhenLessIsKnownAhead) {
   hold(Vec3(0.2, 0.0, 0.0), 1.0);
   hold(Vec3::Zero(), 1.1);

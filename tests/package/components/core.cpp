@@ -1,4 +1,4 @@
-// Component core alone: a hand slides over a dome with friction, and every method is made.
+// Component core alone: a hand slides over a dome with friction, once with each method. Only proxy has to give a force.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -29,7 +29,7 @@ std::shared_ptr<const TriangleMesh> make_dome(double radius_m, std::uint32_t n) 
   return dome;
 }
 
-// The largest force of a stroke that comes from above and presses.
+// The largest force of a motion from above that presses into the dome.
 double stroke(const char* method_name) {
   const TouchScene scene{{{make_dome(0.05, 40), {.stiffness_n_per_m = 800.0, .friction_static = 0.3, .friction_dynamic = 0.2}}}};
   auto method = make_method({.name = method_name}, scene);

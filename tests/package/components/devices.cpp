@@ -1,4 +1,4 @@
-// Component devices alone: the simulated device moves by itself.
+// Component devices alone: prints the names of all devices.
 #include <cstdio>
 
 #include "devices/device_maker.h"

@@ -1,4 +1,4 @@
-// Component plugin alone, in C++ here: a plug-in and a program that looks at it.
+// Component plugin alone, compiled as C++ here: a plug-in and a program that runs one step of its effect.
 #include <stdio.h>
 
 #include "plugin/hapton_plugin.h"

@@ -1,4 +1,4 @@
-// Component runtime alone: a histogram of how late a timer wakes.
+// Component runtime alone: a histogram of how late the clock ends a sleep.
 #include <cstdio>
 
 #include "runtime/clock.h"

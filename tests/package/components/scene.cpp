@@ -1,4 +1,4 @@
-// Component scene alone: reads a mesh file in millimetres and what is wrong with it.
+// Component scene alone: reads a mesh file in millimetres and reports what is wrong with it.
 #include <cmath>
 #include <cstdio>
 #include <fstream>
