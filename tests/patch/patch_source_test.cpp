@@ -13,12 +13,12 @@ namespace {
 constexpr std::int64_t kStartNs = 1'000'000'000;
 constexpr std::int64_t kMs = 1'000'000;
 
-// A sheet 100 mm wide whose middle is at the origin, and what of it has been sent.
+// A sheet 100 mm wide whose middle is at the origin, and the source that sends its parts.
 struct PatchSourceTest : testing::Test {
   void start(const PatchSource::Options& options, int squares = 40) {
     source = std::make_unique<PatchSource>(make_tiles(scene_of(rolling_sheet(0.05, squares))), 0.001, 7, 5, options);
   }
-  // All that is due from then on for so long.
+  // Takes all that is due from from_ns on, for for_ns.
   std::vector<Message> take(std::int64_t from_ns, std::int64_t for_ns = 0) {
     std::vector<Message> taken;
     for (std::int64_t now_ns = from_ns; now_ns <= from_ns + for_ns; now_ns += kMs) {
@@ -26,7 +26,7 @@ struct PatchSourceTest : testing::Test {
     }
     return taken;
   }
-  // The same, each confirmed at once: whatever is in reach.
+  // Takes whatever is in reach, and confirms each part at once.
   std::vector<Message> take_confirmed(double round_trip_s = 0.0) {
     std::vector<Message> taken;
     for (std::int64_t n = 0; n < 1000; ++n) {
@@ -45,7 +45,7 @@ struct PatchSourceTest : testing::Test {
     const PatchGrid& grid = source->scene().grid;
     return grid.step_m * std::sqrt(cell.key.bounds().distance_squared(grid.to_steps(p_S)));
   }
-  // What a hub says that has all up to newest but these.
+  // The status of a hub that has all parts up to `newest`, except the lost ones.
   static PatchStatus status_without(std::uint32_t newest, const std::set<std::uint32_t>& lost, double round_trip_s = 0.0) {
     PatchStatus status;
     status.epoch = 5;
@@ -87,7 +87,7 @@ TEST_F(PatchSourceTest, TheBeginningComesFirstAndEachCellBeforeItsTiles) {
   EXPECT_EQ(listed.size(), source->scene().tiles.size());
 }
 
-// Ahead counts as farther away, by half of how far ahead: where the hand will be within 0.1 s and a round trip, and half way there.
+// Where the hand will be in 0.1 s plus a round trip, and half way there, counts too, but as farther away by half of how far ahead it is.
 TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
   const Vec3 hand(0.01, -0.01, 0.0);
   for (const Vec3& velocity : {Vec3(0, 0, 0), Vec3(0.2, 0, 0), Vec3(-0.1, 0.15, 0)}) {
@@ -117,7 +117,7 @@ TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
   }
 }
 
-// The reach: 10 mm, and what a hand at 50 mm/s covers within twice 0.1 s and the round trip.
+// The reach is 10 mm plus the distance that a hand at 50 mm/s covers in twice the sum of 0.1 s and the round trip.
 TEST_F(PatchSourceTest, WhatIsOutOfReachIsNotSent) {
   for (const double round_trip_s : {0.0, 0.1, 0.25}) {
     SCOPED_TRACE(testing::Message() << round_trip_s << " s");
@@ -137,7 +137,7 @@ TEST_F(PatchSourceTest, WhatIsOutOfReachIsNotSent) {
   }
 }
 
-// 150 ms, for the hub's status to come, and 1.2 round trips; half a round trip where that is long: what is lost is missed for long.
+// The wait is 150 ms for the hub's status, plus 1.2 round trips, or half of a long one: there a lost part is missing for long.
 TEST_F(PatchSourceTest, WhatNobodyConfirmsIsSentAgainAfterAWhile) {
   const std::pair<double, std::int64_t> cases[] = {{0.0, 150}, {0.1, 270}, {0.29, 498}, {0.31, 305}, {1.0, 650}, {60.0, 5150}};
   for (const auto& [round_trip_s, patience_ms] : cases) {
@@ -167,7 +167,7 @@ TEST_F(PatchSourceTest, WhatIsConfirmedIsNotSentAgain) {
   EXPECT_EQ(source->counts().repeated, 1U);
 }
 
-// A part 64 serials behind the newest that arrived did not only fall back on the way.
+// A part 64 serials before the newest one that arrived is lost; a reordered part would have arrived by then.
 TEST_F(PatchSourceTest, WhatIsLostIsSentAgainAtOnce) {
   start(kAll, 80);
   const auto count = static_cast<std::uint32_t>(take(kStartNs, 119 * kMs).size());
@@ -199,7 +199,7 @@ TEST_F(PatchSourceTest, AStatusOfSomethingElseSaysNothing) {
   EXPECT_EQ(take(kStartNs + 120 * kMs).size(), count) << "the hub has started again";
 }
 
-// It had all parts, has dropped them, and the status that said so was lost: the next one knows only a part that was on its way then.
+// The hub had all parts and has dropped them, and the status that said so was lost. The next one has only a part that was on its way then.
 TEST_F(PatchSourceTest, AHubThatHasBegunAgainGetsEverythingEvenIfItsStatusWasLost) {
   start(kAll, 4);
   const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
@@ -214,7 +214,7 @@ TEST_F(PatchSourceTest, AHubThatHasBegunAgainGetsEverythingEvenIfItsStatusWasLos
   EXPECT_EQ(take(kStartNs + 1020 * kMs).size(), count);
 }
 
-// A part that was sent twice and came once: that the second datagram is missing says nothing.
+// A part was sent twice and came once. The missing second datagram says nothing about the part.
 TEST_F(PatchSourceTest, APartThatWasSentTwiceAndCameOnceIsHeld) {
   start(kAll, 4);
   const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
@@ -236,7 +236,7 @@ TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {
   const auto before = source->counts().bytes;
   (void)take(kStartNs, 1000 * kMs);
   EXPECT_NEAR(static_cast<double>(source->counts().bytes - before), 10'000.0, 900.0) << "in a second";
-  // A rest saves no more than one burst.
+  // A pause saves up no more than one burst.
   const auto later = source->counts().bytes;
   (void)take(kStartNs + 60'000 * kMs);
   EXPECT_LE(source->counts().bytes - later, 5000U);
@@ -246,7 +246,7 @@ TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {
   EXPECT_EQ(serial_of(part.back()), source->counts().sent);
 }
 
-// As large as the packet in which it goes: what it holds, and 150 bytes round it.
+// A part counts as large as its packet: its content plus 150 bytes.
 TEST_F(PatchSourceTest, CountsWhatAPartTakesOnTheWay) {
   start(kAll, 40);
   std::uint64_t bytes = 0;
@@ -287,7 +287,7 @@ TEST_F(PatchSourceTest, AMaterialIsSentWhenItIsAnotherThanTheHubHas) {
   EXPECT_EQ(sent_after({of_tiles}), std::vector{of_tiles.stiffness_n_per_m});
 }
 
-// The hub still reports the one before as received.
+// The hub still reports the earlier material as received.
 TEST_F(PatchSourceTest, AMaterialThatWasLostIsSentAgainThoughTheOneBeforeArrived) {
   start(kAll);
   const auto count = static_cast<std::uint32_t>(take_confirmed().size());
@@ -306,7 +306,7 @@ TEST_F(PatchSourceTest, AMaterialThatWasLostIsSentAgainThoughTheOneBeforeArrived
   EXPECT_EQ(std::get<PatchMaterial>(again.front()).stiffness_n_per_m, 100.0);
 }
 
-// Over a long round trip it is sent again before the confirmation of the first time can come.
+// With a long round trip a material is sent again before its first datagram can be confirmed.
 TEST_F(PatchSourceTest, AMaterialIsConfirmedByAnyOfTheTimesThatItWasSent) {
   start(kAll);
   const auto count = static_cast<std::uint32_t>(take_confirmed().size());
@@ -319,7 +319,7 @@ TEST_F(PatchSourceTest, AMaterialIsConfirmedByAnyOfTheTimesThatItWasSent) {
   EXPECT_TRUE(take(kStartNs + 3000 * kMs, 500 * kMs).empty());
 }
 
-// 70 ms after it was sent, and a round trip; eight times at most, as the hub confirms only the last moves of all objects.
+// A move is sent again 70 ms plus a round trip later, eight times at most, as the hub confirms only the last moves of all objects.
 TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
   start(kAll, 4);
   (void)take_confirmed();
@@ -330,7 +330,7 @@ TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
     status.moves_received = moves;
     source->accept(status);
   };
-  // The objects of the moves that are sent then.
+  // The objects of the moves that are sent at this time.
   const auto moves_at = [&](std::int64_t ms) {
     std::vector<std::int32_t> objects;
     for (const Message& message : take(kStartNs + ms * kMs)) {
@@ -358,7 +358,7 @@ TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
   EXPECT_EQ(sent, 2U * 8U);
 }
 
-// A move takes more bytes than some parts: where the bandwidth is used up they would go before it one after the other.
+// A move takes more bytes than some parts. When the bandwidth is used up, they could all go before it, one after the other.
 TEST_F(PatchSourceTest, AMoveThatIsDueGoesBeforeSmallerParts) {
   TouchScene scene;
   for (int n = 0; n < 40; ++n) scene.objects.push_back({made::shared(made::sheet(0.01, 0.0, 1)), {}});
@@ -384,7 +384,7 @@ TEST_F(PatchSourceTest, SaysWhatItRepliesTo) {
   EXPECT_EQ(std::get<PatchBegin>(parts[0]).method_serial, 23U);
 }
 
-// The hub must not let a surface be felt in a shape older than that.
+// The hub must not let the surface be felt in a shape that is older than the noted one.
 TEST_F(PatchSourceTest, AnObjectThatProgramsDeformHasTheNewestShapeThatWasNoted) {
   TouchScene scene = scene_of(made::sheet(0.02, 0.0, 2));
   for (int n = 1; n <= 2; ++n) {
@@ -393,7 +393,7 @@ TEST_F(PatchSourceTest, AnObjectThatProgramsDeformHasTheNewestShapeThatWasNoted)
   }
   source = std::make_unique<PatchSource>(make_tiles(scene), 0.0, 7, 5, kAll);
   source->note_shape(1, 6);
-  source->note_shape(1, 4);  // overtaken
+  source->note_shape(1, 4);  // overtaken by 6
   std::map<std::int32_t, std::set<std::uint32_t>> serials;
   for (const Message& part : take(kStartNs, 100 * kMs)) {
     if (const auto* stream = std::get_if<PatchStream>(&part)) serials[stream->object].insert(stream->shape_serial);

@@ -26,7 +26,7 @@ inline TriangleMesh rolling_sheet(double half, int n) {
   return mesh;
 }
 
-// Both ends of touch by patches and a bad network between, on simulated time: a cycle a millisecond.
+// Both ends of touch by patches and a bad network between them, on simulated time, in cycles of 1 ms.
 class PatchStage {
  public:
   struct Network {
@@ -48,7 +48,7 @@ class PatchStage {
     TouchOutput whole;
   };
 
-  // One cycle with the device there.
+  // Makes one cycle with the device at p_WD.
   Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity()) {
     now_ns_ += 1'000'000;
     const TouchInput input{p_WD, X_WS, 1e-3};
@@ -67,7 +67,7 @@ class PatchStage {
     return felt;
   }
 
-  // Where the whole scene's proxy starts when the patch's does.
+  // Starts the proxy of the whole scene where that of the patch starts.
   void reset_whole(const Vec3& p_WD) { whole_->reset({p_WD, Pose::Identity(), 1e-3}); }
   const PatchTouch& touch() const { return touch_; }
   const PatchSource& source() const { return source_; }

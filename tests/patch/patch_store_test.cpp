@@ -120,7 +120,7 @@ TEST(PatchStore, ANewerEpochBeginsWithNothingAndAnOlderOneIsRejected) {
   EXPECT_TRUE(f.store.has_begun()) << "another sender may count from anywhere";
 }
 
-// Whatever an authenticated sender says, memory stays bounded and nothing is felt that does not fit.
+// Whatever an authenticated sender sends, memory stays bounded, and what is not complete is not known.
 TEST(PatchStore, IsBoundedWhateverComes) {
   PatchStore store;
   std::mt19937_64 random(9);
@@ -144,7 +144,7 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   EXPECT_GT(store.counts().rejected, PatchStore::kMaxCells / 2);
   (void)store.known_radius(Vec3::Zero());
   (void)store.make_piece(Vec3::Zero(), 1.0, 100);
-  // Cells that are known, and say that others beside them are empty.
+  // The same cells twice: first with no empty cells beside them, then with so many that there is no room for all.
   PatchStore full;
   full.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});
   for (const auto empty : {std::uint8_t{0}, std::uint8_t{0xFF}}) {
@@ -156,7 +156,7 @@ TEST(PatchStore, IsBoundedWhateverComes) {
     }
     EXPECT_EQ(full.counts().rejected > 500, empty != 0) << full.counts().rejected;
   }
-  // A cell that is said to be divided at the deepest level, tiles that never come.
+  // A cell whose tile never comes: nothing in it is known.
   PatchStore other;
   other.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});
   cell = {1, 2, 0, {}, {}, 1, {}};
@@ -165,7 +165,7 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   EXPECT_LE(other.known_radius(Vec3::Zero()), 0.0);
 }
 
-// More triangles through one point than asked for: fewer tiles than those there are none, and a piece without a radius is of no use.
+// More triangles meet at one point than were asked for. The piece has all tiles there, as a piece without a radius would be of no use.
 TEST(PatchStore, APieceHasWhatLiesAtItsCentreHoweverMuchThatIs) {
   TouchScene scene;
   for (int n = 0; n < 40; ++n) scene.objects.push_back(scene_of(rolling_sheet(0.05, 20)).objects.front());
@@ -178,7 +178,7 @@ TEST(PatchStore, APieceHasWhatLiesAtItsCentreHoweverMuchThatIs) {
   EXPECT_GT(piece.radius_m, 1e-4);
 }
 
-// A body that moves by two keyframes, in a scene of two.
+// A body that moves by two keyframes, for a scene of two bodies.
 PatchBody possible_body(std::uint32_t serial) {
   PatchBody body{
       .epoch = 1, .serial = serial, .body = 1, .motion = PatchBody::Motion::keyframes, .lowest = {0, 0, 0}, .highest = {64, 64, 64}};
@@ -219,7 +219,7 @@ TEST(PatchStore, KnowsABodyWhenAllOfItHasCome) {
   EXPECT_TRUE(parts.takes([](PatchBody& body) { body.key_count = 1; })) << "in any order";
 }
 
-// The codec lets through what each number may be; together they may be no motion of a scene.
+// The codec checks each number by itself. Together the numbers may still be a motion that no scene can have.
 TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
   const std::vector<std::function<void(PatchBody&)>> changes = {
       [](PatchBody& body) { body.keys[1].p_S.x() = 0.2501; },
@@ -235,7 +235,7 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
     Moving moving;
     const std::uint64_t parts = moving.store.counts().parts;
     EXPECT_FALSE(moving.takes(changes[n])) << n;
-    // All but the one whose box is too wide for its radius, which needs the grid, are never confirmed.
+    // None of them is confirmed, except the one whose box is too wide for its radius: the grid is needed to know that.
     if (n != 2) {
       EXPECT_EQ(moving.store.counts().parts, parts) << n;
     }
@@ -248,7 +248,7 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
   EXPECT_EQ(moving.store.make_bodies(0)->bodies[1].keyframes->keyframes()[1].p_S.x(), 0.1);
 }
 
-// Of a hostile haptics node: the memory is taken when the first of them comes.
+// A hostile haptics node may announce too many: the memory for all keyframes is taken when the first ones come.
 TEST(PatchStore, NoBodyHasMoreKeyframesThanABodyMay) {
   for (const auto motion : {PatchBody::Motion::still, PatchBody::Motion::keyframes, PatchBody::Motion::commanded}) {
     Moving moving;
@@ -262,7 +262,7 @@ TEST(PatchStore, NoBodyHasMoreKeyframesThanABodyMay) {
   }
 }
 
-// Known: nowhere near a body there is nothing of it, before any of its cells has come.
+// Even before any cell of a body has come, it is known that the body has no triangle outside its box.
 TEST(PatchStore, AwayFromABodyNothingOfItIsMissing) {
   Moving moving;
   ASSERT_TRUE(moving.takes([](PatchBody&) {}));
@@ -304,7 +304,7 @@ TEST(PatchStore, ANewerEpochHasTheMaterialsOfItsOwnOnly) {
   EXPECT_EQ(store.materials().at(3).stiffness_n_per_m, 500.0) << "serials count within an epoch";
 }
 
-// Of a hostile haptics node: each epoch has other objects, and each object shapes of its own.
+// A hostile haptics node may send many epochs, each with other objects, and each object with shapes of its own.
 TEST(PatchStore, KnowsTheShapesOfNoMoreObjectsThanThereMayBeBodies) {
   PatchStore store;
   const auto announce = [&](std::uint32_t epoch, std::uint32_t body, std::int32_t object) {
@@ -336,7 +336,7 @@ std::vector<Message> one_part_of_each_kind(std::uint32_t epoch, std::uint32_t se
           PatchEffects{.epoch = epoch, .serial = serial, .byte_count = 1}};
 }
 
-// A surface of the scene before must not be felt in this one.
+// A surface of the earlier scene must not be felt in this one.
 TEST(PatchStore, NoPartOfAnEarlierEpochOrWithoutANumberIsTaken) {
   for (const auto& [epoch, serial] : {std::pair(6U, 9U), std::pair(0U, 9U), std::pair(7U, 0U)}) {
     PatchStore store;
@@ -354,7 +354,7 @@ TEST(PatchStore, NoPartOfAnEarlierEpochOrWithoutANumberIsTaken) {
   }
 }
 
-// It may be anywhere, and have triangles anywhere.
+// A body that is not announced yet may be anywhere, and have triangles anywhere.
 TEST(PatchStore, AllOfABodyIsMissingUntilItIsAnnounced) {
   PatchStore store;
   store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2});
@@ -362,7 +362,7 @@ TEST(PatchStore, AllOfABodyIsMissingUntilItIsAnnounced) {
   EXPECT_EQ(store.known_radius(Vec3(1, 2, 3), 1), 0.0);
 }
 
-// Each by itself tells another body from the one that came first.
+// Each of these changes alone shows that a part is of another body than the first part.
 TEST(PatchStore, NothingOfABodyIsMixedWithAnotherOneOfItsNumber) {
   const std::vector<std::function<void(PatchBody&)>> changes = {[](PatchBody& body) { body.motion = PatchBody::Motion::commanded; },
                                                                 [](PatchBody& body) { body.deforms = true; },
@@ -386,7 +386,7 @@ TEST(PatchStore, NothingOfABodyIsMixedWithAnotherOneOfItsNumber) {
   }
 }
 
-// The same of how it deforms.
+// The same for the way in which a body deforms.
 TEST(PatchStore, NothingOfADeformationIsMixedWithAnotherOne) {
   const std::vector<std::function<void(PatchDeformation&)>> changes = {
       [](PatchDeformation& part) { part.first_tile = 4; },
@@ -444,7 +444,7 @@ TEST(PatchStore, HasNoMoreDisplacementsAndMaterialsThanItMay) {
   EXPECT_EQ(store.materials().at(0).stiffness_n_per_m, 70.0);
 }
 
-// Epochs count around the 32-bit circle.
+// Epochs wrap around at 32 bits.
 TEST(PatchStore, TheEpochAfterTheLastNumberIsANewerOne) {
   PatchStore store;
   store.accept(PatchBegin{.epoch = ~0U, .serial = 1, .step_m = 1e-8, .scene_hash = 7});
@@ -456,7 +456,7 @@ TEST(PatchStore, TheEpochAfterTheLastNumberIsANewerOne) {
   EXPECT_EQ(store.counts().rejected, 1U);
 }
 
-// It was announced again after it had been moved. Where it is, only that move says.
+// The body was announced again after it had been moved. Only that move tells where the body is.
 TEST(PatchStore, ABodyNeedsTheNewestMoveThatItWasAnnouncedWith) {
   PatchStore store;
   store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2});

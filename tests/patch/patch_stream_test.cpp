@@ -1,4 +1,4 @@
-// Touch by patches against touch of the whole scene, while parts arrive late, in another order, or not at all.
+// Compares touch by patches with touch of the whole scene, while parts arrive late, in another order, or not at all.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr double kHalf = 0.05;
 constexpr double kStiffness = 1000.0;
 constexpr double kDepth = 0.003;
 
-// Slides in circles of 30 mm, pressed in by kDepth: free above the sheet at first.
+// Slides in circles with a radius of 30 mm, pressed in by kDepth; at first the hand is free above the sheet.
 Vec3 hand_at(double t_s, double speed, double settle_s) {
   constexpr double kRadius = 0.03;
   const double press = std::clamp((t_s - settle_s) / 0.3, 0.0, 1.0);
@@ -24,16 +24,16 @@ Vec3 hand_at(double t_s, double speed, double settle_s) {
   return {x, y, rolling_height(x, y) + 0.01 * (1.0 - press) - kDepth * press};
 }
 
-// What the grid moves vertices by, as force: where the surface is bent, the contact moves by a multiple of that. (Measured: up to 6 times.)
+// The rounding of vertices to the grid, as a force. Where the surface is curved, the contact moves by a multiple of it (measured: up to 6).
 double force_bound_n() { return 20.0 * kStiffness * PatchGrid::kLargestRounding * 2.0 * kHalf; }
 
 struct Result {
-  double worst_n = 0.0;       // of |patch - whole|, within patches
-  double worst_jump_n = 0.0;  // of the patch's force from one step to the next, beyond that of the whole scene's
+  double worst_n = 0.0;       // largest |patch - whole| within patches
+  double worst_jump_n = 0.0;  // largest change of the patch's force in a step, less that of the whole scene's
   std::uint64_t within = 0;   // contact steps within patches
-  std::uint64_t beyond = 0;   // past the edge of one
-  std::uint64_t without = 0;  // with contact in the whole scene and no force of a patch
-  std::uint64_t jumps = 0;    // where the whole scene's force jumps to another local minimum, the patch's may do so a step earlier or later
+  std::uint64_t beyond = 0;   // contact steps past the edge of a patch
+  std::uint64_t without = 0;  // steps with contact in the whole scene and no force of a patch
+  std::uint64_t jumps = 0;    // steps at which the whole scene jumps to another local minimum, and the patch maybe a step earlier or later
 };
 
 Result slide(PatchStage& stage, double speed, double seconds, double settle_s) {
@@ -109,8 +109,8 @@ TEST(PatchStreamTest, AFineMeshIsFeltByPatchesThatFollowTheHand) {
   EXPECT_LE(result.jumps, result.within / 1000);
 }
 
-// Where the hand outruns its tiles, the last plane holds: no fall-through, no force far above the last one, and the surface again once its
-// tiles are there.
+// If the hand outruns its tiles, the plane of the last contact holds it: no fall-through, and no force far above the last one. Once the
+// tiles are there, the hand feels the surface again.
 TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   PatchStage::Network network{.delay_s = 0.05};
   PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), network);
@@ -139,12 +139,12 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   PatchStage::Felt felt;
   for (int m = 0; m < 8000; ++m) felt = stage.step(rest);
   ASSERT_TRUE(felt.patch && felt.patch->contact && !felt.patch->is_beyond);
-  // Which of the local minima nearby depends on the way there: it has come from the plane.
+  // Which of the nearby local minima holds the proxy depends on its path: it has come from the plane.
   const Vec3 proxy = rest + felt.patch->visual_offset_m;
   EXPECT_NEAR(proxy.z(), rolling_height(proxy.x(), proxy.y()), 5e-5) << "on the surface, but for the height of a facet";
 }
 
-// Out of the patch through the surface and back, while the next one is made: from there to where it is again is not how it came.
+// The hand leaves the patch, goes through the surface and comes back while the next patch is made. A straight line is not its path.
 TEST(PatchStreamTest, AnExcursionPastThePatchIsNotCutShort) {
   PatchStage::Network network{.delay_s = 0.02, .bits_per_s = 1e7};
   PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), network);
@@ -165,7 +165,7 @@ TEST(PatchStreamTest, AnExcursionPastThePatchIsNotCutShort) {
   EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), force_bound_n());
 }
 
-// A hand that rests is soon within a patch of all there is.
+// A hand at rest is soon within a patch of the whole scene.
 TEST(PatchStreamTest, PatchesGrowUpToTheWholeScene) {
   PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), {.delay_s = 0.05, .bits_per_s = 1e7});
   for (int n = 0; n < 6000; ++n) (void)stage.step(Vec3(0.0, 0.0, 0.01));
@@ -205,7 +205,7 @@ TEST(PatchStreamTest, ThePatchMovesWithTheScene) {
   }
 }
 
-// The hub dropped the node that was silent for too long, and all that it had sent; then the node is back.
+// The hub drops a node that was silent for too long, with all that the node has sent. Then the node is back.
 TEST(PatchTransfer, AHubThatHasForgottenGetsAllAgain) {
   PatchSource source(make_tiles(scene_of(rolling_sheet(0.05, 20))), 0.0, 7, 1, {.bits_per_s = 1e9, .least_reach_m = 1.0});
   PatchStore store;

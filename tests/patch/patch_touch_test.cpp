@@ -1,4 +1,4 @@
-// Touch by small patches that come late, against touch of the whole scene.
+// Compares touch by small patches that come late with touch of the whole scene.
 #include "patch/patch_touch.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ constexpr double kSheetHalf = 0.05;
 constexpr double kPatchRadius = 0.012;  // of a patch
 constexpr double kPressed = 0.003;
 
-// Circles of 30 mm at 100 mm/s, 3 mm below the sheet after a second.
+// A hand that moves in circles with a radius of 30 mm at 100 mm/s, after the first second 3 mm below the sheet.
 Vec3 circling_hand(int n) {
   const double angle = 0.01 / 3.0 * std::max(n - 1000, 0);
   const double x = 0.03 * std::cos(angle);
@@ -25,7 +25,7 @@ Vec3 circling_hand(int n) {
   return {x, y, rolling_height(x, y) + height};
 }
 
-// Patches of the whole sheet that say that they are small, so that nothing but the hand-over is seen.
+// Each patch has the whole sheet but says that it is small, so that only the hand-over can cause a difference.
 class LatePatches {
  public:
   explicit LatePatches(int late) : late_(late), scene_(scene_of(rolling_sheet(kSheetHalf, 60))), whole_(*make_method({}, scene_)) {}
@@ -68,8 +68,8 @@ class LatePatches {
   int due_ = 0;
 };
 
-// The machine stands still again and again, and a patch takes 40 cycles to come: the hand is past the edge of its patch for a good part of
-// the time. Once it is caught up with, nothing is left of that.
+// The machine stops again and again, and a patch takes 40 cycles to come, so the hand is often past the edge of its patch. Once the proxy
+// has caught up with the hand, no difference is left.
 TEST(PatchTouch, AHandPastTheEdgeIsCaughtUpWithExactly) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -99,7 +99,7 @@ TEST(PatchTouch, AHandPastTheEdgeIsCaughtUpWithExactly) {
   }
 }
 
-// More places than there is room for: the path gets coarser, and its end is where the hand is.
+// The path has more positions than there is room for: it gets coarser, but still ends where the hand is.
 TEST(PatchTouch, AHandThatWasPastTheEdgeForLongIsCaughtUpWith) {
   LatePatches patches(3000);
   LatePatches::Felt felt;
@@ -120,7 +120,7 @@ std::unique_ptr<Patch> patch_of(const TouchScene& scene, const Vec3& p_SC, doubl
   return patch;
 }
 
-// A small patch reaches where the probe was, but not the hand, which has gone on: that is no reason to give no force.
+// A small patch reaches where the proxy was, but not the hand, which has moved on. Then there is no output, rather than a zero force.
 TEST(PatchTouch, GivesNothingBeforeAPatchHasReachedTheHand) {
   const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
   PatchTouch touch;
@@ -139,7 +139,7 @@ TEST(PatchTouch, GivesNothingBeforeAPatchHasReachedTheHand) {
   EXPECT_FALSE(touch.step({.p_WD = circling_hand(2000)}).has_value());
 }
 
-// A scene so small that no place near the hand can be told from it: it gives nothing, and the next scene is felt.
+// A scene so small that it vanishes in the rounding of positions gives no output, but the next scene is felt.
 TEST(PatchTouch, AScenePastAllRoundingDoesNotKeepTheNextOneOut) {
   const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
   PatchTouch touch;
@@ -156,7 +156,7 @@ TEST(PatchTouch, AScenePastAllRoundingDoesNotKeepTheNextOneOut) {
   EXPECT_TRUE(touch.step({.p_WD = circling_hand(1002)}).has_value());
 }
 
-// Told again and again where the probe was a while ago, it comes to where the whole scene has it.
+// start_at() says again and again where the proxy was a while ago. From there the proxy comes to where the whole scene has it.
 TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
   constexpr int kAge = 300;
   const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
@@ -182,7 +182,7 @@ TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
   EXPECT_GT(felt_count, 500);
 }
 
-// Damping resists the motion of the hand, not the way from the proxy to the hand, which a patch that takes over goes at once.
+// Damping resists the motion of the hand, not the way from the proxy to the hand, which the proxy of a new patch makes in one step.
 TEST(PatchTouch, AHandAtRestFeelsNoDampingWhereAnotherPatchTakesOver) {
   const TouchScene scene = scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 5.0});
   PatchTouch touch;
@@ -217,7 +217,7 @@ TEST(PatchTouch, AnotherMaterialDoesNotChangeFromWhichSidesASurfaceIsFelt) {
     (void)touch.step({.p_WD = hand});
     touch.use_materials({.objects = {{0, {.stiffness_n_per_m = 500.0, .two_sided = !two_sided}}}, .version = 1});
     std::optional<PatchOutput> felt;
-    // From behind, through the sheet and back: the side of the normals is felt in any case.
+    // The hand goes from behind through the sheet and back. The side of the normals is felt in any case.
     for (; hand.z() < 0.001; hand.z() += 1e-5) felt = touch.step({.p_WD = hand});
     felt = touch.step({.p_WD = hand});
     EXPECT_NEAR(felt->force_n.z(), two_sided ? -500.0 * hand.z() : 0.0, 1e-6);
@@ -228,7 +228,7 @@ TEST(PatchTouch, AnotherMaterialDoesNotChangeFromWhichSidesASurfaceIsFelt) {
   }
 }
 
-// As its materials are now; past the edge of a patch it is not known.
+// This depends on the present materials. Past the edge of a patch it is not known.
 TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
   PatchTouch touch;
   EXPECT_FALSE(touch.is_frictionless()) << "without a patch";
@@ -247,8 +247,8 @@ TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
   EXPECT_FALSE(touch.is_frictionless());
 }
 
-// Another part that holds the proxy may move the device point of this one within the sample, to where its patch does not reach: the plane
-// of the last contact holds it, from below the surface to above it, and the sample counts once.
+// Another body that holds the proxy may move the device point of this body within a sample, to where its patch does not reach. Then the
+// plane of the last contact holds the point, from below the surface to above it, and the sample counts once.
 TEST(PatchTouch, ACorrectionPastTheEdgeOfThePatchIsHeldByThePlane) {
   constexpr double kSheetStiffness = 1000.0;
   PatchTouch touch;
@@ -265,11 +265,11 @@ TEST(PatchTouch, ACorrectionPastTheEdgeOfThePatchIsHeldByThePlane) {
   }
   EXPECT_EQ(touch.counts().beyond, 1U);
   EXPECT_EQ(touch.counts().steps, steps);
-  // The place that waits to be followed is the last of them.
+  // Only the last of these positions waits to be followed.
   EXPECT_NEAR(touch.hand_at(Vec3::Zero(), 0).path.radius_m, 0.5 * Vec3(0.029, 0.0, 0.001).norm(), 1e-7);
 }
 
-// No step follows more places than it may.
+// No step follows more than kMaxFollowed positions.
 TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
   LatePatches patches(500);
   std::uint64_t before = 0;

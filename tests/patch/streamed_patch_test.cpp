@@ -1,4 +1,4 @@
-// Touch of a surface that a program deforms, from its parts, against touch of the whole scene.
+// Compares touch by patches of a surface that a program deforms with touch of the whole scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 constexpr double kStreamReachM = 0.006;
 constexpr std::int64_t kShapeNs = 33'000'000;  // 30 shapes a second
 
-// A floor beneath, and a sheet of 40 mm on it that a program deforms.
+// A floor, and above it a sheet of 40 mm that a program deforms.
 TouchScene skin_on_floor(double friction = 0.0) {
   TouchScene scene;
   const Material material{.stiffness_n_per_m = 800.0, .friction_static = friction, .friction_dynamic = 0.8 * friction};
@@ -29,7 +29,7 @@ TouchScene skin_on_floor(double friction = 0.0) {
   return on_patch_grid(scene);
 }
 
-// A wave that goes through it, another one for each number.
+// The shape of a wave that runs through the sheet; each number has another phase.
 ChainStage::Shape wave_of(const TouchScene& scene, int number) {
   ChainStage::Shape shape;
   for (const Vec3& p : scene.objects[1].mesh->vertices) {
@@ -49,11 +49,11 @@ ShapeStart start_at(const TouchScene& scene, std::uint32_t serial, std::int64_t 
           .end_ns = start_ns + over_ns};
 }
 
-// Pressed in, to and fro, off its edge onto the floor now and then.
+// The hand presses in, moves to and fro, and now and then off the edge of the sheet onto the floor.
 Vec3 skin_hand(double t_s) { return {0.03 * std::sin(2.1 * t_s), 0.009 * std::cos(1.3 * t_s), 0.0045 + 0.0055 * std::cos(5.0 * t_s)}; }
 
 struct SkinWorst {
-  double share = 0.0;  // of the force
+  double share = 0.0;  // as a share of the force
   double newtons = 0.0;
   int on_skin = 0;
   int on_floor = 0;
@@ -79,7 +79,7 @@ TEST(StreamedPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
     SkinWorst worst;
     std::uint32_t serial = 0;
     for (int n = 0; n < 8000; ++n) {
-      // Each 0.1 s before it begins, so that three or four wait.
+      // Each shape is announced 0.1 s before it begins, so that three or four wait.
       const std::int64_t next_ns = 120'000'000 + serial * kShapeNs;
       if (1e9 * stage.time_s() > static_cast<double>(next_ns) - 1e8 && n < 7000) {
         const ShapeStart start = start_at(scene, ++serial, next_ns);
@@ -121,14 +121,14 @@ TEST(StreamedPatch, APatchBeginsInThePresentShape) {
   }
 }
 
-// Its parts come while the hand presses on it, and the surface moves.
+// The parts of the sheet come while the hand presses on it and the surface moves.
 TEST(StreamedPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
   for (const int late : {0, 20, 150}) {
     const TouchScene scene = skin_on_floor();
     ChainStage stage(scene);
     const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
     const Vec3 still(0.003, 0.002, 0.005);
-    // As the stage knows it, once more: it has felt contact before.
+    // The whole scene a second time, with the shapes that the stage gets: this one has felt contact before.
     StreamedMethod& method = *whole->find_streamed(1);
     std::vector<Vec3> from(method.stager().rest().begin(), method.stager().rest().end());
     for (std::uint32_t serial = 1; serial <= 6; ++serial) {
@@ -165,14 +165,14 @@ TEST(StreamedPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
   }
 }
 
-// What comes late goes to the same shape, no faster than any surface may; what does not come is left out.
+// A shape that comes late is still reached, no faster than a surface may move. A shape that never comes is left out.
 TEST(StreamedPatch, WhatComesLateOrNeverLeadsToTheSameShape) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
     const TouchScene scene = skin_on_floor();
     ChainStage stage(scene);
     const Vec3 still(0.003, 0.002, 0.004);
-    std::vector<std::pair<int, std::uint32_t>> on_their_way;  // step of their arrival
+    std::vector<std::pair<int, std::uint32_t>> on_their_way;  // step of arrival, serial
     constexpr std::uint32_t kShapes = 40;
     double last_n = -1.0;
     double largest_change_n = 0.0;
@@ -201,7 +201,7 @@ TEST(StreamedPatch, WhatComesLateOrNeverLeadsToTheSameShape) {
     }
     EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), 1e-9) << seed;
     EXPECT_GT(felt.whole.force_n.norm(), 0.5);
-    // The hand holds still; the surface goes no faster than that, and its facets lean by less than 0.5.
+    // The hand holds still. The surface moves at kMaxSurfaceSpeed at most, and the slope of its facets is less than 0.5.
     EXPECT_LT(largest_change_n, 800.0 * kMaxSurfaceSpeed * ChainStage::kStepS * 1.5) << seed;
     EXPECT_GT(stage.chain().counts().late_shapes, 5U) << seed;
     EXPECT_GT(lost, 5U);
@@ -265,7 +265,7 @@ TEST(StreamedPatch, IsKnownInWhateverOrderItsPartsCome) {
   expect_known_whichever_is_last<PatchBegin, PatchBody, PatchTile, PatchStream>(make_tiles(skin_on_floor()), 1);
 }
 
-// Each vertex of the joined mesh moves with the one of the scene that has its place at rest, as the scene file poses it.
+// Each vertex of the joined mesh moves as the scene's vertex with the same position at rest does, turned and scaled as in the scene file.
 TEST(StreamedPatch, HasTheShapesOfTheScene) {
   TouchScene scene = skin_on_floor();
   scene.objects[1].stream_to_scene = 0.5 * Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())).toRotationMatrix();
@@ -291,7 +291,7 @@ TEST(StreamedPatch, WhatCannotBeFeltOnTheGridIsNotSent) {
   EXPECT_FALSE(can_feel_what_deforms(make_tiles(skin_on_floor()), 0.001)) << "a ball cannot feel what deforms";
   TouchScene torn = skin_on_floor();
   TriangleMesh mesh = *torn.objects[1].mesh;
-  // A second triangle with corners of its own, at one of them less than a step of the grid away.
+  // One triangle gets corners of its own. Below, one of them is less than a step of the grid away from the old corner.
   const Triangle corners = mesh.triangles[0];
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (const std::uint32_t corner : corners) mesh.vertices.push_back(mesh.vertices[corner]);
@@ -327,7 +327,7 @@ TEST(StreamedPatch, TheStepsUseNoHeap) {
   EXPECT_EQ(stage.chain().counts().shapes, 6U);
 }
 
-// Of a hostile haptics node.
+// A hostile haptics node may send such parts.
 TEST(StreamedPatch, WhatContradictsItselfIsNeverConfirmed) {
   const TiledScene tiled = make_tiles(skin_on_floor());
   const auto expect_rejected = [&](auto&& change) {
@@ -348,7 +348,7 @@ TEST(StreamedPatch, WhatContradictsItselfIsNeverConfirmed) {
   expect_rejected([&](PatchStream& stream) { stream.object += ++n == 4 ? 1 : 0; });
 }
 
-// The shapes of an object are those of one body, and have as many vertices as it.
+// The shapes of an object belong to one body, and have as many vertices as that body.
 TEST(StreamedPatch, NoOtherBodyTakesTheShapesOfAnObject) {
   const TouchScene scene = skin_on_floor();
   PatchStore store;
@@ -367,7 +367,7 @@ TEST(StreamedPatch, NoOtherBodyTakesTheShapesOfAnObject) {
   EXPECT_NE(store.shapes().newest_start(1), nullptr) << "of the body that there is";
 }
 
-// It waits for its patch, and for room there. That of a patch which another one has replaced is over: it would hold up all that follow.
+// A motion waits for its patch, and for room there. The motion of a patch that was replaced is dropped: it would hold up all later ones.
 TEST(StreamedPatch, AMotionWaitsForItsPatchAndEndsWithIt) {
   PatchTouch touch;
   auto method = StreamedMethod::make({}, made::shared(made::sheet(0.02, 0.0, 8)), Material(), kStreamReachM);

@@ -71,7 +71,7 @@ TEST(TilePartition, TilesFitAndKnowTheirObject) {
   EXPECT_GE(full, std::size_t{3200 / 64 - 2}) << "tiles of a mesh are full, but for a few";
 }
 
-// The cells are what a patch relies on: none of the triangles in one may be missing from its list.
+// A patch relies on the cells: the list of a cell must have the tile of every triangle in it.
 TEST(TilePartition, ACellListsEveryTileThatReachesIntoIt) {
   const TiledScene tiled = make_tiles(scene_of(rolling_sheet(0.05, 100)));
   ASSERT_GT(tiled.cells.size(), 10U);
@@ -111,7 +111,7 @@ TEST(TilePartition, OfNothingIsNothing) {
   EXPECT_TRUE(tiled.cells.empty());
 }
 
-// Long slivers through one another: the bounds of all tiles overlap all through the middle, so that no cell there has few.
+// Long slivers cross one another. In the middle the bounds of all tiles overlap, so no cell there has few tiles.
 TEST(TilePartition, TilesThatLieAcrossEachOtherDoNotFillTheMemory) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> place(-0.05, 0.05);
