@@ -37,7 +37,7 @@ TEST_F(CallGuardTest, AGoodForcePasses) {
   EXPECT_EQ(guard.times().count(), 1U);
 }
 
-// From the last good force to zero, in steps of a hundredth of it.
+// The force goes from the last good one to zero, in steps of a hundredth of it.
 TEST_F(CallGuardTest, AfterNonsenseTheLastGoodForceFadesAndNothingIsCalledAgain) {
   for (const Vec3& nonsense : {Vec3(std::nan(""), 0, 0), Vec3(0, std::numeric_limits<double>::infinity(), 0), Vec3(0, 0, 1e9),
                                Vec3(std::numeric_limits<double>::max(), 0, 0), Vec3(2.1, 0, 0)}) {

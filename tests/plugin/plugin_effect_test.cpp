@@ -28,7 +28,7 @@ TEST(PluginEffect, HasItsNameAndForgetsAtAReset) {
   EXPECT_EQ(effect.step(input).force_n, Vec3(0, 0, 0));
 }
 
-// What a plug-in may leave out is not called.
+// Functions that a plug-in may leave out are not called if it has none.
 TEST(PluginEffect, ResetAndDestroyMayBeMissing) {
   SimulatedClock clock;
   auto made = PluginEffect::make(*parse_plugin_choice(standin::library("plugins/bare_effect.so") + ":n=0.5"), clock, 1000);
@@ -42,7 +42,7 @@ TEST(PluginEffect, ResetAndDestroyMayBeMissing) {
   made->reset();
 }
 
-// The stand-in aborts where it is destroyed without having been made.
+// The stand-in aborts if it is destroyed without having been created.
 TEST(PluginEffect, OneThatRejectsItsParametersIsNotDestroyedAndSaysWhyInOneLine) {
   SimulatedClock clock;
   const auto rejection = [&](const std::string& does) {
@@ -64,7 +64,7 @@ TEST(PluginEffect, AnExceptionInResetCutsItOff) {
   EXPECT_EQ((*made)->guard().cut_off().reason, CutOff::Reason::exception);
 }
 
-// Force and torque along each axis are the plug-in's, and what it writes into its input is its own.
+// Each axis of force and torque is the one that the plug-in gives, from the same axis of velocity and contact force in its input.
 TEST(PluginEffect, EachAxisIsItsOwn) {
   SimulatedClock clock;
   const auto made = PluginEffect::make(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=copy,after=9"), clock, 1000);

@@ -52,7 +52,7 @@ TEST_F(PluginEffectsTest, VelocityAndContactForceAreThoseOfTheHandInW) {
 
 TEST_F(PluginEffectsTest, TimeBeginsAnewAtAReset) {
   ASSERT_TRUE(effects.add(odd("does=lean")));
-  moment.sample = static_cast<std::uint64_t>(-1);  // 0 at the step
+  moment.sample = static_cast<std::uint64_t>(-1);  // the step makes it 0
   moment.time_ns = 1'700'000'000'000;
   EXPECT_NEAR(step().force_n.x(), 0.001, 1e-12);
   moment.sample = static_cast<std::uint64_t>(-1);
@@ -91,7 +91,7 @@ TEST_F(PluginEffectsTest, EveryKindOfNonsenseCutsOff) {
   }
 }
 
-// On the machine's clock: however late the machine is, a call that sleeps is never shorter.
+// This test uses the machine's clock: a slow machine can only make a call that sleeps longer.
 TEST_F(PluginEffectsTest, OneThatSleepsIsCutOffAfterTheSecondCall) {
   const SteadyClock steady;
   PluginEffects one(steady);

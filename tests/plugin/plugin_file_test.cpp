@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 std::string plugin(const std::string& name) { return standin::library("plugins/" + name + ".so"); }
 
-// What is wrong with a file as an effect; empty: nothing.
+// The error if a file is opened as an effect; empty: none.
 std::string fault_of(const std::string& path) {
   const auto file = PluginFile::open({.file = path});
   if (!file) return file.error().what;
@@ -48,7 +48,7 @@ TEST(PluginFile, EachFaultIsOneLineWithThePathAndARemedy) {
   }
 }
 
-// The header of a good one, changed.
+// Takes the header of a good plug-in and changes it.
 TEST(PluginFile, AnotherProcessorAndOtherKindsOfElfAreNamed) {
   const ScratchFolder scratch;
   std::string bytes(4096, '\0');
@@ -88,12 +88,12 @@ TEST(PluginFile, TheHashIsOfBytesAndParameters) {
   EXPECT_NE(hash_of("odd_effect", "1"), hash_of("small_effect", "1"));
 }
 
-// Its hash was that of the new file, and its code that of the old one.
+// Otherwise its hash would be that of the new file, and its code that of the old one.
 TEST(PluginFile, OneThatWasCompiledAgainSinceItWasLoadedIsRejected) {
   const ScratchFolder scratch;
   const std::filesystem::path mine = scratch.path() / "mine.so";
   const auto compile = [&](const char* name) {
-    std::filesystem::remove(mine);  // as a linker does, which leaves the loaded one as it is
+    std::filesystem::remove(mine);  // as a linker does; the loaded file stays as it is
     std::filesystem::copy_file(plugin(name), mine);
   };
   compile("odd_effect");

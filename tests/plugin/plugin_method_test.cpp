@@ -48,7 +48,7 @@ TEST_F(PluginMethodTest, GivesForceProxyAndObjectWithTheMaterialsOfTheScene) {
   EXPECT_NEAR(method->step({.p_SD = {0.02, -0.002, 0.03}}).force_n.y(), 0.2, 1e-12);
 }
 
-// In a scene that is turned a quarter about y: x of S is -z of W.
+// The scene is turned by a quarter about y: x of S is -z of W.
 TEST_F(PluginMethodTest, KnowsStylusVelocityTimeAndButtonsInTheFrameOfTheScene) {
   TouchStep touch(make("does=tell"));
   TouchInput input;
@@ -61,13 +61,13 @@ TEST_F(PluginMethodTest, KnowsStylusVelocityTimeAndButtonsInTheFrameOfTheScene) 
     input.p_WD = Vec3(0.01 + 2e-4 * n, 0.1, 0.0);
     told = touch.step(input);
   }
-  const Vec3 v_W = told.force_n;  // turned back
+  const Vec3 v_W = told.force_n;  // in frame W again
   EXPECT_NEAR(v_W.x(), 0.2, 1e-9);
   EXPECT_NEAR(v_W.head<2>().norm(), 0.2, 1e-9);
   const Vec3 p_S = input.X_WS.inverse(Eigen::Isometry) * Vec3(input.p_WD + told.visual_offset_m);
   EXPECT_NEAR(p_S.x(), 0.019, 1e-9) << "time since the first sample";
   EXPECT_NEAR(p_S.y(), 5.0, 1e-9);
-  // The stylus's y is (sin 0.5, cos 0.5, 0) in W; x of S is -z of W, so it has no part along x of S.
+  // The y axis of the stylus is (sin 0.5, cos 0.5, 0) in W; x of S is -z of W, so this axis has no component along x of S.
   EXPECT_NEAR(p_S.z(), 0.0, 1e-9);
   input.X_WS = Pose::Identity();
   for (int n = 0; n < 20; ++n) told = touch.step(input);
@@ -85,7 +85,7 @@ TEST_F(PluginMethodTest, ASampleThatIsNotFiniteGivesNoForceAndReachesNoPlugin) {
   EXPECT_EQ(method->guard().times().count(), 0U);
 }
 
-// As where a contact goes on after a break: a plug-in divides by the duration.
+// A contact that continues after a break has such a step. A plug-in may divide by the duration.
 TEST_F(PluginMethodTest, AStepOfNoDurationReachesNoPlugin) {
   const auto method = make();
   method->step({.p_SD = {0.02, 0.001, 0.03}});
@@ -114,7 +114,7 @@ TEST_F(PluginMethodTest, NonsenseCutsItOffAndItsForceFades) {
   }
 }
 
-// The stand-in aborts where it is called after the cut.
+// The stand-in aborts if it is called after it was cut off.
 TEST_F(PluginMethodTest, WhatIsCutOffIsCalledNoMore) {
   const auto method = make("does=nan");
   method->step({.p_SD = {0, -0.002, 0}});
@@ -139,7 +139,7 @@ TEST_F(PluginMethodTest, AnExceptionInResetOrWithMaterialsCutsItOff) {
   EXPECT_EQ(choosy->guard().cut_off().reason, CutOff::Reason::exception);
 }
 
-// Without set_materials those of its creation stay; without destroy nothing is called at its end.
+// Without set_materials the materials from its creation stay. Without destroy nothing is called at its end.
 TEST_F(PluginMethodTest, MaterialsAndDestroyMayBeMissing) {
   auto made = PluginMethod::make({.file = standin::library("plugins/bare_method.so")}, one_sheet(), clock);
   ASSERT_TRUE(made) << made.error().what;
