@@ -21,10 +21,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A picture that comes too late for a press costs a round of the hand.
+// A picture that comes too late for a press of the button costs one more round of the hand.
 constexpr Seconds kRoundsPatience = 4 * kPatience;
 
-// A line of 40 mm on the top of a cube with button 2, then a measure from its one end to the other with button 3; over and over.
+// A line of 40 mm on the top of a cube with button 2, then a measure from one end of it to the other with button 3, again and again.
 constexpr const char* kWay =
     "t_s,x_m,y_m,z_m,buttons\n0,-0.02,0.01,0.06,0\n0.3,-0.02,0.01,0.049,0\n0.6,-0.02,0.01,0.049,2\n1.6,0.02,0.01,0.049,0\n"
     "1.9,0.02,0.01,0.049,4\n2.9,0.02,0.01,0.049,0\n3.2,0.02,0.01,0.049,0\n3.6,-0.02,0.01,0.049,0\n3.9,-0.02,0.01,0.049,4\n"
@@ -135,7 +135,7 @@ TEST(Annotations, TheMenuIsOperatedByTouch) {
   EXPECT_EQ(ended->exit_code, 0) << ended->err;
 }
 
-// The block lies 30 mm higher than the scene file has it: only there the path touches it, and vision_node is told.
+// The annotations put the block 30 mm higher than the scene file does. Only there the path touches it. vision_node learns of this pose.
 TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
   ScratchFolder scratch;
   scratch.write("way.csv", "t_s,x_m,y_m,z_m\n0,0,0.01,0.09\n0.5,0,0.01,0.079\n100,0,0.01,0.079\n");

@@ -1,4 +1,4 @@
-// Whatever people type: one line on stderr that names the trouble, and an exit code that is neither zero nor a crash's.
+// Whatever people type, a program prints one line on stderr that names the trouble, and its exit code is neither zero nor that of a crash.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -21,7 +21,7 @@ struct BadCall {
   std::string program;
   std::vector<std::string> arguments;  // FOLDER and TAKEN_PORT are replaced
   std::string mentions;                // must be in the line
-  int exit_code = 0;                   // 0: any but that
+  int exit_code = 0;                   // 0: any code except 0
 };
 
 void PrintTo(const BadCall& call, std::ostream* out) { *out << call.program << " " << call.name; }
@@ -92,7 +92,7 @@ TEST_P(BadInput, GivesOneLineAndFails) {
   EXPECT_THAT(complaints.front(), ::testing::HasSubstr(fill_in(call.mentions)));
 }
 
-// An io_node that continued would hold this port; nothing else is started.
+// Only io_node is started. Port 0 is any free port, so an io_node that continued would hold no port that another test needs.
 const std::vector<BadCall> kIoNode = {
     {"UnknownFlag", "io_node", {"--frobnicate"}, "frobnicate"},
     {"ConfigIsAPipe", "io_node", {"--config", "FOLDER/pipe"}, "not a regular file"},
@@ -353,7 +353,7 @@ TEST_P(Version, IsOneLineOfNameAndNumber) {
   EXPECT_EQ(ended->err, "");
 }
 
-// The soft limit of this process, which what it starts inherits.
+// Sets the soft limit of descriptors of this process, which child processes inherit, as long as this object lives.
 class DescriptorLimit {
  public:
   explicit DescriptorLimit(rlim_t allowed) {
@@ -388,7 +388,7 @@ TEST_P(FewDescriptors, EndWithOneLine) {
 }
 
 #ifdef HAPTON_FEW_THREADS
-// A system limit on the threads of a program, for the child processes.
+// A system limit on the threads of a program, which child processes inherit, as long as this object lives.
 class ThreadLimit {
  public:
   ThreadLimit(const std::string& program, int allowed) {
@@ -405,7 +405,7 @@ class ThreadLimit {
 
 class FewThreads : public ::testing::TestWithParam<BadCall> {};
 
-// With one more each time, until it has all that it needs.
+// Each round allows one thread more, until the program has all that it needs.
 TEST_P(FewThreads, EndWithOneLine) {
   const BadCall& call = GetParam();
   int needed = 0;
@@ -444,7 +444,7 @@ const std::vector<BadCall> kThreaded = {
 INSTANTIATE_TEST_SUITE_P(Programs, FewThreads, ::testing::ValuesIn(kThreaded),
                          [](const ::testing::TestParamInfo<BadCall>& call) { return call.param.name; });
 
-// The watchdog process says so and ends; io_node continues without it, as requested.
+// The watchdog process reports this and ends; io_node continues without it, as requested.
 TEST(FewThreadsAlone, TheWatchdogSaysSo) {
   const TestFolder folder;
   const ThreadLimit limit("hapton_watchdog", 0);

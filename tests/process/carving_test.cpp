@@ -17,8 +17,8 @@
 namespace hapton::process {
 namespace {
 
-// A red slab, 100 x 100 x 20 mm. The hand pushes the ball through it, 24 mm to the right of its middle, and withdraws far from it; over and
-// over, as a haptics node that starts while it is inside carves nothing until it has left.
+// A red slab, 100 x 100 x 20 mm. Again and again the hand pushes the ball through it, 24 mm to the right of its middle, and withdraws far
+// from it: a haptics node that starts while the ball is inside carves nothing until the ball has left.
 constexpr const char* kClaySlab =
     "v -0.05 -0.05 -0.01\nv 0.05 -0.05 -0.01\nv 0.05 0.05 -0.01\nv -0.05 0.05 -0.01\nv -0.05 -0.05 0.01\nv 0.05 -0.05 0.01\n"
     "v 0.05 0.05 0.01\nv -0.05 0.05 0.01\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\n"
@@ -32,7 +32,7 @@ constexpr const char* kWayThrough =
 struct RedPixels {
   std::size_t count = 0;
   double low_x = 1e9, high_x = -1e9;
-  double holes_x = 0.0;  // middle of the others between the first and the last of each row
+  double holes_x = 0.0;  // mean x of the pixels that are not red, between the first and the last red one of each row
   std::size_t holes = 0;
 };
 
@@ -65,7 +65,7 @@ RedPixels count_red(const std::string& file) {
   return red;
 }
 
-// What a vision node shows that runs for a while, seen from the front.
+// Takes a picture, seen from the front, of what a vision node shows after some seconds.
 struct PictureTaker {
   ScratchFolder& scratch;
   std::string display;

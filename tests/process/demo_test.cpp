@@ -59,7 +59,7 @@ class DemoStep : public ::testing::TestWithParam<std::pair<std::string, std::str
 TEST_P(DemoStep, ShowsWhatItPromisesAndLeavesAPictureAndALine) {
   const TestFolder folder;
   const auto& [number, name] = GetParam();
-  // A machine that stands still may leave too little of 4 s.
+  // On a machine that stops now and then, 4 s may be too short.
   std::optional<Ended> ended;
   for (const char* seconds : {"4", "16"}) {
     ended = run("hapton", {"demo", "--headless", "--only", number, "--seconds", seconds, "--out", (folder.path() / "tour").string()},
@@ -78,12 +78,12 @@ INSTANTIATE_TEST_SUITE_P(Tour, DemoStep,
                          ::testing::Values(std::pair("2", "slide-in-a-groove"), std::pair("3", "a-wall-thinner-than-a-step"),
                                            std::pair("6", "a-node-dies")));
 
-// A haptics node that reports ready and never replies.
+// A haptics node that reports that it is ready, and then never replies.
 TEST(Demo, AStepThatFailsIsReportedAndCounts) {
   const TestFolder folder;
   const std::filesystem::path bin = folder.path() / "bin";
   std::filesystem::create_directories(bin);
-  // A copy, because it looks for the other programs beside itself.
+  // hapton is copied, because it looks for the other programs beside itself.
   std::filesystem::copy(HAPTON_BIN_DIR "/hapton", bin / "hapton");
   for (const char* name : {"io_node", "vision_node", "hapton_watchdog"}) {
     std::filesystem::create_symlink(std::filesystem::path(HAPTON_BIN_DIR) / name, bin / name);
@@ -103,7 +103,7 @@ TEST(Demo, AStepThatFailsIsReportedAndCounts) {
   EXPECT_TRUE(is_png(out / "2-slide-in-a-groove.png")) << "of what there is";
 }
 
-// Without a terminal to press keys in, by the clock.
+// Without a terminal in which keys can be pressed, the demo continues by the clock.
 TEST(Demo, RunsInAWindowByTheClock) {
   const TestFolder folder;
   const VirtualDisplay display;
@@ -114,7 +114,7 @@ TEST(Demo, RunsInAWindowByTheClock) {
   EXPECT_THAT(ended->out, HasSubstr("3  a wall thinner than a step\nThe wall is 0.1 mm thick"));
 }
 
-// Ctrl-C, an end by a service, a terminal that is closed.
+// Ctrl-C, the stop of a service and the close of a terminal send these signals.
 class DemoStop : public ::testing::TestWithParam<int> {};
 
 TEST_P(DemoStop, EndsItsNodesAndSaysSo) {

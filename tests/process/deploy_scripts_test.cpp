@@ -1,4 +1,4 @@
-// Where something is missing or fails, the scripts of deploy/ say why.
+// If something is missing or fails, the scripts of deploy/ say why.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -126,7 +126,7 @@ TEST(Doctor, ReportsByItsExitCode) {
   }
 }
 
-// Its name is that of a context that was made current.
+// The name comes from an OpenGL context that the doctor has made current.
 TEST(Doctor, NamesTheRendererOfADisplay) {
   TestFolder folder;
   const VirtualDisplay display;
@@ -135,7 +135,7 @@ TEST(Doctor, NamesTheRendererOfADisplay) {
   EXPECT_TRUE(std::regex_search(doctor.out(), std::regex("renderer: [^ ,].*, OpenGL [0-9]+\\.[0-9]"))) << doctor.out() << doctor.err();
 }
 
-// With a folder for the loader to look into, until this goes.
+// Adds a folder in which the loader looks for libraries, as long as this object lives.
 class LoaderPath {
  public:
   explicit LoaderPath(const std::string& folder) : was_(::getenv("LD_LIBRARY_PATH") == nullptr ? "" : ::getenv("LD_LIBRARY_PATH")) {

@@ -31,7 +31,7 @@ using ::testing::HasSubstr;
 const std::vector<std::string> kStorm = {"--loss",      "0.3", "--jitter-ms", "20",   "--reorder",     "0.1",
                                          "--duplicate", "0.1", "--corrupt",   "0.05", "--burst-share", "0.05"};
 
-// Contact continues from here for this many samples.
+// True if contact continues from now on for this many samples.
 bool feels_on(System& system, std::int64_t samples = 300) {
   const std::int64_t before = count(system.request_report(), "contact_samples");
   return waits_for(system, [&](const Json& report) { return count(report, "contact_samples") > before + samples; });
@@ -109,7 +109,7 @@ std::string note(const Json& report, const char* name) { return report.at("notes
 
 // The hand comes down at 11 mm/s, which is too fast here, and then stays in contact.
 TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
-  // For ten seconds after a record, such as that of a machine that stood still, there is no other: then it is tried again.
+  // For ten seconds after a flight record, such as that of a machine that stopped, there is no other: then the test tries again.
   std::optional<System> latching;
   Json latched;
   for (int attempt = 0; attempt < 3; ++attempt) {
@@ -199,7 +199,7 @@ class UnknownPeer {
   explicit UnknownPeer(const std::string& hub) : hub_(*parse_address(hub)), endpoint_(*open_udp_endpoint("127.0.0.1:0")) {}
 
   bool send(std::span<const std::byte> bytes) { return endpoint_->send(hub_, bytes); }
-  // The replies within that time.
+  // The size of the first reply within this time; 0: no reply.
   std::size_t receive_for(std::int64_t for_ns) {
     std::array<std::byte, kMaxDatagramBytes> buffer;
     return endpoint_->receive(buffer, clock_.now_ns() + for_ns).bytes;
@@ -227,12 +227,12 @@ TEST(Hub, AnotherVersionGetsNoReplyAndIsCounted) {
   system.end("io_node");
 }
 
-// Sends the requested number of junk datagrams a second, as far as this machine can; from one socket, many per system call.
+// Sends junk datagrams at the requested rate per second, or as fast as this machine can, from one socket, many in each system call.
 class Flood {
  public:
   Flood(const std::string& to, double per_second) : thread_([this, to, per_second] { run(*parse_address(to), per_second); }) {}
   ~Flood() { stop(); }
-  // How many a second were sent.
+  // Stops. Returns how many datagrams were sent in a second.
   double stop() {
     ends_ = true;
     if (thread_.joinable()) thread_.join();
@@ -243,7 +243,7 @@ class Flood {
   static constexpr std::size_t kKinds = 64;
   using Junk = std::array<std::array<std::uint8_t, 200>, kKinds>;
 
-  // Random bytes, the right lead of each kind, the right length of a handshake.
+  // Random bytes; every second datagram has the right first bytes of a message and zeros. run() gives some the length of a handshake.
   static void fill(Junk& junk) {
     std::mt19937_64 random(3);
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
@@ -304,7 +304,7 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
   const Json report = system.request_report();
   std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld silences\n", flood.stop() + other.stop(),
               count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "command_timeouts"));
-  // Once a second at most.
+  // The hub names the flood at most once a second.
   const std::string text = system["io_node"].err();
   const auto lines = std::distance(std::sregex_iterator(text.begin(), text.end(), kNamed), std::sregex_iterator());
   EXPECT_LE(lines, 1 + std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin).count()) << text;

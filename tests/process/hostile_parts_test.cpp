@@ -1,4 +1,4 @@
-// A haptics node gone bad: it holds the right key and sends an io_node that feels parts of the scene what no scene has.
+// A hostile haptics node: it has the right key, and sends parts that no scene has to an io_node that computes the force from parts.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ class HostileHaptics {
   explicit HostileHaptics(const System& system)
       : hub_(*parse_address(system.hub())), sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::haptics), hub_) {}
 
-  // Joined, and the newest state received.
+  // Joins the hub and receives a state; false: none came.
   bool join() {
     const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
     while (!has_state_ && clock_.now_ns() < end_ns) listen(20 * kNanosecondsPerMillisecond);
@@ -49,7 +49,7 @@ class HostileHaptics {
   bool has_state_ = false;
 };
 
-// Parts that the codec lets through, each number from the whole range that it has.
+// Parts that the codec lets through, with each number from the whole range that the codec permits.
 class Parts {
  public:
   explicit Parts(unsigned seed) : random_(seed) {}
@@ -68,7 +68,7 @@ class Parts {
     begin.effect_bytes = static_cast<std::uint32_t>(effects_.size());
     return begin;
   }
-  // Those of the epoch, all of them; without any, some that nobody announced.
+  // Sends all effects of the epoch; if it has none, some that were not announced.
   void send_effects(HostileHaptics& hostile) {
     const std::string& bytes = effects_.empty() ? kNotAnnounced : effects_;
     for (std::uint32_t part = 0; part < count_effect_parts(bytes.size()); ++part) {
@@ -78,7 +78,7 @@ class Parts {
       hostile.send(effects);
     }
   }
-  // About the hand, and all of it at once: as many triangles through one another as one cell holds.
+  // Sends the whole of a small scene around the hand: as many triangles through one another as one cell can hold.
   void send_tangle(HostileHaptics& hostile, const Vec3& p_WD) {
     begin_epoch();
     const double wide_m = 0.1;
@@ -122,7 +122,7 @@ class Parts {
     for (auto& corner : tile.triangles) corner = static_cast<std::uint8_t>(random_() % tile.vertex_count);
     return tile;
   }
-  // Of a scene that moves: nine times of ten as none may.
+  // A body of a scene that moves; nine of ten have a motion that no scene may have.
   Message body() {
     PatchBody body{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % PatchBody::kMaxBodies)};
     body.motion = static_cast<PatchBody::Motion>(random_() % 3);
@@ -144,7 +144,7 @@ class Parts {
     for (std::size_t n = 0; n < body.key_count; ++n) body.keys[n] = {time_s += 1e-3 + std::min(std::abs(any()), 1e6), place(), turn()};
     return body;
   }
-  // Of few tiles, so that some deformations become whole.
+  // A deformation of few tiles, so that some deformations become complete.
   Message deformation() {
     PatchDeformation deformation{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % 4)};
     deformation.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() : random_() % 600);
@@ -170,7 +170,7 @@ class Parts {
     for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(any(), -1e6, 1e6));
     return displacements;
   }
-  // Of few tiles, as above; and shapes of the object, most of which come whole.
+  // A part of an object that programs deform, of few tiles, as above. For three of four one shape() message is a whole shape.
   Message stream() {
     PatchStream stream{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % 4)};
     stream.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() >> 33 : random_() % 600);
@@ -229,7 +229,7 @@ class Parts {
   bool one_in(unsigned n) { return random_() % n == 0; }
 
  private:
-  // In the range of scene files, at its ends; one in four with a byte that is another.
+  // Effects at the ends of the range of scene files; in one of four a byte is changed.
   std::string draw_effects() {
     SceneEffectSet effects;
     const double stiff = one_in(2) ? 1e9 : 1e-300;

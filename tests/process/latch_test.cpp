@@ -1,4 +1,4 @@
-// A latched fault is a person's to reset: neither a crash of io_node nor a new start is.
+// Only a person resets a latched fault: neither a crash nor a new start of io_node resets it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -38,7 +38,7 @@ struct Latched : testing::Test {
   bool says(const Program& program, const std::string& text) {
     return System::wait_until([&] { return program.err().find(text) != std::string::npos; });
   }
-  // In the runtime folder, which is the test's own.
+  // True if a fault is kept in the runtime folder, which is the test's own.
   bool is_kept() const {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
       const std::string name = entry.path().filename().string();

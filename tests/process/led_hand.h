@@ -14,13 +14,13 @@ namespace hapton::process {
 
 // A hand that a trajectory leads over a scene: io_node with a simulated device and haptics_node, as real programs, recorded.
 struct LedHand {
-  // scene: a file of scenes/, or an absolute path. more: of io_node.
+  // scene: a file of scenes/, or an absolute path. more: further arguments of io_node.
   LedHand(const std::string& device, const std::string& way_csv, const std::string& scene, const std::vector<std::string>& more = {})
       : io("io_node", io_arguments(device, way_csv, more), scratch.path()),
         haptics("haptics_node", {"--hub", hub, "--scene", (std::filesystem::path(HAPTON_SOURCE_DIR "/scenes") / scene).string()},
                 scratch.path()) {}
 
-  // The report's note has gone above `least`.
+  // Waits until this note of the report is above `least`.
   testing::AssertionResult goes_above(const std::string& note, double least) {
     if (System::wait_until([&] { return is_up() || !io.is_running(); }) && io.is_running() &&
         System::wait_until([&] { return read_note(note) > least; })) {
@@ -29,7 +29,7 @@ struct LedHand {
     return testing::AssertionFailure() << note << " is not above " << least << "\n" << haptics.err() << io.err();
   }
 
-  // It takes signals from then on.
+  // From then on io_node takes signals.
   bool is_up() const { return io.out().find("hub on ") != std::string::npos; }
 
   // A counter of the report; -1: there is no report.
@@ -40,7 +40,7 @@ struct LedHand {
     return report.is_object() ? report.at("counters").at(counter).get<std::int64_t>() : -1;
   }
 
-  // Ends both, with exit code 0; what haptics_node said at its end.
+  // Ends both programs, which have to give exit code 0. Returns what haptics_node printed.
   std::string end() {
     std::string summary;
     for (Program* program : {&haptics, &io}) {

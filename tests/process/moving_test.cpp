@@ -47,7 +47,7 @@ Ended move_with(const LedHand& hand, std::vector<std::string> arguments) {
   return run("hapton", arguments, hand.scratch.path()).value_or(Ended{});
 }
 
-// The programs may still be starting, or the machine may stand still for seconds.
+// Tries until the move succeeds: the programs may still be starting, or the machine may stop for seconds.
 Ended moved_at_last(const LedHand& hand, const std::vector<std::string>& arguments) {
   Ended moved;
   System::wait_until([&] {
@@ -85,7 +85,7 @@ TEST(ObjectsThatProgramsMove, PushAHandThatHoldsStillAndAreReplayed) {
   EXPECT_THAT(info.out, HasSubstr("objects moved by programs: "));
 }
 
-// A program beside the nodes, of a role.
+// A program that joins the hub beside the nodes, in this role.
 struct Companion {
   Companion(const LedHand& hand, KeyRole key_role, NodeRole role)
       : at(*parse_address(hand.hub)),
@@ -102,7 +102,7 @@ struct Companion {
 
 using Displacements = std::vector<ShapePart::Displacement>;
 
-// The top of the block of scenes/swelling.toml is raised by so much in its middle.
+// The shape in which the middle of the top of the block of scenes/swelling.toml is height_m higher.
 Displacements swelling_of(const TriangleMesh& block, double height_m) {
   Displacements shape;
   for (const Vec3& p : block.vertices) {
@@ -113,7 +113,7 @@ Displacements swelling_of(const TriangleMesh& block, double height_m) {
 }
 
 // A hand that holds still over the block of scenes/swelling.toml is pushed up when a program raises its top, and again by a stream of
-// shapes. Who joins later gets the shape, and the recording gives the same forces again.
+// shapes. A node that joins later gets the shape, and the recording gives the same forces again.
 TEST(ObjectsThatProgramsDeform, PushAHandThatHoldsStillAndAreReplayed) {
   LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,0,0.06,0\n0.5,0,0.034,0\n600,0,0.034,0\n", "swelling.toml");
   const auto block = load_touch_mesh(HAPTON_SOURCE_DIR "/meshes/supple_block.obj", Unit::mm, CrackSealing::off);
@@ -170,7 +170,7 @@ TEST(ObjectsThatProgramsDeform, PushAHandThatHoldsStillAndAreReplayed) {
   EXPECT_THAT(info.out, HasSubstr("shapes of objects from programs: "));
 }
 
-// The same where io_node computes the force itself, which gets the shapes that it passes on.
+// The same if io_node computes the force itself: it uses the shapes that it relays.
 TEST(ObjectsThatProgramsDeform, PushAHandAlsoWhereIoNodeComputesTheForce) {
   LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,0,0.06,0\n0.5,0,0.034,0\n600,0,0.034,0\n", "swelling.toml", {"--touch", "patch"});
   const auto block = load_touch_mesh(HAPTON_SOURCE_DIR "/meshes/supple_block.obj", Unit::mm, CrackSealing::off);
@@ -191,14 +191,14 @@ TEST(ObjectsThatProgramsDeform, PushAHandAlsoWhereIoNodeComputesTheForce) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 }
 
-// A hand goes to the left side of the brick of scenes/push.toml and 30 mm on: so does the brick, and the recording gives the same forces.
+// A hand pushes the brick of scenes/push.toml from its left side by 30 mm. The brick moves with it, and a replay gives the same forces.
 TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
   LedHand hand("simulated",
                "t_s,x_m,y_m,z_m\n0,-0.005,0.018,0\n0.5,-0.005,-0.008,0\n1,0.0095,-0.008,0\n2.5,0.04,-0.008,0\n600,0.04,-0.008,0\n",
                "push.toml");
   Program dynamics("hapton", {"dynamics", "--scene", HAPTON_SOURCE_DIR "/scenes/push.toml", "--hub", hand.hub}, hand.scratch.path());
   EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.3));
-  // Until it is over: the simulated hand waits for nobody.
+  // Runs until the push is over: the simulated hand does not wait for this program.
   EXPECT_FALSE(dynamics.wait(Seconds(4))) << dynamics.out() << dynamics.err();
   dynamics.send_signal(SIGTERM);
   const auto ended = dynamics.wait(kPatience);
@@ -214,7 +214,7 @@ TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 }
 
-// From parts of the scene beside the device, after so many forces; the recording has those of the haptics node, 20 a second.
+// Waits for this many forces from patches, then for the push. The recording has the forces of the haptics node, 20 a second.
 void expect_pushed_from_patches(LedHand& hand, std::int64_t forces) {
   EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
   EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > forces; })) << hand.haptics.err();
@@ -226,14 +226,14 @@ void expect_pushed_from_patches(LedHand& hand, std::int64_t forces) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 }
 
-// The same from parts of the scene beside the device: the piston pushes.
+// The same if io_node computes the force from patches: the piston pushes the hand.
 TEST(MovingObjects, PushAHandThatFeelsThemFromPatches) {
   LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.068,0.05,0\n0.5,-0.068,0.033,0\n600,-0.068,0.033,0\n", "machine.toml",
                {"--touch", "patch"});
   expect_pushed_from_patches(hand, 2000);
 }
 
-// A block that heaves, without the bumps of the fish of scenes/deforming.toml, which keep the force remote.
+// A block that heaves. The fish of scenes/deforming.toml would keep the force remote, because of its bumps.
 TEST(DeformingObjects, PushAHandThatFeelsThemFromPatches) {
   const ScratchFolder folder;
   const std::string scene = (folder.path() / "heaving.toml").string();

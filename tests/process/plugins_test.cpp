@@ -22,14 +22,14 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// So that a machine that stands still again and again cuts nothing off.
+// A budget so large that no plug-in is cut off because the machine stops now and then.
 const std::string kAmpleUs = "10000";
 
 std::string plugin(const std::string& name) { return standin::library("plugins/" + name + ".so"); }
 
 std::string noted(const Json& report, const char* name) { return report.at("notes").value(name, ""); }
 
-// One line on stderr, and no start.
+// Expects that the program prints one line on stderr and does not start.
 void expect_one_line(const std::string& program, const std::vector<std::string>& arguments, const std::string& says) {
   const ScratchFolder scratch;
   const auto ended = run(program, arguments, scratch.path());
@@ -59,14 +59,14 @@ TEST(Plugins, ASceneThatNamesOneIsOneLineAndNoStartUnlessItIsAllowed) {
   const auto scene = [&](const std::string& name, const std::string& library) {
     return scratch.write(name, "[[object]]\nmesh = 'a.obj'\n[[effect]]\ntype = 'plugin'\nlibrary = '" + library + "'\n").string();
   };
-  // Neither is there a library, nor would the other one start: without the flag none is looked at.
+  // One library does not exist, and the other one exports no effect: without the flag neither is looked at.
   expect_one_line("haptics_node", {"--scene", scene("gone.toml", "gone.so")}, "give --allow-plugins if you trust it");
   expect_one_line("haptics_node", {"--scene", scene("none.toml", plugin("nothing"))}, "line 3: effect nothing would run the code of");
   expect_one_line("haptics_node", {"--allow-plugins", "--scene", scene("gone.toml", "gone.so")}, "No such file");
   expect_one_line("haptics_node", {"--allow-plugins", "--scene", scene("none.toml", plugin("nothing"))}, "exports no hapton_effect");
 }
 
-// The rows of session.csv with the time of the sample, the x of the force that haptics wanted (NaN: none came) and whether any was written.
+// The rows of session.csv: time of the sample, x of the force that haptics wanted (NaN: none came), whether a force was written.
 struct Row {
   double t_s;
   double wanted_n;
@@ -96,7 +96,7 @@ std::vector<Row> read_rows(const std::filesystem::path& csv) {
 }
 
 // The force ends by the rule of the hub: 20 ms after the last sample that got a reply. Each cycle is judged by its own time, so a machine
-// that stands still changes nothing. Two cycles are left for the one that notices and the one that writes.
+// that stops changes nothing. Two more cycles may have a force: the one that notices the timeout, and the one that writes zero.
 void expect_force_ends(const std::string& does) {
   const ScratchFolder scratch;
   const std::string file = (scratch.path() / "session.hapton").string();
@@ -136,7 +136,7 @@ struct RecordedPlugins : testing::Test {
   const std::string file = (scratch.path() / "session.hapton").string();
   System system{{"--record", file}};
 
-  // Until so many samples were felt with the method text that the hub reports.
+  // Runs until the reported method contains this text and more than 300 samples were felt.
   Json run_until(const std::string& method_has) {
     return system.wait_for_report(
         [&](const Json& now) { return noted(now, "method").find(method_has) != std::string::npos && count(now, "contact_samples") > 300; });
@@ -181,7 +181,7 @@ TEST_F(RecordedPlugins, ASceneWithOneIsFeltAndReplayedAsIfTheCommandLineHadNamed
 }
 
 TEST_F(RecordedPlugins, AMethodFromAFileIsSwitchedTunedAndReplayed) {
-  // Beside the cube, through the floor of the method.
+  // The path goes beside the cube, through the floor that the method has.
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.01,0.06\n0.5,0.01,-0.002,0.06\n1,0.01,0.01,0.06\n";
   const std::string method = plugin("odd_method");
   system.add_arguments("haptics_node", {"--method", method, "--plugin-budget", kAmpleUs});
@@ -202,7 +202,7 @@ TEST_F(RecordedPlugins, AMethodFromAFileIsSwitchedTunedAndReplayed) {
   EXPECT_THAT(replay({"--method", method + ":after=1"}).err, HasSubstr("another method than the one of the session"));
 }
 
-// Two at once, one of them bad; materials and methods change, the scene is read again.
+// Two effects at once, one of them bad. Material and method change, and the scene is read again.
 TEST_F(RecordedPlugins, ABadOneIsNamedInLogReportAndRecordingAndTheOthersGoOn) {
   const std::string bad = plugin("odd_effect") + ":does=exception,after=300";
   system.add_arguments("haptics_node",

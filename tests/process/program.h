@@ -12,7 +12,7 @@ namespace hapton::process {
 
 using Seconds = std::chrono::duration<double>;
 
-// How long a test waits for what must come: only what hangs takes as long. A program under a sanitizer may be twenty times as slow.
+// How long a test waits for what must come; only a program that hangs takes so long. Under a sanitizer one may be twenty times as slow.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr Seconds kPatience = Seconds(150);
 #else
@@ -26,11 +26,11 @@ struct Ended {
   std::string err;
 };
 
-// One of our programs, running. Ends with this object at the latest, killed if need be.
+// One of our programs, running. It ends with this object at the latest: then it is killed.
 class Program {
  public:
-  // Starts build/.../bin/NAME, or NAME itself where it is an absolute path, with its output going to files in folder (NAME.<n>.out,
-  // NAME.<n>.err). display: an X display; empty: it sees none. The user's shared key is the folder's own, hapton/key.
+  // Starts build/.../bin/NAME, or NAME itself if it is an absolute path, with its output going to files in folder (NAME.<n>.out,
+  // NAME.<n>.err). display: an X display; empty: none. The user's shared key is also kept in folder, in hapton/master.
   Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
           const std::string& display = "");
   ~Program();
@@ -40,7 +40,7 @@ class Program {
   bool is_running();
   pid_t pid() const { return pid_; }
   void send_signal(int signal);
-  // How it ended, or nothing when it still runs after that time.
+  // How it ended; none: it still runs after this time.
   std::optional<Ended> wait(Seconds at_most);
   // Ends it at once, as a crash would.
   void kill();
@@ -57,11 +57,11 @@ class Program {
   std::optional<int> status_;
 };
 
-// Runs a program to its end; a program still there after at_most is killed and gives nothing.
+// Runs a program to its end; none: it was still running after at_most, and was killed.
 std::optional<Ended> run(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                          Seconds at_most = kPatience);
 
-// A virtual X display of our own, as long as this lives.
+// A virtual X display of its own, as long as this object lives.
 class VirtualDisplay {
  public:
   VirtualDisplay();
@@ -78,7 +78,7 @@ class VirtualDisplay {
 // A UDP port of 127.0.0.1 that is free at the moment.
 std::string find_free_port();
 
-// Occupies a UDP port of 127.0.0.1 while it lives.
+// Occupies a UDP port of 127.0.0.1 as long as this object lives.
 class TakenPort {
  public:
   TakenPort();
