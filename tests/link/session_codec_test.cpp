@@ -140,7 +140,7 @@ TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
 TEST(SessionCodec, AnEntryOfAnUnknownKindIsPassedOver) {
   SessionCodec codec;
   SessionEntry read;
-  const std::string bytes = with_length_and_check(std::string("\x08\x05\x70\x01", 4));  // a time; field 14
+  const std::string bytes = with_length_and_check(std::string("\x08\x05\x70\x01", 4));  // field 1: a time; field 14: unknown
   const auto result = codec.read(bytes + "more", read);
   EXPECT_EQ(result.status, Status::unknown);
   EXPECT_EQ(result.bytes, bytes.size());

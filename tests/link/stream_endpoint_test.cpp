@@ -275,7 +275,7 @@ TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   const int caller = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   rlimit before = {};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
-  const int next = ::dup(0);  // the lowest that is free
+  const int next = ::dup(0);  // the lowest free descriptor
   ::close(next);
   const rlimit none = {.rlim_cur = static_cast<rlim_t>(next), .rlim_max = before.rlim_max};
   sockaddr_in to = {};

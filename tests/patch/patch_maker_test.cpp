@@ -14,7 +14,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t kFew = 4000;
 constexpr std::size_t kAll = 2 * 120 * 120;
 const Vec3 kMiddle(0.011, -0.007, 0.0);  // on no border of cells: there the triangles of all adjacent cells count
-constexpr double kSlowestSpeed = 0.05;   // m/s: a hand at rest counts as moving so fast
+constexpr double kSlowestSpeed = 0.05;   // m/s: a hand at rest counts as moving at this speed
 
 const TiledScene& fine_sheet() {
   static const TiledScene made = make_tiles(scene_of(rolling_sheet(0.05, 120)));

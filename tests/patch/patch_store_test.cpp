@@ -226,7 +226,7 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
       [](PatchBody& body) { body.keys[1].turn = Quat(Eigen::AngleAxisd(3.0, Vec3::UnitX())), body.radius_m = 1.0; },
       [](PatchBody& body) { body.radius_m = 30e-6; }, [](PatchBody& body) { body.keys[1].turn = Quat(1.0 + 1e-6, 0, 0, 0); },
       [](PatchBody& body) { body.keys[0].time_s = 1.0; }, [](PatchBody& body) { body.loops = true; },
-      // It ends where it began, but turned: it would jump at each repetition.
+      // The body ends where it began, but turned: it would jump at each repetition.
       [](PatchBody& body) {
         body.loops = true, body.keys[1].p_S = body.keys[0].p_S, body.keys[1].turn = Quat(Eigen::AngleAxisd(1e-3, Vec3::UnitX()));
       },

@@ -164,7 +164,7 @@ TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
   })) << haptics.err()
       << vision.err() << io.err();
   EXPECT_THAT(haptics.err(), HasSubstr("block is placed as "));
-  // Poses are repeated once a second; when one has come, the dot lies 30 mm higher.
+  // Poses are repeated once a second. After one has come, the dot of the annotations lies 30 mm higher.
   EXPECT_TRUE(System::wait_until([&] { return vision.err().find("block is not where the scene") != std::string::npos; })) << vision.err();
   vision.send_signal(SIGTERM);
   const auto ended = vision.wait(kPatience);

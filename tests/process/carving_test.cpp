@@ -105,7 +105,7 @@ TEST(CarvedMaterial, AHoleIsSeenByAVisionNodeThatStartsLater) {
       },
       4 * kPatience))
       << haptics.err() << io.err();
-  // A hole of 28 mm in 100 by 100 mm: 6 % of its area, a little less as one looks at its wall.
+  // A hole of 28 mm in 100 by 100 mm: 6 % of its area, a little less because the wall of the hole is red too.
   EXPECT_NEAR(static_cast<double>(carved.holes), 0.06 * static_cast<double>(whole.count), 0.025 * static_cast<double>(whole.count));
   EXPECT_NEAR(carved.holes_x, whole.low_x + 0.74 * (whole.high_x - whole.low_x), 0.04 * (whole.high_x - whole.low_x))
       << "where it was carved";

@@ -36,7 +36,7 @@ class DeployScript : public ::testing::Test {
   TestFolder folder_;
 };
 
-// `grep` fails where no step failed, and `head` ends before it has read all of a long output. Either of them once ended the script
+// `grep` fails if no step failed, and `head` ends before it has read all of a long output. Either of them once ended the script
 // (pipefail) without a message.
 TEST_F(DeployScript, BuildSaysWhyItFailsWithoutAFailedStepAndWithALongOne) {
   take("build");

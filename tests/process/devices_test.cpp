@@ -40,7 +40,7 @@ struct TwoHands : testing::Test {
   Json report_of(const std::string& name) const {
     return Json::parse(read_text(system.folder() / "out" / name / "report.json"), nullptr, false);
   }
-  // Requests reports until the condition holds for both hands.
+  // Requests reports until the condition holds for both hands, or io_node has ended.
   bool wait_for(const std::function<bool(const Json& left, const Json& right)>& holds) {
     return System::wait_until([&] {
       if (!io->is_running()) return true;

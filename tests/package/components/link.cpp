@@ -1,4 +1,4 @@
-// Component link alone: a force through the wire format.
+// Component link alone: encodes and decodes a force in the wire format.
 #include <array>
 #include <cstdio>
 #include <span>
