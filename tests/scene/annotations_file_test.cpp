@@ -109,7 +109,7 @@ TEST(AnnotationsFile, ObjectsAreFoundByTheirNames) {
   EXPECT_THAT(read->annotations.objects, ElementsAre("lid", "box", "lid", "something else"));
   EXPECT_EQ(std::get<Stroke>(read->annotations.entries[0]).object, 3) << "kept, but of no object of the scene";
   EXPECT_EQ(std::get<Stroke>(read->annotations.entries[2]).object, 2) << "the second lid is the second lid";
-  // What did not fit is written again, and fits its own scene.
+  // The entry without an object in this scene is kept when the file is written again, and fits the scene that has the object.
   const auto again =
       parse_annotations(write_annotations(read->annotations, kAnnotatedHash), std::vector<std::string>{"something else"}, kAnnotatedHash);
   ASSERT_TRUE(again) << again.error().what;
@@ -177,7 +177,7 @@ TEST(AnnotationsFile, ReadingNamesTheFile) {
   EXPECT_THAT(bad.error().what, HasSubstr("bad.toml: line 1"));
 }
 
-// Whatever bytes change, it is read or rejected in one line.
+// Whichever bytes of a file change, the reader accepts it or rejects it with an error of one line.
 TEST(AnnotationsFile, MutatedFilesAreReadOrRejected) {
   constexpr std::uint64_t kSeed = 11;
   RecordProperty("seed", std::to_string(kSeed));
@@ -238,7 +238,7 @@ TEST(AnnotationsExport, VtpCountsItsCells) {
   EXPECT_THAT(text, HasSubstr("NumberOfPoints=\"6\" NumberOfVerts=\"1\" NumberOfLines=\"2\""));
 }
 
-// Numbers of single precision, as forces and pictures are computed with.
+// Carves have numbers of single precision: forces and pictures are computed with exactly these.
 TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
   std::mt19937_64 random(11);
   Annotations some = some_annotations();
@@ -263,7 +263,7 @@ TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
   EXPECT_EQ(write_annotations(read->annotations, kAnnotatedHash), text);
 }
 
-// Undo takes back what was made last, whatever it was.
+// Undo removes the newest item, be it a carve, a stroke or a measure: the file must keep the order of all of them.
 TEST(AnnotationsFile, TheOrderInWhichThingsWereMadeIsKept) {
   Annotations some;
   some.objects = kAnnotatedNames;

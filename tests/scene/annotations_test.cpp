@@ -14,7 +14,7 @@ Pose annotation_pose(const Vec3& p, double angle) {
   return X;
 }
 
-// A file has its numbers with as many digits as somebody typed.
+// The quaternion of a file may have few digits, so that its length is not exactly 1: the pose must be rigid nevertheless.
 TEST(PutDowns, TheirPoseIsRigid) {
   PutDown put_down{.object = 1};
   put_down.p_m = Vec3(1, 2, 3);

@@ -1,4 +1,4 @@
-// Vertex normals that a file brings: from every format that has them to the mesh, through poses, parts and repairs.
+// Vertex normals from a file: every format that can have them is read, and they stay right through poses, parts and repairs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using Normals = std::vector<Eigen::Vector3f>;
 
-// Radial ones, of a length that is not one: readers keep them as they are, glTF aside.
+// Radial normals of length 2: the readers keep the length that a file gives, except the glTF reader.
 Normals radial_normals(const TriangleMesh& mesh) {
   Normals normals;
   for (const Vec3& v : mesh.vertices) normals.emplace_back((2.0 * v.normalized()).cast<float>());
@@ -49,7 +49,7 @@ std::string ply_of(const TriangleMesh& mesh, const Normals& normals) {
   return text;
 }
 
-// A node that turns, stretches along x and mirrors.
+// The mesh with its normals as a glTF file. transform: further JSON members of its only node, each preceded by a comma.
 std::string gltf_of(const TriangleMesh& mesh, const Normals& normals, const std::string& transform) {
   std::string bytes = sample::gltf_buffer(mesh);
   const std::size_t plain = bytes.size();
@@ -103,7 +103,7 @@ TEST(AuthoredNormals, AreReadFromEveryFormatThatHasThem) {
   }
 }
 
-// Stretched, the normals of a sphere are those of an ellipsoid: x / a^2.
+// A sphere stretched by the factor a along x is an ellipsoid: the x component of its normals is x / a^2.
 TEST(AuthoredNormals, StayAtRightAnglesToAStretchedSurface) {
   const ScratchFolder folder;
   const TriangleMesh mesh = ball();
@@ -126,7 +126,7 @@ TEST(AuthoredNormals, AFileWithoutThemHasNone) {
 
 TEST(AuthoredNormals, OfAPolygonFollowItsCorners) {
   const ScratchFolder folder;
-  // A hollow pentagon, so that ears are cut; the normals name the corners.
+  // A concave pentagon, which is cut by ear clipping; the x component of each normal tells to which corner it belongs.
   const auto file = load_mesh_file(folder.write(
       "a.obj",
       "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nvn 0 0 1\nvn .1 0 1\nvn .2 0 1\nvn .3 0 1\nvn .4 0 1\nf 1//1 2//2 3//3 4//4 5//5\n"));

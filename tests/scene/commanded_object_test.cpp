@@ -45,7 +45,7 @@ TEST_F(CommandedObjectTest, AnObjectIsMovedByProgramsWhereTheSceneFileSaysSo) {
   EXPECT_FALSE(load("")->touch_scene().has_motion());
 }
 
-// position_m and rotation as the scene file has them: the object is where it would be if the file had said so.
+// A commanded pose means the same as position_m and rotation in the scene file: the object goes where the file would have put it.
 TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFile) {
   const std::string fit = "fit_m = [0.05, 0.05, 0.05]\n";
   const std::string rest = "scale = 2.0\nposition_m = [0.1, 0.2, 0.3]\nrotation_deg = [10, 20, 30]\npivot_m = [0.02, 0.01, 0]\n";
@@ -64,7 +64,7 @@ TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFile) {
                       Eigen::AngleAxisd(std::numbers::pi / 18, Vec3::UnitX()));
     for (std::size_t v = 0; v < 3; ++v) {
       const Vec3 in_mesh(v == 1 ? 0.1 : 0.0, v == 2 ? 0.1 : 0.0, 0.0);
-      // Relative to where the file has it, as fit_m also shifts.
+      // Compared with the pose at rest, because fit_m also shifts the scene.
       const Vec3 by = fitted * ((there + turned * (2.0 * in_mesh)) - (Vec3(0.1, 0.2, 0.3) + q_rest * (2.0 * in_mesh)));
       EXPECT_LT((X_SO * at_rest.mesh->vertices[v] - (at_rest.mesh->vertices[v] + by)).norm(), 1e-12) << v << before;
     }
@@ -88,7 +88,7 @@ TEST_F(CommandedObjectTest, FindPlaceIsTheInverseOfPlace) {
   }
 }
 
-// A pose is that of the scene file also where [workspace] turns the scene: the object's own pose there is where it is at rest.
+// A commanded pose means a pose of the scene file also if [workspace] turns the scene: the pose in the file gives the pose at rest.
 TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFileInATurnedWorkspaceToo) {
   const std::string workspace = "[workspace]\ncenter_m = [0.1, 0.2, 0.0]\nrotation_deg = [0, 0, 90]\nscale = 2.0\n";
   const std::string keys = "moved_by = \"program\"\nrotation_deg = [0, 0, 30]\npivot_m = [0.02, 0.01, 0]\n";
@@ -143,7 +143,7 @@ TEST_F(CommandedObjectTest, WhatIsNotGivenStaysAsItIs) {
   EXPECT_NEAR(flap.place(std::nullopt, long_one, now).turn.norm(), 1.0, 1e-15) << "rounded numbers";
 }
 
-// A haptics node and a vision node, or a recording, with another one are told apart.
+// The hashes tell commanded objects apart, so that a haptics node does not work with a vision node or recording of another one.
 TEST_F(CommandedObjectTest, IsPartOfTheHashes) {
   const auto still = load("");
   const auto commanded = load("moved_by = \"program\"\n");
@@ -173,7 +173,7 @@ TEST_F(CommandedObjectTest, HasTheEffectsOfItsMaterial) {
   EXPECT_EQ(scene->touch_scene().objects[0].effects.viscosity.damping_ns_per_m, 2.0);
 }
 
-// A scene that is read again keeps it where it is only if requests lead to the same places.
+// When a scene is read again, the object stays where it was moved only if requests still lead to the same places.
 TEST_F(CommandedObjectTest, IsTheSameWhereNothingThatPlacesItHasChanged) {
   const auto made = [&](const std::string& keys, const std::string& before = "") {
     return *load("moved_by = \"program\"\nposition_m = [0.1, 0.2, 0.3]\n" + keys, before)->objects[0].commanded;

@@ -30,7 +30,7 @@ class EffectReader : public ::testing::Test {
     EXPECT_EQ(scene.error().what.find('\n'), std::string::npos) << scene.error().what;
     return scene.error().what;
   }
-  // The object is lines 1 to 4, what is given begins with line 5.
+  // The object and the header of the next table take lines 1 to 4, so `lines` begins at line 5.
   static std::string with_material(const std::string& lines) {
     return "[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\n[material.m]\n" + lines + "\n";
   }
@@ -304,7 +304,7 @@ TEST_F(EffectReader, RejectsLayersThatCannotBe) {
   EXPECT_THAT(layers(one_sided, many), HasSubstr("9 layers: give at most 8"));
 }
 
-// A recording is replayed with the scene that was touched: whatever a scene file says about effects is part of its hash.
+// A recording must be replayed with the scene in which it was made: every key of an effect in a scene file is part of the hash.
 TEST_F(EffectReader, EveryKeyIsPartOfTheHash) {
   std::set<std::uint64_t> hashes;
   std::size_t count = 0;
@@ -363,7 +363,7 @@ TEST_F(EffectReader, EveryKeyIsPartOfTheHash) {
 }
 
 TEST_F(EffectReader, ASceneWithoutEffectsKeepsItsHash) {
-  // The value is that of the formula before there were effects, so recordings of that time replay.
+  // Versions of Hapton without effects computed this value, so recordings made with them can still be replayed.
   TouchScene scene;
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

@@ -37,9 +37,9 @@ TEST(FileBytes, RejectsWithTheReason) {
   EXPECT_THAT(read_file_bytes(folder.path() / "loop", 4).error().what, HasSubstr("cannot open"));
 }
 
-// Half of a mesh may be a valid one.
+// The first half of a mesh file may itself be a valid file, so a file that is still growing must be rejected.
 TEST(FileBytes, RejectsAFileThatIsStillBeingWritten) {
-  constexpr int kMostReads = 2000;  // of a few ms each, in which the other thread writes something if it runs at all
+  constexpr int kMostReads = 2000;  // each takes a few ms, long enough for the other thread to write something if it runs at all
   const ScratchFolder folder;
   const auto path = folder.write("a", std::string(std::size_t{1} << 22, 'x'));
   std::atomic<bool> has_ended = false;

@@ -71,7 +71,7 @@ TEST_F(FindTool, HasAHashOfItsMeshItsPoseAndItsGrip) {
 }
 
 TEST_F(FindTool, IsOddWhereItIsFarFromTheGripOrOfAnotherSizeThanTheScene) {
-  const auto scene = load(kObject);  // 2.25 m
+  const auto scene = load(kObject);  // its extent is 2.25 m
   ASSERT_TRUE(scene) << scene.error().what;
   const auto fix_of = [&](double scale, const Vec3& moved_m = Vec3::Zero()) {
     std::string fixes;
@@ -80,7 +80,7 @@ TEST_F(FindTool, IsOddWhereItIsFarFromTheGripOrOfAnotherSizeThanTheScene) {
   };
   for (const double scale : {1.1e-3, 1.0, 9.9}) EXPECT_EQ(fix_of(scale), "") << scale;
   for (const double scale : {0.9e-3, 10.1}) EXPECT_THAT(fix_of(scale), HasSubstr("check the units of both")) << scale;
-  // 0.225 m long, so that half of the scene counts; then twice its own 2.25 m.
+  // At scale 0.1 the tool is 0.225 m long, and the limit is half the scene's extent; at scale 1 it is twice the tool's own 2.25 m.
   EXPECT_EQ(fix_of(0.1, Vec3(1.1, 0.0, 0.0)), "");
   EXPECT_THAT(fix_of(0.1, Vec3(1.2, 0.0, 0.0)), HasSubstr("hold it in the middle"));
   EXPECT_THAT(fix_of(0.1, Vec3(-1.35, 0.0, 0.0)), HasSubstr("hold it in the middle")) << "0.15 m of it are on this side";

@@ -24,7 +24,7 @@ TEST(GreyImage, ReadsGreyPngAsItIs) {
   }
 }
 
-// Where a file does not say what its values are, libpng takes those of 16 bits for linear light.
+// If a file does not say what its values mean, libpng would interpret values of 16 bits as linear light and convert them.
 TEST(GreyImage, RoundsSixteenBitsToEight) {
   const auto image = decode_grey_image(picture::grey_16_png_of(4, 1, {0x00, 0x00, 0x40, 0x40, 0x80, 0x80, 0xFF, 0xFF}));
   ASSERT_TRUE(image) << image.error().what;

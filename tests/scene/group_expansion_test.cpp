@@ -27,7 +27,7 @@ class GroupedScene : public ::testing::Test {
 
   Result<Scene> load(const std::string& text) { return load_scene(folder_.write("s.toml", text)); }
 
-  // Both files make the same scene: names, materials, colours, and the same geometry but for rounding.
+  // Both files make the same scene: equal names, materials and colours, and equal geometry up to rounding.
   void expect_same(const std::string& text, const std::string& plain) {
     const auto made = load(text);
     const auto meant = load(plain);
@@ -70,7 +70,7 @@ class GroupedScene : public ::testing::Test {
 const std::string kMaterials = "[material.soft]\nstiffness_n_per_m = 100\n[material.hard]\nstiffness_n_per_m = 900\n";
 
 TEST_F(GroupedScene, PlacesObjectsByThePosesOfTheirGroups) {
-  // Outer: p = (1, 0, 0) + turn about z by 90 degrees, twice the size. Inner: p = (0, 0, 1), turn about x by 90, half the size.
+  // Outer group: moved by (1, 0, 0), turned by 90 degrees about z, scaled by 2. Inner: moved by (0, 0, 1), turned by 90 about x, halved.
   expect_same(R"(
 [[group]]
 name = "outer"
@@ -94,7 +94,7 @@ mesh = "a.obj"
 group = "outer"
 position_m = [0, 1, 0]
 )",
-              // In the inner group (0, 1, 0) is at (0, 0, 0.5) + (0, 0, 1) of the outer one, which is (1, 0, 3).
+              // (0, 1, 0) of the inner group is (0, 0, 0.5) + (0, 0, 1) in the outer group, which is (1, 0, 3) in the scene.
               R"(
 [[object]]
 mesh = "a.obj"
@@ -253,7 +253,7 @@ color = [0, 1, 0]
   EXPECT_EQ(scene->objects[1].colour, (std::array<double, 3>{0, 1, 0}));
 }
 
-// At each time a point of the instance is where its pose in place of the object's takes it: the motion is the same, seen from the object.
+// An instance moves as its object does: relative to its own pose, its motion is that of the object relative to the object's pose.
 TEST_F(GroupedScene, KeyframesGoAlong) {
   const auto scene = load(R"(
 [[group]]
@@ -368,7 +368,7 @@ TEST_F(GroupedScene, BoundsDepthAndNumber) {
   };
   EXPECT_THAT(names_of(doubled(10)), SizeIs(2047));
   EXPECT_THAT(error_of(doubled(40)), HasSubstr("there are more than 4096 objects: use fewer instances"));
-  // Each group shows the next one: a file has room for more than the stack.
+  // Each group shows the next one: a file can nest more levels than the stack of a recursive reader can hold.
   const auto chained = [](int groups) {
     std::string text;
     for (int g = 0; g < groups; ++g) {
@@ -402,7 +402,7 @@ TEST_F(GroupedScene, TheDocumentedExamplesWork) {
   for (const SceneObject& object : scene->objects) EXPECT_EQ(object.material.stiffness_n_per_m, 400.0) << object.name;
 }
 
-// The note about the file is there once.
+// A note about the file occurs only once.
 TEST_F(GroupedScene, InstancesReadTheirFileOnce) {
   folder_.write("a.obj", sample::obj(sample::tetrahedron()) + "v 9 9 9\n");  // a vertex of no face: a note for each reading
   const auto scene = load("[[object]]\nmesh = 'a.obj'\n[[instance]]\nname = 'b'\nof = 'a'\n[[instance]]\nname = 'c'\nof = 'a'\n");

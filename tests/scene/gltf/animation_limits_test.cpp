@@ -1,4 +1,4 @@
-// What channels and parts share is in a file once, and would be read for each of them.
+// Data that channels or parts share is in a file once, but the reader copies it for each of them: the total must be bounded.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Nodes with one triangle each, and a sampler of translations that channels share.
+// One mesh of one triangle for all nodes, and one sampler of translations for all channels. The tests add the nodes.
 struct SharedAnimation {
   explicit SharedAnimation(std::size_t keys) {
     for (const float x : {0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.0F, 0.0F, 0.1F, 0.0F}) sample::append(buffer, x);
@@ -71,7 +71,7 @@ TEST(GltfAnimationLimits, ChannelsMayShareASamplerAFewTimes) {
   }
 }
 
-// All of them move as the node above them does.
+// All parts move with the one animated node above them.
 TEST(GltfAnimationLimits, PartsHaveNoMoreKeyframesThanAFileMayMean) {
   for (const std::size_t parts : {50U, 1'000U}) {
     SharedAnimation shared(5'000);
@@ -92,7 +92,7 @@ TEST(GltfAnimationLimits, PartsHaveNoMoreKeyframesThanAFileMayMean) {
   }
 }
 
-// A part at each node of a chain, and animations that move none of them.
+// A chain of nodes with a part at each, and animations without channels.
 TEST(GltfAnimationLimits, TheWayToAllPartsIsBounded) {
   for (const std::size_t animations : {1U, 5U}) {
     SharedAnimation shared(2);

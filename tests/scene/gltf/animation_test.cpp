@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
 
-// A triangle of 0.1 m hangs from an arm of 0.1 m, which hangs from a base; a second one stands beside them.
+// A triangle of 0.1 m ("hand") at the end of an arm of 0.1 m, a child of a base; a second triangle ("post") stands beside them.
 struct GltfAnimation : testing::Test {
   GltfAnimation() {
     for (const float x : {0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.0F, 0.0F, 0.1F, 0.0F}) sample::append(bytes, x);
@@ -48,7 +48,7 @@ struct GltfAnimation : testing::Test {
     for (const float number : numbers) sample::append(bytes, number);
     return add_accessor(type, numbers.size() / components, first);
   }
-  // A channel of the animation of that number.
+  // Adds a channel to the animation with that index.
   void add_channel(std::size_t animation, std::size_t node, const char* path, const std::vector<float>& times,
                    const std::vector<float>& values, const char* interpolation = "LINEAR") {
     Json& one = document["animations"][animation];
@@ -121,7 +121,7 @@ TEST_F(GltfAnimation, TwoNodesOfAPathMoveTogether) {
   EXPECT_LT((hand.pose_at(2.0) * Vec3(1.1, 0, 0) - Vec3(1.0, 0.3, 0)).norm(), 1e-6);
 }
 
-// An animation replaces what the node itself says, also at its beginning.
+// An animation replaces the node's own transform for its whole duration, also before its first keyframe.
 TEST_F(GltfAnimation, MayBeginElsewhereThanTheFileRests) {
   add_channel(0, 3, "translation", {0.5F, 1.0F}, {0, 0, 0.3F, 0, 0, 0.4F});
   const KeyframeMotion post = load().animations.at(0).motions.at(3);
@@ -129,7 +129,7 @@ TEST_F(GltfAnimation, MayBeginElsewhereThanTheFileRests) {
   EXPECT_LT((post.pose_at(0.75) * Vec3::Zero() - Vec3(0, 0, 0.35)).norm(), 1e-7);
 }
 
-// Exporters mirror by a negative scale. Of a transform alone it cannot be said which axis that is.
+// Exporters mirror by a negative scale. The combined transform alone does not tell which axis was mirrored.
 TEST_F(GltfAnimation, AMirroredNodeBeginsWhereItRests) {
   document["nodes"][3]["rotation"] = about_z({30});
   add_channel(0, 3, "rotation", {0.0F, 1.0F}, about_z({30, 120}));
@@ -154,7 +154,7 @@ TEST_F(GltfAnimation, WhatIsNotRigidIsLeftOutWithANote) {
 
 struct GltfMorphs : GltfAnimation {
   GltfMorphs() {
-    // The post's triangle has two targets; the hand's, which is the same mesh, has them as well.
+    // Post and hand use the same mesh, which has two morph targets.
     const std::size_t up = add_numbers("VEC3", 3, {0, 0, 0, 0, 0, 0.02F, 0, 0, 0});
     const std::size_t aside = add_numbers("VEC3", 3, {0.01F, 0, 0, 0.01F, 0, 0, 0.01F, 0, 0});
     document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}, {{"POSITION", aside}}};
@@ -201,7 +201,7 @@ TEST_F(GltfMorphs, AnimationsOfWeightsDeformTheirNode) {
   }
 }
 
-// A node that moves and deforms does both; its splines are followed.
+// A node may move and deform at the same time; weights follow their splines too.
 TEST_F(GltfMorphs, MotionAndWeightsGoTogether) {
   add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0, 0, 0, 0.1F});
   add_weights(3, {0.0F, 1.0F}, {9, 9, 0, 0, 0, 0, 0, 0, 0, 1, 9, 9}, "CUBICSPLINE");
@@ -237,7 +237,7 @@ TEST_F(GltfMorphs, TargetsThatCannotBeReadAreANote) {
   EXPECT_THAT(file.notes, Contains(HasSubstr("2 primitives have morph targets that cannot be read")));
 }
 
-// The corner that the first target lifts, by x and y of the file: of the hand at 1.2 m, of the post at 0.1 m.
+// The height of the corner that the first target lifts, found by its x in the file: 1.2 m for the hand, 0.1 m for the post.
 double height_at(const MeshFile& file, double x) {
   for (const Vec3& p : file.mesh.vertices) {
     if (std::fabs(p.x() - x) < 0.02 && std::fabs(p.y()) < 1e-9) return p.z();
@@ -276,7 +276,7 @@ TEST_F(GltfMorphs, WeightsThatAreNoNumbersAreRejected) {
   EXPECT_THAT(error_of(), HasSubstr("nodes[3].weights holds something that is not a finite number"));
 }
 
-// The normals that the file has for a target go along: without them the triangle would be shaded as it was modelled.
+// The weights at rest also apply to the normals of a target: otherwise the triangle would be shaded as if it were not deformed.
 TEST_F(GltfMorphs, AtRestTheNormalsAreThoseOfTheWeights) {
   const std::size_t normals = add_numbers("VEC3", 3, {0, 0, 1, 0, 0, 1, 0, 0, 1});
   const std::size_t turned = add_numbers("VEC3", 3, {-0.2F, 0, 0, -0.2F, 0, 0, -0.2F, 0, 0});
@@ -295,7 +295,7 @@ TEST_F(GltfMorphs, AtRestTheNormalsAreThoseOfTheWeights) {
   EXPECT_THAT(file.notes, Contains(HasSubstr("the normals of 2 primitives cannot be read")));
 }
 
-// The mesh has the weights at rest already; while the animation runs, its own count alone.
+// The vertices of the mesh include the weights at rest; while the animation runs, only the animation's weights count.
 TEST_F(GltfMorphs, AnAnimationOverridesTheWeightsAtRest) {
   document["nodes"][3]["weights"] = {0.5, 1};
   add_weights(3, {0.0F, 1.0F}, {0.5F, 1, 1, 0});
@@ -313,7 +313,7 @@ TEST_F(GltfMorphs, AnAnimationOverridesTheWeightsAtRest) {
   EXPECT_LT((place(1.0, lifted) - Vec3(0.1, 0, 0.02)).norm(), 1e-7) << "the first target alone";
 }
 
-// Two corners of one place that go two ways.
+// A morph target moves two vertices at the same position in different ways.
 TEST_F(GltfMorphs, ASurfaceThatWouldBeTornIsRejected) {
   for (const float x : {0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.1F, 0.0F, 0.0F, 0.1F, 0.1F, 0.0F, 0.0F, 0.1F, 0.0F}) {
     sample::append(bytes, x);
@@ -328,7 +328,7 @@ TEST_F(GltfMorphs, ASurfaceThatWouldBeTornIsRejected) {
   EXPECT_THAT(scene.error().what, HasSubstr("'a/post' would be torn at (0.1, 0, 0) m"));
 }
 
-// A turn above a node that is wider than high.
+// A node that turns below a node with a non-uniform scale would shear its part.
 TEST_F(GltfAnimation, APartThatWouldBeShearedStandsStill) {
   document["nodes"][0]["scale"] = {2, 1, 1};
   add_channel(0, 1, "rotation", {0.0F, 1.0F}, about_z({0, 45}));
@@ -345,7 +345,7 @@ TEST_F(GltfAnimation, ScalesAtRestStayAsTheyAre) {
   EXPECT_LT((hand.pose_at(1.0) * Vec3(1.05, 0, 0) - Vec3(1, 0.05, 0)).norm(), 1e-6);
 }
 
-// Hermite, with tangents that say where the time goes: without any it starts and ends slowly.
+// A cubic Hermite spline: x has zero tangents, so it starts and ends slowly; y moves only because of its tangents.
 TEST_F(GltfAnimation, SplinesAreFollowed) {
   add_channel(0, 3, "translation", {0.0F, 2.0F}, {9, 9, 9, 0, 0, 0, 0, 0.1F, 0, 0, -0.1F, 0, 0.1F, 0, 0, 9, 9, 9}, "CUBICSPLINE");
   const MeshFile file = load();
@@ -359,7 +359,7 @@ TEST_F(GltfAnimation, SplinesAreFollowed) {
 }
 
 TEST_F(GltfAnimation, SplinesOfRotationsAreFollowed) {
-  const double half = std::numbers::pi / 8.0;  // of the turn to the end, 45 degrees
+  const double half = std::numbers::pi / 8.0;  // half of 45 degrees, the angle at the end, as a quaternion needs it
   std::vector<float> values(24, 0.0F);
   values[7] = 1.0F;
   values[18] = static_cast<float>(std::sin(half));
@@ -373,7 +373,7 @@ TEST_F(GltfAnimation, SplinesOfRotationsAreFollowed) {
   }
 }
 
-// As exporters write what does not change.
+// Exporters also write STEP and scale channels whose values do not change.
 TEST_F(GltfAnimation, StepsAndScalesThatDoNotChangeAreNoJumps) {
   document["nodes"][3]["scale"] = {2, 2, 2};
   add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0.3F, 0, 0, 0.3F}, "STEP");
@@ -385,7 +385,7 @@ TEST_F(GltfAnimation, StepsAndScalesThatDoNotChangeAreNoJumps) {
   EXPECT_THAT(file.notes, Not(Contains(HasSubstr("left out"))));
 }
 
-// The shape is what matters.
+// A file is read even if its animation is broken, because its shape matters more.
 TEST_F(GltfAnimation, ABrokenAnimationIsANote) {
   const std::size_t before = bytes.size();
   for (const auto& [times, values, what] :
@@ -420,7 +420,7 @@ TEST_F(GltfAnimation, AnObjectThatPlaysItBecomesOneForEachMotion) {
   EXPECT_LT((scene->objects[1].motion->pose_at(0.5) * Vec3(0.55, 0, 0.5) - half_way).norm(), 1e-6);
 }
 
-// Exporters leave out the frame that would repeat the first: a wheel that turns by thirds needs a third back to where it began.
+// Exporters leave out the last keyframe if it repeats the first: a wheel that turns by thirds then lacks the third back to its start.
 TEST_F(GltfAnimation, ALoopThatEndsElsewhereGoesBackAtItsMeanSpeed) {
   add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, about_z({0, 120, 240}));
   write();
@@ -437,7 +437,7 @@ TEST_F(GltfAnimation, ALoopThatEndsElsewhereGoesBackAtItsMeanSpeed) {
   EXPECT_EQ(once->objects[1].motion->keyframes().size(), 3U) << "it stays there";
 }
 
-// They are joined: after the same time, although only one of them ends elsewhere.
+// The parts belong together: all repeat after the same time, although only one of them ends away from its first pose.
 TEST_F(GltfAnimation, AllPartsOfALoopBeginAgainTogether) {
   add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, about_z({0, 120, 240}));
   add_channel(0, 3, "translation", {0.0F, 2.0F, 4.0F}, {0, 0, 0, 0.1F, 0, 0, 0, 0, 0});

@@ -54,7 +54,7 @@ TEST(Draco, KeepsNormals) {
   }
 }
 
-// Draco orders the vertices anew, so each corner is compared at its position.
+// Draco reorders the vertices, so each corner is compared with the values expected at its position.
 TEST(Draco, KeepsTextureCoordinatesAndColours) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
@@ -99,7 +99,7 @@ TEST(Draco, HapticTexturesLieWhereItsCoordinatesSay) {
   }
 }
 
-// With KHR_mesh_quantization; the least of a signed type stands for -1, as in a file that is not packed.
+// KHR_mesh_quantization permits such positions. The least normalized value of a signed type means -1, as in a file without Draco.
 TEST(Draco, PositionsMayBeIntegersOfAnyType) {
   struct Type {
     std::size_t component_type;
@@ -126,7 +126,7 @@ TEST(Draco, PositionsMayBeIntegersOfAnyType) {
   }
 }
 
-// What kMaxTrianglesOfAByte leaves room for: the most regular mesh, packed as well as can be.
+// The most regular mesh with the best compression has the most triangles per byte: kMaxTrianglesOfAByte (draco.cpp) must admit it.
 TEST(Draco, UnfoldsTheMostRegularMesh) {
   const TriangleMesh mesh = make_plane_grid(1.0, 500);
   const std::string packed = sample::draco(mesh, DracoKind::edgebreaker, {}, 11, 0);
@@ -141,7 +141,7 @@ TEST(Draco, RejectsWhatItsBytesCannotHold) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
     const std::string packed = sample::draco(mesh, kind);
-    // The counts stand after the header (and, of edgebreaker, the traversal): 0x0FFFFFFF in four bytes of seven bits, both of them.
+    // The two counts follow the header (edgebreaker: and the traversal type). Both become 0x0FFFFFFF, in four bytes of seven bits each.
     std::string hostile = packed.substr(0, kind == DracoKind::edgebreaker ? 12 : 11);
     for (int k = 0; k < 2; ++k) hostile += "\xFF\xFF\xFF\x7F";
     hostile += packed.substr(hostile.size());
@@ -172,7 +172,7 @@ TEST(Draco, SaysWhatIsWrong) {
   EXPECT_THAT(error_of(packed, 7), HasSubstr("no positions of id 7"));
 }
 
-// A file whose JSON has something else in place of the last of these.
+// Reads a GLB file after the last `from` in its JSON was replaced by `to`.
 Result<RawMesh> read_changed(const std::string& glb, const std::string& from, const std::string& to) {
   std::uint32_t json_bytes = 0;
   std::memcpy(&json_bytes, glb.data() + 12, sizeof json_bytes);
@@ -182,7 +182,7 @@ Result<RawMesh> read_changed(const std::string& glb, const std::string& from, co
   return read_glb(sample::glb(json, glb.substr(20 + json_bytes + 8)), ".");
 }
 
-// Cut to 32 bits, 2^32 would be the id of the positions.
+// Truncated to 32 bits, 2^32 would be 0, the id of the positions.
 TEST(Draco, AnIdBeyond32BitsIsNoOther) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   const std::string glb = sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker));
@@ -199,7 +199,7 @@ TEST(Draco, AnotherNumberOfCornersThanTheFilePromisesIsAnError) {
   EXPECT_THAT(raw.error().what, HasSubstr("holds 240 corners where the file promises 237"));
 }
 
-// What is felt needs its coordinates: those that are not there, or are colours, are an error.
+// A haptic texture needs texture coordinates: it is an error if the attribute is missing or has colours.
 TEST(Draco, HapticTexturesNeedCoordinatesOfTwoNumbers) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));

@@ -13,7 +13,7 @@ namespace hapton::sample {
 // Pieces of one buffer, each with its own buffer view.
 class Pieces {
  public:
-  // The index of the buffer view. members: further members beside buffer, offset and length, with a comma before.
+  // Returns the index of the buffer view. members: further JSON members of the view, each preceded by a comma.
   std::size_t add(const std::string& bytes, const std::string& members = "") {
     buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
     views_ +=
@@ -21,7 +21,7 @@ class Pieces {
     buffer_ += bytes;
     return count_++;
   }
-  // The same, compressed: the view's own range is a fallback without data.
+  // Like add(), for bytes that meshopt has compressed: the view itself refers to buffer 1, a fallback buffer without data.
   std::size_t add_meshopt(const std::string& bytes, std::size_t items, std::size_t stride, const std::string& mode,
                           const std::string& members = "") {
     buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');

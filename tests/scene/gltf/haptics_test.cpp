@@ -25,15 +25,15 @@ using ::testing::StartsWith;
 
 constexpr double kSideM = 0.1;
 
-// A square on z = 0 with its texture coordinates along x and y, and pictures: a ramp along u, along v, and a grey one.
+// A square at z = 0 with texture coordinates along x and y, and three images: a ramp along u, a ramp along v, and uniform grey.
 struct FeltSheet {
-  std::string materials;  // of the extension, JSON
+  std::string materials;  // the materials of the extension, as JSON
   std::string mesh = R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}},)";
   std::string attributes = R"("TEXCOORD_0":2)";
   std::string more_nodes = {};
   std::string more_meshes = {};
   std::string node = {};      // members of node 0
-  std::string samplers = {};  // wrapS of textures[2]
+  std::string samplers = {};  // members of samplers[0], which textures[2] uses
   std::string used = R"("extensionsUsed":["MPEG_haptic_material"],)";
   std::string textures = R"({"source":0},{"source":1},{"source":2,"sampler":0},{"source":0})";
 
@@ -72,11 +72,11 @@ std::string texture(int index, const std::string& more = "") {
   return fmt::format(R"([{{"texture":{{"index":{}{}}},"type":"High_Resolution"}}])", index, more);
 }
 
-// The ramp of 64 columns, 4 grey levels each: at x in the middle of the sheet, where it does not wrap.
+// The value, 0 to 1, of the ramp (64 columns, 4 grey levels each) at x, away from the edges of the sheet, where the texture repeats.
 double felt_ramp_at(double x_m) { return 4.0 * (64.0 * x_m / kSideM - 0.5) / 255.0; }
 constexpr double kRampSlope = 4.0 * 64.0 / 255.0 / kSideM;
 
-// Feels a scene with a method.
+// Touches a scene with a force method.
 class Feeler {
  public:
   explicit Feeler(const Scene& scene, const Vec3& start = {0.05, 0.05, 0.01}, const std::string& method = "proxy")
@@ -118,7 +118,7 @@ class GltfHaptics : public ::testing::Test {
     EXPECT_THAT(scene.error().what, HasSubstr(toml.empty() ? "sheet.glb: " : "a.toml: "));
     return scene.error().what;
   }
-  // Of a material with these members.
+  // The error for a material with these JSON members.
   std::string error_of_material(const std::string& members) { return error_of({.materials = "{" + members + "}"}); }
 
   ScratchFolder folder_;
@@ -186,18 +186,18 @@ TEST_F(GltfHaptics, TheTextureLiesWhereItsCoordinatesSay) {
   };
   // v runs downwards in the image.
   EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(1) + scale}), 0.05, 0.02), 200 + 800 * felt_ramp_at(0.02), 0.01);
-  // Twice over the sheet.
+  // TEXCOORD_1 repeats the texture twice across the sheet.
   const FeltSheet second = {.materials = R"({"stiffness":)" + texture(0, R"(,"texCoord":1)") + scale,
                             .attributes = R"("TEXCOORD_0":2,"TEXCOORD_1":3)"};
   EXPECT_NEAR(stiffness_at(load(second), 0.02, 0.05), 200 + 800 * felt_ramp_at(0.04), 0.01);
   const std::string transform = R"(,"extensions":{"KHR_texture_transform":{"offset":[0.25,0],"scale":[0.5,0.5]}})";
   EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(0, transform) + scale}), 0.02, 0.05),
               200 + 800 * felt_ramp_at(0.035), 0.01);
-  // A quarter turn: with the extension's matrix, u of the image is the sheet's v.
+  // A quarter turn: with the matrix of KHR_texture_transform, u of the image is v of the sheet.
   const std::string turned = R"(,"extensions":{"KHR_texture_transform":{"rotation":1.5707963267948966,"texCoord":0}})";
   EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(0, turned) + scale}), 0.05, 0.03),
               200 + 800 * felt_ramp_at(0.03), 0.01);
-  // Grey 51 of 255, from a texture that does not repeat; and the poses of nodes, with one that mirrors.
+  // Both nodes move and mirror the sheet: first with uniform grey (51 of 255) and a texture that does not repeat, then with the ramp.
   const FeltSheet moved = {.materials = R"({"stiffness":)" + texture(2) + scale,
                            .node = R"("scale":[-2,1,1],"translation":[0.3,0,0],)",
                            .samplers = R"("wrapS":33071,"wrapT":33648)"};
@@ -222,7 +222,7 @@ TEST_F(GltfHaptics, NumbersWithoutATextureAreThoseOfTheWholeMesh) {
   EXPECT_EQ(layers.objects[0].effects.layers[0].pop_force_n, 1.5);
 }
 
-// A second node with another mesh beside the sheet.
+// The sheet with a child node that has a second mesh beside it. second_extension: JSON members of that mesh.
 FeltSheet two_sheets(const std::string& second_extension) {
   return {.materials =
               R"({"name":"soft","stiffness":)" + texture(2) +
@@ -245,7 +245,7 @@ TEST_F(GltfHaptics, EachHapticMaterialBecomesAnObject) {
   EXPECT_NEAR(left.go({0.05, 0.05, -0.001}).force_n.z(), 0.001 * (100 + 500 * 0.2), 1e-5);
   Feeler right(both, {0.25, 0.05, 0.005});
   EXPECT_NEAR(right.go({0.25, 0.05, -0.001}).force_n.z(), 0.001 * 2000, 1e-5);
-  // A mesh without one keeps the default, and the name of the file.
+  // A mesh without a haptic material keeps the default material, and its object is named after the file.
   const Scene one = load(two_sheets(""));
   ASSERT_EQ(one.objects.size(), 2U);
   EXPECT_EQ(one.objects[1].name, "sheet");
@@ -296,7 +296,7 @@ TEST_F(GltfHaptics, TheReportNamesThem) {
   EXPECT_THAT(to_json(*report), HasSubstr("\"hard\""));
 }
 
-// What a scene would reject, hapton info says as well.
+// `hapton info` also reports what would make a scene with this file fail.
 TEST_F(GltfHaptics, TheReportNamesAKeyThatIsUnknown) {
   folder_.write("sheet.glb", FeltSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stifness_n_per_m":300}}})"}.glb());
   const auto report = make_mesh_report(folder_.path() / "sheet.glb", std::nullopt);
@@ -347,7 +347,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"stiffness_n_per_m":-3}})"), HasSubstr("is -3: it must be above 0"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"stiffness_n_per_m":null}})"), HasSubstr("must be a number"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":[[[[[1]]]]]}})"), HasSubstr("must be true or false"));
-  // So many would exhaust the stack of what recurses into them.
+  // So many nested lists would exhaust the stack of a recursive reader.
   const std::size_t lists = 200'000;
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":)" + std::string(lists, '[') + std::string(lists, ']') + "}}"),
               HasSubstr(where + ".extras.hapton has more than 16 lists and objects inside each other"));
@@ -386,7 +386,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of({.materials = "{}", .mesh = R"("extensions":{"MPEG_haptic_material":{}},)"}), HasSubstr("hapticMaterialIndex"));
 }
 
-// As a hostile file has them, of a few bytes each.
+// A hostile file could have many such images, of a few bytes each.
 TEST_F(GltfHaptics, ImagesMayShareABufferViewAFewTimes) {
   for (const int count : {3, 100}) {
     FeltSheet sheet{.materials = {}, .textures = {}, .images = {}};

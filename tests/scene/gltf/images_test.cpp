@@ -1,4 +1,4 @@
-// Images that a file shares between its textures.
+// Images of glTF files: how textures and parts share them, and which note a missing or unusable one causes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using ::testing::SizeIs;
 
 constexpr std::size_t kImageBytes = 10'000;
 
-// A list of these members for each number; N in them is it.
+// JSON objects with these members, separated by commas. In each, N is replaced by its index.
 std::string numbered_list(std::size_t count, const std::string& members) {
   std::string list;
   for (std::size_t n = 0; n < count; ++n) {
@@ -33,7 +33,7 @@ std::string numbered_list(std::size_t count, const std::string& members) {
   return list;
 }
 
-// So many images, each the one of a texture of a material of its own. image: its members.
+// Reads a file with `count` images, each with its own texture and material. image: the JSON members of each image.
 RawMesh read_images(std::size_t count, const std::string& image, const std::filesystem::path& folder = ".") {
   const TriangleMesh mesh = sample::tetrahedron();
   sample::Pieces pieces;
@@ -66,7 +66,7 @@ TEST(GltfImages, MayShareABufferViewAFewTimes) {
                                 Each(AllOf(HasSubstr("a texture is missing: images["), HasSubstr("more than 8 times the 10")))));
 }
 
-// Of a large assembly, each part would hold, decode and draw with the images of all others.
+// Otherwise each part of a large assembly would store, decode and draw with the images of all other parts.
 TEST(GltfImages, PartsInASceneKeepThoseThatTheyUse) {
   const TriangleMesh mesh = sample::tetrahedron();
   sample::Pieces pieces;

@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 
 constexpr const char* kUsed = R"("extensionsUsed":["EXT_meshopt_compression"],"extensionsRequired":["EXT_meshopt_compression"],)";
 
-// Positions as attributes, indices as triangles or as a sequence.
+// The positions have the mode ATTRIBUTES, the indices TRIANGLES or, as a sequence, INDICES.
 std::string compressed_glb(const TriangleMesh& mesh, bool as_sequence) {
   sample::Pieces pieces;
   const std::size_t n = mesh.vertices.size();
@@ -89,7 +89,7 @@ TEST(Meshopt, UndoesFilters) {
   }
 }
 
-// As instances have them. A rotation and its negative are the same.
+// Instances have such rotations. A quaternion and its negative are the same rotation.
 TEST(Meshopt, UndoesTheFilterOfRotations) {
   std::vector<Eigen::Vector4f> rotations;
   for (int n = 0; n < 8; ++n) rotations.push_back(Eigen::Vector4f(1.0F, 0.3F * static_cast<float>(n), -0.5F, 0.2F).normalized());
@@ -120,7 +120,7 @@ TEST(Meshopt, DoesNotBelieveCounts) {
   }
 }
 
-// The fewest bytes that items can take: the bound must let them pass.
+// Equal items take the fewest bytes: the bound on the number of items must admit them.
 TEST(Meshopt, TakesItemsThatAreAllEqual) {
   constexpr std::size_t kItems = 100000;
   const std::string packed = sample::meshopt_vertices(std::string(12 * kItems, '\0'), kItems, 12);
@@ -130,7 +130,7 @@ TEST(Meshopt, TakesItemsThatAreAllEqual) {
   EXPECT_EQ(items->size(), 12 * kItems);
 }
 
-// Each view takes memory of its own.
+// Each view is decompressed into memory of its own, so there is a bound on their sum.
 TEST(Meshopt, ViewsOfTheSameBytesAreBoundedTogether) {
   constexpr std::size_t kItems = 100000;
   const std::string packed = sample::meshopt_vertices(std::string(12 * kItems, '\0'), kItems, 12);

@@ -1,4 +1,4 @@
-// How one node, one accessor and one extension change the triangles; tests/scene/raw_mesh_test.cpp has the rest.
+// How nodes, accessors and extensions of glTF change the triangles; tests/scene/raw_mesh_test.cpp tests the rest of the reader.
 #include "scene/gltf/reader.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ struct Instanced {
   std::string accessors;
 };
 
-// The tetrahedron twice: once as it is, once ten metres up, turned half round z and three times as large.
+// The tetrahedron twice: once as it is; once ten metres up, turned by 180 degrees about z and three times as large.
 Instanced instanced_tetrahedron() {
   Instanced two;
   const TriangleMesh mesh = sample::tetrahedron();
@@ -77,7 +77,7 @@ TEST(GltfInstancing, CountsAllInstancesAgainstTheLimit) {
   EXPECT_THAT(error_of(read_glb(glb, ".", 7)), HasSubstr("more than 7 triangles with all its instances"));
 }
 
-// Targets without data, or with the same, need a few bytes each in the file.
+// Morph targets that have no data, or share the same data, take only a few bytes each in the file.
 TEST(GltfMorphTargets, AreBoundedByTheLimitOfTriangles) {
   const auto glb_of = [](int targets, const std::string& nodes = R"([{"mesh":0}])", const std::string& roots = "[0]",
                          const std::string& more_primitives = "") {
@@ -94,14 +94,14 @@ TEST(GltfMorphTargets, AreBoundedByTheLimitOfTriangles) {
   const std::string two = R"([{"mesh":0},{"mesh":0}])";
   EXPECT_TRUE(read_glb(glb_of(3, two, "[0,1]"), ".", 8));
   EXPECT_THAT(error_of(read_glb(glb_of(4, two, "[0,1]"), ".", 8)), HasSubstr("more than 24 displacements of morph targets"));
-  // A primitive has as many as the one with the most.
+  // A primitive with fewer morph targets counts as having as many as the one with the most.
   const std::string with_one = R"(,{"attributes":{"POSITION":0},"indices":1,"targets":[{}]})";
   EXPECT_TRUE(read_glb(glb_of(3, R"([{"mesh":0}])", "[0]", with_one), ".", 8));
   EXPECT_THAT(error_of(read_glb(glb_of(4, R"([{"mesh":0}])", "[0]", with_one), ".", 8)),
               HasSubstr("more than 24 displacements of morph targets"));
 }
 
-// Nodes may share a mesh that adds nothing which would be counted, a long name, or a list of weights.
+// Nodes may share a mesh without triangles, with a long name or with a list of weights: the limit of triangles does not bound these.
 TEST(GltfNodes, AreBoundedByWhatTheyReadWithoutTriangles) {
   const auto glb_of = [](int nodes, const std::string& count, const std::string& of_mesh) {
     const TriangleMesh mesh = sample::tetrahedron();
@@ -127,7 +127,7 @@ TEST(GltfNodes, AreBoundedByWhatTheyReadWithoutTriangles) {
   EXPECT_THAT(error_of(read_glb(glb_of(2, "3", R"("weights":[)" + weights + "],"), ".", 8)), HasSubstr(what));
 }
 
-// As fractions they would all be vertex 0 or 1.
+// Normalized indices would be fractions: each would mean vertex 0 or 1.
 TEST(GltfIndices, AreNotNormalized) {
   const TriangleMesh mesh = sample::tetrahedron();
   std::string json = sample::gltf_json(mesh, "");
@@ -135,7 +135,7 @@ TEST(GltfIndices, AreNotNormalized) {
   EXPECT_THAT(error_of(read_glb(sample::glb(json, sample::gltf_buffer(mesh)), ".")), HasSubstr("accessors[1] are not whole numbers"));
 }
 
-// Two of the four vertices are elsewhere than the base says, or than zero.
+// A sparse accessor replaces two of the four vertices of the base; without a base all other vertices are zero.
 std::string sparse_glb(const std::string& base, const std::string& indices, const std::string& index_type = "5121") {
   const TriangleMesh mesh = sample::tetrahedron();
   sample::Pieces pieces;
