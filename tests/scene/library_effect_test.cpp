@@ -22,7 +22,7 @@ class LibraryEffectTest : public ::testing::Test {
  protected:
   LibraryEffectTest() { folder_.write("a.obj", sample::obj(sample::tetrahedron())); }
 
-  // What is given begins with line 5.
+  // `lines` begins at line 5 of the file.
   Result<Scene> load(const std::string& lines) {
     return load_scene(folder_.write("a.toml", "[[object]]\nmesh = 'a.obj'\n\n[[effect]]\n" + lines + "\n"));
   }
@@ -35,7 +35,7 @@ class LibraryEffectTest : public ::testing::Test {
 };
 
 TEST_F(LibraryEffectTest, IsNamedAndNotLoaded) {
-  // There is no such file: whoever read it would notice.
+  // The library does not exist, so an attempt to load it would fail.
   const auto scene =
       load("type = 'plugin'\nlibrary = 'lib/magnet.so'\nparameters = { range_m = 0.04, steps = 3, is_on = true, at = 'tip' }\n");
   ASSERT_TRUE(scene) << scene.error().what;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures in memory, as PNG and JPEG files have them.
+// Images in memory, as the bytes of PNG and JPEG files.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 
 namespace hapton::picture {
 
-// value_at: 0 to 255, from the upper left corner.
+// value_at(x, y): 0 to 255; (0, 0) is the upper left corner.
 template <class ValueAt>
 std::vector<std::uint8_t> grey_rows(int width, int height, ValueAt value_at) {
   std::vector<std::uint8_t> rows;
@@ -34,7 +34,7 @@ inline std::string png_of(int width, int height, const std::vector<std::uint8_t>
   return png_image_write_to_memory(&png, bytes.data(), &size, 0, rows.data(), 0, nullptr) == 0 ? std::string() : bytes.substr(0, size);
 }
 
-// Grey of 16 bits a value, the upper 8 first, and nothing that says how values become colours.
+// Grey with 16 bits per value, the upper byte first, without a statement of the colour space.
 inline std::string grey_16_png_of(int width, int height, const std::vector<std::uint8_t>& rows) {
   std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);

@@ -15,7 +15,7 @@ inline std::string value_list(const char* name, const std::vector<double>& value
   return text + fmt::format("      </{}>\n", name);
 }
 
-// Models as a file of the toolkit, with the elements that Hapton does not use as well.
+// Models in the file format of the Penn Haptic Texture Toolkit, including the elements that Hapton does not use.
 inline std::string texture_file(const std::vector<TextureModel>& models, const std::vector<TextureTriangle>& triangles,
                                 double rate_hz = 1000.0) {
   std::string text = fmt::format(

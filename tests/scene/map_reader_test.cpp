@@ -22,7 +22,7 @@ using ::testing::StartsWith;
 class MapReader : public ::testing::Test {
  protected:
   MapReader() {
-    // 100 mm square; v is counted upwards in an OBJ file.
+    // A square of 100 mm. OBJ files count v upwards.
     folder_.write("sheet.obj",
                   "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
     folder_.write("bare.obj", "v 0 0 0\nv 100 0 0\nv 100 100 0\nf 1 2 3\n");
@@ -31,7 +31,7 @@ class MapReader : public ::testing::Test {
     folder_.write("steps.png", picture::png_of(64, 64, picture::grey_rows(64, 64, [](int x, int y) { return (x + y) % 2 * 255; })));
   }
 
-  // The material's table begins with line 6.
+  // The keys of the material begin at line 6.
   std::string scene(const std::string& lines, const char* mesh = "sheet.obj", const char* object = "") {
     return std::string("[[object]]\nmesh = '") + mesh + "'\nunit = 'mm'\nmaterial = 'm'" + object + "\n[material.m]\n" + lines + "\n";
   }

@@ -68,7 +68,7 @@ TEST_F(MeshAppearances, OfAnObjFileAreTheMaterialsItsTrianglesNameWithTheirTextu
   EXPECT_FALSE(wood.colour) << "what stands beside an image is a default";
   ASSERT_TRUE(wood.image);
   EXPECT_EQ(file.appearance.images.at(*wood.image).bytes, kPngBytes);
-  // Upside down: OBJ counts from below.
+  // v is flipped, because OBJ files count it from the lower edge of the image.
   EXPECT_EQ(file.appearance.triangles[1].corners[0].texcoord, Eigen::Vector2f(0, 1));
   EXPECT_EQ(file.appearance.triangles[1].corners[2].texcoord, Eigen::Vector2f(1, 0));
   EXPECT_EQ(file.appearance.triangles[2].corners[2].texcoord, Eigen::Vector2f(0, 0.75F));
@@ -173,7 +173,7 @@ TEST_F(MeshAppearances, OfAPlyFileIsTheAlphaOfItsColours) {
   EXPECT_EQ(of_faces.appearance.materials.at(of_faces.appearance.triangles[0].material).alpha_mode, AlphaMode::blend);
 }
 
-// As MeshLab writes them.
+// MeshLab writes texture coordinates for each corner of a face.
 TEST_F(MeshAppearances, OfAPlyFileAreTexturesOfItsFacesCorners) {
   folder_.write("a.png", std::string(kPngBytes));
   folder_.write("b.png", std::string(kPngBytes));
@@ -201,7 +201,7 @@ std::string appearance_floats(std::initializer_list<float> values) {
   return bytes;
 }
 
-// The tetrahedron with a texture in the file itself.
+// The tetrahedron with a texture whose image is in the GLB file.
 std::string textured_glb(const std::string& material, const std::string& attributes = R"(,"TEXCOORD_0":2)",
                          const std::string& textures = R"("textures":[{"source":0}],)") {
   sample::Pieces pieces;
@@ -305,7 +305,7 @@ TEST_F(MeshAppearances, GoWithThePartsOfAFileAndStayOutOfTheHash) {
   EXPECT_FALSE(output->objects[0].appearance);
 }
 
-// Concave polygons are cut the same way with a look and without.
+// Reading the appearance does not change how concave polygons are cut into triangles.
 TEST_F(MeshAppearances, ChangeNoTriangle) {
   const std::string bytes = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1 4/1 5/1\n";
   const MeshFile with = load("a.obj", bytes);
@@ -356,7 +356,7 @@ TEST_F(MeshAppearances, AlphaThatMakesNoSenseIsANote) {
   }
 }
 
-// The sample's only texture with a sampler, or a broken one.
+// textured_glb() with this sampler. index: the sampler that its only texture names; it may not exist.
 std::string sampled_glb(const std::string& sampler, const std::string& index = "0") {
   return textured_glb(std::string(kTextured), R"(,"TEXCOORD_0":2)",
                       R"("textures":[{"source":0,"sampler":)" + index + R"(}],"samplers":[)" + sampler + "],");
@@ -409,7 +409,7 @@ TEST_F(MeshAppearances, OfAnObjFileAreThePlacesOfItsImages) {
   };
   EXPECT_EQ(wood("map_Kd oak.png\n").image_scale, Eigen::Vector2f(1, 1));
   EXPECT_EQ(wood("map_Kd oak.png\n").image_shift, Eigen::Vector2f(0, 0));
-  // The corner u 0.5, v 0.25 is (0.5, 0.75) downwards; u = 4 u + 0.125 and v = 2 v + 0.5 are 2.125 and 1, which is 0 downwards.
+  // The corner (0.5, 0.25) becomes (4 u + 0.125, 2 v + 0.5) = (2.125, 1). Counted downwards, v = 0.25 is 0.75 and v = 1 is 0.
   const VisualMaterial tiled = wood("map_Kd -s 4 2 1 -o 0.125 0.5 0 oak.png\n");
   const Eigen::Vector2f placed = Eigen::Vector2f(0.5F, 0.75F).cwiseProduct(tiled.image_scale) + tiled.image_shift;
   EXPECT_EQ(placed, Eigen::Vector2f(2.125F, 0.0F));

@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// A square of so many squares on a side, each of two triangles.
+// A square of side x side squares, each of two triangles.
 std::string squares_obj(int side) {
   std::string text;
   for (int y = 0; y <= side; ++y) {
@@ -50,7 +50,7 @@ TEST(MeshCaches, CountTheTrianglesOfEachObjectThoughTheyShareAMesh) {
   EXPECT_THAT(one_more.error().what, AllOf(StartsWith("line 7: with 'squares'"), HasSubstr("67108864 triangles together")));
 }
 
-// Of a file of a few kilobytes: without the bound, gigabytes.
+// Without the bound, a small scene file would take gigabytes of memory.
 TEST(MeshCaches, ASceneWithTooManyTrianglesInAllIsRejectedBeforeAnyIsMade) {
   const ScratchFolder folder;
   folder.write("squares.obj", squares_obj(91));  // more than 2^26 / 4096 triangles
@@ -62,7 +62,7 @@ TEST(MeshCaches, ASceneWithTooManyTrianglesInAllIsRejectedBeforeAnyIsMade) {
   EXPECT_EQ(scene.error().what.find('\n'), std::string::npos);
 }
 
-// The images of a material may have hundreds of megabytes.
+// The images of a material may take hundreds of megabytes, so objects must not have copies of their own.
 TEST(MeshCaches, ObjectsWithAMaterialOfTheirFileShareItsImages) {
   MeshHaptics haptics;
   haptics.maps.images.push_back({"images[0]", "the bytes"});

@@ -46,7 +46,7 @@ void expect_sound(const TriangleMesh& mesh) {
   }
 }
 
-// One line that names the file.
+// The error is one line of plain text that begins with the path of the file.
 void expect_clear(const Error& error, const std::filesystem::path& path) {
   EXPECT_THAT(error.what, StartsWith(path.string() + ": "));
   EXPECT_EQ(error.what.find('\n'), std::string::npos) << error.what;
@@ -157,7 +157,7 @@ TEST(MeshFile, DoesNotBelieveCounts) {
   EXPECT_THAT(error_of(folder.write("a.gltf", gltf)), HasSubstr("promises 4000000000 items"));
 }
 
-// Wherever a file is cut: one clear line, or, where lines end and OBJ cannot know better, the part that is left.
+// A file cut anywhere gives an error of one line; if the format cannot show the cut (such as OBJ after a line), the rest is read.
 TEST(MeshFile, ReadsNoFileThatWasCutShort) {
   const ScratchFolder folder;
   for (const Sample& sample : samples()) {
@@ -267,7 +267,7 @@ TEST(MeshFile, GivesAPartByItsName) {
   EXPECT_THAT(none.error().what, AllOf(HasSubstr("'pipe_3'"), HasSubstr("'pipe_1'")));
 }
 
-// A terminal would do what is in them.
+// A part name may contain control sequences, which a terminal would execute.
 TEST(MeshFile, ShowsOnlyThePrintableCharactersOfPartNames) {
   const ScratchFolder folder;
   const auto file = load_mesh_file(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\ng red\x1b[31m\nf 1 2 3\n"));
@@ -277,7 +277,7 @@ TEST(MeshFile, ShowsOnlyThePrintableCharactersOfPartNames) {
   EXPECT_EQ(none.error().what, "has no part 'blue?[34m?': it has 'red?[31m'");
 }
 
-// Buffers and images, so that every other program can open the shipped files.
+// These files are buffers and images. They must exist, so that every other program can open the shipped files.
 TEST(MeshFile, ThoseThatAreShippedNameNoFileThatIsNotThere) {
   const std::filesystem::path folder = HAPTON_SOURCE_DIR "/meshes";
   int files = 0;

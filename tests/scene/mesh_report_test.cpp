@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Counted by another program, not this one.
+// Another program computed these figures, not Hapton.
 struct Figures {
   const char* file;
   std::size_t triangles, file_vertices, vertices, boundary_edges, nonmanifold_edges, inconsistent_edges, nonmanifold_vertices;
@@ -48,7 +48,7 @@ const Figures kFigures[] = {
 
 void PrintTo(const Figures& figures, std::ostream* out) { *out << figures.file; }
 
-// Equal to the digits the figure was written with.
+// Equal up to the digits with which the figure was written.
 void expect_digits(double value, double figure, int digits) { EXPECT_NEAR(value, figure, std::abs(figure) * std::pow(10.0, 1 - digits)); }
 
 class MeshReports : public ::testing::TestWithParam<Figures> {};
@@ -102,7 +102,7 @@ TEST(MeshReport, SaysWhatSmoothWouldRepair) {
   EXPECT_EQ(nlohmann::json::parse(to_json(*report))["repair"]["turned"], report->flaws.repair.turned);
 }
 
-// A square of two triangles; the same with one of them twice, and with one of them on both sides.
+// A square of two triangles, once with one of them repeated, once with one of them repeated in the opposite winding.
 TEST(MeshReport, DistinguishesDuplicatesFromDoubleFaces) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
   const ScratchFolder folder;
@@ -115,7 +115,7 @@ TEST(MeshReport, DistinguishesDuplicatesFromDoubleFaces) {
   EXPECT_THAT(to_text(both_sides->flaws), Not(HasSubstr("duplicates")));
 }
 
-// "no (0 boundary edges)" alone would leave open why.
+// "no (0 boundary edges)" alone would not tell the reason.
 TEST(MeshReport, SaysWhyASurfaceWithoutABoundaryIsNotClosed) {
   const ScratchFolder scratch;
   // A tetrahedron with one face the other way round: three edges whose triangles face opposite sides.
@@ -148,7 +148,7 @@ TEST(MeshReport, SaysThatABodyIsInsideOut) {
   EXPECT_EQ(nlohmann::json::parse(to_json(*wrong))["bodies_inside_out"], 1);
 }
 
-// Two squares side by side, a ten-thousandth apart: six edges look out, two at each other.
+// Two squares side by side with a gap of 1e-4: six edges are on the outer boundary, two face each other across the gap.
 TEST(MeshReport, DistinguishesCracksFromBoundaries) {
   const ScratchFolder folder;
   const auto report = make_mesh_report(folder.write("a.obj",

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// What is written is read again, by the readers of mesh files.
+// The readers of mesh files can read what write_mesh() has written.
 TEST(MeshText, IsReadAgain) {
   const TriangleMesh ball = make_icosphere(0.03, 3);
   const ScratchFolder folder;

@@ -1,4 +1,4 @@
-// Normal maps of scene files and of glTF files, as they are felt.
+// Normal maps that a scene file or a glTF file names, as reliefs that can be felt.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,14 +20,14 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// Waves over an image of 100 mm: their slopes along u and v.
+// The normal of a wavy surface at (u, v) of an image of 100 mm. The largest slope is kSteep along u, and half of it along v.
 constexpr double kSteep = 0.3;
 Vec3 wave_normal(double u, double v) {
   const double turn = 2.0 * std::numbers::pi;
   return Vec3(-kSteep * std::cos(turn * u), 0.5 * kSteep * std::sin(2.0 * turn * v), 1.0).normalized();  // green is up, v is down
 }
 
-// has_alpha: many tools keep a height there.
+// has_alpha: with an alpha channel; many tools store a height in it.
 std::string wave_png(bool has_alpha = false) {
   std::vector<std::uint8_t> rows;
   for (int y = 0; y < 64; ++y) {
@@ -51,7 +51,7 @@ class NormalMap : public ::testing::Test {
     folder_.write("sheet.bin", buffer());
   }
 
-  // A square of 100 mm with its texture coordinates.
+  // The buffer of the glTF file: a square of 100 mm with its texture coordinates.
   static std::string buffer() {
     const float numbers[] = {0, 0, 0, 0.1F, 0, 0, 0.1F, 0.1F, 0, 0, 0.1F, 0, 0, 1, 1, 1, 1, 0, 0, 0};
     const std::uint16_t indices[] = {0, 1, 2, 0, 2, 3};
@@ -60,7 +60,7 @@ class NormalMap : public ::testing::Test {
     std::memcpy(bytes.data() + sizeof(numbers), indices, sizeof(indices));
     return bytes;
   }
-  // Two primitives over the same square, with materials 0 and `second`.
+  // A primitive with material 0 and, if second > 0, another one over the same square with material `second`.
   void write_gltf(const std::string& materials, int second = 0) {
     const auto primitive = [](int material) {
       return fmt::format(R"({{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"indices":2,"material":{}}})", material);
@@ -124,7 +124,7 @@ TEST_F(NormalMap, ThatOfAGltfFileIsFeltWhereItIsAskedFor) {
   EXPECT_FALSE(silent->objects[0].effects.any());
 }
 
-// Only a material with normal_map = true reads the file's own: it changes nothing for others that have an image.
+// Only normal_map = true uses the normal map of the mesh file; materials with another image keep the file's texture coordinates.
 TEST_F(NormalMap, LeavesTheTextureCoordinatesOfOtherImages) {
   const std::string moved = R"({"normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"scale":[7,7]}}}})";
   write_gltf(moved);
@@ -144,7 +144,7 @@ TEST_F(NormalMap, TooSteepAReliefIsSmoothedAndSaysHowToKeepIt) {
   EXPECT_THAT(loaded->notes.back(), AllOf(HasSubstr("waves.png"), HasSubstr("a lower normal_map_scale keeps them")));
 }
 
-// Its height was infinite in single precision, and so was the force.
+// Without this limit, the height is infinite in single precision, and so is the force.
 TEST_F(NormalMap, AReliefHigherThanBumpsMayBeIsRejected) {
   for (const char* scale : {"1e4", "3e38"}) {
     write_gltf(fmt::format(R"({{"normalTexture":{{"index":0,"scale":{}}}}})", scale));
@@ -154,7 +154,7 @@ TEST_F(NormalMap, AReliefHigherThanBumpsMayBeIsRejected) {
   }
 }
 
-// A relief of 2,048 texels on a side takes 16 MB: hundreds of objects took all memory.
+// A relief of 2,048 x 2,048 texels takes 16 MB: without sharing, hundreds of objects would use up all memory.
 TEST_F(NormalMap, ObjectsThatFeelItAlikeShareTheRelief) {
   write_gltf(R"({"normalTexture":{"index":0}})");
   const std::string instances =

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// A relief on an image of image_m: its slopes along u and v at a place of 0 to 1.
+// The slopes of a relief along u and v. normal_map() asks for them at the centre of each texel, with u and v from 0 to 1.
 struct Slopes {
   double u = 0.0, v = 0.0;
 };
@@ -27,14 +27,14 @@ ImageTexels normal_map(int width, int height, SlopesAt slopes_at) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const Slopes slopes = slopes_at((x + 0.5) / width, (y + 0.5) / height);
-      const Vec3 normal = Vec3(-slopes.u, slopes.v, 1.0).normalized();  // green is up, v is down
+      const Vec3 normal = Vec3(-slopes.u, slopes.v, 1.0).normalized();  // the green channel counts upwards, v downwards
       for (int k = 0; k < 3; ++k) texels.values.push_back(static_cast<std::uint8_t>(std::lround(127.5 * (normal[k] + 1.0))));
     }
   }
   return texels;
 }
 
-// Two waves over 80 x 50 mm.
+// The sum of two waves over an image of 80 x 50 mm.
 const Eigen::Vector2d kImageM(0.08, 0.05);
 double wave_m(double u, double v) { return 0.0008 * std::sin(3.0 * kTurn * u) + 0.0005 * std::cos(kTurn * (2.0 * u - v)); }
 Slopes wave_slopes(double u, double v) {
@@ -42,7 +42,7 @@ Slopes wave_slopes(double u, double v) {
   return {(0.0008 * 3.0 * kTurn * std::cos(3.0 * kTurn * u) + 2.0 * tilted) / kImageM.x(), -tilted / kImageM.y()};
 }
 
-// The largest difference to the wave, m, with the highest place of both at 0.
+// The largest difference of relief and wave in metres, when the highest point of each is at height 0.
 double error_of(const Relief& relief, double scale) {
   double highest = -1.0;
   for (int i = 0; i < 400 * 400; ++i) highest = std::max(highest, wave_m(i % 400 / 400.0, i / 400 / 400.0));
@@ -107,7 +107,7 @@ TEST(NormalRelief, SaysWhatIsNoNormalMap) {
   EXPECT_THAT(relief_of_normals(flat, kImageM, 1.0).error().what, HasSubstr("flat"));
 }
 
-// Chunks of a PNG file: length, type, data, checksum.
+// A chunk of a PNG file: length, type, data, checksum.
 std::string chunk(const std::string& type, const std::string& data) {
   const auto number = [](std::uint32_t n) {
     return std::string{static_cast<char>(n >> 24U), static_cast<char>(n >> 16U), static_cast<char>(n >> 8U), static_cast<char>(n)};

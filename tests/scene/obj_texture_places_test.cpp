@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// Where the first corner of the only triangle is in its texture, of four places that the file has.
+// The texture coordinates of the first corner of the only triangle. corner: its reference to one of the file's four vt lines.
 Eigen::Vector2f texture_place_of(const std::string& corner) {
   const ScratchFolder folder;
   folder.write("all.mtl", "newmtl wood\nKd 0 1 0\n");
@@ -22,7 +22,7 @@ Eigen::Vector2f texture_place_of(const std::string& corner) {
   return file->appearance.triangles.at(0).corners[0].texcoord;
 }
 
-// They count from 1, or back from the newest; any other number is none, and there is a default for it.
+// References to vt lines count from 1, or from -1 back from the newest line. Any other gives default coordinates.
 TEST(ObjTexturePlaces, CountFromBothEnds) {
   const Eigen::Vector2f first(0, 1), second(1, 1), third(1, 0), last(0, 0.75F), none(0, 0);
   EXPECT_EQ(texture_place_of("/1"), first);

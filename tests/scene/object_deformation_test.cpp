@@ -34,7 +34,7 @@ struct ObjectDeformation : testing::Test {
   ScratchFolder folder;
 };
 
-// Lengths and directions are the mesh's, where scale, pose and fit take them.
+// A push is given in the frame of the mesh: the object's scale, pose and fit transform its direction and length.
 TEST_F(ObjectDeformation, APushIsThatOfTheMesh) {
   const auto scene =
       load("position_m = [0, 0, 0.01]\nrotation_deg = [0, 0, 90]\nscale = 2", morph("push_m = [0.01, 0, 0.02]\nkeys = [[0, 0], [1, 1]]"));
@@ -91,13 +91,13 @@ TEST_F(ObjectDeformation, AFastOneNamesTheTimeThatWouldDo) {
               HasSubstr("line 5: from 0 to 0.2 s 'skin' deforms at up to 0.5 m/s; a surface may move at 0.25 m/s at most: give it 0.400 s "
                         "or more"));
   EXPECT_TRUE(load("", morph(fast("[[0, 0], [0.4, 1]]"))));
-  // Together with its motion.
+  // The speeds of the deformation and of the object's motion are added.
   const std::string moving = "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\nposition_m = [0.2, 0, 0]\n";
   EXPECT_THAT(error_of("", morph(fast("[[0, 0], [1, 1]]")) + moving), HasSubstr("deforms at up to 0.1 m/s and moves at up to 0.2"));
   EXPECT_TRUE(load("", morph(fast("[[0, 0], [2, 1]]")) + moving));
 }
 
-// What has risen is farther from the pivot than at rest, and turns faster.
+// A raised vertex is farther from the pivot than at rest, so a turn of the object moves it faster.
 TEST_F(ObjectDeformation, ATurnCountsWithTheShapeThatReachesFarthest) {
   const std::string rising = morph("push_m = [0, 0, 0.1]\nkeys = [[0, 0], [1, 1]]");
   const auto turning = [](int degrees) {
@@ -125,7 +125,7 @@ TEST_F(ObjectDeformation, RejectsWhatCannotBeFelt) {
   EXPECT_THAT(error_of("material = 'm'", good, "[material.m]\nviscosity_ns_per_m = 1\nsnap_range_m = 0.002\n"),
               HasSubstr("line 8: 'skin' deforms: its material may have every effect but snap: leave snap_range_m out"));
   EXPECT_THAT(error_of("loop = true", ""), HasSubstr("'loop' in [[object]] 1 goes with keyframes or morphs"));
-  // Pressed flat, its triangles are one line.
+  // Stretched by the factor 0, the triangles become a line.
   EXPECT_THAT(error_of("", morph("stretch = [0, 1, 1]\nkeys = [[0, 0], [1, 1]]")),
               HasSubstr("'skin' deforms, and at 1 s 2 of its 2 triangles"));
 }

@@ -33,7 +33,7 @@ struct ObjectMotion : testing::Test {
   ScratchFolder folder;
 };
 
-// Where the object's own keys place it, with the keyframe's in place of its own.
+// A keyframe places the object as the object's own keys do, with position and rotation of the keyframe instead of those keys.
 TEST_F(ObjectMotion, APlaceOfAKeyframeIsThatOfTheObjectThen) {
   const auto scene = load_object("position_m = [0, 0, 0.01]\nrotation_deg = [0, 0, 30]\nscale = 2",
                                  keyframe("time_s = 0") + keyframe("time_s = 2\nposition_m = [0.02, 0, 0]\nrotation_deg = [0, 0, 90]"));
@@ -64,13 +64,13 @@ TEST_F(ObjectMotion, IsFittedWithTheScene) {
   const auto scene = load_object("position_m = [5, 0, 0]\npivot_m = [0.1, 0, 0]",
                                  keyframe("time_s = 0") + keyframe("time_s = 4\nposition_m = [5.2, 0, 0]"), "fit_m = [0.05, 1, 1]\n");
   ASSERT_TRUE(scene) << scene.error().what;
-  // Half as large: 0.2 m are 0.1.
+  // fit_m halves the scene: 0.2 m become 0.1 m.
   EXPECT_LT((scene->objects[0].motion->pose_at(4.0).translation() - Vec3(0.1, 0, 0)).norm(), 1e-12);
   EXPECT_LT((scene->objects[0].motion->pivot() - Vec3(0.025, -0.025, 0)).norm(), 1e-12);
 }
 
 TEST_F(ObjectMotion, ASurfaceMayNotPushAHandFasterThanIsSaid) {
-  // The farthest vertex is 0.1 m from the pivot: a quarter of a turn is 157 mm.
+  // The farthest vertex is 0.1 m from the pivot: it moves 157 mm in a quarter of a turn.
   const std::string at_rest = keyframe("time_s = 0");
   EXPECT_THAT(error_of("", at_rest + keyframe("time_s = 0.5\nrotation_deg = [0, 0, 90]")),
               AllOf(HasSubstr("a.toml: line 7: before keyframe 2 'flap' moves at up to 0.314 m/s"),
@@ -89,7 +89,7 @@ TEST_F(ObjectMotion, ALoopEndsWhereItBegins) {
   EXPECT_EQ(scene->objects[0].motion->pose_at(2.0).matrix(), scene->objects[0].motion->pose_at(4.0).matrix());
 }
 
-// Numbers of a file have few digits: what differs by no more than that is the same pose, so that nothing jumps at a repetition.
+// Numbers in a file have few digits: if the last pose differs from the first only by rounding, the loop ends exactly at the first.
 TEST_F(ObjectMotion, ALoopThatEndsNextToItsBeginningEndsThere) {
   const std::string ways = keyframe("time_s = 0\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 0]") +
                            keyframe("time_s = 2\nposition_m = [0, 0.01, 0]\nrotation_deg = [0, 0, 30]");
@@ -126,7 +126,7 @@ TEST_F(ObjectMotion, DoesNotGoWithWhatItWouldBeFeltWrongWith) {
   EXPECT_THAT(tool.error().what, HasSubstr("unknown key 'keyframe' in [tool]"));
 }
 
-// The haptics and the vision node compare these; recordings name the first.
+// `hapton session replay` needs a scene with the same hash_scene(); haptics node and vision node compare given_hash.
 TEST_F(ObjectMotion, IsPartOfTheScenesHashes) {
   const auto scene = [&](const std::string& object, const std::string& end) {
     return *load_object(object, end.empty() ? "" : keyframe("time_s = 0") + keyframe(end));

@@ -29,7 +29,7 @@ TEST(ObjectNames, OfAMeshFileIsTheFilesOwn) {
   EXPECT_EQ(describe_object(object_names(*scene), 0), "cup");
 }
 
-// They are shown in a terminal.
+// Names are shown in a terminal, which obeys control characters.
 TEST(ObjectNames, AreShownWithoutWhatATerminalWouldObey) {
   const std::vector<ObjectName> names = {{"a\x1b[2J", "b\n"}};
   for (const char c : describe_object(names, 0)) EXPECT_GE(c, ' ');

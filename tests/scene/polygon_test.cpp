@@ -17,7 +17,7 @@ Vec3 area_vector(const std::vector<Vec3>& vertices, const std::vector<Triangle>&
   return sum;
 }
 
-// The area counted without signs: equal to the signed one only when no triangle is turned round or lies over another.
+// The sum of the areas without sign: it equals the signed sum only if no triangle is flipped or overlaps another.
 double total_area(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
   double sum = 0;
   for (const Triangle& t : triangles) sum += 0.5 * (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]).norm();
@@ -89,8 +89,8 @@ TEST(Polygon, CoversRandomStars) {
   }
 }
 
-// Ears in the same order, but each corner is tested against all that are left, again each time. Pre: in z = 0, counter-clockwise. Empty:
-// no ear is left to cut.
+// Brute-force twin: it cuts ears in the same order, but tests each corner against all remaining ones, every time. Pre: the polygon is
+// in z = 0 and counter-clockwise. Empty: it found no ear to cut.
 std::vector<Triangle> cut_plainly(const std::vector<Vec3>& vertices) {
   const auto turn = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
     const Vec3 &a = vertices[i], &b = vertices[j], &c = vertices[k];
@@ -122,7 +122,7 @@ std::vector<Triangle> cut_plainly(const std::vector<Vec3>& vertices) {
   return triangles;
 }
 
-// Two arms, one inside the other, from the outer end of one to that of the other.
+// The outline of a spiral band: outwards along its outer edge, then back along its inner edge.
 std::vector<Vec3> spiral(int corners, double turns) {
   std::vector<Vec3> vertices;
   const int half = corners / 2;
@@ -146,7 +146,7 @@ TEST(Polygon, CutsTheEarsThatItsTwinCuts) {
     std::vector<Vec3> polygon = spiral(n, 0.05 * (round % 60));
     if (round % 3 > 0) polygon.resize(static_cast<std::size_t>(n));
     for (int i = 0; i < n && round % 3 > 0; ++i) {
-      // Stars, and lines to and fro that cross themselves, on a grid so that some of their corners coincide.
+      // Random stars, or random polygons that cross themselves; these have corners on a grid, so that some of them coincide.
       const double angle = 2 * std::numbers::pi * i / n;
       polygon[static_cast<std::size_t>(i)] = round % 3 == 1 ? Vec3((0.6 + 0.4 * unit(random)) * Vec3(std::cos(angle), std::sin(angle), 0))
                                                             : Vec3(std::round(8 * unit(random)), std::round(8 * unit(random)), 0);
@@ -155,11 +155,11 @@ TEST(Polygon, CutsTheEarsThatItsTwinCuts) {
     for (int i = 0; i < n; ++i) area += polygon[static_cast<std::size_t>(i)].cross(polygon[static_cast<std::size_t>((i + 1) % n)]).z();
     if (area < 0) std::reverse(polygon.begin(), polygon.end());
     const std::vector<Triangle> expected = cut_plainly(polygon);
-    if (area == 0 || expected.empty()) continue;  // a fan
+    if (area == 0 || expected.empty()) continue;  // triangulate_polygon() makes a fan then
     ++cut;
     std::vector<Triangle> triangles;
     ASSERT_TRUE(triangulate_polygon(corners_of(polygon), polygon, triangles));
-    // A convex one is a fan.
+    // A convex polygon becomes a fan, whose triangles are in another order than the twin's.
     if (triangles[0] == Triangle{0, 1, 2} &&
         triangles.back() == Triangle{0, static_cast<std::uint32_t>(n - 2), static_cast<std::uint32_t>(n - 1)})
       continue;

@@ -73,7 +73,7 @@ TEST(ProbeReader, NamesLineKeyAndWhatIsAllowed) {
   EXPECT_THAT(error_of_probes(kTwo + "[[probe]]\nname = 'left'\n"), HasSubstr("line 8: there are two probes named 'left'"));
 }
 
-// What a scene file says of its probes changes neither shapes nor the hash, which both nodes compare.
+// The probes of a scene file change neither its shapes nor its hash, which haptics node and vision node compare.
 TEST(ProbeReader, IsNoPartOfTheSceneButOfItsReport) {
   const ScratchFolder folder;
   folder.write("a.obj", sample::obj(sample::tetrahedron()));

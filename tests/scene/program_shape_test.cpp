@@ -50,7 +50,7 @@ TEST_F(ProgramShapeTest, AnObjectIsDeformedByProgramsWhereTheSceneFileSaysSo) {
   EXPECT_FALSE(load("")->touch_scene().has_motion());
 }
 
-// Displacements are those of the mesh: turned and scaled with it, and not moved.
+// Programs give displacements in the frame of the mesh: the object's rotation and scale apply to them, its translation does not.
 TEST_F(ProgramShapeTest, AShapeIsOfTheMeshBeforeScaleAndPose) {
   const auto scene = load("scale = 2.0\nposition_m = [0.1, 0.2, 0.3]\nrotation_deg = [0, 0, 90]\n" + std::string(kByProgram),
                           "fit_m = [0.05, 0.05, 0.05]\n");
@@ -98,7 +98,7 @@ TEST_F(ProgramShapeTest, SaysWhereAndWhatIsWrong) {
       HasSubstr("line"));
 }
 
-// A joint of a thousandth of a millimetre: sealing it would change the vertices.
+// A crack 0.001 mm wide: sealing it would change the vertices.
 TEST_F(ProgramShapeTest, SealedCracksAreAnError) {
   folder.write("sail.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 100 100 0\nv 100 0.001 0\nv 0 100.001 0\nf 1 2 3\nf 5 4 6\n");
   EXPECT_THAT(error_of(kByProgram), HasSubstr("cracks of it were sealed: add seal_cracks = false, or repair it"));

@@ -83,7 +83,7 @@ TEST(ReadObj, TakesAByteOrderMark) {
   EXPECT_TRUE(raw->notes.empty());
 }
 
-// A polygon of n corners has n - 2 triangles, each of them many times as large as a corner in the file.
+// A polygon of n corners becomes n - 2 triangles, and each takes many times as many bytes as a corner in the file.
 TEST(ReadObj, TakesNoMoreTrianglesThanItMay) {
   const std::string faces = "f 1 2 3\nf 1 2 3 1 2 3\n";
   EXPECT_THAT(read_obj(kThree + faces, AppearanceReading::off, 5)->mesh.triangles, SizeIs(5));
@@ -228,7 +228,7 @@ TEST(ReadPly, NamesThePositionOfAFault) {
   EXPECT_THAT(with("3 0 1 2", "4000000000 0 1 2"), HasSubstr("ends too early"));
 }
 
-// Of either byte order; of the lists, too.
+// In both byte orders, for vertices as well as for lists.
 TEST(ReadPly, TakesNumbersOfEveryType) {
   for (const bool swap : {false, true}) {
     std::string bytes = fmt::format(
@@ -375,7 +375,7 @@ TEST(ReadGltf, TakesNoMoreTrianglesThanItMay) {
   EXPECT_EQ(error_of(read_gltf(text, ".", 1)), "meshes[0].primitives[0] has more than 1 triangles: simplify it") << "four vertices";
 }
 
-// Of a file without scenes, those nodes that hang under no other are shown, each once.
+// If a file has no scenes, each node without a parent is shown, once.
 TEST(ReadGltf, OfAFileWithoutScenesTheRootsAreShown) {
   const auto read = [](const std::string& children) {
     const std::string triangle(36, '\0');

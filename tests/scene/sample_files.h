@@ -9,10 +9,10 @@
 
 #include "core/geometry/triangle_mesh.h"
 
-// One mesh in the bytes of every format we read, written here so that the readers have an independent twin.
+// One mesh in the bytes of every format that Hapton reads. This code is independent of the readers, so that it can test them.
 namespace hapton::sample {
 
-// Its coordinates are exact in single precision and in few decimals.
+// The coordinates of the tetrahedron are exact in single precision and have few decimal places.
 inline TriangleMesh tetrahedron() {
   return {.vertices = {{0, 0, 0}, {1.5, 0, 0}, {0, 2.25, 0}, {0, 0, -0.125}}, .triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
 }
@@ -94,7 +94,7 @@ inline std::string gltf_buffer(const TriangleMesh& mesh) {
   return bytes;
 }
 
-// buffer: the members of buffers[0] beside its length. nodes: the nodes array; the mesh is meshes[0].
+// buffer: further JSON members of buffers[0], each followed by a comma. nodes: the array of nodes, which use meshes[0].
 inline std::string gltf_json(const TriangleMesh& mesh, const std::string& buffer,
                              const std::string& nodes = R"([{"mesh":0,"name":"body"}])", const std::string& roots = "[0]") {
   const std::size_t position_bytes = 12 * mesh.vertices.size();

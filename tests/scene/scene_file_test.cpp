@@ -147,7 +147,7 @@ TEST_F(SceneFile, TakesAPlainMeshFile) {
   EXPECT_DOUBLE_EQ(scene->objects[0].mesh->corner(0, 1).x(), 0.0015);
 }
 
-// TOML gives what comes last to the last table.
+// In TOML, a key belongs to the last table header above it, so keys of the whole scene must stand above all tables.
 TEST_F(SceneFile, SaysWhereAKeyOfTheWholeSceneBelongs) {
   const auto says_so = [](const char* line) {
     return AllOf(HasSubstr(line), HasSubstr("'fit_m' is a key of the whole scene"), HasSubstr("above the first line that begins with ["));
@@ -232,12 +232,12 @@ TEST(ShippedScenes, AllFitTheWorkspaceOfTheDevice) {
     const auto scene = load_scene(entry.path());
     ASSERT_TRUE(scene) << scene.error().what;
     const auto box = box_of(*scene);
-    // 10.5 x 7.5 x 15 in, docs/frames.md.
+    // The workspace measures 10.5 x 7.5 x 15 inches (docs/frames.md).
     EXPECT_LT(box.sizes().x(), 0.2671) << entry.path();
     EXPECT_LT(box.sizes().y(), 0.1906) << entry.path();
     EXPECT_LT(box.sizes().z(), 0.3811) << entry.path();
     ++count;
-    // A scene with a [workspace] lies where that puts it: objects that move have their room there.
+    // A scene with [workspace] need not be centred, because its moving objects need room; it must still lie in the workspace.
     const auto layout = read_layout(entry.path());
     ASSERT_TRUE(layout) << layout.error().what;
     if (layout->workspace) {
@@ -256,7 +256,7 @@ TEST(ShippedScenes, TheCarFrontFacesTheHand) {
   const TriangleMesh& mesh = *scene->objects[0].mesh;
   EXPECT_THAT(mesh.triangles, SizeIs(3300));
   EXPECT_NEAR(box_of(*scene).sizes().x(), 0.267, 1e-9);
-  // It was cut off at the back, so the open boundaries are at the lowest z, and the bonnet rises towards the back.
+  // The mesh was cut off at the back, so its open boundaries are at the lowest z, and the bonnet rises towards the back.
   double top_front = -1;
   double top_back = -1;
   for (const Vec3& v : mesh.vertices) (v.z() > 0 ? top_front : top_back) = std::max(v.z() > 0 ? top_front : top_back, v.y());
@@ -283,7 +283,7 @@ TEST(ShippedScenes, TheWorkbenchHasPegsToPickUp) {
               HasSubstr("unknown key 'movable'"));
 }
 
-// The drawn and the haptic scene of one file are the same, however cracks are treated; another unit, pose or mesh is another scene.
+// Sealing cracks does not change the hash, so the drawn and the haptic scene of a file agree. Another unit, pose or mesh does.
 TEST(SceneAsGiven, HasAHashOfWhatTheFilesGive) {
   const ScratchFolder folder;
   folder.write("a.stl", sample::binary_stl(sample::tetrahedron()));

@@ -25,7 +25,7 @@ TEST(SceneFit, FillsTheBoxInOneDirectionAround0) {
 
 TEST(SceneFit, APointHasNoFit) { EXPECT_FALSE(find_fit(Eigen::AlignedBox3d(Vec3(1, 1, 1), Vec3(1, 1, 1)), {1, 1, 1})); }
 
-// The factor, or the vertices times it, would not be finite.
+// The scale, or the scaled vertices, would not be finite.
 TEST(SceneFit, ASizeWhoseScaleIsNotFiniteHasNoFit) {
   for (const double length : {1e-310, 1e-200, 1e200, 1e308}) {
     EXPECT_FALSE(find_fit(Eigen::AlignedBox3d(Vec3(0, 0, 0), Vec3(length, length, length)), {1, 1, 1})) << length;

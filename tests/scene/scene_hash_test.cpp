@@ -51,7 +51,7 @@ TEST(SceneHash, WhateverChangesTheForceChangesIt) {
   EXPECT_EQ(hashes.size(), 15U);
 }
 
-// Two instances of a mesh, of which either deforms by the same displacements.
+// Two objects share a mesh. In each scene another one of them deforms, by the same displacements.
 TEST(SceneHash, SaysWhichObjectDeforms) {
   const auto shared = std::make_shared<const TriangleMesh>(corner());
   std::set<std::uint64_t> hashes;
@@ -65,7 +65,7 @@ TEST(SceneHash, SaysWhichObjectDeforms) {
   EXPECT_EQ(hashes.size(), 2U);
 }
 
-// A haptics node and the windows beside it must agree on what is felt.
+// A haptics node and the windows of its vision nodes must agree on what is felt.
 TEST(SceneHash, EachNumberOfEachEffectInSpaceChangesIt) {
   const EffectVolume ball = EffectVolume::ball(Vec3::Zero(), 0.01);
   const Vec3 away(0, 0, 1);

@@ -50,7 +50,7 @@ TEST(SceneLoading, IsDescribedForPeople) {
   EXPECT_EQ(describe_loading(0), "");
 }
 
-// Whatever unit it was in and wherever it lay.
+// The fit does not depend on the unit of the mesh or on its place.
 TEST_F(FittedMesh, LiesInTheMiddleOfTheWorkspaceAndJustFitsItsBox) {
   for (const Unit unit : {Unit::m, Unit::mm, Unit::in}) {
     const auto path = folder_.write("a.obj", "v 1000 5 -40\nv 1300 5 -40\nv 1000 45 -40\nv 1000 5 60\nf 1 2 3\nf 1 3 4\n");
@@ -72,8 +72,8 @@ TEST_F(FittedMesh, InItsSizeHasNoFactor) {
   EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr(" long, centred in the workspace; --no-fit"))));
 }
 
-// The picture shows the mesh as the file has it: what is felt is as large, and in the same place. Two slopes meet at a ridge, which has a
-// crack; sealing lowers the higher side of it, which has fewer triangles.
+// The mesh is felt with sealed cracks but drawn as the file has it: both must have the same size and place. Two slopes meet at a ridge
+// with a crack; sealing lowers the higher side of the ridge, which has fewer triangles.
 TEST_F(FittedMesh, IsFittedAlikeHoweverItsCracksAreTreated) {
   const auto path = folder_.write("roof.obj",
                                   "v 0 1 0\nv 1 1 0\nv 0 0 -0.9\nv 0.5 0 -0.9\nv 1 0 -0.9\nf 1 3 4\nf 1 4 2\nf 2 4 5\n"

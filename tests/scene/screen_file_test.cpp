@@ -25,7 +25,7 @@ std::string screen_error(const std::string& text) {
   return read ? std::string("none") : read.error().what;
 }
 
-// The text with `from` replaced.
+// kScreenText with `from` replaced by `to`.
 std::string changed(const std::string& from, const std::string& to) {
   std::string text = kScreenText;
   return text.replace(text.find(from), from.size(), to);
@@ -35,7 +35,7 @@ TEST(ScreenFile, GivesPoseAndSize) {
   const auto screen = parse_screen(kScreenText);
   ASSERT_TRUE(screen) << screen.error().what;
   EXPECT_LT((screen->X_WR.translation() - Vec3(0.01, 0.05, -0.12)).norm(), 1e-15);
-  // It leans back: its normal points up.
+  // The screen leans back: its normal points partly upwards.
   EXPECT_LT((screen->X_WR.linear().col(2) - Vec3(0.0, 0.5, std::sqrt(0.75))).norm(), 1e-12);
   EXPECT_EQ(screen->width_m, 0.52);
   EXPECT_EQ(screen->height_m, 0.29);

@@ -77,7 +77,7 @@ TEST(SculptReader, RejectsMeshesAndToolsThatDoNotFit) {
   EXPECT_TRUE(make_sculpt(*read_clay("sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 2"), "clay", make_icosphere(0.05, 3)));
 }
 
-// Through a scene file: the object, the input of the methods, both hashes.
+// A scene file with a carvable object: its keys reach the object, the input of the force methods and both hashes.
 class SculptScene : public testing::Test {
  protected:
   Result<Scene> load(const std::string& keys, const std::string& material = "") {

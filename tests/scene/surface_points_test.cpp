@@ -32,7 +32,7 @@ TEST(SurfacePoints, LieOnEveryObject) {
   EXPECT_LT(on_first, 12U);
 }
 
-// A hand from the front passes by a face that it sees edge on.
+// A hand that comes from the front misses a face that is parallel to its path.
 TEST(SurfacePoints, LieOnFacesThatAreSeenFromTheFront) {
   const TouchScene box{.objects = {{made::shared(make_box(Vec3(1, 2, 3))), {}}}};
   const std::vector<Vec3> points = find_surface_points(box, 16);

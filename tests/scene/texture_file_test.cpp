@@ -121,7 +121,7 @@ TEST(TextureFile, NamesThePath) {
   EXPECT_TRUE(read_texture_file(folder.write("good.xml", made::texture_file())));
 }
 
-// Bytes changed, left out and cut off: an error in one line, or models that are finite.
+// Whichever bytes change, vanish or are inserted: the result is an error of one line, or models that are finite.
 TEST(TextureFile, BearsAnyChange) {
   const std::string good = made::texture_file(made::nine_models(4, 2), made::eight_triangles());
   std::mt19937_64 random(3);

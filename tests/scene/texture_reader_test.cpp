@@ -107,7 +107,7 @@ TEST_F(TextureReader, EveryNumberIsPartOfTheHash) {
   EXPECT_EQ(static_cast<int>(hashes.size()), count);
 }
 
-// The same samples give the same forces to the last bit, in a new step and after a reset, as `hapton replay` compares them.
+// The same samples give the same forces to the last bit, in a new TouchStep and after a reset: `hapton replay` compares them exactly.
 TEST_F(TextureReader, ForcesRepeatBitForBit) {
   folder_.write("floor.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n");
   const auto scene = load_scene(folder_.write("floor.toml",

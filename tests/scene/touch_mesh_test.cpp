@@ -61,7 +61,7 @@ TEST_F(TouchMeshes, OfAMeshFileAndOfAScene) {
   EXPECT_TRUE(count_edges(*scene->objects[0].mesh).closed());
   EXPECT_TRUE(count_edges(*scene->objects[1].mesh).closed());
   EXPECT_EQ(count_edges(*scene->objects[2].mesh).boundary, 144U);
-  EXPECT_THAT(scene->notes, ElementsAre(AllOf(HasSubstr("cracked.obj: sealed cracks"), HasSubstr("144"))));  // once for both
+  EXPECT_THAT(scene->notes, ElementsAre(AllOf(HasSubstr("cracked.obj: sealed cracks"), HasSubstr("144"))));  // one note for both objects
   const auto unsealed = load_scene(folder_.path() / "a.toml", {.sealing = CrackSealing::off});
   ASSERT_TRUE(unsealed);
   EXPECT_EQ(count_edges(*unsealed->objects[0].mesh).boundary, 144U);
@@ -70,7 +70,7 @@ TEST_F(TouchMeshes, OfAMeshFileAndOfAScene) {
               HasSubstr("'seal_cracks' in [[object]] 1 must be true or false"));
 }
 
-// The drawn mesh is unchanged, and where it is touched.
+// The drawn mesh is not changed by the sealing of the touched one, and both are in the same place.
 TEST_F(TouchMeshes, FittedAreInTheSamePlaceSealedAndUnsealed) {
   const auto path = folder_.write("fit.toml",
                                   "fit_m = [0.3, 0.3, 0.3]\n[[object]]\nmesh = 'cracked.obj'\n[[object]]\nmesh = 'whole.obj'\n"
@@ -82,7 +82,7 @@ TEST_F(TouchMeshes, FittedAreInTheSamePlaceSealedAndUnsealed) {
   for (const Vec3& vertex : touched->objects[0].mesh->vertices) EXPECT_THAT(drawn->objects[0].mesh->vertices, ::testing::Contains(vertex));
   EXPECT_LT(touched->objects[0].mesh->vertices.size(), drawn->objects[0].mesh->vertices.size());
   const SealReport& sealed = touched->objects[0].sealed;
-  EXPECT_NEAR(sealed.tolerance, 1e-4 * 0.3, 1e-9);  // in the scene's size, not in the file's
+  EXPECT_NEAR(sealed.tolerance, 1e-4 * 0.3, 1e-9);  // in metres of the fitted scene, not in those of the file
   EXPECT_GT(sealed.widest_gap, 1e-5);
   EXPECT_FALSE(drawn->objects[0].sealed.has_sealed());
 }
@@ -106,7 +106,7 @@ TEST_F(TouchMeshes, TheReportSaysWhatWillBeSealed) {
   EXPECT_THAT(to_text(*make_mesh_report(folder_.path() / "whole.obj", std::nullopt)), HasSubstr("nothing to seal"));
 }
 
-// What scans and CAD exports bring. Counts of boundary edges before were found by another program, too (mesh_report_test.cpp).
+// Meshes with cracks from scans and CAD exports. Another program found the same numbers of boundary edges (mesh_report_test.cpp).
 struct SealedFile {
   const char* file;
   std::size_t boundary_edges;

@@ -100,7 +100,7 @@ TEST(ViewReader, NamesLineKeyAndWhatIsAllowed) {
   EXPECT_THAT(view_error(light + light + light + light + light), StartsWith("line 9: there are more than 4 [[light]] tables"));
 }
 
-// What is seen changes nothing of what is felt.
+// Camera and lights do not change what is felt.
 TEST(ViewReader, ASceneFileHasItsView) {
   const ScratchFolder folder;
   folder.write("a.obj", sample::obj(sample::tetrahedron()));

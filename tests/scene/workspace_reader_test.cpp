@@ -28,7 +28,7 @@ class Workspace : public ::testing::Test {
 
 const std::string kPlaced = "[[object]]\nmesh = 'a.obj'\nposition_m = [1, 2, 3]\nrotation_deg = [0, 0, 90]\n";
 
-// Its middle is the origin, its x axis is the scene's y axis here, and a metre of the hand is 10 m of the scene.
+// The centre of the workspace is the origin; in this test its x axis is the scene's y axis, and 1 m at the hand is 10 m in the scene.
 TEST_F(Workspace, SaysWhereTheHandIsInTheScene) {
   const auto scene = load(kPlaced + "[workspace]\ncenter_m = [1, 2, 2]\nrotation_deg = [0, 0, 90]\nscale = 10\n");
   ASSERT_TRUE(scene) << scene.error().what;
@@ -52,7 +52,7 @@ TEST_F(Workspace, InItsSizeNeedsNoNote) {
   EXPECT_THAT(fitted->notes, ::testing::IsEmpty());
 }
 
-// A material's stiffness is that at the hand, however large the scene is.
+// Stiffness is the one felt at the hand: the scale of the scene does not change it.
 TEST_F(Workspace, LeavesTheStiffnessAtTheHand) {
   const std::string material = "material = 'm'\n[material.m]\nstiffness_n_per_m = 500\n";
   const auto scene = load("[workspace]\nscale = 100\n[[object]]\nmesh = 'a.obj'\n" + material);
