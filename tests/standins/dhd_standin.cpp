@@ -50,7 +50,7 @@ class Hardware {
 
   int position(double* x, double* y, double* z, char id) {
     const auto now = Clock::now();
-    // The integration is explicit, and a test may have paused: at most 5 ms a step.
+    // A step is at most 5 ms: after a pause of the test, the explicit integration would be unstable with the whole time.
     const double passed_s = std::min(std::chrono::duration<double>(now - stepped_).count(), 0.005);
     stepped_ = now;
     const bool force_is_on = board().enabled != 0 && board().force_off_cause == 0;
@@ -132,7 +132,7 @@ int dhdGetSerialNumber(unsigned short* number, char) {
   return serial >= 0 ? 0 : -1;
 }
 int dhdGetStatus(int* status, char) {
-  std::fill(status, status + 17, 0);  // indices as in the SDK's documentation, on purpose not from dhd_library.h
+  std::fill(status, status + 17, 0);  // indices from the documentation of the SDK, intentionally not from dhd_library.h
   const Board& board = hardware().board();
   if (board.failing_call == 3) return -1;
   status[0] = board.has_power;
@@ -142,7 +142,7 @@ int dhdGetStatus(int* status, char) {
   status[14] = board.force_off_cause;
   return 0;
 }
-// Of the last call, as the SDK has it: another call may change it.
+// The error of the last call, as in the SDK: any other call may replace it.
 const char* dhdErrorGetLastStr() { return hardware().board().kept_forces != 0 ? "the stand-in's own words" : "no error"; }
 int dhdSetWatchdog(unsigned char units, char) {
   hardware().board().watchdog = units;

@@ -1,5 +1,5 @@
-// Loaded before the C library, it is a system that starts no more threads for a program than HAPTON_STANDIN_THREADS says, "PROGRAM:COUNT".
-// The system's own limit (RLIMIT_NPROC) counts what else its user runs, and does not hold root.
+// Preloaded into a program, it makes pthread_create fail after COUNT threads; HAPTON_STANDIN_THREADS is "PROGRAM:COUNT".
+// The system's own limit (RLIMIT_NPROC) does not help: it also counts the user's other threads, and root is exempt from it.
 #include <dlfcn.h>
 #include <errno.h>
 #include <pthread.h>

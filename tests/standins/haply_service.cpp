@@ -63,7 +63,7 @@ void HaplyService::run() {
   }
 }
 
-// False: the client has gone, or this ends.
+// Waits for a message. False: the client has disconnected, or the service is being destroyed.
 bool HaplyService::await_message(int socket) {
   while (!ends_) {
     char first = 0;

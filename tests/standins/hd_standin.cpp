@@ -1,6 +1,6 @@
-// Our own library with the binary interface of libHD, as far as it is used, and a point mass instead of a device. It checks the rules of
-// the real one where breaking them would matter: forces are set in frames, frames belong to the scheduler's thread, a device is opened
-// once, one device is current for all.
+// A library with the functions of libHD that Hapton uses, with the same binary interface, and with a point mass instead of a device. It
+// checks those rules of libHD whose violation would matter: forces are set in frames, frames run in the scheduler's thread, a device is
+// opened once, and all threads share one current device.
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -32,7 +32,7 @@ struct Scheduled {
   void* data;
 };
 
-// One device: the library's data of it, and its point mass.
+// One device: its state in the library, and its point mass.
 struct Unit {
   unsigned handle = 0;
   std::atomic<Board*> shared{nullptr};
@@ -62,7 +62,7 @@ class Hardware {
     if (unit.board().open_error != 0) return refuse(unit.board(), unit.board().open_error);
     if (!is_known(unit, name) || unit.board().is_plugged == 0) return refuse(unit.board(), kCommError);
     if (unit.is_open) return refuse(unit.board(), kAlreadyInitiated);
-    // The current device is one for all: opening one within another's frame would end that frame.
+    // All threads share one current device: opening a device within another's frame would end that frame.
     if (is_running_) ++unit.board().wrong_calls;
     unit.is_open = true;
     unit.updates = 0;
@@ -236,7 +236,7 @@ class Hardware {
   }
 
  private:
-  // The second one exists only if it has its own board.
+  // The second device exists only if it has its own board.
   Unit& find(const char* name) {
     const bool is_second = name != nullptr && std::strcmp(name, "Second Device") == 0 && std::getenv(kSecondBoardVariable) != nullptr;
     return units_[is_second ? 1 : 0];
@@ -294,7 +294,7 @@ class Hardware {
   std::deque<ErrorInfo> errors_;
 };
 
-// Lives as long as the process: the last call is unknown.
+// It is never destroyed, because nobody knows which call of the library is the last one.
 Hardware& hardware() {
   static auto* const all = new Hardware;
   return *all;

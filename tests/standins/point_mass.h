@@ -8,10 +8,10 @@
 
 namespace hapton::standin {
 
-// A stylus of 50 g held by a hand: spring and damper to the hand's position, driven by the motors. Device axes, SI.
+// A stylus of 50 g: a spring and a damper connect it to the hand's position, and the motors push it. Device axes, SI units.
 class PointMass {
  public:
-  // At rest at the hand's position.
+  // Places the stylus at the hand's position, at rest.
   void place(Board& board) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       board.position_m[axis] = position_m_[axis] = board.hand_m[axis];
@@ -53,7 +53,7 @@ class PointMass {
 
   const std::array<double, 3>& position_m() const { return position_m_; }
 
-  // Rows of the stylus's orientation, turned about x, y and z as the board says.
+  // Rows of the rotation matrix of the stylus, which is turned about x, then y, then z by Board::turn_rad.
   static std::array<std::array<double, 3>, 3> rotation(const Board& board) {
     const double a = board.turn_rad[0], b = board.turn_rad[1], c = board.turn_rad[2];
     const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b), cc = std::cos(c), sc = std::sin(c);

@@ -1,4 +1,4 @@
-// What people read first: README's commands work in the order they stand there, and every link of the docs leads somewhere.
+// README puts the programs on the PATH before it uses them, systemd units restart, and links and test names in the docs exist.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(Readme, PutsTheProgramsOnThePathBeforeItsFirstCommandOfTheirs) {
   EXPECT_GT(commands, 5);
 }
 
-// systemd gives up a unit that ends five times within ten seconds: one whose hub's host has no address yet ends at once.
+// By default, systemd gives up a unit that ends five times in ten seconds. A node ends at once while the hub's host has no address.
 TEST(Units, AreStartedAgainHoweverOftenTheyEnd) {
   int units = 0;
   for (const auto& entry : fs::directory_iterator(source_root() / "deploy/systemd")) {
@@ -54,14 +54,14 @@ TEST(Units, AreStartedAgainHoweverOftenTheyEnd) {
     const auto service = std::ranges::find(lines, "[Service]");
     EXPECT_NE(std::find(service, lines.end(), "Restart=on-failure"), lines.end()) << entry.path();
     EXPECT_NE(std::find(lines.begin(), service, "StartLimitIntervalSec=0"), service) << entry.path() << " in [Unit]";
-    // But not after a device has failed for good: then a person does.
+    // There is no restart after exit status 3: the device has failed for good, and a person must start the unit again.
     const bool is_hub = entry.path().filename() == "hapton-io.service";
     EXPECT_EQ(std::find(service, lines.end(), "RestartPreventExitStatus=3") != lines.end(), is_hub) << entry.path();
   }
   EXPECT_EQ(units, 3);
 }
 
-// Links and pictures to files of the tree: [text](file#part).
+// The links and pictures of a page, [text](file#part), whose file is not in the tree.
 std::vector<std::string> find_broken_links(const fs::path& page) {
   static const std::regex link(R"(\]\(([^)\s#]+)(#[^)]*)?\))");
   std::vector<std::string> broken;
@@ -108,7 +108,7 @@ std::vector<std::string> list_tests() {
   return tests;
 }
 
-// Names as `link_test.Suite.Name`, or `link_test.Suite.Beginning…`, that no test has.
+// The names of tests in a page, such as `link_test.Suite.Name` or `link_test.Suite.Beginning…`, that no test has.
 std::vector<std::string> find_unknown_tests(const fs::path& page, const std::vector<std::string>& tests) {
   static const std::regex name(R"(`[a-z_]+_test\.(?:[A-Za-z]+/)?([A-Z]\w*\.[A-Za-z]\w*)(…)?`)");
   std::vector<std::string> unknown;

@@ -37,7 +37,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"vrpn", {"core/base", "core/math", "runtime", "link"}},
     {"scene", {"core"}},
     {"bench", {"core", "runtime", "link"}},
-    // Frames a second of the picture itself, beside VTK's.
+    // It measures the frame rate of vision_node's own view beside that of plain VTK.
     {"bench/frames", {"core", "runtime", "scene", "vision_node"}},
     {"watchdog", {"core/base", "runtime"}},
     {"plugin", {"core", "runtime"}},
@@ -176,7 +176,7 @@ TEST(Layers, EveryThreadIsStartedByStartThread) {
   EXPECT_THAT(wrong, IsEmpty());
 }
 
-// A reader of a mesh that is left when the program ends still runs while static objects are destroyed (StoppableCalls).
+// A mesh reader that is still at work when the program ends runs on while static objects are destroyed (see StoppableCalls).
 TEST(Layers, WhatReadsScenesHasNoStaticObjectsWithADestructor) {
   static const std::regex kDestroyed(R"(\bstatic\s+const\s+[\w:<>, ]+\s\w+\s*[;={(])");
   EXPECT_TRUE(std::regex_search("  static const toml::table kEmpty;", kDestroyed));
@@ -198,7 +198,7 @@ TEST(Layers, OwnHeadersAreQuotedFromTheRoot) {
   EXPECT_THAT(find_wrong(kFolders, [](const SourceFile&, const Include& include) { return is_misspelt(include); }), IsEmpty());
 }
 
-// The table of message kinds is a header of one codec.
+// The table of message kinds is a header that belongs to one codec, so only codecs may include it.
 TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
   const std::string table = "link/message_kinds.h";
   EXPECT_THAT(find_wrong(kFolders,
@@ -209,8 +209,8 @@ TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
               IsEmpty());
 }
 
-// Two exceptions without network: the notification to systemd uses its socket, and the watchdog learns by poll that a process has ended or
-// a device was unplugged.
+// Two exceptions without network: the notification to systemd uses a local socket, and the watchdog notices by poll() that a process
+// has ended or a device was unplugged.
 bool may_see(const std::string& file, const std::string& socket) {
   if (file == "runtime/service_notify.cpp") return socket == "sys/socket.h" || socket == "sys/un.h";
   if (file == "watchdog/main.cpp" || file == "watchdog/outer_watchdog.cpp") return socket == "poll.h";
@@ -231,7 +231,7 @@ TEST(Layers, OnlyFloat8SeesVectorInstructions) {
               IsEmpty());
 }
 
-// A haptics node, which reads the same scenes, must load no GL.
+// A haptics node reads the same scenes, but must not load OpenGL.
 TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
   EXPECT_THAT(find_wrong(kFolders,
                          [](const SourceFile& file, const Include& include) {
@@ -243,7 +243,7 @@ TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
 
 bool is_openxr(const std::string& include) { return include.rfind("openxr/", 0) == 0; }
 
-// A build without OpenXR, and one with a newer VTK, change a few files.
+// So that a build without OpenXR, or with a newer VTK, affects only a few files.
 TEST(Layers, OnlyTheHeadsetSeesOpenXrAndItSeesNoVtk) {
   EXPECT_THAT(find_wrong(kFolders,
                          [](const SourceFile& file, const Include& include) {
@@ -254,7 +254,7 @@ TEST(Layers, OnlyTheHeadsetSeesOpenXrAndItSeesNoVtk) {
               IsEmpty());
 }
 
-// One exception: memory is asked for in large pages when a mesh is prepared.
+// One exception: core/base/large_vector.cpp asks for memory in large pages when a mesh is prepared.
 TEST(Core, TouchesNothingOfTheMachine) {
   EXPECT_THAT(find_wrong({"core", "closed_loop", "remote_touch"},
                          [](const SourceFile& file, const Include& include) {
@@ -270,7 +270,7 @@ TEST(Core, PrintsNothing) {
       IsEmpty());
 }
 
-// It throws where the reader of a stream has gone: print_text does not.
+// fmt::print and std::println throw if the reader of the stream has gone; print_text does not.
 TEST(Nodes, PrintWithoutAnException) {
   static const std::regex kThrows(R"(\b(fmt::print|std::println)\b)");
   EXPECT_THAT(
@@ -291,7 +291,7 @@ TEST(Sources, HaveAtMost500Lines) {
   EXPECT_THAT(longer, IsEmpty());
 }
 
-// Two classes of one name in one program break the one-definition rule, and no linker says so.
+// Two classes with the same name in one program break the one-definition rule, and no linker reports it.
 TEST(Sources, NoTwoHeadersDefineAClassOfOneName) {
   static const std::regex kLine(R"(namespace ([\w:]+) \{|(?:class|struct|enum class) (\w+)(?: final)?(?: :[^;]*)?(?: \{)?)");
   std::map<std::string, std::vector<std::string>> headers;  // by namespace and name
@@ -314,7 +314,7 @@ TEST(Sources, NoTwoHeadersDefineAClassOfOneName) {
 
 TEST(Sources, ThrowNothingOfOurs) {
   static const std::regex kThrow(R"(\bthrow\b)");
-  // An exception is how Python is told.
+  // The Python bindings report errors by exceptions.
   const auto throws = [](const SourceFile& file) { return !is_under(file.path, "python") && std::regex_search(file.code, kThrow); };
   EXPECT_THAT(find_files(kFolders, throws), IsEmpty());
 }
@@ -342,7 +342,7 @@ TEST(Headers, BeginWithPragmaOnce) {
       IsEmpty());
 }
 
-// Together with hapton_headers_alone in CMakeLists.txt: every header compiles on its own.
+// Together with the target hapton_headers_alone in CMakeLists.txt, this ensures that every header compiles on its own.
 TEST(Headers, ComeFirstInTheSourceOfTheirName) {
   EXPECT_THAT(find_files(kFolders,
                          [](const SourceFile& file) {

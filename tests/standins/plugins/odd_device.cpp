@@ -1,5 +1,5 @@
-// A device on a straight line at 0.1 m/s, whose position in y and z is the force and torque last written. does=nan|exception|fault|away|
-// ended|calibrating|released|q|reject|no_slew|no_box|strong|full|open_exception|write_exception, after=READS.
+// A device that moves along x at 0.1 m/s; its y and z are the force and torque last written. Parameters: does=nan|exception|fault|away|
+// ended|unknown|calibrating|released|q|nearly|reject|no_slew|no_box|strong|full|open_exception|write_exception, after=READS.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

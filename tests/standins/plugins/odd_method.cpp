@@ -1,4 +1,4 @@
-// A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. Parameters: does=nan|nan_proxy|odd_object|
+// A force method: floor and proxy at y = 0, with the stiffness of the first object's material. Parameters: does=nan|nan_proxy|odd_object|
 // exception, from call after=CALLS on; does=reject; does=tell: the force is the velocity, and the proxy's x, y and z are the time, the
 // buttons and the x component of the stylus's axis y; does=reset_exception|material_exception, in these calls. It aborts when it is
 // destroyed without having been created, and when it is called after it gave NaN. Compiled with ODD_IS_BARE it has only what a method must
@@ -42,7 +42,7 @@ void* create(const hapton_request* request, const hapton_object* objects, std::s
   return new Floor(made);
 }
 
-// After NaN it is cut off.
+// A method that gave NaN must not be called again.
 void refuse_after_nan(const Floor& floor) {
   if (floor.does == "nan" && floor.calls > floor.after) std::abort();
 }
