@@ -37,7 +37,7 @@ struct Board {
   std::atomic<unsigned> open_error{0};       // HD: not 0: the error of opening it, whether plugged in or not
   std::atomic<int> errors_a_refusal{1};      // HD: how many errors a failed opening reports
   std::atomic<double> motor_temperature{0.2};
-  std::atomic<int> slow_us{0};           // a delay added to each tick
+  std::atomic<int> slow_us{0};           // a delay added to each tick; DHD: to each call that transfers data
   std::atomic<int> stands_still{0};      // HD: not 0: the scheduler calls nothing
   std::atomic<int> force_off_cause{0};   // DHD: not 0: the firmware has switched the force off
   std::atomic<int> system_type{33};      // DHD: the type of the device
