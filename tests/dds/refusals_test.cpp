@@ -20,7 +20,7 @@ void expect_refusal(std::vector<std::string> arguments, const std::string& says)
   arguments.insert(arguments.begin(), "dds");
   const auto ended = run("hapton", arguments, scratch.path());
   ASSERT_TRUE(ended);
-  EXPECT_NE(ended->exit_code, 0);
+  EXPECT_EQ(ended->exit_code, 1);
   EXPECT_THAT(ended->err, HasSubstr(says));
   EXPECT_EQ(std::count(ended->err.begin(), ended->err.end(), '\n'), 1) << ended->err;
   EXPECT_EQ(ended->out, "");

@@ -188,7 +188,6 @@ TEST_F(Haply, ALostConnectionIsTriedAgainAQuarterOfASecondLater) {
   ASSERT_TRUE(serve_until([&] { return service->connections == 1 && device->status() == DeviceStatus::ready; }));
   const std::int64_t took_ns = SteadyClock().now_ns() - ended_ns;
   EXPECT_GE(took_ns, kNanosecondsPerSecond / 4);
-  EXPECT_LT(took_ns, 4 * kNanosecondsPerSecond);
 }
 
 TEST_F(Haply, AServiceThatStopsReplyingIsConnectedAgain) {

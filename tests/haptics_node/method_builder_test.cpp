@@ -138,9 +138,15 @@ TEST(MethodBuilder, AnotherSceneIsBuiltForTheMethodThatWasRequestedLast) {
 }
 
 TEST(MethodBuilder, AnUnusedMethodIsFreed) {
-  MethodBuilder builder({}, one_sphere());
-  builder.request(name_of("sweep"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  TouchScene scene = one_sphere();
+  const std::weak_ptr<const TriangleMesh> mesh = scene.objects[0].mesh;
+  {
+    MethodBuilder builder({}, std::move(scene));
+    builder.request(name_of("sweep"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_FALSE(mesh.expired());
+  }
+  EXPECT_TRUE(mesh.expired());
 }
 
 }  // namespace

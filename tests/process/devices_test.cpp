@@ -40,15 +40,17 @@ struct TwoHands : testing::Test {
   Json report_of(const std::string& name) const {
     return Json::parse(read_text(system.folder() / "out" / name / "report.json"), nullptr, false);
   }
-  // Requests reports until the condition holds for both hands, or io_node has ended.
+  // Requests reports until the condition holds for both hands. False: it never did, or io_node has ended.
   bool wait_for(const std::function<bool(const Json& left, const Json& right)>& holds) {
-    return System::wait_until([&] {
+    bool is_so = false;
+    (void)System::wait_until([&] {
       if (!io->is_running()) return true;
       io->send_signal(SIGUSR1);
       const Json left = report_of("left");
       const Json right = report_of("right");
-      return left.is_object() && right.is_object() && holds(left, right);
+      return is_so = left.is_object() && right.is_object() && holds(left, right);
     });
+    return is_so;
   }
 
   System system;

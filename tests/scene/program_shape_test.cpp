@@ -93,9 +93,8 @@ TEST_F(ProgramShapeTest, SaysWhereAndWhatIsWrong) {
               HasSubstr("'deformed_by' and 'morph': keep one"));
   EXPECT_THAT(error_of(keys, "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\n"),
               HasSubstr("'deformed_by' and 'keyframe': keep one"));
-  EXPECT_THAT(
-      error_of(keys + "material = \"rough\"\n", "[material.rough]\nbumps = {pattern = \"waves\", height_mm = 0.1, length_mm = 1}\n"),
-      HasSubstr("line"));
+  EXPECT_THAT(error_of(keys + "material = \"sticky\"\n", "[material.sticky]\nsnap_range_m = 0.002\nsnap_force_n = 0.5\n"),
+              HasSubstr("every effect but snap"));
 }
 
 // A crack 0.001 mm wide: sealing it would change the vertices.

@@ -71,14 +71,14 @@ TEST(TextureVoice, HasTheSpectrumOfItsModelsAtAnyRate) {
   }
 }
 
-// Each interval of 1 / 4000 s is divided into two steps at a random moment, so that steps are late or early.
+// Each interval of 1 / 3700 s is divided into two steps at a random moment, so that steps are late or early.
 TEST(TextureVoice, HasTheSpectrumWithUnevenSteps) {
   const auto models = made::texture(1000.0, 20, 18);
   const RecordedTexture texture = {.models = models, .mass_kg = 0.01, .max_force_n = 10.0};
   TextureVoice voice;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> early(0.8, 1.2);
-  constexpr double kRateHz = 4000.0;
+  constexpr double kRateHz = 3700.0;  // not a multiple of the models' rate
   // The first of two steps ends at 0.4 to 0.6 of the interval. The signal is taken after the second one, so at equal intervals.
   std::vector<double> signal;
   for (int n = 0; n < 200000; ++n) {

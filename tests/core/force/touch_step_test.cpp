@@ -259,6 +259,8 @@ TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
     EXPECT_FALSE(touch.has_effects()) << method;
     Vec3 p(0.0, 0.004, 0.0001);
     touch.reset({.p_WD = p});
+    const std::vector<Material> rough = {{.friction_static = 0.5, .friction_dynamic = 0.5}};
+    const std::vector<Material> slippery = {{}};
     const AllocationGuard guard;
     const auto slide = [&](int steps) {
       Vec3 felt = Vec3::Zero();
@@ -267,15 +269,14 @@ TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
     };
     p.z() = -0.001;
     EXPECT_NEAR(slide(20).x(), 0.0, 1e-9) << method;
-    const std::vector<Material> rough = {{.friction_static = 0.5, .friction_dynamic = 0.5}};
+    const std::uint64_t before = guard.count();
     touch.set_materials(rough);
+    EXPECT_EQ(guard.count(), before) << method;
     EXPECT_TRUE(touch.has_effects()) << method;
     EXPECT_NEAR(slide(40).x(), -0.5, 1e-4) << method;
-    const std::vector<Material> slippery = {{}};
     touch.set_materials(slippery);
     EXPECT_FALSE(touch.has_effects()) << method;
     EXPECT_NEAR(slide(3).x(), 0.0, 1e-9) << method;
-    (void)guard;
   }
 }
 

@@ -48,7 +48,7 @@ TEST(FarPoints, WithoutPointsOrExtentNothingIsFarther) {
 
 // Each query is from the tangent plane of a point on a sphere: it looks at about the square root of the points' number, not at all of them.
 TEST(FarPoints, OfACurvedSurfaceAQueryLooksAtAFew) {
-  for (const std::size_t count : {1000U, 4000U, 16000U, 64000U}) {
+  for (const std::size_t count : {16000U, 64000U}) {  // of fewer, the bound is about all of them
     std::mt19937_64 random(5);
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < count; ++i) points.push_back(random_vector(random).normalized());
