@@ -9,6 +9,8 @@ namespace hapton {
 // The unit of the numbers in a mesh file.
 enum class Unit { m, cm, mm, in };
 
+inline constexpr const char* kUnitNames = "m, cm, mm, in";
+
 // Reads m, cm, mm or in. Error: anything else. RT: set-up only.
 Result<Unit> parse_unit(std::string_view text);
 

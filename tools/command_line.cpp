@@ -3,12 +3,16 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <ranges>
+#include <string_view>
 #include <utility>
 
+#include "core/base/similar_word.h"
 #include "runtime/flag_checks.h"
 
 namespace hapton {
@@ -26,6 +30,16 @@ CommandOption CommandOption::positive(const std::string& what) const { return Co
 CommandOption CommandOption::not_negative(const std::string& what) const { return CommandOption(*option_->check(zero_or_more(what))); }
 CommandOption CommandOption::one_of(const std::vector<std::string>& words) const {
   return CommandOption(*option_->check(CLI::IsMember(words)));
+}
+CommandOption CommandOption::one_of_names(const std::string& names, std::function<bool(const std::string&)> accepts_too) const {
+  const auto check = [names, accepts_too = std::move(accepts_too)](const std::string& text) -> std::string {
+    if (accepts_too && accepts_too(text)) return {};
+    std::vector<std::string_view> known;
+    for (const auto name : std::views::split(std::string_view(names), std::string_view(", "))) known.emplace_back(name.begin(), name.end());
+    if (std::ranges::find(known, text) != known.end()) return {};
+    return fmt::format("'{}' is not known{}", text, similar_word_hint(text, known));
+  };
+  return CommandOption(*option_->check(CLI::Validator(check, "")));
 }
 CommandOption CommandOption::existing_folder() const { return CommandOption(*option_->check(CLI::ExistingDirectory)); }
 CommandOption CommandOption::folder_to_write() const { return CommandOption(*option_->check(hapton::folder_to_write())); }

@@ -27,6 +27,8 @@ class CommandOption {
   CommandOption positive(const std::string& what = "a number") const;
   CommandOption not_negative(const std::string& what = "a number") const;
   CommandOption one_of(const std::vector<std::string>& words) const;
+  // names: "sphere, box, torus". The line that rejects another word names a similar one, or all. accepts_too: other words that are valid.
+  CommandOption one_of_names(const std::string& names, std::function<bool(const std::string&)> accepts_too = {}) const;
   CommandOption existing_folder() const;
   // Rejected at the start if it can neither be written to nor created: its contents are written at the end.
   CommandOption folder_to_write() const;

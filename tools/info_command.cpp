@@ -5,6 +5,7 @@
 
 #include "scene/mesh_report.h"
 #include "scene/scene_report.h"
+#include "scene/unit.h"
 #include "tools/commands.h"
 
 namespace hapton {
@@ -49,7 +50,7 @@ void add_info_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
   const CommandLine info = app.add_subcommand("info", "Show a mesh's size, counts, flaws and repairs, or a scene's objects");
   info.add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)").required();
-  info.add_option("--unit", options->unit, "Unit of the file: m (default), cm, mm or in; glTF is always m");
+  info.add_option("--unit", options->unit, "Unit of the file: m (default), cm, mm or in; glTF is always m").one_of_names(kUnitNames);
   info.add_flag("--json", options->json, "Print JSON");
   info.on_run([options, &exit_code] { exit_code = run(*options); });
 }

@@ -9,6 +9,7 @@
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "scene/touch_mesh.h"
+#include "scene/unit.h"
 
 namespace hapton {
 namespace {
@@ -47,8 +48,8 @@ std::string shape_names() {
 void add_mesh_options(CommandLine command, MeshChoice& choice) {
   const CommandLine source = command.add_group("what is touched").require_options(1, 1);
   source.add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
-  source.add_option("--shape", choice.shape, "Generated shape, about 100 mm: " + shape_names());
-  command.add_option("--unit", choice.unit, "Unit of the mesh file: m (default), cm, mm or in");
+  source.add_option("--shape", choice.shape, "Generated shape, about 100 mm: " + shape_names()).one_of_names(shape_names());
+  command.add_option("--unit", choice.unit, "Unit of the mesh file: m (default), cm, mm or in").one_of_names(kUnitNames);
   command.add_flag("--no-seal", choice.no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has this length, metres")
       .positive();

@@ -7,7 +7,7 @@ namespace hapton {
 
 void add_method_flags(CommandLine command, MethodFlags& flags) {
   MethodSettings& method = flags.settings;
-  command.add_option("--method", method.name, "Force method, one of: " + method_names()).shows_default();
+  command.add_option("--method", method.name, "Force method, one of: " + method_names()).one_of_names(method_names()).shows_default();
   command.add_option("--probe-radius", method.probe_radius_m, "Radius of the probe, metres; 0: a point (sweep and smooth have only points)")
       .not_negative("metres")
       .shows_default();

@@ -70,7 +70,7 @@ void add(CommandLine command, int& exit_code, const char* note) {
   options->settings.threads = std::max(1U, std::thread::hardware_concurrency());
   add_mesh_options(command, options->mesh);
   add_method_flags(command, options->method);
-  command.add_option("--kind", options->kind, "Kind of trajectory: " + trajectory_kinds()).shows_default();
+  command.add_option("--kind", options->kind, "Kind of trajectory: " + trajectory_kinds()).one_of_names(trajectory_kinds()).shows_default();
   command.add_option("--seed", options->trajectory.seed, "Seed of the trajectory").shows_default();
   command.add_option("--rows", options->trajectory.rows, "Number of steps").between(1, 100'000'000).shows_default();
   command.add_option("--stiffness", options->material.stiffness_n_per_m, "N/m")

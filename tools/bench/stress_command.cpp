@@ -148,7 +148,7 @@ Result<bool> run_stress(StressOptions& options) {
 // Adds the options that say what is tested and for how long.
 void add_method_and_bodies(const CommandLine& command, StressOptions& options) {
   StressPlan& plan = options.plan;
-  command.add_option("--method", plan.method.name, "Force method, one of: " + method_names()).shows_default();
+  command.add_option("--method", plan.method.name, "Force method, one of: " + method_names()).one_of_names(method_names()).shows_default();
   command
       .add_option("--layer", plan.method.smooth_layer,
                   "smooth: share of RADIUS over which force builds up outside the surface; 1: Algorithm 1 of the FDH paper")
@@ -161,7 +161,8 @@ void add_method_and_bodies(const CommandLine& command, StressOptions& options) {
       .positive()
       .shows_default();
   command.add_option("--seed", plan.seed, "Seed of every random choice").shows_default();
-  command.add_option("--body", options.bodies, "Only this body, may be repeated: " + body_names());
+  command.add_option("--body", options.bodies, "Only this body, may be repeated: " + body_names())
+      .one_of_names(body_names(), [](const std::string& name) { return is_mesh_file_name(name); });
   command.add_option("--mesh", options.files, "A mesh file in place of the bodies, may be repeated");
   command.add_flag("--no-seal", plan.no_seal, "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
 }

@@ -10,6 +10,7 @@
 #include "scene/scene_combination.h"
 #include "scene/scene_file.h"
 #include "scene/scene_layout.h"
+#include "scene/unit.h"
 #include "tools/check/scene_check.h"
 #include "tools/commands.h"
 
@@ -85,7 +86,7 @@ void add_check_command(CommandLine app, int& exit_code) {
   options->loop.hand = "light,stylus,arm,firm";
   const CommandLine check = app.add_subcommand("check", "Find what is wrong with a scene before anyone touches it");
   check.add_option("file", options->file, "Scene (.toml) or mesh (.obj, .stl, .ply, .gltf, .glb)").required();
-  check.add_option("--unit", options->unit, "Unit of a mesh file: m (default), cm, mm or in; glTF is always m");
+  check.add_option("--unit", options->unit, "Unit of a mesh file: m (default), cm, mm or in; glTF is always m").one_of_names(kUnitNames);
   check.add_flag("--no-fit", options->no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
   add_loop_flags(check, options->loop, true);
   SceneCheckSettings& settings = options->settings;

@@ -19,6 +19,7 @@
 #include "scene/material_limits.h"
 #include "scene/scene_file.h"
 #include "scene/tool_obstacles.h"
+#include "scene/unit.h"
 #include "tools/commands.h"
 #include "tools/method_flags.h"
 #include "tools/session/replay.h"
@@ -257,7 +258,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
   const CommandLine source = command.add_group("what is touched").require_options(1, 1);
   source.add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
   source.add_option("--scene", options->scene, "Scene file (TOML)");
-  command.add_option("--unit", options->unit, "Unit of the mesh file: m (default), cm, mm or in");
+  command.add_option("--unit", options->unit, "Unit of the mesh file: m (default), cm, mm or in").one_of_names(kUnitNames);
   command.add_flag("--no-seal", options->no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,buttons][,sample], one row a step")
       .required();

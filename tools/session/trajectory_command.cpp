@@ -61,7 +61,7 @@ void add_trajectory_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<TrajectoryOptions>();
   const CommandLine command = app.add_subcommand("trajectory", "Generate a device trajectory over a mesh, for replay");
   add_mesh_options(command, options->mesh);
-  command.add_option("--kind", options->kind, "One of: " + trajectory_kinds()).shows_default();
+  command.add_option("--kind", options->kind, "One of: " + trajectory_kinds()).one_of_names(trajectory_kinds()).shows_default();
   command.add_option("--seed", options->settings.seed, "Seed of every random choice").shows_default();
   command.add_option("--rows", options->settings.rows, "Number of steps").between(1, 100'000'000).shows_default();
   command.add_option("--rate", options->settings.rate_hz, "Steps a second").between(1.0, 1e6).shows_default();
