@@ -10,7 +10,7 @@ namespace {
 constexpr PictureSize kPlotPicture{2000, 1000};
 const PartColour kGridLine = {120, 126, 134}, kLimitLine = {240, 80, 70}, kFirstCurve = {90, 230, 120}, kSecondCurve = {120, 200, 255};
 
-// Half a minute of a force with a gap of more than a second, and a value above the scale; a round trip without values.
+// Four seconds of a force, with a gap of more than a second and a value above the scale; a round trip without values.
 std::vector<PlotContent> two_plots() {
   PlotContent force{.title = "force", .points = {{4.0, 2.0}, {3.5, 4.0}, {2.0, 20.0}, {1.0, 8.0}, {0.0, 0.0}}, .top = 10.0, .limit = 8.0};
   return {force, {.title = "round trip", .points = {}, .top = 1.0, .limit = 0.0}};
@@ -22,7 +22,7 @@ TEST(PlotFigure, CurvesAreDrawnInTheirFramesAtTheRight) {
   EXPECT_FALSE(parts.is_any_shown());
   for (const double lift : {0.0, 40.0}) {
     figure.set(two_plots(), kPlotPicture, lift);
-    // Edges of 30 pixels; frames of 680 x 130, the first above the second.
+    // Margins of 30 pixels; frames of 680 x 130 pixels, the first above the second.
     const Vec2 size(680.0, 130.0);
     const Vec2 low[2] = {{1290.0, 180.0 + lift + 178.0}, {1290.0, 180.0 + lift}};
     struct Line {

@@ -45,7 +45,7 @@ bool shows_workspace(const Framing& framing, PictureSize size = kWindow) {
   return true;
 }
 
-// As a share of the picture's smaller side.
+// The drawn width of a ball, as a share of the picture's smaller side.
 double width_of_ball(const Framing& framing, const Vec3& p_W, double radius_m) {
   const Vec3 aside = compute_screen(framing, kWindow).X_WV.linear().col(0) * radius_m;
   return (pixel_of(framing, p_W + aside) - pixel_of(framing, p_W - aside)).norm() / kWindow.height_px;
@@ -123,7 +123,7 @@ TEST(SceneFraming, ASceneThatLiesApartIsShownWithTheWorkspace) {
   EXPECT_GT(width_of_ball(framing, p_W, 0.3), 0.2) << "not lost in a picture of the way there";
 }
 
-// The two together reach from the far side of the workspace to that of the scene, or the other way round where the scene is large.
+// On the line through both centres, the two extend from their outermost point on one side to that on the other side.
 TEST(SceneFraming, TheMiddleIsThatOfTheSceneAndTheWorkspaceTogether) {
   const double workspace_m = 0.5 * workspace_size_m().norm();
   for (const auto& [p_WO, radius_m] :
@@ -136,7 +136,7 @@ TEST(SceneFraming, TheMiddleIsThatOfTheSceneAndTheWorkspaceTogether) {
     EXPECT_TRUE(shows(framing, -workspace_m * p_WO.normalized())) << p_WO.transpose();
     EXPECT_TRUE(shows(framing, p_WO + radius_m * p_WO.normalized())) << p_WO.transpose();
   }
-  // Just two radii away, or within the workspace, a scene does not lie apart.
+  // A scene does not lie apart if its centre is less than two of its radii away, or within the radius of the workspace.
   for (const auto& [x_m, radius_m] : {std::pair(0.59, 0.3), std::pair(0.24, 0.01)}) {
     EXPECT_EQ(frame_scene(ball_at({x_m, 0, 0}, radius_m), in_window()).p_WC, Vec3::Zero()) << x_m;
   }
@@ -170,7 +170,7 @@ Scene seen_by(const SceneCamera& camera) {
   return scene;
 }
 
-// Where the point between the eyes is, and what is in the middle of the picture and at the middle of its upper edge.
+// Checks where the point between the eyes is, and what is seen in the middle of the picture and at the middle of its upper edge.
 void expect_camera(const Framing& framing, const SceneCamera& camera, double tolerance) {
   EXPECT_LT((compute_eye_position(compute_screen(framing, kWindow), Eye::centre) - camera.p_WE).norm(), tolerance);
   EXPECT_LT((pixel_of(framing, camera.p_WC) - Vec2(640.0, 360.0)).norm(), 1e-6);
@@ -194,7 +194,7 @@ TEST(SceneFraming, TheScenesCameraSeesWhatItSays) {
   }
 }
 
-// Within the degree from which on up is undefined.
+// At 90 degrees `up` would be undefined, so pitch ends at 89 degrees: the camera may be off by that degree.
 TEST(SceneFraming, TheScenesCameraMayLookStraightDownOrUp) {
   for (const double height_m : {0.7, -0.7}) {
     for (const Vec3& up : {Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-0.6, 0, 0.8)}) {
@@ -220,7 +220,7 @@ TEST(SceneFraming, FlagsCountMoreThanTheScenesCamera) {
   EXPECT_EQ(frame_scene(seen_by(camera), options).p_WC, camera.p_WC);
 }
 
-// Each of these says where the eyes are.
+// Each of these options decides where the eyes are.
 TEST(SceneFraming, TheScenesCameraGivesWayToAHeadAndAScreen) {
   const Scene scene = seen_by({.p_WE = {3.0, 4.0, 5.0}});
   std::vector<std::pair<std::string_view, VisionOptions>> all(4, {"", in_window()});

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// A flat square of so many cells a side, a metre long, its texture laid over it once.
+// A flat square with sides of 1 m, with this many cells along each side.
 TriangleMesh make_sheet(std::uint32_t cells) {
   TriangleMesh mesh;
   for (std::uint32_t y = 0; y <= cells; ++y) {
@@ -23,7 +23,7 @@ TriangleMesh make_sheet(std::uint32_t cells) {
   return mesh;
 }
 
-// bend: how much faster the texture goes at one end than at the other.
+// Lays a texture over the square once. bend: stretches it unevenly along x; the coordinate is x + bend * x^2.
 MeshAppearance lay_texture(const TriangleMesh& mesh, float bend = 0.0F) {
   MeshAppearance look;
   look.images.push_back({"made", ""});
@@ -47,7 +47,7 @@ TEST(SurfacePaint, HasAVertexForEachPlaceAndPaint) {
   const TriangleMesh mesh = make_sheet(2);
   MeshAppearance look = lay_texture(mesh);
   EXPECT_EQ(paint(mesh, look).positions.size(), mesh.vertices.size());
-  // A seam: the last cell's texture is elsewhere.
+  // A seam: the last cell shows another part of the texture.
   for (std::size_t t = look.triangles.size() - 2; t < look.triangles.size(); ++t) {
     for (CornerAppearance& corner : look.triangles[t].corners) corner.texcoord.x() += 3.0F;
   }
@@ -123,7 +123,7 @@ TEST(SurfacePaint, SaysHowATriangleIsSeenThrough) {
   EXPECT_FALSE(first().is_plain());
 }
 
-// A pane with an opaque patch: a level without the patch is not as good.
+// A glass pane with an opaque patch: a level without the patch has an error.
 TEST(SurfacePaint, ALevelThatHasLostATransparencyHasAnError) {
   const TriangleMesh mesh = make_sheet(40);
   MeshAppearance look;
@@ -144,7 +144,7 @@ TEST(SurfacePaint, ALevelThatHasLostATransparencyHasAnError) {
   EXPECT_GT(measure_level_error(without, lay(0.0), 4000), 0.01) << "half the opacity of the finest triangles";
 }
 
-// Where the texture goes evenly over a plane, few triangles show it as well as many.
+// If the texture coordinates are linear over a plane, few triangles show the texture as well as many.
 TEST(SurfacePaint, TextureCoordinatesSurviveSimplification) {
   const TriangleMesh mesh = make_sheet(40);
   const DetailLevel full = paint(mesh, lay_texture(mesh));
@@ -167,7 +167,7 @@ TEST(SurfacePaint, TextureCoordinatesSurviveSimplification) {
   }
 }
 
-// The shape is as good as ever, the texture has slipped: the error says so, and full detail is chosen where it is seen.
+// The level's shape is exact, but its texture has shifted: the error includes that, so full detail is drawn where the shift would be seen.
 TEST(SurfacePaint, ALevelWhoseTextureHasSlippedHasThatError) {
   const TriangleMesh mesh = make_sheet(40);
   const DetailLevel full = paint(mesh, lay_texture(mesh, 1.0F));

@@ -34,14 +34,14 @@ TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
   const TouchScene scene = teach_scene();
   const SmoothScene smooth = teach_smooth(scene);
   TeachProbe probe = teach_probe();
-  // On a triangle itself, as the proxy is.
+  // The point is on a triangle, where a proxy in contact is.
   const TriangleMesh& mesh = *scene.objects[0].mesh;
   const std::size_t t = mesh.triangles.size() / 2;
   probe.p_SP = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
   probe.force_S_n = probe.p_SP;
   const TeachShapes shapes = show_contact(smooth, probe);
   ASSERT_EQ(shapes.triangles.size(), 1U) << shapes.caption;
-  // Three sides, four of the plane's square, its normal, the penetration.
+  // Three sides of the triangle, four sides of the plane's square, the plane's normal, the penetration vector.
   EXPECT_EQ(shapes.lines.size(), 9U);
   const TeachLine& normal = shapes.lines[7];
   EXPECT_GT((normal.to - normal.from).dot(probe.force_S_n), 0.0) << "towards the force";
@@ -49,7 +49,7 @@ TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
   EXPECT_TRUE(show_contact(smooth, probe).lines.empty());
 }
 
-// A square of 6 % of the diagonal in the plane of the triangle, and a normal half as long; the way from the proxy to the device.
+// A square in the triangle's plane, its side 6 % of the scene's diagonal; a normal half as long; a line from proxy to device point.
 TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
   const TouchScene scene = teach_scene();
   const SmoothScene smooth = teach_smooth(scene);
@@ -74,14 +74,14 @@ TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
     EXPECT_EQ(shapes.lines[8].from, probe.p_SP);
     EXPECT_EQ(shapes.lines[8].to, probe.p_SD);
   }
-  // Without a force, where the proxy is from the device.
+  // Without a force, the normal points to the side of the proxy, as seen from the device point.
   probe.force_S_n.setZero();
   EXPECT_GT((show_contact(smooth, probe).lines[7].to - probe.p_SP).dot(face), 0.0);
   probe.is_contact = false;
   EXPECT_EQ(show_contact(smooth, probe).caption, "contact: none");
 }
 
-// A ball is in contact with all triangles within its radius.
+// A sphere probe is in contact with all triangles within its radius.
 TEST(TeachShapes, ABallIsInContactByItsRadius) {
   const TouchScene scene = teach_scene();
   const SmoothScene smooth = teach_smooth(scene);
@@ -100,7 +100,7 @@ TEST(TeachShapes, ABallIsInContactByItsRadius) {
   }
 }
 
-// Brute force: no triangle that is left out is nearer than one that is in.
+// By brute force: at most 20 triangles are nearer than the farthest one shown, and within the distance in the caption none is left out.
 TEST(TeachShapes, TheLocalSetIsTheNearest) {
   const TouchScene scene = teach_scene();
   const SmoothScene smooth = teach_smooth(scene);
@@ -126,7 +126,7 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
   EXPECT_EQ(show_local_set(smooth, probe).triangles.size(), 1U) << "at least one";
 }
 
-// Those of the first level are around the whole scene, white where the probe is in them.
+// The hulls of the first level together enclose the whole scene; a hull that contains the probe is white.
 TEST(TeachShapes, TheHullsOfTheFirstLevelAreAroundTheScene) {
   const TouchScene scene = teach_scene();
   const SmoothScene smooth = teach_smooth(scene);
@@ -187,7 +187,7 @@ TEST(TeachShapes, LinesOfALargeMeshAreBounded) {
   EXPECT_EQ(show_curvature(scene, find_curvature(scene), teach_probe()).triangles.size(), kMaxTeachTriangles);
 }
 
-// Every edge belongs to an occupied cell, and each occupied cell has its twelve.
+// Every edge belongs to an occupied cell, and each occupied cell has its twelve edges.
 TEST(TeachShapes, CellsAreThoseOfTheGrid) {
   const TouchScene scene = teach_scene(8);
   const UniformGrid grid = *make_teach_grid(scene);
@@ -195,7 +195,7 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
   far.p_SP = Vec3(9.0, 9.0, 9.0);
   const TeachShapes shapes = show_grid(grid, far);
   const Vec3 size = (grid.high() - grid.low()) / kTeachCells;
-  using Edge = std::array<int, 4>;  // cell corner and axis
+  using Edge = std::array<int, 4>;  // the corner where it begins, in cells, and its axis
   std::set<Edge> drawn;
   for (const TeachLine& line : shapes.lines) {
     const Vec3 at = (line.from - grid.low()).cwiseQuotient(size);
@@ -263,7 +263,7 @@ TEST(TeachShapes, ColoursGoEvenlyFromBlueThroughGreyToRed) {
   EXPECT_EQ(curvature_colour(std::nan(""), 5.0), (TeachColour{230, 210, 60}));
 }
 
-// The scale is that of 95 of 100 vertices: a few sharp ones do not make all others grey.
+// The scale ends at the curvature that 95 of 100 vertices do not exceed: a few sharp vertices do not make all others grey.
 TEST(TeachShapes, AFewSharpVerticesDoNotSetTheScale) {
   for (const int sharp_bands : {4, 24}) {
     TouchScene scene = teach_scene(48);
@@ -290,7 +290,7 @@ TEST(TeachBuilder, RepliesToTheNewestRequest) {
   EXPECT_FALSE(builder.is_busy());
 }
 
-// Who waits until it is not busy has the shapes then.
+// As soon as is_busy() is false, the requested shapes can be taken.
 TEST(TeachBuilder, IsBusyUntilWhatWasRequestedIsThere) {
   for (int n = 0; n < 20; ++n) {
     TeachBuilder builder(teach_scene());

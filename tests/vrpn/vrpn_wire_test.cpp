@@ -1,4 +1,4 @@
-// Byte for byte against messages composed by hand from the protocol.
+// Compares messages byte for byte with ones that were composed by hand from the protocol.
 #include "vrpn/vrpn_wire.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace hapton::vrpn {
 namespace {
 
-// length, s, us, sender, type, sequence; then the body.
+// A message is: length, seconds, microseconds, sender, type, sequence; then the body. kRest: the header without the length.
 constexpr Header kHeader = {.sender = 2, .type = 5, .time = {0x01020304, 0x000f4240 - 1}, .sequence = 9};
 constexpr std::string_view kRest = "01020304 000f423f 00000002 00000005 00000009 ";
 constexpr std::string_view kOne = "3ff0000000000000 ", kMinusTwo = "c000000000000000 ", kHalf = "3fe0000000000000 ",
@@ -31,7 +31,7 @@ void expect_bytes(const Bytes& bytes, std::initializer_list<std::string_view> ex
 TEST(VrpnWire, Cookie) {
   Bytes out;
   append_cookie(out);
-  // "vrpn: ver. 07.38", two spaces, the log mode 0, then nothing.
+  // "vrpn: ver. 07.38", two spaces, the log mode 0, then zeros.
   expect_bytes(out, {"76 72 70 6e 3a 20 76 65 72 2e 20 30 37 2e 33 38 20 20 30 00 00 00 00 00"});
 }
 
@@ -51,7 +51,7 @@ TEST(VrpnWire, CookiesAreDistinguishedByTheirMajorVersion) {
 TEST(VrpnWire, SenderDescription) {
   Bytes out;
   append_description(out, kSenderDescription, 3, "Phantom0", {0x01020304, 7}, 1);
-  // 24 + 4 + 9 = 37 = 0x25, padded to 40. The number of the described sender is in the sender field.
+  // Header 24 + length 4 + name 9 = 37 = 0x25, padded to 40. The number of the described sender is in the sender field.
   expect_bytes(out, {"00000025 01020304 00000007 00000003 ffffffff 00000001 ", "00000009 5068616e746f6d30 00 000000"});
 }
 
@@ -157,7 +157,7 @@ TEST(VrpnWire, NamesAreTakenByTheirLengthAndZero) {
   EXPECT_EQ(name("0000"), "");
 }
 
-// At most 100 bytes with the zero.
+// A name has at most 100 bytes, its terminating zero included.
 TEST(VrpnWire, ANameThatIsTooLongIsReadAsEmpty) {
   for (const std::size_t letters : {std::size_t{99}, std::size_t{100}}) {
     Bytes out;

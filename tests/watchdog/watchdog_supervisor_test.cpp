@@ -61,7 +61,7 @@ TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// A process whose end is not seen by its parent, as in an uninterruptible sleep: another process traces it and does not look at it.
+// Hides the end of a process from its parent, like an uninterruptible sleep: a tracer is told of the end first, and does not wait for it.
 class KeptProcess {
  public:
   explicit KeptProcess(pid_t process) {
@@ -69,7 +69,7 @@ class KeptProcess {
     if (::pipe(pipe.data()) != 0) return;
     tracer_ = ::fork();
     if (tracer_ == 0) {
-      ::alarm(30);  // should the test end without a release
+      ::alarm(30);  // ends the tracer if the test ends without release()
       const char is_kept = ::ptrace(PTRACE_SEIZE, process, nullptr, nullptr) == 0 ? 1 : 0;
       if (::write(pipe[1], &is_kept, 1) != 1) ::_exit(1);
       while (true) ::pause();
@@ -106,7 +106,7 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
     const std::int64_t since_ns = clock.now_ns();
     EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > since_ns; }));
     ::kill(watchdog.id(), SIGSTOP);
-    EXPECT_EQ(::waitpid(watchdog.id(), nullptr, WUNTRACED), watchdog.id());  // a tracer would be asked first
+    EXPECT_EQ(::waitpid(watchdog.id(), nullptr, WUNTRACED), watchdog.id());  // before it is traced: a tracer would be told first
     return watchdog.id();
   };
   const pid_t first = stall();
@@ -133,8 +133,8 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// It stands still and its heartbeats are written by hand: a second without one is not too much, a nanosecond more is. One that ended is
-// replaced however new its heartbeat is.
+// The watchdog is stopped, and the test writes its heartbeats: a second without one is permitted, a nanosecond more is not. A watchdog that
+// has ended is replaced however new its heartbeat is.
 TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
   constexpr std::int64_t kPeerTimeoutNs = WatchdogSupervisor::kPeerTimeoutNs;
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
@@ -164,16 +164,16 @@ TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// Whatever stood on the stack before.
+// Leaves values other than zero on the stack, as earlier calls may: what start() puts there must not rely on zeros.
 [[gnu::noinline]] void soil_the_stack() {
   std::array<volatile unsigned char, 16384> dirt;
   for (auto& byte : dirt) byte = 0xa5;
 }
 
-// Ctrl-C at the terminal is for the node; and what the node has open, such as its port, must be free once the node is gone.
+// Ctrl-C at the terminal must reach only the node; and what the node has open, such as its port, must be free once the node has ended.
 TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
   std::array<int, 2> pipe = {};
-  ASSERT_EQ(::pipe(pipe.data()), 0);  // inherited by whoever does not look out
+  ASSERT_EQ(::pipe(pipe.data()), 0);  // a child inherits these unless they are closed for it
   soil_the_stack();
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
@@ -187,7 +187,7 @@ TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// It beats: that it ends is not noticed before it could have been missed.
+// A watchdog has kPeerTimeoutNs to begin: before that, restart_if_dead() does not even check whether it has ended.
 TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   const std::int64_t started_ns = clock.now_ns();
@@ -199,7 +199,7 @@ TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// Its program was removed: the node goes on, and tries again once in a while.
+// The watchdog's program was removed: the node continues, and tries again only after kPeerTimeoutNs.
 TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   const std::filesystem::path copy = std::filesystem::path(testing::TempDir()) / fmt::format("watchdog_copy_{}", ::getpid());
   std::filesystem::copy_file(program(), copy, std::filesystem::copy_options::overwrite_existing);
@@ -210,7 +210,7 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   std::int64_t tried_ns = 0;
   ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(tried_ns = clock.now_ns()).has_value(); }));
   EXPECT_FALSE(watchdog.restart_if_dead(tried_ns + 1));
-  // Its old id may be another process's by now: nothing may be sent to it.
+  // Its old process id may be another process's by now: no signal may be sent to it.
   EXPECT_EQ(watchdog.id(), 0);
   EXPECT_EQ(watchdog.restarts(), 0U);
   const auto again = watchdog.restart_if_dead(tried_ns + WatchdogSupervisor::kPeerTimeoutNs);
@@ -222,7 +222,7 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
 TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
-  // SIGABRT is systemd's for a unit that hangs, SIGPIPE comes of a terminal that was closed.
+  // systemd sends SIGABRT to a unit that hangs; SIGPIPE comes from a write to a stderr whose reader has ended.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGABRT, SIGPIPE}) ::kill(watchdog.id(), signal);
   const std::int64_t requested_ns = clock.now_ns();
   EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > requested_ns + 20 * kMs; }));
