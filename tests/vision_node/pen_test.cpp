@@ -11,7 +11,7 @@ constexpr std::uint32_t kMeasure = 4;
 PenSettings pen_settings() { return {.draw_buttons = kDraw, .measure_buttons = kMeasure, .bound_m = 1e-4}; }
 
 struct PenTest : testing::Test {
-  // Along x, so many points, with these buttons.
+  // Moves the pen along x, over this many points, with these buttons held.
   void move(std::uint32_t buttons, int points = 10, std::int32_t object = 0) {
     for (int i = 0; i < points; ++i) pen.receive(AnnotationPoint{object, Vec3(x_m += 0.001, 0, 0)}, buttons);
   }

@@ -14,7 +14,7 @@ bool is_tip(const std::uint8_t* rgb) { return rgb[0] > 90 && rgb[2] * 3 < rgb[0]
 bool is_arrow(const std::uint8_t* rgb) { return rgb[1] > 90 && rgb[0] * 2 < rgb[1] && rgb[2] < rgb[1]; }
 
 bool is_stylus(const std::uint8_t* rgb) { return rgb[0] > 120 && rgb[1] > 120 && rgb[2] > 120; }
-// Down to where no light falls on it.
+// Includes the dark side of the ball, where no light falls.
 bool is_ball(const std::uint8_t* rgb) { return rgb[0] > 50 && rgb[2] * 3 < rgb[0] && rgb[1] * 2 > rgb[0]; }
 bool is_red(const std::uint8_t* rgb) { return rgb[0] > 120 && rgb[1] * 2 < rgb[0] && rgb[2] * 2 < rgb[0]; }
 bool is_blue(const std::uint8_t* rgb) { return rgb[2] > 120 && rgb[0] * 2 < rgb[2]; }
@@ -52,7 +52,7 @@ TEST(ProbeFigure, NothingIsDrawnBeforeItIsSet) {
   EXPECT_EQ(measure(view->read_picture(), is_tip, 0, 1280).count, 0);
 }
 
-// The body leans up and to the right, so the ball's left and lower edges are always seen: they lie a radius from its centre.
+// The stylus leans up and to the right, so the left and lower edges of the ball at its tip are always seen: a radius from its centre.
 TEST(ProbeFigure, TipIsDrawnAtDevicePositionPlusVisualOffsetInBothEyes) {
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {});
   ASSERT_TRUE(view);

@@ -86,7 +86,7 @@ TEST_F(Watch, SlowDriftAddsUp) {
     ++pictures;
     watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
   }
-  EXPECT_GE(pictures, 17);  // 10 pixels in halves
+  EXPECT_GE(pictures, 17);  // 10 pixels of drift; a picture for each half pixel or a little more
   EXPECT_LE(pictures, 25);
 }
 

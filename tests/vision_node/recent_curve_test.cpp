@@ -48,7 +48,7 @@ TEST(RecentCurve, LeavesOutWhatCannotBeDrawn) {
   curve.add(-kSpan, 1.0);
   EXPECT_TRUE(curve.points(2 * kSpan).empty());
   EXPECT_TRUE(RecentCurve().points(0).empty());
-  // A time from before what stands in its place.
+  // These two times share a place in the ring: the older one does not replace the newer one.
   curve.add(300 * kSpan, 7.0);
   curve.add(50 * kSpan, 9.0);
   ASSERT_EQ(curve.points(300 * kSpan).size(), 1u);

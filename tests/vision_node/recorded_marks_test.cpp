@@ -58,7 +58,7 @@ TEST_F(RecordedMarksTest, AreWhereTheirObjectsAreAtTheMoment) {
   const Vec3 at_rest = scene.objects[1].mesh->vertices[0];
   EXPECT_NEAR((end(0) - Vec3::Zero()).norm(), 0.0, 1e-9);
   EXPECT_NEAR((end(1) - at_rest).norm(), 0.0, 1e-9);
-  // The lid is put down elsewhere, the block is deformed.
+  // The lid is put down at another place, and the block is deformed.
   moved->take(ObjectPose{.serial = 1, .object = 0, .p_m = Vec3(0.1, 0, 0)});
   ObjectShape part{.source = 5, .serial = 1, .object = 1};
   part.part.total = static_cast<std::uint32_t>(scene.objects[1].mesh->vertices.size());

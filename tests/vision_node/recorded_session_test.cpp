@@ -24,13 +24,13 @@
 #include "vision_node/recorded_surfaces.h"
 #include "vision_node/vision_session.h"
 
-// Last: it brings X's macros.
+// Include this last: it brings X's macros, which break other headers.
 #include "tests/vision_node/window_person.h"
 
 namespace hapton {
 namespace {
 
-// A window of the recording.
+// A window that shows the made recording.
 struct RecordedWindow : OpenedRecording {
   explicit RecordedWindow(VisionOptions given, MadeRecording&& recording = MadeRecording())
       : OpenedRecording(std::move(recording)), options(std::move(given)) {
@@ -83,7 +83,7 @@ TEST(RecordedSession, ShowsTheMomentAskedForWithItsTimeLine) {
   EXPECT_DOUBLE_EQ(window.session->player().moment_s(), 2.5);
   EXPECT_TRUE(window.session->step().contact());
   EXPECT_NEAR(window.session->step().scene_pose().translation().x(), 0.25, 1e-6);
-  // The band of contact is green at the middle of the line, and not at its begin.
+  // The time line is green where there was contact, just after its middle, and not near its beginning.
   const Picture picture = window.view->read_picture();
   const TimeLinePlace place = place_time_line(picture.size);
   const int y = static_cast<int>(place.bottom_px + 0.5 * place.height_px);
@@ -94,7 +94,7 @@ TEST(RecordedSession, ShowsTheMomentAskedForWithItsTimeLine) {
   EXPECT_GT(std::min({moment[0], moment[1], moment[2]}), 200) << "white";
 }
 
-// Through the window itself: the keys' names, and where the pointer is.
+// Through the real window: with X's names of keys and positions of the pointer.
 TEST(RecordedSession, ObeysKeysAndAPressOnTheLine) {
   VisionOptions options;
   options.seconds = 0.5;
@@ -118,7 +118,7 @@ TEST(RecordedSession, ObeysKeysAndAPressOnTheLine) {
 
 TEST(RecordedSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
   VisionOptions options;
-  options.seconds = 30.0;  // it ends by the key
+  options.seconds = 30.0;  // the key q ends it earlier
   options.view.offscreen = false;
   RecordedWindow window(options);
   window.view->draw();
@@ -135,7 +135,7 @@ TEST(RecordedSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
 Picture picture_of_view(const char* view) {
   const ScratchFolder scratch;
   VisionOptions options;
-  options.at_s = 1.0;  // the scene is where the file has it
+  options.at_s = 1.0;  // before the recording shifts the scene
   options.view.offscreen = true;
   options.screenshot = scratch.path() / "a.png";
   options.teach = *parse_teach(view);
@@ -162,7 +162,7 @@ TEST(RecordedSession, TeachingViewsAreInThePictureOfAMoment) {
   }
 }
 
-// What a program moves is known a fifth of a second before, and is at its place of the scene time of the sample shown.
+// A program's move is applied from 0.2 s before it was recorded on; the scene time of the shown sample decides where the object is.
 TEST(RecordedObjects, WhatProgramsMoveIsWhereItWasInSceneTime) {
   VisionOptions options;
   options.view.offscreen = true;
@@ -205,16 +205,16 @@ TEST(RecordedObjects, GoesForwardsAndBackwards) {
   EXPECT_EQ(moved.held(), -1);
 }
 
-// A recording in which a program deforms an object: it pushes it to the right.
+// A recording in which a program deforms an object: it moves all vertices to the right.
 struct ShapesRecording {
   MadeRecording recording;
 
-  // Its vertices come 20 samples before its start, one part after the other, and once more later.
+  // Adds a shape: its vertices come part by part, from 20 samples before its start on, and once more 200 samples later.
   void add(std::uint32_t total, std::uint64_t sample, const ShapeStart& start, float right_m) {
     const auto before = recording.also;
     recording.also = [this, before, total, sample, start, right_m](std::uint64_t now) {
       if (before) before(now);
-      const std::uint64_t first_at = start.start_ns == 0 ? sample + 3 : sample - 20;  // requested, where it was before the recording
+      const std::uint64_t first_at = start.start_ns == 0 ? sample + 3 : sample - 20;  // 0: a shape from before the recording
       for (const std::uint64_t at : {first_at, first_at + 200}) {
         if (now < at || (now - at) * ShapePart::kMaxHere >= total || start.serial == 0) continue;
         ObjectShape part{.source = start.source, .serial = start.serial, .object = start.object};
@@ -250,7 +250,7 @@ struct RecordedSurfacesTest : testing::Test {
     shapes.emplace(std::move(*opened));
     surfaces.emplace(window->index, *shapes, *moved);
   }
-  // How far to the right all vertices are, mm.
+  // Shows that moment. Returns how far all vertices are moved to the right, mm.
   double show(double t_s) {
     const auto scene_time_ns = std::llround(1e9 * t_s);
     surfaces->show(t_s, scene_time_ns);
@@ -288,7 +288,7 @@ TEST_F(RecordedSurfacesTest, AnObjectThatAProgramDeformedHasItsShapeOfEachMoment
   }
 }
 
-// The haptics node was there before the hub: what it announces later was there from the beginning.
+// The haptics node started before the hub: a shape that it had by then, and announces later, is shown from the beginning.
 TEST_F(RecordedSurfacesTest, TheShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
   made.add(total, 700, start_of(4, 0, 1), 0.02F);
   made.add(total, 2000, start_of(5, 2000, 2400), -0.01F);
@@ -297,7 +297,7 @@ TEST_F(RecordedSurfacesTest, TheShapeOfBeforeTheRecordingIsThereFromItsBeginning
   EXPECT_NEAR(show(2.2), 5.0, 1e-4);
 }
 
-// A part was lost: the object goes to the next shape that is known, as live.
+// The vertices of shape 2 were lost: the object goes to the next shape that is known, as in a live session.
 TEST_F(RecordedSurfacesTest, WithoutAPartOfAShapeTheOthersAreShown) {
   made.add(total, 400, start_of(1, 398, 798), 0.02F);
   made.add(0, 1000, start_of(2, 1000, 1400), -0.01F);
@@ -309,7 +309,7 @@ TEST_F(RecordedSurfacesTest, WithoutAPartOfAShapeTheOthersAreShown) {
   EXPECT_NEAR(show(0.1), 0.0, 1e-4);
 }
 
-// Where the window has them: the same moment with the object at rest is another picture.
+// The window shows these shapes: its picture differs from one of the same moment with the object at rest.
 TEST_F(RecordedSurfacesTest, AreInTheSessionThatIsShown) {
   const auto picture_at = [&](double t_s, bool is_read) {
     const ScratchFolder folder;
@@ -358,7 +358,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
     EXPECT_TRUE(person.found());
     for (const KeySym key : {XK_o, XK_q}) person.press_key(key);
     EXPECT_TRUE(window.session->run(window.stop));
-    window.session.reset();  // finishes it
+    window.session.reset();  // finishes the export
     const auto file = scratch.path() / "hapton_export_001_clay.stl";
     if (!std::filesystem::exists(file)) return 0.0;
     const auto mesh = load_mesh_file(file);
@@ -372,7 +372,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
   EXPECT_EQ(volume_at(3.5), 0.0) << "another haptics process";
 }
 
-// Half a second of the recording in each picture, as many as there are moments, however long they take.
+// One picture for each half second of the recording, however long it takes to draw.
 TEST(RecordedSession, WritesAPictureForEachMomentOfAVideo) {
   const ScratchFolder scratch;
   VisionOptions options;

@@ -39,7 +39,7 @@ TEST(RecordedState, RateIsThatOfTheSecondBefore) {
   for (const double t_s : {0.001, 0.3, 1.0, 3.9, 4.0}) EXPECT_NEAR(find_recorded_rate_hz(recording.index, t_s), 1000.0, 1.0) << t_s;
 }
 
-// What is missing counts as time in which nothing came.
+// In the rate, missing samples count as time in which no sample came.
 TEST(RecordedState, TheRateFallsWhereSamplesAreMissing) {
   MadeRecording made;
   made.lost_from = 1000;
@@ -60,7 +60,7 @@ TEST(RecordedState, QuantilesAreThoseOfTheSecondBefore) {
   EXPECT_NEAR(state->state.round_trip_p99_us, 500.0, 0.1);
 }
 
-// A haptics node that says which scene it has, and never replies.
+// The haptics node announces its scene, but never replies to a sample.
 TEST(RecordedState, WithoutAReplyTheNewestSampleIsShown) {
   MadeRecording made;
   made.has_replies = false;
@@ -83,7 +83,7 @@ TEST(RecordedState, WithoutAReplyTheNewestSampleIsShown) {
   EXPECT_NEAR(later->X_WS.translation().x(), 0.25, 1e-6) << "the newest view";
 }
 
-// From 2 s to 2.1 s no reply: the one before counts for 20 ms.
+// From 2 s to 2.1 s there is no reply: the last one before counts for 20 ms.
 TEST(RecordedState, AReplyCountsForTwentyMilliseconds) {
   MadeRecording made;
   made.lost_from = 2001;
@@ -125,7 +125,7 @@ TEST(RecordedState, TheTorqueIsThatOfTheMotors) {
   MadeRecording made;
   made.written_nm = Vec3(0.0, 0.02, -0.01);
   OpenedRecording recording(std::move(made));
-  for (const double t_s : {2.4005, 2.4015}) {  // with a reply to that sample, and without
+  for (const double t_s : {2.4005, 2.4015}) {  // the sample of the first time has a reply, that of the second has none
     const auto state = find_recorded_state(recording.index, *recording.rows, t_s);
     ASSERT_TRUE(state);
     EXPECT_EQ(state->state.torque_nm, Vec3(0.0, 0.02, -0.01)) << t_s;

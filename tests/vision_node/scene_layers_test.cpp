@@ -90,7 +90,7 @@ TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) 
   const Picture rest = view->read_picture();
   EXPECT_FALSE(view->refine()) << "there is no more to show";
 
-  // The mesh without levels: in pieces that are too small to have any.
+  // The same mesh without levels of detail: in pieces that are too small to get any.
   std::vector<ShownObject> pieces;
   const TriangleMesh& mesh = *objects.front().mesh;
   for (std::size_t from = 0; from < mesh.triangles.size(); from += DetailBuilder::kMinTriangles - 1) {
@@ -111,7 +111,7 @@ TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) 
   EXPECT_LT(share_differing(moving, truth, 60), 0.02) << "and a level looks like the mesh";
 }
 
-// The driver keeps a level for one window alone.
+// The graphics driver keeps each level for only one window.
 TEST(SceneLayers, LevelsThatAreReadyWhileAnotherWindowIsDrawnAreThoseOfTheirOwn) {
   const std::vector<ShownObject> objects = {{bumpy(50'000), {0.6, 0.6, 0.6}}};
   const ViewSettings settings = lit_settings(StereoMode::mono, 240, 240);
@@ -147,7 +147,7 @@ TEST(SceneLayers, AScreenshotIsInFullDetail) {
   EXPECT_LT(parts, 100) << "and the window's own picture is looked after again";
 }
 
-// Of a screenshot, as a picture of the view that took it.
+// Saves a screenshot of the view, and returns it as a picture with rows from the bottom, like read_picture().
 Picture screenshot_of(StereoView& view) {
   const auto file = std::filesystem::temp_directory_path() / ("hapton_layers_" + std::to_string(getpid()) + ".png");
   EXPECT_TRUE(view.save_png(file));
@@ -169,7 +169,7 @@ Picture screenshot_of(StereoView& view) {
   return picture;
 }
 
-// The window's own edges are of one sample a pixel: only the marker's and the background's colour are there, and each has an edge.
+// The window draws one sample for each pixel: each has the marker's or the background's colour. The screenshot mixes them at the edge.
 TEST(SceneLayers, AScreenshotHasSmoothEdges) {
   auto view = open_or_fail(plain_settings(StereoMode::mono, 240, 240), {{make_marker(Vec3(0.01, 0.02, 0.0), 0.04), {1, 0, 0}}});
   ASSERT_TRUE(view);
@@ -182,11 +182,11 @@ TEST(SceneLayers, AScreenshotHasSmoothEdges) {
   EXPECT_LT(differing, 0.05) << "and nowhere else";
 }
 
-// Its first frame has a part of the triangles, and holes where the others are.
+// The window's first frame shows only some of the triangles, with holes in place of the others.
 TEST(SceneLayers, AScreenshotOfALargeMeshIsInFullDetailFromTheFirstFrameOn) {
   const std::vector<ShownObject> objects = {{bumpy(1'000'000), {0.6, 0.6, 0.6}}};
   ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
-  settings.depth_cues = false;  // the shadow is that of a coarse level, and comes with it
+  settings.depth_cues = false;  // the shadow is cast by a coarse level, so only after that is made
   auto early = open_or_fail(settings, objects);
   ASSERT_TRUE(early);
   early->draw();

@@ -23,7 +23,7 @@ struct SceneReloadTest : testing::Test {
   }
   void write(const std::string& keys) {
     folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\n" + keys + "\n");
-    // Two writes within the clock's step of a file system would look like one.
+    // Two writes within one clock step of the file system would look like one.
     std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
   }
   static std::string log_of_two_looks(SceneReload& reload) {
@@ -50,7 +50,7 @@ TEST_F(SceneReloadTest, ASavedFileIsReadOnce) {
   EXPECT_FALSE(reload.take());
 }
 
-// The picture warns of another scene only after that.
+// Only after the reading does the picture warn that the haptics node has another scene.
 TEST_F(SceneReloadTest, IsReadingFromTheFirstLookThatSeesTheChangeOn) {
   SceneReload reload(file, {});
   reload.poll();
@@ -130,7 +130,7 @@ TEST_F(SceneReloadTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
-// Not even for its next poll.
+// The destructor does not wait for the next poll either.
 TEST_F(SceneReloadTest, ItsEndDoesNotWaitForTheNextLook) {
   const auto begin = std::chrono::steady_clock::now();
   for (int n = 0; n < 20; ++n) {

@@ -1,5 +1,5 @@
-// Drawn frames for screens that stand anywhere: each eye's picture of a point is within half a pixel of where the line from the eye to the
-// point crosses the touched rectangle.
+// Frames drawn for screens in any pose: each eye's picture of a point is within half a pixel of where the line from the eye to the point
+// crosses the screen's rectangle.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -17,12 +17,12 @@ const Vec3 kBefore_W(0.02, 0.01, 0.03), kBeside_W(-0.03, 0.0, -0.02);
 
 struct DrawnScreen {
   std::string name;
-  Vec3 centre, right, up;  // the axes, of length 1; written down by hand
+  Vec3 centre, right, up;  // right and up: axes of length 1, written by hand
   double width_m, height_m;
   Head head;
 };
 
-// 3-4-5 triangles: exact by hand.
+// The inclined axes come from 3-4-5 triangles, so their numbers are exact.
 std::vector<DrawnScreen> drawn_screens() {
   const Quat tilted(Eigen::AngleAxisd(0.5, Vec3::UnitZ()));
   return {{"upright", {0.0, 0.0, 0.0}, {1, 0, 0}, {0, 1, 0}, 0.24, 0.15, {}},
@@ -79,7 +79,7 @@ TEST(ScreenStereo, AMarkerIsDrawnWhereItIsSeenThroughTheScreen) {
   }
 }
 
-// What is seen there is what the mouse leads the hand to.
+// The mouse leads the hand to the point that is seen under its pixel.
 TEST(ScreenStereo, ThePointUnderAPixelIsTheMarkers) {
   for (const DrawnScreen& drawn : drawn_screens()) {
     auto view = open_or_fail(settings_for(drawn, StereoMode::mono), {{make_marker(kBefore_W, 0.01), Vec3(1, 1, 1)}});

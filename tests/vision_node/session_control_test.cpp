@@ -86,7 +86,7 @@ TEST(SessionControl, ADragOnTheLineSeeksAndHoldsWhileItLasts) {
   EXPECT_TRUE(recording.player.advance(1'100'000'000)) << "it plays on";
 }
 
-// As in the right half of side_by_side.
+// The second picture is the right half of the window, as in mode side_by_side.
 TEST(SessionControl, TheLineOfASecondPictureIsDraggedAsWell) {
   ControlledRecording recording;
   recording.mouse(WindowEvent::Kind::press, 320, 5, 640);

@@ -1,4 +1,4 @@
-// The pose of the scene that a vision node sends, and that of another one which it shows.
+// The pose of the scene that a vision node sends, and the pose from another node that it shows.
 #include <gtest/gtest.h>
 
 #include "tests/vision_node/vision_step_fixture.h"
@@ -46,7 +46,7 @@ ViewTransform view_of(std::uint32_t revision, const Vec3& degrees) {
   return {.revision = revision, .X_WS = to_twelve_floats(Dials{degrees}.compute_pose(Vec3::Zero()))};
 }
 
-// The hub sends its view at once, and repeats it: a joining node waits for it, whatever was lost.
+// The hub sends its view transform to a joining node at once, and repeats it: the node waits for it, even if messages were lost.
 TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
   VisionStep step(settings());
   step.joined();
@@ -56,7 +56,7 @@ TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
   step.receive(view_of(41, Vec3(0, 80, -15)));
   EXPECT_TRUE(take_all<ViewTransform>(step, 300 * kMs).empty());
   EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 80, -15));
-  // A hub of an older version sends none.
+  // A hub of an older version sends no view transform.
   VisionStep old(settings());
   old.joined();
   old.receive(state_at(0.0, 1, 41));
@@ -93,15 +93,15 @@ TEST_F(VisionStepTest, ShowsTheViewThatTheHubHasAndGoesOnFromThere) {
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].revision, 42u);
   EXPECT_EQ(sent[0].X_WS, view_of(42, Vec3(0, 80, -10)).X_WS);
-  // Another one turns it; what is older does not count.
+  // Another node turns the scene; an older view transform does not count.
   step.receive(view_of(43, Vec3(10, 0, 0)));
   step.receive(view_of(41, Vec3(0, 80, -15)));
   EXPECT_EQ(step.interaction().dials().degrees, Vec3(10, 0, 0));
-  step.receive(state_at(0.0, 2, 42));  // the forces are not there yet
+  step.receive(state_at(0.0, 2, 42));  // computed before that turn
   EXPECT_TRUE(take_all<ViewTransform>(step, 1000 * kMs).empty()) << "it is not its own to repeat";
 }
 
-// A program may move the scene as well, which no dials do.
+// A program may also shift the scene, which the dials cannot.
 TEST_F(VisionStepTest, ShowsASceneThatAProgramHasMoved) {
   VisionStep step(settings());
   step.joined();
@@ -132,7 +132,7 @@ TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
   EXPECT_EQ(step.interaction().dials().degrees, Vec3(10, 0, 0)) << "it was sent: now others count, too";
 }
 
-// Whoever joins a hub again does not turn the scene under a hand by that.
+// A node that joins a hub again must not turn the scene while a hand touches it.
 TEST_F(VisionStepTest, AfterEachJoinItWaitsAnewForTheViewThatTheHubHas) {
   VisionStep step(settings());
   step.joined();

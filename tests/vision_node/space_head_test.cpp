@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// The cap pushed all the way along one of the device's axes: x right, y to the person, z down.
+// The report of a cap that is pushed all the way along one of the device's axes: x right, y towards the person, z down.
 FakeHid::Bytes pushed(int axis) {
   FakeHid::Bytes report = {1, 0, 0, 0, 0, 0, 0};
   report[1 + 2 * static_cast<std::size_t>(axis)] = 0x5e;
@@ -57,7 +57,7 @@ TEST_F(SpaceHeadTest, ATurnMovesNothing) {
   EXPECT_TRUE(moves_until(head, pushed(0), [](const Vec3& moved) { return moved.x() > 0.0; })) << "it was there";
 }
 
-// Half of the way beyond the dead band is a quarter of the speed: fine work.
+// For fine work: half of the travel beyond the dead band gives a quarter of the speed.
 TEST_F(SpaceHeadTest, TheSpeedGrowsWithTheSquareOfThePush) {
   SpaceHead head(hid_.opener());
   FakeHid::Bytes half = pushed(0);

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// The cap turned all the way about one of the device's axes: x right, y to the person, z down.
+// The report of a cap that is turned all the way about one of the device's axes: x right, y towards the person, z down.
 FakeHid::Bytes turned(int axis) {
   FakeHid::Bytes report = {2, 0, 0, 0, 0, 0, 0};
   report[1 + 2 * static_cast<std::size_t>(axis)] = 0x5e;

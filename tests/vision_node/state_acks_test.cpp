@@ -17,7 +17,7 @@ TEST(StateAcks, TheFirstFrameWithAStateTellsOfIt) {
   EXPECT_EQ(acks.note(26 * kMs, 30 * kMs + StateAcks::kAgainNs - 1), Kind::none) << "counted from the newest";
 }
 
-// What was told may be lost.
+// An acknowledgement may be lost.
 TEST(StateAcks, AFrameLongAfterTellsAgainAndNotEachOne) {
   StateAcks acks;
   EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);

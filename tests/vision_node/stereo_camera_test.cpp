@@ -22,7 +22,7 @@ Framing tilted() {
   return framing;
 }
 
-// Pixel by the matrices that the graphics card gets: clip = P V p.
+// The pixel of a point, from the matrices that the graphics card gets: clip = P V p.
 Vec2 pixel_by_matrices(const StereoScreen& screen, Eye eye, const Vec3& p_W) {
   const Eigen::Vector4d clip = compute_projection_matrix(screen, eye) * compute_view_matrix(screen, eye) * p_W.homogeneous();
   return {(clip.x() / clip.w() + 1.0) * 0.5 * kSize.width_px, (clip.y() / clip.w() + 1.0) * 0.5 * kSize.height_px};
@@ -52,7 +52,7 @@ TEST(StereoCamera, CornersOfTheScreenAreCornersOfBothPictures) {
   }
 }
 
-// The picture of a point is where the straight line from the eye to the point crosses the screen: by hand, without any matrix.
+// A point is drawn where the straight line from the eye to the point crosses the screen; here computed without any matrix.
 TEST(StereoCamera, MatricesAgreeWithTheRayThroughTheScreen) {
   constexpr std::uint64_t kSeed = 7;
   std::mt19937_64 random(kSeed);
@@ -85,7 +85,7 @@ TEST(StereoCamera, DisparityIsZeroOnTheScreenCrossedInFrontAndBelowIpdBehind) {
   EXPECT_LT(compute_disparity_m(screen, 0.1), 0.0);
   EXPECT_GT(compute_disparity_m(screen, -0.1), 0.0);
   EXPECT_LT(compute_disparity_m(screen, -1e6), screen.ipd_m);
-  // Half way to the eyes the eyes' lines cross one ipd apart.
+  // From a point half way to the eyes, the lines of sight meet the screen one ipd apart, crossed.
   EXPECT_NEAR(compute_disparity_m(screen, 0.5 * screen.distance_m), -screen.ipd_m, 1e-12);
 }
 
@@ -123,7 +123,7 @@ TEST(StereoCamera, FramedSphereIsWhollyInsideThePictureOfEveryEye) {
   }
 }
 
-// The picture is drawn in single precision: however small the scene, what lies a pixel apart must differ as seen from the eye.
+// Drawing is in single precision: however small the scene, points a pixel apart must have different coordinates relative to the eye.
 TEST(StereoCamera, ResolvesPixelsOfASmallScene) {
   for (const double radius : {1e-6, 1e-5, 1e-4, 1e-3, 0.1}) {
     const Framing framing = frame_sphere(Vec3::Zero(), radius, 0.063);
@@ -168,7 +168,7 @@ TEST(StereoScreen, MovedAsideShowsThatPlaceInItsMiddleWithoutParallax) {
   }
 }
 
-// Heads before the screen: left, right and up, near, far, tilted, turned, all of it.
+// Heads in front of the screen: in the middle, left, right and up, near, far, tilted, turned, and all of these together.
 std::vector<Head> some_heads() {
   const auto turn = [](double about_x, double about_y, double about_z) {
     return Quat(Eigen::AngleAxisd(about_z, Vec3::UnitZ()) * Eigen::AngleAxisd(about_y, Vec3::UnitY()) *
@@ -184,7 +184,7 @@ std::vector<Head> some_heads() {
           {{-0.1, 0.1, 0.4}, turn(-0.3, 0.5, -0.6)}};
 }
 
-// By hand: the eyes where the head has them, in metres of the world, and the straight line from each through the screen.
+// Computed here without matrices: the eyes as the head's pose places them, in the world, and the straight line from each to the point.
 TEST(StereoCamera, AHeadAnywhereSeesThroughTheSameScreen) {
   constexpr std::uint64_t kSeed = 23;
   std::mt19937_64 random(kSeed);

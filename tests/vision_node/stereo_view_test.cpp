@@ -25,7 +25,7 @@ bool empty(const Picture& picture) {
   return std::all_of(picture.rgb.begin(), picture.rgb.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
-// One picture of a view that is opened for it alone.
+// Opens a view, and returns one picture of it.
 Picture picture_of(StereoMode mode, int width_px, int height_px, const std::vector<ShownObject>& objects) {
   auto view = open_or_fail(plain_settings(mode, width_px, height_px), objects);
   if (!view) return {{width_px, height_px}, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width_px) * height_px)};
@@ -59,13 +59,13 @@ TEST(StereoView, SideBySideShowsEachMarkerWhereTheoryPutsItInEachEye) {
     EXPECT_NEAR(right->x() - left->x(), disparity_px, 0.6) << "channel " << channel;
     EXPECT_NEAR(right->y() - left->y(), 0.0, 0.6);
   }
-  // The test is about something: in front crossed, on the screen none, behind uncrossed, by many pixels.
+  // The disparities are large enough for a test: many pixels, crossed, in front of the screen; none on it; many, uncrossed, behind it.
   EXPECT_LT(compute_disparity_m(screen, 0.08) * 640 / screen.width_m, -15.0);
   EXPECT_EQ(compute_disparity_m(screen, 0.0), 0.0);
   EXPECT_GT(compute_disparity_m(screen, -0.09) * 640 / screen.width_m, 15.0);
 }
 
-// The rows from..to of a picture, with the same columns.
+// The rows from `from` to before `to` of a picture, with all columns.
 Picture rows_of(const Picture& picture, int from, int to) {
   const std::size_t row = 3 * static_cast<std::size_t>(picture.size.width_px);
   return {{picture.size.width_px, to - from}, {picture.rgb.begin() + from * row, picture.rgb.begin() + to * row}};
@@ -101,7 +101,7 @@ TEST(StereoView, SideBySideDoesNotSqueeze) {
     }
   }
   ASSERT_GT(max_x - min_x, 100);
-  // Seen a little from the side a ball is drawn a little wide: 1 / cos(3 degrees).
+  // A ball that is seen a little from the side is drawn a little too wide: by a factor of 1 / cos(3 degrees).
   EXPECT_NEAR(static_cast<double>(max_x - min_x) / (max_y - min_y), 1.0, 0.02);
 }
 
@@ -127,8 +127,8 @@ TEST(StereoView, MonoIsSeenFromBetweenTheEyes) {
   }
 }
 
-// Of every pixel where the eyes' pictures differ, the composed picture must have the one that the pattern says; which eye begins is up to
-// the window's place on the screen, so either is right, but throughout.
+// At every pixel where the eyes' pictures differ, the composed picture must show the eye that the pattern gives. Which eye begins depends
+// on the window's place on the screen, so either is right, but it must be the same for all pixels.
 void expect_pattern(StereoMode mode, int (*pattern)(int x, int y)) {
   const Picture left = picture_of(StereoMode::left, 640, 480, three_markers());
   const Picture right = picture_of(StereoMode::right, 640, 480, three_markers());
@@ -167,7 +167,7 @@ TEST(StereoView, DresdenTakesColumnsInTurn) {
   expect_pattern(StereoMode::dresden, [](int x, int) { return x; });
 }
 
-// A white marker in front of the screen: one eye's is in the red channel, the other's in the blue one, each where theory puts it.
+// A white marker in front of the screen: the left eye's is in the red channel, the right eye's in the blue one, each where it projects.
 void expect_red_left_blue_right(StereoMode mode) {
   const Vec3 p_W(0.02, 0.01, 0.08);
   const Picture picture = picture_of(mode, 640, 480, {{make_marker(p_W, kMarkerRadius), kWhite}});
@@ -263,7 +263,7 @@ TEST(StereoView, TurningTheDialsMovesTheMarkerAsThePoseSays) {
 TEST(StereoView, CullingHidesTrianglesSeenFromBehind) {
   auto back = std::make_shared<TriangleMesh>();
   back->vertices = {{-0.05, -0.05, 0.0}, {0.05, -0.05, 0.0}, {0.0, 0.05, 0.0}};
-  back->triangles = {{0, 2, 1}};  // its front looks away from the viewer
+  back->triangles = {{0, 2, 1}};  // its front faces away from the viewer
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 640, 360), {{back, kWhite}});
   ASSERT_TRUE(view);
   view->draw();
@@ -300,7 +300,7 @@ TEST(StereoView, FlatShadingGivesATriangleOneColour) {
 TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   ViewSettings settings = plain_settings(StereoMode::side_by_side, 1280, 720);
   settings.plain = false;
-  settings.depth_cues = false;  // which have depth
+  settings.depth_cues = false;  // their pictures differ between the eyes
   auto view = open_or_fail(settings, {});
   ASSERT_TRUE(view);
   view->draw();
@@ -333,13 +333,13 @@ TEST(StereoView, TheForceBarIsInEveryStereoMode) {
       ProbeShown probe;
       probe.force_n = {0.0, 4.0, 0.0};
       view->set_probe(probe);
-      for (int eyes = 0; eyes < 2; ++eyes) view->draw();  // of emulate, the same one again
+      for (int eyes = 0; eyes < 2; ++eyes) view->draw();  // emulate alternates: two draws give the same eye
       const Picture without = view->read_picture();
       probe.force_limit_n = 8.0;
       view->set_probe(probe);
-      for (int eyes = 0; eyes < 2; ++eyes) view->draw();  // of emulate, the same one again
+      for (int eyes = 0; eyes < 2; ++eyes) view->draw();  // emulate alternates: two draws give the same eye
       const Picture with = view->read_picture();
-      // At the left edge of the window's left and right half, or of its whole.
+      // The bar may be at the left edge of the window and of each of its halves.
       int left = 0, elsewhere = 0;
       for (int y = 0; y < 480; ++y) {
         for (int x = 0; x < 640; ++x) {
@@ -353,8 +353,8 @@ TEST(StereoView, TheForceBarIsInEveryStereoMode) {
   }
 }
 
-// A curve of constant height and one that rises, each in its colour and place, alike in both eyes' pictures; and nothing where there is
-// none.
+// One curve has a constant height, the other rises: each has its colour and place, the same in both eyes' pictures. Without curves nothing
+// is drawn.
 TEST(StereoView, PlotsAreDrawnToScaleAtTheRight) {
   ViewSettings settings = plain_settings(StereoMode::side_by_side, 1280, 720);
   settings.plain = false;
@@ -435,7 +435,7 @@ TEST(StereoView, ANoticeStandsInLargeLettersInTheMiddleOfEachEyesPicture) {
     view->draw();
     const Picture picture = view->read_picture();
     const int width = view->picture_size().width_px;
-    // Amber letters: from where to where, in the first eye's picture.
+    // Amber letters in the first eye's picture: their leftmost and rightmost pixel, and the number of pixels.
     int left = width, right = 0, letters = 0;
     for (int y = 0; y < 720; ++y) {
       for (int x = 0; x < width; ++x) {

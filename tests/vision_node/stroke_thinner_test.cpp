@@ -39,8 +39,8 @@ double length_of(const std::vector<Vec3>& line) {
   return length;
 }
 
-// A chord that deviates from a circle by at most e spans an angle of at most 2 acos(1 - e / r): so many vertices, and so long, a polyline
-// within the bound is at least.
+// A chord that deviates from a circle by at most e spans an angle of at most 2 acos(1 - e / r). This gives the smallest number of vertices
+// and the smallest length of a polyline within the bound.
 TEST(StrokeThinner, ACircleIsWithinTheBoundWithFewVertices) {
   constexpr double kRadius = 0.02;
   constexpr int kPoints = 2000;
@@ -52,11 +52,11 @@ TEST(StrokeThinner, ACircleIsWithinTheBoundWithFewVertices) {
   for (const double bound_m : {1e-5, 5e-5, 2e-4}) {
     const std::vector<Vec3> line = thin(circle, bound_m);
     EXPECT_LE(farthest(circle, line), bound_m);
-    // Half the bound is kept for what is passed over, so a chord may deviate by half of it.
+    // Half of the bound is reserved for points that the thinner ignores, so a chord may deviate by the other half.
     const double most_angle = 2.0 * std::acos(1.0 - 0.5 * bound_m / kRadius);
     const double least_vertices = 2.0 * std::numbers::pi / most_angle;
     EXPECT_LE(static_cast<double>(line.size()), 1.3 * least_vertices + 2.0) << bound_m;
-    // Inscribed: shorter by the sum of chord against arc, 1 - sin(a/2) / (a/2), at most; and the gap at its end.
+    // The polyline is inscribed: it is shorter by a share of at most 1 - sin(a/2) / (a/2), chord against arc, and by the gap at its end.
     const double shortest = std::sin(0.5 * most_angle) / (0.5 * most_angle);
     EXPECT_LE(length_of(line), 2.0 * std::numbers::pi * kRadius);
     EXPECT_GE(length_of(line), shortest * 2.0 * std::numbers::pi * kRadius - bound_m);
@@ -99,7 +99,7 @@ TEST(StrokeThinner, ACornerIsKept) {
   EXPECT_LE(farthest(points, line), 1e-4);
 }
 
-// There and back again: the far end must not be lost.
+// The pen goes out and back on the same line: the far end must not be lost.
 TEST(StrokeThinner, AReversalIsKept) {
   const std::vector<Vec3> points = {{0, 0, 0}, {0.05, 0, 0}, {0.1, 0, 0}, {0.06, 0, 0}, {0.02, 0, 0}};
   EXPECT_LE(farthest(points, thin(points, 1e-4)), 1e-4);

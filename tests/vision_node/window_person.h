@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// Another X client: someone who types, clicks and resizes.
+// Another X client, in place of a person who presses keys and buttons, and closes and resizes the window.
 class Person {
  public:
   Person() : display_(XOpenDisplay(nullptr), XCloseDisplay) { window_ = find_window(DefaultRootWindow(display_.get())); }
@@ -43,7 +43,7 @@ class Person {
     send(event, type == ButtonPress ? ButtonPressMask : ButtonReleaseMask);
   }
 
-  // The real pointer: VTK reads it instead of using the event.
+  // Moves the real pointer, since VTK reads its position instead of the event's.
   void move(int x, int y) {
     XWarpPointer(display_.get(), None, window_, 0, 0, 0, 0, x, y);
     XSync(display_.get(), False);

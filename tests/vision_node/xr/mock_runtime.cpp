@@ -1,16 +1,16 @@
-// An OpenXR runtime without a headset: it gives the views of mock_views.h, checks the order of calls, and writes what it is shown to files.
-// XR_RUNTIME_JSON selects it. HAPTON_MOCK_XR holds words KEY or KEY=VALUE with commas between:
-//   out=FOLDER           a file frame_NNN_E.ppm of each picture, and log: a line for each frame and each call out of order
-//   width=N height=N     pixels of an eye
-//   no_opengl no_headset no_stage linear
-//   lose_after=N         every call fails after N frames; lose_in=NAME: that one is the first
+// An OpenXR runtime without a headset: it gives the views of mock_views.h, checks the order of calls, and writes the pictures to files.
+// XR_RUNTIME_JSON selects it. HAPTON_MOCK_XR holds words KEY or KEY=VALUE, separated by commas:
+//   out=FOLDER           for a file frame_NNN_E.ppm of each picture (eye E; 0: left), and log: a line for each frame, wrong call and event
+//   width=N height=N     size of each eye's picture in pixels
+//   no_opengl no_headset no_stage linear   no OpenGL extension, no headset, no space STAGE, no sRGB format of pictures
+//   lose_after=N         calls for events and frames fail after N frames; lose_in=NAME: the first call that fails
 //   pending_after=N      the runtime says after N frames that it is about to end
-//   exit_after=N         the session is ended after N frames
-//   stop_after=N stop_ms=N   the program gets SIGINT after N frames; so long after its loss
-//   crooked_from=N crooked_to=N                      frames whose pose is said to be known and is not a pose
+//   exit_after=N         the runtime ends the session after N frames
+//   stop_after=N stop_ms=N   the program gets SIGINT after N frames; N ms after the runtime is lost or says that it is about to end
+//   crooked_from=N crooked_to=N                      frames whose poses are flagged as valid, though the right eye's is not a pose
 //   still=N              the head is always where it is in frame N
-//   opengl_9             needs an OpenGL that nobody has
-//   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that are not to be drawn, and that have no pose
+//   opengl_9             requires OpenGL 9, which does not exist
+//   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that need no drawing; frames without a pose (_to: the first one after them)
 #include <signal.h>
 #include <unistd.h>
 
@@ -49,7 +49,7 @@ using namespace hapton;
 
 constexpr std::size_t kImages = 3;
 
-// Handles are addresses that nobody reads.
+// Handles are addresses of these bytes, whose values nobody reads.
 char g_handles[8];
 template <class Handle>
 Handle handle(int number) {
@@ -74,7 +74,7 @@ struct Chain {
   int next = 0;
   int acquired = -1;
   bool is_waited = false;
-  int shown = -1;  // released last
+  int shown = -1;  // index of the texture that was released last; -1: none
 };
 
 struct Mock {
@@ -87,7 +87,7 @@ struct Mock {
   bool is_begun = false;
   bool is_stage = false;
   bool is_dead = false;
-  int frames = 0;  // waited for
+  int frames = 0;  // number of frames that the program has waited for
 
   bool has(const std::string& word) const { return words.contains(word); }
   int number(const std::string& word, int otherwise) const { return has(word) ? std::stoi(words.at(word)) : otherwise; }
@@ -101,7 +101,7 @@ struct Mock {
       kill(getpid(), SIGINT);
     }).detach();
   }
-  // Whether that call comes too late.
+  // Whether the runtime is lost at that call.
   bool is_lost(const std::string& call) {
     const bool is_first = !has("lose_in") || words.at("lose_in") == call;
     if (is_dead || !is_first || frames <= number("lose_after", 1 << 30)) return is_dead;
@@ -126,7 +126,7 @@ struct Mock {
 };
 Mock g_mock;
 
-// Every call of a lost runtime.
+// Ends a call with an error if the runtime is lost.
 #define MOCK_LIVES(call) \
   if (g_mock.is_lost(call)) return XR_ERROR_INSTANCE_LOST
 
@@ -349,7 +349,7 @@ XrPosef posed(const Pose& X) {
           {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())}};
 }
 
-// The newest frame whose pose was known.
+// The newest frame, not after this one, whose pose is known.
 int frame_seen(int frame) {
   for (const std::string what : {"blind", "crooked"}) {
     const int from = g_mock.number(what + "_from", 1 << 30);

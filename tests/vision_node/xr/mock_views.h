@@ -13,12 +13,12 @@ namespace hapton::mock_xr {
 
 inline constexpr std::int64_t kFirstFrameNs = 5'000'000'000;
 inline constexpr std::int64_t kPeriodNs = 11'111'111;
-// The stage's floor is below the eyes, and its origin to the left.
+// The origin of LOCAL in frame STAGE: the stage's origin is on the floor below the eyes, a little to the left and ahead.
 inline const Vec3 kLocalInStage(0.05, 1.3, 0.05);
 
 inline double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-// Frame: LOCAL.
+// The pose of the head in frame LOCAL.
 inline Pose head_at(int frame) {
   const double t = 0.6 * frame;
   const Vec3 p(0.04 * std::sin(t), 0.03 * std::cos(1.3 * t), 0.02 * std::sin(0.7 * t));
