@@ -19,7 +19,7 @@ TeachShapes made_shapes() {
   return shapes;
 }
 
-// The triangles are drawn first.
+// The triangles are drawn first, then the lines.
 TEST(TeachFigure, DrawsItsLinesAndTrianglesInTheirColours) {
   TeachFigure figure;
   const FigureParts parts(figure);
@@ -67,7 +67,7 @@ TEST(TeachFigure, GoesWithTheScene) {
   }
 }
 
-// A strip from the lowest to the highest curvature, with three numbers beside it. Shares of the picture.
+// A strip from the lowest to the highest curvature, with three numbers beside it. Positions are shares of the picture's size.
 TEST(TeachFigure, TheScaleGoesFromLowThroughZeroToHigh) {
   TeachFigure figure;
   const FigureParts parts(figure);

@@ -18,13 +18,13 @@ std::string make_plain_png(int width, int height, const Eigen::Vector3i& colour)
 }
 
 struct TextureLayersTest : testing::Test {
-  // Makes the context current that the layers are made in.
+  // Opens a view, which makes an OpenGL context current for the layers.
   void SetUp() override {
     view = open_or_fail(plain_settings(StereoMode::mono, 64, 64), {});
     ASSERT_TRUE(view);
   }
   std::unique_ptr<TextureLayers> make() { return TextureLayers::make(look, notes); }
-  // The image, and a material that uses it.
+  // Adds the image, and a material that uses it.
   void add_image(std::string bytes) {
     look.materials.push_back({.name = "", .colour = {}, .image = look.images.size()});
     look.images.push_back({"image " + std::to_string(look.images.size()), std::move(bytes)});
@@ -38,7 +38,7 @@ struct TextureLayersTest : testing::Test {
     TextureLayers::unbind();
     return size;
   }
-  // By layer, rows and columns, four bytes each.
+  // All texels, four bytes each: layer by layer, and in a layer row by row.
   std::vector<std::uint8_t> texels_of(const TextureLayers& layers) {
     const auto [width, height, depth] = size_of(layers);
     std::vector<std::uint8_t> texels(static_cast<std::size_t>(4) * width * height * depth);
@@ -84,7 +84,7 @@ TEST_F(TextureLayersTest, EachUsedImageThatCanBeReadIsALayer) {
   }
 }
 
-// Each instance, and each part of a file, took as much memory of the graphics as the first.
+// Without sharing, each instance and each part of a file would use as much graphics memory as the first.
 TEST_F(TextureLayersTest, ObjectsOfTheSameImagesShareThem) {
   add_image(make_plain_png(8, 2, {0, 0, 255}));
   add_image("no image");

@@ -19,7 +19,7 @@ struct LineFigure {
   double x(double share) const { return place.left_px + share * place.width_px; }
 };
 
-// Track, contact, markers and faults: each a rectangle over what came before.
+// Track, contact, markers and faults are rectangles, drawn in this order, each over the earlier ones.
 TEST(TimeLineFigure, HasARectangleForEachThingThatHappened) {
   LineFigure drawn;
   EXPECT_FALSE(drawn.parts.is_any_shown());
@@ -79,7 +79,7 @@ TEST(TimeLineFigure, TimesStandAtItsEnds) {
   ASSERT_NE(drawn.parts.find_text("0:04.0"), nullptr);
   EXPECT_LT((place_of(drawn.parts.find_text("0:00.0")) - Eigen::Vector2d(drawn.x(0.0) - gap, middle)).norm(), 1e-6);
   EXPECT_LT((place_of(drawn.parts.find_text("0:04.0")) - Eigen::Vector2d(drawn.x(1.0) + gap, middle)).norm(), 1e-6);
-  // Another line, another size: drawn anew.
+  // A time line with other content or of another size is drawn again.
   drawn.line.end = "9:59.9";
   drawn.line.contact.clear();
   drawn.figure.set(drawn.line, 0.6, kLinePicture);

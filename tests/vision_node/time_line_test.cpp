@@ -24,7 +24,7 @@ TEST(TimeLine, HasContactAsABandAndMarksAsTicks) {
   EXPECT_EQ(line.end, "0:04.0");
 }
 
-// Contact from 1 s to 1.1 s, from 1.12 s to 1.2 s, and from 3 s to 3.02 s. Spans are 20 ms, columns 2 ms.
+// Contact from 1 s to 1.1 s, from 1.12 s to 1.2 s, and from 3 s to 3.02 s. A span is 20 ms of the recording, a column of the line 2 ms.
 TEST(TimeLine, EachContactIsABandOfItsOwn) {
   MadeRecording made;
   made.has_replies = false;
@@ -42,7 +42,7 @@ TEST(TimeLine, EachContactIsABandOfItsOwn) {
   const double from[] = {1.0, 1.12, 3.0};
   const double to[] = {1.1, 1.2, 3.02};
   for (std::size_t i = 0; i < 3; ++i) {
-    // In whole columns of those between the first sample and the last.
+    // Bands begin and end at whole columns, which divide the time from the first sample to the last.
     EXPECT_NEAR(bands[i].from, (from[i] - 0.001) / 3.999, 1.0 / kTimeLineColumns) << i;
     EXPECT_NEAR(bands[i].to, (to[i] - 0.001) / 3.999, 1.0 / kTimeLineColumns) << i;
     EXPECT_LE(bands[i].from, (from[i] - 0.001) / 3.999) << i;
@@ -50,7 +50,7 @@ TEST(TimeLine, EachContactIsABandOfItsOwn) {
   }
 }
 
-// A marker and a fault in the same two milliseconds, and two markers.
+// Near 1 s all markers are in one column of 2 ms; at 2.5 s a marker and a fault are.
 TEST(TimeLine, TicksOfOneKindAreNoNearerThanAColumn) {
   MadeRecording made;
   made.marks_at = {999, 1000, 2500, 3000};

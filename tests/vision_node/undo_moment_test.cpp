@@ -9,7 +9,7 @@ Carve carve_at(double x) { return rounded(Carve{.from_m = Vec3(x, 0, 0), .to_m =
 
 CarvedPress press_at(double x) { return {.object = 0, .radius_m = 0.01, .carves = {carve_at(x), carve_at(x + 0.5)}}; }
 
-// Presses of two carves each.
+// A list of presses, at these places, of two carves each.
 CarveList list_of(std::initializer_list<double> places) {
   CarveList list;
   std::uint32_t serial = 0;
@@ -42,7 +42,7 @@ TEST(CarveMoments, PressesThatAreNotInTheListDoNotMatter) {
   const CarveMoments moments(list_of({2}), 7, {press_at(1), press_at(2)});
   EXPECT_EQ(moments.find_serial({.saved = 1}), 0U);
   EXPECT_EQ(moments.find_serial({.saved = 2}), 2U);
-  // The first carve of a press changed nothing, and is not in the list.
+  // The first carve of a press changed nothing, and is not in the list: only its second carve is.
   CarveList list;
   list.add({.object = 0, .serial = 1, .carve = carve_at(1.5), .begins = true});
   EXPECT_EQ(CarveMoments(list, 7, {press_at(1)}).find_serial({.saved = 1}), 1U);

@@ -14,7 +14,7 @@ struct Seen {
   std::size_t wrongly_left_out = 0;
 };
 
-// Each cluster that is left out is looked at triangle by triangle.
+// Counts the clusters that are not left out, and, in those that are, the triangles that would be seen.
 Seen look(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
   const DetailFrame frame = frame_detail(mesh);
   DetailLevel level = make_full_level(mesh, frame);

@@ -10,13 +10,13 @@
 #include "tests/vision_node/gone_folder.h"
 #include "tests/vision_node/made_views.h"
 
-// Last: it brings X's macros.
+// Include this last: it brings X's macros, which break other headers.
 #include "tests/vision_node/window_person.h"
 
 namespace hapton {
 namespace {
 
-// V with a tree of one level, or before there is a tree: the level stays 0.
+// The key V shows the next level of the tree. With a tree of one level, or before there is a tree, the level stays 0.
 TEST(ViewerWindow, ALevelThatStaysTheSameKeepsItsTeachingView) {
   VisionOptions options;
   options.teach = {TeachView::grid, 0};
@@ -36,7 +36,7 @@ TEST(ViewerWindow, ALevelThatStaysTheSameKeepsItsTeachingView) {
   Person person;
   ASSERT_TRUE(person.found());
   person.press_key(XK_v, ShiftMask);
-  person.press_key(XK_q);  // shows that the other key has come
+  person.press_key(XK_q);  // when it arrives, V has arrived too
   ASSERT_TRUE(wait_until([&] { return window.poll_events({}, {}).quit; }));
   window.finish_teaching();
   const std::string hud = window.step().compose(1).hud;

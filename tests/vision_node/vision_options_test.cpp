@@ -65,7 +65,7 @@ TEST(VisionOptions, PicturesOfAVideoAreOfARecording) {
   }
 }
 
-// So that they count more than the scene's camera.
+// Angles that were given override the scene's camera.
 TEST(VisionOptions, KnowWhichAnglesWereGiven) {
   const auto none = std::get<VisionOptions>(parse({}));
   EXPECT_FALSE(none.is_view_yaw_given || none.is_view_pitch_given);
@@ -96,7 +96,7 @@ TEST(VisionOptions, TheHeadArrivesInMetresAndItsFrames) {
   EXPECT_EQ(options.head_source.sensor, 2);
   EXPECT_LT((options.head_source.p_BH - Vec3(0.0, -0.08, 0.01)).norm(), 1e-15);
   EXPECT_LT((options.head_source.X_RT.translation() - Vec3(0.0, 0.3, -0.02)).norm(), 1e-15);
-  // About x first: y becomes z, then about z it stays.
+  // The turn about x comes first: it takes y to z, which the turn about z leaves as it is.
   EXPECT_LT((options.head_source.X_RT.linear() * Vec3::UnitY() - Vec3::UnitZ()).norm(), 1e-15);
   EXPECT_EQ(options.screen_width_mm, 520.0);
   EXPECT_TRUE(std::get<VisionOptions>(parse({"--head", "spacemouse"})).has_space_head);
@@ -248,7 +248,7 @@ TEST(VisionOptions, ARecordingExcludesWhatIsOfALiveSession) {
   EXPECT_EQ(options.speed, 4.0);
 }
 
-// Those of the scene and the tool decide whether the picture is that of what is felt.
+// The flags of scene and tool decide whether the picture shows what is felt.
 TEST(VisionOptions, FlagsOfSceneToolAndOverlayArrive) {
   const auto parsed = parse({"--no-fit", "--tool", "peg.obj", "--tool-unit", "mm", "--tool-grip", "centre", "--watch-scene",
                              "--no-keys-help", "--no-depth-cues", "--teach", "tree:3"});

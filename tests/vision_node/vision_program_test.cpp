@@ -27,7 +27,7 @@ struct Ended {
   std::string output;
 };
 
-// The program itself, with what it wrote to either stream.
+// Runs the program vision_node. output: what it wrote to stdout and stderr.
 Ended run_vision(const std::string& arguments, const std::string& environment = "") {
   const std::string command = "cd " HAPTON_SOURCE_DIR " && " + environment + " " HAPTON_BIN_DIR "/vision_node " + arguments + " 2>&1";
   Ended run;
@@ -54,7 +54,7 @@ TEST(VisionProgram, CrystalEyesWithoutQuadBufferSaysSoAndEnds) {
   EXPECT_NE(run.output.find("quad-buffered"), std::string::npos) << run.output;
 }
 
-// Larger than any renderer draws in a time that one would wait for.
+// Such a picture would take a renderer on the processor longer than a person waits.
 TEST(VisionProgram, APictureThatIsTooLargeIsOneLine) {
   const auto begin = std::chrono::steady_clock::now();
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 16384x16384 --seconds 0.1");
@@ -70,7 +70,7 @@ TEST(VisionProgram, MissingSceneIsOneLine) {
   EXPECT_NE(run.output.find("nowhere.toml"), std::string::npos) << run.output;
 }
 
-// 4:3, in windows of 16:9 and of 4:3.
+// The screen is 4:3; the windows are 16:9 and 4:3.
 TEST(VisionProgram, AWindowOfAnotherShapeThanTheScreenIsReported) {
   const ScratchFolder scratch;
   scratch.write("screen.toml",
@@ -148,7 +148,7 @@ TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
   }
 }
 
-// It was shown for a minute, and the picture was lost.
+// Without this error, the scene would be shown for a minute, and then the picture would be lost.
 TEST(VisionProgram, AFolderIsNoScreenshot) {
   const auto folder = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + "_folder.png");
   std::filesystem::create_directory(folder);
@@ -195,14 +195,14 @@ TEST(VisionProgram, BenchSaysItsRate) {
   EXPECT_GT(first_ms, 0.0);
   EXPECT_GT(motion_p50_ms, 0.0);
   EXPECT_LT(motion_p50_frames, 1.5) << run.output;
-  // Frames are drawn one after the other, so the rate and the time of a frame say the same: four intervals are within the five times drawn
-  // and what the window takes besides.
+  // Frames are drawn one after the other, so the mean interval between them is at most the time of the whole run, and not much less than
+  // the time that drawing one frame takes.
   EXPECT_GT(rate_hz, 0.0);
   EXPECT_LE(1000.0 / rate_hz, elapsed_ms);
   EXPECT_GE(1000.0 / rate_hz, 0.5 * p50_ms);
 }
 
-// The program itself on a recording that names its scene.
+// Runs the program vision_node on a recording that names its scene.
 struct RecordedProgram : testing::Test {
   ScratchFolder scratch;
   MadeRecording recording;
@@ -253,7 +253,7 @@ TEST_F(RecordedProgram, BadInputIsOneLine) {
   }
 }
 
-// Otherwise the picture would be of another size, or in another place, than what was felt.
+// Otherwise the scene in the picture would have another size or place than the scene that was felt.
 TEST_F(RecordedProgram, ItsSceneHasTheUnitAndTheFitOfTheHapticsNode) {
   const SceneLoading felt = {.unit = Unit::mm, .fit = MeshFit::off};
   const auto scene = load_scene(recording.scene, felt);

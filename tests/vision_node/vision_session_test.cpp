@@ -19,7 +19,7 @@
 #include "tests/vision_node/made_views.h"
 #include "tests/vrpn/made_tracker.h"
 
-// Last: it brings X's macros.
+// Include this last: it brings X's macros, which break other headers.
 #include "tests/vision_node/window_person.h"
 
 namespace hapton {
@@ -36,15 +36,15 @@ class FakeHub {
   }
   Address address() const { return endpoint_->local_address(); }
 
-  // Where the probe is, by sample; set before anyone joins.
+  // Whether the probe moves with the samples, and whether it touches object 0. Set them before a node joins.
   std::atomic<bool> moving{true};
   std::atomic<bool> contact{true};
-  // It sends no state any more once one was drawn.
+  // After the first acknowledgement of a frame, the hub sends no more states.
   std::atomic<bool> ends_with_first_frame{false};
-  // Swallow this many view transforms, as a bad line would.
+  // Number of view transforms that the hub ignores, as if a bad network had lost them.
   std::atomic<int> lose_transforms{0};
 
-  // To be looked at after stop().
+  // Read these only after stop().
   std::vector<ViewTransform> transforms;
   std::vector<FrameAck> drawn;
   std::vector<HandTarget> hands;
@@ -113,8 +113,8 @@ struct Session {
   std::unique_ptr<VisionSession> session;
 };
 
-// What is to be seen in a short time is looked for in one four and sixteen times as long where it was not: a machine that stands still
-// leaves too little of a second. look_for gets that factor.
+// Looks for a result in a short time, and if it is not there, in times that are 4 and 16 times as long: a machine that stands still may
+// leave too little of a second. look_for gets that factor.
 template <class Look>
 void expect_seen(Look&& look_for) {
   testing::AssertionResult seen = look_for(1.0);
@@ -176,13 +176,13 @@ testing::AssertionResult draws_what_moves(double longer) {
 
 TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) { expect_seen(draws_what_moves); }
 
-// Its age in the frames that are drawn for other reasons later is not a latency.
+// Later frames, which are drawn for other reasons, show the same state: its age in them is not a latency.
 testing::AssertionResult acknowledges_each_state_once(double longer) {
   FakeHub hub;
   hub.ends_with_first_frame = true;
   VisionOptions options;
   options.seconds = 1.2 * longer;
-  options.plots = true;  // they are drawn again and again
+  options.plots = true;  // plots are drawn again and again
   Session vision(hub.address(), options);
   HAPTON_LOOK(vision.session->run(vision.stop));
   const std::uint64_t frames = vision.session->step().frames().drawn();
@@ -199,7 +199,7 @@ testing::AssertionResult acknowledges_each_state_once(double longer) {
 
 TEST(VisionSession, AcknowledgesEachStateOnceHoweverOftenItIsDrawn) { expect_seen(acknowledges_each_state_once); }
 
-// The tracker says one place, then nothing more: the picture is drawn for it, and stays so.
+// The tracker sends one position for a while, then nothing: the picture is drawn for a head at that position, and stays so.
 testing::AssertionResult draws_for_a_tracked_head(double longer) {
   FakeHub hub;
   hub.moving = false;
@@ -292,7 +292,7 @@ TEST(VisionSession, WithoutAHubItStillDrawsAndEndsInTime) {
   EXPECT_GE(vision.session->step().frames().drawn(), 1u);
 }
 
-// A person has drawn a dot on the ball of a session that begins.
+// Before the session runs, a person has drawn a dot on the ball.
 struct DrawnDot {
   explicit DrawnDot(Session& vision) {
     scene.objects.push_back({"ball", make_marker(Vec3::Zero(), 0.03), {}, {}});
@@ -339,7 +339,7 @@ TEST(VisionSession, OfAScreenshotAndADrawingThatCannotBeWrittenBothAreReported) 
   auto nobody = *open_udp_endpoint("127.0.0.1:0");
   Session vision(nobody->local_address(), with_impossible_screenshot("exit"));
   const DrawnDot drawn(vision);
-  std::filesystem::create_directory(drawn.options.file);  // it is in the way
+  std::filesystem::create_directory(drawn.options.file);  // instead of the file, which cannot be written then
   Result<void> ended;
   const std::string log = log_of([&] { ended = vision.session->run(vision.stop); });
   ASSERT_FALSE(ended);
@@ -350,7 +350,7 @@ TEST(VisionSession, OfAScreenshotAndADrawingThatCannotBeWrittenBothAreReported) 
 TEST(VisionSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
   auto nobody = *open_udp_endpoint("127.0.0.1:0");
   VisionOptions options;
-  options.seconds = 30.0;  // it ends by the key
+  options.seconds = 30.0;  // the key q ends it earlier
   Session vision(nobody->local_address(), options, true);
   vision.view->draw();
   Person person;
@@ -389,7 +389,7 @@ testing::AssertionResult the_mouse_leads_the_hand(double longer) {
   VisionOptions options;
   options.seconds = 2.5 * longer;
   options.view_yaw_deg = options.view_pitch_deg = 0.0;
-  options.view_mm = 64.0;  // the ball fills it: the hand is led a hundredth of that within
+  options.view_mm = 64.0;  // the ball almost fills this view; the hand is led 1 % of the view below the surface
   Session vision(hub.address(), options, true);
   vision.view->draw();
   const double zoomed_out_m = vision.view->screen().width_m;
@@ -411,7 +411,7 @@ testing::AssertionResult the_mouse_leads_the_hand(double longer) {
   hub.stop();
   const auto led = std::find_if(hub.hands.begin(), hub.hands.end(), [](const HandTarget& hand) { return hand.active; });
   HAPTON_LOOK(led != hub.hands.end());
-  // The ball's surface in front of its middle is 30 mm from it; the hand is a little within.
+  // The surface is 30 mm from the ball's centre, towards the viewer; the hand is led to a point slightly below it.
   EXPECT_LT(led->p_WH.norm(), 0.0302);
   EXPECT_GT(led->p_WH.norm(), 0.028);
   EXPECT_GT(led->p_WH.z(), 0.027);

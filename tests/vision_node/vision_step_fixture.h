@@ -29,7 +29,7 @@ class VisionStepTest : public testing::Test {
     return made;
   }
 
-  // One turn of the loop: draws when wanted, taking 5 ms. True when it drew.
+  // One iteration of the loop: draws if a picture is wanted, which takes 5 ms. True: it has drawn.
   bool turn(VisionStep& step, std::int64_t now_ns) {
     if (!step.wants_picture(now_ns, where_)) return false;
     step.compose(now_ns);

@@ -1,4 +1,4 @@
-// The hand on the mouse begins where the device is, and is led by the probe that the hub reports.
+// The hand that the mouse leads begins at the device point; the probe that the hub reports decides how it is led.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ TEST_F(VisionStepTest, TheHandIsTakenWhereTheDeviceIs) {
   EXPECT_TRUE(hands[0].p_WH.allFinite()) << "no hand is sent to nowhere";
 }
 
-// As far away as its front: only the visual offset of a contact tells that it is the back.
+// The back of the sheet is as far away as its front: only the visual offset of a contact tells that the hand touches the back.
 TEST_F(VisionStepTest, ALedHandThatTouchesTheBackOfASheetComesOutBesideItFirst) {
   const double sheet_m = where_.screen.distance_m;
   const auto is_on_sheet = [](double x, double y) { return std::hypot(x - 320.0, y - 360.0) < 80.0; };

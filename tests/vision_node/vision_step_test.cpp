@@ -24,7 +24,7 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
 }
 
-// It has ended meanwhile.
+// A haptics node that has been silent for so long counts as ended.
 TEST_F(VisionStepTest, AHapticsNodeThatHasBeenSilentForThreeSecondsPreparesNothing) {
   VisionStep step(settings());
   step.joined();
@@ -170,7 +170,7 @@ TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItWasTurnedThoughTheProbeMovesOn)
   EXPECT_TRUE(step.is_scene_at_rest(1300 * kMs));
 }
 
-// Full detail, which takes time, would be out of date at once.
+// While the shape still changes, full detail, which takes time, would be out of date at once.
 TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItsShapeChanged) {
   VisionStep step(settings());
   ASSERT_TRUE(turn(step, 0));
@@ -205,7 +205,7 @@ TEST_F(VisionStepTest, AHeadThatMovesByMoreThanHalfAPixelIsDrawn) {
   EXPECT_FALSE(step.wants_picture(560 * kMs, where_));
   EXPECT_FALSE(step.is_scene_at_rest(600 * kMs));
   EXPECT_TRUE(step.is_scene_at_rest(700 * kMs));
-  // Turned where it is: the eyes move.
+  // The head turns without a change of its position: the eyes move.
   step.set_head({{1.1 * half_pixel_m, 0.0, 0.6}, Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ()))});
   EXPECT_TRUE(turn(step, 720 * kMs));
 }
@@ -414,7 +414,7 @@ TEST_F(VisionStepTest, HudFollowsButSlowly) {
   EXPECT_NE(step.compose(5000 * kMs).hud.find("4010"), std::string::npos);
 }
 
-// The bar of the force is that of the newest state; in a picture that is looked at for long, the number must be the same.
+// The force bar shows the newest state; in a picture that a person looks at for long, the number must show the same force.
 TEST_F(VisionStepTest, TheTextsOfAPictureThatStaysAreOfTheNewestState) {
   VisionStep step(settings());
   ProbeState state = state_at(0.01, 1);
@@ -445,7 +445,7 @@ TEST_F(VisionStepTest, WhatIsDrawnOnTheSceneCallsForAPictureAndLeavesTheSceneAtR
   EXPECT_FALSE(turn(step, 300 * kMs));
 }
 
-// A dial that turns during a stroke does not smear it.
+// A stroke is placed in the scene with this pose, so that a dial that turns meanwhile does not distort it.
 TEST_F(VisionStepTest, TheSceneIsWhereTheForcesOfAStateHadIt) {
   VisionStep step(settings());
   step.receive(state_at(0.0, 1, 0));

@@ -1,4 +1,4 @@
-// Strokes that are exported are what VTK reads.
+// VTK reads exported strokes as they were drawn.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -36,7 +36,7 @@ TEST(VtkReadsStrokes, PointsCellsAndTheirData) {
   double p[3];
   data->GetPoint(0, p);
   EXPECT_EQ(Vec3(p[0], p[1], p[2]), Vec3(0.1, 0.2, 1.0 / 3.0 + 1.0));
-  // The vertex first, then the lines: as VTK numbers its cells.
+  // VTK numbers the cells of single points first, then those of lines.
   const auto value = [&](const char* name, vtkIdType cell) { return data->GetCellData()->GetArray(name)->GetTuple1(cell); };
   EXPECT_EQ(data->GetCell(0)->GetNumberOfPoints(), 1);
   EXPECT_EQ(value("object", 0), 0);

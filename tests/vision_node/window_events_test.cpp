@@ -5,7 +5,7 @@
 #include "tests/support/patience.h"
 #include "tests/vision_node/made_views.h"
 
-// Last: it brings X's macros.
+// Include this last: it brings X's macros, which break other headers.
 #include "tests/vision_node/window_person.h"
 
 namespace hapton {

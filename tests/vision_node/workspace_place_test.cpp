@@ -11,7 +11,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 Quat about(double degrees, const Vec3& axis) { return Quat(Eigen::AngleAxisd(degrees * kDegree, axis)); }
 
-// Heading, then pitch, then roll, as a head turns.
+// The pose of a head that turns by heading, then pitch, then roll, in degrees.
 Pose head_of(const Vec3& p, double heading, double pitch, double roll) {
   return Eigen::Translation3d(p) * Pose(about(heading, Vec3::UnitY()) * about(pitch, Vec3::UnitX()) * about(roll, Vec3::UnitZ()));
 }
@@ -45,7 +45,7 @@ TEST(WorkspacePlace, StandsWhereItWasPutUntilRecentred) {
   const Pose X_LH = head_of({0.4, 0.1, 0.3}, 90.0, -15.0, 3.0);
   place.recentre(X_LH);
   expect_pose(place.X_LW(), origin_of({0.4, 0.1, 0.3}, 90.0) * X_OW);
-  // Turned to the left by 90 degrees: before the viewer is along -x.
+  // The viewer has turned to the left by 90 degrees: what is in front of the viewer is along -x.
   EXPECT_LT((place.X_LW().translation() - Vec3(0.4 - 0.5, 0.1 - 0.25, 0.3 - 0.1)).norm(), 1e-9);
 }
 
