@@ -7,7 +7,7 @@
 
 namespace hapton::vrpn {
 
-// "00 2a" as bytes; spaces and line ends are for the reader.
+// The bytes of a text such as "00 2a"; spaces and line ends have no meaning.
 inline Bytes hex(std::string_view text) {
   Bytes bytes;
   int half = -1;

@@ -12,7 +12,7 @@
 
 namespace hapton::vrpn {
 
-// What a server says first, and a pose: by the functions that are tested against VRPN's bytes.
+// The first messages of a server, and a pose. The functions that encode them are tested against VRPN's bytes.
 constexpr std::int32_t kMadeSender = 3, kMadeType = 7;
 inline Bytes say_hello(std::string_view device) {
   Bytes bytes;
@@ -27,7 +27,7 @@ inline Bytes say_pose(std::int32_t sensor, const Vec3& p_m, const Quat& q = Quat
   return bytes;
 }
 
-// A VRPN server of a few lines: says what it is told to, to everybody who connects. Without a thread: call poll().
+// A small VRPN server: greets every client that connects; say() sends bytes to the newest one. It has no thread: call poll().
 class MadeTracker final : private StreamEndpoint::Listener {
  public:
   explicit MadeTracker(const std::string& address = "127.0.0.1:0") : streams_(std::move(*StreamEndpoint::open(address, 0))) {}
@@ -43,7 +43,7 @@ class MadeTracker final : private StreamEndpoint::Listener {
   const Bytes& heard() const { return heard_; }
   void set_hello(Bytes hello) { hello_ = std::move(hello); }
 
-  // Calls step, and attends to the client, until it holds or 20 s are over.
+  // Calls poll(), which serves the client, and step(now_ns), until step returns true. False: 20 s have passed.
   template <class Step>
   bool attend_until(Step&& step) {
     SteadyClock clock;

@@ -101,7 +101,7 @@ TEST_F(VrpnTrackerClient, ButtonsAreThoseOfTheDeviceAsTheServerLastSaid) {
   ASSERT_TRUE(client.receive(bytes));
   EXPECT_EQ(client.buttons(), 0b101U);
   bytes.clear();
-  append_button_states(bytes, {kMadeSender, kChange, {}, 11}, 0b11, 2);  // no change: another length
+  append_button_states(bytes, {kMadeSender, kChange, {}, 11}, 0b11, 2);  // not a change of a button: its length is wrong
   ASSERT_TRUE(client.receive(bytes));
   EXPECT_EQ(client.buttons(), 0b101U);
 }

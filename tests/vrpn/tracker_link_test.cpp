@@ -18,7 +18,7 @@ struct VrpnTrackerLink : testing::Test {
   std::optional<TrackerPose> pose;
 
   void open() { link = std::move(*TrackerLink::open({"Head0", to_string(server->address())}, 0)); }
-  // The server says the pose until the link has it.
+  // The server sends the pose again until the link has received it.
   bool wait_for_pose(double x) {
     const Bytes said = say_pose(0, {x, 0, 0});
     return server->attend_until([&](std::int64_t now_ns) {
@@ -68,18 +68,18 @@ TEST_F(VrpnTrackerLink, WaitsForAServerThatStartsLaterOrAgain) {
 TEST_F(VrpnTrackerLink, AsksASilentServerForASignOfLifeAndThenConnectsAnew) {
   open();
   ASSERT_TRUE(wait_for_pose(1.0));
-  // Cookie, two descriptions.
+  // The bytes that the link sends first: the cookie and two descriptions.
   const std::size_t greeting = 24 + 40 + 56;
   ASSERT_TRUE(server->attend_until([&](std::int64_t now_ns) {
     link->take_newest(now_ns);
     return server->heard().size() == greeting;
   }));
-  // Times to come, in which nobody says anything.
+  // Simulated later times, at which the server has sent nothing more.
   const std::int64_t asked_ns = SteadyClock().now_ns() + 2 * TrackerLink::kPingNs;
   link->take_newest(asked_ns);
   ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() > greeting; }));
   EXPECT_EQ(server->heard().size(), greeting + kHeaderBytes) << "one ping";
-  // The next one only after as long again: both have arrived, or not, before anything that is sent later.
+  // The next ping follows only kPingNs later, and only once: the wait below gives a wrong third ping the time to arrive.
   link->take_newest(asked_ns + TrackerLink::kPingNs - 1);
   link->take_newest(asked_ns + TrackerLink::kPingNs);
   link->take_newest(asked_ns + TrackerLink::kPingNs + 1);
@@ -111,7 +111,7 @@ TEST_F(VrpnTrackerLink, LeavesAServerThatIsNotVrpnAndTriesOnceASecond) {
   EXPECT_FALSE(link->is_connected());
 }
 
-// However much a server says, one call takes a bounded part of it.
+// However much a server sends, one call of take_newest() takes only a bounded part of it.
 TEST_F(VrpnTrackerLink, AFloodDelaysNoPicture) {
   open();
   ASSERT_TRUE(wait_for_pose(1.0));

@@ -24,7 +24,7 @@ namespace {
 using Verdict = OuterWatchdog::Verdict;
 
 struct Watched : testing::Test {
-  // io_node as it is: a cycle and a new force each millisecond, looked at every second one.
+  // io_node in normal operation: a cycle and a new force each millisecond; the watchdog checks every 2 ms.
   Verdict live(int looks) {
     Verdict verdict = Verdict::fine;
     for (int n = 0; n < looks; ++n) {
@@ -35,7 +35,7 @@ struct Watched : testing::Test {
     }
     return verdict;
   }
-  // Nothing moves any more: how long until it is noticed; below 0: never.
+  // From now on the page stays as it is: time until the verdict is `expected`; below 0: not within 200 ms.
   double noticed_after_ms(Verdict expected) {
     const std::int64_t begin_ns = now_ns;
     while (now_ns - begin_ns < 200 * kMs) {
@@ -59,7 +59,7 @@ TEST_F(Watched, AFrozenLoopWithAForceOutIsNoticedWithin30Ms) {
   EXPECT_GT(watchdog.force_age_ns(), 20 * kMs);
 }
 
-// 21 ms without a cycle, 30 ms with a force of one sample, and 4 ms more in which the machine may have stood still: to the nanosecond.
+// 21 ms without a cycle, or 30 ms with the force of one sample; then 4 ms more, as the machine may have stood still. To the nanosecond.
 TEST_F(Watched, EachLimitIsReachedAtItsOwnTime) {
   const std::int64_t grace_ns = 4 * kMs;
   for (const bool is_frozen : {true, false}) {
@@ -87,7 +87,7 @@ TEST_F(Watched, WithoutAForceThereIsNothingToTakeAway) {
   EXPECT_EQ(watchdog.check(page, true, now_ns), Verdict::fine);
 }
 
-// The barrier against a device side that lives and yet holds a force, by a fault of its governor.
+// The barrier against a device side that is alive, but holds a force because of a fault in its governor.
 TEST_F(Watched, ALoopThatHoldsAForceIsNoticed) {
   live(100);
   const std::int64_t begin_ns = now_ns;
@@ -107,7 +107,7 @@ TEST_F(Watched, AProcessThatEndedWithAForceOutIsNoticedAtOnce) {
   EXPECT_EQ(watchdog.check(page, true, now_ns), Verdict::gone);
 }
 
-// A suspended machine stops both: what then looks like a frozen loop gets the time to show that it is none.
+// A suspended machine stops io_node and watchdog: io_node looks frozen at first, and gets the time to show that it is not.
 TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
   live(100);
   now_ns += 5000 * kMs;
@@ -115,7 +115,7 @@ TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
   EXPECT_EQ(live(10), Verdict::fine);
 }
 
-// A watchdog that is itself kept from its CPU looks rarely, and must still detect the stall.
+// A watchdog that gets little CPU time checks rarely, and must still detect the stall.
 TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
   live(100);
   for (const std::int64_t every_ns : {5 * kMs, 9 * kMs, 40 * kMs, 400 * kMs}) {
@@ -152,7 +152,7 @@ TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   const std::uint8_t off[] = {2, 0, 0, 7};
   page->set_hid(path, off);
   cutter.prepare();
-  // Unplugged or not: the handle is there already.
+  // The device's file can no longer be opened by its name, but the handle was opened before.
   std::filesystem::rename(path, path + ".gone");
   EXPECT_TRUE(cutter.cut());
   std::stringstream written;
@@ -160,7 +160,7 @@ TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   EXPECT_EQ(written.str(), std::string({2, 0, 0, 7}));
 }
 
-// No right to it for a moment, or no free descriptor.
+// Opening may fail for a while: no permission yet, or no free file descriptor.
 TEST(ForceCutterTest, OpensADeviceThatCouldNotBeOpenedAtFirst) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
@@ -187,8 +187,8 @@ TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
   }
 }
 
-// While anyone has it open, the kernel keeps its node from all devices: it would come back at another one. Another device at that node is
-// none of ours. A pipe hangs up like a device that was unplugged.
+// While a process has an unplugged device open, the kernel gives its node to no device: the device would come back at another node. Once
+// closed, the node may get a device that is not ours. A pipe whose reader has closed it hangs up like a device that was unplugged.
 TEST(ForceCutterTest, ClosesADeviceThatWasUnpluggedUntilThePageNamesOneAgain) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
@@ -262,7 +262,7 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
   if (child == 0) {
     for (;;) ::pause();
   }
-  ::kill(child, SIGSTOP);  // frozen, as it would be
+  ::kill(child, SIGSTOP);  // stopped, as a frozen io_node is
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_means(CutMeans::kill);
   WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, child, 0))};
@@ -274,7 +274,7 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
-  // Its number is free now, and the next one with it must live. That it did not end by itself is known to all of the watchdog's threads.
+  // Its process id is free now: the next process with that id must not be killed. All threads of the watchdog know that it was killed.
   for (ForceCutter* each : {&cutter, &other}) {
     EXPECT_TRUE(each->cut());
     EXPECT_NE(each->describe().find("killed io_node"), std::string::npos) << each->describe();
@@ -297,7 +297,7 @@ TEST(ForceCutterTest, WhatIsNoProcessHasNotEnded) {
   EXPECT_FALSE(ForceCutter(*page, no_process()).cut());
 }
 
-// It is away when the page gets its means.
+// The device is unplugged when the page gets its means.
 TEST(ForceCutterTest, ADeviceWithoutANodeIsUnplugged) {
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_means(CutMeans::hid);
@@ -323,7 +323,7 @@ TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
   EXPECT_TRUE(cutter.cut());
 }
 
-// As of a device that was unplugged: nothing was turned off, and a person must know.
+// The write fails, as for a device that was unplugged: nothing was turned off, and a person must know.
 TEST(ForceCutterTest, ReportsNoReleaseThatFailed) {
   const auto page = std::make_unique<HeartbeatPage>();
   ForceCutter cutter(*page, no_process());
@@ -331,7 +331,7 @@ TEST(ForceCutterTest, ReportsNoReleaseThatFailed) {
   ASSERT_FALSE(cutter.cut());
   EXPECT_EQ(cutter.describe().find("released"), std::string::npos) << cutter.describe();
   EXPECT_NE(cutter.describe().find("could not turn the device off"), std::string::npos) << cutter.describe();
-  // Another device is another matter.
+  // The failed write does not count for another device.
   page->set_hid("/dev/null", std::vector<std::uint8_t>{1});
   EXPECT_TRUE(cutter.cut());
   EXPECT_NE(cutter.describe().find("released the force"), std::string::npos) << cutter.describe();

@@ -1,4 +1,4 @@
-// hapton_watchdog beside a node that hangs or ends with a force on its motors: what happens to the device, and what is said.
+// hapton_watchdog beside a node that hangs or ends with a force on its motors: what happens to the device, and what is reported.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -38,12 +38,12 @@ struct WatchedNode : testing::Test {
     ::kill(node, SIGKILL);
     ::waitpid(node, nullptr, 0);
   }
-  // A process of its own, which gets a watchdog as io_node does, and then a force; its end, or that it hangs, comes at once.
+  // Forks a process that starts a watchdog as io_node does, and then has a force on the motors. It ends at once, or hangs.
   void run_node(bool ends) {
     node = ::fork();
     ASSERT_GE(node, 0);
     if (node > 0) return;
-    ::alarm(120);  // should the test itself have been ended
+    ::alarm(120);  // ends this process if the test was ended
     ::dup2(::open(said.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
     WatchdogSupervisor watchdog;
     const bool is_started = watchdog.start(memory, std::filesystem::path(HAPTON_BIN_DIR) / "hapton_watchdog", 0).has_value();
@@ -54,7 +54,7 @@ struct WatchedNode : testing::Test {
     if (ends) ::_exit(0);
     for (;;) ::pause();
   }
-  // Its two threads have a handle each, both from the beginning of the file on.
+  // Number of reports in the file. The watchdog's two threads both write from its beginning on, over each other's reports.
   std::size_t reports() const { return std::filesystem::file_size(hidraw) / kOffReport.size(); }
   std::size_t times_said(const std::string& words) const {
     const std::string text = text_of(said);
@@ -80,7 +80,7 @@ TEST_F(WatchedNode, WhileItHangsItsDeviceIsTurnedOffAgainAndAgain) {
   EXPECT_EQ(times_said("released the force (device off)"), 1U) << text_of(said);
 }
 
-// One more force may have been on its way.
+// When io_node ended, one more force may have been on its way to the device.
 TEST_F(WatchedNode, WhenItHasEndedItsDeviceIsTurnedOffThreeTimes) {
   memory.page().set_hid(hidraw, kOffReport);
   run_node(true);
@@ -89,7 +89,7 @@ TEST_F(WatchedNode, WhenItHasEndedItsDeviceIsTurnedOffThreeTimes) {
   EXPECT_EQ(memory.page().cuts.load(), 1U);
 }
 
-// A watchdog that io_node has started in the place of another one, and that begins only when io_node is gone.
+// io_node has started this watchdog to replace another one, and has ended before this one begins.
 TEST_F(WatchedNode, WhenItHasEndedBeforeItsWatchdogBeginsTheDeviceIsTurnedOff) {
   memory.page().set_hid(hidraw, kOffReport);
   const auto run_watchdog = [&] {
@@ -123,7 +123,7 @@ TEST_F(WatchedNode, ThatHoldsAVendorsLibraryIsKilledWhenItHangs) {
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) << status;
 }
 
-// A script in its place, which says with what it was started.
+// A script in place of the watchdog, which writes the arguments that it was started with.
 TEST(WatchdogWords, AreTheNodesProcessAndThePriorityAtEachStart) {
   const ScratchFolder folder;
   const std::filesystem::path words = folder.path() / "words";
@@ -137,7 +137,7 @@ TEST(WatchdogWords, AreTheNodesProcessAndThePriorityAtEachStart) {
   EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(words); }));
   EXPECT_EQ(text_of(words), fmt::format("{} 7\n", ::getpid()));
   std::filesystem::remove(words);
-  // It has no heartbeat, so it counts as one that hangs.
+  // The script has no heartbeat, so it counts as a watchdog that hangs.
   EXPECT_TRUE(wait_until([&] { return watchdog.restart_if_dead(SteadyClock().now_ns()).has_value(); }));
   EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(words); }));
   EXPECT_EQ(text_of(words), fmt::format("{} 7\n", ::getpid()));
