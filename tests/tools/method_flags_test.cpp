@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// The settings that these words give. Pre: they are understood.
+// The method settings that these words of a command line give. Throws if the parser rejects the words.
 Result<MethodSettings> settings_from(const std::string& words) {
   CLI::App app("A program", "program");
   MethodFlags flags;

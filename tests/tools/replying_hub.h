@@ -19,10 +19,10 @@
 
 namespace hapton {
 
-// A hub in a thread of its own, with a key of its own, which nodes can join. What they send goes to a function, in the hub's thread.
+// A hub in its own thread and with its own key, which nodes can join. A function takes what they send, in the hub's thread.
 class ReplyingHub {
  public:
-  // False: the hub is silent from then on.
+  // Called for each message. If it returns false, the hub is silent from then on.
   using Take = std::function<bool(HubPeers& peers, std::size_t peer, const Message& message)>;
 
   explicit ReplyingHub(Take take) : take_(std::move(take)), thread_([this] { run(); }) {}
@@ -32,7 +32,7 @@ class ReplyingHub {
 
   std::string address() const { return to_string(endpoint_->local_address()); }
   std::string key_file() const { return key_file_; }
-  // Whatever the function has written can be read from now on.
+  // Ends the hub's thread: after that the test can read whatever the function has written.
   void end() {
     ends_ = true;
     if (thread_.joinable()) thread_.join();

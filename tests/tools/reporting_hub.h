@@ -12,12 +12,12 @@
 
 namespace hapton {
 
-// A hub in a thread of its own, which nodes can join and which has reports of one part, and nothing else.
+// A hub in its own thread, which nodes can join. It sends reports of one part each, and nothing else.
 class ReportingHub {
  public:
-  // Of the n-th report, from 1.
+  // Makes the report with this number; numbers count from 1.
   using Make = std::function<HubReport(int number)>;
-  // When a whole report was sent, in the hub's thread. False: the hub is silent from then on.
+  // Called in the hub's thread after a whole report was sent. If it returns false, the hub is silent from then on.
   using After = std::function<bool()>;
 
   explicit ReportingHub(

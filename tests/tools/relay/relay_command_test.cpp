@@ -1,4 +1,4 @@
-// Which way the faults of `hapton relay` go.
+// The direction in which `hapton relay` applies its faults.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -31,7 +31,7 @@ void talk_through(const Address& relay, Endpoint& hub) {
     return node->receive(buffer, 0).bytes > 0;
   });
   EXPECT_TRUE(came_back);
-  // The relay forwards only where it can be stopped already.
+  // A relay that forwards already handles SIGTERM.
   if (came_back) ::kill(::getpid(), SIGTERM);
 }
 

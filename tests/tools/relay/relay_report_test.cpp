@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// In the table and in the JSON, which both have them from one list.
+// The table and the JSON take the counters from the same list; this test reads the JSON.
 TEST(RelayReport, EachCounterHasTheNumberOfItsName) {
   const RelayCounts counts{.received = 1,
                            .forwarded = 2,

@@ -62,7 +62,7 @@ TEST_F(SculptExportTest, TheHoleIsInEveryFormat) {
   }
 }
 
-// One above the other: a carve goes through both, and is of one.
+// One slab lies above the other: each carve passes through both, but belongs to one of them.
 TEST_F(SculptExportTest, TwoBodiesAreInOneFileEachWithItsOwnCarves) {
   const std::string slab = "[[object]]\nmesh = \"slab.obj\"\nsculpt = true\nvoxel_mm = 1\n";
   const std::string two =
@@ -106,7 +106,7 @@ TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
   EXPECT_EQ(static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {})), files);
 }
 
-// A scene may take minutes to read.
+// A scene may take minutes to read, so the output is checked first.
 TEST_F(SculptExportTest, WhereNothingCanBeWrittenIsSaidBeforeTheWork) {
   const CommandRun run = run_hapton({"sculpt", out("none.toml"), "--annotations", annotations, "--out", out("slab.obj/clay.stl")});
   EXPECT_EQ(run.code, 2);

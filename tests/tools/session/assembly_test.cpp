@@ -21,14 +21,14 @@ namespace {
 constexpr std::int64_t kCycleNs = 1'000'000;
 
 struct Assembled {
-  std::vector<Vec3> drawn;  // the tool's grip point, a place for each cycle
+  std::vector<Vec3> drawn;  // the tool's grip point, one position for each cycle
   double most_n = 0.0;
   double most_nm = 0.0;
   int penetrations = 0;
   int blocked = 0;
 };
 
-// The hand takes the tool of a scene along a path. every: cycles between two steps of the pose.
+// The hand takes the tool of a scene along a path. every: the pose of the tool is computed once in so many cycles.
 Assembled follow_path(const std::string& scene_name, const std::vector<TrajectoryRow>& path, bool has_torque, int every) {
   Assembled done;
   const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/" + scene_name + ".toml");
@@ -62,7 +62,7 @@ Assembled follow_path(const std::string& scene_name, const std::vector<Trajector
   return done;
 }
 
-// Beside the hole by 0.6 mm, tilted by two degrees, then in.
+// The path begins 0.6 mm beside the axis of the hole, tilted by two degrees, and then leads into the hole.
 Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
   const Quat tilted = turn_by({0.035, 0.0, 0.0});
   const Quat other = turn_by({0.0, -0.026, 0.0});
@@ -95,12 +95,12 @@ TEST(Assembly, ASlowPoseAndADeviceWithoutTorqueAreGoodEnough) {
   EXPECT_EQ(plain.penetrations, 0);
 }
 
-// The paths that come with the scenes, for a first try without a device.
+// The paths that are delivered with the scenes, for a first try without a device.
 struct ReadyPath {
   std::string name;
-  double at_s = 0.0;  // then ...
+  double at_s = 0.0;  // the time at which the tool is in its place
   int axis = 2;
-  double low_m = 0.0, high_m = 0.0;  // ... the tool is there
+  double low_m = 0.0, high_m = 0.0;  // the tool's position along `axis` is between these
 };
 
 TEST(Assembly, TheReadyPathsPutTheToolInItsPlace) {
@@ -121,7 +121,7 @@ TEST(Assembly, TheReadyPathsPutTheToolInItsPlace) {
   }
 }
 
-// The peg of the workbench is picked up by real programs: deploy/run --scene scenes/workbench.toml --trajectory.
+// The path for the workbench has to pick up the peg, which needs real programs: deploy/run --scene scenes/workbench.toml --trajectory.
 TEST(Assembly, EachReadyPathIsOfAScene) {
   int paths = 0;
   for (const auto& file : std::filesystem::directory_iterator(HAPTON_SOURCE_DIR "/scenes/paths")) {

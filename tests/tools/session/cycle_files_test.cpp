@@ -82,7 +82,7 @@ TEST(CycleCsv, HasAllColumnsAndLeavesEmptyWhatIsNotKnown) {
   EXPECT_EQ(lines[1].find("hood"), std::string::npos);
 }
 
-// A haptics node that was there before the hub: a move by a program, a carve of before and one of now.
+// The haptics node was started before the hub. A program moves an object; one carve was made before the recording began, one during it.
 std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
   SessionCodec session;
   Codec codec;
@@ -251,7 +251,7 @@ TEST(JoinedHdf5, HasWhatWasMovedAndCarved) {
   H5Fclose(file);
 }
 
-// Of each setup a haptics node of its own, which replies to a sample and touches object 1.
+// For each setup the recording has its own haptics node, which replies to one sample and touches object 1.
 std::filesystem::path write_recording_of(const ScratchFolder& scratch, const std::vector<HapticsSetup>& setups) {
   SessionCodec session;
   Codec codec;
@@ -293,7 +293,7 @@ TEST(JoinedHdf5, TextsAreWholeHoweverLong) {
   H5Fclose(file);
 }
 
-// Another node may have another scene, where object 1 is another one.
+// Another node may have another scene, in which the number 1 names another object.
 TEST(CycleFiles, NamesAreThoseOfAllHapticsNodesOrOfNone) {
   const ScratchFolder scratch;
   scratch.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
@@ -331,7 +331,7 @@ TEST(CycleFiles, WhereNothingCanBeWrittenOneLineSaysSo) {
   }
 }
 
-// Wherever the disk is full: one line, and no file, not even beside it.
+// Whichever write finds the disk full, there is one line and no file, not even a temporary one beside it.
 TEST(CycleFiles, OnAFullDiskThereIsOneLineAndNoFile) {
   const ScratchFolder scratch;
   const ScratchFolder out;
@@ -360,7 +360,7 @@ TEST(CycleFiles, OnAFullDiskThereIsOneLineAndNoFile) {
   }
 }
 
-// Where the table of moves cannot be written, there is no table of samples without it.
+// If the table of carves cannot be written, the table of samples is not written either.
 TEST(CycleCsv, IsWrittenWithAllItsTablesOrNotAtAll) {
   const ScratchFolder scratch;
   auto reader = SessionReader::open(write_changed_recording(scratch));
@@ -373,7 +373,7 @@ TEST(CycleCsv, IsWrittenWithAllItsTablesOrNotAtAll) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out.path()), {}), 1);
 }
 
-// The command itself, in each format.
+// The same for the command itself, in each format.
 TEST(CycleFiles, TheCommandFailsOnAFullDisk) {
   const ScratchFolder scratch;
   const auto recording = write_recording(scratch, 6'000);
@@ -392,7 +392,7 @@ TEST(CycleFiles, TheCommandFailsOnAFullDisk) {
   }
 }
 
-// Five samples and two gaps, and three cycles without a sample as an older program recorded them.
+// Five samples with two gaps (none of them if is_old), and three cycles without a sample, as an older program recorded them.
 std::filesystem::path write_gappy_recording(const ScratchFolder& scratch, bool is_old) {
   SessionCodec session;
   std::string bytes(kSessionMagic);

@@ -20,7 +20,7 @@ class EffectScene {
 
   const Scene& scene() const { return *scene_; }
 
-  // The middle of an object's front.
+  // The middle of the front of an object.
   Vec3 front_of(const std::string& name) const {
     Eigen::AlignedBox3d box;
     for (const SceneObject& object : scene_->objects) {
@@ -45,7 +45,7 @@ class EffectScene {
   Result<Scene> scene_;
 };
 
-// From 5 mm off the front to `depth` below it, in steps of 10 um.
+// A path from 5 mm in front of the surface to `depth` below it, in steps of 10 um.
 std::vector<Vec3> press_into(const Vec3& front, double depth) {
   std::vector<Vec3> path;
   for (int k = -500; k <= std::lround(depth * 1e5); ++k) path.push_back(front - Vec3(0, 0, 1e-5 * k));
@@ -95,7 +95,7 @@ TEST(BoardScene, OrangePeelPopsAndIsWholeAgainLater) {
   const std::vector<Vec3> again = press_into(front, 0.0024);
   path.insert(path.end(), again.begin(), again.end());
   const Replay replay = board.replay(path);
-  // 600 N/m give way at 1.5 N, 2.5 mm; then only 3 N s/m of drag at 10 mm/s, both ways.
+  // A spring of 600 N/m gives way at 1.5 N (2.5 mm). Then only a drag of 3 N s/m is left, at 10 mm/s, inwards and outwards.
   EXPECT_NEAR(replay.rows[500 + 249].force_n.z(), 1.494, 1e-6);
   EXPECT_NEAR(replay.rows[500 + 260].force_n.z(), 0.03, 1e-6);
   EXPECT_NEAR(replay.rows[500 + 400].force_n.z(), 0.03, 1e-6);
@@ -138,7 +138,7 @@ TEST(BoardScene, CorduroyPushesSidewaysWithItsPeriod) {
   }
 }
 
-// Down into the gap between two tiles, onto the plate, and sideways. Of the methods that follow the surface itself.
+// The probe goes down into the gap between two tiles, onto the plate, and sideways. Only for methods that follow the surface itself.
 TEST(BoardScene, NothingSlipsUnderATile) {
   const EffectScene board("board.toml");
   const double wood_m = board.front_of("wood").x() - 0.028;  // its left side
@@ -159,12 +159,12 @@ TEST(BoardScene, SteelRingsWhenTapped) {
   const EffectScene board("board.toml");
   const Vec3 front = board.front_of("steel");
   std::vector<Vec3> path;
-  for (int k = 0; k < 20; ++k) path.push_back(front + Vec3(0, 0, 0.001 * (19.5 - k)));  // 1 m/s ... 0.5 mm off
+  for (int k = 0; k < 20; ++k) path.push_back(front + Vec3(0, 0, 0.001 * (19.5 - k)));  // at 1 m/s, down to 0.5 mm above the front
   path.push_back(front - Vec3(0, 0, 0.0005));
   for (int k = 0; k < 60; ++k) path.push_back(front - Vec3(0, 0, 0.0005));
   const Replay replay = board.replay(path);
   for (int k = 0; k <= 60; ++k) {
-    // 1,000 N/m at 0.5 mm; 6 N s/m at 1 m/s, but 2 N at most.
+    // 1,000 N/m at a depth of 0.5 mm; the tap adds 6 N s/m at 1 m/s, but at most 2 N.
     const double t = 1e-3 * k;
     EXPECT_NEAR(replay.rows[20 + k].force_n.z(), 0.5 + 2.0 * std::exp(-t / 0.06) * std::sin(2.0 * std::numbers::pi * 300 * t), 1e-6) << k;
   }

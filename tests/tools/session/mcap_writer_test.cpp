@@ -30,7 +30,7 @@ std::uint64_t number_at(const std::string& bytes, std::size_t at, std::size_t si
   return value;
 }
 
-// Of the records from there on, up to the footer: their types. tests/python/mcap_strict.py checks their contents.
+// The types of the records from `at` up to the footer. tests/python/mcap_strict.py checks their contents.
 std::string record_types(const std::string& bytes, std::size_t at) {
   std::string types;
   while (types.empty() || types.back() != '\x02') {
@@ -41,7 +41,7 @@ std::string record_types(const std::string& bytes, std::size_t at) {
   return at + 8 == bytes.size() ? types : types + "!";
 }
 
-// Where the contents of the first record of this type begin.
+// The position at which the contents of the first record of this type begin.
 std::size_t find_record(const std::string& bytes, std::size_t at, char type) {
   while (at + 9 < bytes.size() && bytes[at] != type) at += 9 + number_at(bytes, at + 1);
   return at + 9;

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// The bytes of the format's specification; tests/python reads such files with NumPy.
+// Expects the bytes of the format's specification; tests/python reads such files with NumPy.
 TEST(NpyFile, HasAHeaderAndTheRows) {
   const ScratchFolder scratch;
   const auto path = scratch.path() / "a.npy";

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// And not after a run of minutes.
+// The error comes before the run, which may take minutes, and not after it.
 TEST(ReplayCommand, AFolderThatIsNotThereEndsItBeforeTheRun) {
   const ScratchFolder scratch;
   const std::string mesh = scratch.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -30,7 +30,7 @@ std::vector<TrajectoryRow> press(const std::vector<double>& heights) {
   return rows;
 }
 
-// Every look at it costs 7 ns, and each step's end comes later by what the test has in mind.
+// Every look at this clock takes 7 ns.
 class ScriptedClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override { return now_ += 7; }
@@ -77,7 +77,7 @@ TEST(Replay, TheClocksOwnCostIsTakenOff) {
   EXPECT_EQ(replay.rows[0].step_ns, 0);
 }
 
-// The second look of each pair comes later by the next of these, once they are set.
+// The second look of each pair is later than the first by the next value of late_ns, until these are used up.
 class LateClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override {
@@ -100,7 +100,7 @@ TEST(Replay, TheTimeOfAStepIsTheLeastOfItsRepetitions) {
   TouchStep touch = make_touch();
   LateClock clock;
   run_replay(touch, {}, {}, clock);
-  // What comes before the steps looks as often again.
+  // Each run looks at the clock this often before its first step: these looks are not delayed.
   clock.late_ns.assign(clock.looks() / 2, 0);
   for (const std::int64_t ns : {50, 20, 30, 40, 90, 10}) clock.late_ns.push_back(ns);
   const Replay replay = run_replay(touch, press({0.001, -0.001}), {.repeat = 3}, clock);
@@ -108,7 +108,7 @@ TEST(Replay, TheTimeOfAStepIsTheLeastOfItsRepetitions) {
   EXPECT_EQ(replay.rows[1].step_ns, 10);
 }
 
-// Clay stays carved: what each repetition finds is another body, and the forces are those of the first.
+// Clay stays carved, so each repetition finds another body; the forces in the rows are those of the first repetition.
 TEST(Replay, RowsThatDifferBetweenRepetitionsAreCountedAndSaid) {
   const TouchScene scene{.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
                                       .material = {.stiffness_n_per_m = 500.0},
@@ -150,7 +150,7 @@ TEST(Replay, ATrajectoryThatBeginsLaterGivesTheSameForces) {
       Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.2, Vec3(0.0, 0.0, 0.005), Quat::Identity()}}, false);
   TouchScene scene{.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
   scene.objects[0].motion = motion;
-  // half: of what is held.
+  // half: half the height of the held box.
   const auto trajectory_from = [](double begin_s, double half) {
     std::vector<TrajectoryRow> trajectory;
     for (int n = 0; n < 200; ++n) trajectory.push_back({.t_s = begin_s + 1e-3 * n, .p_WD = Vec3(0.01, 0.02, half + 0.00101)});
@@ -215,7 +215,7 @@ TEST(Replay, CsvKeepsEveryBit) {
   }
 }
 
-// The same columns, by voxels.
+// A tool that is computed by voxels fills the same columns.
 TEST(Replay, AToolByVoxelsIsFeltToo) {
   auto tool = VoxelTool::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {}, 0.001);
   ASSERT_TRUE(tool);
@@ -237,7 +237,7 @@ TEST(Replay, ATrajectoryGivesAToolTheTimeThatDampingNeeds) {
   EXPECT_NEAR(replay.rows.back().force_n.z(), 1000.0 * (0.01 - trajectory.back().p_WD.z()) + 4.0 * 0.015, 2e-3);
 }
 
-// At its grip point, with the buttons of the trajectory; each reset begins anew.
+// The effects act at the tool's grip point, with the buttons of the trajectory; each reset starts them anew.
 TEST(Replay, EffectsInFreeSpaceAreAddedToATool) {
   std::vector<TrajectoryRow> trajectory;
   for (int n = 0; n < 100; ++n) trajectory.push_back({1e-3 * n, {0.0, 0.0, 0.05 + 1e-4 * n}, Quat::Identity()});

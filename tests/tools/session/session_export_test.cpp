@@ -71,7 +71,7 @@ TEST_F(ExportTest, CyclesHaveAllThatWasRecorded) {
   EXPECT_EQ(exported.rows().trajectory, 1U);
 }
 
-// As it was sent, or from the cycle that kept it for itself; what is repeated, or older, is left out.
+// A sample is taken from its datagram or from its cycle, whichever comes first; repeated samples and older ones are left out.
 TEST_F(ExportTest, EachSampleIsInTheTrajectoryOnce) {
   sent(2);
   exported.add(cycle_of(2), nullptr);
@@ -81,7 +81,7 @@ TEST_F(ExportTest, EachSampleIsInTheTrajectoryOnce) {
   SessionEntry received;
   received.kind = SessionEntry::Kind::received;
   const Datagram datagram{{}, DeviceState{.sample = 9}};
-  exported.add(received, &datagram);  // not the hub's own
+  exported.add(received, &datagram);  // received: not a sample of the hub itself
   ASSERT_TRUE(exported.close());
   EXPECT_EQ(lines_of(folder / "trajectory.csv"),
             (std::vector<std::string>{"t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample", "0.002000000,0.5,-0.25,2,0.5,-0.5,0.5,-0.5,2",
@@ -150,7 +150,7 @@ TEST_F(ExportTest, AFolderThatCannotBeMadeIsOneLine) {
   EXPECT_NE(opened.error().what.find("the folder cannot be made"), std::string::npos);
 }
 
-// As a haptics node announces them: the vertices, then the start.
+// Adds a shape as a haptics node announces it: first the vertices, then the start.
 void add_shape(SessionExport& to, std::uint32_t serial, std::uint64_t sample, bool is_whole = true) {
   SessionEntry entry;
   entry.kind = SessionEntry::Kind::received;
@@ -216,7 +216,7 @@ TEST_F(ExportTest, OnAFullDiskThereAreNeitherShapesNorOtherTables) {
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-// The three tables are one result: without one of them there is none.
+// The three tables are one result: if one of them cannot be written, no table is kept.
 TEST_F(ExportTest, OnAFullDiskThereIsOneLineAndNoTable) {
   Result<void> closed;
   {

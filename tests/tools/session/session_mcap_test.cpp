@@ -29,7 +29,7 @@ SessionEntry cycle_at(std::uint64_t sample, std::int64_t time_ns) {
   return entry;
 }
 
-// What the haptics node sent the hub, or the hub passed on.
+// A datagram that the hub received from the haptics node, or passed on.
 SessionEntry datagram_of(SessionEntry::Kind kind, const Message& message, std::span<std::byte> into) {
   Codec codec;
   const std::size_t size = codec.encode({{.session = 1, .sender = 2, .sequence = 3}, message}, into);
@@ -60,7 +60,7 @@ struct McapRecordings : testing::Test {
   }
 };
 
-// The contents are checked by a reader of its own: tests/python/mcap_test.py.
+// An independent reader checks the contents: tests/python/mcap_test.py.
 TEST_F(McapRecordings, EveryCycleAndEveryEventIsAMessage) {
   for (std::uint64_t sample = 1; sample <= 10; ++sample) {
     if (sample != 5) codec.append(cycle_at(sample, kMcapStartNs + static_cast<std::int64_t>(sample)), bytes);
@@ -81,7 +81,7 @@ TEST_F(McapRecordings, EveryCycleAndEveryEventIsAMessage) {
   EXPECT_EQ(written->messages, 9U + 4U) << "sample 5 is an event, too";
 }
 
-// Of the hub's copies to vision nodes none is a message.
+// The copies that the hub sends to vision nodes are not messages of the file.
 TEST_F(McapRecordings, EachMoveOfAnObjectThatWasReceivedIsAMessage) {
   std::array<std::byte, kMaxDatagramBytes> datagram;
   const ObjectMove move{.source = 5, .serial = 1, .object = 2, .start_ns = 3, .end_ns = 4, .to_p_m = Vec3(0.1, 0.2, 0.3)};
@@ -139,7 +139,7 @@ TEST_F(McapRecordings, EachShapeOfAnObjectIsAMessage) {
   }
   codec.append(datagram_of(SessionEntry::Kind::received, expected.start, datagram), bytes);
   codec.append(datagram_of(SessionEntry::Kind::sent, expected.start, datagram), bytes);
-  // Its vertices were lost.
+  // The vertices of the second shape were lost.
   ShapeStart second = expected.start;
   second.serial = 2;
   codec.append(datagram_of(SessionEntry::Kind::received, second, datagram), bytes);

@@ -18,8 +18,8 @@ std::unique_ptr<TouchStep> make_clay_touch() {
   return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
 }
 
-constexpr std::uint64_t kTurn = 1500;  // samples: a stroke with the button down, one without, and a rest in free space
-constexpr std::uint64_t kRest = 1000;  // the rest begins
+constexpr std::uint64_t kTurn = 1500;  // samples of one turn: on the clay with and without the button, then a rest in free space
+constexpr std::uint64_t kRest = 1000;  // the sample of a turn at which the rest begins
 
 struct CarvesReplayTest : SessionReplayTest {
   std::vector<RecordedCarve> carves;
@@ -57,7 +57,7 @@ struct CarvesReplayTest : SessionReplayTest {
                                 .undone_first = made.undone.first,
                                 .undone_last = made.undone.last}});
   }
-  // Between two samples, as the haptics node does it.
+  // Undoes these carves between two samples, as the haptics node does.
   void undo(const CarveRange& range) {
     CarveList list;
     for (const RecordedCarve& one : carves) {
@@ -78,7 +78,7 @@ struct CarvesReplayTest : SessionReplayTest {
     return {point(one.from_m), point(one.to_m), static_cast<double>(one.radius_m)};
   }
   std::uint32_t newest() const { return static_cast<std::uint32_t>(carves.size()); }
-  // A new hub, which records: the haptics node has carved already.
+  // A new hub begins to record when the haptics node has already carved.
   void begin_recording() {
     recorded.clear();
     live.resume();
@@ -119,7 +119,7 @@ TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithWhatWasCarved) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// In contact, while it cuts, of all and of some: each time the hand is released or keeps its contact, and the force fades.
+// Undoes some carves or all, in contact or while the stylus cuts: each time the hand is released or keeps contact, and the force fades.
 TEST_F(CarvesReplayTest, AnUndoIsReplayedToTheLastBit) {
   carve(kTurn + 400);
   undo({newest() - 20, newest()});
@@ -135,7 +135,7 @@ TEST_F(CarvesReplayTest, AnUndoIsReplayedToTheLastBit) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// The test above can fail: without the undo the forces are others.
+// The test above can fail: if the undo concerns only one carve, the forces differ.
 TEST_F(CarvesReplayTest, WhatIsUndoneIsFelt) {
   carve(kTurn + 400);
   undo({1, newest()});
@@ -159,7 +159,7 @@ TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithoutWhatWasUndone) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// It is unknown before which of the samples in a gap the material came back.
+// In a gap it is unknown before which sample the material came back.
 TEST_F(CarvesReplayTest, AfterAnUndoInAGapNothingIsComparedUntilTheHandRests) {
   carve(kTurn + 300);
   undo({1, newest()});
@@ -172,7 +172,7 @@ TEST_F(CarvesReplayTest, AfterAnUndoInAGapNothingIsComparedUntilTheHandRests) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// The undo was lost, which the serials show: no force is called different for it.
+// The undo was lost, which the serials show: no force is reported as different because of it.
 TEST_F(CarvesReplayTest, WithoutAnUndoNothingIsCompared) {
   carve(kTurn + 300);
   undo({1, newest()});
@@ -185,7 +185,7 @@ TEST_F(CarvesReplayTest, WithoutAnUndoNothingIsCompared) {
   EXPECT_EQ(replay.counts().compared, kTurn + 300);
 }
 
-// The test can fail: with another shape the forces are others.
+// This test can fail: with another shape the forces differ.
 TEST_F(CarvesReplayTest, AnotherShapeIsAnotherForce) {
   carve(kTurn + kRest + 50);
   begin_recording();
@@ -196,7 +196,7 @@ TEST_F(CarvesReplayTest, AnotherShapeIsAnotherForce) {
   EXPECT_GT(replay.counts().different, 0U);
 }
 
-// No force is called different for a carve that the recording does not have.
+// No force is reported as different because of a carve that the recording lacks.
 TEST_F(CarvesReplayTest, WithoutACarveOfBeforeNothingIsCompared) {
   carve(kTurn + kRest + 50);
   begin_recording();
@@ -208,7 +208,7 @@ TEST_F(CarvesReplayTest, WithoutACarveOfBeforeNothingIsCompared) {
   EXPECT_EQ(replay.counts().unknown_method, recorded.size());
 }
 
-// While steps are missing the bodies are carved all the same; when the hand has rested in free space they are known again.
+// Carves are applied to the bodies even while steps are missing, so the bodies are known again once the hand has rested in free space.
 TEST_F(CarvesReplayTest, AfterAGapTheBodiesAreThoseThatWereCarvedMeanwhile) {
   carve(3 * kTurn);
   leave_out(kTurn + 300, kTurn + 500);

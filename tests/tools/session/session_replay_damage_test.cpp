@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// The sphere is farther away than the recording says: what is free there is not known to be free here.
+// The recording lacks a view in which the sphere was farther away: where the hand was free then, the replay may have contact.
 TEST_F(SessionReplayTest, WithAViewThatIsMissingNothingIsCompared) {
   slide(60);
   ViewTransform away{.revision = 3};
@@ -30,7 +30,7 @@ TEST_F(SessionReplayTest, WithAViewThatIsMissingNothingIsCompared) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// A program, or a vision node that was started again, may use a revision twice: a reply does not tell which of the poses it is of.
+// A program, or a restarted vision node, may use a revision twice: a reply does not tell with which of the two poses it was computed.
 TEST_F(SessionReplayTest, ForcesInAViewWhoseRevisionHasTwoPosesAreNotCompared) {
   slide(60);
   ViewTransform near{.revision = 3};
@@ -81,7 +81,7 @@ TEST_F(SessionReplayTest, AFirstReplyWithoutASenderIsRejectedInOneLine) {
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }
 
-// Four billion changes, none of which is in the recording. It would take minutes to look for each.
+// The damaged serial claims four billion changes, none of which is in the recording. Looking for each of them would take minutes.
 TEST_F(SessionReplayTest, AfterADamagedSerialNothingIsCompared) {
   slide(100);
   for (std::uint32_t ForceCommand::*serial :

@@ -26,7 +26,7 @@ inline std::unique_ptr<TouchStep> make_sphere_touch(const char* method) {
   return std::make_unique<TouchStep>(*make_method({.name = method}, one_sphere()));
 }
 
-// Shifts and turns there and back in 0.2 s, repeated.
+// A motion that shifts and turns the object and brings it back within 0.2 s, repeated.
 inline std::shared_ptr<const KeyframeMotion> make_turn_to_and_fro() {
   const Quat there(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
   return std::make_shared<const KeyframeMotion>(
@@ -35,7 +35,7 @@ inline std::shared_ptr<const KeyframeMotion> make_turn_to_and_fro() {
       true);
 }
 
-// A haptics node at work, whose states and replies are handed to a recording.
+// A running haptics step, whose states and replies are kept as a recording.
 struct SessionReplayTest : testing::Test {
   HapticsStep live;
   HapticsSetups setups;
@@ -59,7 +59,7 @@ struct SessionReplayTest : testing::Test {
     setups[{kSender, serial}] = setup;
   }
 
-  // Changes the material while it is touched. The state is what a node sends.
+  // Changes the material while the sphere is touched, and keeps the MaterialState that a node would send.
   std::vector<Material> tune(const MaterialChange& change) {
     MaterialState state{.serial = static_cast<std::uint32_t>(live.counts().materials_taken) + 1, .object_count = 1};
     state.objects[0] = {-1, change};
@@ -88,7 +88,7 @@ struct SessionReplayTest : testing::Test {
       recorded.emplace_back(state, reply(state));
     }
   }
-  // Out into free space after so many samples, and 50 steps in again.
+  // After `before` samples the hand is in free space again; 50 steps follow, in which it goes into contact again.
   void slide_in_again(std::uint64_t before) {
     sample = 0;
     for (int n = 0; n < 50; ++n) {

@@ -26,7 +26,7 @@ struct MovesReplayTest : SessionReplayTest {
 
   void announce(const ObjectMove& move) { moves[{kSender, move.serial, move.object}] = move; }
 
-  // What a program requests at this sample.
+  // Moves the object as a program requests it at this sample.
   ObjectMove move_to(const Vec3& p, double seconds) {
     const std::int64_t now_ns = live.scene_time_ns();
     const Keyframe from = live.touch().find_commanded(0)->keyframe_at(1e-9 * static_cast<double>(now_ns));
@@ -42,7 +42,7 @@ struct MovesReplayTest : SessionReplayTest {
     announce(move);
     return move;
   }
-  // Five moves, the last ones before those before them have ended.
+  // Five moves of 80 ms each: the last ones begin before the previous move has ended.
   void slide_and_move() {
     slide(60);
     for (int n = 0; n < 5; ++n) {
@@ -67,7 +67,7 @@ TEST_F(MovesReplayTest, MovesGiveTheSameForcesToTheLastBit) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// The test can fail: without the moves, or with one that started a sample later, the forces are others.
+// This test can fail: if one move starts a sample later, the forces differ.
 TEST_F(MovesReplayTest, AnotherStartIsAnotherForce) {
   slide_and_move();
   ObjectMove& third = moves.at({kSender, 3, 0});
@@ -89,7 +89,7 @@ TEST_F(MovesReplayTest, RepliesThatWereLostAreRepeatedWithTheirMoves) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// A move that the recording does not have: no force is called different for it.
+// The recording lacks a move: no force is reported as different because of it.
 TEST_F(MovesReplayTest, AfterALostMoveNothingIsCompared) {
   slide_and_move();
   moves.erase({kSender, 2, 0});
@@ -118,7 +118,7 @@ TEST_F(MovesReplayTest, ARecordingThatBeginsLaterKnowsWhereObjectsAre) {
   EXPECT_EQ(without.counts().compared, 0U) << "nothing says where the object is";
 }
 
-// A recording of a scene of before has neither serials nor moves.
+// The recording of a scene in which no program moves objects has neither serials nor moves.
 TEST_F(SessionReplayTest, ARecordingWithoutMovesIsReplayedAsBefore) {
   slide(100);
   SessionReplay replay = make_replay();

@@ -29,7 +29,7 @@ std::unique_ptr<TouchStep> make_soft_touch() {
 
 struct ShapesReplayTest : SessionReplayTest {
   using Announced = std::variant<ObjectShape, ShapeStart>;
-  // What came before the state of that number.
+  // What the node announced before the state that has this index in `recorded`.
   std::vector<std::pair<std::size_t, Announced>> announced;
   ProgramShape program_shape{.reach_m = 0.02};
   std::uint32_t serial = 0;
@@ -37,7 +37,7 @@ struct ShapesReplayTest : SessionReplayTest {
 
   ShapesReplayTest() : SessionReplayTest(make_soft_touch()) {}
 
-  // As the haptics node does it.
+  // Deforms the object as the haptics node does.
   void deform(double wider, double seconds) {
     StreamedMethod* method = live.touch().find_streamed(0);
     ASSERT_NE(method, nullptr);
@@ -59,7 +59,7 @@ struct ShapesReplayTest : SessionReplayTest {
     announced.emplace_back(recorded.size(), start);
     (void)live.deform(0, std::move(*stage), start.start_ns, start.end_ns);
   }
-  // One shape after the other, the next one a moment before the one before ends.
+  // Eight shapes, each for 40 ms: the first four motions are replaced 5 ms before they end, the others end before the next one.
   void slide_and_deform() {
     slide(60);
     for (int n = 0; n < 8; ++n) {
@@ -91,7 +91,7 @@ TEST_F(ShapesReplayTest, ShapesGiveTheSameForcesToTheLastBit) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// The test can fail: with a shape that differs, or starts later, the forces are others.
+// This test can fail: if one shape starts 1 ms later, the forces differ.
 TEST_F(ShapesReplayTest, AnotherShapeIsAnotherForce) {
   slide_and_deform();
   for (auto& [at, message] : announced) {
@@ -134,7 +134,7 @@ TEST_F(ShapesReplayTest, AMissingPartMakesForcesUnknownNotDifferent) {
   EXPECT_EQ(replay.counts().unknown_method + replay.counts().not_compared, recorded.size() - replay.counts().compared);
 }
 
-// Where the surfaces are known again they are made anew, for the method that is in use then.
+// When the surfaces are known again, they are made anew for the method that is in use then.
 TEST_F(ShapesReplayTest, AfterAMissingPartTheMethodIsStillTheNewest) {
   slide(10);
   live.replace(make_soft_touch());
@@ -165,9 +165,9 @@ TEST_F(ShapesReplayTest, ARecordingThatBeginsAfterAShapeIsUnknown) {
   EXPECT_EQ(replay.counts().different, 0U);
 }
 
-// A recording that begins when the haptics node has deformed the object already.
+// A recording that begins when the haptics node has already deformed the object.
 struct LateShapesReplayTest : ShapesReplayTest {
-  // What the haptics node sends again, on its own and on request: it may come at any time.
+  // What the haptics node sends again, on its own and on request: such messages may come at any time.
   FirstShapes first;
 
   void deform_thrice() {
@@ -220,7 +220,7 @@ TEST_F(LateShapesReplayTest, TheForcesAreThoseOfTheShapeThatWasThere) {
   EXPECT_EQ(replay_all().compared, 0U) << "without the shape nothing is known";
 }
 
-// The shape from which it moves was sent before.
+// The shape from which the object moves was sent before the recording began.
 TEST_F(LateShapesReplayTest, DuringAMotionTheyAreUnknownUntilItEnds) {
   deform_thrice();
   const std::int64_t left_ns = end_ns - live.scene_time_ns();
@@ -235,7 +235,7 @@ TEST_F(LateShapesReplayTest, DuringAMotionTheyAreUnknownUntilItEnds) {
   EXPECT_GT(counts.contact_steps, 50U);
 }
 
-// A program that sends one shape after the other: they are known from the second one that is in the recording on.
+// A program sends one shape after the other: forces are known from the second shape in the recording on.
 TEST_F(LateShapesReplayTest, InAStreamOfShapesTheyAreKnownAfterTwo) {
   deform_thrice();
   begin_recording(false);

@@ -115,14 +115,14 @@ TEST_F(SessionReplayTest, MaterialsHoldFromTheReplyThatCountsThem) {
   EXPECT_GT(replay.counts().contact_steps, 500U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 
-  // The test can fail: with other numbers, other forces.
+  // This test can fail: with another stiffness the forces differ.
   materials[{kSender, 2U}].objects[0].change.stiffness_n_per_m = 1701.0;
   SessionReplay wrong = make_replay();
   feed(wrong);
   EXPECT_GT(wrong.counts().different, 29U);
 }
 
-// A method takes over with the materials of its moment, whichever of the two changed first between two replies.
+// A new method begins with the materials of that moment, whether the method or the materials changed first between two replies.
 TEST_F(SessionReplayTest, MethodsAndMaterialsThatChangeBetweenTwoRepliesAreReplayedInTheirOrder) {
   slide(100);
   std::vector<Material> tuned = tune(kSofter);
@@ -198,7 +198,7 @@ TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().unknown_method, 40U);
-  // The last force of the unknown one fades in the air.
+  // The last force of the unknown method fades out in free space.
   EXPECT_NEAR(static_cast<double>(replay.counts().not_compared), 1e3 * ForceFade::kInAirS, 1.0);
   EXPECT_EQ(replay.counts().compared + replay.counts().not_compared, 160U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
@@ -224,7 +224,7 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }
 
-// A hub that began to record later has not seen the view itself, only the setup that names it.
+// A hub that began to record later has not received the view itself, only the setup that names it.
 TEST_F(SessionReplayTest, AViewThatOnlyASetupNamesHoldsAsWell) {
   slide(60);
   ViewTransform view{.revision = 3};
@@ -256,7 +256,7 @@ TEST_F(SessionReplayTest, ForcesInAViewThatIsNotRecordedAreNotCompared) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// Torque and offset are drawn and felt as the force is.
+// The torque is felt and the visual offset is drawn, so a change of either of them is a difference, too.
 TEST_F(SessionReplayTest, OneChangedBitOfAnyResultIsADifference) {
   slide(100);
   const auto next_bit = [](double& number) { number = std::nextafter(number, 1e9); };
@@ -323,7 +323,7 @@ TEST_F(MovingReplayTest, TheyGiveTheSameForcesToTheLastBit) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// They had moved for a while, and the first reply of the recording was lost.
+// The objects had moved for a while, and the first reply of the recording was lost.
 TEST_F(MovingReplayTest, ARecordingThatBeginsLaterKnowsWhereTheyWere) {
   slide(100);
   slide_in_again(100);
@@ -386,7 +386,7 @@ TEST_F(EffectsReplayTest, WhatBeganBeforeTheRecordingIsNotCompared) {
   EXPECT_EQ(replay.counts().different, 0U);
 }
 
-// The node started again after a long gap: the recording cannot tell that from a gap without one.
+// The haptics node was restarted after a long gap: the recording cannot tell that from a gap without a restart.
 TEST_F(EffectsReplayTest, AfterALongGapNothingIsCompared) {
   slide(100);
   sample += 200;

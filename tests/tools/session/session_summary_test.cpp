@@ -18,7 +18,7 @@ constexpr std::int64_t kStartNs = 5'000'000'000;
 constexpr std::int64_t kMs = 1'000'000;
 const std::array<std::byte, 100> kBytes = {};
 
-// What a person is told of a recording by: hapton session info.
+// Tests the text that `hapton session info` prints about a recording.
 struct SessionSummaryTest : testing::Test {
   void add(SessionEntry::Kind kind, std::int64_t at_ms, const Message& message) {
     SessionEntry entry;
@@ -58,7 +58,7 @@ struct SessionSummaryTest : testing::Test {
 TEST_F(SessionSummaryTest, SaysWhatItIsAndHowLongItTook) {
   add(SessionEntry::Kind::sent, 100, DeviceState{});
   add(SessionEntry::Kind::sent, 1600, DeviceState{});
-  add(SessionEntry::Kind::sent, 1500, DeviceState{});  // of another thread, a little late
+  add(SessionEntry::Kind::sent, 1500, DeviceState{});  // written by another thread, a little late
   EXPECT_THAT(text(), HasSubstr("session, begun 1970-01-01 00:00:00 UTC, 1.500 s, 3 entries\n"));
   EXPECT_THAT(text(), HasSubstr("hub: 0.9 of a test\nsettings: rate 1000, device simulated\n"));
   header.fault = "speed";
@@ -89,7 +89,7 @@ TEST_F(SessionSummaryTest, SaysWhatWasFelt) {
   force.force_n = Vec3(0, 0, 1);
   add(SessionEntry::Kind::received, 10, force);
   force.force_n = Vec3(9, 0, 0);
-  add(SessionEntry::Kind::sent, 10, force);  // to a recorder: it is not another force
+  add(SessionEntry::Kind::sent, 10, force);  // a copy to a recorder, not another force
   add_cycle(10, {.sample = 1, .written_n = Vec3(2, 0, 0)});
   add_cycle(11, {.sample = 2, .written_n = Vec3(1, 0, 0)});
   EXPECT_THAT(text(), HasSubstr("forces: 1 in contact, maximum requested 5.000 N, maximum written 2.000 N\n"));
@@ -123,7 +123,7 @@ TEST_F(SessionSummaryTest, TimesOfAHostileFileDoNoHarm) {
   EXPECT_THAT(text(), HasSubstr("marker at 9223372036.854776 s"));
 }
 
-// No reply has them, so nobody finds them among the forces that a replay compares.
+// Forces that io_node computed are in no reply, so they are not among the forces that a replay compares.
 TEST_F(SessionSummaryTest, CountsTheForcesThatIoNodeComputed) {
   add_cycle(10, {.sample = 1});
   EXPECT_THAT(text(), Not(HasSubstr("computed by io_node")));

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A box of 50 mm, 500 steps a second.
+// Runs `hapton trajectory` for a box of 50 mm: 300 rows, 500 of them a second.
 CommandRun make_trajectory_of(const std::string& kind, const std::filesystem::path& out, const std::vector<std::string>& more = {}) {
   std::vector<std::string> words = {"trajectory", "--shape", "box", "--scale-to", "0.05", "--kind", kind,        "--rows",
                                     "300",        "--rate",  "500", "--seed",     "3",    "--out",  out.string()};
@@ -58,7 +58,7 @@ TEST(TrajectoryCommand, TheMeshIsWrittenAsItWasFollowed) {
   EXPECT_NEAR(compute_bounds(loaded->mesh).extent(), 0.05, 1e-9);
 }
 
-// The rows replaced the mesh, and the mesh was lost without a word.
+// Without this check the rows would replace the mesh in the same file, without a message.
 TEST(TrajectoryCommand, OneFileIsNotBothOutputs) {
   const ScratchFolder folder;
   const CommandRun run = make_trajectory_of("tap", folder.path() / "a.ply", {"--mesh-out", (folder.path() / "b/../a.ply").string()});

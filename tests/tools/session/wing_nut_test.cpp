@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kNutTurn = 2.0 * std::numbers::pi;
 constexpr double kNutPitchM = 0.004;
-constexpr double kNutFootM = -0.011;  // of the thread: the nut's threads lie in the bolt's where it is multiples of the pitch above
-// The clearance of 0.2 mm along the steepest flank, where the radius changes by pi / 2 of the height.
+constexpr double kNutFootM = -0.011;  // foot of the thread: the nut fits into the bolt's thread where it is whole pitches above this
+// Axial play: the clearance of 0.2 mm at the steepest flank, where the radius changes by pi / 2 times the height.
 constexpr double kNutPlayM = 0.0002 / (0.5 * std::numbers::pi);
 
 class WingNut : public testing::Test {
@@ -39,12 +39,12 @@ class WingNut : public testing::Test {
     X.linear() = turn_by(angle_rad * Vec3::UnitY()).toRotationMatrix();
     return X;
   }
-  // Of the drawn nut, the nearest to the angle given.
+  // The angle of the drawn nut; of the angles that differ by whole turns it is the one nearest to near_rad.
   static double angle_of(const Pose& X_WP, double near_rad) {
     const double angle = std::atan2(X_WP.linear()(0, 2), X_WP.linear()(2, 2));
     return angle + kNutTurn * std::round((near_rad - angle) / kNutTurn);
   }
-  // By exact signs.
+  // PenetrationCheck decides by exact signs.
   void expect_free(int n) { ASSERT_FALSE(check_->penetrates(step_->proxy().placement())) << n; }
 
   std::unique_ptr<ToolStep> step_;
@@ -58,7 +58,7 @@ TEST_F(WingNut, ATurnMovesItAlongByThePitch) {
   double risen_m = 0.0;
   for (int n = 1; n <= 300; ++n) {
     const double angle = kNutTurn * n / 300.0;
-    const double hand_m = start_m + kNutPitchM * angle / kNutTurn - 0.001;  // it lags: the thread has to lead
+    const double hand_m = start_m + kNutPitchM * angle / kNutTurn - 0.001;  // the hand lags behind: the thread must lift the nut
     const ToolOutput out = step_->step({nut_at(hand_m, angle)});
     ASSERT_FALSE(out.proxy.is_blocked);
     const double turned = angle_of(out.X_WP, angle);

@@ -15,7 +15,7 @@ TEST(ProcessStats, SeeOneDescriptorAndOneThreadMore) {
   std::mutex gate;
   gate.lock();
   const auto wait = [&] { const std::lock_guard pass(gate); };
-  // A sanitizer's own thread begins with the first. It goes on: one that was joined may still be counted for a moment.
+  // A sanitizer starts its own thread together with `first`, which keeps running: a thread that was joined may still count for a moment.
   std::thread first(wait);
   const auto before = read_process_figures(::getpid());
   const int opened = ::open("/dev/null", O_RDONLY | O_CLOEXEC);

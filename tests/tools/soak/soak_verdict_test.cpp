@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// An hour without an event, looked at every 30 s: some jitter in each figure, as a real one has.
+// An hour without an event, with an observation every 30 s and some jitter in each figure, as in a real run.
 SoakRun an_hour() {
   SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .samples = {}, .ended = {}};
   for (int i = 1; i <= 120; ++i) {
@@ -61,7 +61,7 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
   EXPECT_EQ(json["round_trip_max_us"], 5000.0);
 }
 
-// What was looked at, in the order of the findings: the constant ones in one word.
+// The text names the observed figures in the order of the findings, and those that are constant together at the end.
 TEST(SoakVerdict, AFlatRunSaysWhatItLookedAt) {
   SoakRun run = an_hour();
   const std::string text = to_text(run, evaluate_soak(run));
