@@ -33,7 +33,7 @@ InkFound find_ink(StereoView& view, bool (*wanted)(const std::uint8_t*), int fro
   return found;
 }
 
-// On the ball, `turn` round it from the side that faces the viewer, `rise` above its middle.
+// A point on the ball: `turn` is its angle about the vertical axis from the side that faces the viewer, `rise` its angle above the equator.
 Vec3 on_ball(double turn, double rise) {
   return kBall * Vec3(std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise));
 }
@@ -73,7 +73,7 @@ TEST_F(AnnotationFigureTest, NothingIsDrawnOfAnotherScene) {
   EXPECT_TRUE(view->annotation_figure().labels().empty());
 }
 
-// Its vertices lie on the ball, so its pieces dip below the surface, by as much as the bound.
+// The vertices of the stroke lie on the ball, so its segments dip below the surface, by as much as the bound.
 TEST_F(AnnotationFigureTest, AStrokeOnARoundSurfaceIsSeenInFullAndHiddenByWhatIsInFront) {
   const auto draw = [&](double turn) {
     Stroke stroke{0, {}};
@@ -123,7 +123,7 @@ TEST_F(AnnotationFigureTest, AStrokeGoesWithTheSceneAndItsObject) {
   X_SO.translation() = Vec3(-0.03, 0.01, 0.02);
   view->annotation_figure().set_objects({Pose::Identity(), X_SO}, -1, Pose::Identity());
   EXPECT_LT(at(X_WS * (X_SO * p)), 0.8);
-  // Picked up: it hangs at the stylus.
+  // The object is picked up: the stroke moves with the stylus.
   Pose X_TO = Pose::Identity();
   X_TO.translation() = Vec3(0.0, -0.03, 0.0);
   view->annotation_figure().set_objects({Pose::Identity(), X_SO}, 1, X_TO);
@@ -152,7 +152,7 @@ TEST_F(AnnotationFigureTest, AMeasureHasItsLengthAndShowsThrough) {
   EXPECT_EQ(labels[0].p_W, Vec3::Zero());
   view->draw();
   const Picture picture = view->read_picture();
-  // Solid beside the ball, every other block before it.
+  // The line is solid beside the ball. Where the ball is in front of it, every other block of it is drawn.
   const auto share = [&](double from, double to) {
     const Vec2 a = project_to_pixel(view->screen(), Eye::centre, {640, 480}, {from, 0, 0});
     const Vec2 b = project_to_pixel(view->screen(), Eye::centre, {640, 480}, {to, 0, 0});

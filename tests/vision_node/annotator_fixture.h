@@ -37,7 +37,7 @@ struct AnnotatorTest : testing::Test {
     ASSERT_TRUE(opened) << opened.error().what;
     annotator = std::move(*opened);
   }
-  // The device inside a ball, the probe on its surface, a ball of the probe's radius away.
+  // The device point is inside a ball; the drawn probe is outside, a tenth of the ball's radius above its surface.
   void touch(const Vec3& direction, std::uint32_t buttons, std::int32_t object = 0, const Pose& X_WS = Pose::Identity()) {
     ProbeState state;
     const Vec3 centre = object == 1 ? Vec3(0.1, 0, 0) : Vec3(0, 0, 0);

@@ -1,4 +1,4 @@
-// What is drawn and measured on surfaces that change: deforming, by keyframes or by a program, and carved.
+// Strokes and measures on surfaces that change: deformed by morphs or by a program, or carved.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,11 +30,11 @@ struct DeformingAnnotatorTest : AnnotatorTest {
     scene.objects[0].deformation =
         std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{target}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
   }
-  // Touches the left ball as large as it is then.
+  // Touches the left ball in its size and place at time_s.
   void touch_at(double time_s, const Vec3& direction, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
-    state.p_WD = time_s * kUp + 1.1 * (1.0 + time_s) * kSphere * direction.normalized();  // outside, where a vertex is closest
+    state.p_WD = time_s * kUp + 1.1 * (1.0 + time_s) * kSphere * direction.normalized();  // outside: the closest point is a vertex
     state.contact = true;
     state.object = 0;
     state.buttons = buttons;
@@ -55,7 +55,7 @@ TEST_F(DeformingAnnotatorTest, ADistanceIsMeasuredOnTheSurfaceAsItIs) {
   touch_at(1.0, Vec3::UnitZ(), kRuleButton);
   touch_at(1.0, Vec3::UnitX(), kRuleButton);
   ASSERT_EQ(entries().size(), 1U);
-  // 2 r sqrt(2)
+  // 2 r sqrt(2), where r is the radius at rest.
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 84.85 mm"));
 }
 
@@ -79,7 +79,7 @@ TEST_F(DeformingAnnotatorTest, MarksGoAlongWithTheSurface) {
   const auto after = annotator->revision();
   annotator->show(Pose::Identity());
   EXPECT_EQ(annotator->revision(), after) << "nothing is new";
-  // Kept by where it is at rest, so that the file says the same at any time; exported as it is.
+  // The measure is kept by points of the surface at rest, so that the file is the same at any time. The export has the present surface.
   ASSERT_TRUE(annotator->finish());
   const Measure& kept = std::get<Measure>(entries()[0]);
   EXPECT_LE((kept.ends[0].p_O - kSphere * Vec3::UnitZ()).norm(), 1e-12);
@@ -93,7 +93,7 @@ TEST_F(DeformingAnnotatorTest, MarksGoAlongWithTheSurface) {
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm"));
 }
 
-// A stroke across several facets; at twice the size it is twice as large.
+// A stroke across several facets, drawn while the ball grows to twice its size.
 TEST_F(DeformingAnnotatorTest, AStrokeStretchesWithTheSurface) {
   ASSERT_TRUE(view);
   open();
@@ -112,14 +112,14 @@ TEST_F(DeformingAnnotatorTest, AStrokeStretchesWithTheSurface) {
   ASSERT_EQ(entries().size(), 1U);
   const std::vector<Vec3>& points = std::get<Stroke>(entries()[0]).points_m;
   EXPECT_GT(points.size(), 5U);
-  // Each point was on the ball as large as it was then: kept, they are all on the one at rest, of 24 facets around.
+  // Each point was on the ball in its size of that moment. They are kept as points of the ball at rest, which has 24 facets around.
   for (const Vec3& p : points) {
     EXPECT_LE(p.norm(), kSphere * (1.0 + 1e-12));
     EXPECT_GE(p.norm(), kSphere * 0.98);
   }
 }
 
-// The same growth, as a program gives it: known once its parts have come.
+// A program makes the ball grow in the same way; its shape is known once all its parts have arrived.
 TEST_F(AnnotatorTest, MarksGoAlongWithASurfaceThatAProgramDeforms) {
   ASSERT_TRUE(view);
   scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.2});
@@ -167,7 +167,7 @@ TEST_F(AnnotatorTest, MarksGoAlongWithASurfaceThatAProgramDeforms) {
   EXPECT_LE((kept.ends[0].p_O - kSphere * Vec3::UnitY()).norm(), 1e-8) << "by where it is at rest";
 }
 
-// A pit that is carved as deep as the middle of a ball: what is touched is its bottom.
+// A pit is carved as deep as the centre of the ball: the bottom of the pit is what is touched.
 TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
   ASSERT_TRUE(view);
   constexpr float kPit = 0.005F;
@@ -193,7 +193,7 @@ TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
     annotator->receive(state, Pose::Identity());
   };
   press_at({0, 0, kPit - 0.0005}, 0);
-  press_at({0, 0, kPit - 0.0005}, kRuleButton);  // the ball is on the bottom, its centre half a millimetre below that of the pit
+  press_at({0, 0, kPit - 0.0005}, kRuleButton);  // the tool touches the bottom, its centre is half a millimetre lower than that of the pit
   press_at({kSphere + 0.004, 0, 0}, 0);
   press_at({kSphere + 0.004, 0, 0}, kRuleButton);
   ASSERT_EQ(entries().size(), 1U);
@@ -201,7 +201,7 @@ TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
   EXPECT_LE(measure.ends[0].p_O.norm(), 0.2 * kVoxel) << "the bottom of the pit";
   EXPECT_LE((measure.ends[1].p_O - kSphere * Vec3::UnitX()).norm(), 0.2 * kVoxel);
   EXPECT_NEAR(compute_length_m(measure, {}), kSphere, 0.1 * kVoxel);
-  // Material under a mark that is carved away leaves it where it was.
+  // A mark stays where it was when the material under it is carved away.
   carves = {.source = 1, .newest = 2, .first = 2, .count = 1};
   carves.carves[0] = {.object = 0, .from_m = {0, 0, 0}, .to_m = {0, 0, 0}, .radius_m = 0.02F};
   carved.take(carves, Arrival::newest);

@@ -28,7 +28,7 @@ TEST_F(AnnotatorTest, AStrokeLiesOnTheSurfaceDrawnThoughTheProbeDoesNot) {
   EXPECT_EQ(stroke.object, 1);
   ASSERT_GT(stroke.points_m.size(), 2U);
   for (const Vec3& p : stroke.points_m) {
-    // A facet of the ball is up to 1 - cos(7.5 degrees) of its radius below it.
+    // The middle of a facet is below the sphere by up to 1 - cos(7.5 degrees) of the radius.
     EXPECT_LE((p - Vec3(0.1, 0, 0)).norm(), kSphere * (1.0 + 1e-12));
     EXPECT_GE((p - Vec3(0.1, 0, 0)).norm(), kSphere * 0.98);
   }
@@ -137,7 +137,7 @@ TEST_F(AnnotatorTest, StrokesGoWithAnObjectThatIsMovedAndItsPoseIsSaved) {
   annotator->receive(ObjectPose{.serial = 3, .object = 1, .p_m = by});
   annotator->receive(ObjectPose{.serial = 3, .object = 9, .p_m = by});
   lift();
-  // Touched where it lies now.
+  // Touches the object where it lies now.
   ProbeState state;
   state.p_WD = Vec3(0.1, 0, 0) + by + Vec3(0, 0, 0.9 * kSphere);
   state.contact = true;
@@ -220,7 +220,7 @@ TEST_F(AnnotatorTest, UndosThatComeBeforeTheReplyAreDoneAfterIt) {
   EXPECT_EQ(next->p_m, Vec3::Zero());
 }
 
-// What lay there before must not be undone in its place.
+// The stroke before the move must not be undone in place of the move.
 TEST_F(AnnotatorTest, WhileAnObjectIsHeldTheMoveBeforeIsNotUndone) {
   ASSERT_TRUE(view);
   open();
@@ -303,7 +303,7 @@ TEST_F(AnnotatorTest, TheMenuIsDrawnAndTheEntryAtTheTipIsLight) {
   open();
   press({.menu = true});
   const Vec3 undo = annotator->menu().pose() * place_entry(TouchMenu::Entry::undo);
-  // At its right end, beside the letters.
+  // At the right end of the entry, beside its letters.
   const Vec3 seen = undo + annotator->menu().pose().linear() * Vec3(0.45 * TouchMenu::kWidthM, 0, 0);
   const auto colour = [&] {
     annotator->show(Pose::Identity());
@@ -322,7 +322,7 @@ TEST_F(AnnotatorTest, TheMenuIsDrawnAndTheEntryAtTheTipIsLight) {
   EXPECT_EQ(colour(), (std::array<int, 3>{0, 0, 0}));
 }
 
-// The object of that number is another one now.
+// In the other scene the same number names another object.
 TEST_F(AnnotatorTest, WhatWasPutDownInASceneOfOtherObjectsIsNotPutBack) {
   ASSERT_TRUE(view);
   open();

@@ -33,7 +33,7 @@ TriangleMesh make_tetrahedron() {
   return mesh;
 }
 
-// Beside an open sheet, a body is still not seen from behind, in any level of detail.
+// One mesh has a closed body and an open sheet: the backs of the sheet are drawn, those of the body are not.
 TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
   TriangleMesh mesh = make_icosphere(0.1, 3);
   const std::size_t ball = mesh.triangles.size();
@@ -51,7 +51,7 @@ TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
     hidden += cluster.count / 3;
     for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) EXPECT_EQ(level.without_back[level.indices[i]], 1);
   }
-  EXPECT_GT(static_cast<double>(hidden), 0.9 * static_cast<double>(ball));  // the cluster with the sheet may have some of them
+  EXPECT_GT(static_cast<double>(hidden), 0.9 * static_cast<double>(ball));  // the sheet's cluster may contain some triangles of the body
   MeshAppearance look;
   look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .is_double_sided = true});
   DetailLevel seen = make_full_level(mesh, frame_detail(mesh));

@@ -1,4 +1,4 @@
-// A screen that stands anywhere, as the cameras see it: what is drawn at a point is on the straight line from the eye to it.
+// A screen in any pose, as the cameras use it: a point is drawn where the straight line from the eye to the point crosses the screen.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ Framing framing_of(const PlacedScreen& placed) {
   return frame_scene(Scene(), options);
 }
 
-// By the corners alone: where the line from the eye to the point crosses their plane, in shares of its edges.
+// From the corners alone: the pixel at which the line from the eye to the point crosses the plane of the screen.
 Vec2 pixel_by_corners(const PlacedScreen& placed, Eye eye, PictureSize size, const Vec3& p_W) {
   const ScreenCorners corners = find_corners(placed.screen);
   const Vec3 right = corners[1] - corners[0];
@@ -83,7 +83,7 @@ TEST(CalibratedScreen, APointIsDrawnOnTheLineFromTheEyeToIt) {
   }
 }
 
-// Whatever the head and the window: a millimetre at the screen is a millimetre of the picture.
+// For every head and every window, a point of the screen is drawn at its own place: a millimetre is drawn as a millimetre there.
 TEST(CalibratedScreen, PointsOfTheScreenAreDrawnWhereTheyAre) {
   for (const PlacedScreen& placed : placed_screens()) {
     for (const PictureSize size : {PictureSize{640, 480}, kStretched, PictureSize{300, 900}}) {
@@ -111,7 +111,7 @@ TEST(CalibratedScreen, TheViewerIsAsLargeAsInReality) {
   }
 }
 
-// The scene and the workspace are between the planes near and far, as far as they are before the eyes.
+// The scene and the workspace lie between the near and the far plane, except for parts that are not in front of the eyes.
 TEST(CalibratedScreen, TheWorkspaceIsBetweenNearAndFar) {
   const double radius_m = 0.5 * Vec3(0.2667, 0.1905, 0.381).norm();
   for (const PlacedScreen& placed : placed_screens()) {

@@ -1,4 +1,4 @@
-// Carved material among strokes and measures: undo in the order in which things were done, and the file.
+// Carves together with strokes and measures: undo, which begins with what was done last, and the file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ struct CarveUndoTest : testing::Test {
     EXPECT_TRUE(read) << read.error().what;
     return read ? read->annotations.carved : std::vector<CarvedPress>();
   }
-  // Until the thread has the field, so that strokes find a surface.
+  // Waits until the thread has computed the field, so that strokes find a surface.
   void settle() {
     for (int n = 0; n < 60'000 && !carved->is_up_to_date(); ++n) {
       carved->show();
@@ -83,7 +83,7 @@ struct CarveUndoTest : testing::Test {
     }
   }
 
-  // Presses the key, and returns the line that says what has become of it.
+  // Presses the key for an export, and returns the line that reports its result.
   std::string export_work() {
     annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
     std::string line;
@@ -147,7 +147,7 @@ TEST_F(CarveUndoTest, ARequestIsRepeatedUntilTheUndoComes) {
   int sent = 0;
   for (int n = 1; n <= 100; ++n) sent += annotator->take_carve_undo(n * kTenth / 10) ? 1 : 0;
   EXPECT_EQ(sent, 10) << "in a second";
-  // Pressed again meanwhile it is the same request.
+  // A second press meanwhile makes no second request.
   undo();
   const auto again = annotator->take_carve_undo(12 * kTenth);
   ASSERT_TRUE(again);
@@ -156,7 +156,7 @@ TEST_F(CarveUndoTest, ARequestIsRepeatedUntilTheUndoComes) {
   EXPECT_LT(sent, 250) << "it is given up";
 }
 
-// The viewer was killed after it had saved; haptics_node goes on, or has begun again with the file.
+// vision_node was killed after it had saved. haptics_node still runs (3), or was started again with the file (8).
 TEST_F(CarveUndoTest, AfterARestartTheNewestIsUndoneFirstToo) {
   ASSERT_TRUE(view);
   for (const std::uint32_t source : {3U, 8U}) {
@@ -185,7 +185,7 @@ TEST_F(CarveUndoTest, AfterARestartTheNewestIsUndoneFirstToo) {
   }
 }
 
-// A haptics node that has begun anew counts its carves anew.
+// A haptics node that was started again counts its carves from 1 again.
 TEST_F(CarveUndoTest, CarvesOfANewHapticsNodeAreNewerThanWhatWasDrawnBefore) {
   ASSERT_TRUE(view);
   open();
@@ -226,7 +226,7 @@ TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
   carve();
   ASSERT_TRUE(annotator->finish());
   ASSERT_EQ(saved().size(), 2U);
-  // Again, with a haptics node that has read the file: nothing is written.
+  // Another run, with a haptics node that has read the file: nothing is written.
   open();
   serial = 0;
   carve(5);
@@ -234,7 +234,7 @@ TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
   std::filesystem::remove(options.file);
   ASSERT_TRUE(annotator->finish());
   EXPECT_FALSE(std::filesystem::exists(options.file));
-  // One more.
+  // One more carve, so the file is written.
   carve(5);
   ASSERT_TRUE(annotator->finish());
   EXPECT_EQ(saved().size(), 3U);
@@ -252,7 +252,7 @@ TEST_F(CarveUndoTest, WhatIsUndoneIsNotSaved) {
   EXPECT_NEAR(after[0].carves[0].from_m.y(), 0.002, 1e-9);
 }
 
-// As in a session that began without a file: they may be undone since.
+// The line is that of a session that began without a file: the carves of the file may have been undone since.
 TEST_F(CarveUndoTest, TheCornerDoesNotCountCarvesOfTheFile) {
   ASSERT_TRUE(view);
   open();
@@ -266,7 +266,7 @@ TEST_F(CarveUndoTest, TheCornerDoesNotCountCarvesOfTheFile) {
   EXPECT_EQ(annotator->describe(), line);
 }
 
-// The file is not lost where haptics_node began without it.
+// The carves of the file are not lost when haptics_node was started without the file.
 TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   ASSERT_TRUE(view);
   open();
@@ -286,7 +286,7 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   EXPECT_EQ(saved().size(), 3U) << "both";
 }
 
-// As with --watch-scene: the new scene counts its objects anew, and its carves have not come yet.
+// This happens with --watch-scene: the new scene numbers its objects anew, and its carves have not arrived yet.
 TEST_F(CarveUndoTest, CarvesOfTheFileStayOnTheirObjectInASceneOfOtherObjects) {
   ASSERT_TRUE(view);
   open();
@@ -318,7 +318,7 @@ TEST_F(CarveUndoTest, AKeyExportsWhatIsDrawnAndCarvedAndThePictureSaysWhere) {
   EXPECT_EQ(export_work(), "exported to " + folder.path().string() + ": hapton_export_001.vtp");
   carve();
   EXPECT_EQ(export_work(), "exported to " + folder.path().string() + ": hapton_export_002.vtp, hapton_export_002_clay.stl");
-  // Smaller than the ball, which is closed.
+  // The exported surface is closed, and smaller than the ball.
   const double volume = volume_of("hapton_export_002_clay.stl");
   const double ball = 4.0 / 3.0 * std::numbers::pi * std::pow(kUndoClayRadius, 3);
   EXPECT_LT(volume, 0.995 * ball);
@@ -334,7 +334,7 @@ TEST_F(CarveUndoTest, AKeyExportsWhatIsDrawnAndCarvedAndThePictureSaysWhere) {
   EXPECT_EQ(annotator->take_notice(), "saved in " + options.file.string());
 }
 
-// It is computed in a thread of its own, of the work as it was at the key, with all carves that had come.
+// An export is computed in its own thread, from the work at the moment of the key, with all carves that had arrived by then.
 TEST_F(CarveUndoTest, AnExportHasTheCarvesOfItsMomentAndIsFinishedAtTheEnd) {
   ASSERT_TRUE(view);
   options.export_folder = folder.path();
@@ -353,7 +353,7 @@ TEST_F(CarveUndoTest, AnExportHasTheCarvesOfItsMomentAndIsFinishedAtTheEnd) {
   EXPECT_GT(second, 1.0001 * third);
 }
 
-// As with --watch-scene, when the file is saved while an export is computed.
+// This happens with --watch-scene, when the scene file is saved while an export is computed.
 TEST_F(CarveUndoTest, AnExportOutlivesTheObjectsThatItIsOf) {
   ASSERT_TRUE(view);
   options.export_folder = folder.path();
@@ -367,7 +367,7 @@ TEST_F(CarveUndoTest, AnExportOutlivesTheObjectsThatItIsOf) {
   EXPECT_GT(volume_of("hapton_export_001_clay.stl"), 0.0);
 }
 
-// A name of a scene file may have any letters, and several objects may have the same.
+// A scene file may give an object any name, and several objects may have the same name.
 TEST_F(CarveUndoTest, TheNamesOfExportedSurfacesAreThoseOfTheirObjects) {
   ASSERT_TRUE(view);
   scene.objects[0].name = "a/b c";
@@ -382,7 +382,7 @@ TEST_F(CarveUndoTest, TheNamesOfExportedSurfacesAreThoseOfTheirObjects) {
               testing::EndsWith(": hapton_export_001_0_a_b_c.stl, hapton_export_001_1_a_b_c.stl, hapton_export_001_the-third.stl"));
 }
 
-// It is what was begun last.
+// The measure was begun after the carve, so it is undone first.
 TEST_F(CarveUndoTest, UndoOfAMeasureThatWasBegunPutsNoMaterialBack) {
   ASSERT_TRUE(view);
   open();
@@ -404,7 +404,7 @@ TEST_F(CarveUndoTest, UndoOfAMeasureThatWasBegunPutsNoMaterialBack) {
   EXPECT_TRUE(annotator->take_carve_undo(2 * kTenth)) << "now the carve";
 }
 
-// Another one has a carve of the same number.
+// Another haptics node may have a carve with the same number.
 TEST_F(CarveUndoTest, ARequestEndsWithTheHapticsNodeThatItIsFor) {
   ASSERT_TRUE(view);
   open();

@@ -38,13 +38,13 @@ struct CarvedObjectsTest : testing::Test {
     if (view) carved.emplace(*view, scene);
   }
 
-  // The red pixel where a point of the scene is drawn; the first eye's picture.
+  // The red value of the pixel where a point of the scene is drawn, in a picture that begins at column `left`.
   int red_at(const Vec3& p, Eye eye = Eye::centre, PictureSize size = {640, 480}, int left = 0) {
     view->draw();
     const Vec2 at = project_to_pixel(view->screen(), eye, size, p);
     return view->read_picture().at(left + static_cast<int>(at.x()), static_cast<int>(at.y()))[0];
   }
-  // Until the thread has drawn everything. The limit is for a machine that stands still, not for how long it may take.
+  // Waits until the thread has drawn everything. The limit is for a machine that stalls; it says nothing about how long drawing may take.
   bool settle() {
     bool has_changed = false;
     for (int n = 0; n < 60'000; ++n) {
@@ -84,7 +84,7 @@ TEST_F(CarvedObjectsTest, AHoleIsSeenWhereItWasCarved) {
   EXPECT_FALSE(settle()) << "again";
 }
 
-// All modes show the same two pictures; here the eyes' own are looked at.
+// All stereo modes show the same two pictures; this test looks at each of the two.
 TEST_F(CarvedObjectsTest, BothEyesSeeIt) {
   open(StereoMode::side_by_side);
   ASSERT_TRUE(view);
@@ -124,7 +124,7 @@ TEST_F(CarvedObjectsTest, WhatIsMissingIsRequested) {
   EXPECT_EQ(red_at(kInHole), 0) << "what has come is seen all the same";
 }
 
-// It moves as its mesh would.
+// A carved object moves as its mesh would.
 TEST_F(CarvedObjectsTest, ItIsDrawnWhereTheObjectIs) {
   open();
   ASSERT_TRUE(view);
@@ -158,7 +158,7 @@ TEST_F(CarvedObjectsTest, ASceneWithoutClayNeedsNothing) {
   EXPECT_FALSE(none.take_request(0));
 }
 
-// Forwards, backwards, and over the place where another haptics process begins.
+// The time goes forwards, backwards, and past the moment at which another haptics process begins.
 TEST_F(CarvedObjectsTest, ARecordingShowsWhatWasCarvedUntilThen) {
   const ScratchFolder scratch;
   auto reader = SessionReader::open(MadeRecording().write(scratch));
@@ -204,7 +204,7 @@ TEST_F(CarvedObjectsTest, WhatIsUndoneIsSeenAgain) {
   EXPECT_EQ(red_at(kInHole), whole);
 }
 
-// Who joins late may get the undo first.
+// A node that joins late may get the undo before the carve.
 TEST_F(CarvedObjectsTest, AnUndoThatComesBeforeItsCarvesCounts) {
   open();
   ASSERT_TRUE(view);
@@ -218,7 +218,7 @@ TEST_F(CarvedObjectsTest, AnUndoThatComesBeforeItsCarvesCounts) {
   carved->take(carves, Arrival::newest);
   settle();
   EXPECT_EQ(red_at(kInHole), whole);
-  // What came early is requested again, and changes nothing.
+  // The undo that came early is requested again, and changes nothing.
   EXPECT_TRUE(carved->take_request(1'000'000'000));
   carved->take(undo, Arrival::newest);
   settle();

@@ -54,7 +54,7 @@ TEST_F(CarvedSurfaceTest, EachLevelShowsWhatIsLeft) {
   EXPECT_GT(levels[1].triangles(), 3 * levels[2].triangles());
 }
 
-// What was computed block by block, as it came, is what the field gives as a whole.
+// A surface that was computed block by block after each carve is equal to one that is computed after all carves.
 TEST_F(CarvedSurfaceTest, CarvesOneByOneGiveTheSameAsAllAtOnce) {
   surface.compute_levels();
   std::vector<Carve> carves = {kHole, {Vec3(0.02, 0.02, 0), Vec3(0.02, 0.02, 0), 0.005}, {Vec3(-0.03, 0, 0), Vec3(-0.02, 0.01, 0), 0.004}};
@@ -101,7 +101,7 @@ TEST_F(CarvedSurfaceTest, NothingIsLeftOfABodyCarvedAway) {
   }
 }
 
-// The flat normal of each triangle, at its last corner, agrees with its corners' order.
+// The flat normal of each triangle, which is stored at its last corner, agrees with the order of its corners.
 TEST_F(CarvedSurfaceTest, NormalsFaceOutward) {
   surface.carve(kHole);
   for (const FlatLevel& level : surface.compute_levels()) {

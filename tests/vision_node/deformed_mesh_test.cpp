@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kGrowth = 0.5;
 
-// In one second each vertex goes from x to (1 + kGrowth) x: whatever is on the surface does so too.
+// In one second the x of each vertex grows to (1 + kGrowth) x, and so does that of every point of the surface.
 std::shared_ptr<const MeshDeformation> make_growth(const TriangleMesh& mesh) {
   MorphTarget target;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -60,7 +60,7 @@ TEST_F(DeformedMeshTest, WhatIsTouchedIsFoundInThePresentShapeAndNamedByWhereItI
   }
 }
 
-// The same shape from a program: the same points.
+// If a program gives the same shape, points are placed equally.
 TEST_F(DeformedMeshTest, OneThatAProgramDeformsIsAsOneThatDeformsByItself) {
   double weight = 0.0;
   bool is_known = true;

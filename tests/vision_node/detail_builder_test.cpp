@@ -54,7 +54,7 @@ TEST(DetailBuilder, BeginsByItselfWhenNobodyDraws) {
   EXPECT_FALSE(take_all(builder).empty());
 }
 
-// Which would wait for a day.
+// Without begin() this builder would wait for a day.
 TEST(DetailBuilder, BeginsWhenItIsTold) {
   const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   DetailBuilder builder({mesh}, std::chrono::hours(24));
@@ -97,7 +97,7 @@ TEST(DetailBuilder, StopsBeforeItIsDone) {
   DetailBuilder builder({large});
 }
 
-// The thread lives on with the level that it is making, and releases what it reads at its end.
+// The thread continues until the level in progress is made. Only then does it release the mesh that it reads.
 TEST(DetailBuilder, ItsEndDoesNotWaitForTheLevelInProgress) {
   std::promise<std::thread::id> released;
   const auto mesh = make_bumpy_sphere(0.05, 0.25, 300'000, 1);

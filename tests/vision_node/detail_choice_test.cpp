@@ -11,8 +11,8 @@ const std::vector<LevelFacts> kLevels = {{1'000'000, 0.0}, {250'000, 1e-5}, {60'
 constexpr std::size_t kNoLimit = 10'000'000;
 
 TEST(DetailChoice, TakesTheCoarsestWhoseErrorIsNotSeen) {
-  EXPECT_EQ(choose_level(kLevels, 10.0, kNoLimit), 3U);    // 0.01 pixels
-  EXPECT_EQ(choose_level(kLevels, 1000.0, kNoLimit), 2U);  // 1 pixel; 0.1
+  EXPECT_EQ(choose_level(kLevels, 10.0, kNoLimit), 3U);    // level 3: 0.01 pixels
+  EXPECT_EQ(choose_level(kLevels, 1000.0, kNoLimit), 2U);  // level 3: 1 pixel; level 2: 0.1 pixels
   EXPECT_EQ(choose_level(kLevels, 1e4, kNoLimit), 1U);
   EXPECT_EQ(choose_level(kLevels, 1e6, kNoLimit), 0U) << "nearer than any level is good for: the mesh itself";
 }

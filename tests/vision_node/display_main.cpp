@@ -12,7 +12,7 @@
 
 namespace {
 
-// The names of the tests that have failed, as a filter.
+// Collects the names of the tests that have failed, as a filter of GoogleTest.
 class FailedTests : public testing::EmptyTestEventListener {
  public:
   const std::string& filter() const { return filter_; }
@@ -25,7 +25,7 @@ class FailedTests : public testing::EmptyTestEventListener {
   std::string filter_;
 };
 
-// Returns only if there is no such program.
+// Replaces this process. Returns only if there is no such program.
 void replace_by(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -36,9 +36,9 @@ void replace_by(std::vector<std::string> words) {
 
 }  // namespace
 
-// Runs the tests where there is a display; starts itself again under Xvfb where there is none; is skipped (77) only where there is neither.
-// They take minutes, in which a busy machine nearly always stands still once. So tests that failed on a machine that stood still are run
-// again by themselves, by hapton_timed, which judges seconds and not minutes.
+// Runs the tests. Without a display the program starts itself again under Xvfb; without a display and Xvfb it is skipped (77).
+// The tests take minutes, in which a busy machine nearly always stands still once. So tests that failed while the machine stood still are
+// run again alone by hapton_timed, which judges seconds and not minutes.
 int main(int argc, char** argv) {
   const std::vector<std::string> own(argv, argv + argc);
   const char* display = std::getenv("DISPLAY");
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   std::printf("this machine stood still for %.1f ms meanwhile: %s is run again\n", 1e-6 * static_cast<double>(stall_ns),
               failed->filter().c_str());
   setenv(kAgain, "1", 1);
-  // The filter names tests of this part only, and all of them are to run.
+  // The filter names only tests of this shard, and all of them must run.
   unsetenv("GTEST_TOTAL_SHARDS");
   unsetenv("GTEST_SHARD_INDEX");
   replace_by({HAPTON_TIMED, own[0], "--gtest_filter=" + failed->filter()});

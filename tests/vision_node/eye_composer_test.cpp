@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-// A window whose background goes from one colour to another, with others for each eye.
+// A window whose background is a gradient between two colours, which differ for each eye.
 struct TwoColours : testing::Test {
   void SetUp() override {
     auto display = DisplayConnection::open();
@@ -89,7 +89,7 @@ TEST_F(TwoColours, AreComposedToTheBitAsByVtk) {
   window->MakeCurrent();
 }
 
-// A view composes like that: the same as of the pictures of both eyes alone.
+// A view composes in the same way: its picture is equal to one that is composed here from those of the two eyes.
 TEST(ComposedView, HasTheRedOfOneEyeAndTheBlueOfTheOther) {
   const std::vector<ShownObject> ball = {{make_marker(Vec3(0.01, 0, 0.02), 0.04), {0.6, 0.5, 0.2}}};
   const auto picture_in = [&](StereoMode mode) {

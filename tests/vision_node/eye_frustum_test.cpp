@@ -14,7 +14,7 @@ namespace {
 const HeadsetDepths kDepths{.plane_m = 0.7, .near_m = 0.05, .far_m = 2.5};
 const Vec3 kLight = Vec3(0.2, 0.9, 0.3).normalized();
 
-// OpenXR's own words: the tangents of the angles are where the edges are at distance 1.
+// By OpenXR's definition: at distance 1, the edges of the picture are at the tangents of the angles.
 Mat4 frustum_of(const FieldOfView& fov, double near_m, double far_m) {
   const double l = std::tan(fov.left_rad), r = std::tan(fov.right_rad), u = std::tan(fov.up_rad), d = std::tan(fov.down_rad);
   Mat4 P = Mat4::Zero();

@@ -26,7 +26,7 @@ namespace hapton {
 
 using PartColour = std::array<int, 3>;
 
-// What a figure gives to VTK, as numbers: no window is needed.
+// What a figure gives to VTK, read as numbers: no window is needed.
 struct FigureParts {
   template <class Figure>
   explicit FigureParts(Figure& figure) {
@@ -36,13 +36,13 @@ struct FigureParts {
       auto* text = vtkTextActor::SafeDownCast(actor);
       (text != nullptr ? texts_ : flat_).push_back(actor);
     }
-    vtkActorCollection* actors = renderer->GetActors();  // made anew by each call
+    vtkActorCollection* actors = renderer->GetActors();  // GetActors() makes a new list at each call
     actors->InitTraversal();
     while (vtkActor* actor = actors->GetNextActor()) solid_.push_back(actor);
   }
 
   vtkTextActor* text(std::size_t i) const { return vtkTextActor::SafeDownCast(texts_.at(i)); }
-  // That has this text; null: none that is shown.
+  // The visible text actor that has this text; null if there is none.
   vtkTextActor* find_text(std::string_view wanted) const {
     for (vtkActor2D* actor : texts_) {
       auto* text = vtkTextActor::SafeDownCast(actor);

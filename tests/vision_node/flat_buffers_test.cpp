@@ -1,5 +1,5 @@
-// vision_node runs for hours, and meshes are reshaped and their levels of detail replaced again and again: the graphics driver must not be
-// left with what is no longer drawn.
+// vision_node runs for hours, and meshes are reshaped and their levels of detail replaced again and again: the graphics driver must release
+// what is no longer drawn.
 #include "vision_node/flat_buffers.h"
 
 #include <chrono>
@@ -20,13 +20,13 @@ namespace hapton {
 namespace {
 
 struct DriverMemory : testing::Test {
-  // Makes the context current in which all is made.
+  // Opens a view, which makes its OpenGL context current: the tests make all objects in this context.
   void SetUp() override {
     view = open_or_fail(plain_settings(StereoMode::mono, 64, 64), {});
     ASSERT_TRUE(view);
     before = count_objects();
   }
-  // Of all kinds that are released by hand. Names count from 1.
+  // Counts the OpenGL objects of all kinds that the program itself must release. Their names begin with 1.
   static int count_objects() {
     int count = 0;
     for (GLuint name = 1; name < 4096; ++name) {
@@ -53,7 +53,7 @@ TEST_F(DriverMemory, ALevelOfDetailThatIsReleasedLeavesNothing) {
     EXPECT_EQ(count_objects(), before + (is_painted ? 3 : 2));
     release(buffers);
     EXPECT_EQ(count_objects(), before);
-    release(buffers);  // there is nothing left of it
+    release(buffers);  // nothing is left to release
     EXPECT_EQ(count_objects(), before);
   }
 }
@@ -85,7 +85,7 @@ TEST_F(DriverMemory, AFramebufferOfAnotherSizeReplacesTheOneBefore) {
   EXPECT_EQ(count_objects(), before);
 }
 
-// VTK keeps a copy of what it has set, and draws wrong where that is no longer so.
+// VTK keeps a copy of the state that it has set, and draws wrongly where OpenGL has another state.
 TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
   const auto read = [] {
     std::vector<GLint> values;
@@ -149,12 +149,12 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
   release(buffers);
 }
 
-// They come in the middle of a frame of VTK, also where no picture of the scene is drawn.
+// New levels are uploaded in the middle of a frame of VTK, even if no picture of the scene is drawn in it.
 TEST_F(DriverMemory, NewLevelsOfDetailLeaveWhatIsBound) {
   const auto mesh = std::make_shared<TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 15'000, 1));
   auto layers = SceneLayers::make({ShownObject{.mesh = mesh}});
   ASSERT_TRUE(layers) << layers.error().what;
-  // Five minutes at most, as wait_for_levels().
+  // Waits five minutes at most, like wait_for_levels().
   for (int n = 0; n < 30'000 && (*layers)->progress() < 1.0; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   GLuint buffer = 0;
   glGenBuffers(1, &buffer);

@@ -13,7 +13,7 @@ TEST(FlatLevel, ANormalSurvivesItsPacking) {
   }
 }
 
-// The same triangles, each with the same corners in the same sense, and its last corner says which way it faces.
+// Expects the same triangles, each with the same corners in the same cyclic order, and the normal of each triangle at its last corner.
 void expect_flat(const TriangleMesh& mesh) {
   const DetailLevel level = make_full_level(mesh, frame_detail(mesh));
   const FlatLevel flat = make_flat(level);

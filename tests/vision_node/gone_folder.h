@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// While it lives, the working folder is one that was removed: nobody can write there, not even root.
+// While an object of this class exists, the working folder is one that was removed: nobody can write into it, not even root.
 class GoneFolder {
  public:
   GoneFolder() : before_(std::filesystem::current_path()) {

@@ -23,8 +23,8 @@ class HandRoute : public testing::Test {
     side_m_ = std::min(screen_.width_m, screen_.height_m);
   }
 
-  // Pulled by a millimetre a turn; what is seen keeps the tip out where the hand comes to it from the front. How far the hand was within or
-  // behind what is seen, once it had been in front of it.
+  // The hand pulls the device by a millimetre in each turn. What is seen stops the tip where the hand reaches it from the front. deepest_m:
+  // how far the device was behind the visible surface, once it had been in front of it.
   struct Walk {
     Vec3 p_WD;  // the device
     double deepest_m = 0.0;
@@ -89,7 +89,7 @@ TEST_F(HandRoute, FromBehindAnObjectOutBesideItAndToItsFront) {
   EXPECT_LT(walked.deepest_m, 0.0041) << "no deeper than the goal is, and a step";
 }
 
-// As far away as its front: which side it touches is said by where it is kept out to.
+// The back of a thin sheet is as far away as its front: the direction from the device to the tip tells which side the tip touches.
 TEST_F(HandRoute, FromTheBackOfAThinSheetOutBesideItAndOnItsFrontStraight) {
   const auto plate = [&](double x, double y) { return std::hypot(x - 200.0, y - 200.0) < 80.0 ? screen_.distance_m : kNothing; };
   const VisibleDepth seen = make_surface(screen_, kShown, plate);
@@ -100,7 +100,7 @@ TEST_F(HandRoute, FromTheBackOfAThinSheetOutBesideItAndOnItsFrontStraight) {
   EXPECT_GT(std::hypot(out.x() - 200.0, out.y() - 200.0), 80.0);
 }
 
-// The force decides where the tip is: the hand pulls the device, the method keeps the tip on the side where it touched first.
+// A method decides where the tip is: the hand pulls the device, and the method keeps the tip on the side that it touched first.
 class LedThroughAMethod : public HandRoute {
  protected:
   static constexpr double kHalf = 0.05;
@@ -155,7 +155,7 @@ TEST_F(LedThroughAMethod, FromBehindItComesToTheFrontAndPressesThere) {
 }
 
 TEST_F(LedThroughAMethod, InTouchWithTheBackItComesToTheFront) {
-  // Pressed against the back from behind: the device is in front of the sheet already.
+  // The device starts half a millimetre behind the sheet.
   const MethodOutput led = lead({0.0, 0.01, -0.0005}, {0.01, 0.0, -0.003}, true);
   EXPECT_GT(led.force_n.z(), 0.0);
 }

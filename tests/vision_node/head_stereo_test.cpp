@@ -1,5 +1,5 @@
-// Drawn frames for heads before the screen: in every mode each eye's picture of a point is within half a pixel of where the line from the
-// eye to the point crosses the screen.
+// Draws frames for heads in front of the screen: in every mode each eye's picture of a point is within half a pixel of where the line from
+// that eye to the point crosses the screen.
 #include <array>
 #include <string>
 #include <vector>
@@ -32,7 +32,7 @@ std::vector<NamedHead> heads() {
           {"turned", {{0.05, 0.03, 0.5}, turned(0.8, Vec3::UnitY())}}};
 }
 
-// The screen is the world's plane z = 0, its centre the origin: no matrix and none of the code that is tested.
+// The screen is the plane z = 0 of the world, with its centre at the origin: this needs no matrix and none of the tested code.
 Vec2 closed_form(const Head& head, Eye eye, const Vec3& p, const Framing& framing, Vec2 pixels) {
   const double side = eye == Eye::left ? -0.5 : eye == Eye::right ? 0.5 : 0.0;
   const Vec3 e = head.p_RH + side * kIpd * (head.q_RH * Vec3::UnitX());
@@ -43,7 +43,7 @@ Vec2 closed_form(const Head& head, Eye eye, const Vec3& p, const Framing& framin
   return {(x / width_m + 0.5) * pixels.x(), (y / height_m + 0.5) * pixels.y()};
 }
 
-// Middle of what is bright in one channel round a pixel: other markers, and the same one for the other eye, are farther away.
+// Middle of the bright pixels of one channel near a pixel, weighted by brightness. The other eye's image of the marker is farther away.
 std::optional<Vec2> middle_near(const Picture& picture, int channel, const Vec2& at, const Vec2& reach) {
   Vec2 sum = Vec2::Zero();
   double weight = 0.0;
@@ -58,7 +58,7 @@ std::optional<Vec2> middle_near(const Picture& picture, int channel, const Vec2&
   return weight > 0.0 ? std::optional(Vec2(sum / weight)) : std::nullopt;
 }
 
-// How a mode shows one eye: which part of the window (from, in pixels), how large the eye's picture is there, in which channel.
+// How a mode shows one eye: from which pixel of the window on, how large the eye's picture is there, and in which channel.
 struct Shown {
   Eye eye;
   Vec2 from = Vec2::Zero();
@@ -135,9 +135,9 @@ TEST(HeadStereo, Left) { expect_every_head(StereoMode::left); }
 TEST(HeadStereo, Right) { expect_every_head(StereoMode::right); }
 TEST(HeadStereo, Fake) { expect_every_head(StereoMode::fake); }
 
-// Both eyes' markers in one picture, where they lie apart: every second row, column or pixel is the eye's own.
+// One picture contains the markers of both eyes, and they are apart: every second row, column or pixel belongs to each eye.
 void expect_woven(StereoMode mode) {
-  // Behind the screen and before it by so much that the two do not overlap.
+  // The markers are so far in front of the screen or behind it that the images of the two eyes do not overlap.
   for (const Vec3& p_W : {Vec3(0.02, 0.02, 0.1), Vec3(-0.02, 0.02, -0.18)}) {
     ViewSettings settings = plain_settings(mode, kWidth, kHeight);
     auto view = open_or_fail(settings, {{make_marker(p_W, 0.002), Vec3(1, 1, 1)}});
@@ -185,7 +185,7 @@ TEST(HeadStereo, EmulateShowsBothEyesInTurn) {
   }
 }
 
-// What is seen is what the hand is led to: also for an eye that a turned head has nearer to the screen.
+// The hand is led to the point that is seen, so the point must be right for both eyes, even if a turned head brings one nearer.
 TEST(HeadStereo, ThePointUnderAPixelIsTheMarkers) {
   const ViewSettings settings = plain_settings(StereoMode::side_by_side, 2 * kWidth, kHeight);
   auto view = open_or_fail(settings, {{make_marker(kNear, 0.01), Vec3(1, 1, 1)}});

@@ -20,7 +20,7 @@ struct HeadTrackerTest : testing::Test {
   HeadSource source;
   std::unique_ptr<HeadTracker> tracker;
   std::optional<Head> head;
-  std::int64_t looked_ns = 0;  // when the head was looked for last
+  std::int64_t looked_ns = 0;  // when wait_for_head() last asked for the head
 
   void open() {
     source.tracker = vrpn::TrackerName{"Head0", to_string(server.address())};
@@ -51,7 +51,7 @@ TEST(HeadInputTest, IsKeysASpaceMouseOrATracker) {
   }
 }
 
-// By hand: a tracker above the screen that looks down at the viewer's desk, its z axis being the screen's y and its y the screen's -z.
+// Expected values are computed by hand. The tracker is above the screen; its z axis is the screen's y axis, its y axis the screen's -z.
 TEST(FindHead, PutsTrackerSensorAndEyesTogether) {
   HeadSource source;
   source.X_RT = Eigen::Translation3d(0.0, 0.25, 0.1) * Eigen::AngleAxisd(-std::numbers::pi / 2, Vec3::UnitX());

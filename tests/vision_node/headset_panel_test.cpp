@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-// Those that are shown.
+// The texts that are shown.
 std::vector<std::string> panel_texts(vtkRenderer* renderer) {
   std::vector<std::string> texts;
   for (int i = 0; i < renderer->GetViewProps()->GetNumberOfItems(); ++i) {
@@ -30,13 +30,13 @@ TEST(HeadsetPanel, TheBarOfTheForceStandsAtTheLeftOfTheWorkspace) {
   panel.set_force(2.0, 8.0);
   ASSERT_NE(bar->GetVisibility(), 0);
   const double* box = bar->GetBounds();
-  // Its left edge is 6 px right of the panel's, and it is 104 px high, at 0.6 mm a pixel.
+  // The left edge of the bar is 6 px right of that of the panel, and the bar is 104 px high; a pixel is 0.6 mm.
   EXPECT_NEAR(box[0], -0.1854, 1e-9);
   EXPECT_GT(box[2], -0.095) << "within the height of the workspace";
   EXPECT_LT(box[3], 0.095);
   EXPECT_NEAR(box[3] - box[2], 0.0624, 1e-9);
   EXPECT_NEAR(box[4], -0.19, 1e-9) << "at the back of the workspace";
-  // Background, force, frame: one before the other.
+  // The rectangles of the background, the force and the frame lie one in front of the other.
   vtkPolyData* shape = parts.solid_shape(0);
   const auto height = [&](vtkIdType rectangle) { return point_of(shape, 4 * rectangle + 2).y() - point_of(shape, 4 * rectangle).y(); };
   EXPECT_NEAR(height(1), 0.25 * height(0), 1e-6);

@@ -1,5 +1,5 @@
-// The view drawing for a headset, without a runtime: both eyes' pictures in textures, one of them in the window, and back to the window
-// alone.
+// A view draws for a headset, without a runtime: both eyes' pictures into textures, one of them into the window as well, and then only the
+// window again.
 #include "vision_node/headset_window.h"
 
 #include <vector>
@@ -10,7 +10,7 @@
 #include "tests/vision_node/made_views.h"
 #include "tests/vision_node/xr/mock_views.h"
 
-// Last: it brings X's macros.
+// Last, because it defines X's macros.
 #include "tests/vision_node/window_person.h"
 
 namespace hapton {
@@ -18,7 +18,7 @@ namespace {
 
 constexpr PictureSize kEyePixels{500, 440};
 const Vec3 kHeadsetMarker(0.03, 0.02, 0.01);
-// The workspace before the eyes.
+// The pose of the workspace in front of the eyes.
 const Pose kX_LW(Eigen::Translation3d(0.0, -0.15, -0.5));
 
 HeadsetEyes headset_eyes(int frame) {
@@ -29,7 +29,7 @@ HeadsetEyes headset_eyes(int frame) {
   return {kEyePixels, look(eyes[0]), look(eyes[1])};
 }
 
-// From the tangents alone.
+// The pixel at which an eye sees a point, from the tangents of the eye's angles alone.
 Vec2 seen_at(const EyeInFrame& eye, const Vec3& p_W) {
   const Vec3 p_E = eye.X_FE.inverse() * (kX_LW * p_W);
   const double l = std::tan(eye.fov.left_rad), r = std::tan(eye.fov.right_rad), u = std::tan(eye.fov.up_rad),
@@ -44,7 +44,7 @@ std::unique_ptr<StereoView> open_headset_view(bool is_mapped, int msaa = 0) {
   return open_or_fail(settings, {{make_marker(kHeadsetMarker, 0.01), {1, 1, 1}}});
 }
 
-// A texture as a runtime gives one.
+// A texture like those of an OpenXR runtime.
 class EyeTexture {
  public:
   explicit EyeTexture(GLint format) {

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Letters of 20 pixels; a hundredth of the height is 9.2, the edge of the scale bar 27.6.
+// In this picture letters have 20 pixels, a hundredth of the height is 9.2 pixels, and the scale bar is 27.6 pixels from the edges.
 constexpr PictureSize kHudPicture{1100, 920};
 
 struct Hud {
@@ -86,7 +86,7 @@ TEST(HudFigure, TheScaleBarIsALineWithTwoEnds) {
   EXPECT_EQ(hud.parts.find_text("none"), nullptr);
 }
 
-// A triangle whose tip points to the probe, and its distance farther inside.
+// The pointer is a triangle whose tip points to the probe. The probe's distance is written farther inside the picture.
 TEST(HudFigure, ThePointerPointsOutOfThePicture) {
   Hud hud;
   const Vec2 at(500.0, 300.0);
@@ -107,7 +107,7 @@ TEST(HudFigure, ThePointerPointsOutOfThePicture) {
   EXPECT_EQ(hud.parts.find_text("12 mm"), nullptr);
 }
 
-// Of all texts that are shown, the lines' ends in pixels; and how high the texts in the corners are.
+// The leftmost and the rightmost pixel of the lines of all texts shown, and the heights of the texts in the corners.
 struct TextExtent {
   double left = 1e9, right = -1e9;
   double facts_px = 0.0, help_px = 0.0;
@@ -136,7 +136,7 @@ TextExtent measure_texts(const Hud& hud, PictureSize size) {
   return extent;
 }
 
-// Eyes of 640 x 480 side by side are the narrowest pictures that are usual.
+// Two eyes side by side in a window of 640 x 480 have the narrowest usual pictures.
 TEST(HudFigure, AllTextsFitIntoNarrowPicturesToo) {
   HudFacts facts;
   facts.connected = true;
@@ -175,7 +175,7 @@ TEST(HudFigure, LinesAreBrokenAnewWhereThePictureIsResized) {
 
 TEST(HudFigure, TheForceBarIsFilledUpToTheShareOfTheLimit) {
   Hud hud;
-  constexpr std::size_t kBar = 5;  // after the scale bar, the pointer, the plots and the two of the time line
+  constexpr std::size_t kBar = 5;  // index of the bar: after the scale bar, the pointer, the plots and the two shapes of the time line
   vtkActor2D* actor = hud.parts.flat(kBar);
   EXPECT_EQ(actor->GetVisibility(), 0);
   hud.figure.set_force(1.0, 4.0, kHudPicture);

@@ -123,7 +123,7 @@ TEST(Hud, NamesWhatIsTouched) {
   EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos);
 }
 
-// A magnet pulls, or the air is as thick as honey: nothing is touched.
+// A magnet pulls, or the air is as viscous as honey: there is a force, but nothing is touched.
 TEST(Hud, AForceInFreeSpaceIsNoTouch) {
   HudFacts facts;
   facts.connected = true;
@@ -178,7 +178,7 @@ TEST(Hud, SaysWhyThereIsNoForce) {
   EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
 }
 
-// Then haptics_node need not be looked for: the network is too slow.
+// The network is too slow, so the text must not send the user to look for haptics_node.
 TEST(Hud, SaysThatRepliesComeTooLate) {
   HudFacts facts;
   facts.connected = true;

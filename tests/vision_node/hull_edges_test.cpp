@@ -22,7 +22,7 @@ TEST(HullEdges, ABoxHasTwelve) {
   EXPECT_NEAR(length, 4.0 * (1.0 + 2.0 + 4.0), 1e-9);
 }
 
-// The faces of an octahedron are the corners' directions.
+// The 14 directions include the normals of the faces of an octahedron, which are the directions to the corners of a cube.
 TEST(HullEdges, AnOctahedronHasTwelveOfOneLength) {
   std::vector<Vec3> corners;
   for (int axis = 0; axis < 3; ++axis) {
@@ -33,7 +33,7 @@ TEST(HullEdges, AnOctahedronHasTwelveOfOneLength) {
   for (const auto& [from, to] : edges) EXPECT_NEAR((to - from).norm(), std::sqrt(2.0), 1e-6);
 }
 
-// Euler: V - E + F = 2 with faces of at least three edges: E is at most 3 (K - 2); all ends are within all planes.
+// Euler: V - E + F = 2. At least three edges meet at each corner, so E is at most 3 (K - 2). All ends are within all planes.
 TEST(HullEdges, OfAnyPointsLieOnTheHull) {
   std::mt19937 random(3);
   std::normal_distribution<double> coordinate(0.0, 0.1);

@@ -364,7 +364,7 @@ TEST_F(InteractionTest, WithControlADragUpwardsRaisesTheRearEndOfTheStylus) {
   WindowEvent up = mouse(Kind::move, 320, 450, Button::left);
   up.control = true;
   give(up);
-  // Pitch is about x, which points to the right: it is negative.
+  // Pitch is a rotation about x, which points to the right, so it is negative here.
   EXPECT_NEAR(interaction_.take_hand(0)->turn_rad.y(), -std::numbers::pi / 4, 1e-12);
 }
 

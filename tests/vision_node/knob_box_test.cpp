@@ -99,7 +99,7 @@ TEST(ViewTransformSender, SendsAgainUntilTheHubHasIt) {
   ASSERT_TRUE(sender.take_due(0));
   int again = 0;
   for (int ms = 1; ms <= 1000; ++ms) {
-    sender.confirm(0);  // it got lost
+    sender.confirm(0);  // the hub still has an older one: the transform was lost
     if (const auto sent = sender.take_due(ms * kMs)) {
       ++again;
       EXPECT_EQ(sent->revision, 1u);
@@ -118,7 +118,7 @@ TEST(ViewTransformSender, SendsARejectedTransformNoMoreAndSaysSoOnce) {
   ASSERT_TRUE(sender.take_due(0));
   start_log("test", LogLevel::info);
   testing::internal::CaptureStderr();
-  sender.reject(9);  // not ours
+  sender.reject(9);  // not a revision that this sender sent
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   testing::internal::CaptureStderr();
   sender.reject(1);
@@ -158,7 +158,7 @@ TEST(ViewTransformSender, GoesOnFromTheRevisionsOfAnEarlierVisionNode) {
   ASSERT_TRUE(sent);
   EXPECT_EQ(sent->revision, 42u);
   sender.confirm(42);
-  // Another vision node turning its dials must not start a war of revisions.
+  // When another vision node turns its dials, the two must not keep sending ever higher revisions.
   sender.confirm(50);
   EXPECT_FALSE(sender.take_due(1000 * kMs));
 }
@@ -195,7 +195,7 @@ ViewTransform hub_view(std::uint32_t revision, double degrees) {
   return {.revision = revision, .X_WS = to_twelve_floats(Dials{Vec3(0.0, degrees, 0.0)}.compute_pose(Vec3::Zero()))};
 }
 
-// Two of them may begin with the same number.
+// Two vision nodes may begin with the same number.
 TEST(ViewTransformSender, AFirstReportOfItsOwnNumberIsOfAnEarlierVisionNode) {
   ViewTransformSender sender;
   sender.set(Pose::Identity());
@@ -229,7 +229,7 @@ TEST(ViewTransformSender, ItsOwnPoseAfterAnAdoptedOneIsSentUntilTheHubHasIt) {
   auto sent = sender.take_due(0);
   ASSERT_TRUE(sent);
   EXPECT_EQ(sent->revision, 42u);
-  sender.confirm(41);  // it got lost
+  sender.confirm(41);  // the hub still has an older one: the transform was lost
   EXPECT_FALSE(sender.take_due(49 * kMs));
   sent = sender.take_due(50 * kMs);
   ASSERT_TRUE(sent);
@@ -244,7 +244,7 @@ TEST(ViewTransformSender, CountsOnFromAViewThatItDoesNotTakeOver) {
   sender.count_from(7);
   EXPECT_EQ(sender.revision(), 7u);
   EXPECT_FALSE(sender.take_due(0));
-  sender.count_from(3);  // an older one, late
+  sender.count_from(3);  // an older revision that arrives late
   EXPECT_EQ(sender.revision(), 7u);
   sender.set(Dials{Vec3(0.0, 85.0, 0.0)}.compute_pose(Vec3::Zero()));
   const auto sent = sender.take_due(kMs);

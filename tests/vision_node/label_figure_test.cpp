@@ -36,7 +36,7 @@ struct LabelFigureTest : testing::Test {
   StereoScreen screen = compute_screen(Framing(), {640, 480});
 };
 
-// A 48th of the width or a 50th of the height, whichever is less, so that a label stays on a small picture and is read on a large one.
+// The font size is width / 48 or height / 50, whichever is less: a label then fits into a small picture and can be read in a large one.
 TEST_F(LabelFigureTest, LettersGoWithThePictureWithinBounds) {
   EXPECT_EQ(font_in({960, 1000}), 20);
   EXPECT_EQ(font_in({960, 800}), 16);

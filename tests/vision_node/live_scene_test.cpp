@@ -38,7 +38,7 @@ struct LiveSceneTest : testing::Test {
   }
   void write(const std::string& keys) {
     folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\nname = 'sheet'\n" + keys);
-    // Two writes within the clock's step of a file system would look like one.
+    // A file system rounds times: two writes within one step of its clock would look like one.
     std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
   }
   std::unique_ptr<LiveScene::Change> save(const std::string& keys, std::int64_t now_ns = 0) {

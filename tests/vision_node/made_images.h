@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// An image of that size in memory; colour_at counts from the upper left corner, 0 to 255.
+// An image file of this size, in memory. colour_at counts pixels from the upper left corner; its colours are 0 to 255.
 template <class Writer, class ColourAt>
 std::string make_image(int width, int height, ColourAt colour_at) {
   vtkNew<vtkImageData> data;
@@ -32,7 +32,7 @@ std::string make_image(int width, int height, ColourAt colour_at) {
   return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
-// The same with alpha: colour_at gives four numbers.
+// The same as a PNG with alpha: colour_at gives four numbers.
 template <class ColourAt>
 std::string make_rgba_png(int width, int height, ColourAt colour_at) {
   vtkNew<vtkImageData> data;
@@ -52,7 +52,7 @@ std::string make_rgba_png(int width, int height, ColourAt colour_at) {
   return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
-// Red, green / blue, white in the four quarters.
+// Its four quarters are red and green above, blue and white below.
 inline std::string make_quarters_png(int side) {
   return make_image<vtkPNGWriter>(side, side, [side](int x, int y) {
     const bool right = 2 * x >= side;

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A surface that is as far away at each pixel as the function says; infinity: nothing there.
+// What an eye sees of a surface: depth_m gives its depth at each pixel, infinity where there is nothing.
 inline VisibleDepth make_surface(const StereoScreen& screen, PictureSize size, const std::function<double(double x, double y)>& depth_m) {
   std::vector<float> depths;
   for (int y = 0; y < size.height_px; ++y) {

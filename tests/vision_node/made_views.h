@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// A small ball, outside out.
+// A small ball whose triangles have their front outside.
 inline std::shared_ptr<const TriangleMesh> make_marker(const Vec3& centre, double radius_m) {
   constexpr std::uint32_t kSides = 24;
   auto mesh = std::make_shared<TriangleMesh>();
@@ -57,13 +57,13 @@ inline std::unique_ptr<StereoView> open_or_fail(const ViewSettings& settings, co
   return std::move(*view);
 }
 
-// Five minutes at most: levels are made at the lowest priority, and other programs may be running.
+// Waits five minutes at most: levels are made at the lowest priority, and other programs may be running.
 inline void wait_for_levels(StereoView& view) {
   for (int turns = 0; turns < 30'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   ASSERT_EQ(view.detail_progress(), 1.0);
 }
 
-// Weighted middle of one colour channel, pixels from the lower left corner, over the columns [from, to); nothing when it is empty.
+// Mean pixel of the columns [from, to), weighted by one colour channel, counted from their lower left corner; nothing if all is black.
 inline std::optional<Vec2> centroid(const Picture& picture, int channel, int from, int to) {
   double sum = 0.0;
   Vec2 at = Vec2::Zero();

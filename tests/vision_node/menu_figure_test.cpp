@@ -26,7 +26,7 @@ TouchMenu opened_menu() {
   return menu;
 }
 
-// The room that the font leaves before the first letter of a label, of the label that begins first; a share of the letters' size.
+// The space that the font leaves before the first letter, as a share of the letters' size: the smallest of all labels.
 double least_bearing() {
   double least = 1.0;
   for (const TouchMenu::Entry entry : TouchMenu::kEntries) {
@@ -62,7 +62,7 @@ TEST(MenuFigure, HasAFieldForEachEntryWhereItIsChosen) {
     }
     EXPECT_NE(parts.solid(i)->GetVisibility(), 0);
   }
-  // The letters are a little above the panel, within it, from the left.
+  // The letters are slightly in front of the panel, within its edges, and begin at its left.
   double bounds[6];
   parts.solid_shape(1)->GetBounds(bounds);
   EXPECT_NEAR(bounds[0], -0.03 + 0.6 * 0.012 + 0.5 * 0.012 * least_bearing(), 1e-7);

@@ -55,7 +55,7 @@ TEST_F(MovedObjectsTest, AnObjectIsDrawnWhereItWasPutDown) {
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
 }
 
-// That of the pick-up, repeated, after the one that puts it down: it would be shown at the stylus again.
+// The pose of the pick-up arrives again, after the pose that puts the object down: the object must not be drawn at the stylus again.
 TEST_F(MovedObjectsTest, APoseThatANewerOneOvertookIsNone) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);
@@ -80,7 +80,7 @@ TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   const Picture empty_handed = view->read_picture();
   const std::uint8_t* beside = empty_handed.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
   const std::array<std::uint8_t, 3> bare = {beside[0], beside[1], beside[2]};
-  // Held a centimetre beside the tip.
+  // The object is held a centimetre beside the tip.
   EXPECT_TRUE(moved.take(ObjectPose{.serial = 2, .object = 0, .is_held = true, .p_m = Vec3(0.01, 0, 0) - kRedAt}));
   EXPECT_EQ(moved.held(), 0);
   view->set_probe(probe);
@@ -104,7 +104,7 @@ TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   EXPECT_TRUE(std::equal(after, after + 3, bare.begin())) << "the stylus holds it no more";
 }
 
-// Where the felt one is at that time: both evaluate the same keyframes.
+// The object is drawn where it is felt at that time, because both nodes evaluate the same keyframes.
 TEST_F(MovedObjectsTest, AnObjectThatMovesByKeyframesIsDrawnWhereItIsAtThatTime) {
   ASSERT_TRUE(view);
   const auto motion = std::make_shared<const KeyframeMotion>(
@@ -132,7 +132,7 @@ SceneObject commanded_marker(const SceneObject& marker, const Vec3& pivot_m = Ve
   return object;
 }
 
-// Where the felt one is at the scene time of the sample shown, also if that is of a moment before the newest move.
+// The object is drawn where it was felt at the scene time of the sample shown, even if that is before the newest move.
 TEST_F(MovedObjectsTest, AnObjectThatAProgramMovesIsDrawnWhereItIsAtThatTime) {
   ASSERT_TRUE(view);
   scene.objects[0] = commanded_marker(scene.objects[0]);
@@ -152,7 +152,7 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramMovesIsDrawnWhereItIsAtThatTime) {
   EXPECT_EQ(moved.moving()[0].matrix(), felt.pose_at(1e-9 * 1'250'000'000).matrix());
   EXPECT_LT((*find(0) - expected(felt.pose_at(1.25) * kRedAt)).norm(), 0.6);
   EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
-  // A newer one takes over at 1.3 s; a sample of 1.2 s is still shown as it was felt.
+  // A newer move takes over at 1.3 s; a sample of 1.2 s is still shown as it was felt.
   const Keyframe at_takeover = felt.keyframe_at(1.3);
   ASSERT_TRUE(moved.take(ObjectMove{.source = 5,
                                     .serial = 2,
@@ -166,7 +166,7 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramMovesIsDrawnWhereItIsAtThatTime) {
   EXPECT_EQ(moved.moving()[0].matrix(), Pose::Identity().matrix());
 }
 
-// Its scene time and its serials begin again.
+// The scene time and the serials of another process begin again.
 TEST_F(MovedObjectsTest, AnotherHapticsProcessHasOtherMoves) {
   ASSERT_TRUE(view);
   scene.objects[0] = commanded_marker(scene.objects[0]);
@@ -181,7 +181,7 @@ TEST_F(MovedObjectsTest, AnotherHapticsProcessHasOtherMoves) {
   EXPECT_TRUE(moved.take(ObjectMove{.source = 6, .serial = 1, .start_ns = 1, .end_ns = 2, .to_p_m = there}));
 }
 
-// What the process before sent comes late: the object is felt where the scene file has it, and is drawn there.
+// A move of the previous process arrives late: the object is felt where the scene file puts it, and is drawn there.
 TEST_F(MovedObjectsTest, AMoveOfTheProcessBeforeThatWasOvertakenIsLeftOut) {
   ASSERT_TRUE(view);
   scene.objects[0] = commanded_marker(scene.objects[0]);
@@ -204,7 +204,7 @@ TEST_F(MovedObjectsTest, ProgramsMoveNoOtherObjects) {
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
 
-// In its shape of that time: pushed to the right by half of 60 mm.
+// The object is drawn in its shape of that time: at 1 s it has moved to the right by half of 60 mm.
 TEST_F(MovedObjectsTest, AnObjectThatDeformsIsDrawnInItsShapeOfThatTime) {
   ASSERT_TRUE(view);
   MorphTarget target;
@@ -225,7 +225,7 @@ TEST_F(MovedObjectsTest, AnObjectThatDeformsIsDrawnInItsShapeOfThatTime) {
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
 
-// A program pushes it to the right by 60 mm; half of the way is over.
+// A program moves it to the right by 60 mm; at 1.5 s half of the time is over.
 TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime) {
   ASSERT_TRUE(view);
   scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
@@ -258,7 +258,7 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime)
   moved.set_time(900'000'000);
   moved.place_moving();
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "a sample of before";
-  // Another haptics process has it at rest.
+  // With another haptics process the object is at rest.
   moved.set_time(3'000'000'000);
   moved.place_moving();
   moved.take(ShapeStart{.source = 6, .total = total}, Arrival::newest);
@@ -281,7 +281,7 @@ TEST_F(MovedObjectsTest, AnObjectThatTheSceneDoesNotHaveIsLeftOut) {
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = -1, .p_m = Vec3::UnitX()}));
 }
 
-// As when the scene file was saved, and is shown again: what is felt has not moved.
+// This happens when the scene file was saved and its scene is shown again: what is felt has not moved.
 TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereTheyWerePut) {
   ASSERT_TRUE(view);
   scene.objects[0].name = "red";
@@ -310,7 +310,7 @@ TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereTheyWerePut) {
   EXPECT_EQ(anew.held(), -1);
 }
 
-// The haptics process announces a move again, but with its serial: it must not begin anew either.
+// The haptics process announces the move again with the same serial: the move must not begin again.
 TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereProgramsMovedThem) {
   ASSERT_TRUE(view);
   scene.objects[0].name = "red";
@@ -327,7 +327,7 @@ TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereProgramsMovedThem) 
   EXPECT_EQ(after.moving()[0].translation(), there);
   EXPECT_LT((*find(0) - expected(kRedAt + there)).norm(), 0.6);
   EXPECT_FALSE(after.take(move)) << "it is known";
-  // About another pivot the same move leads elsewhere, and the haptics node has no move of it yet.
+  // With another pivot the same move leads elsewhere, and the haptics node has not moved that object yet.
   Scene other = scene;
   other.objects[0] = commanded_marker(scene.objects[0], Vec3(0.01, 0.0, 0.0));
   ASSERT_TRUE(view->replace_scene(shown, {}));

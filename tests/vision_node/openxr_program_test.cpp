@@ -1,4 +1,4 @@
-// The real vision_node, with the OpenXR loader and a runtime of our own (xr/mock_runtime.cpp) under it.
+// The real vision_node, with the OpenXR loader and, below it, our own runtime (xr/mock_runtime.cpp).
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@
 #include "tests/vision_node/xr/mock_views.h"
 #include "vision_node/display.h"
 
-// Last: it brings X's macros.
+// Last, because it defines X's macros.
 #include "tests/vision_node/window_person.h"
 
 namespace hapton {
@@ -53,7 +53,7 @@ Picture read_ppm(const std::filesystem::path& file) {
   return picture;
 }
 
-// Middle of the pixels that have this colour and no other.
+// Middle of the pixels in which this channel is much brighter than the other two.
 std::optional<Vec2> middle_of(const Picture& picture, int channel) {
   Vec2 sum = Vec2::Zero();
   int count = 0;
@@ -112,7 +112,7 @@ class OpenXrProgram : public testing::Test {
   }
   std::string our_runtime() const { return "XR_RUNTIME_JSON=" + (scratch_.path() / "runtime.json").string(); }
 
-  // mock: words of mock_runtime.cpp.
+  // mock: settings of the mock runtime, as mock_runtime.cpp reads them.
   XrRun run(const std::string& mock, const std::string& arguments = "--offscreen", const std::optional<std::string>& runtime = {}) const {
     return finish(popen(command(mock, arguments, runtime.value_or(our_runtime())).c_str(), "r"));
   }
@@ -156,7 +156,7 @@ TEST_F(OpenXrProgram, EachEyeSeesEveryPointWithinHalfAPixelOfItsProjection) {
   EXPECT_NE(run.output.find("the OpenXR runtime has ended the session"), std::string::npos) << run.output;
 }
 
-// Where the plates are dark, with letters on them: at the depth of the plates, which differs between the eyes by their distance.
+// The plates are dark, with letters on them. Each eye must see them at their depth: their shift between the eyes depends on that depth.
 TEST_F(OpenXrProgram, TheTextsStandBehindTheWorkspaceForBothEyes) {
   const XrRun run = this->run("exit_after=3", "--offscreen --workspace-m 0,-0.2,-0.55");
   EXPECT_EQ(run.code, 0) << run.output;
@@ -185,7 +185,7 @@ TEST_F(OpenXrProgram, TheTextsStandBehindTheWorkspaceForBothEyes) {
   }
 }
 
-// The frames of both curves, at the right of the workspace: light lines where there is only the background otherwise.
+// Looks for the frame of the upper curve, at the right of the workspace: light lines. Without --plots there is only the background.
 TEST_F(OpenXrProgram, TheCurvesStandBesideTheWorkspaceForBothEyes) {
   const Pose X_LW(Eigen::Translation3d(-0.2, -0.2, -0.75));
   const auto eyes = mock_xr::eyes_at(2);
@@ -195,7 +195,7 @@ TEST_F(OpenXrProgram, TheCurvesStandBesideTheWorkspaceForBothEyes) {
     for (std::size_t eye = 0; eye < 2; ++eye) {
       const Picture picture = read_ppm(out() / fmt::format("frame_002_{}.ppm", eye));
       ASSERT_EQ(picture.size, kEye);
-      // Of the upper frame: its lower left and its upper right corner.
+      // The lower left and the upper right corner of the upper frame.
       const Vec2 low = project(eyes[eye], X_LW * Vec3(0.1448, 0.0139, -0.19));
       const Vec2 high = project(eyes[eye], X_LW * Vec3(0.2672, 0.0607, -0.19));
       ASSERT_TRUE(low.minCoeff() > 5.0 && high.x() < kEye.width_px - 5 && high.y() < kEye.height_px - 5) << low << " " << high;
@@ -237,7 +237,7 @@ TEST_F(OpenXrProgram, TheEndOfTheProgramEndsTheSessionInOrder) {
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_EQ(run.log.find("wrong"), std::string::npos) << run.log;
   EXPECT_TRUE(std::regex_search(run.log, std::regex("layers 1\nasked to end\n(frame \\d+ layers 0\n)*ended\ndestroyed\n$"))) << run.log;
-  // IHDR: both eyes beside each other.
+  // The width in the IHDR chunk: both eyes are beside each other.
   const std::string png = read_all(picture);
   ASSERT_GT(png.size(), 24u);
   EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 2 * kEye.width_px);
@@ -287,7 +287,7 @@ TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAPoseThatIsNotKnownIsTheLas
 
 TEST_F(OpenXrProgram, HomeBringsTheWorkspaceBeforeTheViewerAndArrowsMoveTheViewer) {
   constexpr int kStill = 4;
-  // Windows of other tests are gone only now: the name alone tells which is meant.
+  // Windows of earlier tests are gone only after this: Person finds the window by its name alone.
   XSync(static_cast<Display*>(DisplayConnection::open()->id()), False);
   const std::string ends = fmt::format("--seconds 100 --screenshot {}", (scratch_.path() / "a.png").string());
   FILE* const pipe = popen(command(fmt::format("still={}", kStill), ends, our_runtime()).c_str(), "r");

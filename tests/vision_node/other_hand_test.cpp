@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-// The other hand and its hub, turning by turns, a millisecond at a time.
+// The other hand and its hub take turns, one turn in each millisecond.
 struct OtherHandTest : testing::Test {
   OtherHandTest() { start_hub(1); }
   void start_hub(std::uint64_t session) { hub.emplace(*hub_endpoint, clock, session, 1000.0); }
@@ -66,7 +66,7 @@ TEST_F(OtherHandTest, ItsHubGetsThePoseOfTheSceneUntilItHasIt) {
   ASSERT_EQ(client.state(), JoinState::joined);
   ASSERT_EQ(views.size(), 1U);
   EXPECT_EQ(views[0].X_WS, to_twelve_floats(turned));
-  say(ProbeState{.sample = 1});  // of no view: it got lost
+  say(ProbeState{.sample = 1});  // names no view: the view was lost
   run(60, turned);
   EXPECT_EQ(views.size(), 2U);
   say(ProbeState{.sample = 2, .view_revision = views.back().revision});
@@ -114,7 +114,7 @@ TEST_F(OtherHandTest, AHubThatIsBackGetsThePoseAgain) {
   EXPECT_EQ(views.back().X_WS, to_twelve_floats(turned));
 }
 
-// The hand does not go back to where it was before.
+// The hand must not go back to where it was before.
 TEST_F(OtherHandTest, AStateThatANewerOneOvertookIsNotShown) {
   run(5, turned);
   network.set_impairments({.delay_ns = 3 * kMs});
@@ -160,7 +160,7 @@ TEST_F(OtherHandTest, EachStateIsAcknowledgedOnce) {
   EXPECT_EQ(acks[0].held_ns, 10 * kMs) << "from its arrival to the end of the frame";
   EXPECT_EQ(acks[0].rest_ns, 12 * kMs) << "from there until the next frame may begin";
   EXPECT_FALSE(acks[0].unchanged);
-  // The same place again: no picture, and a picture for the other hub's hand says nothing more.
+  // The hand is at the same place: it needs no picture, and a picture that is drawn for the other hub's hand is reported as unchanged.
   say(ProbeState{.sample = 6, .sample_time_ns = 78, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});
   run(1, turned);
   EXPECT_FALSE(wants_picture());
@@ -172,7 +172,7 @@ TEST_F(OtherHandTest, EachStateIsAcknowledgedOnce) {
   EXPECT_FALSE(wants_picture());
 }
 
-// Its first acknowledgement may be lost, and its hub waits for one.
+// The first acknowledgement of a state may be lost, and the hub waits for one.
 TEST_F(OtherHandTest, WhereNoNewerStateComesAFrameAcknowledgesAgain) {
   run(5, turned);
   say(ProbeState{.sample = 5, .sample_time_ns = 77, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});

@@ -1,4 +1,4 @@
-// What a mesh file says of colours and textures is in the picture.
+// The colours and textures of a mesh file are visible in the picture.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kHalf = 0.08;
 
-// A square that faces the viewer, of so many cells a side.
+// A square that faces the viewer, with this many cells on each side.
 std::shared_ptr<TriangleMesh> make_square(std::uint32_t cells) {
   auto mesh = std::make_shared<TriangleMesh>();
   for (std::uint32_t y = 0; y <= cells; ++y) {
@@ -66,7 +66,7 @@ void expect_quarters(StereoView& view, int tolerance) {
   near(0.5, 0.5, {0, 255, 0});
   near(-0.5, -0.5, {0, 0, 255});
   near(0.5, -0.5, {255, 255, 255});
-  // Up to the boundary of two colours.
+  // Close to the boundary between two colours.
   near(-0.05, 0.5, {255, 0, 0});
   near(0.05, 0.5, {0, 255, 0});
 }
@@ -80,7 +80,7 @@ TEST(PaintedScene, ShowsTheTextureTheRightWayUp) {
   expect_quarters(*view, 3);
 }
 
-// 80,000 triangles: a level of detail is drawn while it turns, and shows the same texture.
+// 80,000 triangles: a coarser level of detail is drawn while the scene moves, and it shows the same texture.
 TEST(PaintedScene, ShowsTheTextureInACoarserLevelAndInFullDetail) {
   const auto mesh = make_square(200);
   const auto view =
@@ -116,7 +116,7 @@ TEST(PaintedScene, GoesFromColourToColourBetweenVertices) {
   EXPECT_EQ(pixel_at(*view, picture, {0.0, 0.0, 0})[1], 0);
 }
 
-// The texture once in the middle and beyond on all sides: from -1 to 2 over the square.
+// Texture coordinates from -1 to 2 over the square: the image is in the middle, and what lies beyond its edges is on all sides.
 std::shared_ptr<MeshAppearance> lay_beyond(const TriangleMesh& mesh, std::array<TextureWrap, 2> wrap, int side) {
   auto look = lay_image(mesh, make_quarters_png(side));
   look->materials[0].wrap = wrap;
@@ -126,7 +126,7 @@ std::shared_ptr<MeshAppearance> lay_beyond(const TriangleMesh& mesh, std::array<
   return look;
 }
 
-// Where in the image, 0 to 1, a place beyond its edges is taken from: glTF 2.0, 3.8.4.
+// The place in the image, 0 to 1, from which a place beyond its edges gets its colour (glTF 2.0, 3.8.4).
 double wrap_place(TextureWrap wrap, double at) {
   if (wrap == TextureWrap::clamp) return std::clamp(at, 0.0, 1.0);
   const double whole = std::floor(at);
@@ -136,7 +136,7 @@ double wrap_place(TextureWrap wrap, double at) {
 
 void expect_wrapped(StereoView& view, std::array<TextureWrap, 2> wrap) {
   const Picture picture = view.read_picture();
-  // Away from the boundaries of colours, which are at multiples of a half, and close to the edges of the image.
+  // At least 0.1 away from the boundaries of colours within the image, but close to the edges of the image.
   for (const double right : {-0.9, -0.6, -0.4, -0.03, 0.03, 0.4, 0.6, 0.97, 1.03, 1.4, 1.6, 1.9}) {
     for (const double down : {-0.9, -0.6, -0.4, -0.03, 0.03, 0.4, 0.6, 0.97, 1.03, 1.4, 1.6, 1.9}) {
       const bool is_right = wrap_place(wrap[0], right) > 0.5;
@@ -154,14 +154,14 @@ TEST(PaintedScene, RepeatsMirrorsOrEndsATextureBeyondItsEdges) {
   const auto mesh = make_square(1);
   for (const TextureWrap across : {TextureWrap::repeat, TextureWrap::mirror, TextureWrap::clamp}) {
     for (const TextureWrap down : {TextureWrap::repeat, TextureWrap::mirror, TextureWrap::clamp}) {
-      // An image of few texels is drawn larger than it is, one of many smaller: the edge's texels are of another level.
+      // 32 texels are drawn enlarged, 1024 reduced: then the texels at the edge are those of another mipmap level.
       for (const int side : {32, 1024}) {
         SCOPED_TRACE(testing::Message() << "wrap " << int(across) << " " << int(down) << ", " << side << " texels");
         const auto view = open_or_fail(plain_settings(StereoMode::mono, 500, 500),
                                        {{mesh, Vec3(0.5, 0.5, 0.5), lay_beyond(*mesh, {across, down}, side)}});
         ASSERT_TRUE(view);
         view->draw();
-        // Closer to the edge than half a texel of 32 a repeating texture shows both sides of it.
+        // Within half a texel of an edge a repeating texture shows both sides of the edge: with 32 texels such a texture is not checked.
         if (side == 1024 || (across != TextureWrap::repeat && down != TextureWrap::repeat)) expect_wrapped(*view, {across, down});
       }
     }
@@ -201,7 +201,7 @@ void expect_colour(StereoView& view, const Vec3& p_W, const std::array<double, 3
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], wanted[k], tolerance) << "channel " << k;
 }
 
-// Two panes of glass before a wall; what is nearer covers what is farther, in whatever order the scene has them.
+// Two panes of glass in front of a wall: the nearer one covers the farther one, in whatever order the scene has them.
 TEST(PaintedScene, BlendsPanesOfGlassFromTheFarthestToTheNearest) {
   const auto wall = make_square(1);
   const auto red = move_towards_viewer(*wall, 0.02, 0.8);
@@ -223,7 +223,7 @@ TEST(PaintedScene, BlendsPanesOfGlassFromTheFarthestToTheNearest) {
   }
 }
 
-// One mesh with a front and a back, seen from both sides: its own triangles are in order, too.
+// One mesh of two squares, one behind the other, seen from both sides: the triangles of one mesh are drawn in order, too.
 TEST(PaintedScene, BlendsTheTrianglesOfOneMeshInOrder) {
   TriangleMesh both = *make_square(1);
   const TriangleMesh back = *move_towards_viewer(both, -0.03);
@@ -244,7 +244,7 @@ TEST(PaintedScene, BlendsTheTrianglesOfOneMeshInOrder) {
   expect_colour(*view, {0.1 * kHalf, 0.2 * kHalf, 0.03}, {64, 0, 128});
 }
 
-// 80,000 triangles of glass before a wall: in a coarser level, and in full detail, which is drawn in parts.
+// 80,000 triangles of glass in front of a wall: in a coarser level, and in full detail, which is drawn in parts.
 TEST(PaintedScene, BlendsACoarserLevelAndFullDetail) {
   const auto wall = make_square(1);
   const auto pane = move_towards_viewer(*make_square(200), 0.03);
@@ -267,7 +267,7 @@ TEST(PaintedScene, BlendsACoarserLevelAndFullDetail) {
   EXPECT_NEAR(picked->z(), 0.03, 1e-4);
 }
 
-// Left half opaque, right half with an alpha of 100; a cutoff of 0.5 makes a hole, and what is behind is seen and pointed at in it.
+// Left half opaque, right half with an alpha of 100. With mask and a cutoff of 0.5 it is a hole: what is behind is seen and picked there.
 std::shared_ptr<MeshAppearance> lay_halves(const TriangleMesh& mesh, AlphaMode mode, float cutoff) {
   auto look = lay_image(mesh, make_rgba_png(64, 64, [](int x, int) { return Eigen::Vector4i(255, 0, 0, x < 32 ? 255 : 100); }));
   look->materials[0].alpha_mode = mode;
@@ -303,7 +303,7 @@ TEST(PaintedScene, CutsHolesBlendsOrIgnoresTheAlphaOfATexture) {
   }
 }
 
-// Alpha of the corners, between vertices; what is not there at all hides nothing.
+// The alpha of the corners is interpolated between the vertices; where it is zero, nothing is hidden.
 TEST(PaintedScene, BlendsByTheAlphaOfItsVertices) {
   const auto wall = make_square(1);
   const auto sheet = move_towards_viewer(*wall, 0.03);
@@ -320,7 +320,7 @@ TEST(PaintedScene, BlendsByTheAlphaOfItsVertices) {
   expect_colour(*view, {0.5 * kHalf, -0.3 * kHalf, 0.03}, {255, 191, 191}, 4.0);
 }
 
-// Objects with and without a look beside each other; an image that cannot be read.
+// An object whose image cannot be read, and one without an appearance: both have their plain colours.
 TEST(PaintedScene, LeavesOtherObjectsAsTheyAre) {
   const auto mesh = make_square(1);
   auto moved = std::make_shared<TriangleMesh>(*mesh);
@@ -334,7 +334,7 @@ TEST(PaintedScene, LeavesOtherObjectsAsTheyAre) {
   EXPECT_EQ(pixel_at(*view, picture, {0.0, 0.0, 0.05}), (std::array{255, 128, 0}));
 }
 
-// The square under lights of the scene, in grey, and what the middle of it looks like.
+// Draws a grey square under lights of the scene, and returns the colour of its pixel at a point.
 std::array<int, 3> middle_under(const std::vector<SceneLight>& lights, const Vec3& at = Vec3::Zero()) {
   ViewSettings settings = plain_settings(StereoMode::mono, 400, 400);
   settings.plain = false;
@@ -346,7 +346,7 @@ std::array<int, 3> middle_under(const std::vector<SceneLight>& lights, const Vec
   return pixel_at(*view, view->read_picture(), at);
 }
 
-// 0.5 of the share of the colour that the light gives: 0.20 from all sides and 0.88 of what comes in at a right angle.
+// The grey value of a square of 0.5 for this share of light: 0.20 from all sides, and 0.88 times the cosine of the angle of incidence.
 int grey(double share) { return static_cast<int>(std::lround(255.0 * 0.5 * share)); }
 
 TEST(PaintedScene, IsLitByTheLightsOfTheScene) {
