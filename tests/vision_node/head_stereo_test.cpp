@@ -135,7 +135,7 @@ TEST(HeadStereo, Left) { expect_every_head(StereoMode::left); }
 TEST(HeadStereo, Right) { expect_every_head(StereoMode::right); }
 TEST(HeadStereo, Fake) { expect_every_head(StereoMode::fake); }
 
-// One picture contains the markers of both eyes, and they are apart: every second row, column or pixel belongs to each eye.
+// Both eyes' images of a marker are in one picture, apart from each other: each eye has every second row, column or pixel.
 void expect_woven(StereoMode mode) {
   // The markers are so far in front of the screen or behind it that the images of the two eyes do not overlap.
   for (const Vec3& p_W : {Vec3(0.02, 0.02, 0.1), Vec3(-0.02, 0.02, -0.18)}) {
