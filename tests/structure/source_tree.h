@@ -14,7 +14,7 @@ struct Include {
 // One source file of the tree, read for checking.
 struct SourceFile {
   std::string path;               // from the repository root
-  std::vector<Include> includes;  // in order
+  std::vector<Include> includes;  // in the order of the file
   std::string code;               // without comments and literals
 };
 

@@ -11,7 +11,7 @@
 
 namespace {
 
-// Plain data, so that counting needs no set-up of its own at a thread's first allocation.
+// Plain data: to count the first allocation of a thread, nothing has to be initialised, which could itself allocate.
 thread_local std::uint64_t allocations __attribute__((tls_model("initial-exec"))) = 0;
 
 }  // namespace
@@ -22,7 +22,7 @@ constexpr bool kCanCount = false;
 
 #elif defined(__SANITIZE_ADDRESS__) || HAPTON_CLANG_SANITIZER(address_sanitizer)
 
-// The sanitizer owns malloc; it calls us back.
+// The sanitizer replaces malloc; it calls these hooks for each allocation.
 constexpr bool kCanCount = true;
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
                                                          void (*on_free)(const volatile void*));
@@ -31,7 +31,7 @@ static const int installed =
 
 #else
 
-// glibc's own entry points under other names: the program's malloc replaces them, and operator new calls it.
+// glibc's allocation functions, under their other names. The malloc below replaces glibc's; operator new calls it, too.
 constexpr bool kCanCount = true;
 extern "C" {
 void* __libc_malloc(std::size_t size);

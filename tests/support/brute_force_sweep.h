@@ -13,7 +13,7 @@
 namespace hapton::made {
 
 // The rule of method sweep over all triangles of the scene, without a grid and without the product's collision code: signed volumes in long
-// double (E. Segura and F. Feito 2001) instead of a plane in double and a crossings test. Equal to the product but for rounding.
+// double (E. Segura and F. Feito 2001) instead of a plane in double and a crossings test. Its results equal the product's up to rounding.
 class BruteForceSweep {
  public:
   BruteForceSweep(const TouchScene& scene, double offset_m) : offset_m_(offset_m) {
@@ -51,7 +51,7 @@ class BruteForceSweep {
     return output;
   }
 
-  std::size_t collisions = 0;  // of the last step
+  std::size_t collisions = 0;  // in the last step
 
  private:
   using Wide = Eigen::Matrix<long double, 3, 1>;
@@ -78,7 +78,7 @@ class BruteForceSweep {
     return size > 0 && (ab / size).cross(ac / size).norm() > 4 * static_cast<long double>(std::numeric_limits<double>::epsilon());
   }
 
-  // A point on the plane counts as above it: of two lines that share an end there exactly one collides.
+  // A point on the plane counts as above it: if a path of two lines crosses the plane where they meet, exactly one of them collides.
   static std::optional<Hit> find_hit(const Face& face, const Wide& from, const Wide& to) {
     const long double height_from = face.normal.dot(from - face.a);
     const long double height_to = face.normal.dot(to - face.a);
@@ -87,7 +87,7 @@ class BruteForceSweep {
     const long double ab = volume(way, face.a - from, face.b - from);
     const long double bc = volume(way, face.b - from, face.c - from);
     const long double ca = volume(way, face.c - from, face.a - from);
-    // Within the rounding of double beside an edge belongs to the triangle.
+    // A hit beside an edge, within the rounding of double, counts as in the triangle.
     const long double size = (face.a - from).norm() + (face.b - from).norm() + (face.c - from).norm();
     const long double tolerance = 8 * static_cast<long double>(std::numeric_limits<double>::epsilon()) * size * size * way.norm();
     const bool is_inside =

@@ -13,11 +13,11 @@
 
 namespace hapton {
 
-// A small sphere inside a box, in its lower corner, or in that of other walls, held by all three; and what else there is. Local units.
+// A small sphere in the lower corner of a box, or of other walls, held by all three walls. `others` are further meshes. Local units.
 struct CornerStage {
   static constexpr Clearance kClearance{1e-5, 0x1p-40, 0x1p-46};
 
-  // gathered: the radius of the ball of triangles. walls: they meet at 0.
+  // gathered: radius of the ball within which triangles are gathered. walls: three walls that meet at the origin.
   explicit CornerStage(double gathered, std::vector<const TriangleMesh*> others = {}, TriangleMesh walls = room()) : box(std::move(walls)) {
     others.insert(others.begin(), &box);
     geometry = std::make_unique<TouchGeometry>(others);
@@ -32,9 +32,9 @@ struct CornerStage {
     contacts.activate_all();
   }
 
-  // The diagonals of its sides miss the centre.
+  // Its sides have different lengths, so the diagonals that divide its faces into triangles miss the contacts of the sphere.
   static TriangleMesh room() { return made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8)); }
-  // Three triangles that go through one another: where they meet, none has an edge or a vertex.
+  // Three triangles that go through one another: at the point where all three meet, none has an edge or a vertex.
   static TriangleMesh crossing_walls() {
     TriangleMesh mesh;
     for (int axis = 0; axis < 3; ++axis) {

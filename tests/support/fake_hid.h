@@ -57,7 +57,7 @@ class FakeHid {
   void block_writes(bool blocks) {
     change([&](Shared& shared) { shared.blocks_writes = blocks; });
   }
-  // Refuses the next writes; then_hangs: those after them wait until this is called again, even if it is unplugged meanwhile.
+  // Refuses that many of the next writes. then_hangs: later writes wait until this is called again, even if the device is unplugged.
   void refuse_next(int writes, bool then_hangs = false) {
     change([&](Shared& shared) {
       shared.refusals = writes;
@@ -100,7 +100,7 @@ class FakeHid {
     bool blocks_writes = false;
     bool refuses_writes = false;
     bool hangs_after_refusals = false;
-    int refusals = 0;  // still to come
+    int refusals = 0;  // writes still to be refused
     int waiting_writers = 0;
     std::deque<Bytes> reports;
     std::vector<Bytes> written;

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// While it lives, no file of this process grows beyond that size: as a disk that is full, but for the error's text (EFBIG).
+// While this object exists, no file of this process grows beyond `bytes`: like a full disk, except for the error (EFBIG, not ENOSPC).
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

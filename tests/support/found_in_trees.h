@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// Brute force, near a point of the local frame: the trees find every triangle whose box overlaps one of 0.2 around it, and the nearest.
+// Checks by brute force that the trees find every triangle whose box overlaps the cube of side 0.2 around p (local), and the nearest.
 inline void expect_found_in_trees(const TouchGeometry& geometry, std::uint32_t triangles, const Vec3& p) {
   const Box query = Box{p, p}.inflated(0.1);
   std::set<std::uint32_t> found;

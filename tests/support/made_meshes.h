@@ -23,7 +23,7 @@ inline TriangleMesh box(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
-// Square of side 2 half in the plane z = height, normal +z, cut into n x n squares of two triangles.
+// Square of side 2 * half in the plane z = height, normal +z, cut into n x n squares of two triangles.
 inline TriangleMesh sheet(double half, double height, int n) {
   TriangleMesh mesh;
   for (int j = 0; j <= n; ++j) {
@@ -41,7 +41,7 @@ inline TriangleMesh sheet(double half, double height, int n) {
   return mesh;
 }
 
-// Closed sphere of latitude bands, outward normals; bumps raise it by bumps * radius in waves of unequal length.
+// Closed sphere of latitude bands, outward normals; bumps > 0 adds waves of unequal lengths, up to bumps * radius high.
 inline TriangleMesh sphere(double radius, int bands, double bumps = 0.0) {
   TriangleMesh mesh;
   const int around = 2 * bands;
@@ -69,7 +69,7 @@ inline TriangleMesh sphere(double radius, int bands, double bumps = 0.0) {
   return mesh;
 }
 
-// Loose triangles, some of them needles, some degenerate, within the cube of side 2 half.
+// Loose triangles, some of them needles, some degenerate; the first corner of each lies in a cube of side 2 * half, the others near it.
 inline TriangleMesh soup(std::uint64_t seed, int count, double half, double size) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

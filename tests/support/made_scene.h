@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// One object.
+// A scene with one object.
 inline TouchScene scene_of(TriangleMesh mesh, const Material& material = {}) {
   TouchScene scene;
   scene.objects.push_back({made::shared(std::move(mesh)), material});

@@ -16,24 +16,24 @@
 
 namespace hapton {
 
-// Sees what the simulated motors of a running io_node do, from outside: io_node may be stopped or killed meanwhile.
+// Observes from another process what the simulated motors of a running io_node do: io_node may be stopped or killed meanwhile.
 class MotorObserver {
  public:
   struct Release {
-    bool was_out = false;          // a force was on the motors when it began
-    double after_event_ms = -1.0;  // the signal -> nothing on the motors; below 0: never
+    bool was_out = false;          // a force was on the motors just before the event
+    double after_event_ms = -1.0;  // from the event until the motors had no force; below 0: they never had none
     double after_sample_ms = -1.0;
-    double blind_ms = 0.0;  // the longest time between two of its own samples: the true time may be longer by that
+    double blind_ms = 0.0;  // the longest time between two looks of this observer: the true times may be longer by this
   };
   struct Watched {
-    double oldest_force_ms = 0.0;  // the most that a force on the motors was behind its sample
-    double longest_same_ms = 0.0;  // the longest that one force stayed, to the last bit
+    double oldest_force_ms = 0.0;  // the largest age of a force on the motors, counted from its sample
+    double longest_same_ms = 0.0;  // the longest time for which the force did not change, not even in its last bit
     double strongest_n = 0.0;
-    double force_share = 0.0;  // of the samples with a force
+    double force_share = 0.0;  // share of this observer's looks that found a force
     double blind_ms = 0.0;
   };
 
-  // False: the process has no such memory (it has no watchdog, or its device is not simulated).
+  // False: the process has no heartbeat memory (it has no watchdog, or its device is not simulated).
   bool attach(int process) {
     process_ = process;
     std::error_code error;
@@ -52,7 +52,7 @@ class MotorObserver {
     return std::hypot(page().motors_n[0].load(), page().motors_n[1].load(), page().motors_n[2].load());
   }
 
-  // Waits for a force of that size, as long as that.
+  // Waits for a force of at least `at_least_n`, for up to `seconds`. Returns whether it came.
   bool await_force(double at_least_n, double seconds) {
     const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
     while (clock_.now_ns() < end_ns) {
@@ -62,7 +62,7 @@ class MotorObserver {
     return false;
   }
 
-  // Lets it happen, then samples until nothing is on the motors, for that long at most.
+  // Calls `event`, then looks until the motors have no force, for `at_most_s` at most.
   Release release_after(const std::function<void()>& event, double at_most_s = 0.5) {
     Release release;
     release.was_out = force_n() > 0.0;
@@ -76,7 +76,7 @@ class MotorObserver {
       const std::int64_t now_ns = clock_.now_ns();
       release.blind_ms = std::max(release.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
       if (is_off) {
-        // It was out at the sample before for certain.
+        // Until the previous look, at looked_ns, the force was certainly still on the motors.
         release.after_event_ms = 1e-6 * static_cast<double>(looked_ns - begin_ns);
         release.after_sample_ms = 1e-6 * static_cast<double>(looked_ns - sample_ns);
         break;
@@ -97,7 +97,7 @@ class MotorObserver {
     std::uint64_t looks = 0;
     std::uint64_t forces = 0;
     while (looked_ns < end_ns) {
-      // The time first: what is seen after it was there then, however long this thread is displaced in between.
+      // The time is read first: if this thread is displaced before it reads the rest, a force seems younger than it is, never older.
       const std::int64_t now_ns = clock_.now_ns();
       const std::int64_t sample_ns = page().force_sample_ns.load();
       const double now_n = force_n();

@@ -12,7 +12,7 @@ inline std::size_t count_open_files() {
       std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator()));
 }
 
-// How many more are open after so many calls, which other threads may open too: below a tenth of the calls.
+// Whether many calls leave files open: at least one for every ten calls, as other threads may open a few files meanwhile.
 template <class Action>
 bool leaves_files_open(Action&& action) {
   constexpr std::size_t kCalls = 50;

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// An option that is a number: the least and the most that it takes, a number beyond either, and where it goes.
+// A numeric option: the smallest and the largest value that it accepts, a value below and one above these, and the field that it sets.
 template <class Options>
 struct OptionRange {
   const char* flag;
@@ -19,7 +19,7 @@ struct OptionRange {
   double (*value)(const Options&);
 };
 
-// parse: std::variant<Options, int> of a vector of words. needed: words without which the options mean nothing.
+// parse: turns a vector of words into std::variant<Options, int> (an exit code). needed: other words that the command requires.
 template <class Options, class Parse>
 void expect_range(const OptionRange<Options>& range, const Parse& parse, const std::vector<const char*>& needed = {}) {
   const auto given = [&](const char* number) {

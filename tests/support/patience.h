@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Waits until something holds, half a minute at most: whether it came to hold. How long it took is not part of the result.
+// Waits until `holds` returns true, for half a minute at most. Returns whether it did; how long it took is not part of the result.
 template <class Condition>
 bool wait_until(Condition&& holds) {
   SteadyClock clock;

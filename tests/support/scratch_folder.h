@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A folder of the test's own, gone with it.
+// A folder for one test, removed with its files when this object is destroyed.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -27,7 +27,7 @@ class ScratchFolder {
   const std::filesystem::path& path() const { return path_; }
 
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    // A file cut to nothing and written again is flushed to the disk by some file systems; a new one is not.
+    // Some file systems flush a file to the disk that is truncated and written again; they do not flush a new file.
     std::error_code ignored;
     std::filesystem::remove(path_ / name, ignored);
     std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

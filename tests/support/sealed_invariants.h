@@ -15,7 +15,7 @@
 #include "core/geometry/mesh_topology.h"
 #include "core/geometry/seal_cracks.h"
 
-// What holds of every sealed mesh, whatever it was made from.
+// What holds for every sealed mesh, whatever mesh it was made from.
 namespace hapton::made {
 
 inline bool are_equal(const TriangleMesh& a, const TriangleMesh& b) {
@@ -42,7 +42,7 @@ inline std::size_t count_same_vertices(const TriangleMesh& mesh) {
   return same;
 }
 
-// Triangles that repeat a vertex have no edges.
+// Leaves out triangles that use a vertex twice: their edges do not count.
 inline TriangleMesh without_repeats(TriangleMesh mesh) {
   std::erase_if(mesh.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   return mesh;
@@ -53,7 +53,7 @@ struct Sealed {
   SealReport report;
 };
 
-// Seals and checks what seal_cracks.h promises of the result.
+// Seals `given` and checks what seal_cracks.h promises about the result.
 inline Sealed seal_checked(const TriangleMesh& given, const std::string& what, double share = kSealedShare) {
   SCOPED_TRACE(what);
   Sealed sealed;
@@ -86,7 +86,7 @@ inline Sealed seal_checked(const TriangleMesh& given, const std::string& what, d
       if (parts[s] == 1) {
         EXPECT_LE((mesh.corner(t, k) - given.corner(s, k)).norm(), tolerance) << t;
       } else {
-        // A split follows a vertex near the edge, between ends that may have moved themselves.
+        // A triangle is split at a vertex near its edge, and the ends of this edge may have moved as well: twice the tolerance.
         EXPECT_LE(closest_point(given.corner(s, 0), given.corner(s, 1), given.corner(s, 2), mesh.corner(t, k)).distance,
                   2.0 * tolerance * (1.0 + 1e-9))
             << t;

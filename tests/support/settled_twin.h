@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// The brute-force twin of a step on a surface that changes its shape: the mesh of that time, all triangles. A hand within the body is in
-// contact, the proxy is outside, and if `settles`, it is where the reference stays.
+// Checks a step on a surface that changes its shape against a brute-force twin: all triangles of the mesh at that time. A hand inside the
+// body must be in contact and the proxy outside; if `settles`, the reference, started at the proxy, must stay there.
 inline void expect_settled(TriangleMesh shape, const Vec3& p_SD, const MethodOutput& felt, bool settles) {
   if (compute_winding_number(shape, p_SD) > 1.0 - 1e-6) {
     ASSERT_TRUE(felt.contact) << "the hand is within the body";

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// A signal each millisecond, handled and ignored: it interrupts every wait of this process that can be interrupted.
+// A signal each millisecond, whose handler does nothing: it interrupts every wait of this process that can be interrupted.
 class SignalRain {
  public:
   SignalRain() {

@@ -14,7 +14,7 @@
 
 namespace hapton {
 
-// A mesh in its local frame, and a point for its surface.
+// A mesh in its local frame, and a SurfacePoint that can be put on its surface.
 struct SurfaceStage {
   explicit SurfaceStage(const TriangleMesh& mesh, bool two_sided = true) : geometry({&mesh}), materials(1), point(geometry, materials) {
     materials[0].two_sided = two_sided;
@@ -26,9 +26,9 @@ struct SurfaceStage {
   Vec3 on_edge(std::uint32_t t, int k, double along) const {
     return (1.0 - along) * geometry.corner(t, k) + along * geometry.corner(t, (k + 1) % 3);
   }
-  // Corners lie on a grid: up to its rounding.
+  // TouchGeometry rounds corners to a grid, so they are compared up to that rounding.
   bool is_corner(std::uint32_t t, int k, const Vec3& p) const { return (geometry.corner(t, k) - p).norm() < 0x1p-49; }
-  // Of all triangles with a corner there.
+  // All triangles that have a corner at `vertex`.
   std::set<std::uint32_t> round(const Vec3& vertex) const {
     std::set<std::uint32_t> found;
     for (std::uint32_t t = 0; t < count(); ++t) {
@@ -67,7 +67,7 @@ inline void expect_near(const Vec3& p, const Vec3& q, double within = 1e-13) {
   EXPECT_LT((p - q).norm(), within) << p.transpose() << " and " << q.transpose();
 }
 
-// A fan round the origin below or above rim points of z = height cos(waves angle), its front up.
+// A fan of triangles around the origin, front side up; its rim points have z = height * cos(waves * angle).
 inline TriangleMesh make_saddle(int waves, double height, int corners) {
   TriangleMesh mesh;
   mesh.vertices.emplace_back(0, 0, 0);

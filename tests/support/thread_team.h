@@ -7,7 +7,7 @@
 
 namespace hapton::made {
 
-// Starts a thread for each worker and each call.
+// Starts new threads in each call: one for each worker except worker 0, which is the calling thread.
 class ThreadTeam final : public WorkerTeam {
  public:
   explicit ThreadTeam(int size) : size_(size) {}

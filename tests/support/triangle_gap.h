@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// The distance of two triangles that do not intersect: the least of every corner to the other triangle and of every pair of edges. Where
-// an edge goes through the inside of the other triangle it is above zero.
+// The distance between two triangles that do not intersect: the least of corner to triangle and of edge to edge. If an edge of one goes
+// through the inside of the other, the result is above zero, although they intersect.
 inline double triangle_gap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {

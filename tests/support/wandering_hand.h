@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// A hand that wanders at random over a ball of 31 mm around the origin, in and out by 4 mm. Frame: S. Units: m.
+// A hand that wanders at random over a ball of radius 31 mm around the origin, in and out by 4 mm. Frame: S. Units: m.
 struct WanderingHand {
   explicit WanderingHand(std::uint64_t seed) : random(seed) {}
 

@@ -1,8 +1,8 @@
 // hapton_timed COMMAND [WORDS...]: runs a test that runs whole nodes against the clock. A node that stands still for longer than a force
 // may live releases the force, disconnects or is killed by its watchdog, as it should; a test that waits for touch then fails through no
 // fault of the nodes. So a command that failed while the machine itself stood still is run again; if it failed in every run, and the
-// machine stood still in every run for longer than a force may live, it is skipped (77) with a line that says so. On a machine that keeps
-// time nothing is repeated.
+// machine stood still in every run for longer than a force may live, it is skipped (77) with a line that says so. On a machine that never
+// stands still, nothing is repeated.
 #include <fmt/core.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -22,12 +22,12 @@ using hapton::StallWatch;
 
 constexpr int kSkipped = 77;
 constexpr int kMaxRuns = 5;
-constexpr std::int64_t kLongestNs = 60 * hapton::kNanosecondsPerSecond;  // of all runs: no other begins after it
+constexpr std::int64_t kLongestNs = 60 * hapton::kNanosecondsPerSecond;  // of all runs together: no further run begins after this time
 constexpr std::int64_t kNoticedNs = StallWatch::kForceLifeNs / 2;
 
 double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
 
-// The command's exit code; 128 and more: it died of a signal.
+// The command's exit code; 128 + N: signal N ended it.
 int run(char** words) {
   const pid_t child = ::fork();
   if (child == 0) {

@@ -1,4 +1,4 @@
-// A command that stops hapton_timed for a while is to it a machine that stood still.
+// Most of these tests stop hapton_timed for a while: to hapton_timed that looks as if the machine stood still.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -45,7 +45,7 @@ TEST_F(Timed, WhatFailsInEachRunWhileTheMachineStandsStillIsSkipped) {
   EXPECT_EQ(runs_made(), 5);
 }
 
-// Only where this machine keeps time can it be known that nothing is repeated; the exit code holds elsewhere too.
+// That nothing is repeated is certain only if this machine does not stand still meanwhile; the exit code can be checked anyway.
 TEST_F(Timed, AFailureIsAFailure) {
   const int code = run("exit 3");
   EXPECT_TRUE(code == 3 || (code == 77 && runs_made() == 5)) << code;
