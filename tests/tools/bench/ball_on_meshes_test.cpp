@@ -1,4 +1,4 @@
-// Steps of a ball of 0.5 mm over meshes of the project that once stayed at one place until their work was used up.
+// Slides of a ball of 0.5 mm over meshes of the project. In each of them the ball once stayed at one place until all work was used up.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 struct SlowSlide {
   const char* mesh;
   std::uint64_t seed;
-  std::size_t last;  // the step
+  std::size_t last;  // the step that stalled
 };
 
 std::ostream& operator<<(std::ostream& out, const SlowSlide& slide) { return out << slide.mesh << " " << slide.seed; }
@@ -35,7 +35,7 @@ TEST_P(BallOnMesh, IsFollowedWithoutAStall) {
   auto& proxy = static_cast<ProxyMethod&>(**made);
   const std::size_t first = slide.last / trajectory->reset_every * trajectory->reset_every;
   proxy.reset(trajectory->p_SD[first]);
-  // A jump may take the work of a few steps. What stalled used up that of any number.
+  // A jump may take the work of a few steps. A stall used up the work of any number of steps.
   constexpr int kMaxSteps = 4;
   for (std::size_t i = first; i <= slide.last; ++i) {
     proxy.step({.p_SD = trajectory->p_SD[i]});
@@ -46,8 +46,8 @@ TEST_P(BallOnMesh, IsFollowedWithoutAStall) {
   EXPECT_GT(proxy.counters().contact_steps, 0U);
 }
 
-// What went on without end: a piece of path that ended behind its start; a contact left towards itself; two pieces that each overshot a
-// minimum; a multiplier taken for zero.
+// The causes: a piece of path that ended behind its start; a contact that was left in a direction that leads into it again; two pieces that
+// each overshot a minimum; a multiplier that was wrongly taken for zero.
 INSTANTIATE_TEST_SUITE_P(Slides, BallOnMesh,
                          ::testing::Values(SlowSlide{"nefertiti_70k.ply", 2, 4441}, SlowSlide{"nefertiti_70k.ply", 2, 1615},
                                            SlowSlide{"mountain_51k_open.ply", 2, 4880}, SlowSlide{"fish_22k.obj", 2, 6272}),

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// This test's own folder has no nodes beside it, as a build without them: every row says why and none has a value.
+// The folder of this test program contains no nodes, like a build without them: no row has a value, and each says why.
 TEST(MeasurePaperNodes, ARowWithoutItsNodeSaysWhy) {
   const auto folder = std::filesystem::temp_directory_path() / ("hapton_papers_" + std::to_string(::getpid()));
   PapersReport report = make_papers_report();

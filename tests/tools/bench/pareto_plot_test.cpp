@@ -25,7 +25,7 @@ TEST(ParetoPlot, HasAPanelForEachMeshAndAMarkForEachFamily) {
   EXPECT_THAT(script, Not(HasSubstr("title 'reference'")));
 }
 
-// The sweep is slower and worse than the proxy, and a sphere does not compete: the front of that panel is the point proxy alone.
+// In panel bumpy 20k the sweep is slower and less accurate than the point proxy, and a sphere does not compete: the front is one mark.
 TEST(ParetoPlot, DrawsTheFront) { EXPECT_THAT(make_pareto_plot(kMarks, "p.png"), HasSubstr("$front0 << EOD\n0.4 1\nEOD")); }
 
 TEST(ParetoPlot, LeavesRoomAboveTheTopMarks) { EXPECT_THAT(make_pareto_plot(kMarks, "p.png"), HasSubstr("set yrange [1e-08:1000]")); }

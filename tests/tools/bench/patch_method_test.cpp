@@ -23,8 +23,8 @@ StressPlan short_plan(bool by_patches) {
   return plan;
 }
 
-// The numerical stress test of every body on its grid, with friction and without: felt by patches of its parts it has no fault that it has
-// not when it is felt whole.
+// The numerical stress test of every body on its grid, with friction and without. Touched by patches of its parts, a body has no more
+// faults than when it is touched as a whole.
 TEST(PatchMethod, HasNoFaultThatTheWholeBodyHasNot) {
   std::vector<StressBody> bodies;
   for (const std::string_view name : stress_body_names()) bodies.push_back(on_patch_grid(make_stress_body(name)));
@@ -39,7 +39,7 @@ TEST(PatchMethod, HasNoFaultThatTheWholeBodyHasNot) {
   EXPECT_GT(sum_of(*patched).contact_steps, 20000U);
 }
 
-// Otherwise the test above says nothing of patches that take over from one another.
+// If this were not so, the test above would say nothing about patches that take over from one another.
 TEST(PatchMethod, TakesManyPatchesForALongWay) {
   const StressBody body = on_patch_grid(make_stress_body("bumpy"));
   TouchScene scene;

@@ -1,4 +1,4 @@
-// The benchmark's windows begin with the reference where the proxy is. Among parts that cross, a start a little beside it led elsewhere:
+// In each window of the benchmark the reference starts at the proxy. Among parts that cross, a start a little beside it led elsewhere:
 // forces of the reference then differed by up to 400 % over whole windows, while the proxy was at its minimum.
 #include <gtest/gtest.h>
 

@@ -22,7 +22,7 @@ constexpr double kRecordedPeriodS = 1e-3;
 TouchScene recorded_ball() { return {.objects = {{made::shared(made::sphere(0.05, 24)), {}}}}; }
 std::shared_ptr<ForceMethod> recorded_method() { return *make_method({}, recorded_ball()); }
 
-// Down to the ball, along it, and off.
+// The device goes down to the ball, along its surface and off again.
 Vec3 place_of(std::size_t i) {
   const double angle = 4e-4 * static_cast<double>(i);
   const double radius = i < 300 || i > 1700 ? 0.052 : 0.049;
@@ -37,7 +37,7 @@ std::vector<Vec3> forces_without_delay() {
   return forces;
 }
 
-// A hub's recording of these forces, with every tenth sample sent and a part of the scene received at the start.
+// A hub's recording of these forces. The hub sends every tenth sample and receives a force command for every twentieth one.
 std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool has_device = true, const std::vector<Vec3>& local = {}) {
   SessionCodec session;
   Codec codec;
@@ -86,7 +86,7 @@ TEST(RemoteRecording, TheForceWithoutDelayHasNoError) {
   EXPECT_GT(touch.rates.bytes_up, 100.0 * 60.0);
 }
 
-// The governor is not part of the local force's error, and no device gives more than it can.
+// What the governor takes away is no error of the local force, and a force is compared with what the device can give.
 TEST(RemoteRecording, WhatTheGovernorTakesIsNoErrorOfTheLocalForce) {
   const ScratchFolder scratch;
   const std::vector<Vec3> exact = forces_without_delay();

@@ -19,7 +19,7 @@ RemoteGrid grid_of(std::size_t meshes) {
   return grid;
 }
 
-// Each mesh's error is larger by a tenth than that of the one before.
+// The error of each mesh is 0.1 more than that of the previous mesh.
 RemoteResults results_of(const RemoteGrid& grid) {
   RemoteResults results;
   for (std::size_t mesh = 0; mesh < grid.meshes.size(); ++mesh) {

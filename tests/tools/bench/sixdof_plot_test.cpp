@@ -39,7 +39,7 @@ TEST(SixdofPlot, HasAPanelForEachScenarioAndAMarkForEachMethod) {
   EXPECT_THAT(script, HasSubstr("\n200 0.0001\ne\ne\n")) << "an error of nothing is drawn at the bottom, a missing mark not at all";
 }
 
-// Of all that the command compares: the force alone takes less than a microsecond.
+// With all methods that the command compares. Those that compute only a force take less than a microsecond.
 TEST(SixdofPlot, ShowsEachMethodByAMarkOfItsOwnAndTheFastestOne) {
   std::vector<SixdofRow> rows;
   for (const char* method : {"proxy", "force", "force, 5 ms", "voxels, 1 mm", "voxels, 0.5 mm", "voxels, 0.25 mm", "bullet", "fcl"}) {

@@ -15,22 +15,22 @@ struct Episode {
   std::uint64_t seed;
   std::uint64_t number;
   double scale = 1.0;
-  const char* body = nullptr;  // its name, which is part of the seed; null: the mesh
+  const char* body = nullptr;  // name of the body, which is part of the seed; null: that of the mesh
   double probe_share = 0.0;
   std::uint64_t least_compared = 5;
 };
 
 class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
 
-// A sphere of half a contact offset was held where a point is not: near the tip of a narrow wedge between sheets (78), and in corners that
-// only its radius closes, among triangles that other parts touch (113), and where the steepest way out is a slit (420, 432). Or the way out
-// of its corner began where the corner was found, not where the point was (23), or its border did not close (1), or the descent from there
-// was a long one (17). Or a sheet passed that corner behind the point, which seemed to be on the sheet's other side (329). Or a contact at
-// an edge in a slit was turned away from the face that the point is over (22, 15).
-// Or the point crept along an edge that lies in a face within rounding (282, 303). A point in the corner of a hole was held by a rim that
-// is a billionth of the extent above it (162, 440).
+// What was wrong, with the numbers of the episodes. The sphere of half a contact offset that stands for a point was held where a point is
+// not: near the tip of a narrow wedge between sheets (78), in corners that only its radius closes, among triangles that other parts touch
+// (113), and where the steepest way out is a slit (420, 432). The search for a way out of a corner began where the corner was found, not
+// where the point was (23); the boundary of the free directions did not close (1); the descent after the way out was long (17). A sheet
+// passes the corner, and the point seemed to be on its other side (329). A contact at an edge in a slit was turned away from the face below
+// the point (22, 15). The point crept along an edge that lies in a face within rounding (282, 303). A rim only a billionth of the extent
+// above the corner of a hole held a point in that corner (162, 440).
 // A sphere of 1 % was held for good where it was put exactly on an edge (nist_pump_assembly).
-// In a wedge of two millionths of a radian the sphere was held before the end of one of its faces, which a point passes (250).
+// In a wedge of two millionths of a radian the sphere was held before the end of one of the wedge's faces, which a point passes (250).
 // A device that crosses a face within the plane of that face was taken for one that passes through it (473).
 TEST_P(StressOnMeshes, HasNoFault) {
   const Episode& episode = GetParam();

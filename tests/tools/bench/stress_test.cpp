@@ -89,7 +89,7 @@ TEST(Stress, RejectsAnUnknownMethod) {
   EXPECT_FALSE(run_stress({make_stress_body("box")}, plan, [](const StressResult&) {}).has_value());
 }
 
-// Each of these episodes once had faults, most of them fall-throughs.
+// Each of these episodes once had faults, most of them fall-throughs. The notes say what was wrong, or where.
 struct OnceFaulty {
   std::string_view body;
   std::uint64_t seed = 1;
@@ -104,9 +104,9 @@ struct OnceFaulty {
 TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
   constexpr std::uint64_t kWalk = 4294967296;
   for (const OnceFaulty& once : std::vector<OnceFaulty>{
-           {"turned-room", 1, 13, true},  // a drag through a wall: a hit taken for one from behind
+           {"turned-room", 1, 13, true},  // a drag went through a wall: its hit was taken for a hit from behind
            {"round-room", 1, 25, true},
-           {"turned-room", 5, 236, true},  // in a corner, on its vertex: taken to be free
+           {"turned-room", 5, 236, true},  // in a corner, exactly on its vertex: the point was taken to be free
            {"touching-parts", 1, 16, true},
            {"touching-parts", 1, kWalk, true},
            {"overlapping-parts", 1, 4, true},
@@ -117,10 +117,10 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"sealed-ball-fine", 1, 214, true},
            {"overlapping-parts-2", 1, 18, false, true},  // into the slit between sheets that cross at 3e-6 rad
            {"overlapping-parts-2", 1, 32, false, true},
-           {"overlapping-parts", 1, 1016, false, true},  // a direction that was mostly rounding
+           {"overlapping-parts", 1, 1016, false, true},  // the direction of a motion was mostly rounding
            {"overlapping-parts", 3, 110, false, true},
-           {"knife-gutter", 8, 280},                     // no lift out of a narrow groove
-           {"needles", 1, 75, false, true},              // lifted off a needle, behind the face beside it
+           {"knife-gutter", 8, 280},                     // the point could not be lifted out of a narrow groove
+           {"needles", 1, 75, false, true},              // lifted off a needle to a position behind the face beside it
            {"turned-room", 1, 116, false, true},         // the start was on the wrong side
            {"sealed-box", 1, 21, false, false, 1000.0},  // a device a thousand extents off
            {"sealed-box-fine", 1, 128, false, false, 1000.0},
@@ -128,10 +128,10 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"sliver-fan", 6, 352},                             // 3,000 triangles at one vertex
            {"needles", 8, 301, false, false, 0.0, 0.0, 1e-6},  // two nearly parallel planes
            {"overlapping-parts", 8, 364, false, false, 0.0, 0.0, 1e6},
-           {"sliver-fan", 8, 399},  // steps of a few milliseconds, now carried on
+           {"sliver-fan", 8, 399},  // steps that took a few milliseconds: now their work is limited
            {"sliver-fan", 3, 82, false, false, 0.0, 0.001},
            {"needles", 8, 153, false, false, 0.0, 0.0, 1e6},  // one edge held the point twice
-           {"probe-star", 9, 194},                            // rolled about the end of an edge, along another in line with it
+           {"probe-star", 9, 194},                            // rolled about the end of an edge, along an edge in line with it
            {"probe-staircase", 9, 372, false, false, 10.0},
            {"overlapping-parts-2", 8, 128},             // the device exactly below a convex edge
            {"sliver-fan", 9, 338, false, false, 10.0},  // a device at 1e300 m: two events a step among 3,000 triangles on its way back
@@ -139,9 +139,9 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"probe-bumpy", 9, 254, false, false, 1e6},                // a device on an edge: to and fro between two neighbours
            {"probe-star", 10, 308, false, false, 0.0, 0.0, 1e6},      // a minimum that vanishes exactly at the sample
            {"needles", 8, 644, false, false, 1e6},                    // a groove of 1e-10 of the extent holds the point
-           {"touching-parts", 22, 307, false, false, 0.0, 0.0, 1e6},  // from a place exactly on an edge, within the plane of a face
-           {"needles", 1, 83, true},                          // a slip along an edge, the device straight below: one cubic for half a turn
-           {"sealed-box", 2, 203, false, false, 1000.0},      // a device a thousand extents off, out of work before it had arrived
+           {"touching-parts", 22, 307, false, false, 0.0, 0.0, 1e6},  // began exactly on an edge, went on within the plane of a face
+           {"needles", 1, 83, true},                          // slip along an edge, the device straight below: one cubic spans half a turn
+           {"sealed-box", 2, 203, false, false, 1000.0},      // a device a thousand extents off: the work ended before the arrival
            {"overlapping-parts", 21, 39, false, false, 1e6},  // a piece of path went over to the other of two nearly parallel lines
            {"needles", 5, kWalk + 2},                         // in a groove beside a ridge beyond which the surface falls away
        }) {
@@ -160,11 +160,11 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
   }
 }
 
-// Parts that touch: slits as wide as the sphere that stands for the point, vertices where sheets cross at very small angles, a blade of
-// three degrees, faces of one plane in a corner, corners where it takes most of a step's work to find that no wedge holds the point, and
-// wedges out of which a sweep took it, a blade between whose faces follower and sweeps moved it to and fro for good. And a crowd of
-// triangles, beside which it was put back onto a face in each step; a scan, on which it waited for good where the device jumps far away;
-// and a wedge where a sweep ended out of work, at a place that holds only the larger sphere of sweeps.
+// The point (a small sphere stands for it) touches parts that touch each other: slits as wide as the sphere, vertices where
+// sheets cross at very small angles, a blade of three degrees, faces of one plane in a corner, corners where it takes most of a step's work
+// to find that no wedge holds the point, wedges out of which a sweep moved it, and a blade where follower and sweeps moved it to and fro
+// for ever. Near a crowd of triangles it was put back onto a face in each step. On a scan it stayed for ever when the device jumped far
+// away. In one wedge the work ended after a sweep, at a position where only the larger sphere of the sweeps is held.
 TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
   struct Once {
     std::uint64_t seed, episode;

@@ -1,4 +1,4 @@
-// The memo's sweep against its brute-force twin on every mesh that comes with the project.
+// The method `sweep` of the memo against its brute-force twin, on every mesh that comes with the project.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,7 +68,7 @@ TEST_P(SweepOnMeshes, EqualsTheTwin) {
       const std::uint64_t before = method.counters().collisions;
       const MethodOutput output = method.step({.p_SD = p});
       const MethodOutput expected = twin.step(p);
-      // The twin rounds otherwise.
+      // The twin rounds differently.
       ASSERT_LE((output.force_n - expected.force_n).norm(), 1e-12 * stiffness_n_per_m * size) << "walk " << walk << " step " << i;
       ASSERT_LE((output.p_SP - expected.p_SP).norm(), 1e-12 * size) << "walk " << walk << " step " << i;
       ASSERT_EQ(method.counters().collisions - before, twin.collisions) << "walk " << walk << " step " << i;

@@ -46,7 +46,7 @@ TEST(ToolStress, HasNoFaultOnBodiesThatMove) {
   EXPECT_GT(squeezed, 0U);
 }
 
-// With one episode for each body and tool, a quarter of them still begins inside.
+// Even with only one episode for each body and tool, a quarter of the episodes begin inside the body.
 TEST(ToolStress, AShortRunBeginsInsideTooAndFindsOverlaps) {
   std::vector<StressBody> bodies;
   for (const std::string_view name : stress_body_names()) {

@@ -89,7 +89,7 @@ TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
 }
 
-// With what the device can press, and a fix that holds.
+// The check assumes the force with which the device can press, and the fix that it names is enough.
 TEST(LoopCheck, BumpsAreStiffSideways) {
   const auto loops = loops_for_check("model-a", "light");
   const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
@@ -107,14 +107,14 @@ TEST(LoopCheck, BumpsAreStiffSideways) {
   for (const CheckFinding& one : check_stiffness(object, held, 1000.0, 5e-4)) EXPECT_NE(one.fault, SceneFault::stiffer_than_loop);
   object.effects.bumps.height_m = 1.2 * advised;
   EXPECT_FALSE(check_stiffness(object, held, 1000.0, 5e-4).empty()) << "it is no lower than it has to be";
-  // Where the spring alone is too stiff, that is what has to change first.
+  // If the spring alone is already too stiff, the fix names the spring.
   object.material.stiffness_n_per_m = 2.0 * held.safe_n_per_m;
   found = check_stiffness(object, held, 1000.0, 5e-4);
   ASSERT_FALSE(found.empty());
   EXPECT_THAT(found.back().fix, HasSubstr("set its stiffness_n_per_m to"));
 }
 
-// The same relief by an image, and one of stiffness.
+// A relief that an image gives, and then a stiffness that an image gives.
 TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
   const auto loops = loops_for_check("model-a", "light");
   const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
@@ -140,7 +140,7 @@ TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
   EXPECT_THAT(found[0].fix, HasSubstr("set the two numbers of its stiffness_map_n_per_m nearer to each other"));
 }
 
-// A device that is not known may press with 10 N, and of several the strongest counts.
+// A device that is not known is assumed to press with 10 N; of several devices the strongest counts.
 TEST(LoopCheck, SurfacesArePressedAsTheStrongestDeviceCan) {
   LoopFlags flags;
   flags.mass_kg = 0.2;
@@ -244,7 +244,7 @@ TEST(LoopCheck, NoEffectIsStrongerThanTheWeakestDevice) {
 }
 
 TEST(LoopCheck, NoSurfaceIsStrongerThanTheWeakestDevice) {
-  const auto loops = loops_for_check("omega.3,touch", "light");  // of 3.3 N
+  const auto loops = loops_for_check("omega.3,touch", "light");  // the weaker one, touch, gives 3.3 N
   SceneObject skin = object_of(20.0);
   EXPECT_TRUE(check_strength(skin, loops).empty());
   skin.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 300.0, .pop_force_n = 3.3});

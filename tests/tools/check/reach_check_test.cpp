@@ -17,7 +17,7 @@ TEST(ReachCheck, CutsTrianglesAtTheBox) {
   const TriangleMesh square = make_plane_grid(2.0, 1);  // two triangles, x and y from -1 to 1
   const Vec3 far = Vec3::Constant(10.0);
   EXPECT_EQ(find_unreached(square, {-far, far}).share, 0.0);
-  // A fifth, a corner, all of it, and a strip in the middle.
+  // Not reached: a fifth; all but the middle; all; and all but the part at one corner.
   EXPECT_NEAR(find_unreached(square, {-far, Vec3(0.6, 10, 10)}).share, 0.2, 1e-8);
   EXPECT_NEAR(find_unreached(square, {Vec3(-0.5, -0.5, -1), Vec3(0.5, 0.5, 1)}).share, 0.75, 1e-8);
   EXPECT_EQ(find_unreached(square, {Vec3(3, 3, 3), far}).share, 1.0);
@@ -31,7 +31,7 @@ TEST(ReachCheck, WhatTouchesTheBoxIsInside) {
   EXPECT_EQ(find_unreached(box, {Vec3(-0.15, -0.1, -0.05), Vec3(0.15, 0.1, 0.05)}).share, 0.0);
 }
 
-// The share is that of points thrown at the surface.
+// The share equals the share of random points of the surface that are outside.
 TEST(ReachCheck, IsThatOfRandomPoints) {
   constexpr unsigned kSeed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
