@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 class CommandLineTest : public testing::Test {
  protected:
-  // Nothing when it is understood, else why not.
+  // Empty if the words are accepted, otherwise why they are not.
   std::string rejection(const std::string& words) {
     require_exact_numbers(app_);
     try {

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// As that of a table is. Whether gnuplot is installed here does not matter.
+// The folder of a plot is made like the folder of a table. Whether gnuplot is installed here does not matter.
 TEST(Gnuplot, TheFolderOfAPlotIsMade) {
   const ScratchFolder scratch;
   const auto folder = scratch.path() / "a" / "b";

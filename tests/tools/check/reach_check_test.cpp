@@ -96,7 +96,7 @@ SceneEffect snap_at(SnapEffect::Target target, const Vec3& position, const Vec3&
 
 TEST(ReachCheck, ASnapOutOfReachIsFound) {
   using Target = SnapEffect::Target;
-  const DevicePreset& falcon = *find_device_preset("falcon");  // a cube of 50.8 mm each way
+  const DevicePreset& falcon = *find_device_preset("falcon");  // a cube, 50.8 mm from the middle to each side
   EXPECT_TRUE(check_reach(snap_at(Target::point, Vec3(0.07, 0, 0)), falcon).empty()) << "19.2 mm outside";
   const CheckFindings found = check_reach(snap_at(Target::point, Vec3(3, 0, 0)), falcon);
   ASSERT_EQ(found.size(), 1U);
@@ -114,7 +114,7 @@ TEST(ReachCheck, ASnapOutOfReachIsFound) {
 }
 
 TEST(ReachCheck, AVolumeOutOfReachIsFound) {
-  const DevicePreset& falcon = *find_device_preset("falcon");  // a cube of 50.8 mm each way
+  const DevicePreset& falcon = *find_device_preset("falcon");  // a cube, 50.8 mm from the middle to each side
   const auto wind_in = [](const EffectVolume& volume) { return SceneEffect{.name = "wind", .effect = ConstantEffect{.volume = volume}}; };
   EXPECT_TRUE(check_reach(wind_in(EffectVolume::ball(Vec3(0.1, 0, 0), 0.05)), falcon).empty());
   const CheckFindings found = check_reach(wind_in(EffectVolume::ball(Vec3(0.1, 0, 0), 0.01)), falcon);
@@ -124,7 +124,7 @@ TEST(ReachCheck, AVolumeOutOfReachIsFound) {
   EXPECT_EQ(found[0].what, "acts in a volume 39.2 mm outside the workspace of falcon: nobody can feel it");
   EXPECT_TRUE(check_reach(wind_in(EffectVolume::box(Vec3(0.05, -1, -1), Vec3(2, 1, 1))), falcon).empty());
   EXPECT_EQ(check_reach(wind_in(EffectVolume::box(Vec3(0.06, -1, -1), Vec3(2, 1, 1))), falcon).size(), 1U);
-  const DevicePreset& touch = *find_device_preset("touch");  // a ball of 75 mm
+  const DevicePreset& touch = *find_device_preset("touch");  // a ball of radius 75 mm
   EXPECT_TRUE(check_reach(wind_in(EffectVolume::box(Vec3(0.05, 0.05, -1), Vec3(2, 2, 1))), touch).empty()) << "0.0707 from its middle";
   EXPECT_EQ(check_reach(wind_in(EffectVolume::box(Vec3(0.054, 0.054, -1), Vec3(2, 2, 1))), touch).size(), 1U) << "0.0764";
 }
@@ -141,7 +141,7 @@ TEST(ReachCheck, AGravityWellOutOfReachIsFound) {
   EXPECT_EQ(found[0].object, "effect well");
 }
 
-// A cube of 40 mm that goes out to the right by 60 mm and comes back.
+// A cube of 40 mm that goes out to the right and comes back.
 TEST(ReachCheck, AMotionOutOfReachIsFound) {
   const DevicePreset& falcon = *find_device_preset("falcon");
   SceneObject cube;
@@ -161,7 +161,7 @@ TEST(ReachCheck, AMotionOutOfReachIsFound) {
   const CheckFindings found = check_reach(cube, falcon);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].fault, SceneFault::out_of_reach);
-  // One face of six, and 29.2 of 40 mm of four others.
+  // Outside are one face of six, and 29.2 of the 40 mm of four others.
   EXPECT_EQ(found[0].what, "at 1.5 s 65 % of its surface lies outside the workspace of falcon, up to 29.2 mm");
   cube.motion = going_to(1.0);
   EXPECT_EQ(check_reach(cube, falcon).at(0).what, "at 1.5 s all of it lies outside the workspace of falcon, up to 969 mm");

@@ -1,4 +1,4 @@
-// Scenes with one fault each, as a person would have it: a mesh file and a scene file, checked by the command.
+// Scenes with one fault each, as a person would have them: a mesh file and a scene file, checked by the command.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -62,9 +62,9 @@ struct SeededFault {
   std::string material;  // lines of its material
   std::vector<std::string> flags;
   std::string fault;               // as the JSON names it
-  std::optional<Vec3> place = {};  // where, within `near`
+  std::optional<Vec3> place = {};  // where the fault is, to within `near`
   double near = 0.005;
-  std::vector<std::string> also = {};  // faults that come with it
+  std::vector<std::string> also = {};  // other faults that it brings with it
 };
 
 std::vector<SeededFault> seeded_faults() {
@@ -147,10 +147,10 @@ std::vector<SeededFault> seeded_faults() {
       {"OutsideABall", good_block(), "position_m = [0.05, 0.05, 0]\n", "", {"--device", "touch"}, "out-of-reach"},
       {"FarAway", good_ball(), "position_m = [1, 0, 0]\n", "", {}, "out-of-reach", Vec3(1.04, 0, 0)},
       {"HalfOutside", good_ball(), "position_m = [0, 0.09525, 0]\n", "", {}, "out-of-reach", Vec3(0, 0.13525, 0)},
-      // what is of the right size is inside it
+      // the good object, which has the right size, is inside this one
       {"WrongUnit", scaled_and_moved(good_ball(), 1000.0, Vec3::Zero()), "", "", {}, "out-of-reach", {}, 0.005, {"enclosed"}},
       {"ASpeck", good_ball(), "unit = 'mm'\n", "", {}, "too-small"},
-      // a ball over hundreds of triangles takes tens of microseconds, of the one that a cycle has
+      // a step of a ball over hundreds of triangles takes tens of microseconds; a cycle lasts one microsecond
       {"TooSlow",
        make_bumpy_sphere(0.04, 0.25, 40000, 1),
        "",
@@ -160,7 +160,7 @@ std::vector<SeededFault> seeded_faults() {
   };
 }
 
-// A mesh of the scene is `part.obj`; a good one stands beside it and must not be named.
+// The mesh with the fault is `part.obj`; a good object is in the scene as well and must not be named.
 nlohmann::json check_seeded(const SeededFault& seeded, const ScratchFolder& folder, int& code) {
   folder.write("part.obj", obj_of(seeded.mesh));
   folder.write("good.obj", obj_of(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3::Constant(-0.036))));
@@ -194,7 +194,7 @@ TEST(SeededFaults, EachIsFoundWhereItIsAndNothingElse) {
     for (const auto& finding : json["findings"]) {
       const std::string fault = finding["fault"];
       const bool is_it = fault == seeded.fault;
-      if (!is_it && fault == "too-slow") continue;  // the machine's business
+      if (!is_it && fault == "too-slow") continue;  // depends on the machine
       EXPECT_TRUE(is_it || std::count(seeded.also.begin(), seeded.also.end(), fault) > 0) << "false alarm: " << finding;
       EXPECT_FALSE(std::string(finding["fix"]).empty());
       if (!is_it) continue;
@@ -243,8 +243,8 @@ TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
   }
 }
 
-// The scenes of the project: two have meshes that are known to be open (hapton info counts their boundary edges), and accept that; nothing
-// is found in any. How long a step takes is the machine's business.
+// The scenes of the project: two have meshes that are known to be open (hapton info counts their boundary edges) and accept that; nothing
+// else is found in any of them. How long a step takes depends on the machine.
 TEST(CheckCommand, FindsNothingInTheScenesOfTheProjectButWhatTheyAccept) {
   const std::map<std::string, std::set<std::string>> known = {{"car_front", {"crack", "opening"}}, {"truck", {"opening"}}};
   int scenes = 0;
@@ -308,7 +308,7 @@ TEST(CheckCommand, WhatCannotBeCheckedEndsWithTwo) {
   }
 }
 
-// As haptics_node, with the line in the file.
+// The command rejects what haptics_node rejects, and names the line of the scene file.
 TEST(CheckCommand, WhatTheNodesRejectEndsWithTwo) {
   const ScratchFolder folder;
   folder.write("ball.obj", obj_of(good_ball()));
@@ -379,7 +379,7 @@ TEST(CheckCommand, WhatAnObjectAcceptsIsANote) {
   EXPECT_THAT(both.out, HasSubstr("1 finding in 2 objects"));
   const std::string heavy = accepting + "moved_by = 'program'\nmass_kg = 0.2\n";
   EXPECT_THAT(check({folder.write("scene.toml", heavy + material).string()}).out, HasSubstr("its inertia is unknown"));
-  // An instance is like its object.
+  // An instance accepts what its object accepts.
   const std::string twice = accepting + "[[instance]]\nname = 'again'\nof = 'box'\nposition_m = [0, 0.01, 0]\n" + material;
   const nlohmann::json json = nlohmann::json::parse(check({folder.write("scene.toml", twice).string(), "--json"}).out);
   EXPECT_EQ(json["findings"].size(), 0U);

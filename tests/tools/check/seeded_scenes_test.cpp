@@ -1,5 +1,5 @@
-// Scenes with one fault each in how they are put together: materials, effects, motion, places, camera. seeded_faults_test.cpp has those of
-// meshes.
+// Scenes with one fault each in how they are put together: materials, effects, motion, places, camera. The faults of meshes are in
+// seeded_faults_test.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct SeededScene {
   std::string tables;  // lines of its material, then other tables
   std::string fault;   // as the JSON names it
   std::string named = "seeded";
-  std::string says = {};  // a part of what is found or how it is repaired
+  std::string says = {};  // a part of the text of the finding or of its fix
 };
 
 std::vector<SeededScene> seeded_scenes() {
@@ -135,7 +135,7 @@ TEST(SeededScenes, WhatOnlyLooksLikeSuchAFaultIsNone) {
       ADD_FAILURE() << "no JSON";
       continue;
     }
-    for (const auto& finding : json["findings"]) EXPECT_EQ(finding["fault"], "too-slow") << finding;  // the machine's business
+    for (const auto& finding : json["findings"]) EXPECT_EQ(finding["fault"], "too-slow") << finding;  // depends on the machine
   }
 }
 

@@ -44,7 +44,7 @@ TEST(SurfaceCheck, AThinWallIsNamedWithAProbeThatFits) {
   EXPECT_TRUE(check_surface(plate(0.00175), 0.0).empty()) << "a point";
 }
 
-// A ball of less than a tenth of the probe is none that anybody wants.
+// Nobody wants a ball of less than a tenth of the given radius, so the fix is a point.
 TEST(SurfaceCheck, AWallThatIsMuchTooThinIsTouchedWithAPoint) {
   EXPECT_EQ(check_surface(plate(0.00021), 0.001).at(0).fix, "thicken it, or give --probe-radius 0.0001 or less");
   EXPECT_EQ(check_surface(plate(0.00019), 0.001).at(0).fix, "thicken it, or touch it with a point (--probe-radius 0)");
@@ -83,7 +83,7 @@ TEST(SurfaceCheck, OpeningsAreCountedAndTheWidestIsNamed) {
   EXPECT_TRUE(check_surface(object_with(open), 0.03).empty()) << "it fits through none";
 }
 
-// What is open after sealing: how wide it is, not how far was looked, and why.
+// A finding says how wide the open cracks are (not how far the check searched), and why they are open.
 TEST(SurfaceCheck, CracksAreNamedWithTheirWidth) {
   SceneObject object = object_with(make_torn(make_icosphere(0.05, 2), 2.5e-5));
   CheckFindings found = check_surface(object, 0.0);

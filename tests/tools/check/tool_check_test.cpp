@@ -43,7 +43,7 @@ TEST(ToolCheck, WhatCannotBePickedUpIsNoCleanScene) {
   EXPECT_EQ(found[0].what.find("it cannot be picked up: "), 0U) << found[0].what;
 }
 
-// A rod of length L turns about its middle with k L^2 / 18 (two thirds of L^2 / 12), about its end with four times as much.
+// The rotational stiffness of a rod of length L is k L^2 / 18 about its middle (two thirds of k L^2 / 12), four times that about an end.
 TEST(ToolCheck, ABodyTurnsAsStifflyAsSpringsOverItsSurface) {
   constexpr double kLengthM = 0.3;
   const auto rod = made::shared(made::box(Vec3(-1e-5, -1e-5, -0.5 * kLengthM), Vec3(1e-5, 1e-5, 0.5 * kLengthM)));

@@ -75,7 +75,7 @@ TEST(ServoForce, TorquesAreTakenWhereTheyAreAllowedAndScaledDown) {
   EXPECT_EQ(force.take(turning, 0), Verdict::not_finite);
   EXPECT_TRUE(force.force_n(0).isZero(0.0) && force.torque_nm(0).isZero(0.0));
   EXPECT_EQ(force.counts().has_torque, 0U);
-  // A command without one leaves none.
+  // A command without a torque leaves no torque.
   turning.torque_nm = Vec3(0.0, 0.05, 0.0);
   force.take(turning, 0);
   force.take(command(Vec3(1.0, 0.0, 0.0)), 0);

@@ -15,7 +15,7 @@ TEST(StampClock, OnTheHubsHostAStampIsTheTimeOfTheSample) {
   for (std::int64_t i = 1; i < 100; ++i) EXPECT_EQ(clock.stamp_ns(i * kMs, i * kMs + i % 7 * 10'000, kDayOffset), i * kMs + kDayOffset);
 }
 
-// The hub's clock is 5 s off ours, and a state takes 0.2 to 3 ms.
+// The hub's clock is 5 s ahead of ours, and a state takes 0.2 to 3 ms to arrive.
 TEST(StampClock, FromAnotherHostAStampIsLateByTheFastestWay) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
@@ -39,7 +39,7 @@ TEST(StampClock, AClockThatDriftsAwayIsFollowedWithinTwoWindows) {
   StampClock clock(false);
   std::int64_t stamp = 0;
   std::int64_t taken = 0;
-  // Our clock gains 1 ms in 10 s: the fastest way of an old window would keep the stamps behind by more and more.
+  // Our clock gains 1 ms in 10 s: with the fastest transfer of an old window the stamps would fall behind more and more.
   for (std::int64_t i = 1; i < 100'000; ++i) {
     taken = i * kMs;
     stamp = clock.stamp_ns(taken - i * 100, taken, 0);
@@ -51,7 +51,7 @@ TEST(StampClock, AClockThatDriftsAwayIsFollowedWithinTwoWindows) {
 TEST(StampClock, StampsIncreaseWhateverTheTimeOfDayDoes) {
   StampClock clock(true);
   const std::int64_t first = clock.stamp_ns(1'000 * kMs, 1'000 * kMs, kDayOffset);
-  // Set back by 0.5 s: stamps wait. By an hour: they follow.
+  // If the time of day is set back by 0.5 s, the stamps wait for it; if by an hour, they follow it.
   EXPECT_EQ(clock.stamp_ns(1'001 * kMs, 1'001 * kMs, kDayOffset - 500 * kMs), first + 1);
   EXPECT_EQ(clock.stamp_ns(1'002 * kMs, 1'002 * kMs, kDayOffset - 3'600'000 * kMs), 1'002 * kMs + kDayOffset - 3'600'000 * kMs);
 }

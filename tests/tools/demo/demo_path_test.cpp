@@ -46,7 +46,7 @@ TEST(DemoPath, FindsTheForemostPoint) {
   EXPECT_FALSE(make_rest_path(scene_of("groove"), 0.5, 0.0, 1.0)) << "nothing is there";
 }
 
-// Every path can be taken by a hand: within the workspace, its speed that of an arm, and it can be read as it is written.
+// A hand can follow every path: it is within the workspace and no faster than the device allows. It is also read back as it was written.
 TEST(DemoPath, OfEveryStepCanBeTaken) {
   const DeviceLimits limits = model_a::limits();
   for (const DemoStep& step : demo_steps()) {

@@ -28,7 +28,7 @@ TEST(DemoStep, SaysInALineOrTwoWhatToLookAt) {
   }
 }
 
-// So that a person can compare them; and the hand does not leave while the node that died is started again.
+// A person can then compare these steps, and the hand does not leave while the node that died is started again.
 TEST(DemoStep, TheStepsOnTheCarPressTheSamePlaceAndTheLastOneStaysThere) {
   const auto scene = load_scene(std::filesystem::path(HAPTON_SOURCE_DIR) / "scenes/car_front.toml");
   ASSERT_TRUE(scene) << scene.error().what;

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A step in contact, the probe here and the device so far behind it (or in front, below 0).
+// A step in contact with the probe at p_WP and the device `behind_m` behind it (below 0: in front of it).
 DemoStepSeen touch(const Vec3& p_WP, double behind_m) {
   return {.time_ns = 0, .p_WD = p_WP - Vec3(0, 0, behind_m), .p_WP = p_WP, .force_n = Vec3(0, 0, 1e3 * behind_m), .contact = true};
 }
@@ -38,7 +38,7 @@ TEST(DemoVerdict, RestIsContactThatLastsWithTheDeviceInside) {
   EXPECT_THAT(never.text, HasSubstr("touched nothing"));
 }
 
-// A probe at so much of the groove's swing, over all of its length.
+// A slide over the whole length of the groove, in which the probe moves sideways by `share` times the bends of the groove.
 DemoEvidence slide(double share) {
   std::vector<DemoStepSeen> steps;
   for (double x = -0.07; x < 0.07; x += 0.0005) steps.push_back(touch(Vec3(x, share * demo_groove::centre_m(x), -0.006), 0.002));
@@ -90,7 +90,7 @@ TEST(DemoVerdict, TheNetworkIsSlowAndTheContactStays) {
   EXPECT_FALSE(evaluate_network(faulty, 8.0).held);
 }
 
-// Forces every millisecond but between these times, ms; killed at 1000, restarted at 2000.
+// A force every millisecond, except between last_ms and first_again_ms. The node is killed at 1000 ms and restarted at 2000 ms.
 DemoEvidence death(int last_ms, int first_again_ms) {
   DemoEvidence evidence = evidence_of(std::vector<DemoStepSeen>(100, touch(Vec3::Zero(), 0.002)));
   for (int ms = 0; ms < 3000; ++ms) {

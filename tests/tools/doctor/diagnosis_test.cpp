@@ -1,4 +1,4 @@
-// A machine that is well, and faults seeded into it, one at a time: the doctor must name each and say what fixes it.
+// A healthy machine, and faults seeded into it, one at a time: the doctor must name each fault and say what fixes it.
 #include "tools/doctor/diagnosis.h"
 
 #include <gmock/gmock.h>
@@ -276,7 +276,7 @@ TEST_P(SeededFaults, AreNamedAndFixed) {
   const auto is_reported =
       AllOf(Field("verdict", &Finding::verdict, GetParam().verdict), Field("seen", &Finding::seen, HasSubstr(GetParam().seen)),
             Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
-  // It, and nothing else: a fault must not hide among false alarms.
+  // The fault is reported, and nothing else: it must not hide among false alarms.
   EXPECT_THAT(complaints_of(diagnosis), testing::ElementsAre(is_reported)) << to_text(diagnosis, false);
   EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr(GetParam().seen), HasSubstr("fix: "), HasSubstr(GetParam().remedy)));
   EXPECT_EQ(diagnosis.is_fit(), GetParam().verdict != Verdict::problem);

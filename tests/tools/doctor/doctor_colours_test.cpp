@@ -1,4 +1,4 @@
-// Colours are for a terminal whose person did not decline them.
+// The doctor uses colours only on a terminal, and only if the user has not declined them (NO_COLOR).
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kColour = "\x1b[";
 
-// With that value of NO_COLOR, until this goes; none: it is not set.
+// Sets NO_COLOR to `value` while this object exists; without a value, it unsets NO_COLOR.
 class NoColour {
  public:
   explicit NoColour(const std::optional<std::string>& value) {
@@ -44,7 +44,7 @@ struct DoctorColours : testing::Test {
     std::ofstream(clock / "current_clocksource") << "hpet\n";
     words = {"hapton", "doctor", "--root", folder.path().string(), "--only", "clock"};
   }
-  // What it prints on a terminal.
+  // What the command prints on a terminal.
   std::string on_a_terminal() {
     const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
     if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return "no terminal";

@@ -14,9 +14,9 @@
 
 namespace hapton::doctor {
 
-// A machine made of files in a folder, and its replies: it is in order until a test spoils something. A WoodenHaptics (hidraw0), a Touch
-// (ttyACM0) and a SpaceMouse (hidraw1) are plugged in, io_node runs, the user is "ada". The files belong to the user who runs the test, so
-// ada's rights on them are those of a group, whose number is that user's own.
+// A machine made of files in a folder, and of prepared replies. Nothing is wrong with it until a test changes something. A WoodenHaptics
+// (hidraw0), a Touch (ttyACM0) and a SpaceMouse (hidraw1) are plugged in, io_node runs, the user is "ada". The files belong to the user who
+// runs the test, so ada has the rights of their group: plugdev has the number of the group of that user.
 class FakeMachine {
  public:
   FakeMachine() {
@@ -53,7 +53,7 @@ class FakeMachine {
   void make_folder(const std::string& path) const { std::filesystem::create_directories(root() / path.substr(1)); }
   void set_mode(const std::string& path, mode_t mode) const { ::chmod((root() / path.substr(1)).c_str(), mode); }
 
-  // The user's numbers and rights, as the kernel shows them. groups: besides its own.
+  // The user's ID and rights, as the kernel shows them. groups: numbers of the groups besides the primary one.
   void be_user(uid_t uid, const std::string& groups, const std::string& capabilities = "0000000000000000") const {
     write("/proc/self/status",
           fmt::format("Name:\thapton\nUid:\t{0}\t{0}\t{0}\t{0}\nGid:\t7777\t7777\t7777\t7777\nGroups:\t{1}\nCapEff:\t{2}\n", uid, groups,
@@ -68,7 +68,7 @@ class FakeMachine {
   }
   void set_environment(const std::string& entries) const { write("/proc/self/environ", entries); }
   void run_program(const std::string& pid, const std::string& name) const { write("/proc/" + pid + "/comm", name + "\n"); }
-  // A socket at a port, held by a program that runs; table: udp, tcp.
+  // A socket at a port, held by a program that runs. table: udp, udp6 or tcp.
   void hold_port(const std::string& table, int port, const std::string& pid, const std::string& program) const {
     run_program(pid, program);
     write("/proc/net/" + table,

@@ -47,7 +47,7 @@ TEST(Machine, KnowsTheUserAndItsGroups) {
   EXPECT_FALSE(machine.user().is_in(46));
   EXPECT_TRUE(machine.user().has_capability(User::kSysNice));
   EXPECT_FALSE(machine.user().has_capability(User::kIpcLock));
-  EXPECT_TRUE(machine.find_group("hapton")->has_user);   // of this session
+  EXPECT_TRUE(machine.find_group("hapton")->has_user);   // in the groups of this session
   EXPECT_TRUE(machine.find_group("plugdev")->has_user);  // in /etc/group
   EXPECT_FALSE(machine.find_group("audio")->has_user);
   EXPECT_FALSE(machine.find_group("wheel"));

@@ -68,7 +68,7 @@ TEST_F(UdevRules, AreGoneThroughWithTheirPropertiesAndJumps) {
   EXPECT_FALSE(find());
 }
 
-// Of the package: for every way in which a device of ours can be there.
+// The rules of the package, for every way in which a supported device can be connected.
 TEST_F(UdevRules, OfThePackageAreUnderstood) {
   const std::string rules = [] {
     std::ifstream file(HAPTON_SOURCE_DIR "/deploy/udev/70-hapton.rules");

@@ -21,8 +21,8 @@ using ::testing::HasSubstr;
 
 constexpr std::int64_t kMs = 1'000'000;
 
-// The haptics node and the dynamics, with a link between them that takes a time each way, on simulated time. A hand that nothing moves but
-// its path: the hardest case for stability, as it adds no damping of its own.
+// The haptics node and the dynamics, in simulated time, with a link between them that has a delay each way. The hand follows its path
+// whatever force it feels: the hardest case for stability, as such a hand adds no damping of its own.
 class Loop {
  public:
   Loop(Scene scene, DynamicsDriver::Settings settings, int link_ms)
@@ -35,7 +35,7 @@ class Loop {
     mover_ = std::make_unique<ObjectMover>(scene_, 42);
   }
 
-  // One millisecond.
+  // Simulates one millisecond.
   ForceCommand step(const Vec3& hand) {
     const std::int64_t now_ns = kMs * ++sample_;
     step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand});
@@ -70,7 +70,7 @@ class Loop {
   }
   Vec3 position() const { return driver_.world().place(kBox).p_S; }
   DynamicsDriver& driver() { return driver_; }
-  // As `hapton set --stiffness` does it.
+  // Sets the stiffness as `hapton set --stiffness` does. is_told: the dynamics is told as well.
   void set_stiffness(double n_per_m, bool is_told) {
     MaterialState state{.serial = 1, .object_count = 1};
     state.objects[0].change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m};
@@ -78,8 +78,8 @@ class Loop {
     if (is_told) driver_.take(state);
   }
 
-  std::function<bool(std::uint64_t)> loses = {};  // which requests
-  int state_every_ms = 4;                         // as io_node's --vision-rate has it
+  std::function<bool(std::uint64_t)> loses = {};  // which requests the link loses
+  int state_every_ms = 4;                         // about the default of io_node's --vision-rate
 
  private:
   struct Waiting {
@@ -102,7 +102,7 @@ class Loop {
   std::deque<Waiting> waiting_;
 };
 
-// From the left of the box, at half its height, to the right at 0.1 m/s for 40 mm after the contact; then it stays.
+// The hand moves from the left of the box, at half its height, to the right at 0.1 m/s, 40 mm beyond the first contact; then it stays.
 constexpr double kGapM = 0.005;
 constexpr double kTravelM = 0.04;
 constexpr double kSpeed = 0.1;
@@ -145,7 +145,7 @@ struct LoopCase {
   int link_ms;
 };
 
-// The largest and the smallest force while the hand goes on at its speed: from 0.4 s after the contact, for 0.4 s.
+// The smallest and the largest force while the hand goes on at its speed: from 0.4 s after the contact, for 0.4 s.
 std::pair<double, double> forces_under_way(Loop& loop) {
   double most = 0.0;
   double least = std::numeric_limits<double>::infinity();
@@ -169,7 +169,7 @@ TEST(DynamicsDriver, ABodyStaysAtTheHandThatPushesIt) {
         SCOPED_TRACE(fmt::format("{} kg, {} N/m, {} ms each way: delay {:.1f} ms, {:.2f} to {:.2f} N", mass, stiffness, link_ms,
                                  1e3 * loop.driver().delay_s(), least, most));
         EXPECT_GT(least, 0.2 * most);
-        // Of the damping, of friction, and of what swings about them.
+        // The forces of the damping and of friction, and of an oscillation about their sum.
         const double damping_n = DynamicsDriver::kDampingShare * stiffness * loop.driver().delay_s() * kSpeed;
         EXPECT_LT(most, 1.6 * (damping_n + 0.1 * mass * 9.81 + std::sqrt(stiffness * mass) * kSpeed));
       }
@@ -202,7 +202,7 @@ TEST(DynamicsDriver, AnotherHapticsNodeHasTheStiffnessOfTheScene) {
   EXPECT_GT(least, 0.2 * most) << least << " to " << most << " N";
 }
 
-// What presses less than friction holds stays as it is.
+// A force below the limit of friction moves nothing, so it stays as it is.
 TEST(DynamicsDriver, AtRestTheForceIsSteady) {
   for (const LoopCase& c : std::vector<LoopCase>{{0.2, 300, 1}, {0.2, 2000, 15}, {2.0, 300, 15}, {2.0, 2000, 1}}) {
     Loop loop(table_scene({.mass_kg = c.mass_kg, .stiffness_n_per_m = c.stiffness_n_per_m}), {}, c.link_ms);
@@ -271,7 +271,7 @@ TEST(DynamicsDriver, ABodyFollowsAnObstacleThatIsPutDownElsewhere) {
   EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, -0.05, 3e-4);
 }
 
-// In a scene that is turned and moved, a push of the hand comes where it is, along the opposite of the force that the hand feels.
+// In a scene that is turned and moved, the hand pushes at its own position, opposite to the force that it feels.
 TEST(DynamicsDriver, AHandPushesInTheFrameOfTheScene) {
   const Scene scene = table_scene({.height_m = 0.05});
   const auto displaced = [&](const Pose& X_WS) {
@@ -325,7 +325,7 @@ struct Alone : testing::Test {
 TEST_F(Alone, TimeIsSceneTime) {
   at(1000);
   const Vec3 start = driver.world().place(kBox).p_S;
-  for (int i = 0; i < 50; ++i) at(1000);  // no device: it stands still
+  for (int i = 0; i < 50; ++i) at(1000);  // without a device, scene time stands still
   EXPECT_EQ(driver.counts().steps, 0U);
   EXPECT_EQ(driver.world().place(kBox).p_S, start);
   at(1010);
@@ -372,7 +372,7 @@ TEST(DynamicsDriver, AnObstacleThatAProgramMovesCarriesABody) {
   EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, 0.02, 3e-4);
 }
 
-// 200 a second, and each moves for as long as it takes until the next one of that body.
+// There are 200 requests a second in all, and each moves its body for the time until the next request for the same body.
 TEST(DynamicsDriver, BodiesTakeTurns) {
   Scene scene = table_scene({.height_m = 0.3});
   SceneObject other = scene.objects[kBox];
@@ -399,7 +399,7 @@ TEST(DynamicsDriver, BodiesTakeTurns) {
   for (std::size_t n = 0; n < numbers.size(); ++n) EXPECT_EQ(numbers[n], n + 1) << "0 is not a number";
 }
 
-// From the request until a state of after the reply: what it takes, one interval of states, and the time of the move itself.
+// The delay: the time from the request to the reply, one interval between states, and the duration of the move itself (5 ms).
 TEST_F(Alone, TheDelayIsMeasured) {
   at(0);
   EXPECT_DOUBLE_EQ(driver.delay_s(), 0.02) << "assumed";
@@ -421,7 +421,7 @@ TEST_F(Alone, TheDelayIsMeasured) {
   EXPECT_DOUBLE_EQ(driver.delay_s(), 0.2) << "no more damping than for that";
 }
 
-// A request that nobody replied to is repeated, as it was, where the body is where it was.
+// A request without a reply is repeated unchanged if the body has not moved.
 TEST_F(Alone, ALostRequestIsRepeatedAfterFiftyMilliseconds) {
   at(0);
   const auto request = driver.next_request(0);
@@ -459,7 +459,7 @@ TEST_F(Alone, ARejectionIsTold) {
   driver.take(reply);
   EXPECT_EQ(driver.take_rejection(), "no");
   EXPECT_EQ(driver.take_rejection(), "");
-  reply.request += 1;  // of another program
+  reply.request += 1;  // a reply to another program
   driver.take(reply);
   EXPECT_EQ(driver.take_rejection(), "");
   // It is requested again, although the body is at rest: another program may have taken its place for a moment.
@@ -481,7 +481,7 @@ TEST_F(Alone, ARequestAtATimeAndNoneForABodyAtRest) {
   const std::uint64_t requests = driver.counts().requests;
   EXPECT_GT(requests, 20U);
   EXPECT_LE(requests, 401U);
-  // Bullet lets it sleep after two seconds, which may move it by micrometres, once.
+  // Bullet lets the body sleep after two seconds, which may move it once, by micrometres.
   int late = 0;
   for (int ms = 2000; ms < 6000; ++ms) {
     at(ms);

@@ -67,7 +67,7 @@ TEST_F(Worlds, BeyondItTheBoxSlidesAsNewtonAndCoulombHaveIt) {
   run(0.2);
   const Vec3 start = position();
   const double limit_n = kMu * kBoxKg * kG;
-  // Low at its side: a push through the centre of mass would tip nothing, but lift the rear edge off its share of the friction.
+  // At the centre of mass: the box does not tip; its front edge only carries more of the weight, and of the friction, than its rear edge.
   world->press(Push{.object = kBox, .p_S = start, .force_n = {2.0 * limit_n, 0, 0}});
   const double seconds = 0.05;
   run(seconds);
@@ -91,7 +91,7 @@ TEST_F(Worlds, APushBesideTheCentreTurnsTheBox) {
   EXPECT_NEAR(turn_between(Quat::Identity(), world->place(kBox).turn).y(), expected_rad, 0.01 * expected_rad);
 }
 
-// v = F / b in the end.
+// In the end the speed is v = F / b.
 TEST_F(Worlds, DampingAtTheContactLimitsTheSpeed) {
   make(table_scene(), 0.0);
   world->set_gravity(Vec3::Zero());
@@ -113,7 +113,7 @@ TEST_F(Worlds, AnyDampingIsStable) {
   }
 }
 
-// No point of it gets faster than the fastest surface, be it by its turning alone.
+// No point of a body gets faster than the fastest surface, even if the body only turns.
 TEST_F(Worlds, WhatIsTurnedGetsFasterUpToTheFastestSurface) {
   make(table_scene({.height_m = 0.1}));
   world->set_gravity(Vec3::Zero());
@@ -137,7 +137,7 @@ TEST_F(Worlds, ABodyThatIsNotConvexKeepsItsHole) {
   EXPECT_NEAR(position().x() - start.x(), kFrameGapM, 5e-4);
 }
 
-// A long board is lifted: what lies on it goes along.
+// The table is lifted: what lies on it goes along.
 TEST_F(Worlds, AnObstacleCarriesWhatLiesOnIt) {
   Scene scene = table_scene();
   make_commanded(scene.objects[kTable]);
@@ -226,7 +226,7 @@ TEST_F(Worlds, WhatFallsOutOfTheSceneComesBack) {
   scene.objects.push_back(std::move(other));
   make(scene);
   const Vec3 start = position();
-  std::vector<int> fallen;  // both in one step, as far from the middle as each other
+  std::vector<int> fallen;  // both in the same step: they are equally far from the middle
   for (int i = 0; i < 20'000 && fallen.empty(); ++i) {
     world->step();
     fallen.assign(world->fallen().begin(), world->fallen().end());

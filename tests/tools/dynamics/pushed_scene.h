@@ -26,7 +26,7 @@ inline SceneObject make_object(const char* name, std::shared_ptr<const TriangleM
   return object;
 }
 
-// pivot: from the centre of its box.
+// Makes the object movable by a program. pivot: relative to the centre of its bounding box.
 inline void make_commanded(SceneObject& object, const Vec3& pivot = Vec3::Zero()) {
   ObjectSpec spec;
   spec.motion.by_program = true;
@@ -61,7 +61,7 @@ inline Scene table_scene(const TableSetting& setting = {}) {
   return scene;
 }
 
-// Between the walls of a square tube of half widths inner and outer, from y = 0 up.
+// A square tube whose wall lies between the half widths `inner` and `outer`, from y = 0 up.
 inline TriangleMesh frame(double inner, double outer, double height) {
   TriangleMesh mesh;
   for (const double y : {0.0, height}) {

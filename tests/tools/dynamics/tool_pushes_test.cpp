@@ -80,7 +80,7 @@ class ToolLoop {
   std::deque<std::pair<std::int64_t, std::function<void()>>> waiting_;
 };
 
-// A cube of 20 mm that comes from the left, its side before that of the box.
+// A cube of 20 mm that comes from the left; its side starts 5 mm before the side of the box.
 const TriangleMesh kPusher = made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01));
 Vec3 pusher_at(int ms, double travel_m, double y, double z) {
   return {-kBoxSideM / 2 - 0.015 + std::min(travel_m, kPushSpeed * std::max(0.0, 1e-3 * ms - 0.1)), y, z};
@@ -107,13 +107,13 @@ TEST(ToolPushes, ABoxGoesWhereTheToolPushesIt) {
   }
 }
 
-// The tool slides on the table as well, pressed down: what the table does to it is not the box's.
+// The tool also slides on the table, pressed down: the table's force on the tool must not act on the box.
 TEST(ToolPushes, WhatTheToolDoesToOthersIsNotTheBodys) {
   ToolLoop loop(table_scene(), kPusher, 1);
   const Keyframe start = loop.place();
   double down_n = 0.0;
   for (int ms = 0; ms < 1500; ++ms) {
-    // 10 mm below where the cube's lower side touches the table: 5 N.
+    // In the end the hand is 10 mm below the place where the cube's lower side touches the table: 5 N.
     down_n = loop.step(pusher_at(ms, 0.045, std::max(0.0, 0.05 - 1e-3 * ms), 0.0)).force_n.y();
   }
   EXPECT_NEAR(down_n, 5.0, 0.2);
@@ -131,7 +131,7 @@ TEST(ToolPushes, BesideItsMiddleItTurnsTheBox) {
   EXPECT_GT(turn.y(), 0.1) << "towards +x at +z: from z to x is positive";
 }
 
-// Two contacts and their friction nearly cancel: the line of the force is far away, but the body is damped where it is.
+// The forces of two contacts nearly cancel: the line of the force that is left is far away, but the body is damped where the body is.
 TEST(ToolPushes, ACoupleTurnsTheBoxWhateverIsLeftOfItsForce) {
   for (const double left_n : {0.0, 1e-12, 1e-9, 1e-6, 1e-300}) {
     const Scene scene = table_scene();
@@ -152,7 +152,7 @@ TEST(ToolPushes, ACoupleTurnsTheBoxWhateverIsLeftOfItsForce) {
   }
 }
 
-// F = B v and torque = B w in the end, with B from the tool's springs and the delay before anything was measured.
+// In the end F = B v and torque = B w, with B from the tool's springs and the delay that is assumed before one is measured.
 TEST(ToolPushes, ABodyIsDampedByTheDelayInItsMotionAndItsTurn) {
   const Scene scene = table_scene({.height_m = 0.1});
   DynamicsDriver driver = *DynamicsDriver::make(scene, {.gravity_W = Vec3::Zero()});

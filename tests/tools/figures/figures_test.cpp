@@ -77,7 +77,7 @@ TEST_F(FiguresTest, TheCutOfTheRingIsTwoCircles) {
   EXPECT_EQ(inner, outer);
 }
 
-// The picture says what the sweep did: under half a contact offset passed, above it not.
+// The picture says what the sweep did: it passed a step lower than half a contact offset, and stopped at a higher one.
 TEST_F(FiguresTest, ContactOffsetPassesLowStepsOnly) {
   const std::string script = script_of(figures_, "contact_offset");
   EXPECT_THAT(script, HasSubstr("step of 0.4:\\npassed within the slop"));
