@@ -102,7 +102,7 @@ TEST_F(HaptonCommandTest, HelpAndVersion) {
   EXPECT_THAT(version.out, HasSubstr("hapton 0."));
 }
 
-// The line that lists a command, and the heading above it.
+// Reads each line that lists a command, and the heading above it.
 TEST_F(HaptonCommandTest, HelpListsEachCommandInALineUnderWhatPeopleWantToDo) {
   std::map<std::string, std::string> group_of;
   std::istringstream help(run_hapton({"--help"}).out);
@@ -300,7 +300,7 @@ TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
   EXPECT_THAT(run_hapton({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 
-// It takes the flags of `bench numbers`, and checks its folder before it measures.
+// `hapton bench` alone takes the flags of `bench numbers`, and checks its folder before it measures.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
   const CommandRun seen = run_hapton({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});

@@ -1,4 +1,4 @@
-// What the evaluator says of outputs that no governor may give: a check that cannot fail has tested nothing.
+// What the evaluator says about outputs that no governor may give: a check that cannot fail tests nothing.
 #include "tools/governor/governor_evaluator.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ DeviceLimits evaluated_device() {
           .max_speed_m_per_s = 2.0};
 }
 
-// Of a program the evaluator uses only these two.
+// These two properties are all that the evaluator uses of a program.
 HostileProgram find_program(bool has_button) {
   for (std::uint64_t seed = 1;; ++seed) {
     const HostileProgram program(seed);
@@ -43,7 +43,7 @@ struct EvaluatedGovernor {
     step.sample.buttons = ~0U;
   }
 
-  // What the governor gives.
+  // Runs one cycle of the governor and returns its output.
   Wrench cycle(std::int64_t passed_ns = kMs) {
     step.now_ns += passed_ns;
     step.sample.time_ns = step.now_ns;
@@ -56,7 +56,7 @@ struct EvaluatedGovernor {
   void run(int cycles) {
     for (int n = 0; n < cycles; ++n) show(cycle());
   }
-  // What the governor gives is allowed.
+  // Runs cycles with this command. The evaluator must allow every output of the governor.
   void press(const Wrench& wrench, int cycles) {
     wanted = wrench;
     run(cycles);
@@ -237,7 +237,7 @@ TEST(GovernorEvaluatorTest, OutwardForceAtTheEndOfTheWorkspaceIsABreach) {
   }
 }
 
-// Beyond the end it may be no more than before at each moment, and has to become less as well.
+// Beyond the end, the outward force may never grow, and it has to become less.
 TEST(GovernorEvaluatorTest, OutwardForceThatIsKeptBeyondTheEndIsABreach) {
   EvaluatedGovernor governed;
   governed.step.sample.p_WD.z() = 0.08;
@@ -278,7 +278,7 @@ TEST(GovernorEvaluatorTest, ForceThatStaysWhileTheGateIsShutIsABreach) {
   shut([](EvaluatedGovernor& governed) { governed.governor.observe_temperature(1.0); });
 }
 
-// Too few invalid samples for a fault, but too long without a valid one.
+// There are too few invalid samples for a fault, but it is too long since the last valid one.
 TEST(GovernorEvaluatorTest, ForceWithoutAPoseFor20MsIsABreach) {
   EvaluatedGovernor governed;
   governed.press(push_z(1.0), 200);
@@ -348,7 +348,7 @@ TEST(GovernorEvaluatorTest, FiveBadValuesOnEndThatLatchNothingAreABreach) {
   counts_for([&](HostileStep& step) { step.sample.p_WD.y() = nan; });
 }
 
-// No step of it is a jump: only over 20 ms is it faster than a hand.
+// No single step of the device is a jump: only over 20 ms is the device faster than a hand.
 TEST(GovernorEvaluatorTest, ADeviceThatIsTooFastAndLatchesNothingIsABreach) {
   for (const double step_m : {0.0040, 0.0045}) {
     EvaluatedGovernor governed;

@@ -84,8 +84,8 @@ TEST(GovernorStress, UsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// Each kind of force has about an eleventh of the spells, but that of forces that are not numbers, of which two in three are made active:
-// the fault that follows latches and hides everything else.
+// Each kind of force has about an eleventh of the spells. Forces that are not numbers have fewer, because the fault that follows latches
+// and hides everything else: two in three of their spells have an active force (Force::active) in their place.
 TEST(GovernorStress, ForcesThatAreNoNumbersAreRare) {
   constexpr double kTurns = 200'000.0;
   int none = 0;
@@ -133,7 +133,7 @@ std::vector<int> turns_with_output(std::uint64_t seed) {
 }
 
 // A stress run that loses what the evaluator found would say that every governor holds. The evaluator watches a governor that has accepted
-// no command, so it objects to every output of the one that runs.
+// no command, so it objects to every output of the governor that runs.
 TEST(GovernorStress, BreachesAreCountedWithTheProgramAndTheTurnOfTheFirst) {
   constexpr auto kTimeout = static_cast<std::size_t>(GovernorBreach::command_timeout);
   std::vector<std::uint64_t> seeds;

@@ -64,7 +64,7 @@ TEST(LatencyCompare, AValueOfAnotherTypeIsRejectedInOneLine) {
     ASSERT_FALSE(read) << bad;
     EXPECT_THAT(read.error().what, HasSubstr("bad.json: is not a latency report")) << bad;
   }
-  // A ratio that is not finite.
+  // A null stands for a ratio that is not finite.
   EXPECT_TRUE(read_report_json(folder.write("good.json", R"({"schema": "hapton.report/4", "hops": {}, "ratios": {"x": null}})")));
 }
 

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 const std::vector<HopCounts> kHops = {{"round_trip", {{10000, 11000, 5}, {20000, 22000, 5}}}, {"bare_echo", {{8000, 9000, 10}}}};
 
-// A folder with a table in it, whose name would do harm in a shell.
+// A folder whose name would do harm in a shell, with a table in it.
 class LatencyPlotTest : public ::testing::Test {
  protected:
   LatencyPlotTest() : folder_(std::filesystem::temp_directory_path() / ("hapton plot'; touch injected #" + std::to_string(::getpid()))) {

@@ -20,9 +20,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kForever = 1e6;  // s: a test that waits for it fails by its time limit
+constexpr double kForever = 1e6;  // s: a test that waits for so long fails by its time limit
 
-// Of a hub that has run for so long at 1 kHz.
+// The report of a hub that has run for `seconds` at 1 kHz.
 HubReport report_after(double seconds) {
   const int samples = static_cast<int>(1e3 * seconds);
   const nlohmann::ordered_json json = {{"schema", kReportSchema},

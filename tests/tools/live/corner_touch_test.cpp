@@ -16,7 +16,7 @@ constexpr std::uint64_t kTouchSeed = 9;
 // A hand and its device, sample after sample.
 class TouchingHand {
  public:
-  // The first event other than none within that time; the tip trembles with that standard deviation.
+  // Returns the first event other than none within `seconds`. The tip trembles with the standard deviation `tremble_m`.
   Event stay(double seconds, double tremble_m = 0.00005) {
     std::normal_distribution<double> off(0.0, tremble_m);
     for (double t_s = 0.0; t_s < seconds; t_s += 1e-9 * kSampleNs) {

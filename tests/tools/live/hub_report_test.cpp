@@ -24,7 +24,7 @@ Result<HubReport> read_from(const ReplyingHub& hub) {
   return (*reader)->read();
 }
 
-// Of a hub whose tables each belong to a later report than the previous one, until `hasty` have been requested.
+// Reads from a hub that makes a newer report before it sends a table, for each of the first `hasty` tables.
 Result<HubReport> read_hastily(std::uint32_t hasty, std::uint32_t parts = 1) {
   std::uint32_t revision = 0;
   const ReplyingHub hub([&](HubPeers& peers, std::size_t peer, const Message& message) {

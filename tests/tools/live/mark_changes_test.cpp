@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// On from the second reading on, until it is gone.
+// A line that is on from its second reading until it is gone.
 class PressedLine final : public DigitalLine {
  public:
   Result<bool> is_on() override {
@@ -29,7 +29,7 @@ class PressedLine final : public DigitalLine {
   int readings_ = 0;
 };
 
-// A hub and a client in simulated time. The hub works in goes_on only, so what it sends last is on its way when the loop ends.
+// A hub and a client in simulated time. The hub works only inside goes_on, so its last reply is on its way when the loop ends.
 struct MarkChangesTest : testing::Test {
   MarkChangesTest() {
     for (int turn = 0; turn < 10 && client.state() != JoinState::joined; ++turn) {
@@ -40,7 +40,7 @@ struct MarkChangesTest : testing::Test {
     EXPECT_EQ(client.state(), JoinState::joined);
     network.set_impairments({.delay_ns = 20 * kNanosecondsPerMillisecond});
   }
-  // Whether a marker came, which gets a reply.
+  // Receives a datagram at the hub and replies if it is a marker. Returns whether it was one.
   bool take_marker() {
     Datagram datagram;
     const PeerEvent event = hub.receive(datagram, clock.now_ns());

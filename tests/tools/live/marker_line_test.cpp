@@ -144,7 +144,7 @@ TEST(LineMarkers, WithoutAHubTheyAreGivenUp) {
   EXPECT_EQ(line.counts().given_up, 99U);
 }
 
-// Whatever is lost on the way: each change is marked, rejected or given up, once.
+// Whatever is lost on the way: each change is marked, rejected or given up, exactly once.
 TEST(LineMarkers, NoChangeIsCountedTwice) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
@@ -175,7 +175,7 @@ TEST(LineMarkers, NoChangeIsCountedTwice) {
   }
 }
 
-// As docs/sessions.md says it: an experiment is evaluated by these texts.
+// The texts are those that docs/sessions.md gives: experiments are evaluated by them.
 TEST(LineMarkers, AreNamedByTheInputOrByTheTextThatIsGiven) {
   const LineInput input = *parse_line_input("/dev/ttyS0:CTS");
   const auto texts_of = [&](std::string_view edges, const std::string& text) {

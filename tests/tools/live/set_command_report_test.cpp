@@ -1,4 +1,4 @@
-// What it says of the hub that it asks.
+// What `hapton set` says about the faults of the hub that it contacts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -86,7 +86,7 @@ TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
   const TopSnapshot before = snapshot_after(100, 0);
   const TopSnapshot now = snapshot_after(102, 2000);
   const std::string view = make_top_view("h", now, &before);
-  // Half of the 4,000 new ones are slow; of all 104,000 next to none.
+  // Half of the 4,000 new round trips are slow; of all 104,000, only a few are.
   EXPECT_THAT(view, HasSubstr("round_trip              4000"));
   EXPECT_THAT(view, HasSubstr("servo 1000.0 Hz"));
   EXPECT_THAT(view, HasSubstr("+4\n"));
@@ -101,7 +101,7 @@ TEST(TopView, RatesOfANodeAreThoseBetweenTwoLooks) {
   EXPECT_THAT(make_top_view("h", now, &before), HasSubstr("10.0.0.2:4444                      3000.0        500.0 "));
 }
 
-// Its address is the same, but it counts anew.
+// The node has the same address, but its counts have begun at zero again.
 TEST(TopView, ANodeThatJoinedAgainIsShownFromThen) {
   const TopSnapshot before = snapshot_after(100, 0);
   TopSnapshot now = snapshot_after(105, 0);

@@ -28,8 +28,8 @@ TEST(TouchedNames, AreThoseOfTheSceneThatTheHubReports) {
   EXPECT_EQ(names.describe(report), "touching object 0") << "another scene, or one of another host";
 }
 
-// As `haptics_node --watch-scene` does it: the hash of the scene stays that of the start while materials change, and is another one where
-// meshes do.
+// With `haptics_node --watch-scene`, the hash of the scene stays that of the start while only materials change, and becomes another one
+// when meshes change.
 TEST(TouchedNames, AreKnownWhenTheFileWasSavedWithOtherMaterialsOrMeshes) {
   const ScratchFolder scratch;
   scratch.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");

@@ -142,7 +142,7 @@ nlohmann::json recommended(std::vector<std::string> words) {
   return nlohmann::json::parse(seen.out, nullptr, false);
 }
 
-// JSON has no infinity.
+// JSON has no infinity, so a value that is not a number stands for it.
 double number_of(const nlohmann::json& advice, const char* name) {
   return advice[name].is_number() ? advice[name].get<double>() : std::numeric_limits<double>::infinity();
 }

@@ -67,7 +67,7 @@ TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
   EXPECT_EQ(to_json(row)["inputs"]["seed"], 7);
 }
 
-// With jitter and loss the force is older than the delay: what is passive and how much damping is stable must say so.
+// With jitter and loss the force is older than the delay: the passive stiffness and the stable damping must be lower accordingly.
 TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
   LoopFlags flags;
   flags.device = "falcon";
@@ -88,7 +88,7 @@ TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
   EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
 }
 
-// The passive stiffness of a row is that of this delay, so a row has to have it.
+// The passive stiffness of a row is computed for the mean delay, so the row has to state that delay.
 TEST(ZWidthGrid, ARowHasTheMeanDelay) {
   LoopFlags flags;
   flags.device = "falcon";
@@ -103,7 +103,7 @@ TEST(ZWidthGrid, ARowHasTheMeanDelay) {
   EXPECT_EQ(last_of(csv_line(measure_cell(grid, 0))), "\n") << "no force came back";
 }
 
-// What is passive is stable with any hand, so with none: the two are found in different ways. They are the same but for chance.
+// A passive stiffness is stable with any hand, so also without one. The two limits are found in different ways and differ only by chance.
 TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
   LoopFlags flags;
   flags.device = "falcon";
@@ -118,7 +118,7 @@ TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
   }
 }
 
-// 20 s of simulation are two delays here: what has not come back yet is not stable for that reason.
+// 20 s of simulation are only two delays here: that a force has not come back yet must not count as stability.
 TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   LoopFlags flags;
   flags.device = "falcon";
@@ -129,7 +129,7 @@ TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   EXPECT_NEAR(measure_cell(jittered, 0).found.stiffness.value, exact, 0.02 * exact);
 }
 
-// 200 samples, of which one in ten thousand has a force.
+// There are 200 samples, and only one in ten thousand has a force.
 TEST(ZWidthGrid, WhereNoForceComesBackNothingIsKnown) {
   LoopFlags flags;
   flags.device = "touch";
