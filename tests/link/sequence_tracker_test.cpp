@@ -37,7 +37,7 @@ TEST(SequenceTrackerTest, CountsGapsAndTakesThemBackWhenFilled) {
   EXPECT_EQ(tracker.counts().duplicate, 2U);
 }
 
-TEST(SequenceTrackerTest, WhatCameBeforeTheFirstIsNoFilledGap) {
+TEST(SequenceTrackerTest, ANumberBeforeTheFirstFillsNoGap) {
   SequenceTracker tracker;
   tracker.track(kSender, 10);
   tracker.track(kSender, 12);
@@ -93,7 +93,7 @@ TEST(SequenceTrackerTest, WhatIsSkippedAcrossTheWrapIsStillAwaited) {
   EXPECT_EQ(tracker.counts().lost, 0U);
 }
 
-TEST(SequenceTrackerTest, TooLateToCheckIsADuplicate) {
+TEST(SequenceTrackerTest, ANumberTooOldToCheckCountsAsADuplicate) {
   SequenceTracker tracker;
   tracker.track(kSender, 1);
   tracker.track(kSender, 2 + SequenceTracker::kWindow);

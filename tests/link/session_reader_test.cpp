@@ -77,7 +77,7 @@ TEST_F(SessionReaders, GoOnReadingWhereTheyAreSent) {
   }
 }
 
-TEST_F(SessionReaders, WaitForNoPipe) {
+TEST_F(SessionReaders, RejectAPipeWithoutWaiting) {
   const auto pipe = scratch.path() / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::filesystem::path& path : {pipe, std::filesystem::path("/dev/null")}) {

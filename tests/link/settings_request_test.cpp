@@ -53,7 +53,7 @@ TEST(SettingsRequests, AMaterialAloneNeedsNoSettings) {
   EXPECT_TRUE(report->has_settings && report->settings.report_now && !report->settings.reset_faults);
 }
 
-TEST(SettingsRequests, ANameThatIsTooLongIsOneLine) {
+TEST(SettingsRequests, ANameThatIsTooLongIsRejectedInOneLine) {
   const MaterialChange stiffer{.given = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0};
   for (const SettingsChange& change :
        {SettingsChange{.method = std::string(16, 'm')}, SettingsChange{.object = std::string(256, 'o'), .material = stiffer}}) {

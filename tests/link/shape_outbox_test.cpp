@@ -70,7 +70,7 @@ TEST_F(ShapeOutboxTest, SendsAShapeInPartsAFewAtATime) {
   EXPECT_TRUE(outbox_.is_empty());
 }
 
-TEST_F(ShapeOutboxTest, OfThoseThatWaitTheNewestIsSent) {
+TEST_F(ShapeOutboxTest, OnlyTheNewestWaitingShapeOfAnObjectIsSent) {
   const Displacements shape(640);  // ten parts
   ASSERT_TRUE(outbox_.give("skin", shape, 0.0));
   turn();  // the first shape has begun

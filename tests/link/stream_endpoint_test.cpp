@@ -67,7 +67,7 @@ bool until(const std::vector<Party*>& parties, const std::function<bool()>& hold
   return true;
 }
 
-TEST(StreamEndpoint, TwoConnectSpeakAndPart) {
+TEST(StreamEndpoint, TwoConnectExchangeBytesAndClose) {
   Party server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   ASSERT_NE(id, 0U);
@@ -233,7 +233,7 @@ struct GivesUpTheOldest final : StreamEndpoint::Listener {
 };
 
 // Connections that arrived between two waits used to evict the same old one each, so that all of them were let in, beyond the limit.
-TEST(StreamEndpoint, EachThatConnectsAtOnceTakesAnotherOnesPlace) {
+TEST(StreamEndpoint, ConnectionsThatArriveTogetherEvictDifferentOldOnes) {
   constexpr std::size_t kAtOnce = 8;
   const auto server = StreamEndpoint::open("127.0.0.1:0", 3883);
   ASSERT_TRUE(server);

@@ -93,7 +93,7 @@ TEST(EffectCodec, GivesBackEachEffect) {
   }
 }
 
-TEST(EffectCodec, SaysNothingOfNone) {
+TEST(EffectCodec, EncodesNoEffectsAsNoBytes) {
   SceneEffectSet none;
   none.surfaces.resize(3);
   none.body_of.resize(3, 0);

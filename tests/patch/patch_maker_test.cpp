@@ -274,7 +274,7 @@ TEST_F(PartlyKnown, StaysWhereTheHandIsWhenLessIsKnownAhead) {
   EXPECT_NEAR((patch->p_SC - kMiddle).x(), 0.01, 1e-9) << "more is known there";
 }
 
-TEST_F(PartlyKnown, AWayOfWhichPartsAreMissingIsSaidToBeUnknown) {
+TEST_F(PartlyKnown, APathWithMissingPartsIsReportedAsIncomplete) {
   maker = PatchMaker(100'000);
   const double known_m = store.known_radius(kMiddle);
   const auto hold_at_the_edge = [&](const PathBall& ball, double at_s) {

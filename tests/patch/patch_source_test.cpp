@@ -258,7 +258,7 @@ TEST_F(PatchSourceTest, CountsWhatAPartTakesOnTheWay) {
   EXPECT_EQ(source->counts().bytes, bytes);
 }
 
-TEST_F(PatchSourceTest, OfNothingSendsItsBeginningAlone) {
+TEST_F(PatchSourceTest, AnEmptySceneSendsOnlyItsBeginning) {
   source = std::make_unique<PatchSource>(make_tiles(TouchScene()), 0.0, 7, 5, kAll);
   const auto parts = take(kStartNs, 100 * kMs);
   ASSERT_EQ(parts.size(), 1U);

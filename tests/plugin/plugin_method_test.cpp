@@ -150,7 +150,7 @@ TEST_F(PluginMethodTest, MaterialsAndDestroyMayBeMissing) {
   made->reset();
 }
 
-TEST_F(PluginMethodTest, AnObjectThatIsNoneIsUnknown) {
+TEST_F(PluginMethodTest, AnObjectNumberOutOfRangeIsUnknown) {
   const auto method = make("does=odd_object");
   EXPECT_EQ(method->step({.p_SD = {0, -0.002, 0}}).object, -1);
 }

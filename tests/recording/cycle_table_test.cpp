@@ -274,7 +274,7 @@ TEST(CycleTable, TimesOfAHostileFileDoNoHarm) {
 }
 
 // Every exported file has these columns.
-TEST(CycleTable, EachColumnHasTheNumberOfItsName) {
+TEST(CycleTable, EachColumnHasTheValueThatItsNameSays) {
   CycleRow row;
   row.sample_t_s = 0.25;
   row.sample = 2;

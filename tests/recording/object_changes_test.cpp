@@ -124,7 +124,7 @@ std::string row_text(std::span<const ChangeColumn<Row>> columns, const Row& row)
 }
 
 // Every exported file has these columns.
-TEST(ObjectChanges, EachColumnHasTheNumberOfItsName) {
+TEST(ObjectChanges, EachColumnHasTheValueThatItsNameSays) {
   RecordedMove move;
   move.t_s = 0.25;
   move.process = 2;
@@ -174,7 +174,7 @@ TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
 }
 
 // The hub began to record while the stylus carved: the first message already has carves, and the hub requests the earlier ones.
-TEST(ObjectChanges, CarvesBeforeTheFirstThatCameAreOfBeforeTheRecording) {
+TEST(ObjectChanges, CarvesBeforeTheFirstReceivedOneAreFromBeforeTheRecording) {
   ObjectChanges changes(kCyclesStartNs);
   receive(changes, carved(7, 6, 4, 2), 0.2);
   receive(changes, carved(7, 6, 6, 1), 0.25);

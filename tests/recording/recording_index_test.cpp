@@ -46,7 +46,7 @@ TEST(RecordingIndex, HasContactForceAndMarksAtTheirTimes) {
   EXPECT_EQ(index.marks()[2].text, "trial 8");
 }
 
-TEST(RecordingIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
+TEST(RecordingIndex, AMessageHoldsUntilTheNextOne) {
   const ScratchFolder scratch;
   const RecordingIndex index = index_of(MadeRecording().write(scratch));
   EXPECT_EQ(index.find_view({}, 0.5).translation().x(), 0.0);

@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Meshes, RealMesh, testing::Values("nefertiti_70k.ply", 
 
 // Compares linear theory for a force that is late by the round trip with presses of the same device. The device has no friction, joints
 // and encoder steps, because the theory leaves them out.
-TEST(RestStiffness, OfRemoteForceIsWhereTheoryHasItAndOfPatchesThatOfNoDelay) {
+TEST(RestStiffness, OfRemoteForceAgreesWithTheoryAndOfPatchesIsThatWithoutDelay) {
   RemoteDevice device = device_of("premium-1.5");
   device.model.friction_n = device.model.encoder_step_m = device.model.max_force_n = 0.0;
   device.model.mode_count = 0;

@@ -35,7 +35,7 @@ TEST_F(StateFolders, FollowTheVariablesInTheirOrder) {
   EXPECT_EQ(find_state_folder(), "/var/lib/hapton");
 }
 
-TEST_F(StateFolders, WhatEndsWithTheMachineHasAnother) {
+TEST_F(StateFolders, RuntimeFilesHaveAFolderOfTheirOwn) {
   EXPECT_EQ(find_runtime_folder(), "");
   setenv("XDG_RUNTIME_DIR", "/run/user/7", 1);
   EXPECT_EQ(find_runtime_folder(), "/run/user/7/hapton");

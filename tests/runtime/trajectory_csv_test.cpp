@@ -120,7 +120,7 @@ TEST(TrajectoryCsv, ReadsAFileAndNamesAMissingOne) {
 }
 
 // A sparse file, as `truncate` makes one: reading it once took all memory, and a signal ended the program.
-TEST(TrajectoryCsv, AFileWithoutMeasureIsNotRead) {
+TEST(TrajectoryCsv, AFileThatIsTooLargeIsNotRead) {
   const ScratchFolder folder;
   const auto path = folder.write("huge.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n");
   std::error_code error;

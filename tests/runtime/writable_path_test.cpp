@@ -118,7 +118,7 @@ TEST(WritablePath, RejectsAFolderWhoseNameDoesNotFit) {
 }
 
 // By its permissions, root may write in /proc.
-TEST(WritablePath, RejectsWhereNothingCanBeMadeThoughItMayBe) {
+TEST(WritablePath, RejectsAFolderWhereNothingCanBeMadeDespiteItsPermissions) {
   EXPECT_THAT(error_of(check_writable_folder("/proc/hapton")), HasSubstr("/proc/hapton cannot be written"));
   EXPECT_THAT(error_of(check_writable_file("/proc/hapton.csv")), HasSubstr("cannot be written"));
 }

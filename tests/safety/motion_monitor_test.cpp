@@ -143,7 +143,7 @@ TEST(MotionMonitor, ATurnFasterThanAnyHandIsAJump) {
   }
 }
 
-TEST(FaultDebouncer, FiveWithinHalfASecondAreTooMany) {
+TEST(FaultDebouncer, FiveAreTooManyUnlessTheyAreForgottenMeanwhile) {
   FaultDebouncer fault_debouncer;
   for (int n = 0; n < 4; ++n) EXPECT_FALSE(fault_debouncer.note(n * 90 * kMs));
   EXPECT_FALSE(fault_debouncer.note(360 * kMs));  // the first three are forgotten

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-TEST(SafetyGovernor, WhatWasLatchedBeforeItsTimeStaysLatchedUntilTheReset) {
+TEST(SafetyGovernor, AFaultOfAnEarlierRunStaysLatchedUntilTheReset) {
   Bench bench;
   bench.governor.restore_latched_fault(SafetyFault::jump);
   EXPECT_EQ(bench.press(2.0, 300), Vec3(0, 0, 0));

@@ -142,7 +142,7 @@ TEST(AuthoredNormals, OfAPolygonFollowItsCorners) {
   }
 }
 
-TEST(AuthoredNormals, ThatCannotBeReadAreNotedAndLeftOut) {
+TEST(AuthoredNormals, UnreadableOnesAreNotedAndLeftOut) {
   const ScratchFolder folder;
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   const auto file = load_mesh_file(folder.write("a.obj", corners + "vn 0 0 one\nvn 0 0 nan\nvn 0 0 1\nf 1//1 2//2 3//9\nf 1//3 2//-1 3\n"));

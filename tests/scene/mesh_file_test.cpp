@@ -278,7 +278,7 @@ TEST(MeshFile, ShowsOnlyThePrintableCharactersOfPartNames) {
 }
 
 // These files are buffers and images. They must exist, so that every other program can open the shipped files.
-TEST(MeshFile, ThoseThatAreShippedNameNoFileThatIsNotThere) {
+TEST(MeshFile, ShippedFilesNameOnlyExistingFiles) {
   const std::filesystem::path folder = HAPTON_SOURCE_DIR "/meshes";
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -118,7 +118,7 @@ TEST_F(ObjectMotion, HasTheEffectsOfItsMaterial) {
   EXPECT_EQ(touch.objects[0].effects.snap.range_m, 0.002);
 }
 
-TEST_F(ObjectMotion, DoesNotGoWithWhatItWouldBeFeltWrongWith) {
+TEST_F(ObjectMotion, RejectsMovableObjectsAndTools) {
   const std::string still = keyframe("time_s = 0") + keyframe("time_s = 1");
   EXPECT_THAT(error_of("movable = true", still), HasSubstr("line 4: [[object]] 1 is movable and moves by itself: keep one"));
   const auto tool = load("[[object]]\nmesh = 'a.obj'\n[tool]\nmesh = 'a.obj'\n[[tool.keyframe]]\ntime_s = 0\n");

@@ -40,7 +40,7 @@ TEST(SceneCombination, WhatMovesGoesWithAToolAndBesideMovableObjects) {
   EXPECT_TRUE(check_combination(kFile, moving_scene_with(true, true), false));
 }
 
-TEST(SceneCombination, WhatDeformsIsToldLikewise) {
+TEST(SceneCombination, DeformingObjectsAreRejectedWithToolsAndMovableObjects) {
   Scene scene = moving_scene_with(false, true);
   scene.objects[0].deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{{0}, {Vec3::UnitX()}}},
                                                                          std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);

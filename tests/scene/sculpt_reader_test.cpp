@@ -107,7 +107,7 @@ TEST_F(SculptScene, EveryKeyIsPartOfTheHash) {
   EXPECT_EQ(std::unique(given.begin(), given.end()), given.end());
 }
 
-TEST_F(SculptScene, RejectsEffectsOfItsMaterialAndOpenMeshesWithTheLine) {
+TEST_F(SculptScene, RejectsEffectsAndTooSmallVoxelsWithTheLine) {
   EXPECT_THAT(load("material = \"soft\"\nsculpt = true", "[material.soft]\nviscosity_ns_per_m = 1\n").error().what,
               HasSubstr("line 5: 'peg' can be carved: its material may have stiffness, damping and friction only"));
   EXPECT_THAT(load("sculpt = true\nvoxel_mm = 0.001\ntool_radius_mm = 1").error().what,

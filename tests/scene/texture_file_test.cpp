@@ -122,7 +122,7 @@ TEST(TextureFile, NamesThePath) {
 }
 
 // Whichever bytes change, vanish or are inserted: the result is an error of one line, or models that are finite.
-TEST(TextureFile, BearsAnyChange) {
+TEST(TextureFile, SurvivesRandomChanges) {
   const std::string good = made::texture_file(made::nine_models(4, 2), made::eight_triangles());
   std::mt19937_64 random(3);
   int read_count = 0;

@@ -46,7 +46,7 @@ TEST_F(Timed, WhatFailsInEachRunWhileTheMachineStandsStillIsSkipped) {
 }
 
 // That nothing is repeated is certain only if this machine does not stand still meanwhile; the exit code can be checked anyway.
-TEST_F(Timed, AFailureIsAFailure) {
+TEST_F(Timed, AFailureWithoutAStallIsNotRepeated) {
   const int code = run("exit 3");
   EXPECT_TRUE(code == 3 || (code == 77 && runs_made() == 5)) << code;
   EXPECT_TRUE(runs_made() == 1 || runs_made() == 5 || code == 3);

@@ -76,7 +76,7 @@ TEST(SurfaceBacks, OfOpenSurfacesAreSeen) {
   EXPECT_TRUE(shows_backs(object_of(mixed))) << "one of two bodies is open";
 }
 
-TEST(SurfaceBacks, OfWhatIsInsideOutAreSeen) {
+TEST(SurfaceBacks, OfInsideOutBodiesAreSeen) {
   TriangleMesh mesh = make_tetrahedron();
   turn_inside_out(mesh);
   EXPECT_TRUE(shows_backs(object_of(mesh)));

@@ -75,7 +75,7 @@ struct TwoColours : testing::Test {
   int round = 0;
 };
 
-TEST_F(TwoColours, AreComposedToTheBitAsByVtk) {
+TEST_F(TwoColours, EyesAreComposedExactlyAsByVtk) {
   auto composer = EyeComposer::make();
   ASSERT_TRUE(composer) << composer.error().what;
   for (round = 0; round < 20; ++round) {

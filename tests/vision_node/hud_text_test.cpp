@@ -49,7 +49,7 @@ TEST(Hud, SaysWhyTheSavedSceneFileIsNotShown) {
   EXPECT_NE(compose_hud(facts).find("\nSCENE FILE: a.toml: line 3: unknown key 'colr'; shown as it was before"), std::string::npos);
 }
 
-TEST(Hud, OfARecordingSaysSoAndHasItsOwnKeys) {
+TEST(Hud, ARecordingIsNamedAndShowsItsOwnKeys) {
   HudFacts facts;
   facts.connected = true;
   facts.recording = "recording a.hapton   0:01.0";

@@ -56,7 +56,7 @@ TEST_F(MovedObjectsTest, AnObjectIsDrawnWhereItWasPutDown) {
 }
 
 // The pose of the pick-up arrives again, after the pose that puts the object down: the object must not be drawn at the stylus again.
-TEST_F(MovedObjectsTest, APoseThatANewerOneOvertookIsNone) {
+TEST_F(MovedObjectsTest, APoseThatANewerOneOvertookIsIgnored) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);
   const ObjectPose held{.serial = 2, .object = 0, .is_held = true};

@@ -310,7 +310,7 @@ TEST_F(RecordedSurfacesTest, WithoutAPartOfAShapeTheOthersAreShown) {
 }
 
 // The window shows these shapes: its picture differs from one of the same moment with the object at rest.
-TEST_F(RecordedSurfacesTest, AreInTheSessionThatIsShown) {
+TEST_F(RecordedSurfacesTest, ShapesAreInTheShownSession) {
   const auto picture_at = [&](double t_s, bool is_read) {
     const ScratchFolder folder;
     VisionOptions options;

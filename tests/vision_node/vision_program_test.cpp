@@ -149,7 +149,7 @@ TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
 }
 
 // Without this error, the scene would be shown for a minute, and then the picture would be lost.
-TEST(VisionProgram, AFolderIsNoScreenshot) {
+TEST(VisionProgram, AFolderAsScreenshotIsRejected) {
   const auto folder = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + "_folder.png");
   std::filesystem::create_directory(folder);
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + folder.string());

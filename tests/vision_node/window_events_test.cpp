@@ -80,7 +80,7 @@ TEST_F(WindowEvents, ArrowsAndPageKeysArriveByName) {
   }
 }
 
-TEST_F(WindowEvents, NoKeyEndsTheProgramBehindOurBack) {
+TEST_F(WindowEvents, NoKeyOfVtkEndsTheProgram) {
   for (const KeySym symbol : {XK_q, XK_e, XK_w, XK_p, XK_r, XK_3, XK_space, XK_Escape, XK_F1}) person_->press_key(symbol);
   receive(9);
   view_->draw();

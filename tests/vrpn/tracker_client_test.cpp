@@ -184,7 +184,7 @@ TEST(VrpnTracker, NamesAFewDevicesInPrintableLetters) {
 }
 
 // Streams with a few bytes changed, cut off and repeated: nothing but a finite pose ever comes out.
-TEST(VrpnTracker, BearsDamagedStreams) {
+TEST(VrpnTracker, DamagedStreamsGiveOnlyFinitePoses) {
   constexpr std::uint64_t kSeed = 17;
   std::mt19937_64 random(kSeed);
   const Bytes good = hex(kRecorded);

@@ -287,7 +287,7 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
   ::close(process.file);
 }
 
-TEST(ForceCutterTest, WhatIsNoProcessHasNotEnded) {
+TEST(ForceCutterTest, AnInvalidProcessFileIsNoEnd) {
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_means(CutMeans::kill);
   WatchedProcess closed{.file = 1 << 20};

@@ -124,7 +124,7 @@ TEST_F(WatchedNode, ThatHoldsAVendorsLibraryIsKilledWhenItHangs) {
 }
 
 // A script in place of the watchdog, which writes the arguments that it was started with.
-TEST(WatchdogWords, AreTheNodesProcessAndThePriorityAtEachStart) {
+TEST(WatchdogArguments, AreTheNodesProcessAndThePriorityAtEachStart) {
   const ScratchFolder folder;
   const std::filesystem::path words = folder.path() / "words";
   const std::filesystem::path script = folder.write("watchdog", "#!/bin/sh\necho \"$@\" > " + words.string() + ".new\nmv " +

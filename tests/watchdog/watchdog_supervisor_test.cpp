@@ -165,7 +165,7 @@ TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
 }
 
 // Leaves values other than zero on the stack, as earlier calls may: what start() puts there must not rely on zeros.
-[[gnu::noinline]] void soil_the_stack() {
+[[gnu::noinline]] void fill_the_stack() {
   std::array<volatile unsigned char, 16384> dirt;
   for (auto& byte : dirt) byte = 0xa5;
 }
@@ -174,7 +174,7 @@ TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
 TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
   std::array<int, 2> pipe = {};
   ASSERT_EQ(::pipe(pipe.data()), 0);  // a child inherits these unless they are closed for it
-  soil_the_stack();
+  fill_the_stack();
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   EXPECT_EQ(::getpgid(watchdog.id()), watchdog.id());

@@ -72,7 +72,7 @@ TEST(GltfAnimationLimits, ChannelsMayShareASamplerAFewTimes) {
 }
 
 // All parts move with the one animated node above them.
-TEST(GltfAnimationLimits, PartsHaveNoMoreKeyframesThanAFileMayMean) {
+TEST(GltfAnimationLimits, TheKeyframesOfAllPartsAreBounded) {
   for (const std::size_t parts : {50U, 1'000U}) {
     SharedAnimation shared(5'000);
     shared.json["nodes"] = {{{"children", nlohmann::json::array()}}};
@@ -93,7 +93,7 @@ TEST(GltfAnimationLimits, PartsHaveNoMoreKeyframesThanAFileMayMean) {
 }
 
 // A chain of nodes with a part at each, and animations without channels.
-TEST(GltfAnimationLimits, TheWayToAllPartsIsBounded) {
+TEST(GltfAnimationLimits, TheNodesAboveAllPartsAreBounded) {
   for (const std::size_t animations : {1U, 5U}) {
     SharedAnimation shared(2);
     constexpr std::size_t kDeepest = 3000;

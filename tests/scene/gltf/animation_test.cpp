@@ -262,7 +262,7 @@ TEST_F(GltfMorphs, AtRestTheyHaveTheWeightsOfTheirNodeOrElseOfTheirMesh) {
   EXPECT_THAT(file.notes, Contains(HasSubstr("1 primitives have another number of morph targets than weights")));
 }
 
-TEST_F(GltfMorphs, WeightsThatAreNoNumbersAreRejected) {
+TEST_F(GltfMorphs, WeightsThatAreNotNumbersAreRejected) {
   const auto error_of = [&] {
     const auto file = load_mesh_file(write());
     return file ? "it was read" : file.error().what;
@@ -374,7 +374,7 @@ TEST_F(GltfAnimation, SplinesOfRotationsAreFollowed) {
 }
 
 // Exporters also write STEP and scale channels whose values do not change.
-TEST_F(GltfAnimation, StepsAndScalesThatDoNotChangeAreNoJumps) {
+TEST_F(GltfAnimation, ConstantStepsAndScalesAreAccepted) {
   document["nodes"][3]["scale"] = {2, 2, 2};
   add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0.3F, 0, 0, 0.3F}, "STEP");
   add_channel(0, 3, "rotation", {0.0F, 1.0F}, about_z({0, 90}));

@@ -183,7 +183,7 @@ Result<RawMesh> read_changed(const std::string& glb, const std::string& from, co
 }
 
 // Truncated to 32 bits, 2^32 would be 0, the id of the positions.
-TEST(Draco, AnIdBeyond32BitsIsNoOther) {
+TEST(Draco, AnIdBeyond32BitsIsRejected) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   const std::string glb = sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker));
   const auto raw = read_changed(glb, R"("POSITION":0)", R"("POSITION":4294967296)");

@@ -43,7 +43,7 @@ TEST(ParetoPlot, LabelsOfMarksAtOnePositionAreInDifferentLines) {
   EXPECT_GT(height_after("2.1 10 \"16\" "), first);
 }
 
-TEST(ParetoPlot, SaysWhereAnErrorOfNothingIsDrawn) {
+TEST(ParetoPlot, SaysWhereAnErrorOfZeroIsDrawn) {
   EXPECT_THAT(make_pareto_plot(kMarks, "p.png"), Not(HasSubstr("or less")));
   std::vector<ParetoMark> marks = kMarks;
   marks.push_back({"car", "reference", "", true, 100.0, kMinShownError});
@@ -59,7 +59,7 @@ TEST(ParetoPlot, IsDrawnByGnuplot) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(ParetoPlot, OfNothingIsAnError) { EXPECT_FALSE(draw_pareto_plot(testing::TempDir(), {}).has_value()); }
+TEST(ParetoPlot, WithoutMarksIsAnError) { EXPECT_FALSE(draw_pareto_plot(testing::TempDir(), {}).has_value()); }
 
 }  // namespace
 }  // namespace hapton

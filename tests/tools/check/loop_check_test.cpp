@@ -305,7 +305,7 @@ TEST(LoopCheck, AVirtualMassIsHeldToHalfOfWhatIsStable) {
   EXPECT_TRUE(check_mass({.name = "wind", .effect = ConstantEffect{}}, loops, 1000.0, 2e-3).empty());
 }
 
-TEST(LoopCheck, ALoopOfOnesOwnHasNoMaker) {
+TEST(LoopCheck, ALoopFromFlagsHasNoDocumentedLimit) {
   LoopFlags flags;
   flags.mass_kg = 0.2;
   flags.damping_ns_per_m = 5.0;

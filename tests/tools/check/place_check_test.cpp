@@ -18,7 +18,7 @@ SceneObject standing_object(std::string name, TriangleMesh mesh) {
 
 TriangleMesh ball_around(double radius_m, const Vec3& middle) { return scaled_and_moved(make_icosphere(radius_m, 3), 1.0, middle); }
 
-TEST(PlaceCheck, OfTwoInOnePlaceTheSecondIsNamed) {
+TEST(PlaceCheck, TheSecondOfTwoObjectsInOnePlaceIsNamed) {
   Scene scene;
   scene.objects = {standing_object("a", ball_around(0.03, Vec3::Zero())), standing_object("b", ball_around(0.03, Vec3(1e-13, 0, 0)))};
   const CheckFindings found = check_places(scene);

@@ -371,7 +371,7 @@ TEST(Diagnosis, FindsHaptonHidByItsUsageWhateverTheMaker) {
               HasSubstr("Hapton HID device cafe:4001: /dev/hidraw0 (hid-generic), open to ada; io_node --device hapton-hid"));
 }
 
-TEST(Diagnosis, SaysOfADeviceThatNothingDrivesThatNothingDoes) {
+TEST(Diagnosis, NamesADeviceThatHaptonCannotDrive) {
   FakeMachine machine;
   machine.write("/sys/devices/usb1/1-1/idVendor", "16c0\n");
   machine.write("/sys/devices/usb1/1-1/idProduct", "0486\n");

@@ -21,7 +21,7 @@ TEST(RunInChild, BringsBackTheReply) {
   EXPECT_EQ(reply.text, std::string(100'000, 'a'));
 }
 
-TEST(RunInChild, IsNotMovedByWhatIsPrinted) {
+TEST(RunInChild, TheReplyIsNotChangedByWhatTheChildPrints) {
   const ChildReply reply = run_in_child(
       [] {
         std::fputs("a banner of the vendor's\n", stdout);

@@ -41,7 +41,7 @@ TEST_F(UdevRules, AreFoundByIdsPatternsAndBluetoothNames) {
   }
 }
 
-TEST_F(UdevRules, OfOthersOrWithoutRightsAreNoneForIt) {
+TEST_F(UdevRules, ForOtherDevicesOrWithoutRightsAreIgnored) {
   for (const char* line : {
            "SUBSYSTEM==\"hidraw\", ATTRS{idVendor}==\"1234\", TAG+=\"uaccess\"",
            "SUBSYSTEM==\"hidraw\", ATTRS{idVendor}==\"256f\", ATTRS{idProduct}==\"c631\", TAG+=\"uaccess\"",
@@ -69,7 +69,7 @@ TEST_F(UdevRules, AreGoneThroughWithTheirPropertiesAndJumps) {
 }
 
 // The rules of the package, for every way in which a supported device can be connected.
-TEST_F(UdevRules, OfThePackageAreUnderstood) {
+TEST_F(UdevRules, OfThePackageGrantAccessToEachSupportedDevice) {
   const std::string rules = [] {
     std::ifstream file(HAPTON_SOURCE_DIR "/deploy/udev/70-hapton.rules");
     std::stringstream text;

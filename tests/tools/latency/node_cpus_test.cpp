@@ -30,7 +30,7 @@ TEST(NodeCpus, AreTwoOnlyIfMedianAndTailAreShorterThere) {
   EXPECT_TRUE(should_use_two({}, on_one)) << "no round trips on one";
 }
 
-TEST(NodeCpus, NeitherSpinsForTheOtherOnACpuOfBoth) {
+TEST(NodeCpus, NodesThatShareACpuDoNotSpin) {
   using testing::ElementsAre;
   EXPECT_THAT(io_flags({1, 1}), ElementsAre("--cpu", "1", "--spin-reply", "0"));
   EXPECT_THAT(haptics_flags({1, 1}), ElementsAre("--cpu", "1", "--spin", "0"));

@@ -86,7 +86,7 @@ TEST(CornerTouch, AHandThatDriftsTouchesNothing) {
   EXPECT_EQ(hand.go(kCorner + Vec3(0.0, 0.01, 0.0), 0.0015), Event::none);
 }
 
-TEST(CornerTouch, APressIsMeasuredAfterwardsAndNeedsNoWay) {
+TEST(CornerTouch, APressIsMeasuredAfterwardsAndNeedsNoMotionBefore) {
   TouchingHand hand;
   hand.stay(0.1);
   hand.press(2);
@@ -130,7 +130,7 @@ TEST(CornerTouch, AGapBeginsAnew) {
   EXPECT_EQ(hand.stay(0.4), Event::touched);
 }
 
-TEST(CornerTouch, IgnoresOldSamplesAndPositionsThatAreNone) {
+TEST(CornerTouch, IgnoresOldSamplesAndPositionsThatAreNotFinite) {
   CornerTouch touch;
   ProbeState probe;
   probe.sample_time_ns = 1'000'000'000;

@@ -49,7 +49,7 @@ nlohmann::json relay_report_of(const std::string& direction) {
   return nlohmann::json::parse(file, nullptr, false);
 }
 
-TEST(RelayCommandTest, FaultsGoTheWayThatIsNamed) {
+TEST(RelayCommandTest, FaultsApplyInTheChosenDirection) {
   for (const std::string direction : {"to-hub", "to-nodes", "both"}) {
     const nlohmann::json report = relay_report_of(direction);
     ASSERT_TRUE(report.is_object()) << direction;

@@ -118,7 +118,7 @@ std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
   return scratch.write("changed.hapton", bytes);
 }
 
-TEST(CycleCsv, WhatWasMovedAndCarvedIsBesideIt) {
+TEST(CycleCsv, MovesCarvesAndShapesHaveTheirOwnTables) {
   const ScratchFolder scratch;
   auto reader = SessionReader::open(write_changed_recording(scratch));
   ASSERT_TRUE(reader && write_cycle_csv(*reader, scratch.path() / "session.csv", kNames));
@@ -433,7 +433,7 @@ TEST(CycleFiles, WhatIsMissingInTheRecordingIsCountedAndSaid) {
   }
 }
 
-TEST(CycleFiles, OfARecordingWithoutSamplesTheCommandSaysSo) {
+TEST(CycleFiles, TheCommandReportsARecordingWithoutSamples) {
   const ScratchFolder scratch;
   const auto recording = write_gappy_recording(scratch, true);
   for (const char* format : {"csv", "hdf5"}) {

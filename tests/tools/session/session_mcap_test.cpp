@@ -166,7 +166,7 @@ TEST_F(McapRecordings, PosesOfHeldObjectsAndMaterialsAreMessages) {
   EXPECT_EQ(written->messages, 2U);
 }
 
-TEST_F(McapRecordings, ATruncatedOneIsWrittenUpToThere) {
+TEST_F(McapRecordings, ATruncatedRecordingIsWrittenUpToItsEnd) {
   codec.append(cycle_at(1, kMcapStartNs), bytes);
   codec.append(cycle_at(2, kMcapStartNs), bytes);
   bytes.resize(bytes.size() - 3);
@@ -183,7 +183,7 @@ TEST_F(McapRecordings, TimesOfAHostileFileDoNoHarm) {
   EXPECT_TRUE(write());
 }
 
-TEST_F(McapRecordings, AnEmptyOneIsAFile) {
+TEST_F(McapRecordings, AnEmptyRecordingGivesAValidFile) {
   const auto written = write();
   ASSERT_TRUE(written);
   EXPECT_EQ(written->messages, 0U);

@@ -31,7 +31,7 @@ TEST(ProcessStats, SeeOneDescriptorAndOneThreadMore) {
   EXPECT_EQ(with->threads, before->threads + 1);
 }
 
-TEST(ProcessStats, OfNoProcessAreAnError) { EXPECT_FALSE(read_process_figures(-1)); }
+TEST(ProcessStats, AnUnknownProcessIsAnError) { EXPECT_FALSE(read_process_figures(-1)); }
 
 }  // namespace
 }  // namespace hapton

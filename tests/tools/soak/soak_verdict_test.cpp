@@ -177,7 +177,7 @@ TEST(SoakVerdict, TooFewObservationsAreNoProof) {
   EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("too few observations"));
 }
 
-TEST(FindRise, OfALongSeriesIsThatOfAShortOne) {
+TEST(FindRise, SamplesOfALongSeriesGiveTheSameRise) {
   std::vector<double> times(20'000);
   std::iota(times.begin(), times.end(), 0.0);
   std::vector<double> values;
