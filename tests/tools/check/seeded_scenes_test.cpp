@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -85,9 +87,13 @@ nlohmann::json check_put_together(const SeededScene& seeded, const ScratchFolder
                                      "[[object]]\nmesh = 'block.obj'\nname = 'good'\nposition_m = [0, 0.05, 0]\nmaterial = 'good'\n" +
                                      "[material.good]\nstiffness_n_per_m = 20.0\n[material.m]\n" + stiffness + seeded.tables);
   const CommandRun seen = run_hapton({"check", scene.string(), "--json"});
-  EXPECT_EQ(seen.code, seeded.fault.empty() ? 0 : 1);
   EXPECT_EQ(seen.err, "");
-  return nlohmann::json::parse(seen.out, nullptr, false);
+  const auto json = nlohmann::json::parse(seen.out, nullptr, false);
+  // How long a step takes depends on the machine.
+  const bool is_slow =
+      json.is_object() && std::ranges::any_of(json["findings"], [](const auto& one) { return one["fault"] == "too-slow"; });
+  EXPECT_EQ(seen.code, seeded.fault.empty() && !is_slow ? 0 : 1);
+  return json;
 }
 
 TEST(SeededScenes, EachFaultIsFoundAndWhatIsGoodIsNotNamed) {
