@@ -1,4 +1,5 @@
-# cmake -DIN=FILE -DOUT=FILE.cc -DNAME=NAME -P: the bytes of a file as a C++ source with the array NAME and the number NAME_size.
+# Writes the bytes of a file into a C++ source that defines the array NAME and its size, NAME_size:
+# cmake -DIN=FILE -DOUT=FILE.cc -DNAME=NAME -P cmake/HaptonBytes.cmake
 file(READ "${IN}" bytes HEX)
 string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
 string(REGEX REPLACE "((0x..,){32})" "\\1\n" bytes "${bytes}")

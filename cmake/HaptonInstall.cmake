@@ -1,9 +1,9 @@
-# What `cmake --install` and the Debian packages put where. Four parts: `hapton` (programs, scenes, units), `vision` (vision_node,
-# the only program that needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton); with BUILD_SHARED_LIBS a fifth, which all need:
-# `libs` (the libraries that are loaded).
+# Which files do `cmake --install` and the Debian packages install, and where? There are four parts: `hapton` (programs, scenes, systemd units),
+# `vision` (vision_node, the only program that needs VTK), `dev` (the libraries as a CMake package) and `python` (the module of `import hapton`).
+# With BUILD_SHARED_LIBS there is a fifth, `libs` (the shared libraries), which all others need.
 include(GNUInstallDirs)
 
-# --- programs, with a manual page and a bash completion each, made of their --help ---
+# --- programs: each with a manual page and a bash completion, which are generated from its --help ---
 
 function(hapton_install_program program component)
   if(NOT TARGET ${program})
@@ -15,7 +15,7 @@ function(hapton_install_program program component)
       COMMAND \"${CMAKE_SOURCE_DIR}/deploy/man-page\" \"$<TARGET_FILE:${program}>\" ${program} ${PROJECT_VERSION}
               \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\"
       COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
-  # io_node alone starts it: nobody types its name.
+  # Needs no completion: only io_node starts it, no person.
   if(program STREQUAL hapton_watchdog)
     return()
   endif()
@@ -31,9 +31,9 @@ hapton_install_program(haptics_node hapton)
 hapton_install_program(hapton hapton)
 hapton_install_program(vision_node vision)
 
-# --- what they need: scenes, configurations, units, rights ---
+# --- what the programs need: scenes, configurations, systemd units, rights ---
 
-# /etc for a system's packages; under any other prefix everything stays below it.
+# Packages (prefix /usr) have their configurations in /etc. With any other prefix all files stay below the prefix.
 set(hapton_etc ${CMAKE_INSTALL_SYSCONFDIR})
 if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   set(hapton_etc /etc)
@@ -43,7 +43,7 @@ install(FILES README.md LICENSE NOTICE-third-party.md DESTINATION ${CMAKE_INSTAL
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT hapton)
 install(FILES deploy/etc/io.toml deploy/etc/haptics.toml deploy/etc/devices.toml DESTINATION ${hapton_etc}/hapton COMPONENT hapton)
 install(FILES deploy/etc/vision.toml DESTINATION ${hapton_etc}/hapton COMPONENT vision)
-# The menu's entry shows a window.
+# The menu entry starts the tour, which needs vision_node.
 install(FILES deploy/desktop/hapton.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT vision)
 install(FILES deploy/desktop/hapton.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT vision)
 install(FILES deploy/systemd/hapton-io.service deploy/systemd/hapton-haptics.service DESTINATION lib/systemd/system COMPONENT hapton)
@@ -82,7 +82,7 @@ set(CPACK_DEBIAN_VISION_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhapton-dev)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Hapton's libraries for programs of your own: find_package(hapton COMPONENTS core).")
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
-# What the component core needs; what the others need besides is recommended.
+# Required: what the component core needs. Recommended: what the other components need as well.
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libmeshoptimizer-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
   "libcli11-dev, libspdlog-dev, libtomlplusplus-dev, libprotobuf-dev, libsodium-dev, libpng-dev, libjpeg-dev, libdraco-dev, libtinyxml2-dev, libhidapi-dev, pkg-config")
@@ -99,7 +99,7 @@ if(BUILD_SHARED_LIBS)
   set(CPACK_DEBIAN_LIBS_PACKAGE_SECTION libs)
   set(CPACK_COMPONENT_LIBS_DESCRIPTION "Hapton's shared libraries, which its programs and those built against libhapton-dev load.")
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/lib")
-  # In front of what each needs otherwise.
+  # Puts the package of the shared libraries before the other dependencies of each package.
   foreach(part HAPTON DEV PYTHON)
     set(CPACK_DEBIAN_${part}_PACKAGE_DEPENDS "${hapton_libs} (= ${PROJECT_VERSION}), ${CPACK_DEBIAN_${part}_PACKAGE_DEPENDS}")
     string(REGEX REPLACE ", $" "" CPACK_DEBIAN_${part}_PACKAGE_DEPENDS "${CPACK_DEBIAN_${part}_PACKAGE_DEPENDS}")

@@ -1,11 +1,11 @@
-# find_package(hapton COMPONENTS core scene link runtime devices safety plugin): each with an export file of its own, so that a program finds only what its
-# components need. Included by HaptonInstall.
+# Installs the package that find_package(hapton COMPONENTS core scene link runtime devices safety plugin) finds. Each component has its own export
+# file, so a program needs only the dependencies of the components that it names. HaptonInstall.cmake includes this file.
 include(CMakePackageConfigHelpers)
 set(hapton_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/hapton)
 set(hapton_components "")
 
-# hapton_component(NAME FOLDERS ... TARGETS ...): the libraries of a component, where all of them are built, and its headers. The last target is
-# hapton::NAME.
+# hapton_component(NAME FOLDERS ... TARGETS ...): installs the libraries of a component (TARGETS) and the headers in FOLDERS, if all of the libraries
+# are built. The last target becomes hapton::NAME.
 function(hapton_component name)
   cmake_parse_arguments(ARG "" "" "FOLDERS;TARGETS" ${ARGN})
   foreach(target IN LISTS ARG_TARGETS)
@@ -19,14 +19,15 @@ function(hapton_component name)
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libs NAMELINK_COMPONENT dev)
   install(EXPORT hapton-${name} NAMESPACE hapton:: DESTINATION ${hapton_cmake_folder} FILE hapton-${name}.cmake COMPONENT dev)
   foreach(folder IN LISTS ARG_FOLDERS)
-    # scene/gltf reads files for scene, and nobody else.
+    # Without scene/gltf: only the sources of scene itself include those headers.
     install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton COMPONENT dev
       FILES_MATCHING PATTERN "*.h" PATTERN "gltf" EXCLUDE)
   endforeach()
   set(hapton_components ${hapton_components} ${name} PARENT_SCOPE)
 endfunction()
 
-# Libraries and programs may be compiled for different CPUs: both have to align Eigen's types alike, as the CPU of the libraries wants it.
+# Libraries and programs may be compiled for different CPUs, but must align Eigen's types in the same way. So programs that use the package get the
+# alignment that Eigen chooses for the CPU of the libraries.
 set(hapton_cpu "")
 if(HAPTON_MARCH)
   set(hapton_cpu "-march=${HAPTON_MARCH}")
@@ -41,7 +42,7 @@ endif()
 foreach(limit EIGEN_MAX_ALIGN_BYTES EIGEN_MAX_STATIC_ALIGN_BYTES)
   target_compile_definitions(hapton_options INTERFACE "$<INSTALL_INTERFACE:${limit}=${hapton_alignment}>")
 endforeach()
-# For who wants it: the CPU that the libraries are compiled for.
+# hapton::march, for programs that are to be compiled for the CPU of the libraries.
 add_library(hapton_march INTERFACE)
 target_compile_options(hapton_march INTERFACE ${hapton_cpu})
 
@@ -55,15 +56,15 @@ hapton_component(link FOLDERS link TARGETS hapton_proto hapton_link)
 hapton_component(scene FOLDERS scene TARGETS hapton_scene)
 hapton_component(safety FOLDERS safety TARGETS hapton_safety)
 hapton_component(devices FOLDERS devices hid watchdog plugin TARGETS hapton_hid hapton_watchdog_library hapton_plugin_host hapton_devices)
-# For plug-ins, which need no other component, nor CMake.
+# For plug-ins, which need no other component. They can also be built without CMake.
 hapton_component(plugin TARGETS hapton_plugin)
 install(FILES plugin/hapton_plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton/plugin COMPONENT dev)
 
-# The headers of core include it, and it includes nothing.
+# The headers of core include it. It includes only headers of the standard library.
 find_file(HAPTON_EXPECTED_HEADER tl/expected.hpp REQUIRED)
 install(FILES "${HAPTON_EXPECTED_HEADER}" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton/tl COMPONENT dev)
 install(FILES proto/hapton.proto proto/session.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton/proto COMPONENT dev)
-# examples/python comes with the Python module.
+# Without examples/python, which is installed with the Python module.
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton COMPONENT dev PATTERN "python" EXCLUDE)
 
 set(hapton_reads_draco OFF)
