@@ -1,4 +1,4 @@
-/* Shows: an effect as a plug-in of haptics_node. The hand is drawn to a point of the scene while no button is pressed.
+/* Shows: an effect as a plug-in of haptics_node. While no button is pressed, the hand is pulled to a fixed point in space.
  *   gcc -O2 -shared -fPIC -I PREFIX/include/hapton magnet_effect.c -o magnet_effect.so -lm
  *   haptics_node --effect ./magnet_effect.so:x_m=0.03,range_m=0.04,force_n=2 */
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "plugin/hapton_plugin.h"
 
 typedef struct magnet {
-  double at_m[3]; /* W */
+  double at_m[3]; /* frame W */
   double range_m;
   double force_n;
 } magnet;
@@ -38,7 +38,7 @@ static void* create(const hapton_request* request) {
   return kept;
 }
 
-/* Zero at the point and from the range on, force_n half way: no jump anywhere. */
+/* The force is 0 at the point, force_n at half the range, and 0 from the range on. It has no jump. */
 static void step(void* effect, const hapton_effect_input* input, hapton_effect_output* output) {
   const magnet* m = effect;
   double away_m[3], square = 0.0;

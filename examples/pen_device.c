@@ -1,5 +1,5 @@
-/* Shows: a device as a plug-in of io_node. Here a pen of 100 g on a spring that swings up and down; yours talks to hardware in read
- * and write.
+/* Shows: a device as a plug-in of io_node. This one simulates a pen of 100 g on a spring that swings up and down. Yours would access
+ * hardware in read and write.
  *   gcc -O2 -shared -fPIC -I PREFIX/include/hapton pen_device.c -o pen_device.so -lm
  *   io_node --device plugin:./pen_device.so:swing_m=0.03 */
 #include <math.h>
@@ -48,7 +48,7 @@ static int32_t read_pen(void* device, int64_t now_ns, hapton_device_sample* samp
 }
 
 static void write_pen(void* device, int64_t now_ns, const double force_n[3], const double torque_nm[3]) {
-  (void)now_ns, (void)torque_nm; /* one motor, up and down */
+  (void)now_ns, (void)torque_nm; /* it has one motor, up and down */
   ((pen*)device)->motor_n = force_n[1];
 }
 

@@ -1,5 +1,5 @@
-"""Shows: a reaching task. Eight targets on a circle; every second trial the hand is pushed aside by a pulse. The fields run in C++ at the device's
-rate; Python chooses them, trial by trial, and keeps the samples that it sees.
+"""Shows: a reaching task with eight targets on a circle. In every second trial a pulse pushes the hand aside. C++ computes the fields at the
+device's rate. Python chooses the fields of each trial and keeps the states that it reads.
 Run: io_node --rate 4000, and in another terminal: python3 reaching_task.py [TRIALS [HUB [FILE.npz]]]"""
 import sys
 import time
@@ -20,14 +20,14 @@ def target_of(trial):
 
 
 def fields_of(trial, target):
-    """A plane to move in, a spring to the target, and the perturbation."""
+    """A plane to move in, a spring to the target, damping, and in every second trial the pulse."""
     plane = [fields.wall([0, 0, 0], [0, 0, 1], 600.0), fields.wall([0, 0, 0], [0, 0, -1], 600.0)]
     pulse = [fields.pulse([0, -2.0, 0], duration_s=0.1, delay_s=0.3)] if trial % 2 else []
     return plane + [fields.spring(target, 40.0, max_force_n=1.5), fields.viscous(2.0)] + pulse
 
 
 def run_trial(node, trial):
-    """Until the target is reached or the time is over: rows of trial, t_s, x, y, z, fx, fy, fz."""
+    """Runs until the target is reached or the time is over. Returns rows of trial, t_s, x, y, z, fx, fy, fz."""
     target = target_of(trial)
     node.set(fields_of(trial, target))
     begin, rows = time.monotonic(), []

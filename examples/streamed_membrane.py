@@ -1,7 +1,7 @@
-"""Feel a membrane that this program deforms: a wave equation gives 30 shapes a second. Usage:
+"""Feel a membrane that this program deforms: it solves a wave equation and makes 30 shapes a second. Usage:
     io_node &
     PYTHONPATH=build/release/python python3 examples/streamed_membrane.py [SECONDS [HUB]]
-It is the haptics node of the session. Push down in the middle of the workspace."""
+This program is the haptics node of the session. Push down in the middle of the workspace."""
 import sys
 import threading
 
@@ -10,11 +10,11 @@ import numpy as np
 import hapton
 
 SECONDS, HUB = (sys.argv[1:] + ["60", "127.0.0.1"][len(sys.argv) - 1 :])[:2]
-N, SIDE_M, REACH_M = 13, 0.08, 0.008  # vertices along a side; its length; how far a vertex may go
+N, SIDE_M, REACH_M = 13, 0.08, 0.008  # vertices along a side; length of a side; largest displacement of a vertex
 FRAME_S = 1 / 30
 
 x, y = np.meshgrid(np.linspace(-SIDE_M / 2, SIDE_M / 2, N), np.linspace(-SIDE_M / 2, SIDE_M / 2, N))
-rest = np.column_stack([x.ravel(), np.zeros(N * N), -y.ravel()])  # a floor, y up
+rest = np.column_stack([x.ravel(), np.zeros(N * N), -y.ravel()])  # horizontal, y is up
 number = np.arange(N * N).reshape(N, N)
 a, b, c, d = number[:-1, :-1].ravel(), number[:-1, 1:].ravel(), number[1:, 1:].ravel(), number[1:, :-1].ravel()
 membrane = hapton.DeformStep(hapton.Mesh(rest, np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])), REACH_M,
@@ -29,7 +29,7 @@ def force(hand):
 
 
 def simulate(stop):
-    """Height and its rate, with a fixed edge; what is pressed gives way."""
+    """Simulates the height of each vertex and its rate of change. The edge is fixed, and the hand pushes the membrane down."""
     height, rate, shapes = np.zeros((N, N)), np.zeros((N, N)), 0
     while not stop.wait(FRAME_S):
         load = np.zeros((N, N))
@@ -53,7 +53,7 @@ simulation = threading.Thread(target=simulate, args=(stop,))
 simulation.start()
 try:
     report = hapton.run_haptics_node(force, seconds=float(SECONDS), hub=HUB)
-finally:  # also if there is no hub, and at Ctrl-C: Python does not end before its threads
+finally:  # also if there is no hub, and after Ctrl-C, because Python waits for its threads before it ends
     stop.set()
     simulation.join()
 print(f"{report['rate_hz']:.0f} forces a second")

@@ -1,5 +1,5 @@
 """Deform an object of a scene while it is touched: a swelling travels along a block, 30 shapes a second. Usage:
-    deploy/run --scene scenes/swelling.toml     # in another terminal: it prints HUB and KEY; or the three nodes with this scene
+    deploy/run --scene scenes/swelling.toml     # in another terminal; prints HUB and KEY. Or start the three nodes with this scene
     PYTHONPATH=build/release/python python3 examples/swelling_block.py [SECONDS [HUB [KEY]]]"""
 import os
 import sys
@@ -13,7 +13,7 @@ SECONDS, HUB, KEY = (sys.argv[1:] + ["60", "127.0.0.1", ""][len(sys.argv) - 1 :]
 MESH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "meshes", "supple_block.obj")
 SHAPE_S = 1 / 30
 
-rest = hapton.load_mesh(MESH, unit="mm", seal=False).vertices  # as the scene file has it: metres, and the same order
+rest = hapton.load_mesh(MESH, unit="mm", seal=False).vertices  # in metres, with the same order of vertices as in the scene
 client = hapton.Client(HUB, KEY)
 begin, given = time.monotonic(), 0
 while time.monotonic() - begin < float(SECONDS):
@@ -25,5 +25,5 @@ while time.monotonic() - begin < float(SECONDS):
     if why := client.take_shape_rejection():
         sys.exit(f"rejected: {why}")
     time.sleep(SHAPE_S)
-takes_s = client.set_shape("block", np.zeros_like(rest), over_s=0.5, wait=True)  # the last one arrives for certain
+takes_s = client.set_shape("block", np.zeros_like(rest), over_s=0.5, wait=True)  # wait: returns once the haptics node has this shape
 print(f"{given} shapes given; back at rest in {takes_s:.2f} s")

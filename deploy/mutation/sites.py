@@ -22,21 +22,21 @@ COMPARED = NUMBERS + (TypeKind.ENUM, TypeKind.POINTER, TypeKind.NULLPTR)
 FUNCTIONS = (
     CursorKind.FUNCTION_DECL, CursorKind.CXX_METHOD, CursorKind.CONSTRUCTOR, CursorKind.DESTRUCTOR, CursorKind.FUNCTION_TEMPLATE,
     CursorKind.CONVERSION_FUNCTION, CursorKind.LAMBDA_EXPR)
-# Of what is known at compile time, or only printed.
+# Code that is evaluated at compile time.
 SKIPPED = (CursorKind.ENUM_DECL, CursorKind.STATIC_ASSERT, CursorKind.TEMPLATE_TYPE_PARAMETER, CursorKind.TEMPLATE_NON_TYPE_PARAMETER)
 
 
 @dataclass
 class Mutant:
-    path: str  # of the tree
+    path: str  # within the source tree
     line: int
     operator: str
-    start: int  # bytes of the file
+    start: int  # offset in the file, in bytes
     end: int
     original: str
     mutated: str
     number: int = 0
-    context: str = ""  # of a number: its line
+    context: str = ""  # if a number was changed: its line
 
     def code(self) -> str:
         chosen = f"hapton_has_mutant({self.number})"
@@ -47,7 +47,7 @@ class Mutant:
         return f"({chosen} ? ({self.mutated}) : ({self.original}))"
 
     def key(self) -> str:
-        """What names a mutant as long as its line stays as it is."""
+        """Identifies the mutant, as long as its line of code does not change."""
         where = f" in: {self.context}" if self.context else ""
         return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}{where}".replace("\n", " ")
 
@@ -56,7 +56,7 @@ class Mutant:
 
 
 class SiteFinder:
-    """All mutants of one file. Its text is bytes, because clang counts bytes."""
+    """Finds all mutants of one file. The text is kept as bytes, because clang counts positions in bytes."""
 
     def __init__(self, root: Path, path: str, unit: cindex.TranslationUnit):
         self.path = path
@@ -148,7 +148,7 @@ class SiteFinder:
         name = cursor.spelling
         if name in OPPOSITES and text.count(f"{name}(") == 1:
             self.add(cursor, "opposite function", text.replace(f"{name}(", f"{OPPOSITES[name]}("))
-        # Not an assignment of a class, which may be a declaration's.
+        # Not an assignment to an object of a class: that may be part of a declaration.
         if parent.kind == CursorKind.COMPOUND_STMT and not name.startswith("operator") and text.endswith(")"):
             self.add(cursor, "statement deleted", "")
 
@@ -167,7 +167,7 @@ class SiteFinder:
 
 
 def apply(text: bytes, mutants: list[Mutant]) -> bytes:
-    """The file with all of them compiled in. Pre: no two overlap."""
+    """Returns the text with the code of all these mutants. Pre: no two overlap."""
     for mutant in sorted(mutants, key=lambda m: m.start, reverse=True):
         text = text[:mutant.start] + mutant.code().encode() + text[mutant.end:]
     return text

@@ -1,4 +1,4 @@
-"""Which test programs concern a mutant, and whether they detect it."""
+"""Finds the tests that execute a mutant, and whether they detect it."""
 
 import contextlib
 import os
@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-# Of each layer: its own tests first, then those of its nearest users, for what the former do not detect.
+# For each layer: its own test program first, then those of the nearest layers that use it, for mutants that its own tests do not detect.
 PROGRAMS = {
     "core/base": ["core_base_test", "core_force_test"],
     "core/math": ["core_math_test", "core_geometry_test", "core_collision_test", "core_force_test"],
@@ -41,9 +41,10 @@ PROGRAMS = {
     "vision_node": ["vision_node_test", "vision_node_display_test"],
     "tools": ["tools_test", "dds_test", "process_test"],
 }
-# Whole programs against the clock: one at a time.
+# Their tests run whole programs in real time. They run one at a time.
 SERIAL = ("process_test", "vision_node_display_test")
-PATIENCE = 4.0  # times what the tests took without a mutant, and some seconds: an endless loop is noticed, too
+# With a mutant, tests may take PATIENCE times their time without one, and SPARE_S in addition. So an endless loop is detected too.
+PATIENCE = 4.0
 SPARE_S = 10.0
 LONGEST_S = 300.0
 QUICK_S = 0.3
@@ -59,11 +60,11 @@ class Test:
     name: str
     passed: bool  # without a mutant
     seconds: float
-    reached: set[int]  # the mutants it came by
+    reached: set[int]  # numbers of the mutants whose place it executes
 
 
 class TestRunner:
-    """Runs tests of a build. Each runs once alone without a mutant: only those that came by a mutant's place can notice it."""
+    """Runs the tests of a build. Each test first runs alone and without a mutant: only tests that execute a mutant's place can detect it."""
 
     def __init__(self, root: Path, count: int, jobs: int):
         self.folder = root / "build/release/tests"
@@ -74,7 +75,7 @@ class TestRunner:
         self.serial = threading.Lock()
 
     def run(self, program: str, chosen: list[str], mutant: int, at_most_s: float, reached: Path | None = None) -> tuple[int | None, str]:
-        """The exit code, None: took too long; and the output."""
+        """Returns the exit code (None: the tests took too long) and the output."""
         words = [str(self.folder / program), "--gtest_brief=1", f"--gtest_filter={':'.join(chosen)}"] + (["--gtest_fail_fast"] if mutant else [])
         environment = dict(os.environ, HAPTON_MUTANT=str(mutant))
         if reached is not None:
@@ -88,7 +89,7 @@ class TestRunner:
                 return None, ""
             finally:
                 with contextlib.suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)  # it and what it started
+                    os.killpg(process.pid, signal.SIGKILL)  # the program and the programs that it started
                 process.communicate()
 
     def list_tests(self, program: str) -> list[str]:
@@ -103,7 +104,7 @@ class TestRunner:
         return names
 
     def measure(self, programs: list[str]) -> list[Test]:
-        """Of those programs that were not measured yet: their tests that fail without a mutant, which are left out."""
+        """Runs the tests of those programs that were not measured yet. Returns the tests that fail without a mutant, which are left out."""
         new = [program for program in programs if program not in self.measured]
         with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(self.jobs) as pool:
             todo = [(program, name) for program in new for name in self.list_tests(program)]
@@ -124,7 +125,7 @@ class TestRunner:
         return [test for test in self.tests if test.passed and number in test.reached and test.program in PROGRAMS[layer_of(path)]]
 
     def find_noticing(self, path: str, number: int, program: str) -> str:
-        """The test of that program that notices the mutant; empty: none does. Quick tests first."""
+        """Returns the test of that program that detects the mutant; "": none does. Quick tests run first."""
         concerned = [test for test in self.find_concerned(path, number) if test.program == program]
         for are_quick in (True, False):
             chosen = [test for test in concerned if (test.seconds < QUICK_S) == are_quick]
@@ -144,7 +145,7 @@ class TestRunner:
         failed = sorted(set(re.findall(r"\[  FAILED  \] ([\w/]+\.[\w/]+)", text)))
         if not failed:
             return f"{program} ended with {code}"
-        # One that failed because the machine stood still passes when asked again.
+        # A test that failed because the machine stalled passes when it runs again.
         if self.run(program, failed, number, at_most_s)[0] == 0:
             rest = [test for test in chosen if test.name not in failed]
             return self.find_failure(program, rest, number) if rest else ""

@@ -85,7 +85,7 @@ static uint16_t get16(const uint8_t* at) { return (uint16_t)(at[0] | (at[1] << 8
 
 static int32_t get32(const uint8_t* at) { return (int32_t)(get16(at) | ((uint32_t)get16(at + 2) << 16)); }
 
-/* To the nearest count, clamped to least .. most; NaN gives 0. */
+/* Rounds to the nearest whole number and limits it to least .. most. NaN gives 0. */
 static double counts(double value, double least, double most) {
   const double rounded = floor(value + 0.5);
   if (!(value == value)) return 0.0;
@@ -118,7 +118,7 @@ static void watch(struct hapton_hid_device* device, uint32_t now_us) {
   device->has_tripped = true;
 }
 
-/* Shortens a vector to its limit. */
+/* Shortens a vector that is longer than the limit. */
 static void clamp(float vector[3], float limit) {
   const double length = sqrt((double)vector[0] * vector[0] + (double)vector[1] * vector[1] + (double)vector[2] * vector[2]);
   int axis;
