@@ -1,7 +1,7 @@
 """Touch meshes, read recordings and join a running session of Hapton. All numbers are SI; docs/python.md has examples."""
 import json as _json
 
-# Now, not at the first array: that would be the first force of a node, which must not take a second.
+# Imported now. Otherwise the first array would import it, at the first force of a node, which must not take a second.
 import numpy as _numpy
 
 from ._hapton import Client, DeformStep, FieldNode, HandSample, Material, Mesh, ToolStep, TouchStep, fields, load_mesh, methods, read_session, run_haptics_node
@@ -30,5 +30,5 @@ __all__ = [
 
 
 def mesh_info(path, unit=None):
-    """What `hapton info --json` says of a mesh file, as a dict: size, parts, flaws, and what is sealed before it is touched."""
+    """Returns the report of `hapton info --json` on a mesh file as a dict: size, parts, flaws, and which cracks are sealed when it is loaded."""
     return _json.loads(_report_mesh(path, unit))

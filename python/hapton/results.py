@@ -1,4 +1,4 @@
-"""Results of `hapton loop` and `hapton bench` as NumPy arrays: the command runs, and its JSON or CSV becomes a dict of arrays."""
+"""Runs `hapton loop` and `hapton bench`, and returns their JSON or CSV results as dicts of NumPy arrays."""
 import csv as _csv
 import glob as _glob
 import json as _json
@@ -12,7 +12,7 @@ __all__ = ["read_table", "run_bench", "run_loop"]
 
 
 def _to_array(values):
-    """Numbers where all are numbers or missing (NaN), else text."""
+    """An array of numbers if all values are numbers or missing (NaN), otherwise of texts."""
     try:
         return _numpy.array([float("nan") if value in (None, "") else float(value) for value in values])
     except (TypeError, ValueError):
@@ -20,7 +20,7 @@ def _to_array(values):
 
 
 def _flatten(item, prefix=""):
-    """Without inner objects: {"inputs": {"rate_hz": 1000}} has the one key inputs_rate_hz."""
+    """Joins the names of inner objects: {"inputs": {"rate_hz": 1000}} becomes {"inputs_rate_hz": 1000}."""
     flat = {}
     for name, value in item.items():
         if isinstance(value, dict):
@@ -31,7 +31,7 @@ def _flatten(item, prefix=""):
 
 
 def _from_json(value):
-    """A list of objects is a dict of arrays, a list of anything else an array, an object a dict."""
+    """Turns a list of objects into a dict of arrays, any other list into an array, and an object into a dict."""
     if isinstance(value, dict):
         return _flatten(value)
     if not value or not all(isinstance(item, dict) for item in value):
@@ -44,7 +44,7 @@ def _from_json(value):
 
 
 def _to_flags(flags):
-    """device="touch", json=True, delay=[0, 5] as --device touch --json --delay 0,5."""
+    """Turns device="touch", json=True, delay=[0, 5] into --device touch --json --delay 0,5."""
     words = []
     for name, value in flags.items():
         if value is None or value is False:
@@ -69,8 +69,8 @@ def _run(program, words):
 
 
 def read_table(path):
-    """A CSV file of `hapton bench --out`, `hapton loop --csv`, `hapton replay --out` or `hapton session export`: a dict of arrays, one for
-    each column. Columns of numbers are float64, with NaN where a cell is empty; others are text. Lines that begin with # are left out."""
+    """Reads a CSV file of `hapton bench --out`, `hapton loop --csv`, `hapton replay --out` or `hapton session export`. Returns a dict with an
+    array for each column. Columns of numbers are float64, with NaN for empty cells; others are text. Lines that begin with # are left out."""
     with open(path, newline="") as file:
         rows = list(_csv.reader(line for line in file if not line.startswith("#")))
     if not rows:
@@ -82,9 +82,9 @@ def read_table(path):
 
 
 def run_loop(name, program="hapton", **flags):
-    """Runs `hapton loop NAME` (zwidth, press, recommend, integrators, velocity) and returns its figures: arrays for lists of rows, inner
-    names joined by _. Keywords are its flags: run_loop("zwidth", device="touch", delay="0:100:101"). With press, samples has an array for
-    each column of its CSV. zwidth is always arrays, one entry a cell."""
+    """Runs `hapton loop NAME` (zwidth, press, recommend, integrators, velocity) and returns its JSON results as a dict. A list of rows becomes a
+    dict of arrays; the names of inner objects are joined by _. Keywords are its flags: run_loop("zwidth", device="touch", delay="0:100:101").
+    For press, result["samples"] has an array for each column of its CSV. For zwidth all values are arrays, with one element for each cell."""
     with _tempfile.TemporaryDirectory() as folder:
         words = ["loop", name, "--json", *_to_flags(flags)]
         samples = _os.path.join(folder, "press.csv")
@@ -100,8 +100,8 @@ def run_loop(name, program="hapton", **flags):
 
 
 def run_bench(name, program="hapton", **flags):
-    """Runs `hapton bench NAME` (numbers, effects, objects, sixdof, pareto, haptons) and returns its tables, a dict of arrays for each CSV
-    file that it writes: run_bench("effects", steps=2000)["effects"]["mean_ns"]. Keywords are its flags. It may take minutes."""
+    """Runs `hapton bench NAME` (numbers, effects, objects, sixdof, pareto, haptons) and returns its tables: for each CSV file that it writes,
+    a dict with an array for each column: run_bench("effects", steps=2000)["effects"]["mean_ns"]. Keywords are its flags. It may take minutes."""
     with _tempfile.TemporaryDirectory() as folder:
         _run(program, ["bench", name, "--out", folder, *_to_flags(flags)])
         return {_os.path.splitext(_os.path.basename(path))[0]: read_table(path) for path in sorted(_glob.glob(_os.path.join(folder, "*.csv")))}

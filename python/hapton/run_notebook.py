@@ -5,8 +5,8 @@ import sys
 
 
 def run_notebook(path):
-    """Executes the code cells from top to bottom, in the notebook's folder, and returns the names that they leave. An error names its cell.
-    Lines that begin with % or ! are Jupyter's and are left out."""
+    """Executes the code cells from top to bottom, in the notebook's folder. Returns the variables that they define, by name. An error message
+    contains the number of its cell. Lines that begin with % or ! are commands of Jupyter and are left out."""
     with open(path) as file:
         notebook = json.load(file)
     names = {"__name__": "__main__"}
