@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Works out the known answers of key_schedule_test.cpp and handshake_test.cpp without libsodium: BLAKE2b, SHA-256 and HMAC from Python,
-AES-256-GCM and X25519 by hand."""
+"""Computes the known answers of key_schedule_test.cpp and handshake_test.cpp without libsodium. BLAKE2b, SHA-256 and HMAC are from Python's standard
+library; AES-256-GCM and X25519 are implemented here."""
 import hashlib
 import hmac
 import struct
@@ -16,7 +16,7 @@ def blake(key, text, size=32):
     return hashlib.blake2b(text, key=key, digest_size=size).digest()
 
 
-def gf(a, b):  # GF(2^8) of AES
+def gf(a, b):  # product in the field GF(2^8) of AES
     product = 0
     while b:
         product ^= a if b & 1 else 0
@@ -126,7 +126,7 @@ def hkdf(ck, text, count):
     return outs
 
 
-class Noise:  # NNpsk0, both sides at once
+class Noise:  # the handshake pattern NNpsk0; one object is both sides
     def __init__(self, psk, prologue):
         self.h = self.ck = b"Noise_NNpsk0_25519_AESGCM_SHA256"
         self.mix_hash(prologue)

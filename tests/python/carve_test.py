@@ -1,4 +1,4 @@
-"""Material that the stylus carves, as programs see it: TouchStep, a live client, a recording that begins later."""
+"""Programs see the material that the stylus carves: with TouchStep, with a live client, and in a recording that begins later."""
 import os
 import subprocess
 import time
@@ -10,7 +10,7 @@ import hapton
 from live_system import BIN, SOURCE, LiveSystem
 
 CLAY = os.path.join(SOURCE, "scenes", "clay.toml")
-# Down into the ball with the first button held, along in it, and out.
+# The device moves down into the ball with the first button held, along inside it, and out again.
 WAY = """t_s,x_m,y_m,z_m,buttons
 0,0,0.1,0,0
 0.3,0,0.058,0,1
@@ -47,7 +47,7 @@ class CarveTest(unittest.TestCase):
         self.assertGreater(len(made), 5)
         np.testing.assert_array_equal(made, np.arange(1, len(made) + 1))
         self.assertLess(soft["force_n"][-1, 1], firm["force_n"][-1, 1], "it gives way")
-        # One number for each position.
+        # buttons may have one number for each position.
         late = hapton.TouchStep.from_scene(CLAY)
         buttons = np.where(np.arange(len(positions)) < 380, 0, 1)
         self.assertFalse(late.step(positions, buttons=buttons)["carve"][:380].any())

@@ -1,4 +1,4 @@
-"""hapton.DeformStep: a surface whose shapes a program gives."""
+"""Tests hapton.DeformStep: a surface that a program deforms."""
 import threading
 import unittest
 

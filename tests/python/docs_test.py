@@ -1,4 +1,4 @@
-"""The Python of docs/python.md, run from top to bottom beside a session."""
+"""Runs the Python code of docs/python.md from top to bottom, beside a session."""
 import os
 import re
 import unittest
@@ -7,7 +7,7 @@ import numpy as np
 
 from live_system import BIN, SOURCE, LiveSystem
 
-# What a reader has and a test has not: the usual port, a recording of Monday, ten seconds.
+# Replacements in the text, because a test does not have what a reader has: the default port, the recording monday.hapton, ten seconds.
 IN_A_TEST = [
     ("hapton.Client()", "hapton.Client(HUB)"),
     ("hapton.FieldNode()", "hapton.FieldNode(HUB)"),
@@ -29,7 +29,7 @@ class DocsTest(unittest.TestCase):
         for there, here in IN_A_TEST:
             self.assertEqual(text.count(there), 1, there)
         os.chdir(SOURCE)
-        os.environ["PATH"] = BIN + os.pathsep + os.environ["PATH"]  # where hapton is
+        os.environ["PATH"] = BIN + os.pathsep + os.environ["PATH"]  # the folder of the program hapton
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-docs-{os.getpid()}.hapton")
         self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
         with LiveSystem("--record", recording, scene="thin_wall.toml") as system:
