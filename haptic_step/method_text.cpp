@@ -77,7 +77,7 @@ Result<MethodSettings> parse_method_text(std::string_view text) {
   for (std::string word; words >> word;) {
     const auto [name, value] = split(word);
     const auto is_read = [&name = name, &value = value](const char* known, auto& into) { return name == known && read(value, into); };
-    bool is_good = name == "effects" || name == "cut";
+    bool is_good = name == "effects" || name == "cut";  // notes of a haptics node on plug-ins, which are no settings
     if (name == "name") {
       settings.name = value;
       is_good = !value.empty();
@@ -117,6 +117,7 @@ std::string_view effects_in(std::string_view method_text) {
   const std::size_t begin = method_text.find(kKey);
   if (begin == std::string_view::npos) return {};
   method_text.remove_prefix(begin + kKey.size());
+  // A message pads its text with NULs.
   return method_text.substr(0, method_text.find_first_of(std::string_view(" \0", 2)));
 }
 

@@ -28,7 +28,7 @@ T value_or_raise(Result<T>&& result) {
   return std::move(*result);
 }
 
-// Points from an array of shape (n, 3), or (3,) for one. Error: another shape, or numbers that are not finite unless `takes_not_finite`.
+// Points from an array of shape (n, 3), or (3,) for one. Error: another shape, or, without `takes_not_finite`, a number that is not finite.
 std::vector<Vec3> read_points(const Doubles& array, const char* name, bool takes_not_finite = false);
 Vec3 read_point(const Doubles& array, const char* name);
 // A pose from an array of shape (4, 4): a rotation, a translation, and (0, 0, 0, 1) as the last row.

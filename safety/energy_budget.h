@@ -23,15 +23,16 @@ class EnergyBudget {
  public:
   // Lengths and a speed, to be multiplied by max_force, so that a weak and a strong device feel the same (decision 50).
   // In tests a hand that pressed, slid and tapped at 1000 N/m, with replies up to 5 ms late, never spent anything. A smaller value damps
-  // bad walls earlier; a larger one lets them buzz.
+  // unstable walls earlier; a larger one lets them buzz.
   static constexpr double kFreeM = 0.010;
   // 0.25 J for a PHANToM Model A: a tenth of the energy that the device could give in one stroke through its workspace.
   static constexpr double kMaxM = 0.030;
   // Power that sampling and delay add at any wall. A source may give this power for ever: 17 mW for a Model A.
   static constexpr double kForgivenMPerS = 0.002;
-  // Time in which the excess is dissipated. In one sample, as in the paper, this would be felt as a blow; 5 ms are a choice.
+  // Time in which the excess is dissipated. In one sample, as in the paper, this would be felt as a blow; 5 ms is a free choice.
   static constexpr double kTakeBackS = 0.005;
-  // The energy spent saturates here. With kForgivenMPerS the limit rises again 3 s after a source has ended, and is whole after 13 s.
+  // The energy spent saturates here. With kForgivenMPerS the limit rises again 3 s after a source has ended, and has its full value after
+  // 13 s.
   static constexpr double kSaturationM = 0.036;
 
   // The wrench was on the motors for passed_s.

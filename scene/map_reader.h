@@ -27,15 +27,15 @@ struct MapSpec {
   std::shared_ptr<const std::string> bytes = {};  // content of an image in a mesh file; null: a file beside the scene
   double at_black = 0.0;
   double at_white = 0.0;
-  // Height map: the image is a normal map; factor of its slopes, from which at_black follows. None: an image of heights, or another map.
+  // For a height map that is given as a normal map: the factor of its slopes, and at_black is computed from it. None: every other map.
   std::optional<double> normal_scale = {};
   bool is_of_mesh = false;  // the normal map is that of the object's mesh file
 };
 
 struct MapSpecs {
-  MapSpec height;     // m
-  MapSpec stiffness;  // share of the material's stiffness
-  MapSpec friction;
+  MapSpec height;                             // m
+  MapSpec stiffness;                          // share of the material's stiffness
+  MapSpec friction;                           // coefficient
   MapSpec viscosity;                          // Ns/m
   std::array<double, 2> repeat = {1.0, 1.0};  // repetitions of the images, along u and v
 
@@ -50,7 +50,8 @@ struct MapSpecs {
 std::span<const std::string_view> map_keys();
 
 // Reads these keys. The stiffness of a material with a stiffness map becomes the largest value of the map. The reader keeps the error:
-// values out of range, a key whose map is missing, maps that exclude other properties of the material. RT: set-up only.
+// values out of range, a key whose map is missing, or a map beside a property of the material (`effects`) that excludes it. RT: set-up
+// only.
 void read_maps(const toml::table& table, TableReader& reader, Material& material, const SurfaceEffects& effects, MapSpecs& specs);
 
 // A mesh with its texture coordinates, in the frame of the scene.
@@ -60,7 +61,8 @@ struct MapSource {
   std::shared_ptr<const MeshAppearance> appearance;  // one entry for each triangle; null: no texture coordinates
 };
 
-// Makes the maps of objects, which share equal ones. Images are read once, normal maps once for each size on the surface and slope factor.
+// Makes the maps of objects. Objects with equal maps share them. Images are read once, normal maps once for each size on the surface and
+// slope factor.
 class MapMaker {
  public:
   explicit MapMaker(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -72,6 +74,7 @@ class MapMaker {
  private:
   std::filesystem::path shown_path(const MapSpec& spec) const;
   Result<ImageMap> make_map(const MapSpec& spec, std::string_view key);
+  // Heights that are computed from a normal map.
   Result<ImageMap> make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
                                const std::string& object);
   std::shared_ptr<const SurfaceImage> halve(const std::shared_ptr<const SurfaceImage>& image);

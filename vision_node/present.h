@@ -4,7 +4,7 @@ class vtkOpenGLRenderWindow;
 
 namespace hapton {
 
-// Brings what VTK has drawn into its framebuffer to the window on the screen. RT: no. Threads: the window's.
+// Copies the picture that VTK has drawn into its own framebuffer to the window on the screen. RT: no. Threads: the window's.
 void present(vtkOpenGLRenderWindow* window);
 
 }  // namespace hapton

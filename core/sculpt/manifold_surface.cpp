@@ -48,7 +48,8 @@ bool is_ambiguous(const CellFace& face, unsigned corners) {
   return inside(0) != inside(1) && inside(1) != inside(2) && inside(2) != inside(3);
 }
 
-// flips: if bit f is set, the contour in face f, if that is ambiguous, separates the outside corners, otherwise the inside corners.
+// flips: bit f is for face f, if that is ambiguous. If it is set, the contour in the face separates the two outside corners from each
+// other, and if not, the two inside corners.
 CellPieces find_pieces(unsigned corners, unsigned flips) {
   std::array<std::size_t, kEdges> root;
   std::iota(root.begin(), root.end(), 0);
@@ -135,6 +136,8 @@ class ManifoldSurfaceMaker {
     return pieces.of_edge[face.edges[0]] == pieces.of_edge[face.edges[2]] &&
            pieces.of_edge[face.edges[1]] == pieces.of_edge[face.edges[3]] && pieces.of_edge[face.edges[0]] == pieces.of_edge[face.edges[1]];
   }
+  // Faces in which the contour is changed. If both its pieces belong to one piece of surface in both cells, four triangles would meet in
+  // one edge.
   unsigned find_flips(std::size_t node, unsigned corners) const {
     unsigned flips = 0;
     for (std::size_t f = 0; f < kFaces; ++f) {
@@ -157,7 +160,7 @@ class ManifoldSurfaceMaker {
     for (std::uint8_t piece = 0; piece < cell.pieces.count; ++piece) place_vertex(node, cell.pieces, piece);
   }
 
-  // Sums in the order of SurfaceNets, so that rounding is the same.
+  // Sums in the order of SurfaceNets, so that vertices that both make are equal to the last bit.
   void place_vertex(std::size_t node, const CellPieces& pieces, std::uint8_t piece) {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int crossings = 0;

@@ -113,15 +113,15 @@ TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // no position is kept without contact
 }
 
-// The surface is 2 mm above the device. Beyond the surface contact does not go on: it would hold the hand from the wrong side.
-TEST_F(Memory, NoContactGoesOnForADeviceThatHasLeftTheSurface) {
+// The surface is 2 mm above the device. Beyond the surface contact is not resumed: it would hold the hand from the wrong side.
+TEST_F(Memory, ContactIsNotResumedForADeviceThatHasLeftTheSurface) {
   memory.note_sample(1, sample_at(1, 0.1));
   memory.note_reply(reply_to(1, true));
   memory.note_new_haptics();
   EXPECT_TRUE(memory.find_resume_point(Vec3(0.105, 0.001, 0.0019)));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0.0021)));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.105, 0.001, 0.01)));
-  // The device may come back: then contact goes on where it was.
+  // The device may come back: then contact is resumed where it was.
   EXPECT_EQ(memory.find_resume_point(Vec3(0.1, 0, 0.001)), Vec3(0.1, 0, 0.002));
 }
 

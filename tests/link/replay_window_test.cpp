@@ -38,7 +38,7 @@ TEST(ReplayWindowTest, AskingLeavesNoMark) {
 }
 
 // Compared with a set that has no limit: a counter passes exactly if it is recent and was never marked.
-TEST(ReplayWindowTest, AgreesWithASetUnderAnyOrder) {
+TEST(ReplayWindowTest, AgreesWithASetInAnyOrder) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);

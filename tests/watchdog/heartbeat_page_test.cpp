@@ -47,14 +47,14 @@ TEST(HeartbeatPage, HoldsPathAndReportOfADevice) {
   EXPECT_EQ(path_in(*page), "/dev/hidraw12");
   ASSERT_EQ(page->report_size.load(), 9U);
   for (std::size_t n = 0; n < report.size(); ++n) EXPECT_EQ(page->report[n].load(), report[n]) << n;
-  EXPECT_EQ(page->report[9].load(), 0) << "no more than it has";
+  EXPECT_EQ(page->report[9].load(), 0) << "nothing beyond the report";
   page->set_hid("/dev/x", report_of(2));
   EXPECT_EQ(path_in(*page), "/dev/x") << "nothing is left of a longer one";
   EXPECT_EQ(page->report_size.load(), 2U);
   EXPECT_EQ(page->generation.load(), 4U);
 }
 
-TEST(HeartbeatPage, WhatDoesNotFitIsNoMeans) {
+TEST(HeartbeatPage, APathOrReportThatDoesNotFitLeavesNoMeans) {
   struct Row {
     std::size_t path, report;
     bool fits;

@@ -24,11 +24,11 @@ class ForceReplier {
     HubConnection::Settings hub;
     double most_n = 0.0;   // larger forces are scaled down
     double most_nm = 0.0;  // the same for torques; 0: none are allowed
-    std::string frame;
+    std::string frame;     // the name of frame W in messages: forces in another frame are dropped
     RealtimeMode realtime = RealtimeMode::attempt;
   };
-  // Error, one line: no hub, no right to join, the hub already has a haptics node, or real time is required and denied. Pre: node takes
-  // forces and outlives this.
+  // Error, one line: no hub, no right to join, the hub already has a haptics node, or real time is required and denied. Pre: node was
+  // opened with takes_forces and outlives this.
   static Result<std::unique_ptr<ForceReplier>> start(RosNode& node, const Settings& settings);
   ~ForceReplier();
   ForceReplier(const ForceReplier&) = delete;
@@ -41,14 +41,14 @@ class ForceReplier {
   // Pre, for both: stop() was called.
   const ServoForce::Counts& counts() const noexcept { return force_.counts(); }
   std::uint64_t replies() const noexcept { return replies_; }
-  // The newest verdict other than `accepted` (reduced or dropped) since the last call, for a line to a person.
+  // The newest verdict other than `accepted` (reduced or dropped) since the last call, for a line in the log.
   std::optional<ServoForce::Verdict> take_warning() noexcept;
 
  private:
   ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection);
   void run(RealtimeMode realtime);
   void take_commands();
-  void reply(const DeviceState& state, std::uint32_t states);
+  void reply(const DeviceState& state, std::uint32_t states);  // states: received since the last reply
 
   RosNode& node_;
   std::unique_ptr<HubConnection> connection_;

@@ -12,7 +12,7 @@
 
 namespace hapton::dds {
 
-// One sample of the device, as it is published for ROS 2. Frame W; the angular velocity is that of the stylus.
+// One sample of the device, as it is published for ROS 2. Frame W; velocities of the device point and of the stylus.
 struct RosSample {
   ProbeState probe;
   Vec3 linear_m_per_s = Vec3::Zero();
@@ -36,7 +36,7 @@ class RosNode {
     std::string frame = "world";     // the name of frame W in messages
     bool is_reliable = false;        // false: best effort, as ROS 2 sends sensor data
     double tf_rate_hz = 100.0;       // the most messages on /tf in a second; 0: none
-    bool takes_forces = false;       // reads the topic PREFIX/servo_cf
+    bool takes_forces = false;       // reads the topic PREFIX/servo_cf, commanded Cartesian forces
   };
 
   // Error, one line: built without DDS, no such network interface, or Cyclone DDS fails. Pre: the names were checked (ros_names.h).

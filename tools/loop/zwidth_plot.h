@@ -13,7 +13,7 @@ namespace hapton {
 // has one delay and several rates. A colour for each device, hand and rate (or delay, wall damping, jitter, loss). picture: file to draw.
 std::string make_zwidth_plot(const ZWidthGrid& grid, const std::vector<ZWidthRow>& rows, const std::string& picture);
 
-// Draws it with gnuplot. Error: as for draw_with_gnuplot. RT: no.
+// Draws it with gnuplot, and returns what draw_with_gnuplot returns. Error: as there. RT: no.
 Result<std::filesystem::path> draw_zwidth_plot(const std::filesystem::path& picture, const ZWidthGrid& grid,
                                                const std::vector<ZWidthRow>& rows);
 

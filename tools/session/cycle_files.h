@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// Counts of what a table holds of a recording.
+// What a table holds of a recording, and what it lacks.
 struct CycleCounts {
   std::uint64_t rows = 0;
   std::uint64_t without_sample = 0;  // cycles of an older recording, which have no row
@@ -25,9 +25,9 @@ struct CycleCounts {
 using AlsoAdd = std::function<void(const SessionEntry& entry, const Datagram* datagram)>;
 ObjectChanges add_all(SessionReader& reader, CycleTable& table, const AlsoAdd& also = {});
 
-// Writes the joined table of a recording up to its end or the damage; reader.problem() says which. names: of the scene's objects, empty if
-// they are not known. If programs moved or deformed objects or material was carved, writes moves.csv, carves.csv and the files of
-// ShapeTables to the same folder. RT: no. Error: one line with the path.
+// Writes the table of all cycles of a recording up to its end or the damage; reader.problem() says which. names: of the scene's objects,
+// empty if they are not known. If programs moved or deformed objects or material was carved, writes moves.csv, carves.csv and shapes.csv
+// with its arrays to the same folder. RT: no. Error: one line with the path.
 Result<CycleCounts> write_cycle_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
 // The same as HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s`, `sample`, `kind`

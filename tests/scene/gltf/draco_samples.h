@@ -18,7 +18,7 @@ enum class DracoKind { edgebreaker, sequential };
 std::string draco(const TriangleMesh& mesh, DracoKind kind, const std::vector<Eigen::Vector3f>& normals = {}, int quantization = 0,
                   int speed = 5);
 
-// A packed mesh with positions of integers of a glTF component type (5120 to 5123). Three entries of `corners` are one triangle.
+// A packed mesh with integer positions of a glTF component type (5120 to 5123). Three entries of `corners` are one triangle.
 std::string draco_of_integers(const std::vector<std::array<std::int32_t, 3>>& corners, std::size_t component_type, bool is_normalized);
 
 // A GLB file of one node with `packed`, which draco() has packed from `mesh`.
@@ -29,7 +29,7 @@ std::string draco_with_appearance(const TriangleMesh& mesh, DracoKind kind);
 Eigen::Vector2f draco_texcoord(const Vec3& p);
 std::array<std::uint8_t, 4> draco_colour(const Vec3& p);
 
-// A GLB file of one node with `packed`, from draco_with_appearance(), and a material that has an image. mesh_members,
+// A GLB file of one node with `packed`, from draco_with_appearance(), and a material with `image`, the bytes of a PNG. mesh_members,
 // document_members: further JSON members of the mesh and of the file, each followed by a comma.
 std::string draco_appearance_glb(const TriangleMesh& mesh, const std::string& packed, const std::string& image,
                                  const std::string& mesh_members = "", const std::string& document_members = "");

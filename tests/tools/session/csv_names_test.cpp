@@ -7,6 +7,7 @@
 namespace hapton {
 namespace {
 
+// The object and its material.
 TEST(CsvNames, AlwaysGiveTwoFields) {
   const std::vector<ObjectName> names = {{"hood", "sheet metal"}, {"a, \"b\"", ""}};
   EXPECT_EQ(csv_names(names, 0), "hood,sheet metal");
@@ -16,7 +17,8 @@ TEST(CsvNames, AlwaysGiveTwoFields) {
   EXPECT_EQ(csv_names({}, 0), ",");
 }
 
-TEST(CsvNames, AreWholeHoweverLong) {
+// A line end becomes a question mark.
+TEST(CsvNames, LongNamesAreNotTruncated) {
   const std::string name(100, 'n');
   const std::vector<ObjectName> names = {{name, name + "\n"}};
   EXPECT_EQ(csv_names(names, 0), name + "," + name + "?");
