@@ -89,6 +89,8 @@ void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::op
     if (moves) place = bodies.place(bodies_[static_cast<std::size_t>(frame)], touched_);
     if (place) contact.place = &*place;
     if (MapFinder* const finder = find_maps(touched_); finder != nullptr) {
+      const std::size_t body = moves ? bodies_[static_cast<std::size_t>(frame)] : 0;
+      effects_.set_drag(static_cast<std::size_t>(touched_), {.stiffness_n_per_m = bodies.stiffness(body, touched_)});
       const Vec3 p_OP = moves ? to_frame(X_SF_[static_cast<std::size_t>(frame)], contact.p_SP) : contact.p_SP;
       contact.map = &map.emplace(finder->find(place ? place->p_rest : p_OP));
     }

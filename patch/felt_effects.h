@@ -20,6 +20,8 @@ class BodyPlaces {
   virtual Pose pose(std::size_t body) const noexcept = 0;
   // Where an object that deforms was touched in the last step (ForceMethod::find_place). None: the object keeps its shape.
   virtual std::optional<SurfacePlace> place(std::size_t body, int object) const noexcept = 0;
+  // The stiffness of an object, N/m: friction's spring is not stiffer (SurfaceDrag).
+  virtual double stiffness(std::size_t body, int object) const noexcept = 0;
 };
 
 // Adds the effects of a scene to the force of its patches, as TouchStep adds them to that of the whole scene. Past the edge of a patch the

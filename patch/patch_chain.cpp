@@ -123,6 +123,9 @@ class PatchChain::Places final : public BodyPlaces {
   std::optional<SurfacePlace> place(std::size_t body, int object) const noexcept override {
     return body < kLinks ? chain_.touches_[body].find_place(object) : std::nullopt;
   }
+  double stiffness(std::size_t body, int object) const noexcept override {
+    return body < kLinks ? chain_.touches_[body].stiffness_of(object) : std::numeric_limits<double>::infinity();
+  }
 
  private:
   const PatchChain& chain_;

@@ -19,7 +19,7 @@ constexpr double kGrowth = 1.3;            // ... when the scene is known in a r
 constexpr std::size_t kMoreTriangles = 2;  // ... or when there is time for this many times its triangles
 constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid; rounding to it moves a vertex by at most 0.87 steps
 constexpr double kVelocityS = 0.02;        // time constant of the hand's velocity
-constexpr std::int64_t kRetryNs = 50 * kNanosecondsPerMillisecond;  // after no shape of the body was known; a free choice
+constexpr std::int64_t kRetryNs = 50 * kNanosecondsPerMillisecond;  // after a shape that no patch could be made of; a free choice
 constexpr double kMinSpeed = 0.05;                                  // m/s: a hand at rest may start to move
 constexpr double kTimeShare = 0.5;  // share of the time until the hand leaves a patch that making the next one may take
 constexpr double kMakeShare = 0.3;  // weight of the newest duration in the mean
@@ -127,8 +127,9 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     auto method = make_touch(store, piece.scene, *patch);
     if (!method || *method == nullptr) {
       failed_at_ = store.revision();
-      // A shape that begins later makes it possible without another part.
-      retry_ns_ = method ? hand_.scene_time_ns + kRetryNs : std::numeric_limits<std::int64_t>::max();
+      // Another shape of a body that programs deform may begin without another part.
+      const bool may_change = store.find_stream(body_) != nullptr;
+      retry_ns_ = may_change ? hand_.scene_time_ns + kRetryNs : std::numeric_limits<std::int64_t>::max();
       return nullptr;
     }
     patch->step = std::make_unique<TouchStep>(std::move(*method));

@@ -183,12 +183,22 @@ bool PatchTouch::is_frictionless() const noexcept {
   return std::ranges::all_of(patch_->materials, [](const Material& material) { return material.friction_dynamic == 0.0; });
 }
 
-double PatchTouch::damping_of(int object) const noexcept {
-  if (is_beyond_ || patch_ == nullptr) return 0.0;
+// Null: the patch does not have the object.
+const Material* PatchTouch::find_material(int object) const noexcept {
+  if (is_beyond_ || patch_ == nullptr) return nullptr;
   const auto found = std::lower_bound(patch_->objects.begin(), patch_->objects.end(), object);
   const auto n = static_cast<std::size_t>(found - patch_->objects.begin());
-  if (found == patch_->objects.end() || *found != object || n >= patch_->materials.size()) return 0.0;
-  return patch_->materials[n].damping_ns_per_m;
+  return found == patch_->objects.end() || *found != object || n >= patch_->materials.size() ? nullptr : &patch_->materials[n];
+}
+
+double PatchTouch::damping_of(int object) const noexcept {
+  const Material* const material = find_material(object);
+  return material != nullptr ? material->damping_ns_per_m : 0.0;
+}
+
+double PatchTouch::stiffness_of(int object) const noexcept {
+  const Material* const material = find_material(object);
+  return material != nullptr ? material->stiffness_n_per_m : stiffness().most;
 }
 
 std::optional<SurfacePlace> PatchTouch::find_place(int object) const noexcept {

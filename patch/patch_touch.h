@@ -155,6 +155,8 @@ class PatchTouch {
   bool is_frictionless() const noexcept;
   // The damping of an object of the scene, N s/m; 0 if the patch does not have the object, and past its edge.
   double damping_of(int object) const noexcept;
+  // The stiffness of an object of the scene; if the patch does not have the object, and past its edge, the largest of stiffness().
+  double stiffness_of(int object) const noexcept;
   // Where an object of the scene that deforms was touched: as ForceMethod::find_place.
   std::optional<SurfacePlace> find_place(int object) const noexcept;
   const Vec3& outward() const noexcept { return outward_S_; }  // from the device to the proxy, unit; zero: no contact
@@ -171,6 +173,7 @@ class PatchTouch {
   PatchOutput step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
   std::optional<PatchOutput> correct(const TouchInput& input, const Vec3& p_SD) noexcept;
   void share(Patch& patch) noexcept;
+  const Material* find_material(int object) const noexcept;
   std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;

@@ -144,7 +144,7 @@ class Annotator {
   std::int64_t undo_end_ns_ = 0;         // 0: not sent yet
   std::int64_t undo_next_ns_ = 0;
   std::vector<CarvedPress> saved_carved_;  // carves as the file has them
-  bool are_given_checked_ = false;
+  std::uint32_t checked_source_ = 0;
   std::int32_t held_ = -1;
   bool is_other_scene_ = false;
   std::uint32_t last_buttons_ = ~0U;

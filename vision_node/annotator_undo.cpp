@@ -131,10 +131,10 @@ bool Annotator::has_given_carves() const {
   return is_there;
 }
 
-// Checks this once, as soon as all carves have come.
+// Checks this once for each process of haptics_node, as soon as all its carves have come.
 void Annotator::check_given_carves() {
-  if (are_given_checked_ || carved_ == nullptr || !carved_->is_complete()) return;
-  are_given_checked_ = true;
+  if (carved_ == nullptr || !carved_->is_complete() || checked_source_ == carved_->source()) return;
+  checked_source_ = carved_->source();
   if (has_given_carves()) return;
   log_warning("{} has carves that haptics_node does not have; start it with --annotations {} as well to feel and see them",
               options_.file.string(), options_.file.string());
@@ -150,7 +150,7 @@ Annotations Annotator::collect() const {
     return all;
   }
   // Before all carves have come, those of the file may be among the rest: written twice they do no harm, left out they are lost.
-  if ((are_given_checked_ || carved_->is_complete()) && has_given_carves()) {
+  if ((checked_source_ == carved_->source() || carved_->is_complete()) && has_given_carves()) {
     std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_->objects.size(); });
   }
   const std::size_t kept = all.carved.size();

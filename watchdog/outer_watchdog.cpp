@@ -107,7 +107,8 @@ std::string ForceCutter::describe() const {
       return has_write_failed_ ? "could not turn the device off: it took no report; check whether it is plugged in"
                                : "released the force (device off)";
     case CutMeans::kill:
-      if (had_ended_ && !process_.is_killed.load()) return "its end closed the vendor's library, so that the driver releases the force";
+      if ((had_ended_ || process_.file < 0) && !process_.is_killed.load())
+        return "its end closed the vendor's library, so that the driver releases the force";
       return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:
       return "released the force of the simulated motors";

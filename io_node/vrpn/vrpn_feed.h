@@ -90,8 +90,9 @@ class WatchedDevice final : public Device {
     device_->write(wrench, now_ns);
   }
   bool cut() noexcept override {
-    is_cut_.store(true, std::memory_order_relaxed);
-    return device_->cut();
+    const bool is_off = device_->cut();
+    if (is_off) is_cut_.store(true, std::memory_order_relaxed);
+    return is_off;
   }
   void restore() noexcept override {
     is_cut_.store(false, std::memory_order_relaxed);

@@ -90,9 +90,14 @@ Eigen::Affine3d local_at(const NodeTracks* tracks, const NodeAtRest& rest, doubl
   return moved;
 }
 
-Result<std::vector<double>> read_times(const Document& document, const Json& sampler, const std::string& where) {
+tl::unexpected<Error> too_many_numbers(const std::string& where) {
+  return fail("{}: the channels of all animations have too many numbers for the size of the file: {}", where, kExportAgain);
+}
+
+Result<std::vector<double>> read_times(const Document& document, const Json& sampler, const std::string& where, AnimationBudget& budget) {
   const auto input = read_accessor(document, member(sampler, "input"), where + ".input", "SCALAR", 1);
   if (!input) return tl::unexpected(input.error());
+  if (!budget.take_numbers(input->count)) return too_many_numbers(where);
   std::vector<double> times;
   for (std::size_t i = 0; i < input->count; ++i) {
     times.push_back(input->component(i, 0));
@@ -105,16 +110,11 @@ Result<std::vector<double>> read_times(const Document& document, const Json& sam
   return times;
 }
 
-tl::unexpected<Error> too_many_numbers(const std::string& where) {
-  return fail("{}: the channels of all animations have too many numbers for the size of the file: {}", where, kExportAgain);
-}
-
 // A row of `width` numbers at each time: one item of that type, or `width` items of type SCALAR, as for weights (glTF 2.0, 3.11).
 Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, const std::string& where, const char* type,
                                  std::size_t width, AnimationBudget& budget) {
-  auto times = read_times(document, sampler, where);
+  auto times = read_times(document, sampler, where, budget);
   if (!times) return tl::unexpected(times.error());
-  if (!budget.take_numbers(times->size())) return too_many_numbers(where);
   const bool is_scalar = std::string_view(type) == "SCALAR";
   const auto output = read_accessor(document, member(sampler, "output"), where + ".output", type, is_scalar ? 1 : width);
   if (!output) return tl::unexpected(output.error());

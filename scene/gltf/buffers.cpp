@@ -79,8 +79,7 @@ Result<std::string_view> Buffers::buffer(const Json& index_json, const std::stri
     bytes = *binary_;
   } else {
     const std::string from = text_of(uri);
-    const std::string key =
-        from.empty() || from.starts_with("data:") ? name : std::filesystem::path(decode_percent(from)).lexically_normal().string();
+    const std::string key = from.empty() || from.starts_with("data:") ? name : file_key(folder_, from);
     auto loaded = loaded_.find(key);
     if (loaded == loaded_.end()) {
       Result<std::string> read = load_buffer(from, name);

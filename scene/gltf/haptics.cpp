@@ -207,7 +207,7 @@ class HapticReader {
     auto& images = raw_.haptics.maps.images;
     const std::string uri = text_of(member(json, "uri"));
     const bool is_file = !uri.empty() && !uri.starts_with("data:");
-    const std::string key = is_file ? "file " + std::filesystem::path(decode_percent(uri)).lexically_normal().string() : name;
+    const std::string key = is_file ? file_key(folder_, uri) : name;
     const auto [known, is_new] = numbers_.try_emplace(key, images.size());
     if (!is_new) return known->second;
     auto bytes = read_image_bytes(document_, json, name, folder_);

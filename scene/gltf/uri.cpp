@@ -55,4 +55,11 @@ std::string decode_percent(const std::string& uri) {
   return path;
 }
 
+std::string file_key(const std::filesystem::path& folder, const std::string& uri) {
+  std::error_code ignored;
+  // The system opens what stands before a zero byte.
+  const std::filesystem::path file = std::filesystem::weakly_canonical(folder / decode_percent(uri).c_str(), ignored);
+  return "file " + (file.empty() ? uri : file.string());
+}
+
 }  // namespace hapton::gltf

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -12,5 +13,8 @@ Result<std::string> decode_base64(std::string_view text, const std::string& wher
 
 // Decodes percent-encoding: URIs write a space as %20.
 std::string decode_percent(const std::string& uri);
+
+// A key that is the same for all URIs that name one file, relative to the folder of the glTF file. RT: no.
+std::string file_key(const std::filesystem::path& folder, const std::string& uri);
 
 }  // namespace hapton::gltf

@@ -123,7 +123,7 @@ TEST_F(HdSession, NoHandleAndNoErrorIsNoDevice) {
   told.gives_no_handle = true;
   EXPECT_EQ(attach("Left").error().what, "OpenHaptics has no device 'Left'; give the name from its set-up (Touch_Setup) with --device-id");
   EXPECT_EQ(attach("").error().what,
-            "OpenHaptics has no device 'Default Device', 'Default PHANToM', the library's default device; name the one of its set-up "
+            "OpenHaptics has no device 'Default Device', 'Default PHANToM', the library's default device; give the name from its set-up "
             "(Touch_Setup) with --device-id");
 }
 

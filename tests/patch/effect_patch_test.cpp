@@ -155,6 +155,7 @@ class OneBody final : public BodyPlaces {
  public:
   Pose pose(std::size_t) const noexcept override { return Pose::Identity(); }
   std::optional<SurfacePlace> place(std::size_t, int) const noexcept override { return std::nullopt; }
+  double stiffness(std::size_t, int) const noexcept override { return kFloorStiffness; }
 };
 
 // The output of a patch for a floor at z = 0, which is object 2.

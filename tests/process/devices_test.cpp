@@ -161,7 +161,7 @@ TEST(Doctor, LoadsVendorsLibrariesAndNamesWhatTheyLack) {
   const Ended needy = look("needy");
   EXPECT_EQ(needy.exit_code, 1);
   EXPECT_THAT(needy.out, HasSubstr("OpenHaptics: libPhantomIOLib42.so: cannot open shared object file: No such file or directory"));
-  EXPECT_THAT(needy.out, HasSubstr("fix: libHD.so is there, but needs libPhantomIOLib42.so"));
+  EXPECT_THAT(needy.out, HasSubstr("fix: libHD.so exists, but needs libPhantomIOLib42.so"));
 }
 
 TEST(Devices, AFileThatIsWrongIsOneLine) {

@@ -309,7 +309,7 @@ class LiveTest(unittest.TestCase):
         for force, error, word in [
             (lambda hand: 1 / 0, ZeroDivisionError, ""),
             (lambda hand: (np.nan, 0, 0), ValueError, "not finite at sample"),
-            (lambda hand: "up", ValueError, "no three numbers at sample"),
+            (lambda hand: "up", ValueError, "did not return three numbers at sample"),
         ]:
             with self.subTest(error), self.assertRaisesRegex(error, word):
                 hapton.run_haptics_node(force, 30.0, hub=system.hub)
@@ -348,7 +348,7 @@ class LiveTest(unittest.TestCase):
         system = self.start()
         node = hapton.FieldNode(system.hub)
         self.assertRegex(self.why_not_a_second_node(system.hub), "has a haptics node already")
-        with self.assertRaisesRegex(ValueError, "something else than a field"):
+        with self.assertRaisesRegex(ValueError, "something that is not a field"):
             node.set([1.0])
         node.close()
 

@@ -39,7 +39,7 @@ class MeshTest(unittest.TestCase):
             (points, [[0, 1, 1.5]], r"triangles\[0\] names vertex 1.5"),
             (points, [[0, 1, np.nan]], "names vertex nan"),
             (points, np.zeros((0, 3), dtype=int), "triangles is empty"),
-            (points, [0, 1, 2], "another shape"),
+            (points, [0, 1, 2], "must have the shape"),
         ]:
             with self.subTest(word), self.assertRaisesRegex(ValueError, word):
                 hapton.Mesh(vertices, triangles)

@@ -121,7 +121,7 @@ class TouchTest(unittest.TestCase):
         self.assertAlmostEqual(felt["force_n"][-1, 2], 3.0, places=2)
         with self.assertRaisesRegex(TypeError, "there is no setting 'probe_radius'; choose from: .*probe_radius_m"):
             hapton.TouchStep(make_wall(), probe_radius=0.002)
-        with self.assertRaisesRegex(TypeError, "shading has another type"):
+        with self.assertRaisesRegex(TypeError, "shading has the wrong type"):
             hapton.TouchStep(make_wall(), shading="much")
         with self.assertRaisesRegex(ValueError, "'magic' is not known"):
             hapton.TouchStep(make_wall(), method="magic")

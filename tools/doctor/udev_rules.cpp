@@ -153,7 +153,9 @@ class RuleWalk {
     if (token.key == "GROUP") rule_.group = token.value;
     const bool is_uaccess = token.key == "TAG" && token.value == "uaccess";
     if (is_uaccess) rule_.has_uaccess = token.op != "-=";
+    if (is_uaccess && !rule_.has_uaccess && rule_.group.empty() && !has_mode_) rule_.file.clear();
     const bool is_for_all = token.key == "MODE" && (token.value.ends_with('6') || token.value.ends_with('7'));
+    has_mode_ = has_mode_ || is_for_all;
     if (token.key == "GROUP" || (is_uaccess && rule_.has_uaccess) || is_for_all) rule_.file = file;
   }
 
@@ -173,6 +175,7 @@ class RuleWalk {
   std::string label_;  // target of a GOTO that is being searched; empty: none
   std::map<std::string, std::string> env_;
   UdevRule rule_;
+  bool has_mode_ = false;  // a rule gives everyone the right
 };
 
 RuleWalk walk_rules(const Machine& machine, const PluggedDevice& device, const DeviceNode& node, bool folds) {

@@ -77,7 +77,8 @@ int run_compare(const CompareOptions& options) {
 std::array<CommandOption, 4> add_node_options(CommandLine command, LatencyRunOptions& options) {
   return {command.add_option("--rate", options.rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default(),
           command.add_option("--scene", options.scene, "Scene to touch").shows_default(),
-          command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
+          command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)")
+              .one_of_names(method_names()),
           command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
               .one_of({"try", "require", "off"})
               .shows_default()};

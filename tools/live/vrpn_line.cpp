@@ -18,9 +18,7 @@ class VrpnLine : public DigitalLine {
 
   Result<bool> is_on() override {
     (void)link_->take_newest(clock_.now_ns());
-    // Without a connection nothing is known: as it was, so that there is no marker that nobody made.
-    if (link_->is_connected()) was_on_ = (link_->buttons() >> button_ & 1U) != 0;
-    return was_on_;
+    return (link_->buttons() >> button_ & 1U) != 0;
   }
   // Waits until the server accepts the connection. False: it did not do so in time.
   bool replies() {
@@ -35,7 +33,6 @@ class VrpnLine : public DigitalLine {
   SteadyClock clock_;
   std::unique_ptr<vrpn::TrackerLink> link_;
   int button_;
-  bool was_on_ = false;
 };
 
 }  // namespace

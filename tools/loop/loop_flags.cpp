@@ -79,8 +79,6 @@ Result<void> change(const LoopFlags& flags, DeviceModel& device) {
 
 Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
   if (!flags.device.empty()) return fail("--device and --mass-kg exclude each other: --mass-kg is the mass of device and hand together");
-  if (flags.hand != LoopFlags().hand)
-    return fail("--hand and --mass-kg exclude each other: --mass-kg is the mass of device and hand together");
   if (!flags.damping_ns_per_m) return fail("--mass-kg needs --damping-ns-per-m, of device and hand together");
   NamedLoop loop;
   loop.device = "own";
@@ -96,9 +94,9 @@ Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
 void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   const std::string list = several ? ", several with commas between, or all" : "";
   command.add_option("--device", flags.device, "Device" + list + "; one of: " + device_preset_names());
-  command.add_option("--hand", flags.hand, "Hand" + list + "; one of: " + hand_preset_names()).shows_default();
+  const CommandOption hand = command.add_option("--hand", flags.hand, "Hand" + list + "; one of: " + hand_preset_names()).shows_default();
   const CommandLine own = command.add_group("own loop", "A loop of your own, device and hand together, in place of --device and --hand");
-  own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms").between(1e-4, 1e3);
+  own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms").between(1e-4, 1e3).excludes(hand);
   own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").between(0.0, 1e5);
   own.add_option("--hand-stiffness-n-per-m", flags.hand_stiffness_n_per_m,
                  "Stiffness of the hand towards its intended position (default: 0)")

@@ -264,7 +264,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
       .required();
   command.add_option("--tool", options->tool,
                      "Mesh of a rigid tool instead of a point or a ball: force and torque (default: the scene's [tool], if it has one)");
-  command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)");
+  command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)").one_of_names(kUnitNames);
   command.add_option("--tool-grip", options->tool_grip,
                      "Where the stylus holds it: origin (of its mesh, the default) or centre (of its box)");
   command

@@ -46,9 +46,11 @@ struct Crossing {
   double height = 0.0;  // of the segment's end that is nearer to the plane of the face, above that plane
 };
 
-// Where the segment crosses a face, well away from the edges of the face. Tests every triangle that the segment may meet.
+// Where the segment crosses a face, well away from the edges of the face. Tests every triangle that the segment may meet; of several
+// crossings the one with the largest height counts.
 std::optional<Crossing> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& from, const Vec3& to) {
   const Vec3 motion = to - from;
+  std::optional<Crossing> clearest;
   for (const std::uint32_t i : boxes.find_near(0.5 * (from + to), 0.5 * motion.norm())) {
     const Vec3& a = mesh.corner(i, 0);
     const Vec3& b = mesh.corner(i, 1);
@@ -63,9 +65,11 @@ std::optional<Crossing> find_crossing(const TriangleMesh& mesh, TriangleBoxes& b
     const Vec3 e = ap.cross(motion);
     const double v = ac.dot(e) / slope;
     const double w = -ab.dot(e) / slope;
-    if (v > 0.05 && w > 0.05 && v + w < 0.95) return Crossing{from + t * motion, std::min(t, 1.0 - t) * std::fabs(slope) / n.norm()};
+    if (!(v > 0.05 && w > 0.05 && v + w < 0.95)) continue;
+    const double height = std::min(t, 1.0 - t) * std::fabs(slope) / n.norm();
+    if (!clearest || height > clearest->height) clearest = {from + t * motion, height};
   }
-  return std::nullopt;
+  return clearest;
 }
 
 struct FaultText {

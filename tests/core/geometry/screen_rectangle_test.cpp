@@ -189,7 +189,7 @@ TEST(ScreenRectangle, AnotherOrderIsSaidToBeOne) {
       EXPECT_NE(error_of(mirrored).find("another order (they go round the other way)"), std::string::npos) << error_of(mirrored);
     }
     for (const ScreenCorners& crossed : {ScreenCorners{ll, ur, lr, ul}, {ll, lr, ul, ur}}) {
-      EXPECT_NE(error_of(crossed).find("span no rectangle"), std::string::npos) << error_of(crossed);
+      EXPECT_NE(error_of(crossed).find("do not span a rectangle"), std::string::npos) << error_of(crossed);
     }
   }
 }
@@ -198,7 +198,7 @@ TEST(ScreenRectangle, PointsThatSpanNoRectangleAreRejected) {
   const Vec3 x(0.1, 0.0, 0.0);
   EXPECT_NE(error_of({x, x, x, x}).find("do not span a rectangle: only 0.0 x 0.0 mm"), std::string::npos);
   EXPECT_NE(error_of({-x, x, x, -x}).find("only 200.0 x 0.0 mm"), std::string::npos);
-  EXPECT_NE(error_of({-x, x, 2.0 * x, -2.0 * x}).find("span no rectangle"), std::string::npos);
+  EXPECT_NE(error_of({-x, x, 2.0 * x, -2.0 * x}).find("do not span a rectangle"), std::string::npos);
   EXPECT_NE(error_of(find_corners(make_screen({0, 0, 0}, Quat::Identity(), 0.019, 0.1))).find("only 19.0 x 100.0 mm"), std::string::npos);
   EXPECT_EQ(error_of(find_corners(make_screen({0, 0, 0}, Quat::Identity(), 0.021, 0.1))), "none");
   EXPECT_NE(error_of(find_corners(make_screen({0, 0, 0}, Quat::Identity(), 1.0, 0.04))).find("only 1000.0 x 40.0 mm"), std::string::npos);

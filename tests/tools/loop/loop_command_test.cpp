@@ -125,6 +125,15 @@ TEST(LoopCommand, RecommendReadsAMeasuredLatency) {
   EXPECT_TRUE(json["recommended_rotational_stiffness_nm_per_rad"].is_null()) << "no motor turns its stylus";
 }
 
+// recommend looks at several hands if it is given none, and a loop from flags has none.
+TEST(LoopCommand, RecommendTakesALoopFromFlagsInPlaceOfAHand) {
+  const CommandRun seen = run({"recommend", "--mass-kg", "0.2", "--damping-ns-per-m", "5", "--delay", "1", "--json"});
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  const CommandRun both = run({"recommend", "--mass-kg", "0.2", "--damping-ns-per-m", "5", "--hand", "stylus"});
+  EXPECT_NE(both.code, 0);
+  EXPECT_THAT(both.err, HasSubstr("--hand excludes --mass-kg"));
+}
+
 TEST(LoopCommand, RecommendsARotationalStiffnessWhereMotorsTurnTheStylus) {
   const CommandRun seen = run({"recommend", "--device", "model-a-6dof", "--hand", "light", "--delay", "1", "--json"});
   ASSERT_EQ(seen.code, 0) << seen.err;
