@@ -80,7 +80,7 @@ Result<HidDescription> find_hid_device_again(std::span<const HidDescription> dev
   std::vector<HidDescription> same(devices.begin(), devices.end());
   std::erase_if(same, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
   if (same.empty()) {
-    return fail("no {} is plugged in that is the one used before ({}), among {} HID devices; plug it in again", to_string(kind),
+    return fail("the {} used before ({}) is not among the {} HID devices that are plugged in; plug it in again", to_string(kind),
                 chosen.serial.empty() ? "no serial number" : chosen.serial, devices.size());
   }
   if (same.size() == 1 && !had_twin) return choose_hid_device(same, kind, "");

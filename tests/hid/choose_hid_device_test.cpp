@@ -131,9 +131,9 @@ TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
 TEST(ChooseHidDevice, OneThatIsGoneIsMissedAmongAllThatIsThere) {
   const std::vector others = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "B")};
   EXPECT_EQ(rejection(find_hid_device_again(others, wooden("/dev/hidraw1", "A"), HidKind::wooden_haptics, false)),
-            "no WoodenHaptics is plugged in that is the one used before (A), among 2 HID devices; plug it in again");
+            "the WoodenHaptics used before (A) is not among the 2 HID devices that are plugged in; plug it in again");
   EXPECT_THAT(rejection(find_hid_device_again(others, wooden("/dev/hidraw1"), HidKind::wooden_haptics, false)),
-              HasSubstr("the one from before (no serial number)"));
+              HasSubstr("the WoodenHaptics used before (no serial number)"));
 }
 
 TEST(ChooseHidDevice, OnceOneWasOpenedOnlyThatOneIsOpenedAgain) {

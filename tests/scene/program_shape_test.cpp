@@ -93,7 +93,7 @@ TEST_F(ProgramShapeTest, SaysWhereAndWhatIsWrong) {
               HasSubstr("'deformed_by' and 'morph': keep one"));
   EXPECT_THAT(error_of(keys, "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\n"),
               HasSubstr("'deformed_by' and 'keyframe': keep one"));
-  EXPECT_THAT(error_of(keys + "material = \"sticky\"\n", "[material.sticky]\nsnap_range_m = 0.002\nsnap_force_n = 0.5\n"),
+  EXPECT_THAT(error_of(keys + "material = \"sticky\"\n", "[material.sticky]\nsnap_range_m = 0.002\nsnap_stiffness_n_per_m = 200\n"),
               HasSubstr("every effect but snap"));
 }
 

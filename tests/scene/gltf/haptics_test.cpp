@@ -376,7 +376,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
           {.materials = R"({"stiffness":)" + texture(2) + range + "}", .attributes = R"("TEXCOORD_0":3)", .samplers = R"("wrapT":33071)"}),
       AllOf(HasSubstr("is 2, and the sampler"), HasSubstr("keep the coordinates within 0 to 1")));
   EXPECT_THAT(error_of({.materials = R"({"stiffness":)" + texture(2) + range + "}", .samplers = R"("wrapS":1)"}),
-              HasSubstr("samplers[0].wrapS is none of"));
+              HasSubstr("samplers[0].wrapS must be"));
   EXPECT_THAT(error_of({.materials = R"({"stiffness":)" + texture(0) + range + "}", .textures = "{}"}),
               HasSubstr("textures[0] has no PNG or JPEG image"));
   EXPECT_THAT(error_of({.materials = ""}), HasSubstr("is not a list with at least one material"));
