@@ -12,6 +12,7 @@
 #include "patch/effect_parts.h"
 #include "patch/felt_effects.h"
 #include "tests/core/force/made_effects.h"
+#include "tests/core/force/made_maps.h"
 #include "tests/patch/chain_stage.h"
 #include "tests/support/allocation_guard.h"
 
@@ -192,6 +193,25 @@ TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   EXPECT_NEAR(press(-0.006, false).force_n.z(), held_n, 1e-9) << "another patch";
   (void)press(0.001, true);
   EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9) << "another contact there, of nobody knows what";
+}
+
+// A fast push into a damped surface: its force is ten times that of its spring, but the spring of friction is no stiffer.
+TEST(EffectPatches, FrictionOfAnImageIsNoStifferThanTheMaterial) {
+  SceneEffectSet effects;
+  effects.surfaces.resize(3);
+  SurfaceMaps& maps = effects.surfaces[2].maps = made_maps(made::sheet(0.1, 0.0, 4));
+  maps.friction = {.image = maps.height.image, .at_black = 2.0, .at_white = 2.0};
+  maps.height = {};
+  effects.body_of.resize(3, 0);
+  FeltEffects felt(effects);
+  const auto push = [&](double x) {
+    std::optional<PatchOutput> output = on_floor(-1e-4, false);
+    output->force_n *= 10.0;
+    felt.add({.p_WD = {x, 0.004, -1e-4}, .dt_s = 1e-3}, OneBody(), output);
+    return output->force_n;
+  };
+  (void)push(0.003);
+  EXPECT_NEAR(push(0.00301).x(), -1e-5 * kFloorStiffness, 1e-9);
 }
 
 // forget() acts as if the hand had been away: layers are whole again, and the time of effects starts again.
