@@ -12,7 +12,7 @@ namespace hapton {
 // A tool that a command line names.
 struct ToolChoice {
   std::filesystem::path file;     // empty: the tool of the scene, if it has one
-  std::optional<Unit> unit = {};  // unit of the file; none: SceneLoading::unit, or m if that is none, too
+  std::optional<Unit> unit = {};  // unit of the file; none: SceneLoading::unit, or m if that is not set either
   ToolGrip grip = ToolGrip::origin;
 };
 

@@ -62,7 +62,6 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
       if (!file) return tl::unexpected(file.error());
       body = make_stress_body(name, std::move(file->mesh));
     }
-    if (body.touched.triangles.empty()) return fail("body '{}' is not known; choose one of: {}; or give a mesh file", name, body_names());
     bodies.push_back(std::move(body));
   }
   for (const std::string& path : options.files) {
