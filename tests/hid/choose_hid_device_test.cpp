@@ -116,7 +116,8 @@ TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
   const HidDescription mouse = device("/dev/hidraw0", 0x046d, 0xc077);
   EXPECT_EQ(again({mouse, wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
   EXPECT_EQ(again({wooden("/dev/hidraw1", "B"), wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
-  EXPECT_THAT(again({mouse, wooden("/dev/hidraw1", "B")}, wooden("/dev/hidraw1", "A")), HasSubstr("no WoodenHaptics is plugged in"));
+  EXPECT_THAT(again({mouse, wooden("/dev/hidraw1", "B")}, wooden("/dev/hidraw1", "A")),
+              HasSubstr("the WoodenHaptics used before (A) is not among"));
   const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
   EXPECT_EQ(again(twins, wooden("/dev/hidraw4")), "/dev/hidraw4");
   EXPECT_EQ(again(twins, wooden("/dev/hidraw1")), "/dev/hidraw1");
