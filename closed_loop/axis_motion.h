@@ -48,32 +48,32 @@ class AxisMotion {
 
  private:
   static constexpr int kMaxBits = 31;  // steps of up to 2^30 ns, a second
-  static constexpr int kMaxWhole = kMaxStates + AxisPlant::kInputs;
-  using Whole = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxWhole, 1>;  // states and inputs
-  using WholeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxWhole, kMaxWhole>;
+  static constexpr int kMaxAugmented = kMaxStates + AxisPlant::kInputs;
+  using AugmentedState = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxAugmented, 1>;  // states and inputs
+  using AugmentedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxAugmented, kMaxAugmented>;
 
   // One step of 2^k ns: its transition, and the integrals of motor power and of heat over it as quadratic forms.
   struct Step {
-    WholeMatrix transition;
-    WholeMatrix motor_j;
-    WholeMatrix lost_j;
+    AugmentedMatrix transition;
+    AugmentedMatrix motor_work_form;
+    AugmentedMatrix lost_energy_form;
   };
   using Steps = std::array<Step, kMaxBits>;
 
   Steps make_steps(bool pinned) const;
-  WholeMatrix motor_power() const;
-  WholeMatrix heat() const;
-  double net_force_n(const Whole& whole) const noexcept { return net_force_.dot(whole); }
+  AugmentedMatrix motor_power() const;
+  AugmentedMatrix dissipated_power() const;
+  double net_force_n(const AugmentedState& augmented) const noexcept { return net_force_.dot(augmented); }
   template <class Event>
-  bool run(const Steps& steps, State& state, Whole& whole, std::int64_t& left_ns, Event event) const noexcept;
-  void cross_cell(State& state, Whole& whole, std::int64_t left_ns) const noexcept;
+  bool run(const Steps& steps, State& state, AugmentedState& augmented, std::int64_t& remaining_ns, Event event) const noexcept;
+  void cross_cell(State& state, AugmentedState& augmented, std::int64_t remaining_ns) const noexcept;
 
   DeviceModel device_;
   HandModel hand_;
   AxisPlant plant_;
   int states_;
   int cell_bits_ = kMaxBits - 1;  // events are searched for in cells of 2^cell_bits_ ns
-  Whole net_force_;               // its product with states and inputs: the force on the motor mass, friction left out
+  AugmentedState net_force_;      // its product with states and inputs: the force on the motor mass, friction left out
   Steps sliding_;
   Steps pinned_;
 };

@@ -8,9 +8,9 @@
 namespace hapton {
 
 ForceChain::ForceChain(ForceLaw& law, const Options& options)
-    : law_(law), options_(options), there_(options.seed), back_(options.seed + 0x9e3779b97f4a7c15) {
-  there_.set(options.there);
-  back_.set(options.back);
+    : law_(law), options_(options), to_law_(options.seed), from_law_(options.seed + 0x9e3779b97f4a7c15) {
+  to_law_.set(options.to_law);
+  from_law_.set(options.from_law);
   if (options.gate == Gate::governor) governor_.emplace(options.limits);
 }
 
@@ -30,7 +30,7 @@ void ForceChain::sample(const Vec3& p_WD, std::int64_t now_ns) {
   const Vec3 read_m = step_m > 0.0 ? Vec3((p_WD / step_m).array().round() * step_m) : p_WD;
   if (options_.stage != nullptr) options_.stage->observe(read_m, now_ns);
   if (governor_) governor_->observe({.time_ns = now_ns, .p_WD = read_m}, DeviceStatus::ready);
-  send({.sample_ns = now_ns, .value = read_m}, there_, now_ns);
+  send({.sample_ns = now_ns, .value = read_m}, to_law_, now_ns);
   receive(now_ns);
   run_gate(std::nullopt, now_ns);
 }
@@ -63,24 +63,24 @@ void ForceChain::receive(std::int64_t now_ns) {
 }
 
 void ForceChain::reply(const Packet& packet, std::int64_t now_ns) {
-  if (packet.sample_ns <= seen_ns_) {
+  if (packet.sample_ns <= law_sample_ns_) {
     ++counters_.overtaken;
     return;
   }
-  if (seen_ns_ < 0) law_.reset(packet.value);
-  const double dt_s = seen_ns_ < 0 ? 0.0 : 1e-9 * static_cast<double>(packet.sample_ns - seen_ns_);
-  seen_ns_ = packet.sample_ns;
-  send({.sample_ns = packet.sample_ns, .value = law_.step(packet.value, dt_s), .is_reply = true}, back_, now_ns);
+  if (law_sample_ns_ < 0) law_.reset(packet.value);
+  const double dt_s = law_sample_ns_ < 0 ? 0.0 : 1e-9 * static_cast<double>(packet.sample_ns - law_sample_ns_);
+  law_sample_ns_ = packet.sample_ns;
+  send({.sample_ns = packet.sample_ns, .value = law_.step(packet.value, dt_s), .is_reply = true}, from_law_, now_ns);
 }
 
 void ForceChain::accept(const Packet& packet, std::int64_t now_ns) {
   ++counters_.replies;
-  if (packet.sample_ns <= replied_ns_) {
+  if (packet.sample_ns <= reply_sample_ns_) {
     ++counters_.overtaken;
     return;
   }
-  replied_ns_ = packet.sample_ns;
-  newest_n_ = packet.value;
+  reply_sample_ns_ = packet.sample_ns;
+  newest_force_n_ = packet.value;
   if (options_.gate == Gate::newest) {
     write(packet.value, now_ns);
   } else {
@@ -92,7 +92,7 @@ void ForceChain::run_gate(const std::optional<WrenchCommand>& command, std::int6
   switch (options_.gate) {
     case Gate::newest:
       // The newest force stays. It is written again, because the stage may shape it by the new sample.
-      if (!command && options_.stage != nullptr) write(newest_n_, now_ns);
+      if (!command && options_.stage != nullptr) write(newest_force_n_, now_ns);
       return;
     case Gate::filter:
       if (command) filter_.take(*command, now_ns);
@@ -105,8 +105,8 @@ void ForceChain::run_gate(const std::optional<WrenchCommand>& command, std::int6
   }
 }
 
-void ForceChain::write(const Vec3& wanted_n, std::int64_t now_ns) {
-  force_n_ = options_.stage != nullptr ? options_.stage->shape(wanted_n, now_ns) : wanted_n;
+void ForceChain::write(const Vec3& accepted_n, std::int64_t now_ns) {
+  force_n_ = options_.stage != nullptr ? options_.stage->shape(accepted_n, now_ns) : accepted_n;
   if (options_.max_force_n > 0.0) force_n_ = shortened(force_n_, options_.max_force_n);
   if (options_.stage != nullptr) options_.stage->note_written(force_n_);
 }

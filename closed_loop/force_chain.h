@@ -37,8 +37,8 @@ class ForceChain {
   struct Options {
     double encoder_step_m = 0.0;
     double max_force_n = 0.0;  // 0: unlimited
-    LinkFaults there = {};     // faults of the link from device to force law
-    LinkFaults back = {};
+    LinkFaults to_law = {};    // faults of the link from device to force law
+    LinkFaults from_law = {};
     std::uint64_t seed = 1;
     Gate gate = Gate::newest;
     DeviceLimits limits = {};  // limits of the governor
@@ -80,20 +80,20 @@ class ForceChain {
   void send(const Packet& packet, FaultInjector& link, std::int64_t now_ns);
   void reply(const Packet& packet, std::int64_t now_ns);
   void accept(const Packet& packet, std::int64_t now_ns);
-  void write(const Vec3& wanted_n, std::int64_t now_ns);
+  void write(const Vec3& accepted_n, std::int64_t now_ns);
   void run_gate(const std::optional<WrenchCommand>& command, std::int64_t now_ns);
 
   ForceLaw& law_;
   Options options_;
-  FaultInjector there_;
-  FaultInjector back_;
+  FaultInjector to_law_;
+  FaultInjector from_law_;
   CommandFilter filter_;
   std::optional<SafetyGovernor> governor_;
   std::vector<Packet> packets_;  // packets in transit: a heap, the one that is due next first
   Vec3 force_n_ = Vec3::Zero();
-  Vec3 newest_n_ = Vec3::Zero();  // force accepted last
-  std::int64_t seen_ns_ = -1;     // newest sample that the law saw
-  std::int64_t replied_ns_ = -1;  // newest sample whose force came back
+  Vec3 newest_force_n_ = Vec3::Zero();  // force accepted last
+  std::int64_t law_sample_ns_ = -1;     // newest sample that the law saw
+  std::int64_t reply_sample_ns_ = -1;   // newest sample whose force came back
   Counters counters_;
 };
 

@@ -28,11 +28,11 @@ class WallLaw final : public ForceLaw {
   explicit WallLaw(const Wall& wall) : wall_(wall) {}
 
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override;
-  void reset(const Vec3& p_WD) noexcept override { before_m_ = p_WD.x(); }
+  void reset(const Vec3& p_WD) noexcept override { previous_m_ = p_WD.x(); }
 
  private:
   Wall wall_;
-  double before_m_ = 0.0;
+  double previous_m_ = 0.0;
 };
 
 // A mesh that is touched with the same TouchStep as in the haptics node.

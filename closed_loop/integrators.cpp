@@ -35,7 +35,7 @@ AxisMotion::StateVector SteppedMotion::rate(const AxisMotion::StateVector& state
 }
 
 // Whether the mass is at rest and remains so: Coulomb friction is at least as large as all other forces together.
-bool SteppedMotion::holds(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept {
+bool SteppedMotion::remains_at_rest(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept {
   if (friction_n_ == 0.0 || state[1] != 0.0) return false;
   const double net_n = rate(state, input, since_s, 0.0)[1] / plant_.b(1, AxisPlant::friction);
   return std::fabs(net_n) <= friction_n_;
@@ -43,15 +43,15 @@ bool SteppedMotion::holds(const AxisMotion::StateVector& state, const AxisMotion
 
 void SteppedMotion::step(AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept {
   const double h = 1e-9 * static_cast<double>(step_ns_);
-  const bool is_held = holds(state, input, since_s);
-  const double free_n = rate(state, input, since_s, 0.0)[1];
-  const double direction = state[1] != 0.0 ? std::copysign(1.0, state[1]) : std::copysign(1.0, free_n);
+  const bool is_held = remains_at_rest(state, input, since_s);
+  const double free_acceleration = rate(state, input, since_s, 0.0)[1];
+  const double direction = state[1] != 0.0 ? std::copysign(1.0, state[1]) : std::copysign(1.0, free_acceleration);
   const auto slope = [&](const AxisMotion::StateVector& at, double after_s) {
     AxisMotion::StateVector d = rate(at, input, since_s + after_s, friction_n_ == 0.0 ? 0.0 : -direction * friction_n_);
     if (is_held) d[0] = d[1] = 0.0;
     return d;
   };
-  const AxisMotion::StateVector before = state;
+  const AxisMotion::StateVector start_state = state;
   if (integrator_ == Integrator::runge_kutta) {
     const AxisMotion::StateVector k1 = slope(state, 0.0);
     const AxisMotion::StateVector k2 = slope(state + 0.5 * h * k1, 0.5 * h);
@@ -66,7 +66,7 @@ void SteppedMotion::step(AxisMotion::StateVector& state, const AxisMotion::Input
     for (int i = 0; i < masses; ++i) state[2 * i] += h * state[2 * i + 1];
     if (plant_.has_amplifier) state[plant_.states() - 1] += h * k[plant_.states() - 1];
   }
-  if (friction_n_ > 0.0 && direction * state[1] < 0.0 && before[1] != 0.0) state[1] = 0.0;
+  if (friction_n_ > 0.0 && direction * state[1] < 0.0 && start_state[1] != 0.0) state[1] = 0.0;
 }
 
 void SteppedMotion::advance(AxisMotion::StateVector& state, const AxisMotion::Input& input, std::int64_t duration_ns) const noexcept {

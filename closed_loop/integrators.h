@@ -27,7 +27,7 @@ class SteppedMotion {
   AxisMotion::StateVector rate(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s,
                                double friction_n) const noexcept;
   void step(AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept;
-  bool holds(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept;
+  bool remains_at_rest(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept;
 
   AxisPlant plant_;
   double friction_n_;

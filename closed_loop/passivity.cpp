@@ -11,8 +11,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kLowestTurn = 1e-3;  // rad over the whole delay; `slow` is the limit of slower motions
-constexpr int kPerTurn = 24;          // frequencies evaluated for each turn over the delay, added to kMinPoints
+constexpr double kLowestTurn = 1e-3;  // rad over the whole delay; `slow_limit` is the limit of slower motions
+constexpr int kPointsPerTurn = 24;    // frequencies evaluated for each turn over the delay, added to kMinPoints
 constexpr int kMinPoints = 400;
 constexpr int kAliases = 2000;  // on either side, added one by one if there is an amplifier
 
@@ -22,36 +22,37 @@ struct AliasDisk {
   double radius = 0.0;
 };
 
-class Sweep {
+class FrequencySweep {
  public:
-  explicit Sweep(const PassivityCase& loop) : loop_(loop) {
+  explicit FrequencySweep(const PassivityCase& loop) : loop_(loop) {
     whole_periods_ = std::floor(loop.delay_s / loop.period_s + 1e-9);
-    rest_s_ = std::max(0.0, loop.delay_s - whole_periods_ * loop.period_s);
+    remainder_s_ = std::max(0.0, loop.delay_s - whole_periods_ * loop.period_s);
   }
 
   double find_least() const {
     if (!(loop_.damping_ns_per_m > 0.0)) return 0.0;
     // The limit for the slowest motions, which the wall's damping damps, too.
-    const double slow = (loop_.damping_ns_per_m + loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
+    const double slow_limit =
+        (loop_.damping_ns_per_m + loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
     const double periods = (loop_.delay_s + loop_.amplifier_s) / loop_.period_s + 1.0;
     const double first = kLowestTurn / periods;
-    const double last = std::max(2.0 * first, find_last(slow));
-    const int points = kMinPoints + static_cast<int>(kPerTurn * periods * last / (2.0 * std::numbers::pi));
-    double least = slow;
-    int at_least = 0;
+    const double last = std::max(2.0 * first, find_last(slow_limit));
+    const int points = kMinPoints + static_cast<int>(kPointsPerTurn * periods * last / (2.0 * std::numbers::pi));
+    double least = slow_limit;
+    int least_index = 0;
     const double step = (last - first) / points;
     for (int i = 0; i <= points; ++i) {
       const double limit = limit_at(first + i * step);
-      if (limit < least) least = limit, at_least = i;
+      if (limit < least) least = limit, least_index = i;
     }
-    return at_least == 0 ? least : refine(first + (at_least - 1) * step, std::min(first + (at_least + 1) * step, last), least);
+    return least_index == 0 ? least : refine(first + (least_index - 1) * step, std::min(first + (least_index + 1) * step, last), least);
   }
 
  private:
-  // The angle above which no limit is below `slow`: |q| (|centre| + radius) < 1 for K < (device - wall damping) 2 sin(angle / 2) / T.
-  double find_last(double slow) const {
+  // The angle above which no limit is below `slow_limit`: |q| (|centre| + radius) < 1 for K < (device - wall damping) 2 sin(angle / 2) / T.
+  double find_last(double slow_limit) const {
     const double most = 2.0 * (loop_.damping_ns_per_m - loop_.wall_damping_ns_per_m) / loop_.period_s;
-    return most > slow ? 2.0 * std::asin(slow / most) : std::numbers::pi;
+    return most > slow_limit ? 2.0 * std::asin(slow_limit / most) : std::numbers::pi;
   }
 
   // Searches by golden section around the least limit found so far.
@@ -86,10 +87,10 @@ class Sweep {
 
   // The smallest positive root of a K^2 + b K + c; infinite if there is none. Pre: c > 0; a <= 0, except for rounding.
   static double first_root(double a, double b, double c) {
-    const double inner = b * b - 4.0 * a * c;
-    if (inner < 0.0) return std::numeric_limits<double>::infinity();
+    const double discriminant = b * b - 4.0 * a * c;
+    if (discriminant < 0.0) return std::numeric_limits<double>::infinity();
     // With c in the numerator, the roots do not suffer from cancellation where a is nearly zero.
-    const double root = std::sqrt(inner);
+    const double root = std::sqrt(discriminant);
     const double first = -b + root > 0.0 ? 2.0 * c / (-b + root) : std::numeric_limits<double>::infinity();
     const double second = -b - root > 0.0 ? 2.0 * c / (-b - root) : std::numeric_limits<double>::infinity();
     return std::min(first, second);
@@ -100,7 +101,7 @@ class Sweep {
     if (loop_.amplifier_s > 0.0) return sum_aliases(angle);
     const Complex over = (1.0 - difference) / difference;  // z^-1 / (1 - z^-1)
     const double half = std::sin(0.5 * angle);
-    return {-t * (t * over / difference - rest_s_ * over), 0.25 * t * t / (half * half)};
+    return {-t * (t * over / difference - remainder_s_ * over), 0.25 * t * t / (half * half)};
   }
 
   // Adds the first aliases one by one and the rest as an integral; the weights fall with the cube of the frequency.
@@ -109,7 +110,7 @@ class Sweep {
     const double t = loop_.period_s;
     for (int n = -kAliases; n <= kAliases; ++n) {
       const double w = (angle + 2.0 * std::numbers::pi * n) / t;
-      const Complex weight = std::polar(1.0, -w * rest_s_) / (w * w * Complex(1.0, w * loop_.amplifier_s));
+      const Complex weight = std::polar(1.0, -w * remainder_s_) / (w * w * Complex(1.0, w * loop_.amplifier_s));
       disk.centre += weight;
       disk.radius += std::abs(weight);
     }
@@ -120,14 +121,14 @@ class Sweep {
 
   PassivityCase loop_;
   double whole_periods_ = 0.0;
-  double rest_s_ = 0.0;
+  double remainder_s_ = 0.0;
 };
 
 }  // namespace
 
 PassiveStiffness find_passive_stiffness(const PassivityCase& loop) {
   PassiveStiffness passive;
-  passive.viscous_n_per_m = Sweep(loop).find_least();
+  passive.viscous_n_per_m = FrequencySweep(loop).find_least();
   passive.quantised_n_per_m =
       loop.encoder_step_m > 0.0 ? 2.0 * loop.friction_n / loop.encoder_step_m : std::numeric_limits<double>::infinity();
   return passive;

@@ -24,8 +24,8 @@ class PassivityStage final : public ForceStage {
   void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept override {
     advance(now_ns);
     const double max_force_n = options_.max_force_n > 0.0 ? options_.max_force_n : std::numeric_limits<double>::infinity();
-    if (p_WD_) controller_.observe(max_force_n, p_WD - *p_WD_);
-    p_WD_ = p_WD;
+    if (last_p_WD_) controller_.observe(max_force_n, p_WD - *last_p_WD_);
+    last_p_WD_ = p_WD;
     worst_debt_j_ = std::max(worst_debt_j_, controller_.given_j());
   }
   Vec3 shape(const Vec3& force_n, std::int64_t now_ns) noexcept override {
@@ -43,14 +43,14 @@ class PassivityStage final : public ForceStage {
 
  private:
   void advance(std::int64_t now_ns) noexcept {
-    if (now_ns_ && now_ns > *now_ns_) controller_.held(written_n_, 1e-9 * static_cast<double>(now_ns - *now_ns_));
-    now_ns_ = now_ns;
+    if (last_ns_ && now_ns > *last_ns_) controller_.held(written_n_, 1e-9 * static_cast<double>(now_ns - *last_ns_));
+    last_ns_ = now_ns;
   }
 
   Options options_;
   PassivityController controller_;
-  std::optional<Vec3> p_WD_;
-  std::optional<std::int64_t> now_ns_;
+  std::optional<Vec3> last_p_WD_;
+  std::optional<std::int64_t> last_ns_;
   Vec3 written_n_ = Vec3::Zero();
   double worst_debt_j_ = 0.0;
   std::uint64_t acted_ = 0;

@@ -30,10 +30,10 @@ void follow(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Posi
   }
 }
 
-double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+double to_seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 // The unit eigenvector of the larger eigenvalue. Pre: a is Hermitian.
-Eigen::Vector2cd find_strongest(const Eigen::Matrix2cd& a) {
+Eigen::Vector2cd find_largest_eigenvector(const Eigen::Matrix2cd& a) {
   const double half_gap = 0.5 * (a(0, 0).real() - a(1, 1).real());
   const double radius = std::hypot(half_gap, std::abs(a(0, 1)));
   // Orthogonal to that row of a - eigenvalue * I in which nothing cancels.
@@ -41,7 +41,7 @@ Eigen::Vector2cd find_strongest(const Eigen::Matrix2cd& a) {
   return v.norm() > 0.0 ? Eigen::Vector2cd(v.normalized()) : Eigen::Vector2cd(0.0, 1.0);
 }
 
-HandPath::Point at(std::int64_t time_ns, double x_m) { return {.time_ns = time_ns, .p_WH = {x_m, 0.0, 0.0}}; }
+HandPath::Point make_point(std::int64_t time_ns, double x_m) { return {.time_ns = time_ns, .p_WH = {x_m, 0.0, 0.0}}; }
 
 // Tries motions of a hand on one device, at one rate and delay, and keeps the least stiffness at which one of them gains energy.
 class OnsetSearch {
@@ -59,12 +59,12 @@ class OnsetSearch {
  private:
   // A motion so long that the changes of speed at its ends are negligible, and so fast that friction is negligible beside damping.
   void press_and_release() {
-    constexpr std::int64_t kDelaysLong = 100;  // duration of the press, in multiples of the period plus the delay
-    const std::int64_t press_ns = kDelaysLong * (period_ns_ + delay_ns_);
+    constexpr std::int64_t kDelaysPerPress = 100;  // duration of the press, in multiples of the period plus the delay
+    const std::int64_t press_ns = kDelaysPerPress * (period_ns_ + delay_ns_);
     const double damping = std::max(device_.damping_ns_per_m, 1e-9);
     const double speed = std::max(0.05, 1e4 * device_.friction_n / damping);
-    const double depth_m = speed * seconds(press_ns);
-    try_motion(HandPath({at(0, 0.0), at(press_ns, -depth_m), at(2 * press_ns, 0.0)}), "press and release");
+    const double depth_m = speed * to_seconds(press_ns);
+    try_motion(HandPath({make_point(0, 0.0), make_point(press_ns, -depth_m), make_point(2 * press_ns, 0.0)}), "press and release");
   }
 
   // The worst motion at one frequency and its aliases: two speeds in each period, before and after the force changes. The speeds are the
@@ -72,38 +72,38 @@ class OnsetSearch {
   void swing_between_samples() {
     constexpr int kFrequencies = 24;          // from 0.1 rad over the delay to nearly Nyquist
     constexpr std::int64_t kMaxPeriods = 20;  // whole periods of delay; beyond them press_and_release() finds the least stiffness
-    const std::int64_t whole = delay_ns_ / period_ns_;
-    const std::int64_t rest_ns = delay_ns_ % period_ns_;
-    if (whole > kMaxPeriods || rest_ns == 0) return;
-    const double lowest = 0.1 / static_cast<double>(whole + 1);
+    const std::int64_t whole_periods = delay_ns_ / period_ns_;
+    const std::int64_t remainder_ns = delay_ns_ % period_ns_;
+    if (whole_periods > kMaxPeriods || remainder_ns == 0) return;
+    const double lowest = 0.1 / static_cast<double>(whole_periods + 1);
     for (int i = 0; i < kFrequencies; ++i) {
       const double angle = lowest * std::pow(0.98 * std::numbers::pi / lowest, i / (kFrequencies - 1.0));
-      try_motion(swing(angle, whole, rest_ns),
-                 fmt::format("swing between samples, {:.4g} Hz", angle / (2.0 * std::numbers::pi * seconds(period_ns_))));
+      try_motion(swing(angle, whole_periods, remainder_ns),
+                 fmt::format("swing between samples, {:.4g} Hz", angle / (2.0 * std::numbers::pi * to_seconds(period_ns_))));
     }
   }
 
-  HandPath swing(double angle, std::int64_t whole, std::int64_t rest_ns) const {
+  HandPath swing(double angle, std::int64_t whole_periods, std::int64_t remainder_ns) const {
     constexpr double kCycles = 60.0;  // enough to outweigh the beginning; any speed will do, because the system is linear
     constexpr double kSpeed = 1.0;
-    // Square roots of the durations of the two parts of a period: speeds y / share dissipate a heat proportional to |y|^2.
-    const Eigen::Vector2d share(std::sqrt(seconds(rest_ns)), std::sqrt(seconds(period_ns_ - rest_ns)));
+    // Square roots of the durations of the two parts of a period: speeds y / root_duration dissipate a heat proportional to |y|^2.
+    const Eigen::Vector2d root_duration(std::sqrt(to_seconds(remainder_ns)), std::sqrt(to_seconds(period_ns_ - remainder_ns)));
     const Complex turn = std::polar(1.0, angle);
-    // The position read is moved^T y; the force on each part of a period is that of an older sample.
-    const Eigen::Vector2cd moved = share.cast<Complex>() / (turn - 1.0);
-    const Eigen::Vector2cd force(-share[0] * std::pow(turn, -static_cast<double>(whole + 1)),
-                                 -share[1] * std::pow(turn, -static_cast<double>(whole)));
-    const Eigen::Matrix2cd work = 0.5 * (force * moved.transpose() + moved.conjugate() * force.adjoint());
-    const Eigen::Vector2cd speed = kSpeed * find_strongest(work).cwiseQuotient(share.cast<Complex>());
+    // The position read is read_position^T y; the force on each part of a period is that of an older sample.
+    const Eigen::Vector2cd read_position = root_duration.cast<Complex>() / (turn - 1.0);
+    const Eigen::Vector2cd force(-root_duration[0] * std::pow(turn, -static_cast<double>(whole_periods + 1)),
+                                 -root_duration[1] * std::pow(turn, -static_cast<double>(whole_periods)));
+    const Eigen::Matrix2cd work = 0.5 * (force * read_position.transpose() + read_position.conjugate() * force.adjoint());
+    const Eigen::Vector2cd speed = kSpeed * find_largest_eigenvector(work).cwiseQuotient(root_duration.cast<Complex>());
     std::vector<HandPath::Point> points;
     double x_m = 0.0;
     const auto periods = static_cast<std::int64_t>(kCycles * 2.0 * std::numbers::pi / angle);
     for (std::int64_t k = 0; k < periods; ++k) {
-      const Complex now = std::polar(1.0, std::remainder(angle * static_cast<double>(k), 2.0 * std::numbers::pi));
-      points.push_back(at(k * period_ns_, x_m));
-      x_m += seconds(rest_ns) * std::real(speed[0] * now);
-      points.push_back(at(k * period_ns_ + rest_ns, x_m));
-      x_m += seconds(period_ns_ - rest_ns) * std::real(speed[1] * now);
+      const Complex phase = std::polar(1.0, std::remainder(angle * static_cast<double>(k), 2.0 * std::numbers::pi));
+      points.push_back(make_point(k * period_ns_, x_m));
+      x_m += to_seconds(remainder_ns) * std::real(speed[0] * phase);
+      points.push_back(make_point(k * period_ns_ + remainder_ns, x_m));
+      x_m += to_seconds(period_ns_ - remainder_ns) * std::real(speed[1] * phase);
     }
     return HandPath(std::move(points));
   }
@@ -116,8 +116,9 @@ class OnsetSearch {
         const double edge_m = -1.5 * device_.encoder_step_m;
         const double swing_m = 1e-5 * device_.encoder_step_m;
         std::vector<HandPath::Point> points;
-        for (int i = 0; i <= 2 * kCycles; ++i) points.push_back(at(begin_ns + i * half_ns, edge_m + (i % 2 == 0 ? swing_m : -swing_m)));
-        try_motion(HandPath(std::move(points)), fmt::format("oscillation at an encoder edge, {:g} Hz", 0.5 / seconds(half_ns)));
+        for (int i = 0; i <= 2 * kCycles; ++i)
+          points.push_back(make_point(begin_ns + i * half_ns, edge_m + (i % 2 == 0 ? swing_m : -swing_m)));
+        try_motion(HandPath(std::move(points)), fmt::format("oscillation at an encoder edge, {:g} Hz", 0.5 / to_seconds(half_ns)));
       }
     }
   }
@@ -125,7 +126,7 @@ class OnsetSearch {
   void try_motion(const HandPath& path, const std::string& name) {
     WallLaw unit_wall({.stiffness_n_per_m = 1.0, .two_sided = true});
     ForceChain::Options link{.encoder_step_m = device_.encoder_step_m};
-    link.there.delay_ns = delay_ns_;
+    link.to_law.delay_ns = delay_ns_;
     ForceChain chain(unit_wall, link);
     const EnergyOfMotion energy = measure_energy(chain, device_, path, period_ns_, period_ns_ + delay_ns_);
     if (!(energy.motor_j > 0.0)) return;
@@ -149,7 +150,7 @@ EnergyOfMotion measure_energy(ForceChain& chain, const DeviceModel& device, cons
       chain, period_ns, path.end_ns() + after_ns, position_m, [&](std::int64_t now_ns) { return path.next_ns(now_ns); },
       [&](std::int64_t from_ns, std::int64_t to_ns, double force_n) {
         const double speed = path.velocity_m_per_s(from_ns).x();
-        const double moved_m = speed * seconds(to_ns - from_ns);
+        const double moved_m = speed * to_seconds(to_ns - from_ns);
         energy.motor_j += force_n * moved_m;
         energy.lost_j += device.damping_ns_per_m * speed * moved_m + device.friction_n * std::fabs(moved_m);
       });
@@ -163,13 +164,13 @@ EnergyOnset find_energy_onset(const DeviceModel& device, std::int64_t period_ns,
 std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t period_ns, double frequency_hz, double bias_m,
                                                 double amplitude_m, std::int64_t settle_ns, int cycles) {
   const double omega = 2.0 * std::numbers::pi * frequency_hz;
-  const double settling = std::max(1.0, std::ceil(frequency_hz * seconds(settle_ns)));
+  const double settling = std::max(1.0, std::ceil(frequency_hz * to_seconds(settle_ns)));
   const auto begin_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * settling));
   const auto end_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * (settling + cycles)));
   Complex force;
-  const auto turned = [&](std::int64_t ns) { return std::polar(1.0, -omega * seconds(ns)); };
+  const auto turned = [&](std::int64_t ns) { return std::polar(1.0, -omega * to_seconds(ns)); };
   follow(
-      chain, period_ns, end_ns, [&](std::int64_t ns) { return bias_m + amplitude_m * std::sin(omega * seconds(ns)); },
+      chain, period_ns, end_ns, [&](std::int64_t ns) { return bias_m + amplitude_m * std::sin(omega * to_seconds(ns)); },
       [](std::int64_t) { return kNever; },
       [&](std::int64_t from_ns, std::int64_t to_ns, double force_n) {
         from_ns = std::max(from_ns, begin_ns);
@@ -177,7 +178,7 @@ std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t 
         if (to_ns > from_ns) force += force_n * (turned(from_ns) - turned(to_ns)) / Complex(0.0, omega);
       });
   // amplitude * sin(omega t) has the coefficient amplitude / 2j.
-  const Complex position = Complex(0.0, -0.5) * amplitude_m * seconds(end_ns - begin_ns);
+  const Complex position = Complex(0.0, -0.5) * amplitude_m * to_seconds(end_ns - begin_ns);
   return -force / position;
 }
 

@@ -14,9 +14,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kClearanceM = 0.005;  // before the surface, where a press begins
-constexpr double kSettled = 0.05;      // share of the depth
-constexpr double kLowestBuzzHz = 5.0;  // a hand follows slower oscillations
+constexpr double kClearanceM = 0.005;   // before the surface, where a press begins
+constexpr double kSettledShare = 0.05;  // share of the depth
+constexpr double kLowestBuzzHz = 5.0;   // a hand follows slower oscillations
 
 std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
 
@@ -45,7 +45,7 @@ void measure_hold(Rows hold, double encoder_step_m, PressMeasures& press) {
     high = std::max(high, row.p_WD.x());
   }
   press.limit_cycle_m = last.empty() ? 0.0 : 0.5 * (high - low);
-  const double band_m = std::max(kSettled * std::fabs(press.depth_m), 2.0 * encoder_step_m);
+  const double band_m = std::max(kSettledShare * std::fabs(press.depth_m), 2.0 * encoder_step_m);
   double deepest_m = 0.0;
   press.settling_s = 0.0;
   bool is_settled = true;
@@ -124,8 +124,8 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   WallLaw wall({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = press.wall_damping_ns_per_m});
   ForceChain chain(wall, {.encoder_step_m = press.device.encoder_step_m,
                           .max_force_n = press.device.max_force_n,
-                          .there = press.there,
-                          .back = press.back,
+                          .to_law = press.to_law,
+                          .from_law = press.from_law,
                           .seed = press.seed});
   const PressPath path = make_press_path(press.hand, {.wall_n_per_m = stiffness_n_per_m});
   LoopSimulation simulation(
@@ -133,9 +133,9 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
-  constexpr double kStill = 0.01;  // share of the depth; two steps of the encoder are always permitted
+  constexpr double kStillShare = 0.01;  // share of the depth; two steps of the encoder are always permitted
   return measures.has_contact &&
-         measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
+         measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStillShare * std::fabs(measures.depth_m));
 }
 
 }  // namespace

@@ -54,8 +54,8 @@ struct PressCase {
   DeviceModel device;
   HandModel hand;
   std::int64_t period_ns = 1'000'000;
-  LinkFaults there = {};
-  LinkFaults back = {};
+  LinkFaults to_law = {};
+  LinkFaults from_law = {};
   double wall_damping_ns_per_m = 0.0;
   std::uint64_t seed = 1;
 };

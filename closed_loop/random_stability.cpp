@@ -10,9 +10,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kStartM = 1e-3;  // any distance will do, because the loop is linear
-constexpr double kTiny = 1e-200;  // m; a motion that has died out to this is not followed farther
-constexpr double kWithoutEnd = std::numeric_limits<double>::infinity();
+constexpr double kStartM = 1e-3;         // any distance will do, because the loop is linear
+constexpr double kNegligibleM = 1e-200;  // m; a motion that has died out to this is not followed farther
+constexpr double kInfiniteValue = std::numeric_limits<double>::infinity();
 
 constexpr double kStride = 1.25;  // factor of each step of the search, upwards or downwards
 constexpr double kFine = 2e-3;    // relative width at which the search ends
@@ -32,22 +32,22 @@ double largest_motion(const std::vector<LoopRow>& rows) {
 }
 
 template <class Size>
-double growth_per_s(const RandomLoop& loop, const WallLaw::Wall& gains, const HandPath& path, Size size_of) {
+double growth_per_s(const RandomLoop& loop, const WallLaw::Wall& gains, const HandPath& path, Size measure_size) {
   DeviceModel device = loop.device;
   device.friction_n = 0.0;
   WallLaw wall(gains);
-  ForceChain chain(wall, {.there = loop.there, .back = loop.back, .seed = loop.seed});
+  ForceChain chain(wall, {.to_law = loop.to_law, .from_law = loop.from_law, .seed = loop.seed});
   LoopSimulation simulation(
       chain, {.device = device, .hand = loop.hand, .period_ns = loop.period_ns, .path = path, .start_m = {kStartM, 0.0, 0.0}});
   const auto third_ns = static_cast<std::int64_t>(1e9 * loop.seconds / 3.0);
   const auto largest = [&](std::int64_t until_ns) {
     std::vector<LoopRow> rows;
-    return simulation.run_until(until_ns, &rows) ? size_of(rows) : kWithoutEnd;
+    return simulation.run_until(until_ns, &rows) ? measure_size(rows) : kInfiniteValue;
   };
-  if (std::isinf(largest(third_ns))) return kWithoutEnd;
+  if (std::isinf(largest(third_ns))) return kInfiniteValue;
   const double before = largest(2 * third_ns);
   const double after = largest(3 * third_ns);
-  if (after < kTiny) return -kWithoutEnd;
+  if (after < kNegligibleM) return -kInfiniteValue;
   return std::log(after / before) / (1e-9 * static_cast<double>(third_ns));
 }
 
@@ -62,7 +62,7 @@ double find_limit(double start, IsStable is_stable) {
   if (is_stable(low)) {
     for (high *= kStride; is_stable(high); high *= kStride) {
       low = high;
-      if (low > kMaxShare * start) return kWithoutEnd;
+      if (low > kMaxShare * start) return kInfiniteValue;
     }
   } else {
     for (low /= kStride; !is_stable(low); low /= kStride) {
@@ -102,7 +102,7 @@ double find_stable_damping_by_simulation(const RandomLoop& loop, double start_ns
 
 double measure_mean_delay_s(const RandomLoop& loop) {
   EchoLaw law;
-  ForceChain chain(law, {.there = loop.there, .back = loop.back, .seed = loop.seed});
+  ForceChain chain(law, {.to_law = loop.to_law, .from_law = loop.from_law, .seed = loop.seed});
   const auto end_ns = static_cast<std::int64_t>(1e9 * loop.seconds);
   double sum_s_ns = 0.0;
   double counted_ns = 0.0;
@@ -123,7 +123,7 @@ double measure_mean_delay_s(const RandomLoop& loop) {
     }
   }
   const double half_period_s = 0.5e-9 * static_cast<double>(loop.period_ns);
-  return counted_ns > 0.0 ? std::max(0.0, sum_s_ns / counted_ns - half_period_s) : kWithoutEnd;
+  return counted_ns > 0.0 ? std::max(0.0, sum_s_ns / counted_ns - half_period_s) : kInfiniteValue;
 }
 
 }  // namespace hapton

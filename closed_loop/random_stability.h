@@ -13,8 +13,8 @@ struct RandomLoop {
   DeviceModel device = {};  // friction, encoder steps and saturation are left out: the loop is linear
   HandModel hand = {};
   std::int64_t period_ns = 1'000'000;
-  LinkFaults there = {};
-  LinkFaults back = {};
+  LinkFaults to_law = {};
+  LinkFaults from_law = {};
   double wall_damping_ns_per_m = 0.0;
   std::uint64_t seed = 1;
   double seconds = 20.0;  // simulated time for each stiffness; must be many times the delay

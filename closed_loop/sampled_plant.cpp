@@ -12,13 +12,13 @@ namespace {
 // A delay this near to a multiple of the period, as a share of the period, counts as that multiple.
 constexpr double kSameInstant = 1e-9;
 
-struct Held {
+struct HeldStep {
   SampledPlant::Matrix transition;
   SampledPlant::Vector response;
 };
 
 // The transition of the state, and its response to the command, over a time in which the command is held.
-Held hold(const AxisPlant& plant, double duration_s) {
+HeldStep hold(const AxisPlant& plant, double duration_s) {
   const int n = plant.states();
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + 1, n + 1);
   whole.topLeftCorner(n, n) = plant.a;
@@ -48,12 +48,12 @@ SampledPlant::SampledPlant(const AxisPlant& plant, double period_s, double delay
       delay_s_(delay_s),
       whole_periods_(static_cast<int>(std::floor(delay_s / period_s + kSameInstant))),
       is_stable_alone_(is_damped(plant)) {
-  const double rest_s = std::max(0.0, delay_s - whole_periods_ * period_s);
-  const Held old_part = hold(plant, rest_s);
-  const Held new_part = hold(plant, period_s - rest_s);
+  const double remainder_s = std::max(0.0, delay_s - whole_periods_ * period_s);
+  const HeldStep old_part = hold(plant, remainder_s);
+  const HeldStep new_part = hold(plant, period_s - remainder_s);
   transition_ = hold(plant, period_s).transition;
-  newer_ = new_part.response;
-  older_ = new_part.transition * old_part.response;
+  newer_response_ = new_part.response;
+  older_response_ = new_part.transition * old_part.response;
 }
 
 std::complex<double> SampledPlant::response(double angle) const {
@@ -66,7 +66,7 @@ std::complex<double> SampledPlant::response(double angle) const {
   const Eigen::Index n = transition_.rows();
   ComplexMatrix left = (Matrix::Identity(n, n) - transition_).cast<Complex>();
   left.diagonal().array() += z_minus_1;
-  const ComplexVector right = newer_.cast<Complex>() + older_.cast<Complex>() / z;
+  const ComplexVector right = newer_response_.cast<Complex>() + older_response_.cast<Complex>() / z;
   const ComplexVector state = left.partialPivLu().solve(right);
   return state[0];
 }

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 // Between two angles that are evaluated, 1/L turns by at most kMaxTurn and its magnitude changes by at most kMaxGrowth (natural logarithm),
 // so little that its imaginary part changes sign at most once.
@@ -59,7 +59,7 @@ class Boundary {
     Complex inverse;  // 1/L without the turn by the delay's whole periods
     Complex direction;
     Complex s;
-    double least = 0.0;  // lower bound of |s|, whatever the turn by whole periods
+    double min_abs_s = 0.0;  // lower bound of |s|, whatever the turn by whole periods
   };
 
   Point at(double angle) const {
@@ -71,59 +71,59 @@ class Boundary {
     if (along_ == Along::mass) point.direction = acceleration(angle, plant_.period_s(), filter_s_);
     const Complex fixed = along_ == Along::stiffness ? fixed_ * velocity : Complex(fixed_);
     point.s = -(point.inverse * turn + fixed) / point.direction;
-    point.least = std::fabs(std::abs(point.inverse) - std::abs(fixed)) / std::abs(point.direction);
+    point.min_abs_s = std::fabs(std::abs(point.inverse) - std::abs(fixed)) / std::abs(point.direction);
     return point;
   }
 
   StabilityLimit find_first() const {
-    StabilityLimit best{kNone, 0.0};
+    StabilityLimit lowest{kUnlimited, 0.0};
     const double periods = plant_.whole_periods() + 1.5;
     Point here = at(kFirstTurn / periods);
     double step = here.angle;
     while (here.angle < std::numbers::pi) {
       const Point next = at(std::min(here.angle + step, std::numbers::pi));
-      const double share = share_of_most(here, next, best.value);
+      const double share = share_of_permitted_change(here, next, lowest.value);
       if (share > 1.0 && step > 1e-12 * here.angle) {
         step *= 0.5;
         continue;
       }
-      note_crossing(here, next, best);
+      note_crossing(here, next, lowest);
       if (share < 0.5) step *= 1.5;
       here = next;
     }
-    note_end(here, best);
-    return best;
+    note_end(here, lowest);
+    return lowest;
   }
 
  private:
   // The difference between two neighbouring points, as a share of what is permitted.
-  double share_of_most(const Point& here, const Point& next, double best) const {
+  double share_of_permitted_change(const Point& here, const Point& next, double lowest_value) const {
     Complex ratio = next.inverse / here.inverse;
     // A filter in the direction turns, too; a plain difference only turns by half of the angle.
     if (along_ == Along::mass || along_ == Along::viscosity) ratio /= next.direction / here.direction;
     const double own_turn = std::fabs(std::arg(ratio));
     const double growth = std::fabs(std::log(std::abs(ratio)));
-    const bool is_far = std::min(here.least, next.least) > kFarAbove * best;
+    const bool is_far = std::min(here.min_abs_s, next.min_abs_s) > kFarAbove * lowest_value;
     const double turn = is_far ? own_turn : own_turn + (next.angle - here.angle) * plant_.whole_periods();
     return std::max(turn / kMaxTurn, growth / kMaxGrowth);
   }
 
-  void note_crossing(const Point& here, const Point& next, StabilityLimit& best) const {
-    if (std::min(here.least, next.least) > kFarAbove * best.value) return;
+  void note_crossing(const Point& here, const Point& next, StabilityLimit& lowest) const {
+    if (std::min(here.min_abs_s, next.min_abs_s) > kFarAbove * lowest.value) return;
     if ((here.s.imag() > 0.0) == (next.s.imag() > 0.0)) return;
     const double sign = here.s.imag() > 0.0 ? 1.0 : -1.0;
     const double angle = find_zero(here.angle, sign * here.s.imag(), next.angle, sign * next.s.imag(), 0.0,
                                    [&](double trial) { return sign * at(trial).s.imag(); });
-    note(at(angle), best);
+    note(at(angle), lowest);
   }
 
   // At half the sampling rate everything is real, so no crossing is needed.
-  void note_end(const Point& end, StabilityLimit& best) const { note(end, best); }
+  void note_end(const Point& end, StabilityLimit& lowest) const { note(end, lowest); }
 
-  void note(const Point& point, StabilityLimit& best) const {
+  void note(const Point& point, StabilityLimit& lowest) const {
     const double value = point.s.real();
-    if (value <= 0.0 || value >= best.value) return;
-    best = {value, point.angle / (2.0 * std::numbers::pi * plant_.period_s())};
+    if (value <= 0.0 || value >= lowest.value) return;
+    lowest = {value, point.angle / (2.0 * std::numbers::pi * plant_.period_s())};
   }
 
   const SampledPlant& plant_;
@@ -134,11 +134,11 @@ class Boundary {
 
 Eigen::MatrixXd make_loop_matrix(const SampledPlant& plant, const WallGains& wall) {
   const Eigen::Index n = plant.transition().rows();
-  const Eigen::Index held = plant.whole_periods() + 1;
+  const Eigen::Index held_commands = plant.whole_periods() + 1;
   const double difference_gain = wall.damping_ns_per_m / plant.period_s();
-  // States: the plant's, the commands of the last `held` samples, the last position.
-  const Eigen::Index last = n + held;
-  Eigen::MatrixXd loop = Eigen::MatrixXd::Zero(last + 1, last + 1);
+  // States: the plant's, the commands of the last `held_commands` samples, the last position.
+  const Eigen::Index position_row = n + held_commands;
+  Eigen::MatrixXd loop = Eigen::MatrixXd::Zero(position_row + 1, position_row + 1);
   loop.topLeftCorner(n, n) = plant.transition();
   const auto add_command = [&](Eigen::Index row, Eigen::Index rows, const Eigen::VectorXd& gain, Eigen::Index age) {
     if (age > 0) {
@@ -146,13 +146,13 @@ Eigen::MatrixXd make_loop_matrix(const SampledPlant& plant, const WallGains& wal
       return;
     }
     loop.block(row, 0, rows, 1) -= (wall.stiffness_n_per_m + difference_gain) * gain;
-    loop.block(row, last, rows, 1) += difference_gain * gain;
+    loop.block(row, position_row, rows, 1) += difference_gain * gain;
   };
-  add_command(0, n, plant.newer(), plant.whole_periods());
-  add_command(0, n, plant.older(), plant.whole_periods() + 1);
+  add_command(0, n, plant.newer_response(), plant.whole_periods());
+  add_command(0, n, plant.older_response(), plant.whole_periods() + 1);
   add_command(n, 1, Eigen::VectorXd::Ones(1), 0);
-  for (Eigen::Index i = 1; i < held; ++i) loop(n + i, n + i - 1) = 1.0;
-  loop(last, 0) = 1.0;
+  for (Eigen::Index i = 1; i < held_commands; ++i) loop(n + i, n + i - 1) = 1.0;
+  loop(position_row, 0) = 1.0;
   return loop;
 }
 

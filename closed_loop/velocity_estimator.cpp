@@ -14,15 +14,15 @@ namespace {
 
 class Difference final : public VelocityEstimator {
  public:
-  void reset(double position_m) noexcept override { before_m_ = position_m; }
+  void reset(double position_m) noexcept override { previous_m_ = position_m; }
   double step(double position_m, double dt_s) noexcept override {
-    const double velocity = (position_m - before_m_) / dt_s;
-    before_m_ = position_m;
+    const double velocity = (position_m - previous_m_) / dt_s;
+    previous_m_ = position_m;
     return velocity;
   }
 
  private:
-  double before_m_ = 0.0;
+  double previous_m_ = 0.0;
 };
 
 class FirstOrder final : public VelocityEstimator {
@@ -46,7 +46,7 @@ class FirstOrder final : public VelocityEstimator {
 
 class AdaptiveWindow final : public VelocityEstimator {
  public:
-  AdaptiveWindow(int longest, double step_m) : longest_(longest), step_m_(step_m) {}
+  AdaptiveWindow(int longest_window, double step_m) : longest_window_(longest_window), step_m_(step_m) {}
   void reset(double position_m) noexcept override {
     now_s_ = 0.0;
     count_ = 1;
@@ -56,7 +56,7 @@ class AdaptiveWindow final : public VelocityEstimator {
     now_s_ += dt_s;
     points_[static_cast<std::size_t>(count_++ % kPoints)] = {now_s_, position_m};
     double velocity = slope(1);
-    const auto most = static_cast<int>(std::min<std::int64_t>(longest_, count_ - 1));
+    const auto most = static_cast<int>(std::min<std::int64_t>(longest_window_, count_ - 1));
     for (int n = 2; n <= most && passes_all(n); ++n) velocity = slope(n);
     return velocity;
   }
@@ -83,7 +83,7 @@ class AdaptiveWindow final : public VelocityEstimator {
     return true;
   }
 
-  int longest_;
+  int longest_window_;
   double step_m_;
   double now_s_ = 0.0;
   std::int64_t count_ = 0;
@@ -107,7 +107,8 @@ class Mean final : public VelocityEstimator {
 
 class Kalman final : public VelocityEstimator {
  public:
-  Kalman(double acceleration, double step_m) : acceleration2_(acceleration * acceleration), reading2_(step_m * step_m / 12.0) {}
+  Kalman(double acceleration, double step_m)
+      : acceleration_variance_(acceleration * acceleration), reading_variance_(step_m * step_m / 12.0) {}
   void reset(double position_m) noexcept override {
     x_ = position_m;
     v_ = 0.0;
@@ -116,19 +117,19 @@ class Kalman final : public VelocityEstimator {
     p_vv_ = 0.0;
   }
   double step(double position_m, double dt_s) noexcept override {
-    const double push = acceleration2_ * dt_s * dt_s;
+    const double velocity_variance = acceleration_variance_ * dt_s * dt_s;
     x_ += v_ * dt_s;
-    p_xx_ += 2.0 * dt_s * p_xv_ + dt_s * dt_s * p_vv_ + 0.25 * push * dt_s * dt_s;
-    p_xv_ += dt_s * p_vv_ + 0.5 * push * dt_s;
-    p_vv_ += push;
+    p_xx_ += 2.0 * dt_s * p_xv_ + dt_s * dt_s * p_vv_ + 0.25 * velocity_variance * dt_s * dt_s;
+    p_xv_ += dt_s * p_vv_ + 0.5 * velocity_variance * dt_s;
+    p_vv_ += velocity_variance;
     // A reading's variance is at least that of the motion by one random acceleration in a step. With a finer reading the filter would take
     // every reading as exact, and the estimate would oscillate for ever.
-    const double reading2 = std::max(reading2_, 0.25 * push * dt_s * dt_s);
-    const double gain_x = p_xx_ / (p_xx_ + reading2);
-    const double gain_v = p_xv_ / (p_xx_ + reading2);
-    const double off = position_m - x_;
-    x_ += gain_x * off;
-    v_ += gain_v * off;
+    const double reading_variance = std::max(reading_variance_, 0.25 * velocity_variance * dt_s * dt_s);
+    const double gain_x = p_xx_ / (p_xx_ + reading_variance);
+    const double gain_v = p_xv_ / (p_xx_ + reading_variance);
+    const double innovation = position_m - x_;
+    x_ += gain_x * innovation;
+    v_ += gain_v * innovation;
     p_vv_ -= gain_v * p_xv_;
     p_xv_ *= 1.0 - gain_x;
     p_xx_ *= 1.0 - gain_x;
@@ -136,8 +137,8 @@ class Kalman final : public VelocityEstimator {
   }
 
  private:
-  double acceleration2_;
-  double reading2_;
+  double acceleration_variance_;
+  double reading_variance_;
   double x_ = 0.0;
   double v_ = 0.0;
   // Covariance of the errors of position and velocity.
@@ -146,18 +147,18 @@ class Kalman final : public VelocityEstimator {
   double p_vv_ = 0.0;
 };
 
-double read(double position_m, double step_m) { return step_m > 0.0 ? step_m * std::floor(position_m / step_m) : position_m; }
+double read_encoder(double position_m, double step_m) { return step_m > 0.0 ? step_m * std::floor(position_m / step_m) : position_m; }
 
 // Visits time and estimate of each sample of a motion, once the estimate has settled.
 template <class PositionAt, class Visit>
-void estimate(const VelocityFilter& filter, double period_s, double step_m, const PositionAt& position_at, const Visit& visit) {
+void visit_estimates(const VelocityFilter& filter, double period_s, double step_m, const PositionAt& position_at, const Visit& visit) {
   constexpr double kSettleS = 0.3;  // longer than the longest window at 250 Hz (kMaxWindow)
   constexpr double kSeconds = 1.3;
   const auto estimator = make_velocity_estimator(filter, step_m);
   estimator->reset(0.0);
   for (int k = 1; k * period_s < kSeconds; ++k) {
     const double t_s = k * period_s;
-    const double velocity = estimator->step(read(position_at(t_s), step_m), period_s);
+    const double velocity = estimator->step(read_encoder(position_at(t_s), step_m), period_s);
     if (t_s >= kSettleS) visit(t_s, velocity);
   }
 }
@@ -166,7 +167,7 @@ void estimate(const VelocityFilter& filter, double period_s, double step_m, cons
 double find_noise(const VelocityFilter& filter, double period_s, double step_m, double speed) {
   double sum = 0.0;
   int count = 0;
-  estimate(
+  visit_estimates(
       filter, period_s, step_m, [&](double t_s) { return speed * t_s; },
       [&](double, double velocity) {
         sum += (velocity - speed) * (velocity - speed);
@@ -179,7 +180,7 @@ double find_lag(const VelocityFilter& filter, double period_s, double step_m) {
   constexpr double kAcceleration = 1.0;
   double sum = 0.0;
   int count = 0;
-  estimate(
+  visit_estimates(
       filter, period_s, step_m, [&](double t_s) { return 0.5 * kAcceleration * t_s * t_s; },
       [&](double t_s, double velocity) {
         sum += t_s - velocity / kAcceleration;

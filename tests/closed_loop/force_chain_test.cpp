@@ -68,7 +68,7 @@ TEST(ForceChain, TheEncoderReadsWholeSteps) {
 
 TEST(ForceChain, TheForceComesAfterBothWays) {
   EchoLaw law;
-  ForceChain chain(law, {.there = {.delay_ns = 2 * kMillisecond}, .back = {.delay_ns = 3 * kMillisecond}});
+  ForceChain chain(law, {.to_law = {.delay_ns = 2 * kMillisecond}, .from_law = {.delay_ns = 3 * kMillisecond}});
   EXPECT_EQ(chain.next_ns(), std::nullopt);
   chain.sample(along_x(1.0), 10 * kMillisecond);
   EXPECT_EQ(chain.next_ns(), 12 * kMillisecond);
@@ -88,11 +88,11 @@ TEST(ForceChain, TheForceComesAfterBothWays) {
 
 TEST(ForceChain, WhatIsLostIsCountedAndGivesNothing) {
   EchoLaw law;
-  ForceChain deaf(law, {.there = {.loss = 1.0}});
+  ForceChain deaf(law, {.to_law = {.loss = 1.0}});
   deaf.sample(along_x(1.0), kMillisecond);
   EXPECT_TRUE(law.seen.empty());
   EXPECT_EQ(deaf.counters().lost, 1U);
-  ForceChain mute(law, {.back = {.loss = 1.0}});
+  ForceChain mute(law, {.from_law = {.loss = 1.0}});
   mute.sample(along_x(1.0), kMillisecond);
   EXPECT_EQ(law.seen.size(), 1U);
   EXPECT_EQ(mute.counters().lost, 1U);
@@ -102,7 +102,7 @@ TEST(ForceChain, WhatIsLostIsCountedAndGivesNothing) {
 
 TEST(ForceChain, ACopyIsTakenOnce) {
   EchoLaw law;
-  ForceChain chain(law, {.there = {.duplicate = 1.0}, .back = {.duplicate = 1.0}});
+  ForceChain chain(law, {.to_law = {.duplicate = 1.0}, .from_law = {.duplicate = 1.0}});
   chain.sample(along_x(1.0), kMillisecond);
   chain.receive(100 * kMillisecond);
   EXPECT_EQ(law.seen.size(), 1U);
@@ -113,7 +113,7 @@ TEST(ForceChain, ACopyIsTakenOnce) {
 // The jitter is many periods long: the law sees no older sample after a newer one, and forces come in the order of their samples.
 TEST(ForceChain, TheNewestWinsAtBothEnds) {
   EchoLaw law;
-  ForceChain chain(law, {.there = {.jitter_ns = 20 * kMillisecond}, .back = {.jitter_ns = 20 * kMillisecond}, .seed = 3});
+  ForceChain chain(law, {.to_law = {.jitter_ns = 20 * kMillisecond}, .from_law = {.jitter_ns = 20 * kMillisecond}, .seed = 3});
   double last = 0.0;
   for (int n = 1; n <= 300; ++n) {
     chain.sample(along_x(n), n * kMillisecond);
@@ -143,7 +143,7 @@ TEST(ForceChain, TheMotorsGiveNoMoreThanTheyCan) {
 TEST(ForceChain, AStageSeesEachSampleAndWhatIsWrittenOfItsForce) {
   EchoLaw law;
   AddingStage stage;
-  ForceChain chain(law, {.encoder_step_m = 1.0, .max_force_n = 1.0, .back = {.delay_ns = 2 * kMillisecond}, .stage = &stage});
+  ForceChain chain(law, {.encoder_step_m = 1.0, .max_force_n = 1.0, .from_law = {.delay_ns = 2 * kMillisecond}, .stage = &stage});
   chain.sample(along_x(0.9), kMillisecond);
   EXPECT_EQ(stage.read, std::vector{1.0});
   EXPECT_EQ(stage.last_ns, kMillisecond);
@@ -161,7 +161,7 @@ TEST(ForceChain, AStageSeesEachSampleAndWhatIsWrittenOfItsForce) {
 
 TEST(ForceChain, TheFilterHoldsAForceForTwentyMillisecondsOfItsSample) {
   EchoLaw law;
-  ForceChain chain(law, {.there = {.delay_ns = 5 * kMillisecond}, .gate = ForceChain::Gate::filter});
+  ForceChain chain(law, {.to_law = {.delay_ns = 5 * kMillisecond}, .gate = ForceChain::Gate::filter});
   chain.sample(along_x(1.0), 10 * kMillisecond);
   chain.receive(15 * kMillisecond);
   EXPECT_EQ(chain.force_n(), along_x(1.0));

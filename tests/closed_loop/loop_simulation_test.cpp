@@ -36,8 +36,8 @@ TEST(LoopSimulation, AgreesWithTheExactLimit) {
     const double limit = find_stable_stiffness(SampledPlant(make_axis_plant(device, hand), 1e-3, 1e-3 * delay_ms), 0.0).value;
     for (const double share : {0.995, 1.005}) {
       ForceChain::Options link;
-      link.there.delay_ns = static_cast<std::int64_t>(0.5e6 * delay_ms);
-      link.back.delay_ns = static_cast<std::int64_t>(1e6 * delay_ms) - link.there.delay_ns;
+      link.to_law.delay_ns = static_cast<std::int64_t>(0.5e6 * delay_ms);
+      link.from_law.delay_ns = static_cast<std::int64_t>(1e6 * delay_ms) - link.to_law.delay_ns;
       Loop loop({.device = device, .hand = hand, .start_m = Vec3(1e-3, 0.0, 0.0)}, link,
                 {.stiffness_n_per_m = share * limit, .two_sided = true});
       reach(loop.simulation, 2000 * kMs);
@@ -51,8 +51,8 @@ TEST(LoopSimulation, AgreesWithTheExactLimit) {
 TEST(LoopSimulation, TheSameSeedGivesTheSameRows) {
   const auto run = [](std::uint64_t seed) {
     ForceChain::Options link{.seed = seed};
-    link.there = {.delay_ns = 3 * kMs, .jitter_ns = 5 * kMs, .loss = 0.2, .reorder = 0.1};
-    link.back = link.there;
+    link.to_law = {.delay_ns = 3 * kMs, .jitter_ns = 5 * kMs, .loss = 0.2, .reorder = 0.1};
+    link.from_law = link.to_law;
     Loop loop({.device = find_device_preset("touch")->model, .hand = *find_hand_preset("light"), .start_m = Vec3(-1e-3, 0.0, 0.0)}, link,
               {});
     std::vector<LoopRow> rows;
@@ -68,7 +68,7 @@ TEST(LoopSimulation, TheSameSeedGivesTheSameRows) {
 TEST(LoopSimulation, TheGovernorLimitsWhatAnUnstableWallDoes) {
   const DevicePreset& preset = *find_device_preset("premium-1.5");
   ForceChain::Options link{.max_force_n = preset.limits.max_force_n, .gate = ForceChain::Gate::governor, .limits = preset.limits};
-  link.there.delay_ns = 10 * kMs;
+  link.to_law.delay_ns = 10 * kMs;
   Loop loop({.device = preset.model, .hand = *find_hand_preset("stylus"), .start_m = Vec3(1e-3, 0.0, 0.0)}, link,
             {.stiffness_n_per_m = 20'000.0, .two_sided = true});
   std::vector<LoopRow> rows;
@@ -80,7 +80,7 @@ TEST(LoopSimulation, TheGovernorLimitsWhatAnUnstableWallDoes) {
 
 TEST(LoopSimulation, TheCommandFilterReleasesAnOldForce) {
   ForceChain::Options link{.gate = ForceChain::Gate::filter};
-  link.there.delay_ns = 30 * kMs;  // on arrival, samples are older than the command timeout
+  link.to_law.delay_ns = 30 * kMs;  // on arrival, samples are older than the command timeout
   Loop loop({.device = find_device_preset("touch")->model, .hand = *find_hand_preset("stylus"), .start_m = Vec3(-1e-3, 0.0, 0.0)}, link,
             {});
   std::vector<LoopRow> rows;

@@ -22,8 +22,8 @@ Outcome press(const DevicePreset& device, const HandModel& hand, double stiffnes
   WallLaw wall({.stiffness_n_per_m = stiffness});
   ForceChain chain(wall, {.encoder_step_m = device.model.encoder_step_m,
                           .max_force_n = device.model.max_force_n,
-                          .there = each_way,
-                          .back = each_way,
+                          .to_law = each_way,
+                          .from_law = each_way,
                           .seed = 5,
                           .stage = is_controlled ? &stage : nullptr});
   const PressPath path = make_press_path(hand, {.wall_n_per_m = stiffness});

@@ -67,9 +67,10 @@ TEST(RenderedStiffness, OfASpringIsTheHoldsAndTheDelays) {
     for (const double frequency_hz : {3.1, 31.7, 101.3}) {
       WallLaw wall({.stiffness_n_per_m = 800.0, .two_sided = true});
       ForceChain::Options link;
-      link.there.delay_ns = static_cast<std::int64_t>(1e9 * delay_s);
+      link.to_law.delay_ns = static_cast<std::int64_t>(1e9 * delay_s);
       ForceChain chain(wall, link);
-      const std::complex<double> measured = measure_rendered_stiffness(chain, 1'000'000, frequency_hz, 0.0, 1e-3, link.there.delay_ns, 200);
+      const std::complex<double> measured =
+          measure_rendered_stiffness(chain, 1'000'000, frequency_hz, 0.0, 1e-3, link.to_law.delay_ns, 200);
       const std::complex<double> s(0.0, 2.0 * std::numbers::pi * frequency_hz);
       const std::complex<double> expected = 800.0 * std::exp(-s * delay_s) * (1.0 - std::exp(-s * period_s)) / (s * period_s);
       EXPECT_LT(std::abs(measured - expected), 0.005 * 800.0) << frequency_hz << " Hz: " << measured << " " << expected;

@@ -46,7 +46,7 @@ TEST(Press, SettlesWhereForceAndSpringsBalance) {
 
 TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
   ForceChain::Options link{.encoder_step_m = 3e-5, .max_force_n = 8.5};
-  link.there.delay_ns = 5'000'000;
+  link.to_law.delay_ns = 5'000'000;
   const PressMeasures measures = press(kIdeal, *find_hand_preset("stylus"), 5000.0, link).measures;
   EXPECT_GT(measures.limit_cycle_m, 1e-4);
   EXPECT_GT(measures.buzz_n, 1.0);
@@ -67,7 +67,7 @@ TEST(Press, WhatLeavesItsPlaceAgainHasNotSettled) {
 // The first force comes after the hand has left again: nothing has settled.
 TEST(Press, WithoutAForceInTimeNothingSettles) {
   ForceChain::Options link;
-  link.there.delay_ns = 2'000'000'000;
+  link.to_law.delay_ns = 2'000'000'000;
   const PressMeasures late = press(kIdeal, *find_hand_preset("stylus"), 1000.0, link).measures;
   EXPECT_FALSE(late.has_contact);
   EXPECT_TRUE(std::isinf(late.settling_s));
@@ -84,7 +84,7 @@ TEST(Press, AHandWithoutASpringPushes) {
 TEST(RestStiffness, OfALinearLoopIsBelowTheLimitOfStability) {
   const HandModel hand = *find_hand_preset("stylus");
   PressCase loop{.device = kIdeal, .hand = hand};
-  loop.there.delay_ns = 5'000'000;
+  loop.to_law.delay_ns = 5'000'000;
   const double stable = find_stable_stiffness(SampledPlant(make_axis_plant(kIdeal, hand), 1e-3, 5e-3), 0.0).value;
   const double rest = find_rest_stiffness(loop, 1e5);
   EXPECT_LT(rest, stable);
@@ -93,7 +93,7 @@ TEST(RestStiffness, OfALinearLoopIsBelowTheLimitOfStability) {
 
 TEST(RestStiffness, FrictionRaisesIt) {
   PressCase loop{.device = kIdeal, .hand = *find_hand_preset("light")};
-  loop.there.delay_ns = 5'000'000;
+  loop.to_law.delay_ns = 5'000'000;
   const double without = find_rest_stiffness(loop, 1e5);
   loop.device.friction_n = 0.3;
   EXPECT_GT(find_rest_stiffness(loop, 1e5), 1.2 * without);
@@ -103,7 +103,7 @@ TEST(RestStiffness, FrictionRaisesIt) {
 // Into a soft wall the hand moves so long that a force delayed by two seconds comes before the release; at a stiff wall none comes in time.
 TEST(RestStiffness, WhatNoForceReachesInTimeDoesNotRest) {
   PressCase loop{.device = kIdeal, .hand = *find_hand_preset("stylus")};
-  loop.there.delay_ns = 2'000'000'000;
+  loop.to_law.delay_ns = 2'000'000'000;
   EXPECT_LT(find_rest_stiffness(loop, 1e5), 20.0);
 }
 

@@ -10,14 +10,14 @@ namespace hapton {
 namespace {
 
 double exact(const RandomLoop& loop) {
-  const double delay_s = 1e-9 * static_cast<double>(loop.there.delay_ns + loop.back.delay_ns);
+  const double delay_s = 1e-9 * static_cast<double>(loop.to_law.delay_ns + loop.from_law.delay_ns);
   return find_stable_stiffness(SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-9 * static_cast<double>(loop.period_ns), delay_s),
                                0.0)
       .value;
 }
 
 RandomLoop stylus_loop() {
-  return {.device = {.mass_kg = 0.075, .damping_ns_per_m = 0.1}, .hand = *find_hand_preset("stylus"), .there = {.delay_ns = 5'000'000}};
+  return {.device = {.mass_kg = 0.075, .damping_ns_per_m = 0.1}, .hand = *find_hand_preset("stylus"), .to_law = {.delay_ns = 5'000'000}};
 }
 
 TEST(RandomStability, WithoutChanceIsTheExactLimit) {
@@ -28,21 +28,21 @@ TEST(RandomStability, WithoutChanceIsTheExactLimit) {
 TEST(RandomStability, JitterAndLossLowerTheLimit) {
   RandomLoop loop = stylus_loop();
   const double still = exact(loop);
-  loop.there.jitter_ns = 10'000'000;
+  loop.to_law.jitter_ns = 10'000'000;
   const double jittered = find_stable_stiffness_by_simulation(loop, still);
   EXPECT_LT(jittered, 0.95 * still);
   // The newest sample is used, so jitter of up to 10 ms lowers the limit less than 10 ms more delay would.
   RandomLoop later = stylus_loop();
-  later.there.delay_ns += 10'000'000;
+  later.to_law.delay_ns += 10'000'000;
   EXPECT_GT(jittered, exact(later));
-  loop.there.jitter_ns = 0;
-  loop.there.loss = 0.5;
+  loop.to_law.jitter_ns = 0;
+  loop.to_law.loss = 0.5;
   EXPECT_LT(find_stable_stiffness_by_simulation(loop, still), 0.99 * still);
 }
 
 TEST(RandomStability, GrowthHasTheSignOfTheLimit) {
   RandomLoop loop = stylus_loop();
-  loop.there.loss = 0.3;
+  loop.to_law.loss = 0.3;
   const double limit = find_stable_stiffness_by_simulation(loop, 100.0);
   EXPECT_LT(measure_growth_per_s(loop, 0.9 * limit), 0.0);
   EXPECT_GT(measure_growth_per_s(loop, 1.1 * limit), 0.0);
@@ -55,14 +55,14 @@ TEST(RandomStability, OfDampingWithoutChanceIsTheExactLimit) {
     const double exact_ns_per_m = find_stable_damping(SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-3, 5e-3), 0.0).value;
     EXPECT_NEAR(find_stable_damping_by_simulation(loop, 3.0 * exact_ns_per_m), exact_ns_per_m, 0.01 * exact_ns_per_m) << hand;
     EXPECT_NEAR(find_stable_damping_by_simulation(loop, 0.3 * exact_ns_per_m), exact_ns_per_m, 0.01 * exact_ns_per_m) << hand;
-    loop.there.loss = 0.5;
+    loop.to_law.loss = 0.5;
     EXPECT_LT(find_stable_damping_by_simulation(loop, exact_ns_per_m), 0.99 * exact_ns_per_m) << hand;
   }
 }
 
 TEST(MeanDelay, WithoutChanceIsTheDelay) {
   for (const std::int64_t delay_ns : {0, 300'000, 5'000'000, 500'000'000}) {
-    EXPECT_NEAR(measure_mean_delay_s({.there = {.delay_ns = delay_ns / 3}, .back = {.delay_ns = delay_ns - delay_ns / 3}}),
+    EXPECT_NEAR(measure_mean_delay_s({.to_law = {.delay_ns = delay_ns / 3}, .from_law = {.delay_ns = delay_ns - delay_ns / 3}}),
                 1e-9 * static_cast<double>(delay_ns), 1e-9);
   }
 }
@@ -71,7 +71,7 @@ TEST(MeanDelay, WithoutChanceIsTheDelay) {
 TEST(MeanDelay, OfLossIsThatOfAGeometricSeries) {
   for (const double loss : {0.1, 0.3, 0.6}) {
     const double share = (1.0 - loss) * (1.0 - loss);
-    const RandomLoop loop{.there = {.delay_ns = 2'000'000, .loss = loss}, .back = {.loss = loss}, .seed = 3, .seconds = 200.0};
+    const RandomLoop loop{.to_law = {.delay_ns = 2'000'000, .loss = loss}, .from_law = {.loss = loss}, .seed = 3, .seconds = 200.0};
     EXPECT_NEAR(measure_mean_delay_s(loop), 2e-3 + 1e-3 * (1.0 - share) / share, 0.05 * 1e-3 * (1.0 - share) / share) << loss;
   }
 }
@@ -92,7 +92,7 @@ double mean_delay_of_jitter(double jitter_s, double period_s) {
 
 TEST(MeanDelay, OfJitterIsThatOfTheNewestSample) {
   for (const std::int64_t jitter_ns : {500'000, 3'000'000, 100'000'000}) {
-    const RandomLoop loop{.there = {.jitter_ns = jitter_ns}, .seed = 5, .seconds = 200.0};
+    const RandomLoop loop{.to_law = {.jitter_ns = jitter_ns}, .seed = 5, .seconds = 200.0};
     const double expected_s = mean_delay_of_jitter(1e-9 * static_cast<double>(jitter_ns), 1e-3);
     EXPECT_NEAR(measure_mean_delay_s(loop), expected_s, 0.02 * expected_s) << jitter_ns;
     EXPECT_LE(expected_s, 0.5e-9 * static_cast<double>(jitter_ns) * (1.0 + 1e-9)) << "the newest wins";

@@ -103,7 +103,8 @@ bool grows(const SampledPlant& plant, double stiffness) {
     for (int k = 0; k < samples; ++k) {
       commands.insert(commands.begin(), -stiffness * state[0]);
       commands.pop_back();
-      state = plant.transition() * state + plant.newer() * commands[commands.size() - 2] + plant.older() * commands.back();
+      state =
+          plant.transition() * state + plant.newer_response() * commands[commands.size() - 2] + plant.older_response() * commands.back();
       largest = std::max(largest, std::fabs(state[0]));
     }
     return largest;

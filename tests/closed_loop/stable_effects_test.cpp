@@ -39,8 +39,8 @@ SampledPlant plant_of(const EffectLoop& loop) {
 bool effect_loop_grows(const EffectLoop& loop, const SpaceEffect& effect) {
   EffectLaw law(effect);
   ForceChain::Options link;
-  link.there.delay_ns = static_cast<std::int64_t>(0.5e6 * loop.delay_ms);
-  link.back.delay_ns = static_cast<std::int64_t>(1e6 * loop.delay_ms) - link.there.delay_ns;
+  link.to_law.delay_ns = static_cast<std::int64_t>(0.5e6 * loop.delay_ms);
+  link.from_law.delay_ns = static_cast<std::int64_t>(1e6 * loop.delay_ms) - link.to_law.delay_ns;
   ForceChain chain(law, link);
   DeviceModel device = loop.device;
   device.friction_n = 0.0;
@@ -129,7 +129,7 @@ TEST(StableMass, BeyondItTheForceIsStillBounded) {
   const EffectLoop loop{.device = find_device_preset("touch")->model, .hand = *find_hand_preset("light"), .delay_ms = 10.0};
   EffectLaw law(MassEffect{.mass_kg = 5.0, .filter_s = 0.005, .max_force_n = 2.0});
   ForceChain::Options link;
-  link.back.delay_ns = 10 * kMs;
+  link.from_law.delay_ns = 10 * kMs;
   ForceChain chain(law, link);
   const HandPath push(std::vector<HandPath::Point>{{.time_ns = 0, .push_n = Vec3(0.5, 0, 0)}, {.time_ns = 10 * kMs}});
   LoopSimulation simulation(chain, {.device = loop.device, .hand = loop.hand, .path = push});

@@ -60,11 +60,11 @@ Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
         WallLaw::Wall{.stiffness_n_per_m = options.stiffness_n_per_m, .damping_ns_per_m = options.damping_ns_per_m});
   }
   bench.chain = {.encoder_step_m = loop.device_model.encoder_step_m, .max_force_n = loop.device_model.max_force_n, .seed = options.seed};
-  bench.chain.there = options.link;
-  bench.chain.there.jitter_ns = ms_to_ns(options.jitter_ms);
-  bench.chain.back = bench.chain.there;
-  bench.chain.there.delay_ns = ms_to_ns(0.5 * options.delay_ms);
-  bench.chain.back.delay_ns = ms_to_ns(options.delay_ms) - bench.chain.there.delay_ns;
+  bench.chain.to_law = options.link;
+  bench.chain.to_law.jitter_ns = ms_to_ns(options.jitter_ms);
+  bench.chain.from_law = bench.chain.to_law;
+  bench.chain.to_law.delay_ns = ms_to_ns(0.5 * options.delay_ms);
+  bench.chain.from_law.delay_ns = ms_to_ns(options.delay_ms) - bench.chain.to_law.delay_ns;
   bench.chain.limits = loop.limits;
   if (options.gate == "filter") bench.chain.gate = ForceChain::Gate::filter;
   if (options.gate == "governor") bench.chain.gate = ForceChain::Gate::governor;

@@ -70,8 +70,8 @@ void simulate(ZWidthRow& row) {
   const RandomLoop loop{.device = row.inputs.device,
                         .hand = row.inputs.hand,
                         .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
-                        .there = link_of(row, true),
-                        .back = link_of(row, false),
+                        .to_law = link_of(row, true),
+                        .from_law = link_of(row, false),
                         .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
                         .seed = row.seed,
                         .seconds = simulated_s(row)};
@@ -102,8 +102,8 @@ void press(ZWidthRow& row) {
   row.rest_stiffness_n_per_m = find_rest_stiffness({.device = row.inputs.device,
                                                     .hand = row.inputs.hand,
                                                     .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
-                                                    .there = link_of(row, true),
-                                                    .back = link_of(row, false),
+                                                    .to_law = link_of(row, true),
+                                                    .from_law = link_of(row, false),
                                                     .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
                                                     .seed = row.seed},
                                                    kMax);
