@@ -10,8 +10,8 @@ namespace {
 
 // After this many cycles in a row that were already waiting, this thread sleeps for a moment: if it never slept, LimitRTTIME would end the
 // program, and the kernel would throttle the thread.
-constexpr std::uint32_t kMaxBehind = 8;
-constexpr std::int64_t kFewestDatagrams = 32;  // smallest budget of a cycle, however high the rate
+constexpr std::uint32_t kMaxCyclesBehind = 8;
+constexpr std::int64_t kMinDatagrams = 32;  // smallest budget of a cycle, however high the rate
 
 }  // namespace
 
@@ -32,7 +32,7 @@ bool CycleSource::await(const DeviceCycle& last, double rate_hz, std::int64_t re
 
 void CycleSource::renew_budget(std::int64_t period_ns) noexcept {
   if (budget_ == nullptr) return;
-  budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns / kNanosecondsPerMillisecond, kFewestDatagrams)));
+  budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns / kNanosecondsPerMillisecond, kMinDatagrams)));
 }
 
 // Waits at the socket until shortly before the tick. Then the device loop spins, because no sleep ends with the accuracy of a microsecond.
@@ -52,7 +52,7 @@ void CycleSource::run_device_cycle() noexcept {
 bool CycleSource::await_device_thread(const DeviceCycle& last) noexcept {
   if (loop_.has_cycle()) {
     receiver_.drain();
-    if (++cycles_behind_ % kMaxBehind == 0 && budget_ != nullptr) budget_->rest();
+    if (++cycles_behind_ % kMaxCyclesBehind == 0 && budget_ != nullptr) budget_->rest();
     return true;
   }
   cycles_behind_ = 0;

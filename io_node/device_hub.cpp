@@ -116,11 +116,11 @@ std::optional<PassivityController::Mechanics> passive_mechanics(const DeviceSett
                                         settings.passive_position_step_m};
 }
 
-void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
-  const bool is_own_force = std::isinf(options.device.max_force_n) || options.device.max_force_n <= own.max_force_n;
-  if (is_own_force && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
-  log_warning("{}limits can only be tightened: the device's own apply, {:.2f} N and {:.0f} N/s", name_prefix(options), own.max_force_n,
-              own.max_slew_n_per_s);
+void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& device_limits) {
+  const bool is_own_force = std::isinf(options.device.max_force_n) || options.device.max_force_n <= device_limits.max_force_n;
+  if (is_own_force && options.device.max_slew_n_per_s <= device_limits.max_slew_n_per_s) return;
+  log_warning("{}limits can only be tightened: the device's own apply, {:.2f} N and {:.0f} N/s", name_prefix(options),
+              device_limits.max_force_n, device_limits.max_slew_n_per_s);
 }
 
 }  // namespace
@@ -156,10 +156,10 @@ struct DeviceHub::Parts {
   NetworkLoop::Options network_options() const {
     return {.rate_hz = options.rate_hz,
             .vision_rate_hz = options.vision_rate_hz,
-            .tighter = tighter_limits(options.device),
+            .tighter_limits = tighter_limits(options.device),
             .forbids_force = options.device.max_force_n <= kMinUsableLimit,
             .forbids_torque = options.device.max_torque_nm <= kMinUsableLimit,
-            .passive = passive_mechanics(options.device),
+            .passive_mechanics = passive_mechanics(options.device),
             .dead_mans_switch = options.device.dead_mans_switch,
             .clutch_button = options.device.clutch_button,
             .overrun = overrun_policy(options),

@@ -22,11 +22,11 @@ DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& option
       governor_(device.limits()),
       clutch_(button_bit(options.clutch_button)),
       spin_(options.spin_share) {
-  governor_.tighten(options.tighter);
+  governor_.tighten(options.tighter_limits);
   if (options.forbids_force) governor_.forbid_force();
   if (options.forbids_torque) governor_.forbid_torque();
   governor_.require_button(options.dead_mans_switch);
-  if (options.passive) governor_.keep_passive(*options.passive);
+  if (options.passive_mechanics) governor_.keep_passive(*options.passive_mechanics);
   stats_.rate_hz = options.rate_hz;
   start();
 }
@@ -36,7 +36,7 @@ std::int64_t DeviceLoop::period_ns() const noexcept { return std::llround(1e9 / 
 void DeviceLoop::start() noexcept {
   tick_ns_ = clock_.now_ns() + period_ns();
   stats_.start_ns = stats_.end_ns = tick_ns_;
-  next_check_ns_ = tick_ns_ + kTemperatureCheckNs;
+  next_temperature_check_ns_ = tick_ns_ + kTemperatureCheckNs;
 }
 
 void DeviceLoop::begin_cycle() noexcept {
@@ -48,7 +48,7 @@ void DeviceLoop::begin_cycle() noexcept {
   stats_.wake_lateness.record(late_ns);
   cycle_.late_ns = late_ns;
   if (late_ns >= period_ns()) {
-    overrun(late_ns);
+    handle_overrun(late_ns);
   } else {
     cycle_.missed = 0;
     cycle_.cause = MissCause::none;
@@ -57,22 +57,23 @@ void DeviceLoop::begin_cycle() noexcept {
 }
 
 // Handles one or more missed cycles according to the policy.
-void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
+void DeviceLoop::handle_overrun(std::int64_t late_ns) noexcept {
   const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
   if (!is_catching_up) cycle_.cause = cause_of(late_ns);
   const std::int64_t missed = late_ns / period_ns();
-  const std::int64_t kept = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMaxCaughtUp) : 0;
-  tick_ns_ += (missed - kept) * period_ns();
-  cycle_.missed = static_cast<std::uint32_t>(missed - kept);
-  stats_.missed_cycles += static_cast<std::uint64_t>(missed - kept);
-  stats_.caught_up_cycles += kept > 0 ? 1 : 0;
-  stats_.missed_by_cause[static_cast<std::size_t>(cycle_.cause)] += static_cast<std::uint64_t>(missed - kept) + (kept > 0 ? 1 : 0);
+  const std::int64_t caught_up = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMaxCaughtUp) : 0;
+  tick_ns_ += (missed - caught_up) * period_ns();
+  cycle_.missed = static_cast<std::uint32_t>(missed - caught_up);
+  stats_.missed_cycles += static_cast<std::uint64_t>(missed - caught_up);
+  stats_.caught_up_cycles += caught_up > 0 ? 1 : 0;
+  stats_.missed_by_cause[static_cast<std::size_t>(cycle_.cause)] +=
+      static_cast<std::uint64_t>(missed - caught_up) + (caught_up > 0 ? 1 : 0);
   if (policy_ == OverrunPolicy::stop) has_overrun_.store(true, std::memory_order_release);
 }
 
 // The cause of a late cycle, from the clock readings of the last cycle alone, without a system call.
 MissCause DeviceLoop::cause_of(std::int64_t late_ns) const noexcept {
-  if (device_ns_.load(std::memory_order_relaxed) > period_ns() / 2) return MissCause::device_slow;
+  if (device_call_ns_.load(std::memory_order_relaxed) > period_ns() / 2) return MissCause::device_slow;
   if (late_ns >= kStallNs) return MissCause::machine_stalled;
   return is_behind_ && overslept_ns_ <= period_ns() / 2 ? MissCause::work_long : MissCause::late_wake_up;
 }
@@ -87,16 +88,16 @@ bool DeviceLoop::run_cycle() noexcept {
     (void)cut_if_older(kCommandTimeoutNs);
     return false;
   }
-  device_ns_.store(0, std::memory_order_relaxed);
+  device_call_ns_.store(0, std::memory_order_relaxed);
   stats_.end_ns = tick_ns_ + period_ns();
   // Before the device is read, which may take long: release a force that the governor would no longer output.
   const std::int64_t now_ns = clock_.now_ns();
-  if (force_sample_ns() != 0 && now_ns - accepted_ns_ >= kCommandTimeoutNs) hold_force();
+  if (force_sample_ns() != 0 && now_ns - accepted_sample_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
-  if (local_ != nullptr) step_locally();
+  if (local_touch_ != nullptr) step_locally();
   // A force that came since the last tick has used this cycle's share of the slew limit; one from before a stall has not.
-  const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
-  governed_ns_ = -1;
+  const bool has_fresh_force = force_written_ns_ >= 0 && clock_.now_ns() - force_written_ns_ < period_ns() + period_ns() / 2;
+  force_written_ns_ = -1;
   // After a cut by any thread the force is ramped to zero before the device is restored.
   const bool is_ramping_down = is_cut() && force_sample_ns() != 0;
   if (is_ramping_down) governor_.interrupt();
@@ -109,8 +110,8 @@ bool DeviceLoop::run_cycle() noexcept {
   cycle_.written = written_;
   cycle_.next_wake_ns = wake_ns();
   const std::size_t end = cycles_end_.load(std::memory_order_relaxed);
-  if (end - cycles_begin_.load(std::memory_order_acquire) < kCyclesKept) {
-    cycles_[end % kCyclesKept] = cycle_;
+  if (end - cycles_begin_.load(std::memory_order_acquire) < kMaxQueuedCycles) {
+    cycles_[end % kMaxQueuedCycles] = cycle_;
     cycles_end_.store(end + 1, std::memory_order_release);
   } else {
     ++stats_.cycles_unreported;
@@ -166,7 +167,7 @@ void DeviceLoop::sample_device() noexcept {
   // The time of a sample is the time at which the device returned it; how long the read took is measured separately.
   cycle_.sample.time_ns = clock_.now_ns();
   stats_.device_read.record(cycle_.sample.time_ns - begin_ns);
-  device_ns_.fetch_add(cycle_.sample.time_ns - begin_ns, std::memory_order_relaxed);
+  device_call_ns_.fetch_add(cycle_.sample.time_ns - begin_ns, std::memory_order_relaxed);
   const DeviceStatus status = device_.status();
   status_.store(status, std::memory_order_release);
   // The governor protects the hardware, so it gets the true position. All others get the position shifted by the clutch.
@@ -187,12 +188,12 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   const bool is_zero = wrench.force_n == Vec3::Zero();
   // force_sample_ns is set before a force is written, and cleared after zero is written: an interruption in between errs on the safe side.
   const bool is_off = is_zero && wrench.torque_nm == Vec3::Zero();
-  if (!is_off) set_force_sample(accepted_ns_);
+  if (!is_off) set_force_sample(accepted_sample_ns_);
   device_.write(wrench, begin_ns);
   if (is_off) set_force_sample(0);
-  device_ns_.fetch_add(clock_.now_ns() - begin_ns, std::memory_order_relaxed);
+  device_call_ns_.fetch_add(clock_.now_ns() - begin_ns, std::memory_order_relaxed);
   const bool is_released = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.has_timed_out();
-  if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
+  if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_sample_ns_);
   written_ = wrench;
   stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
   stats_.max_torque_nm = std::max(stats_.max_torque_nm, wrench.torque_nm.norm());
@@ -200,12 +201,12 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
 
 void DeviceLoop::apply_requests() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  if (now_ns >= next_check_ns_) {
-    next_check_ns_ = now_ns + kTemperatureCheckNs;
+  if (now_ns >= next_temperature_check_ns_) {
+    next_temperature_check_ns_ = now_ns + kTemperatureCheckNs;
     governor_.observe_temperature(device_.condition().motor_temperature);
   }
-  if (!requests_box_.take()) return;
-  const Requests& requests = requests_box_.value();
+  if (!request_mailbox_.take()) return;
+  const Requests& requests = request_mailbox_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
   if (std::exchange(hand_target_serial_, requests.hand_target_serial) != requests.hand_target_serial) {
     device_.set_hand_target(requests.p_WH ? std::optional<Vec3>(*requests.p_WH - clutch_.offset_m()) : std::nullopt);
@@ -250,46 +251,48 @@ void DeviceLoop::serve() noexcept {
 }
 
 void DeviceLoop::serve_command(const Command& command) noexcept {
-  number_ = command.number;
+  command_number_ = command.number;
   if (is_local_) {
     ++stats_.commands_unused;
     return;
   }
-  WrenchCommand wanted = command.wanted;
+  WrenchCommand wrench_command = command.wrench_command;
   const std::int64_t now_ns = clock_.now_ns();
-  if (local_ != nullptr) wanted.wrench.force_n = faded(wanted.wrench.force_n, wanted.wrench.force_n != Vec3::Zero(), false, now_ns);
-  govern(wanted, now_ns);
-  ready_ns_ = governed_ready_ns_;
-  written_ns_ = governed_ns_;
+  if (local_touch_ != nullptr)
+    wrench_command.wrench.force_n = fade_force(wrench_command.wrench.force_n, wrench_command.wrench.force_n != Vec3::Zero(), false, now_ns);
+  govern(wrench_command, now_ns);
+  command_ready_ns_ = force_ready_ns_;
+  command_written_ns_ = force_written_ns_;
   ++stats_.commands;
 }
 
-void DeviceLoop::govern(const WrenchCommand& wanted, std::int64_t now_ns) noexcept {
+void DeviceLoop::govern(const WrenchCommand& wrench_command, std::int64_t now_ns) noexcept {
   const std::uint64_t accepted = governor_.counters().accepted;
-  WrenchCommand shared = wanted;
-  if (clutch_.share() < 1.0) shared.wrench = {clutch_.share() * wanted.wrench.force_n, clutch_.share() * wanted.wrench.torque_nm};
-  governor_.step(shared, now_ns);
-  governed_ready_ns_ = clock_.now_ns();
-  if (governor_.counters().accepted != accepted) accepted_ns_ = wanted.sample_time_ns;
+  WrenchCommand scaled = wrench_command;
+  if (clutch_.force_factor() < 1.0)
+    scaled.wrench = {clutch_.force_factor() * wrench_command.wrench.force_n, clutch_.force_factor() * wrench_command.wrench.torque_nm};
+  governor_.step(scaled, now_ns);
+  force_ready_ns_ = clock_.now_ns();
+  if (governor_.counters().accepted != accepted) accepted_sample_ns_ = wrench_command.sample_time_ns;
   write(governor_.output());
-  governed_ns_ = clock_.now_ns();
+  force_written_ns_ = clock_.now_ns();
 }
 
 void DeviceLoop::step_locally() noexcept {
-  cycle_.local = local_->step(cycle_.sample);
+  cycle_.local = local_touch_->step(cycle_.sample);
   const bool was_local = std::exchange(is_local_, cycle_.local.has_value());
   if (was_local && !cycle_.local) fade_.begin();
   if (!cycle_.local) return;
   const LocalForce& local = *cycle_.local;
   fade_.begin_from(local.difference_n);
-  const Vec3 force_n = faded(local.force_n, local.contact, local.is_handed_over || !was_local, cycle_.sample.time_ns);
+  const Vec3 force_n = fade_force(local.force_n, local.contact, local.is_handed_over || !was_local, cycle_.sample.time_ns);
   govern({{.force_n = force_n}, cycle_.sample.time_ns}, clock_.now_ns());
   ++stats_.local_forces;
 }
 
 // When the source of the force changes, fades the difference between the two forces. After a released force there is nothing to fade.
-Vec3 DeviceLoop::faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept {
-  const std::int64_t passed_ns = now_ns - std::exchange(faded_ns_, now_ns);
+Vec3 DeviceLoop::fade_force(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept {
+  const std::int64_t passed_ns = now_ns - std::exchange(last_fade_ns_, now_ns);
   if (passed_ns >= kCommandTimeoutNs) fade_.forget();
   if (is_new_source) fade_.begin();
   return fade_.step(force_n, contact, 1e-9 * static_cast<double>(std::max<std::int64_t>(passed_ns, 1)));
@@ -304,9 +307,9 @@ void DeviceLoop::publish_side() noexcept {
   side.is_energy_gone = governor_.is_energy_gone();
   side.is_switch_held = governor_.is_switch_held();
   side.has_overrun = has_overrun();
-  side.command = number_;
-  side.ready_ns = ready_ns_;
-  side.written_ns = written_ns_;
+  side.command_number = command_number_;
+  side.ready_ns = command_ready_ns_;
+  side.written_ns = command_written_ns_;
   sides_.publish_draft();
 }
 
@@ -337,14 +340,14 @@ bool DeviceLoop::finish() noexcept {
 bool DeviceLoop::take_cycle(DeviceCycle& cycle) noexcept {
   const std::size_t begin = cycles_begin_.load(std::memory_order_relaxed);
   if (begin == cycles_end_.load(std::memory_order_acquire)) return false;
-  cycle = cycles_[begin % kCyclesKept];
+  cycle = cycles_[begin % kMaxQueuedCycles];
   cycles_begin_.store(begin + 1, std::memory_order_release);
   return true;
 }
 
-std::uint64_t DeviceLoop::post(const WrenchCommand& wanted) noexcept {
+std::uint64_t DeviceLoop::post(const WrenchCommand& wrench_command) noexcept {
   const std::uint64_t number = posted_.load(std::memory_order_relaxed) + 1;
-  commands_.publish({wanted, number});
+  commands_.publish({wrench_command, number});
   posted_.store(number);
   serve();
   return number;
@@ -355,34 +358,34 @@ void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t 
   requests_.buttons = buttons;
   requests_.turn_rad = turn_rad;
   ++requests_.hand_target_serial;
-  requests_box_.publish(requests_);
+  request_mailbox_.publish(requests_);
 }
 
 void DeviceLoop::aim_hand(std::span<const Vec3> p_WA) noexcept {
   requests_.aim_count = std::min(p_WA.size(), requests_.p_WA.size());
   std::copy_n(p_WA.begin(), requests_.aim_count, requests_.p_WA.begin());
   ++requests_.aim_serial;
-  requests_box_.publish(requests_);
+  request_mailbox_.publish(requests_);
 }
 
 void DeviceLoop::reset_faults(ResetPresence presence) noexcept {
   ++(presence == ResetPresence::known ? requests_.reset_serial : requests_.reset_if_held_serial);
-  requests_box_.publish(requests_);
+  request_mailbox_.publish(requests_);
 }
 
 void DeviceLoop::set_rate_hz(double rate_hz) noexcept {
   requests_.rate_hz = rate_hz;
-  requests_box_.publish(requests_);
+  request_mailbox_.publish(requests_);
 }
 
 void DeviceLoop::end() noexcept {
   requests_.ends = true;
-  requests_box_.publish(requests_);
+  request_mailbox_.publish(requests_);
 }
 
 void DeviceLoop::request_stats() noexcept {
   ++requests_.stats_serial;
-  requests_box_.publish(requests_);
+  request_mailbox_.publish(requests_);
 }
 
 }  // namespace hapton

@@ -54,8 +54,8 @@ struct DeviceSide {
   bool is_energy_gone = false;
   bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
   bool has_overrun = false;
-  std::uint64_t command = 0;  // number of the newest force command that was governed
-  std::int64_t ready_ns = 0;  // when its governed force was ready, and when it was written to the device
+  std::uint64_t command_number = 0;  // number of the newest force command that was governed
+  std::int64_t ready_ns = 0;         // when its governed force was ready, and when it was written to the device
   std::int64_t written_ns = 0;
 };
 
@@ -78,7 +78,7 @@ struct DeviceLoopStats {
   std::uint64_t commands_unused = 0;    // force commands that came while the device side computed the forces
   std::uint64_t resets_denied = 0;      // resets denied because the switch was released before they took effect
   std::uint64_t cuts = 0;               // times that a force became too old and the device was cut off (cut_if_older)
-  std::uint64_t cycles_unreported = 0;  // cycles lost because the network side was kCyclesKept cycles behind
+  std::uint64_t cycles_unreported = 0;  // cycles lost because the network side was kMaxQueuedCycles cycles behind
   GovernorStats governor;
   DeviceStatus status = DeviceStatus::ready;
   DeviceCondition condition;
@@ -105,16 +105,16 @@ class DeviceLoop {
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
   // Size of the queue of cycles to the network side: 0.8 s at 10 kHz. For that time the network side may have no CPU, or not have started
   // yet, without a gap in a recording.
-  static constexpr std::size_t kCyclesKept = 8192;
+  static constexpr std::size_t kMaxQueuedCycles = 8192;
 
   struct Options {
     double rate_hz = 1000.0;
-    DeviceLimits tighter = {};
+    DeviceLimits tighter_limits = {};
     bool forbids_force = false;
     bool forbids_torque = false;
     int dead_mans_switch = 0;  // button, counted from 1; 0: none
     int clutch_button = 0;     // button, counted from 1; 0: no clutch
-    std::optional<PassivityController::Mechanics> passive = {};
+    std::optional<PassivityController::Mechanics> passive_mechanics = {};
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;
   };
@@ -126,7 +126,7 @@ class DeviceLoop {
   void set_heartbeat_page(HeartbeatPage* page) noexcept { heartbeat_page_ = page; }
 
   // Set up before start: what computes forces on the device side when it can; null: none are computed here. Pre: local outlives this.
-  void set_local_touch(LocalTouch* local) noexcept { local_ = local; }
+  void set_local_touch(LocalTouch* local) noexcept { local_touch_ = local; }
 
   // Set up before start: latches again the fault that was latched when an earlier process ended.
   void restore_latched_fault(SafetyFault fault) noexcept { governor_.restore_latched_fault(fault); }
@@ -163,8 +163,8 @@ class DeviceLoop {
     sides_.take();
     return sides_.value();
   }
-  // Posts a force. Returns its number (DeviceSide::command); normally it is governed and written when this returns.
-  std::uint64_t post(const WrenchCommand& wanted) noexcept;
+  // Posts a force. Returns its number (DeviceSide::command_number); normally it is governed and written when this returns.
+  std::uint64_t post(const WrenchCommand& wrench_command) noexcept;
   // These take effect with the next cycle.
   void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0, const Vec3& turn_rad = Vec3::Zero()) noexcept;
   void aim_hand(std::span<const Vec3> p_WA) noexcept;  // see Device::aim_hand; at most Device::kMaxAims points
@@ -192,7 +192,7 @@ class DeviceLoop {
 
  private:
   struct Command {
-    WrenchCommand wanted;
+    WrenchCommand wrench_command;
     std::uint64_t number = 0;
   };
   struct Requests {        // each serial counts the requests of its kind
@@ -215,10 +215,10 @@ class DeviceLoop {
   void release_claim() noexcept { claimed_.exchange(false); }
   void serve() noexcept;
   void serve_command(const Command& command) noexcept;
-  void govern(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
+  void govern(const WrenchCommand& wrench_command, std::int64_t now_ns) noexcept;
   void step_locally() noexcept;
-  Vec3 faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept;
-  void overrun(std::int64_t late_ns) noexcept;
+  Vec3 fade_force(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept;
+  void handle_overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
   void apply_requests() noexcept;
   void sample_device() noexcept;
@@ -233,7 +233,7 @@ class DeviceLoop {
   const Clock& clock_;
   OverrunPolicy policy_;
   HeartbeatPage* heartbeat_page_ = nullptr;
-  LocalTouch* local_ = nullptr;
+  LocalTouch* local_touch_ = nullptr;
   SafetyGovernor governor_;
   Clutch clutch_;  // owned by the holder of the claim
   DeviceLoopStats stats_;
@@ -245,7 +245,7 @@ class DeviceLoop {
   bool is_behind_ = false;         // the tick had passed before the loop began to wait for it
   bool is_finished_ = false;
   DeviceCycle cycle_;
-  std::int64_t next_check_ns_ = 0;  // when the temperature of the motors is read next
+  std::int64_t next_temperature_check_ns_ = 0;  // when the temperature of the motors is read next
   std::uint32_t hand_target_serial_ = 0;
   std::uint32_t aim_serial_ = 0;
   std::uint32_t reset_serial_ = 0;
@@ -254,17 +254,17 @@ class DeviceLoop {
 
   // Used by the holder of the claim.
   // Time spent in calls of the device since the last tick; also read without the claim, for the cause of a missed cycle.
-  std::atomic<std::int64_t> device_ns_{0};
+  std::atomic<std::int64_t> device_call_ns_{0};
   Wrench written_;
-  bool is_local_ = false;         // the force comes from local_
-  ForceFade fade_;                // from remote force to local force and back, and from patch to patch
-  std::int64_t faded_ns_ = 0;     // time of the last step of fade_
-  std::int64_t accepted_ns_ = 0;  // sample time of the last force that the governor accepted
-  std::int64_t governed_ready_ns_ = 0;
-  std::int64_t governed_ns_ = -1;  // time of the last force since the last cycle; below 0: none
-  std::uint64_t number_ = 0;       // DeviceSide::command of the newest command; the next two: its times, as there
-  std::int64_t ready_ns_ = 0;
-  std::int64_t written_ns_ = 0;
+  bool is_local_ = false;                // the force comes from local_touch_
+  ForceFade fade_;                       // from remote force to local force and back, and from patch to patch
+  std::int64_t last_fade_ns_ = 0;        // time of the last step of fade_
+  std::int64_t accepted_sample_ns_ = 0;  // sample time of the last force that the governor accepted
+  std::int64_t force_ready_ns_ = 0;
+  std::int64_t force_written_ns_ = -1;  // time of the last force since the last cycle; below 0: none
+  std::uint64_t command_number_ = 0;    // DeviceSide::command_number of the newest command; the next two: its times, as there
+  std::int64_t command_ready_ns_ = 0;
+  std::int64_t command_written_ns_ = 0;
 
   std::atomic<bool> claimed_{false};
   std::atomic<std::uint64_t> posted_{0};
@@ -282,9 +282,9 @@ class DeviceLoop {
 
   // Used by the network side.
   Requests requests_;
-  Mailbox<Requests> requests_box_;
+  Mailbox<Requests> request_mailbox_;
 
-  std::vector<DeviceCycle> cycles_ = std::vector<DeviceCycle>(kCyclesKept);  // ring buffer
+  std::vector<DeviceCycle> cycles_ = std::vector<DeviceCycle>(kMaxQueuedCycles);  // ring buffer
   alignas(64) std::atomic<std::size_t> cycles_begin_{0};
   alignas(64) std::atomic<std::size_t> cycles_end_{0};
 };

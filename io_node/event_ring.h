@@ -51,15 +51,15 @@ struct ServoEvent {
   double round_trip_s = -1.0;              // of parts_requested and force_from_haptics; below 0: not known
 };
 
-// Passes events from the network side to a thread without deadlines. A full ring drops new events and counts them; its last kForFaults
-// places are kept for latched faults and resets, which a flood of requests must not hide. RT: push yes, wait-free. Threads: one
-// pushes, one pops; any calls dropped().
+// Passes events from the network side to a thread without deadlines. A full ring drops new events and counts them; its last
+// kReservedForFaults places are kept for latched faults and resets, which a flood of requests must not hide. RT: push yes, wait-free.
+// Threads: one pushes, one pops; any calls dropped().
 class EventRing {
  public:
   void push(const ServoEvent& event) noexcept {
     const std::size_t end = end_.load(std::memory_order_relaxed);
     const bool is_of_fault = event.kind == ServoEvent::Kind::latched || event.kind == ServoEvent::Kind::reset;
-    if (end - begin_.load(std::memory_order_acquire) >= kCapacity - (is_of_fault ? 0 : kForFaults)) {
+    if (end - begin_.load(std::memory_order_acquire) >= kCapacity - (is_of_fault ? 0 : kReservedForFaults)) {
       dropped_.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -80,7 +80,7 @@ class EventRing {
  private:
   // The ring is emptied every 20 ms (io_session.cpp); a node that joins or fails makes a few events.
   static constexpr std::size_t kCapacity = 64;
-  static constexpr std::size_t kForFaults = 8;  // few: only a person resets a fault, which can then be latched again
+  static constexpr std::size_t kReservedForFaults = 8;  // few: only a person resets a fault, which can then be latched again
   std::array<ServoEvent, kCapacity> events_ = {};
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};

@@ -19,8 +19,8 @@ bool ForceExchange::is_thinned(const DeviceCycle& cycle) const noexcept {
 void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept {
   const std::int64_t time_ns = cycle.sample.time_ns;
   note_source(cycle.local.has_value());
-  sends_ = is_newest && !is_thinned(cycle);
-  if (sends_) {
+  sends_newest_ = is_newest && !is_thinned(cycle);
+  if (sends_newest_) {
     sent_ns_ = time_ns;
     sent_buttons_ = cycle.sample.buttons;
     const bool is_warm = time_ns - peers_.peer(HubPeers::kHapticsSlot).joined_ns >= ResponseTracker::kWarmUpNs;
@@ -40,7 +40,7 @@ void ForceExchange::note_source(bool is_local) noexcept {
 }
 
 void ForceExchange::send(const DeviceCycle& cycle) noexcept {
-  if (!sends_) return;
+  if (!sends_newest_) return;
   const DeviceSample& sample = cycle.sample;
   DeviceState state{cycle.number, sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons};
   const std::optional<Vec3> p_WP = history_.find_resume_point(sample.p_WD);
@@ -75,7 +75,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
 
 void ForceExchange::note_written() noexcept {
   const DeviceSide& side = loop_.latest();
-  if (!posted_ || side.command != posted_->number) return;
+  if (!posted_ || side.command_number != posted_->number) return;
   // The command filter rejects a force that is older than the command timeout: then what was written is not this force.
   const std::int64_t sample_ns = posted_->command.echo_sample_time_ns;
   if (side.ready_ns - sample_ns < kCommandTimeoutNs) stats_.force_age.record(side.written_ns - sample_ns);
@@ -94,16 +94,16 @@ void ForceExchange::note_round_trip(const Header& header, const ForceCommand& co
 
 // One round trip in 20 ms is enough to choose where forces are computed; the others are not stored.
 void ForceExchange::note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept {
-  if (now_ns - trip_ns_ < 20 * kNanosecondsPerMillisecond) return;
-  trip_ns_ = now_ns;
-  trips_s_[trips_++ % kTrips] = static_cast<float>(1e-9 * static_cast<double>(round_trip_ns));
+  if (now_ns - last_trip_ns_ < 20 * kNanosecondsPerMillisecond) return;
+  last_trip_ns_ = now_ns;
+  trips_s_[trip_count_++ % kTrips] = static_cast<float>(1e-9 * static_cast<double>(round_trip_ns));
 }
 
-double ForceExchange::find_median_s(std::size_t most) const noexcept {
-  if (trips_ < kNewestTrips / 2) return -1.0;
+double ForceExchange::find_median_s(std::size_t max_trips) const noexcept {
+  if (trip_count_ < kNewestTrips / 2) return -1.0;
   std::array<float, kTrips> sorted = {};
-  const std::size_t count = std::min(trips_, most);
-  for (std::size_t n = 0; n < count; ++n) sorted[n] = trips_s_[(trips_ - 1 - n) % kTrips];
+  const std::size_t count = std::min(trip_count_, max_trips);
+  for (std::size_t n = 0; n < count; ++n) sorted[n] = trips_s_[(trip_count_ - 1 - n) % kTrips];
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
   return static_cast<double>(*middle);
@@ -113,7 +113,7 @@ void ForceExchange::settle_round_trip() noexcept {
   const double newest_s = find_round_trip_s();
   if (newest_s < 0.0) return;
   trips_s_.fill(static_cast<float>(newest_s));
-  trips_ = kTrips;
+  trip_count_ = kTrips;
 }
 
 void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept {
@@ -130,7 +130,7 @@ void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revi
 }
 
 void ForceExchange::on_haptics_joined() noexcept {
-  trips_ = 0;
+  trip_count_ = 0;
   history_.note_new_haptics();
   responses_.excuse_waiting();
 }

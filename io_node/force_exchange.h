@@ -60,7 +60,7 @@ class ForceExchange {
   void note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept;
 
   // The scene was turned: the last position of the probe is no longer valid.
-  void forget_rest() noexcept { history_.forget_rest(); }
+  void forget_probe_position() noexcept { history_.forget_probe_position(); }
   void settle(std::int64_t now_ns) noexcept { responses_.settle(now_ns); }
   // Settles the samples without a reply at the end of a run. sample_ns: time of the newest sample.
   void close(std::int64_t sample_ns) noexcept { responses_.close(is_haptics_alive(sample_ns)); }
@@ -98,18 +98,18 @@ class ForceExchange {
   std::optional<Posted> posted_;      // the last force posted, until it is known to be written
   bool is_local_ = false;             // the device side computed the force of the newest sample
   bool is_resume_requested_ = false;  // since is_local_ became true
-  bool sends_ = true;                 // the newest sample is sent
+  bool sends_newest_ = true;          // the newest sample is sent
   std::int64_t sent_ns_ = 0;          // time of the newest sample that was sent
   std::uint32_t sent_buttons_ = 0;    // ... and its buttons
 
-  double find_median_s(std::size_t most) const noexcept;
+  double find_median_s(std::size_t max_trips) const noexcept;
 
   // One round trip in 20 ms is kept: 0.6 s of them for advice and the change back to remote forces, 3.2 s for patches (decision 197).
   static constexpr std::size_t kNewestTrips = 32;
   static constexpr std::size_t kTrips = 160;
   std::array<float, kTrips> trips_s_ = {};
-  std::size_t trips_ = 0;
-  std::int64_t trip_ns_ = 0;
+  std::size_t trip_count_ = 0;
+  std::int64_t last_trip_ns_ = 0;
 };
 
 }  // namespace hapton

@@ -40,7 +40,7 @@ class HopMeter {
   explicit HopMeter(const MeteredEndpoint& endpoint) : endpoint_(endpoint) {}
 
   // A node has joined in this slot.
-  void on_joined(std::size_t place, const Address& address) noexcept;
+  void on_joined(std::size_t slot, const Address& address) noexcept;
   // A sample has been sent: to the haptics node (on_state_sent), or in a probe state to the vision nodes (on_probe_sent).
   void on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept;
   void on_probe_sent(std::uint64_t sample) noexcept;
@@ -48,7 +48,7 @@ class HopMeter {
   void on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
   void on_force_written(std::int64_t ready_ns, std::int64_t now_ns) noexcept { stats_.device_write.record(now_ns - ready_ns); }
   // The vision node in this slot has drawn a frame.
-  void on_frame_ack(const Header& header, const FrameAck& frame, std::size_t place) noexcept;
+  void on_frame_ack(const Header& header, const FrameAck& frame, std::size_t slot) noexcept;
 
   // The statistics, up to date as of now_ns.
   const HopStats& collect(std::int64_t now_ns) noexcept;
@@ -57,20 +57,20 @@ class HopMeter {
   static constexpr std::size_t kStatesKept = 1024;  // by sample number; wire times of replies to older samples are not measured
   static constexpr std::size_t kProbesKept = 256;   // in order of time: a second of them at the default of 240 Hz
 
-  struct Sent {
+  struct SentSample {
     std::uint64_t sample = 0;  // 0: none
     std::int64_t time_ns = 0;
   };
 
-  std::int64_t offset_ns(std::size_t place) const noexcept { return is_one_clock_[place] ? 0 : offsets_[place].offset_ns(); }
-  bool is_offset_known(std::size_t place) const noexcept { return is_one_clock_[place] || offsets_[place].is_known(); }
+  std::int64_t offset_ns(std::size_t slot) const noexcept { return is_one_clock_[slot] ? 0 : offsets_[slot].offset_ns(); }
+  bool is_offset_known(std::size_t slot) const noexcept { return is_one_clock_[slot] || offsets_[slot].is_known(); }
 
   const MeteredEndpoint& endpoint_;
   HopStats stats_;
   std::array<ClockOffset, HubPeers::kCapacity> offsets_ = {};
   std::array<bool, HubPeers::kCapacity> is_one_clock_ = {};
-  std::array<Sent, kStatesKept> states_ = {};
-  std::array<Sent, kProbesKept> probes_ = {};
+  std::array<SentSample, kStatesKept> states_ = {};
+  std::array<SentSample, kProbesKept> probes_ = {};
   std::size_t next_probe_ = 0;
   std::int64_t last_round_trip_ns_ = -1;
 };

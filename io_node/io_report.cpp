@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-std::int64_t whole(std::uint64_t count) { return static_cast<std::int64_t>(count); }
+std::int64_t to_int64(std::uint64_t count) { return static_cast<std::int64_t>(count); }
 
 double per_second(std::uint64_t count, const ServoStats& stats) {
   return stats.seconds() > 0.0 ? static_cast<double>(count) / stats.seconds() : 0.0;
@@ -37,111 +37,112 @@ std::string describe_causes(const ServoStats& stats) {
 using Counters = std::map<std::string, std::int64_t>;
 
 // The counters of samples, forces and cycles.
-Counters count_forces(const ServoStats& s) {
-  return {{"samples", whole(s.samples)},
-          {"states_sent", whole(s.states_sent)},
-          {"forces", whole(s.forces)},
-          {"contact_samples", whole(s.contact_samples)},
-          {"forces_in_time", whole(s.responses.in_time)},
-          {"late", whole(s.responses.late)},
-          {"reordered", whole(s.responses.reordered)},
-          {"duplicate", whole(s.responses.duplicate)},
-          {"unknown_echo", whole(s.responses.unknown)},
-          {"superseded", whole(s.responses.superseded)},
-          {"lost", whole(s.responses.lost)},
-          {"no_reply_without_haptics", whole(s.responses.excused)},
-          {"missed_cycles", whole(s.missed_cycles)},
-          {"caught_up_cycles", whole(s.caught_up_cycles)},
-          {"cycles_unreported", whole(s.cycles_unreported)},
-          {"device_releases", whole(s.cuts)},
-          {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
-          {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
-          {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
-          {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
-          {"command_timeouts", whole(s.governor.counters.command_timeouts)},
-          {"clamped", whole(s.governor.counters.clamped)},
-          {"rate_limited", whole(s.governor.counters.slewed)},
-          {"not_finite", whole(s.governor.counters.not_finite)},
-          {"rejected_old", whole(s.governor.counters.rejected_old)},
-          {"rejected_future", whole(s.governor.counters.rejected_future)},
-          {"longest_release_us", (s.longest_release_ns + 999) / 1000}};
+Counters count_forces(const ServoStats& stats) {
+  return {{"samples", to_int64(stats.samples)},
+          {"states_sent", to_int64(stats.states_sent)},
+          {"forces", to_int64(stats.forces)},
+          {"contact_samples", to_int64(stats.contact_samples)},
+          {"forces_in_time", to_int64(stats.responses.in_time)},
+          {"late", to_int64(stats.responses.late)},
+          {"reordered", to_int64(stats.responses.reordered)},
+          {"duplicate", to_int64(stats.responses.duplicate)},
+          {"unknown_echo", to_int64(stats.responses.unknown)},
+          {"superseded", to_int64(stats.responses.superseded)},
+          {"lost", to_int64(stats.responses.lost)},
+          {"no_reply_without_haptics", to_int64(stats.responses.excused)},
+          {"missed_cycles", to_int64(stats.missed_cycles)},
+          {"caught_up_cycles", to_int64(stats.caught_up_cycles)},
+          {"cycles_unreported", to_int64(stats.cycles_unreported)},
+          {"device_releases", to_int64(stats.cuts)},
+          {"missed_late_wake_up", to_int64(missed_by(stats, MissCause::late_wake_up))},
+          {"missed_device_slow", to_int64(missed_by(stats, MissCause::device_slow))},
+          {"missed_work_long", to_int64(missed_by(stats, MissCause::work_long))},
+          {"missed_machine_stalled", to_int64(missed_by(stats, MissCause::machine_stalled))},
+          {"command_timeouts", to_int64(stats.governor.counters.command_timeouts)},
+          {"clamped", to_int64(stats.governor.counters.clamped)},
+          {"rate_limited", to_int64(stats.governor.counters.slewed)},
+          {"not_finite", to_int64(stats.governor.counters.not_finite)},
+          {"rejected_old", to_int64(stats.governor.counters.rejected_old)},
+          {"rejected_future", to_int64(stats.governor.counters.rejected_future)},
+          {"longest_release_us", (stats.longest_release_ns + 999) / 1000}};
 }
 
-Counters count_datagrams(const ServoStats& s) {
-  const auto rejected = s.hub.undecodable + s.hub.other_session + s.hub.unknown_peers + s.hub.wrong_role;
-  return {{"datagrams_sent", whole(s.hops.link.datagrams_sent)},
-          {"bytes_sent", whole(s.hops.link.bytes_sent)},
-          {"bytes_received", whole(s.hops.link.bytes_received)},
-          {"datagrams_received", whole(s.hub.received)},
-          {"datagrams_rejected", whole(rejected)},
-          {"sessions_sealed", whole(s.seal.handshakes)},
-          {"rejected_malformed", whole(s.seal.malformed)},
-          {"rejected_wrong_version", whole(s.seal.wrong_version)},
-          {"rejected_wrong_key", whole(s.seal.wrong_key)},
-          {"rejected_replayed_handshakes", whole(s.seal.replayed_handshakes)},
-          {"rejected_too_many_handshakes", whole(s.seal.too_many_handshakes)},
-          {"rejected_oversized", whole(s.seal.oversized)},
-          {"rejected_role", whole(s.hub.role_violations)},
-          {"handshake_retries", whole(s.seal.retries)},
-          {"resets_denied", whole(s.resets_denied)},
-          {"rejected_unknown_session", whole(s.seal.unknown_session)},
-          {"rejected_replayed", whole(s.seal.replayed)},
-          {"rejected_forged", whole(s.seal.forged)},
-          {"rejected_no_slot", whole(s.seal.no_place)},
-          {"unknown_peers", whole(s.socket.unknown_peers)},
-          {"dropped_by_kernel", whole(s.socket.dropped)},
-          {"floods", whole(s.socket.floods)},
-          {"datagram_budget_exhausted", whole(s.budget_spent)},
-          {"joins_rejected", whole(s.hub.rejections)},
-          {"peers_timed_out", whole(s.hub.timeouts)}};
+Counters count_datagrams(const ServoStats& stats) {
+  const auto rejected = stats.hub.undecodable + stats.hub.other_session + stats.hub.unknown_peers + stats.hub.wrong_role;
+  return {{"datagrams_sent", to_int64(stats.hops.link.datagrams_sent)},
+          {"bytes_sent", to_int64(stats.hops.link.bytes_sent)},
+          {"bytes_received", to_int64(stats.hops.link.bytes_received)},
+          {"datagrams_received", to_int64(stats.hub.received)},
+          {"datagrams_rejected", to_int64(rejected)},
+          {"sessions_sealed", to_int64(stats.seal.handshakes)},
+          {"rejected_malformed", to_int64(stats.seal.malformed)},
+          {"rejected_wrong_version", to_int64(stats.seal.wrong_version)},
+          {"rejected_wrong_key", to_int64(stats.seal.wrong_key)},
+          {"rejected_replayed_handshakes", to_int64(stats.seal.replayed_handshakes)},
+          {"rejected_too_many_handshakes", to_int64(stats.seal.too_many_handshakes)},
+          {"rejected_oversized", to_int64(stats.seal.oversized)},
+          {"rejected_role", to_int64(stats.hub.role_violations)},
+          {"handshake_retries", to_int64(stats.seal.retries)},
+          {"resets_denied", to_int64(stats.resets_denied)},
+          {"rejected_unknown_session", to_int64(stats.seal.unknown_session)},
+          {"rejected_replayed", to_int64(stats.seal.replayed)},
+          {"rejected_forged", to_int64(stats.seal.forged)},
+          {"rejected_no_slot", to_int64(stats.seal.no_place)},
+          {"unknown_peers", to_int64(stats.socket.unknown_peers)},
+          {"dropped_by_kernel", to_int64(stats.socket.dropped)},
+          {"floods", to_int64(stats.socket.floods)},
+          {"datagram_budget_exhausted", to_int64(stats.budget_spent)},
+          {"joins_rejected", to_int64(stats.hub.rejections)},
+          {"peers_timed_out", to_int64(stats.hub.timeouts)}};
 }
 
 // The counters of what nodes request and of what vision nodes show.
-Counters count_requests(const ServoStats& s) {
-  return {{"bad_settings", whole(s.bad_settings)},
-          {"markers", whole(s.markers)},
-          {"markers_rejected", whole(s.markers_rejected)},
-          {"moves_rejected", whole(s.moves_rejected)},
-          {"shape_parts_rejected", whole(s.shape_parts_rejected)},
-          {"vision_sent", whole(s.probe_states_sent)},
-          {"vision_unchanged", whole(s.probe_states_unchanged)},
-          {"views_forwarded", whole(s.views_forwarded)},
-          {"drawn", whole(s.drawn)}};
+Counters count_requests(const ServoStats& stats) {
+  return {{"bad_settings", to_int64(stats.bad_settings)},
+          {"markers", to_int64(stats.markers)},
+          {"markers_rejected", to_int64(stats.markers_rejected)},
+          {"moves_rejected", to_int64(stats.moves_rejected)},
+          {"shape_parts_rejected", to_int64(stats.shape_parts_rejected)},
+          {"vision_sent", to_int64(stats.probe_states_sent)},
+          {"vision_unchanged", to_int64(stats.probe_states_unchanged)},
+          {"views_forwarded", to_int64(stats.views_forwarded)},
+          {"drawn", to_int64(stats.drawn)}};
 }
 
 // The counters of forces from patches and of the bare echo.
-Counters count_patches(const ServoStats& s) {
-  return {{"local_forces", whole(s.local_forces)},
-          {"patch_parts", whole(s.patch_thread.store.parts)},
-          {"patches_built", whole(s.patch_thread.built)},
-          {"patches_taken_over", whole(s.patch_touch.handed_over)},
-          {"beyond_patch", whole(s.patch_touch.beyond)},
-          {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
-          {"moves_late", whole(s.patch_touch.late_moves)},
-          {"shapes_late", whole(s.patch_touch.late_shapes)},
-          {"echo_sent", whole(s.echo.sent)},
-          {"echo_replied", whole(s.echo.replied)},
-          {"echo_late", whole(s.echo.late)},
-          {"events_dropped", whole(s.events_dropped)}};
+Counters count_patches(const ServoStats& stats) {
+  return {{"local_forces", to_int64(stats.local_forces)},
+          {"patch_parts", to_int64(stats.patch_thread.store.parts)},
+          {"patches_built", to_int64(stats.patch_thread.built)},
+          {"patches_taken_over", to_int64(stats.patch_touch.handed_over)},
+          {"beyond_patch", to_int64(stats.patch_touch.beyond)},
+          {"beyond_patch_steps", to_int64(stats.patch_touch.beyond_steps)},
+          {"moves_late", to_int64(stats.patch_touch.late_moves)},
+          {"shapes_late", to_int64(stats.patch_touch.late_shapes)},
+          {"echo_sent", to_int64(stats.echo.sent)},
+          {"echo_replied", to_int64(stats.echo.replied)},
+          {"echo_late", to_int64(stats.echo.late)},
+          {"events_dropped", to_int64(stats.events_dropped)}};
 }
 
-void add_counters(LatencyReport& report, const ServoStats& s) {
-  for (Counters counters : {count_forces(s), count_datagrams(s), count_requests(s), count_patches(s)}) report.counters.merge(counters);
+void add_counters(LatencyReport& report, const ServoStats& stats) {
+  for (Counters counters : {count_forces(stats), count_datagrams(stats), count_requests(stats), count_patches(stats)})
+    report.counters.merge(counters);
 }
 
 // The state and counters of the safety governor.
 void add_safety(LatencyReport& report, const GovernorStats& g) {
   const GovernorCounters& c = g.counters;
-  report.counters["workspace_limited"] = whole(c.stopped);
-  report.counters["speed_limited"] = whole(c.braked);
-  report.counters["energy_damped"] = whole(c.damped);
-  report.counters["passivity_limited"] = whole(c.kept_passive);
-  report.counters["thermal_limited"] = whole(c.cooled);
-  report.counters["dead_mans_switch_releases"] = whole(c.releases);
-  report.counters["invalid_poses"] = whole(c.bad_samples);
-  report.counters["faults_latched"] = whole(c.latched);
-  report.counters["faults_reset"] = whole(c.resets);
-  report.counters["resets_rejected"] = whole(c.resets_rejected);
+  report.counters["workspace_limited"] = to_int64(c.stopped);
+  report.counters["speed_limited"] = to_int64(c.braked);
+  report.counters["energy_damped"] = to_int64(c.damped);
+  report.counters["passivity_limited"] = to_int64(c.kept_passive);
+  report.counters["thermal_limited"] = to_int64(c.cooled);
+  report.counters["dead_mans_switch_releases"] = to_int64(c.releases);
+  report.counters["invalid_poses"] = to_int64(c.bad_samples);
+  report.counters["faults_latched"] = to_int64(c.latched);
+  report.counters["faults_reset"] = to_int64(c.resets);
+  report.counters["resets_rejected"] = to_int64(c.resets_rejected);
   report.ratios["fault_latched_now"] = g.fault == SafetyFault::none ? 0.0 : 1.0;
   report.ratios["thermal_load"] = g.thermal_load;
   report.ratios["passivity_given_j"] = g.passivity_given_j;
@@ -158,12 +159,12 @@ std::vector<ReportNode> make_nodes(const ServoStats& stats) {
     nodes.push_back({.role = name_of(peer.role),
                      .address = to_string(peer.address),
                      .seconds = std::max(0.0, 1e-9 * static_cast<double>(stats.end_ns - peer.joined_ns)),
-                     .received = whole(peer.sequence.received),
-                     .lost = whole(peer.sequence.lost),
-                     .reordered = whole(peer.sequence.reordered),
-                     .duplicate = whole(peer.sequence.duplicate),
-                     .sent = whole(peer.sent),
-                     .send_failures = whole(peer.send_failures)});
+                     .received = to_int64(peer.sequence.received),
+                     .lost = to_int64(peer.sequence.lost),
+                     .reordered = to_int64(peer.sequence.reordered),
+                     .duplicate = to_int64(peer.sequence.duplicate),
+                     .sent = to_int64(peer.sent),
+                     .send_failures = to_int64(peer.send_failures)});
   }
   return nodes;
 }
@@ -175,23 +176,24 @@ std::string describe_clocks(const HopStats& hops) {
   return hops.is_one_clock ? "same clock; measured difference " + measured : measured;
 }
 
-void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
-  if (!s.is_known) return;
-  report.ratios["loop_worked"] = s.worked_share;
-  report.ratios["loop_spun"] = s.spun_share;
-  report.ratios["loop_slept"] = s.slept_share;
-  report.ratios["realtime_allowed"] = s.realtime_share;
-  report.counters["loop_involuntary_switches"] = whole(s.involuntary_switches);
-  report.counters["loop_waited_us"] = std::llround(1e3 * s.waited_ms);
-  report.counters["machine_stolen_us"] = std::llround(1e3 * s.stolen_ms);
-  report.counters["near_rt_throttling"] = whole(s.near_throttling);
+void add_scheduling(LatencyReport& report, const SchedulingStats& stats) {
+  if (!stats.is_known) return;
+  report.ratios["loop_worked"] = stats.worked_share;
+  report.ratios["loop_spun"] = stats.spun_share;
+  report.ratios["loop_slept"] = stats.slept_share;
+  report.ratios["realtime_allowed"] = stats.realtime_share;
+  report.counters["loop_involuntary_switches"] = to_int64(stats.involuntary_switches);
+  report.counters["loop_waited_us"] = std::llround(1e3 * stats.waited_ms);
+  report.counters["machine_stolen_us"] = std::llround(1e3 * stats.stolen_ms);
+  report.counters["near_rt_throttling"] = to_int64(stats.near_throttling);
 }
 
-std::string describe_scheduling(const SchedulingStats& s) {
+std::string describe_scheduling(const SchedulingStats& stats) {
   return fmt::format(
       "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; waited for a CPU {:.1f} ms, preempted {} times, {:.0f} ms steal time "
       "(hypervisor)\n",
-      100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
+      100.0 * stats.worked_share, 100.0 * stats.spun_share, 100.0 * stats.slept_share, stats.waited_ms, stats.involuntary_switches,
+      stats.stolen_ms);
 }
 
 const char* name_of(DeviceStatus status) {
@@ -360,35 +362,39 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   return report;
 }
 
-std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling) {
-  std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N{}\n", s.seconds(), s.samples,
-                                 per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n,
-                                 s.max_torque_nm > 0.0 ? fmt::format(", {:.4f} Nm", s.max_torque_nm) : std::string());
+std::string describe_run(const ServoStats& stats, const SchedulingStats& scheduling) {
+  std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N{}\n", stats.seconds(),
+                                 stats.samples, per_second(stats.samples, stats), stats.forces, stats.contact_samples, stats.max_force_n,
+                                 stats.max_torque_nm > 0.0 ? fmt::format(", {:.4f} Nm", stats.max_torque_nm) : std::string());
   // Of the numbers in the line above, only the maximum includes these forces.
-  if (s.local_forces > 0) text += fmt::format("and {} forces computed here, from parts of the scene (docs/remote.md)\n", s.local_forces);
-  text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
-                      s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles,
-                      s.governor.counters.command_timeouts, s.governor.counters.clamped, s.governor.counters.slewed);
-  if (const GovernorStats& g = s.governor; g.counters.latched > 0) {
+  if (stats.local_forces > 0)
+    text += fmt::format("and {} forces computed here, from parts of the scene (docs/remote.md)\n", stats.local_forces);
+  text +=
+      fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
+                  stats.responses.late, stats.responses.lost, stats.responses.superseded, stats.responses.reordered, stats.missed_cycles,
+                  stats.governor.counters.command_timeouts, stats.governor.counters.clamped, stats.governor.counters.slewed);
+  if (const GovernorStats& g = stats.governor; g.counters.latched > 0) {
     text += fmt::format("faults: {} latched, {} reset, {} resets rejected; now: {}\n", g.counters.latched, g.counters.resets,
                         g.counters.resets_rejected, describe(g.fault));
   }
-  if (s.seal.rejected() > 0) {
+  if (stats.seal.rejected() > 0) {
     text += fmt::format(
         "rejected without a reply: {} with another key, {} of another version, {} forged, {} replayed, {} of an unknown session, "
         "{} malformed, {} replayed handshakes, {} handshakes above the rate limit\n",
-        s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place,
-        s.seal.malformed + s.seal.oversized, s.seal.replayed_handshakes, s.seal.too_many_handshakes);
+        stats.seal.wrong_key, stats.seal.wrong_version, stats.seal.forged, stats.seal.replayed,
+        stats.seal.unknown_session + stats.seal.no_place, stats.seal.malformed + stats.seal.oversized, stats.seal.replayed_handshakes,
+        stats.seal.too_many_handshakes);
   }
-  if (s.missed_cycles + s.caught_up_cycles > 0) {
-    text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));
+  if (stats.missed_cycles + stats.caught_up_cycles > 0) {
+    text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", stats.missed_cycles, stats.caught_up_cycles,
+                        describe_causes(stats));
   }
   if (scheduling.is_known) text += describe_scheduling(scheduling);
-  text += describe_hops(s);
-  if (s.bare_echo.count() > 0 && s.round_trip.count() > 0) {
+  text += describe_hops(stats);
+  if (stats.bare_echo.count() > 0 && stats.round_trip.count() > 0) {
     text += fmt::format("the round trip takes {:.2f} times as long as the bare echo at p50, {:.2f} times at p99\n",
-                        s.round_trip.quantile_ns(0.5) / s.bare_echo.quantile_ns(0.5),
-                        s.round_trip.quantile_ns(0.99) / s.bare_echo.quantile_ns(0.99));
+                        stats.round_trip.quantile_ns(0.5) / stats.bare_echo.quantile_ns(0.5),
+                        stats.round_trip.quantile_ns(0.99) / stats.bare_echo.quantile_ns(0.99));
   }
   return text;
 }

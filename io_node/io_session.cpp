@@ -23,8 +23,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;     // between two checks of scheduling, and of the loop's heartbeat
-constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
+constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;         // between two checks of scheduling, and of the loop's heartbeat
+constexpr std::int64_t kMinMetricsPeriodNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
 constexpr auto kSessionPollPeriod =
     std::chrono::milliseconds(20);  // between two checks for events, reports and the end; too short for a person to notice
 
@@ -138,7 +138,7 @@ std::string describe(const ServoEvent& event, const IoOptions& options) {
 }
 
 // False: the device has stopped for good. A device that is unplugged or being calibrated can become ready again.
-bool has_future(DeviceStatus status) { return status != DeviceStatus::ended && status != DeviceStatus::fault; }
+bool may_become_ready(DeviceStatus status) { return status != DeviceStatus::ended && status != DeviceStatus::fault; }
 
 std::string_view main_cause(const ServoStats& stats) {
   const auto most = std::max_element(stats.missed_by_cause.begin(), stats.missed_by_cause.end());
@@ -152,12 +152,12 @@ IoSession::IoSession(NetworkLoop& network, const Clock& clock, const IoOptions& 
       clock_(clock),
       options_(options),
       prefix_(name_prefix(options)),
-      device_(network.device_loop(), clock),
+      device_thread_(network.device_loop(), clock),
       stale_force_watchdog_(network.device_loop(), clock),
-      watch_(options.spin_share + find_reply_share(options), read_realtime_share()) {}
+      scheduling_monitor_(options.spin_share + find_reply_share(options), read_realtime_share()) {}
 
-void IoSession::network_thread() {
-  network_thread_ = current_thread_id();
+void IoSession::run_network() {
+  network_thread_id_ = current_thread_id();
   ::pthread_setname_np(::pthread_self(), "hapton-network");
   const auto realtime = enter_realtime(options_.realtime);
   if (realtime) {
@@ -169,7 +169,7 @@ void IoSession::network_thread() {
   if (realtime) network_.start();
   is_started_.store(true, std::memory_order_release);
   if (realtime) {
-    while (!ends_.load(std::memory_order_relaxed) && has_future(network_.device_status()) && !network_.has_overrun()) network_.step();
+    while (!ends_.load(std::memory_order_relaxed) && may_become_ready(network_.device_status()) && !network_.has_overrun()) network_.step();
     network_.finish();
   }
   has_ended_.store(true, std::memory_order_release);
@@ -181,17 +181,17 @@ bool IoSession::is_over(const StopSignal& stop) const {
 
 Result<void> IoSession::run(const StopSignal& stop) {
   network_.use_device_thread();
-  if (auto begun = device_.start(options_.realtime); !begun) return begun;
+  if (auto begun = device_thread_.start(options_.realtime); !begun) return begun;
   stale_force_watchdog_.start(options_.realtime.mode != RealtimeMode::off);
-  std::thread network = start_thread([this] { network_thread(); });
+  std::thread network = start_thread([this] { run_network(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
                                    : std::numeric_limits<std::int64_t>::max();
   Result<void> reported = started_ ? supervise(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
   network.join();
-  device_.stop();
-  network_.record_rest();
+  device_thread_.stop();
+  network_.record_remaining_cycles();
   stale_force_watchdog_.stop();
   print_events();
   if (!started_) return started_;
@@ -209,12 +209,13 @@ Result<void> IoSession::run(const StopSignal& stop) {
 Result<void> IoSession::supervise(const StopSignal& stop) {
   Result<void> reported;
   log_info("{}{}", prefix_, realtime_lines_.front());
-  if (device_.realtime_lines().front() != realtime_lines_.front()) log_info("{}device loop, {}", prefix_, device_.realtime_lines().front());
+  if (device_thread_.realtime_lines().front() != realtime_lines_.front())
+    log_info("{}device loop, {}", prefix_, device_thread_.realtime_lines().front());
   for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}{}", prefix_, realtime_lines_[n]);
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kSessionPollPeriod);
     print_events();
-    watch_scheduling(clock_.now_ns() >= next_watch_ns_);
+    watch_scheduling(clock_.now_ns() >= next_scheduling_check_ns_);
     notify_service();
     note_requests(stop);
     if (!network_.take_snapshot()) continue;
@@ -226,26 +227,26 @@ Result<void> IoSession::supervise(const StopSignal& stop) {
 }
 
 // Reports once that the loops come near the kernel's limit: above the limit the kernel stops them for the rest of each of its periods.
-void IoSession::watch_scheduling(bool now) {
-  if (!now) return;
-  next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
+void IoSession::watch_scheduling(bool is_due) {
+  if (!is_due) return;
+  next_scheduling_check_ns_ = clock_.now_ns() + kWatchEveryNs;
   check_watchdog();
   // The sum of both threads: the kernel limits the real-time threads of each CPU, and the two may share one.
-  auto usage = read_thread_usage(network_thread_);
-  const auto device = read_thread_usage(device_.id());
+  auto usage = read_thread_usage(network_thread_id_);
+  const auto device = read_thread_usage(device_thread_.id());
   if (!usage || !device) return;
   usage->run_s += device->run_s;
   usage->waited_s += device->waited_s;
   usage->voluntary_switches += device->voluntary_switches;
   usage->involuntary_switches += device->involuntary_switches;
-  const bool was_near = watch_.figures().near_throttling > 0;
-  const double limit = watch_.update(*usage, network_.spin().spun_ns() + network_.reply_spin().spun_ns(), clock_.now_ns());
+  const bool was_near = scheduling_monitor_.figures().near_throttling > 0;
+  const double limit = scheduling_monitor_.update(*usage, network_.spin().spun_ns() + network_.reply_spin().spun_ns(), clock_.now_ns());
   // The spin that keeps ticks on time comes first; the spin for replies gets what is left.
   network_.spin().set_limit(std::min(limit, options_.spin_share));
   network_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
-  if (!was_near && watch_.figures().near_throttling > 0) {
+  if (!was_near && scheduling_monitor_.figures().near_throttling > 0) {
     log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
-                100.0 * watch_.figures().realtime_share);
+                100.0 * scheduling_monitor_.figures().realtime_share);
   }
 }
 
@@ -262,11 +263,11 @@ void IoSession::check_watchdog() {
 }
 
 void IoSession::notify_service() {
-  if (service_ == nullptr || !service_->has_manager() || clock_.now_ns() < next_sign_ns_) return;
+  if (service_ == nullptr || !service_->has_manager() || clock_.now_ns() < next_liveness_ns_) return;
   const std::int64_t timeout_ns = service_->manager_timeout_ns();
-  next_sign_ns_ = clock_.now_ns() + (timeout_ns > 0 ? std::min(kWatchEveryNs, timeout_ns / 2) : kWatchEveryNs);
-  const bool lives = clock_.now_ns() - network_.device_loop().heartbeat_ns() < kWatchEveryNs;
-  service_->note(service_number_, lives, clock_.now_ns());
+  next_liveness_ns_ = clock_.now_ns() + (timeout_ns > 0 ? std::min(kWatchEveryNs, timeout_ns / 2) : kWatchEveryNs);
+  const bool is_alive = clock_.now_ns() - network_.device_loop().heartbeat_ns() < kWatchEveryNs;
+  service_->note(service_number_, is_alive, clock_.now_ns());
 }
 
 void IoSession::note_requests(const StopSignal& stop) {
@@ -282,18 +283,18 @@ void IoSession::note_requests(const StopSignal& stop) {
   metrics_requested_ = metrics_requested_ || metrics_due;
   if (metrics_due) {
     is_scraped_ = false;
-    next_metrics_ns_ = clock_.now_ns() + kMetricsLeastNs;
+    next_metrics_ns_ = clock_.now_ns() + kMinMetricsPeriodNs;
   }
   network_.request_snapshot();
 }
 
 Result<void> IoSession::serve_requests(const ServoStats& stats) {
   const bool writes_file = std::exchange(file_requested_, false);
-  const bool fills_desk = std::exchange(server_wants_report_, false);
+  const bool fills_server = std::exchange(server_wants_report_, false);
   const bool fills_metrics = std::exchange(metrics_requested_, false);
-  if (fills_desk || fills_metrics) {
-    const LatencyReport report = make_io_report(stats, options_, realtime_, watch_.figures());
-    if (fills_desk) report_server_->publish(to_json(report), to_csv(report));
+  if (fills_server || fills_metrics) {
+    const LatencyReport report = make_io_report(stats, options_, realtime_, scheduling_monitor_.figures());
+    if (fills_server) report_server_->publish(to_json(report), to_csv(report));
     if (fills_metrics) metrics_->set_text(to_prometheus(report));
   }
   if (!writes_file) return {};
@@ -320,13 +321,13 @@ void IoSession::keep_latch(const ServoEvent& event) {
 }
 
 std::string IoSession::described(const ServoStats& stats) const {
-  const std::string run = describe_run(stats, watch_.figures());
+  const std::string run = describe_run(stats, scheduling_monitor_.figures());
   return options_.name.empty() ? run : fmt::format("--- {}\n{}", options_.name, run);
 }
 
 Result<void> IoSession::write_report_of(const ServoStats& stats) {
   if (options_.out.empty()) return {};
-  return write_report(make_io_report(stats, options_, realtime_, watch_.figures()), options_.out);
+  return write_report(make_io_report(stats, options_, realtime_, scheduling_monitor_.figures()), options_.out);
 }
 
 }  // namespace hapton

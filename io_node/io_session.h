@@ -47,7 +47,7 @@ class IoSession {
   const std::string& realtime() const noexcept { return realtime_; }
 
  private:
-  void network_thread();
+  void run_network();
   bool is_over(const StopSignal& stop) const;
   Result<void> supervise(const StopSignal& stop);
   void note_requests(const StopSignal& stop);
@@ -55,7 +55,7 @@ class IoSession {
   void print_events();
   void keep_latch(const ServoEvent& event);
   std::string described(const ServoStats& stats) const;
-  void watch_scheduling(bool now);
+  void watch_scheduling(bool is_due);
   void check_watchdog();
   void notify_service();
   Result<void> write_report_of(const ServoStats& stats);
@@ -70,7 +70,7 @@ class IoSession {
   const LatchFile* latch_file_ = nullptr;
   ServiceLiveness* service_ = nullptr;
   std::size_t service_number_ = 0;  // of this session in service_
-  std::int64_t next_sign_ns_ = 0;
+  std::int64_t next_liveness_ns_ = 0;
   std::uint64_t cuts_reported_ = 0;
   // What the next copy of the statistics is for.
   bool file_requested_ = false;
@@ -86,11 +86,11 @@ class IoSession {
   std::atomic<bool> ends_{false};
   std::atomic<bool> has_ended_{false};
   std::int64_t end_ns_ = 0;
-  pid_t network_thread_ = 0;
-  DeviceThread device_;
+  pid_t network_thread_id_ = 0;
+  DeviceThread device_thread_;
   StaleForceWatchdog stale_force_watchdog_;
-  SchedulingMonitor watch_;
-  std::int64_t next_watch_ns_ = 0;
+  SchedulingMonitor scheduling_monitor_;
+  std::int64_t next_scheduling_check_ns_ = 0;
 };
 
 }  // namespace hapton

@@ -21,19 +21,19 @@ struct PatchOrders {
   bool may_begin = true;
   std::int64_t until_ns = 0;  // the force from patches ends then: the haptics node has been silent for too long
   Pose X_WS = Pose::Identity();
-  // Where the haptics node has the probe: p_WP, at the sample of start_ns. start counts these notifications; they are used until a patch
-  // reaches the hand.
-  std::uint32_t start = 0;
+  // Where the haptics node has the probe: p_WP, at the sample of start_ns. start_serial counts these notifications; they are used until a
+  // patch reaches the hand.
+  std::uint32_t start_serial = 0;
   std::int64_t start_ns = 0;
   Vec3 p_WP = Vec3::Zero();
   Vec3 outward_W = Vec3::Zero();    // unit, from the device point to the probe; zero: no contact
   std::int64_t start_scene_ns = 0;  // scene time at start_ns
   // Time of the sample of the newest force, and its scene time: until a patch reaches the hand, scene time goes on from there.
-  std::int64_t anchor_ns = 0;
-  std::int64_t anchor_scene_ns = 0;
+  std::int64_t remote_force_ns = 0;
+  std::int64_t remote_force_scene_ns = 0;
   // How many times the parts that had come were to be dropped: patches are used only once the patch thread has dropped parts as often
   // (set_cleared).
-  std::uint32_t clears = 0;
+  std::uint32_t clear_count = 0;
 };
 
 // Computes the force from patches of the scene, in the device's own thread. A thread builds the patches; they go back to it to be freed.
@@ -68,7 +68,7 @@ class LocalPatch final : public LocalTouch {
   // Sets hand to its newest place in the frame of a link (PatchChain). False: none has come since the last call.
   bool read_hand_state(PatchHandState& hand, std::size_t link = 0) noexcept;
   // Replaces a patch of this link that was not taken yet. Pre: the bodies of its generation were offered before.
-  void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(built_[link], std::move(patch)); }
+  void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(offered_patches_[link], std::move(patch)); }
   void offer(std::unique_ptr<PatchBodies> bodies) noexcept { exchange(bodies_, std::move(bodies)); }
   void offer(std::unique_ptr<PatchMaterials> materials) noexcept { exchange(materials_, std::move(materials)); }
   // Whether the next stage of a link's patch can be offered: the stage before was taken.
@@ -76,10 +76,10 @@ class LocalPatch final : public LocalTouch {
   void offer(std::unique_ptr<PatchShape> stage, std::size_t link) noexcept { exchange(stages_[link], std::move(stage)); }
   // Patches of other generations are not used from now on.
   void set_generation(std::uint32_t generation) noexcept { generation_.store(generation, std::memory_order_release); }
-  // How many times all parts were dropped (PatchOrders::clears). Pre: set_generation was called for the parts that come after.
-  void set_cleared(std::uint32_t clears) noexcept { cleared_.store(clears, std::memory_order_release); }
+  // How many times all parts were dropped (PatchOrders::clear_count). Pre: set_generation was called for the parts that come after.
+  void set_cleared(std::uint32_t clear_count) noexcept { clear_count_.store(clear_count, std::memory_order_release); }
   void free_retired() noexcept {
-    for (std::atomic<Patch*>& retired : retired_) exchange(retired, nullptr);
+    for (std::atomic<Patch*>& retired : retired_patches_) exchange(retired, nullptr);
     for (std::atomic<PatchShape*>& retired : retired_stages_) exchange(retired, nullptr);
     exchange(retired_bodies_, nullptr);
     exchange(retired_materials_, nullptr);
@@ -107,8 +107,8 @@ class LocalPatch final : public LocalTouch {
   Mailbox<MoveTable> moves_;
   std::array<Mailbox<PatchHandState>, kLinks> hands_;
   Mailbox<PatchTouch::Counts> counts_;
-  std::array<std::atomic<Patch*>, kLinks> built_ = {};
-  std::array<std::atomic<Patch*>, kLinks> retired_ = {};
+  std::array<std::atomic<Patch*>, kLinks> offered_patches_ = {};
+  std::array<std::atomic<Patch*>, kLinks> retired_patches_ = {};
   std::array<std::atomic<PatchShape*>, kLinks> stages_ = {};
   std::array<std::atomic<PatchShape*>, kLinks> retired_stages_ = {};
   std::atomic<PatchBodies*> bodies_ = nullptr;
@@ -116,15 +116,15 @@ class LocalPatch final : public LocalTouch {
   std::atomic<PatchMaterials*> materials_ = nullptr;
   std::atomic<PatchMaterials*> retired_materials_ = nullptr;
   std::atomic<std::uint32_t> generation_ = 0;
-  std::atomic<std::uint32_t> cleared_ = 0;
+  std::atomic<std::uint32_t> clear_count_ = 0;
 
   // The device's thread.
   PatchChain touch_;
   bool are_bodies_awaited_ = false;  // bodies are offered, and cannot be taken yet
   std::int64_t last_ns_ = 0;         // of the last sample
   Vec3 last_p_WD_ = Vec3::Zero();    // likewise
-  std::int64_t scene_ns_ = 0;
-  std::uint32_t started_ = 0;
+  std::int64_t scene_time_ns_ = 0;
+  std::uint32_t handled_start_ = 0;
 };
 
 }  // namespace hapton

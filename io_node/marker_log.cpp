@@ -17,7 +17,7 @@ void MarkerLog::accept(const Marker& marker, const PeerEvent& event, std::uint64
     return;
   }
   const MarkerReply reply = is_new ? record(marker, event.role, sample, now_ns) : *known;
-  if (is_new) source.replies[source.count++ % kRemembered] = reply;
+  if (is_new) source.replies[source.count++ % kRememberedReplies] = reply;
   peers_.send_to(event.peer, reply);
 }
 

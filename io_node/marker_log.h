@@ -19,7 +19,8 @@ class MarkerLog {
   // A choice: people look at markers one by one. A flood adds at most 50 a second of each node to a recording.
   static constexpr std::int64_t kPerSecond = 50;
   static constexpr std::int64_t kBurst = 100;
-  static constexpr std::size_t kRemembered = 16;  // replies kept for each node, so that a request that is repeated gets the same reply
+  static constexpr std::size_t kRememberedReplies =
+      16;  // replies kept for each node, so that a request that is repeated gets the same reply
 
   // Pre: all outlive this; tap may be null.
   MarkerLog(HubPeers& peers, ServoTap* tap, ServoStats& stats) noexcept : peers_(peers), tap_(tap), stats_(stats) {}
@@ -31,7 +32,7 @@ class MarkerLog {
 
  private:
   struct Source {
-    std::array<MarkerReply, kRemembered> replies = {};  // a ring
+    std::array<MarkerReply, kRememberedReplies> replies = {};  // a ring
     std::size_t count = 0;
     TokenBucket markers{kPerSecond, kBurst};
     TokenBucket refusals{10, 10};  // replies to markers beyond the limit

@@ -18,12 +18,12 @@ constexpr std::int64_t kStatisticsNs = 250 * kNanosecondsPerMillisecond;
 NetworkLoop::NetworkLoop(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo, ServoTap* tap)
     : loop_(device, clock,
             {.rate_hz = options.rate_hz,
-             .tighter = options.tighter,
+             .tighter_limits = options.tighter_limits,
              .forbids_force = options.forbids_force,
              .forbids_torque = options.forbids_torque,
              .dead_mans_switch = options.dead_mans_switch,
              .clutch_button = options.clutch_button,
-             .passive = options.passive,
+             .passive_mechanics = options.passive_mechanics,
              .overrun = options.overrun,
              .spin_share = options.spin_share}),
       peers_(peers),
@@ -263,7 +263,7 @@ void NetworkLoop::on_left(const PeerEvent& event) noexcept {
 
 void NetworkLoop::on_view(const ViewTransform& view, std::size_t peer) noexcept {
   if (!view_.accept(view, peer, clock_.now_ns())) return;
-  forces_.forget_rest();
+  forces_.forget_probe_position();
   scene_.place(view_.view());
 }
 
@@ -283,7 +283,7 @@ void NetworkLoop::finish() noexcept {
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     if (runs_device) loop_.hold();
     receiver_.receive_until(now_ns + kStepNs);
-    record_rest();
+    record_remaining_cycles();
   }
   if (runs_device) loop_.finish();
   safety_.finish(loop_.latest(), loop_.status(), clock_.now_ns());
@@ -291,7 +291,7 @@ void NetworkLoop::finish() noexcept {
   forces_.close(cycle_.sample.time_ns);
 }
 
-void NetworkLoop::record_rest() noexcept {
+void NetworkLoop::record_remaining_cycles() noexcept {
   for (DeviceCycle cycle; loop_.take_cycle(cycle);) safety_.note_overtaken(cycle, cycle.sample.time_ns);
 }
 

@@ -52,12 +52,12 @@ class NetworkLoop final : private PeerEventHandler {
 
   struct Options {
     double rate_hz = 1000.0;
-    double vision_rate_hz = 240.0;                               // most ProbeStates a second to each vision node (vision_pace.h); 0: none
-    DeviceLimits tighter = {};                                   // limits below the device's own, field by field; 0: the device's own
-    bool forbids_force = false;                                  // the device is read and shown, but never gets a force
-    bool forbids_torque = false;                                 // the device never gets a torque; it may get a force
-    std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
-    int dead_mans_switch = 0;                                    // button that must be held for force, counted from 1; 0: none
+    double vision_rate_hz = 240.0;     // most ProbeStates a second to each vision node (vision_pace.h); 0: none
+    DeviceLimits tighter_limits = {};  // limits below the device's own, field by field; 0: the device's own
+    bool forbids_force = false;        // the device is read and shown, but never gets a force
+    bool forbids_torque = false;       // the device never gets a torque; it may get a force
+    std::optional<PassivityController::Mechanics> passive_mechanics = {};  // of the device; none: no passivity controller
+    int dead_mans_switch = 0;                                              // button that must be held for force, counted from 1; 0: none
     int clutch_button = 0;  // button that, while held, keeps the device point where it is (clutch.h), counted from 1; 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;         // largest share of a period spent spinning before each tick; 0: sleeps until the tick
@@ -87,7 +87,7 @@ class NetworkLoop final : private PeerEventHandler {
   // Receives the last replies and releases the force as the governor does after a command timeout; about 22 ms.
   void finish() noexcept;
   // Records the cycles that the device side has made since the last one read. Threads: any, once the threads of both sides have ended.
-  void record_rest() noexcept;
+  void record_remaining_cycles() noexcept;
 
   // The statistics so far. Threads: the network side's only.
   const ServoStats& collect_stats() noexcept { return fill_stats(loop_.collect_stats()); }

@@ -15,12 +15,12 @@ namespace {
 constexpr auto kPatchPollPeriod = std::chrono::milliseconds(2);
 constexpr auto kIdlePatchPollPeriod = std::chrono::milliseconds(50);
 // A stage of fewer vertices counts as one of this many: a short wait for the CPU would dominate its time, and say nothing about large ones.
-constexpr std::uint32_t kFewVertices = 1000;
-constexpr float kForgetShare = 0.125F;  // share of the difference by which the estimate falls with each faster stage
+constexpr std::uint32_t kMinCountedVertices = 1000;
+constexpr float kDecayShare = 0.125F;  // share of the difference by which the estimate falls with each faster stage
 
 }  // namespace
 
-PatchThread::PatchThread(LocalPatch& local) : local_(local) {
+PatchThread::PatchThread(LocalPatch& local) : local_patch_(local) {
   for (std::uint32_t body = 0; body < PatchBody::kMaxBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
   failed_work_.assign(makers_.size(), WorkShare(kFailureShare, kFailureBurstNs));
   thread_ = start_thread([this] { run(); });
@@ -29,13 +29,13 @@ PatchThread::PatchThread(LocalPatch& local) : local_(local) {
 PatchThread::~PatchThread() {
   stop_.store(true);
   thread_.join();
-  local_.free_retired();
+  local_patch_.free_retired();
 }
 
 bool PatchThread::write(const Message* part, Arrival arrival) noexcept {
   const std::size_t end = end_.load(std::memory_order_relaxed);
-  if (end - begin_.load(std::memory_order_acquire) == kRing) return false;
-  Slot& slot = ring_[end % kRing];
+  if (end - begin_.load(std::memory_order_acquire) == kRingSlots) return false;
+  Slot& slot = ring_[end % kRingSlots];
   slot.is_clear = part == nullptr;
   slot.arrival = arrival;
   if (part != nullptr) slot.part = *part;
@@ -45,7 +45,7 @@ bool PatchThread::write(const Message* part, Arrival arrival) noexcept {
 
 bool PatchThread::clear() noexcept {
   const bool is_written = write(nullptr, Arrival::newest);
-  clears_ += is_written ? 1 : 0;
+  requested_clears_ += is_written ? 1 : 0;
   return is_written;
 }
 
@@ -56,16 +56,16 @@ std::optional<ShapeStatus> PatchThread::take_shape_request() noexcept {
 
 void PatchThread::run() {
   while (!stop_.load()) {
-    local_.free_retired();
+    local_patch_.free_retired();
     const bool has_parts = drain();
     const bool has_hand = build_where_due();
-    look_after_shapes();
+    request_missing_shapes();
     if (std::exchange(has_made_stage_, false) || has_parts) {
       PatchStatus status = store_.status();
       status.shape_s_per_vertex = shape_s_per_vertex_;
-      statuses_.publish({status, cleared_});
-      told_.store = store_.counts();
-      counts_.publish(told_);
+      statuses_.publish({status, done_clears_});
+      thread_counts_.store = store_.counts();
+      counts_.publish(thread_counts_);
     }
     std::this_thread::sleep_for(has_hand || has_parts ? kPatchPollPeriod : kIdlePatchPollPeriod);
   }
@@ -75,14 +75,14 @@ bool PatchThread::drain() {
   const std::size_t first = begin_.load(std::memory_order_relaxed);
   const std::size_t end = end_.load(std::memory_order_acquire);
   for (std::size_t at = first; at != end; ++at) {
-    const Slot& slot = ring_[at % kRing];
+    const Slot& slot = ring_[at % kRingSlots];
     if (slot.is_clear) {
       store_.clear();
     } else if (!store_.accept_shape(slot.part, slot.arrival)) {
       (void)store_.accept_part(slot.part);
     }
     if (slot.is_clear || store_.status().epoch != epoch_) begin_epoch(slot.is_clear);
-    if (slot.is_clear) local_.set_cleared(++cleared_);
+    if (slot.is_clear) local_patch_.set_cleared(++done_clears_);
     begin_.store(at + 1, std::memory_order_release);
   }
   offer_news();
@@ -93,20 +93,20 @@ void PatchThread::begin_epoch(bool is_cleared) {
   epoch_ = is_cleared ? 0 : store_.status().epoch;
   for (PatchMaker& maker : makers_) maker.forget();
   are_bodies_offered_ = false;
-  local_.set_generation(++generation_);
+  local_patch_.set_generation(++generation_);
 }
 
 // Bodies are offered before any of their patches.
 void PatchThread::offer_news() {
   if (!are_bodies_offered_ && store_.has_bodies()) {
-    local_.offer(store_.make_bodies(generation_));
+    local_patch_.offer(store_.make_bodies(generation_));
     are_bodies_offered_ = true;
   }
   if (std::exchange(material_version_, store_.material_version()) == store_.material_version()) return;
   auto materials = std::make_unique<PatchMaterials>();
   materials->version = store_.material_version();
   for (const auto& [object, material] : store_.materials()) materials->objects.emplace_back(static_cast<int>(object), material);
-  local_.offer(std::move(materials));
+  local_patch_.offer(std::move(materials));
 }
 
 bool PatchThread::is_in_use(std::size_t link) const noexcept {
@@ -119,18 +119,18 @@ bool PatchThread::build_where_due() {
   bool has_hand = false;
   for (std::size_t link = 0; link < makers_.size(); ++link) {
     PatchHandState hand;
-    if (!local_.read_hand_state(hand, link)) continue;
+    if (!local_patch_.read_hand_state(hand, link)) continue;
     has_hand = true;
     if (!is_in_use(link)) continue;
     makers_[link].note_hand(hand);
     if (!are_bodies_offered_) continue;
     build_if_due(link);
-    if (local_.has_room(link)) make_stage_if_due(link);
+    if (local_patch_.has_room(link)) make_stage_if_due(link);
   }
   return has_hand;
 }
 
-void PatchThread::look_after_shapes() {
+void PatchThread::request_missing_shapes() {
   const std::int64_t now_ns = SteadyClock().now_ns();
   if (const auto newest = store_.take_shape_request(now_ns)) (void)shape_requests_.push(*newest);
   requests_.clear();
@@ -145,18 +145,18 @@ void PatchThread::make_stage_if_due(std::size_t link) {
   auto stage = makers_[link].make_stage_if_due(store_);
   const std::int64_t took_ns = clock.now_ns() - began_ns;
   stage_work_.note(took_ns);
-  told_.stages_s += 1e-9 * static_cast<double>(took_ns);
+  thread_counts_.stages_s += 1e-9 * static_cast<double>(took_ns);
   if (stage == nullptr) return;
   if (const StreamedParts* const stream = store_.find_stream(static_cast<std::uint32_t>(link))) note_stage(took_ns, stream->total());
-  local_.offer(std::move(stage), link);
+  local_patch_.offer(std::move(stage), link);
 }
 
 // The measured time includes CPU time that other programs take. The estimate rises at once, because a late stage can be felt.
 void PatchThread::note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept {
-  const float newest_s = 1e-9F * static_cast<float>(took_ns) / static_cast<float>(std::max(vertices, kFewVertices));
-  shape_s_per_vertex_ = std::max(newest_s, shape_s_per_vertex_ + kForgetShare * (newest_s - shape_s_per_vertex_));
+  const float newest_s = 1e-9F * static_cast<float>(took_ns) / static_cast<float>(std::max(vertices, kMinCountedVertices));
+  shape_s_per_vertex_ = std::max(newest_s, shape_s_per_vertex_ + kDecayShare * (newest_s - shape_s_per_vertex_));
   has_made_stage_ = true;
-  ++told_.stages;
+  ++thread_counts_.stages;
 }
 
 void PatchThread::build_if_due(std::size_t link) {
@@ -166,14 +166,14 @@ void PatchThread::build_if_due(std::size_t link) {
   if (!failed_work_[link].may_begin(began_ns)) return;
   std::unique_ptr<Patch> patch = maker.make_if_due(store_, generation_);
   if (patch == nullptr) return failed_work_[link].note(clock.now_ns() - began_ns);
-  local_.offer(std::move(patch), link);
-  ++told_.built;
-  told_.triangles = maker.triangles();
-  told_.radius_m = maker.radius_m();
+  local_patch_.offer(std::move(patch), link);
+  ++thread_counts_.built;
+  thread_counts_.triangles = maker.triangles();
+  thread_counts_.radius_m = maker.radius_m();
   const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - began_ns);
   maker.note_made(seconds);
-  told_.build_ms = 1e3 * seconds;
-  counts_.publish(told_);
+  thread_counts_.build_ms = 1e3 * seconds;
+  counts_.publish(thread_counts_);
 }
 
 }  // namespace hapton

@@ -59,7 +59,9 @@ class PatchThread {
   bool clear() noexcept;
   // True: there is a new status of what has come since the last clear().
   bool take_status() noexcept { return statuses_.take(); }
-  PatchStatus status() const noexcept { return statuses_.value().cleared == clears_ ? statuses_.value().status : PatchStatus(); }
+  PatchStatus status() const noexcept {
+    return statuses_.value().clear_count == requested_clears_ ? statuses_.value().status : PatchStatus();
+  }
   const PatchThreadCounts& counts() noexcept {
     counts_.take();
     return counts_.value();
@@ -67,7 +69,7 @@ class PatchThread {
 
  private:
   // At most 300 kB of datagrams; a whole scene's parts are 0.3 to 1.1 MB (decision 197).
-  static constexpr std::size_t kRing = 256;
+  static constexpr std::size_t kRingSlots = 256;
   struct Slot {
     bool is_clear = false;
     Arrival arrival = Arrival::newest;
@@ -76,7 +78,7 @@ class PatchThread {
 
   struct Status {
     PatchStatus status;
-    std::uint32_t cleared = 0;  // number of calls of clear() before this status
+    std::uint32_t clear_count = 0;  // number of calls of clear() before this status
   };
 
   bool write(const Message* part, Arrival arrival) noexcept;
@@ -89,13 +91,13 @@ class PatchThread {
   void build_if_due(std::size_t link);
   void make_stage_if_due(std::size_t link);
   void note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept;
-  void look_after_shapes();
+  void request_missing_shapes();
 
-  LocalPatch& local_;
-  std::array<Slot, kRing> ring_;
+  LocalPatch& local_patch_;
+  std::array<Slot, kRingSlots> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
-  std::uint32_t clears_ = 0;
+  std::uint32_t requested_clears_ = 0;
   Mailbox<Status> statuses_;
   Mailbox<PatchThreadCounts> counts_;
   HandoffRing<ShapeStatus, 64> shape_requests_;  // if it is full, the newest shape is requested again later
@@ -103,13 +105,13 @@ class PatchThread {
   // Used by the patch thread alone.
   PatchStore store_;
   std::uint32_t generation_ = 0;
-  std::uint32_t cleared_ = 0;
+  std::uint32_t done_clears_ = 0;
   std::uint32_t epoch_ = 0;
   std::vector<PatchMaker> makers_;      // by body
   bool are_bodies_offered_ = false;     // the bodies of this epoch
   std::uint32_t material_version_ = 0;  // of the materials that were offered last
   std::vector<ShapeStatus> requests_;
-  PatchThreadCounts told_;
+  PatchThreadCounts thread_counts_;
   WorkShare stage_work_{kStageShare, kStageBurstNs};
   std::vector<WorkShare> failed_work_;  // by body
   float shape_s_per_vertex_ = 0.0F;     // as in PatchStatus

@@ -6,7 +6,7 @@
 namespace hapton {
 
 void ProbeHistory::note_sample(std::uint64_t number, const DeviceSample& sample) noexcept {
-  newest_ = number;
+  newest_sample_ = number;
   poses_[number % kSamples] = {sample.time_ns, sample.p_WD, sample.q_WT};
 }
 
@@ -16,7 +16,7 @@ void ProbeHistory::note_reply(const ForceCommand& command) noexcept {
 }
 
 void ProbeHistory::note_local(const ForceCommand& command) noexcept {
-  last_ = command;
+  last_reply_ = command;
   const bool is_at_rest = command.contact && is_known(command.echo_sample);
   p_WP_ = is_at_rest ? std::optional<Vec3>(poses_[command.echo_sample % kSamples].p_WD + command.held_offset()) : std::nullopt;
   outward_W_ = command.held_offset();
@@ -24,7 +24,7 @@ void ProbeHistory::note_local(const ForceCommand& command) noexcept {
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
   if (!is_haptics_new_) return std::nullopt;
-  if (was_local_ && !last_.contact) return find_free_place(p_WD);
+  if (was_local_ && !last_reply_.contact) return find_free_place(p_WD);
   if (!p_WP_ || (*p_WP_ - p_WD).norm() > kResumeReachM) return std::nullopt;
   return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
 }
@@ -42,27 +42,27 @@ std::optional<Vec3> ProbeHistory::find_free_place(const Vec3& p_WD) const noexce
 }
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {
-  if (!is_known(last_.echo_sample)) return std::nullopt;
-  return poses_[last_.echo_sample % kSamples].p_WD + last_.held_offset();
+  if (!is_known(last_reply_.echo_sample)) return std::nullopt;
+  return poses_[last_reply_.echo_sample % kSamples].p_WD + last_reply_.held_offset();
 }
 
 void ProbeHistory::show(bool has_timed_out, ProbeState& probe) const noexcept {
-  const bool is_live = !has_timed_out && is_known(last_.echo_sample);
-  const std::uint64_t shown = is_live ? last_.echo_sample : newest_;
+  const bool is_live = !has_timed_out && is_known(last_reply_.echo_sample);
+  const std::uint64_t shown = is_live ? last_reply_.echo_sample : newest_sample_;
   if (shown < probe.sample) return;  // a reply to a sample from before the timeout is too late to be shown
   const Pose& pose = poses_[shown % kSamples];
   probe.sample = shown;
   probe.sample_time_ns = pose.time_ns;
   probe.p_WD = pose.p_WD;
   probe.q_WT = pose.q_WT;
-  probe.contact = is_live && last_.contact;
-  probe.visual_offset_m = is_live ? last_.visual_offset_m : Vec3(Vec3::Zero());
-  probe.object = is_live ? last_.object : -1;
-  probe.scene_time_ns = last_.scene_time_ns;  // without replies the scene time stands still
-  probe.visual_turn = is_live ? last_.visual_turn : Vec3(Vec3::Zero());
-  probe.haptons = last_.haptons;
+  probe.contact = is_live && last_reply_.contact;
+  probe.visual_offset_m = is_live ? last_reply_.visual_offset_m : Vec3(Vec3::Zero());
+  probe.object = is_live ? last_reply_.object : -1;
+  probe.scene_time_ns = last_reply_.scene_time_ns;  // without replies the scene time stands still
+  probe.visual_turn = is_live ? last_reply_.visual_turn : Vec3(Vec3::Zero());
+  probe.haptons = last_reply_.haptons;
   if (probe.haptons && !is_live) probe.haptons = 0;
-  probe.push = last_.push;
+  probe.push = last_reply_.push;
   if (probe.push && !is_live) probe.push.emplace();
 }
 

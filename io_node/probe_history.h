@@ -36,14 +36,14 @@ class ProbeHistory {
   void note_local(const ForceCommand& command) noexcept;
   // The haptics node has replied to that sample while the device side computes the force.
   void note_resumed(std::uint64_t echo_sample) noexcept {
-    if (echo_sample > asked_) is_haptics_new_ = false;
+    if (echo_sample > resume_request_sample_) is_haptics_new_ = false;
   }
   // A haptics node has joined, or is asked to go on from the probe's position, and has not replied yet. Replies to the samples noted so far
   // were computed without that position.
   void note_new_haptics() noexcept {
     is_haptics_new_ = true;
     was_local_ = false;
-    asked_ = newest_;
+    resume_request_sample_ = newest_sample_;
   }
   // The same when the device side has computed the force until now: it knows where the probe is even without contact.
   void note_resume_request() noexcept {
@@ -52,9 +52,9 @@ class ProbeHistory {
   }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
   // True: a reply to that sample was computed without the position to go on from, and none that uses it has come yet.
-  bool is_before_resume(std::uint64_t echo_sample) const noexcept { return is_haptics_new_ && echo_sample <= asked_; }
+  bool is_before_resume(std::uint64_t echo_sample) const noexcept { return is_haptics_new_ && echo_sample <= resume_request_sample_; }
   // The scene was turned: the last position is no longer valid.
-  void forget_rest() noexcept {
+  void forget_probe_position() noexcept {
     p_WP_.reset();
     was_local_ = false;
   }
@@ -62,8 +62,8 @@ class ProbeHistory {
   // Where a haptics node goes on, if the device is still near (kResumeReachM): at the place of contact, if the device has not left the
   // surface; or, where the device side has computed the force, near the last position of a probe without contact.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
-  const ForceCommand& last_reply() const noexcept { return last_; }
-  const Pose& newest() const noexcept { return poses_[newest_ % kSamples]; }
+  const ForceCommand& last_reply() const noexcept { return last_reply_; }
+  const Pose& newest() const noexcept { return poses_[newest_sample_ % kSamples]; }
   // Position of the probe in the sample of the last reply, if the pose of that sample is still kept.
   std::optional<Vec3> find_probe() const noexcept;
 
@@ -73,12 +73,12 @@ class ProbeHistory {
 
  private:
   std::optional<Vec3> find_free_place(const Vec3& p_WD) const noexcept;
-  bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_ - sample < kSamples; }
+  bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_sample_ - sample < kSamples; }
 
   std::vector<Pose> poses_ = std::vector<Pose>(kSamples);  // by number
-  std::uint64_t newest_ = 0;
-  std::uint64_t asked_ = 0;  // the newest sample at note_new_haptics
-  ForceCommand last_;
+  std::uint64_t newest_sample_ = 0;
+  std::uint64_t resume_request_sample_ = 0;  // the newest sample at note_new_haptics
+  ForceCommand last_reply_;
   std::optional<Vec3> p_WP_;       // last position in contact; none: no contact, or not known
   Vec3 outward_W_ = Vec3::Zero();  // ... from the device point to that position, m
   bool is_haptics_new_ = false;

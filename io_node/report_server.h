@@ -18,7 +18,7 @@ namespace hapton {
 class ReportServer {
  public:
   // The network side: this peer requests a part; an earlier request of it is dropped.
-  void accept(std::size_t peer, const ReportRequest& wanted) noexcept;
+  void accept(std::size_t peer, const ReportRequest& request) noexcept;
   // The network side, once a cycle: replies to one pending request, if its part is there.
   void serve(HubPeers& peers) noexcept;
 
@@ -34,7 +34,7 @@ class ReportServer {
     std::string csv;
   };
   struct Waiting {
-    ReportRequest wanted;
+    ReportRequest request;
     std::uint32_t newer_than = 0;
   };
 
@@ -44,7 +44,7 @@ class ReportServer {
   std::uint32_t revision_ = 0;  // of the newest report; only the thread that publishes uses it
   std::atomic<bool> is_requested_{false};
   std::array<std::optional<Waiting>, HubPeers::kCapacity> waiting_ = {};
-  std::size_t next_ = 0;
+  std::size_t next_peer_ = 0;
   ReportPart part_;
 };
 

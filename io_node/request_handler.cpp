@@ -37,7 +37,7 @@ void RequestHandler::accept(const MaterialRequest& request, const PeerEvent& eve
 }
 
 void RequestHandler::accept(const MoveRequest& request, const PeerEvent& event) noexcept {
-  if (!move_rates_[event.peer].take(event.receive_time_ns)) {
+  if (!move_buckets_[event.peer].take(event.receive_time_ns)) {
     ++stats_.moves_rejected;
     return;
   }
@@ -53,7 +53,7 @@ void RequestHandler::accept(const MoveReply& reply) noexcept {
 }
 
 void RequestHandler::accept(const ShapeRequest& part, const PeerEvent& event) noexcept {
-  if (!shape_rates_[event.peer].take(event.receive_time_ns) || !all_shapes_rate_.take(event.receive_time_ns)) {
+  if (!shape_buckets_[event.peer].take(event.receive_time_ns) || !all_shapes_bucket_.take(event.receive_time_ns)) {
     ++stats_.shape_parts_rejected;
     return;
   }
@@ -99,8 +99,8 @@ void RequestHandler::on_peer_gone(std::size_t peer) noexcept {
   for (AwaitedMove& one : awaited_moves_) {
     if (one.peer == peer) one.peer = kNobody;
   }
-  move_rates_[peer] = TokenBucket(kMovesPerSecond, kMovesAtOnce);
-  shape_rates_[peer] = TokenBucket(kShapePartsPerSecond, kShapePartsAtOnce);
+  move_buckets_[peer] = TokenBucket(kMovesPerSecond, kMovesAtOnce);
+  shape_buckets_[peer] = TokenBucket(kShapePartsPerSecond, kShapePartsAtOnce);
   shape_streams_[peer] = 0;
 }
 

@@ -22,8 +22,8 @@ class RequestHandler {
   // Pre: all outlive this. rate_hz: the initial servo rate.
   RequestHandler(DeviceLoop& loop, HubPeers& peers, const Clock& clock, EventRing& events, ServoStats& stats, double rate_hz) noexcept
       : loop_(loop), peers_(peers), clock_(clock), events_(events), stats_(stats), rate_hz_(rate_hz) {
-    move_rates_.fill(TokenBucket(kMovesPerSecond, kMovesAtOnce));
-    shape_rates_.fill(TokenBucket(kShapePartsPerSecond, kShapePartsAtOnce));
+    move_buckets_.fill(TokenBucket(kMovesPerSecond, kMovesAtOnce));
+    shape_buckets_.fill(TokenBucket(kShapePartsPerSecond, kShapePartsAtOnce));
   }
 
   void accept(const Settings& settings, const PeerEvent& event) noexcept;
@@ -78,11 +78,11 @@ class RequestHandler {
   ServoStats& stats_;
   double rate_hz_;
   std::size_t hand_controller_ = kNobody;
-  std::array<TokenBucket, HubPeers::kCapacity> move_rates_;    // by sender
+  std::array<TokenBucket, HubPeers::kCapacity> move_buckets_;  // by sender
   std::array<AwaitedMove, kMovesAwaited> awaited_moves_ = {};  // the newest, a ring
   std::size_t next_awaited_ = 0;
-  std::array<TokenBucket, HubPeers::kCapacity> shape_rates_;  // by sender
-  TokenBucket all_shapes_rate_{kAllShapePartsPerSecond, kShapePartsAtOnce};
+  std::array<TokenBucket, HubPeers::kCapacity> shape_buckets_;  // by sender
+  TokenBucket all_shapes_bucket_{kAllShapePartsPerSecond, kShapePartsAtOnce};
   std::array<std::uint32_t, HubPeers::kCapacity> shape_streams_ = {};  // stream of the last part of each sender; 0: none
   std::uint64_t resets_denied_ = 0;
   std::int64_t next_denial_notice_ns_ = 0;

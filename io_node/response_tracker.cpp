@@ -5,7 +5,7 @@
 namespace hapton {
 
 // Moves an entry to another state and the counts with it.
-void ResponseTracker::put(Entry& into, State state) noexcept {
+void ResponseTracker::set_state(Entry& into, State state) noexcept {
   const auto add = [this](State of, std::uint64_t n) {
     if (of == State::superseded) counts_.superseded += n;
     if (of == State::lost) counts_.lost += n;
@@ -24,11 +24,11 @@ void ResponseTracker::withhold(std::uint64_t sample, std::int64_t time_ns) noexc
 
 void ResponseTracker::note(std::uint64_t sample, std::int64_t time_ns, State state) noexcept {
   Entry& place = entry(sample);
-  if (place.state == State::waiting) put(place, State::excused);
+  if (place.state == State::waiting) set_state(place, State::excused);
   place = {sample, time_ns, State::none};
-  put(place, state);
+  set_state(place, state);
   ++counts_.taken;
-  newest_ = sample;
+  newest_sample_ = sample;
 }
 
 ResponseTracker::Verdict ResponseTracker::reply(const ForceCommand& command) noexcept {
@@ -42,14 +42,14 @@ ResponseTracker::Verdict ResponseTracker::reply(const ForceCommand& command) noe
     ++counts_.duplicate;
     return Verdict::duplicate;
   }
-  put(found, State::replied);
+  set_state(found, State::replied);
   if (command.echo_sample < newest_replied_) {
     ++counts_.reordered;
     return Verdict::reordered;
   }
   newest_replied_ = command.echo_sample;
   supersede_before(command.echo_sample, command.skipped_samples);
-  if (command.echo_sample < newest_) {
+  if (command.echo_sample < newest_sample_) {
     ++counts_.late;
     return Verdict::late;
   }
@@ -59,38 +59,38 @@ ResponseTracker::Verdict ResponseTracker::reply(const ForceCommand& command) noe
 
 // The node skipped `count` samples since its last reply: the newest that were sent to it before this one.
 void ResponseTracker::supersede_before(std::uint64_t sample, std::uint32_t count) noexcept {
-  for (std::uint64_t s = sample - 1; count > 0 && s > settled_ && s + kCapacity > newest_; --s) {
+  for (std::uint64_t s = sample - 1; count > 0 && s > settled_until_ && s + kCapacity > newest_sample_; --s) {
     Entry& skipped = entry(s);
     if (skipped.sample != s || skipped.state == State::withheld) continue;
     if (skipped.state == State::replied) return;
-    if (skipped.state == State::waiting) put(skipped, State::superseded);
+    if (skipped.state == State::waiting) set_state(skipped, State::superseded);
     --count;
   }
 }
 
 // Puts every waiting sample before `end` into this state.
 void ResponseTracker::settle_until(std::uint64_t end, State state) noexcept {
-  if (newest_ > kCapacity) settled_ = std::max(settled_, newest_ - kCapacity);
-  for (; settled_ + 1 < end; ++settled_) {
-    Entry& next = entry(settled_ + 1);
-    if (next.sample == settled_ + 1 && next.state == State::waiting) put(next, state);
+  if (newest_sample_ > kCapacity) settled_until_ = std::max(settled_until_, newest_sample_ - kCapacity);
+  for (; settled_until_ + 1 < end; ++settled_until_) {
+    Entry& next = entry(settled_until_ + 1);
+    if (next.sample == settled_until_ + 1 && next.state == State::waiting) set_state(next, state);
   }
 }
 
 void ResponseTracker::excuse_waiting() noexcept {
   settle_until(newest_replied_, State::lost);
-  settle_until(newest_ + 1, State::excused);
+  settle_until(newest_sample_ + 1, State::excused);
 }
 
 void ResponseTracker::settle(std::int64_t now_ns) noexcept {
-  std::uint64_t end = settled_ + 1;
+  std::uint64_t end = settled_until_ + 1;
   while (end < newest_replied_ && entry(end).time_ns < now_ns - kReplyTimeoutNs) ++end;
   settle_until(end, State::lost);
 }
 
 void ResponseTracker::close(bool is_alive) noexcept {
   settle_until(newest_replied_, State::lost);
-  settle_until(newest_ + 1, is_alive ? State::lost : State::excused);
+  settle_until(newest_sample_ + 1, is_alive ? State::lost : State::excused);
 }
 
 }  // namespace hapton

@@ -56,7 +56,7 @@ class ResponseTracker {
   void close(bool is_alive) noexcept;
 
   std::uint64_t newest_replied() const noexcept { return newest_replied_; }
-  bool has_newest_reply() const noexcept { return newest_ != 0 && newest_replied_ == newest_; }
+  bool has_newest_reply() const noexcept { return newest_sample_ != 0 && newest_replied_ == newest_sample_; }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
@@ -69,14 +69,14 @@ class ResponseTracker {
 
   Entry& entry(std::uint64_t sample) noexcept { return entries_[sample % kCapacity]; }
   void note(std::uint64_t sample, std::int64_t time_ns, State state) noexcept;
-  void put(Entry& into, State state) noexcept;
+  void set_state(Entry& into, State state) noexcept;
   void supersede_before(std::uint64_t sample, std::uint32_t count) noexcept;
   void settle_until(std::uint64_t end, State state) noexcept;
 
   std::array<Entry, kCapacity> entries_ = {};
-  std::uint64_t newest_ = 0;  // 0: none taken; samples count from 1
+  std::uint64_t newest_sample_ = 0;  // 0: none taken; samples count from 1
   std::uint64_t newest_replied_ = 0;
-  std::uint64_t settled_ = 0;  // all up to here are settled
+  std::uint64_t settled_until_ = 0;  // all up to here are settled
   Counts counts_;
 };
 

@@ -36,7 +36,7 @@ void SafetyNotices::notify_faults(const GovernorStats& governor) noexcept {
 }
 
 // Notifies people before it records anything: they may have to act.
-void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
+void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool is_timeout_fault, std::int64_t now_ns) noexcept {
   notify_faults(side.governor);
   if (side.status == status_noted_) status_since_ns_ = now_ns;
   if (now_ns - status_since_ns_ >= kStatusNs) {
@@ -45,12 +45,12 @@ void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool
     if (side.status == DeviceStatus::ready) notify_status(ServoEvent::Kind::back);
     status_noted_ = side.status;
   }
-  if (tap_ != nullptr) record(side, cycle, is_missed, now_ns);
+  if (tap_ != nullptr) record(side, cycle, is_timeout_fault, now_ns);
   governor_noted_ = side.governor.counters;
 }
 
 void SafetyNotices::note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
-  latest_ns_ = std::max(latest_ns_, cycle.late_ns);
+  max_late_ns_ = std::max(max_late_ns_, cycle.late_ns);
   if (tap_ != nullptr) note_cycle({}, cycle, false, now_ns);
 }
 
@@ -76,14 +76,14 @@ void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle,
   tap_->on_cycle(note, now_ns);
 }
 
-void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
+void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, bool is_timeout_fault, std::int64_t now_ns) noexcept {
   note_cycle(side, cycle, true, now_ns);
   const GovernorCounters& governor = side.governor.counters;
-  record_fault(SessionFault::command_timeout, governor.command_timeouts > governor_noted_.command_timeouts && is_missed, now_ns);
+  record_fault(SessionFault::command_timeout, governor.command_timeouts > governor_noted_.command_timeouts && is_timeout_fault, now_ns);
   record_fault(SessionFault::not_finite, governor.not_finite > governor_noted_.not_finite, now_ns);
   record_fault(SessionFault::rejected_future, governor.rejected_future > governor_noted_.rejected_future, now_ns);
   record_fault(SessionFault::clamped, governor.clamped > governor_noted_.clamped, now_ns);
-  record_fault(SessionFault::stalled, std::max(cycle.late_ns, std::exchange(latest_ns_, 0)) >= kCommandTimeoutNs, now_ns);
+  record_fault(SessionFault::stalled, std::max(cycle.late_ns, std::exchange(max_late_ns_, 0)) >= kCommandTimeoutNs, now_ns);
   record_fault(SessionFault::overrun, side.has_overrun, now_ns);
   record_fault(SessionFault::energy, side.is_energy_gone, now_ns);
   record_latched(side.governor, now_ns);
@@ -96,10 +96,10 @@ void SafetyNotices::record_latched(const GovernorStats& governor, std::int64_t n
 }
 
 // Records a fault once, when it begins: a force that stays above the limit is one fault.
-void SafetyNotices::record_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept {
+void SafetyNotices::record_fault(SessionFault fault, bool is_active, std::int64_t now_ns) noexcept {
   const std::uint32_t bit = std::uint32_t{1} << static_cast<unsigned>(fault);
-  if (is_there && (faults_ & bit) == 0) tap_->on_fault(fault, now_ns);
-  faults_ = is_there ? faults_ | bit : faults_ & ~bit;
+  if (is_active && (active_faults_ & bit) == 0) tap_->on_fault(fault, now_ns);
+  active_faults_ = is_active ? active_faults_ | bit : active_faults_ & ~bit;
 }
 
 }  // namespace hapton

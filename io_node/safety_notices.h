@@ -23,8 +23,8 @@ class SafetyNotices {
   SafetyNotices(EventRing& events, ServoTap* tap) noexcept : events_(events), tap_(tap) {}
 
   void start(std::int64_t now_ns) noexcept { status_since_ns_ = now_ns; }
-  // Call once a cycle. is_missed: the hand was in contact and the haptics node is there, so a command timeout counts as a fault.
-  void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
+  // Call once a cycle. is_timeout_fault: the hand was in contact and the haptics node is there, so a command timeout counts as a fault.
+  void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_timeout_fault, std::int64_t now_ns) noexcept;
   // Notes a cycle that a newer one has overtaken: for the recording, and for the faults of the next check.
   void note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
   // Call at the end. Reports faults latched since the last check, and a device that has failed if no check has seen that fault latched.
@@ -38,8 +38,8 @@ class SafetyNotices {
   void record_latched(const GovernorStats& governor, std::int64_t now_ns) noexcept;
   void notify(ServoEvent::Kind kind, SafetyFault fault) noexcept;
   void notify_status(ServoEvent::Kind kind) noexcept;
-  void record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
-  void record_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept;
+  void record(const DeviceSide& side, const DeviceCycle& cycle, bool is_timeout_fault, std::int64_t now_ns) noexcept;
+  void record_fault(SessionFault fault, bool is_active, std::int64_t now_ns) noexcept;
 
   EventRing& events_;
   ServoTap* tap_;
@@ -47,8 +47,8 @@ class SafetyNotices {
   GovernorCounters governor_noted_;
   DeviceStatus status_noted_ = DeviceStatus::ready;
   std::int64_t status_since_ns_ = 0;  // time of the newest check that found the status noted
-  std::uint32_t faults_ = 0;          // faults of the newest cycle, a bit for each kind
-  std::int64_t latest_ns_ = 0;        // largest lateness of the cycles overtaken since the last check
+  std::uint32_t active_faults_ = 0;   // faults of the newest cycle, a bit for each kind
+  std::int64_t max_late_ns_ = 0;      // largest lateness of the cycles overtaken since the last check
   bool is_failure_recorded_ = false;  // the recording has the device fault that is latched now
 };
 

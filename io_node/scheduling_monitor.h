@@ -26,12 +26,12 @@ struct SchedulingStats {
 class SchedulingMonitor {
  public:
   // Share of the kernel's limit that work and spinning together may use.
-  static constexpr double kMaxOfAllowed = 0.8;
+  static constexpr double kMaxUsedShare = 0.8;
   // At this share of the kernel's limit, or above, the loop is about to be throttled.
-  static constexpr double kNearThrottling = 0.95;
+  static constexpr double kNearThrottlingShare = 0.95;
 
-  // requested: largest share of a period that may be spun. realtime_share: see read_realtime_share.
-  SchedulingMonitor(double requested, std::optional<double> realtime_share);
+  // requested_spin_share: largest share of a period that may be spun. realtime_share: see read_realtime_share.
+  SchedulingMonitor(double requested_spin_share, std::optional<double> realtime_share);
 
   // usage, spun_ns: totals of the loop's threads so far. Returns the largest share of a period that the loop may spin from now on.
   double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
@@ -45,7 +45,7 @@ class SchedulingMonitor {
     std::int64_t now_ns = 0;
   };
 
-  double requested_;
+  double requested_spin_share_;
   std::optional<Reading> first_;
   std::optional<Reading> last_;
   SchedulingStats figures_;

@@ -18,9 +18,9 @@ class ServiceLiveness {
   bool has_manager() const noexcept { return notify_.has_manager(); }
   std::int64_t manager_timeout_ns() const noexcept { return notify_.manager_timeout_ns(); }
 
-  // Each session calls this from the time when it is ready, at least twice in the manager's timeout, until it leaves. lives: its device
+  // Each session calls this from the time when it is ready, at least twice in the manager's timeout, until it leaves. is_alive: its device
   // loop runs. Pre: session < the number of sessions.
-  void note(std::size_t session, bool lives, std::int64_t now_ns);
+  void note(std::size_t session, bool is_alive, std::int64_t now_ns);
   // The session has ended: it is ignored from now on.
   void leave(std::size_t session);
 
@@ -28,16 +28,16 @@ class ServiceLiveness {
   struct Session {
     bool is_ready = false;
     bool has_ended = false;
-    bool lives = false;
+    bool is_alive = false;
     std::int64_t noted_ns = 0;
   };
   bool are_ready() const;
-  bool do_live(std::int64_t now_ns) const;
+  bool are_alive(std::int64_t now_ns) const;
 
   ServiceNotify notify_;
   std::mutex mutex_;
   std::vector<Session> sessions_;
-  bool has_said_ready_ = false;
+  bool has_notified_ready_ = false;
 };
 
 }  // namespace hapton

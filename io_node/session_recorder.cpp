@@ -177,8 +177,8 @@ Result<void> SessionRecorder::start() {
     if (!kept) return tl::unexpected(kept.error());
     if (!kept->empty()) log_warning("{}: an earlier file of this name is kept as {}", options_.record.string(), kept->string());
     // If this fails, opening the file fails, and that error is reported.
-    std::error_code not_made;
-    if (options_.record.has_parent_path()) std::filesystem::create_directories(options_.record.parent_path(), not_made);
+    std::error_code ignored;
+    if (options_.record.has_parent_path()) std::filesystem::create_directories(options_.record.parent_path(), ignored);
     file_.reset(open_file_for(options_.record, FileReaders::owner));
     if (!file_) {
       return fail("{}: the session cannot be recorded there: {}; give another file with --record", options_.record.string(),
@@ -187,20 +187,20 @@ Result<void> SessionRecorder::start() {
     unwritten_ = kSessionMagic;
     codec_.append(header_, unwritten_);
     write_entries(true);
-    if (!written_) return written_;
+    if (!write_result_) return write_result_;
   }
   thread_ = start_thread([this] { run(); });
   return {};
 }
 
 Result<void> SessionRecorder::stop() {
-  if (!thread_.joinable()) return written_;
+  if (!thread_.joinable()) return write_result_;
   ends_.store(true, std::memory_order_release);
   thread_.join();
-  if (file_ && std::fclose(file_.release()) != 0 && written_) {
-    written_ = fail("{}: the recording is incomplete: {}", options_.record.string(), std::strerror(errno));
+  if (file_ && std::fclose(file_.release()) != 0 && write_result_) {
+    write_result_ = fail("{}: the recording is incomplete: {}", options_.record.string(), std::strerror(errno));
   }
-  return written_;
+  return write_result_;
 }
 
 void SessionRecorder::run() {
@@ -272,8 +272,8 @@ void SessionRecorder::write_entries(bool all) {
   unwritten_entries_ = 0;
   unwritten_.clear();
   if (good) return;
-  written_ = fail("{}: recording stopped: {}", options_.record.string(), std::strerror(errno));
-  log_error("{}; the session continues", written_.error().what);
+  write_result_ = fail("{}: recording stopped: {}", options_.record.string(), std::strerror(errno));
+  log_error("{}; the session continues", write_result_.error().what);
   file_.reset();
 }
 
@@ -322,7 +322,7 @@ void SessionRecorder::forget_old_flights() const {
     if (name.starts_with("flight-") && name.ends_with(".hapton")) records.push_back(entry.path());
   }
   std::sort(records.begin(), records.end());
-  for (std::size_t n = 0; n + kMaxKept < records.size(); ++n) std::filesystem::remove(records[n], ignored);
+  for (std::size_t n = 0; n + kMaxKeptFlights < records.size(); ++n) std::filesystem::remove(records[n], ignored);
 }
 
 void SessionRecorder::on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept {
@@ -352,8 +352,8 @@ MarkerStatus SessionRecorder::on_marker(const MarkerNote& n, std::int64_t time_n
   std::memcpy(body.data(), &n.sample, sizeof n.sample);
   const std::size_t size = std::min(n.text.size(), MarkerText::kMaxBytes);
   std::memcpy(body.data() + sizeof n.sample, n.text.data(), size);
-  const bool is_in = ring_.push(bytes_of(note), std::span(body).first(sizeof n.sample + size));
-  return !records_all_ ? MarkerStatus::no_recording : is_in ? MarkerStatus::recorded : MarkerStatus::no_room;
+  const bool is_recorded = ring_.push(bytes_of(note), std::span(body).first(sizeof n.sample + size));
+  return !records_all_ ? MarkerStatus::no_recording : is_recorded ? MarkerStatus::recorded : MarkerStatus::no_room;
 }
 
 }  // namespace hapton

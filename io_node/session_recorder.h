@@ -23,8 +23,8 @@ namespace hapton {
 // Records everything that device side and network side do, at full rate, in its own thread: the whole session in one file and, after a
 // fault, the last two seconds in a flight record named after the fault. The network side only copies into a ring; entries that do not fit
 // are dropped and counted, also in the file. Flight records are limited: one for each kind of fault in kFlightEveryNs, and kMaxFlights in a
-// session; the folder keeps the newest kMaxKept. Units: ns of the hub's clock. RT: the on_ functions yes, wait-free; the rest set-up only.
-// Threads: the on_ functions and is_recording: that of the network side; the others: one other thread.
+// session; the folder keeps the newest kMaxKeptFlights. Units: ns of the hub's clock. RT: the on_ functions yes, wait-free; the rest set-up
+// only. Threads: the on_ functions and is_recording: that of the network side; the others: one other thread.
 class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;
@@ -32,7 +32,7 @@ class SessionRecorder final : public ServoTap {
   // These limit the disk space that a repeating fault, or many sessions, can take up. Choices.
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
   static constexpr int kMaxFlights = 16;
-  static constexpr std::size_t kMaxKept = 64;
+  static constexpr std::size_t kMaxKeptFlights = 64;
   static constexpr std::size_t kRingBytes = std::size_t{1} << 22;        // 0.5 s at 10 kHz: enough for flight records
   static constexpr std::size_t kRecordRingBytes = std::size_t{1} << 24;  // 2 s at 10 kHz: a recording should have every sample
 
@@ -109,7 +109,7 @@ class SessionRecorder final : public ServoTap {
   std::uint64_t dropped_reported_ = 0;
   std::optional<Flight> flight_;
   std::array<std::int64_t, 256> last_flight_ns_ = {};  // time of the last flight record of each kind of fault; 0: none yet
-  Result<void> written_;
+  Result<void> write_result_;
   Counts counts_;
   std::atomic<bool> ends_{false};
   std::thread thread_;

@@ -31,23 +31,24 @@ class ShapeCollector {
 
  private:
   // The newest shape of an object.
-  struct Newest {
-    std::int32_t object = -1;     // -1: none yet
-    std::uint32_t serial = 0;     // 0: at rest
-    std::uint32_t total = 0;      // vertices
-    bool has_begun = false;       // its ShapeStart has come
-    std::int64_t request_ns = 0;  // time before which nothing is requested
+  struct NewestShape {
+    std::int32_t object = -1;          // -1: none yet
+    std::uint32_t serial = 0;          // 0: at rest
+    std::uint32_t total = 0;           // vertices
+    bool has_begun = false;            // its ShapeStart has come
+    std::int64_t next_request_ns = 0;  // time before which nothing is requested
     std::bitset<ShapePart::kMaxParts> received = {};
     bool is_missing() const noexcept { return serial != 0 && has_begun && received.count() < ShapePart::count_parts(total); }
   };
-  Newest* find(std::uint32_t source, std::int32_t object, std::uint32_t serial, std::uint32_t total, Arrival arrival) noexcept;
-  ShapeStatus make_request(const Newest& newest) const noexcept;
+  NewestShape* find_or_begin(std::uint32_t source, std::int32_t object, std::uint32_t serial, std::uint32_t total,
+                             Arrival arrival) noexcept;
+  ShapeStatus make_request(const NewestShape& newest) const noexcept;
 
   HubPeers& peers_;
   const ServoTap* tap_;
   MoveSource processes_;
   std::uint32_t source_ = 0;
-  std::array<Newest, ShapePart::kMaxObjects> objects_ = {};
+  std::array<NewestShape, ShapePart::kMaxObjects> objects_ = {};
 };
 
 }  // namespace hapton

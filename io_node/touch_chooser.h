@@ -21,7 +21,7 @@ class TouchChooser {
   explicit TouchChooser(TouchChoice choice) noexcept : choice_(choice), wants_patch_(choice == TouchChoice::patch) {}
 
   // round_trip_s: a median; below 0: not known.
-  bool wants_patch(double round_trip_s, std::int64_t now_ns) noexcept {
+  bool choose_patch(double round_trip_s, std::int64_t now_ns) noexcept {
     if (choice_ != TouchChoice::automatic) return wants_patch_;
     if (!(round_trip_s >= 0.0 && round_trip_s < kFastS) || !wants_patch_) fast_since_ns_ = now_ns;
     if (round_trip_s > kSlowS) wants_patch_ = true;

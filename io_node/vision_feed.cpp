@@ -24,9 +24,9 @@ void VisionFeed::on_frame_ack(const Header& header, const FrameAck& frame, std::
   stats_.frame_rate_hz = static_cast<double>(frame.frame_rate_hz);
 }
 
-void VisionFeed::send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
+void VisionFeed::send(const ProbeHistory& history, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
                       ProbeStatus status, std::int64_t now_ns) noexcept {
-  memory.show(side.has_timed_out, probe_);
+  history.show(side.has_timed_out, probe_);
   probe_.buttons = cycle.sample.buttons;
   probe_.force_n = side.written.force_n;
   probe_.torque_nm = side.written.torque_nm;

@@ -31,7 +31,7 @@ class VisionFeed {
   void on_frame_ack(const Header& header, const FrameAck& frame, std::size_t peer, std::uint64_t newest_sample,
                     std::int64_t now_ns) noexcept;
   // Call once a cycle. Sends the state to the nodes for which it is due.
-  void send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision, ProbeStatus status,
+  void send(const ProbeHistory& history, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision, ProbeStatus status,
             std::int64_t now_ns) noexcept;
   // Call periodically. Updates the servo rate and the round trip that the picture shows.
   void refresh_statistics(std::uint64_t newest_sample, std::int64_t now_ns) noexcept;

@@ -29,7 +29,7 @@ void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int6
   place.wants_every_sample = frame.every_sample;
   const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);
   if ((place.sent.buttons & ~ignored_buttons_) != 0) return;
-  place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnseenNs : 0));
+  place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnchangedPauseNs : 0));
 }
 
 VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept {

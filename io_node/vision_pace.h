@@ -19,7 +19,7 @@ class VisionPace {
   // If a state was lost, the picture of a hand at rest is late by at most this.
   static constexpr std::int64_t kRepeatNs = 100 * kNanosecondsPerMillisecond;
   // Pause after a state that gave the same frame: one frame of a 60 Hz display.
-  static constexpr std::int64_t kUnseenNs = 16 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kUnchangedPauseNs = 16 * kNanosecondsPerMillisecond;
 
   enum class Decision : std::uint8_t { wait, skip, send };
 

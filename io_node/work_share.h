@@ -10,19 +10,20 @@ namespace hapton {
 // does not go back. RT: yes. Threads: one.
 class WorkShare {
  public:
-  WorkShare(double share, std::int64_t burst_ns) noexcept : share_(share), burst_ns_(static_cast<double>(burst_ns)), left_ns_(burst_ns_) {}
+  WorkShare(double share, std::int64_t burst_ns) noexcept
+      : share_(share), burst_ns_(static_cast<double>(burst_ns)), budget_ns_(burst_ns_) {}
 
   bool may_begin(std::int64_t now_ns) noexcept {
-    if (last_ns_ != 0) left_ns_ = std::min(left_ns_ + share_ * static_cast<double>(now_ns - last_ns_), burst_ns_);
+    if (last_ns_ != 0) budget_ns_ = std::min(budget_ns_ + share_ * static_cast<double>(now_ns - last_ns_), burst_ns_);
     last_ns_ = now_ns;
-    return left_ns_ > 0.0;
+    return budget_ns_ > 0.0;
   }
-  void note(std::int64_t took_ns) noexcept { left_ns_ -= static_cast<double>(took_ns); }
+  void note(std::int64_t took_ns) noexcept { budget_ns_ -= static_cast<double>(took_ns); }
 
  private:
   double share_;
   double burst_ns_;
-  double left_ns_;
+  double budget_ns_;
   std::int64_t last_ns_ = 0;  // time of the last may_begin; 0: none yet
 };
 

@@ -90,17 +90,17 @@ bool Client::receive_message(const Message& message, Time now) {
 // A client that sends forces a thousand times a second is notified once a second.
 void Client::reject_force(Time now) {
   ++rejected_forces_;
-  if (told_s_ == now.s) return;
-  told_s_ = now.s;
+  if (last_rejection_s_ == now.s) return;
+  last_rejection_s_ = now.s;
   append_error_text(out_, header(OurType::text, now), kRejection);
 }
 
 // The sender field of a sender description contains the number of the sender that it describes.
 void Client::receive_sender(const Message& message) {
   const bool is_us = name_of(message) == name_;
-  if (is_us) remember(us_, message.sender, kMaxIds);
+  if (is_us) remember(our_ids_, message.sender, kMaxIds);
   // This number now names another sender.
-  if (!is_us) std::erase(us_, message.sender);
+  if (!is_us) std::erase(our_ids_, message.sender);
 }
 
 void Client::receive_type(const Message& message) {
@@ -122,7 +122,7 @@ void Client::receive_udp(const Message& message) {
   udp_request_ = UdpRequest{std::string(address), static_cast<std::uint16_t>(message.sender)};
 }
 
-bool Client::is_about_us(std::int32_t sender) const { return contains(us_, sender); }
+bool Client::is_about_us(std::int32_t sender) const { return contains(our_ids_, sender); }
 
 bool Client::take_workspace_request() { return std::exchange(wants_workspace_, false); }
 

@@ -83,7 +83,7 @@ class Client {
   Bytes out_;
   bool is_connected_ = false;
   std::uint32_t sequence_ = 0;
-  std::vector<std::int32_t> us_;  // the client's numbers for our device
+  std::vector<std::int32_t> our_ids_;  // the client's numbers for our device
   std::vector<std::int32_t> force_types_;
   std::optional<std::int32_t> ping_type_;
   std::optional<std::int32_t> workspace_type_;
@@ -91,7 +91,7 @@ class Client {
   std::optional<std::int32_t> unit_to_sensor_type_;
   std::optional<std::int32_t> rate_type_;
   std::optional<double> wanted_rate_hz_;
-  std::optional<std::uint32_t> told_s_;  // when the client was last notified that forces are rejected
+  std::optional<std::uint32_t> last_rejection_s_;  // when the client was last notified that forces are rejected
   bool wants_workspace_ = false;
   std::optional<UdpRequest> udp_request_;
   std::uint64_t rejected_forces_ = 0;

@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kACycleNs = kMs;
-// The force must end 20 ms after the sample that the last force replies to. From patches it may last kAloneNs longer.
+// The force must end 20 ms after the sample that the last force replies to. From patches it may last kMaxSilenceNs longer.
 constexpr std::int64_t kRemoteReleaseNs = 20 * kMs + kACycleNs;
 
 struct FaultRow {
@@ -97,7 +97,7 @@ void run_row(const FaultRow& row, TouchChoice touch) {
   SCOPED_TRACE(row.name + (touch == TouchChoice::patch ? ", by patches" : ", remote"));
   SimulatedSystem system(1, touch);
   ASSERT_NO_FATAL_FAILURE(press_in(system, touch));
-  const std::int64_t release_ns = kRemoteReleaseNs + (touch == TouchChoice::patch ? PatchLink::kAloneNs : 0);
+  const std::int64_t release_ns = kRemoteReleaseNs + (touch == TouchChoice::patch ? PatchLink::kMaxSilenceNs : 0);
   const std::int64_t began_ns = system.clock.now_ns();
   row.begin(system);
   system.run_for_ns(row.lasts_ns);

@@ -29,7 +29,7 @@ TEST(Clutch, WithoutAButtonChangesNothing) {
   Hand hand(clutch);
   const Vec3 p(0.1, 1e-17, -0.3);
   EXPECT_EQ(hand.at(p, ~0U).p_WD, p);
-  EXPECT_EQ(clutch.share(), 1.0);
+  EXPECT_EQ(clutch.force_factor(), 1.0);
   EXPECT_EQ(clutch.offset_m(), Vec3::Zero());
 }
 
@@ -60,16 +60,16 @@ TEST(Clutch, TheForceFadesWithinTheTimesStated) {
   Clutch clutch(1);
   Hand hand(clutch);
   hand.at(Vec3::Zero(), 0);
-  EXPECT_EQ(clutch.share(), 1.0);
+  EXPECT_EQ(clutch.force_factor(), 1.0);
   hand.at(Vec3::Zero(), 1);
   for (int n = 1; n <= 20; ++n) {
     hand.at(Vec3::Zero(), 1);
-    EXPECT_NEAR(clutch.share(), std::max(0.0, 1.0 - n / 10.0), 1e-12) << n;
+    EXPECT_NEAR(clutch.force_factor(), std::max(0.0, 1.0 - n / 10.0), 1e-12) << n;
   }
   hand.at(Vec3::Zero(), 0);
   for (int n = 1; n <= 120; ++n) {
     hand.at(Vec3::Zero(), 0);
-    EXPECT_NEAR(clutch.share(), std::min(1.0, n / 100.0), 1e-12) << n;
+    EXPECT_NEAR(clutch.force_factor(), std::min(1.0, n / 100.0), 1e-12) << n;
   }
 }
 
@@ -78,12 +78,12 @@ TEST(Clutch, AStallBringsTheForceBackNoFaster) {
   clutch.move({.time_ns = kMsNs});
   clutch.move({.time_ns = 2 * kMsNs, .buttons = 1});
   clutch.move({.time_ns = 900 * kMsNs, .buttons = 1});
-  EXPECT_EQ(clutch.share(), 0.0);
+  EXPECT_EQ(clutch.force_factor(), 0.0);
   clutch.move({.time_ns = 901 * kMsNs});
   clutch.move({.time_ns = 5000 * kMsNs});
-  EXPECT_NEAR(clutch.share(), 0.1, 1e-12);
+  EXPECT_NEAR(clutch.force_factor(), 0.1, 1e-12);
   clutch.move({.time_ns = 10 * kMsNs});
-  EXPECT_NEAR(clutch.share(), 0.1, 1e-12) << "a time before the last one";
+  EXPECT_NEAR(clutch.force_factor(), 0.1, 1e-12) << "a time before the last one";
 }
 
 TEST(Clutch, TheOrientationFollowsTheHand) {

@@ -159,7 +159,7 @@ TEST_F(DeviceLoops, AFaultThatWasLatchedBeforeKeepsTheDeviceCut) {
 TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   press();
   const DeviceSide& side = loop.latest();
-  EXPECT_EQ(side.command, 200U);
+  EXPECT_EQ(side.command_number, 200U);
   EXPECT_EQ(side.written.force_n, Vec3(0, 0, 2));
   EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
 }
@@ -302,7 +302,7 @@ TEST_F(DeviceLoops, WhatTheWatchdogProcessCutComesBackWithARampAndOnlyFromZero) 
 }
 
 TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) {
-  for (std::size_t n = 0; n < 2 * DeviceLoop::kCyclesKept; ++n) {
+  for (std::size_t n = 0; n < 2 * DeviceLoop::kMaxQueuedCycles; ++n) {
     clock.sleep_until_ns(loop.tick_ns());
     loop.begin_cycle();
     ASSERT_TRUE(loop.run_cycle());
@@ -313,8 +313,8 @@ TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) 
     EXPECT_EQ(reported.number, last + 1);
     ++count;
   }
-  EXPECT_EQ(count, DeviceLoop::kCyclesKept);
-  EXPECT_EQ(loop.collect_stats().cycles_unreported, DeviceLoop::kCyclesKept);
+  EXPECT_EQ(count, DeviceLoop::kMaxQueuedCycles);
+  EXPECT_EQ(loop.collect_stats().cycles_unreported, DeviceLoop::kMaxQueuedCycles);
 }
 
 // The force fades out, and comes back without a step larger than that of the fade; the reported device point stands still meanwhile.
@@ -347,7 +347,7 @@ TEST_F(DeviceLoops, TheClutchTakesTheForceAwayAndMovesTheDevice) {
   for (int n = 0; n < 200; ++n) {
     cycle_with({0, 0, 2});
     EXPECT_EQ(newest.sample.p_WD, place + Vec3(-1e-4, 0, 0));
-    EXPECT_LE(device.force_n(), before_n + 2.0 * 1e-3 / Clutch::kBackS + 1e-9) << n;
+    EXPECT_LE(device.force_n(), before_n + 2.0 * 1e-3 / Clutch::kFadeInS + 1e-9) << n;
     before_n = device.force_n();
   }
   EXPECT_NEAR(device.force_n(), 2.0, 1e-9);

@@ -141,8 +141,8 @@ struct MovedFloor {
     auto floor = sheet_patch(0.0);
     floor->objects = {0};
     local.offer(std::move(floor), 1);
-    orders.anchor_ns = 5000 * kMs;
-    orders.anchor_scene_ns = 700 * kMs;
+    orders.remote_force_ns = 5000 * kMs;
+    orders.remote_force_scene_ns = 700 * kMs;
     local.publish(orders);
     (void)moves.take({.source = 1, .serial = 1, .object = 0, .start_ns = 1000 * kMs, .end_ns = 2000 * kMs, .to_p_m = Vec3(0, 0, 0.1)});
     local.publish(moves);
@@ -249,7 +249,7 @@ TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
     device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
     if (n == 500) local.offer(sheet_patch(0.0, 0.0005));
     if (n % 200 == 199) {
-      ++orders.start;
+      ++orders.start_serial;
       orders.start_ns = clock.now_ns();
       orders.p_WP = Vec3(device.place.x(), device.place.y(), std::max(device.place.z(), 0.0));
       orders.outward_W = device.place.z() < 0.0 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero());
@@ -282,7 +282,7 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
     if (n == 600 || n == 1200) {
       orders.is_wanted = n == 1200;
       // As PatchLink does: the patch starts where the haptics node has the probe.
-      orders.start += n == 1200 ? 1 : 0;
+      orders.start_serial += n == 1200 ? 1 : 0;
       orders.p_WP = Vec3(0.001, 0.002, 0.0);
       orders.outward_W = Vec3::UnitZ();
       local.publish(orders);

@@ -26,7 +26,7 @@ TEST_F(NetworkLoops, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAwa
 // The hand moves in the direction of the force, so the force would give it energy all the time.
 TEST_F(NetworkLoops, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
   device.drift = Vec3(0, 0, 1e-4);
-  make({.passive = PassivityController::Mechanics{.mass_kg = 0.1}});
+  make({.passive_mechanics = PassivityController::Mechanics{.mass_kg = 0.1}});
   join(kHaptics, NodeRole::haptics);
   run(200);
   EXPECT_GT(stats().forces, 150U);
@@ -37,7 +37,7 @@ TEST_F(NetworkLoops, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
 TEST_F(NetworkLoops, ATorqueReachesTheMotorsWithinItsOwnLimitOrNotAtAll) {
   device.give_torque(0.2);
   force_reply.torque_nm = Vec3(0.1, 0, 0);
-  make({.tighter = {.max_torque_nm = 0.05}});
+  make({.tighter_limits = {.max_torque_nm = 0.05}});
   join(kHaptics, NodeRole::haptics);
   run(300);
   EXPECT_NEAR(stats().max_torque_nm, 0.05, 1e-9);

@@ -115,7 +115,7 @@ TEST_F(NetworkLoops, ALimitOfZeroGivesNoForceAndAllTheRest) {
 }
 
 TEST_F(NetworkLoops, TighterLimitsHold) {
-  make({.tighter = {.max_force_n = 1.5}});
+  make({.tighter_limits = {.max_force_n = 1.5}});
   join(kHaptics, NodeRole::haptics);
   run(300);
   EXPECT_NEAR(device.written.back().force_n.z(), 1.5, 1e-9);

@@ -41,7 +41,7 @@ TEST_F(PatchMoves, MovesOfObjectsAreConfirmedSoon) {
   const auto confirmed =
       std::find_if(patch_statuses.begin(), patch_statuses.end(), [](const auto& s) { return s.second.newest_move == 3U; });
   ASSERT_NE(confirmed, patch_statuses.end());
-  EXPECT_LE(confirmed->first - said_ns, PatchLink::kSoonNs + 2 * kMs);
+  EXPECT_LE(confirmed->first - said_ns, PatchLink::kMinStatusNs + 2 * kMs);
   const std::size_t told = patch_statuses.size();
   say(kHaptics, move);
   run(60);

@@ -110,7 +110,7 @@ TEST(PatchThread, AfterAClearNothingOfBeforeIsUsed) {
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
   // The request alone ends the force, before the patch thread has dropped its parts.
-  stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clears = 1});
+  stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clear_count = 1});
   stage.time_ns += kMs;
   EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
   EXPECT_TRUE(stage.step_until([&](const auto&) {

@@ -106,7 +106,7 @@ TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   memory.note_new_haptics();
   EXPECT_EQ(memory.find_resume_point(Vec3(0.1, 0, 0)), Vec3(0.1, 0, 0.002));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1 + 2 * kResumeReachM, 0, 0)));
-  memory.forget_rest();
+  memory.forget_probe_position();
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
   memory.note_reply(reply_to(1, false));
   memory.note_new_haptics();
@@ -173,7 +173,7 @@ TEST_F(Memory, AFreeHandIsGivenToANodeThatIsToGoOn) {
     EXPECT_FALSE(memory.find_resume_point(Vec3(0.101, 0, 0)));
   }
   memory.note_resume_request();
-  memory.forget_rest();
+  memory.forget_probe_position();
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.101, 0, 0))) << "the scene was turned";
 }
 

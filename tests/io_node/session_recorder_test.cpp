@@ -251,7 +251,7 @@ TEST_F(Recorders, AFlightRecordThatCannotBeWrittenIsNotCountedAsWritten) {
 
 TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
   std::filesystem::create_directories(flights);
-  for (std::size_t n = 0; n < SessionRecorder::kMaxKept + 5; ++n) {
+  for (std::size_t n = 0; n < SessionRecorder::kMaxKeptFlights + 5; ++n) {
     scratch.write(fmt::format("flight/flight-20000101T0000{:02}.000Z-clamped.hapton", n), "old");
   }
   scratch.write("flight/a letter", "mine");
@@ -259,7 +259,7 @@ TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
   ASSERT_TRUE(recorder.start());
   recorder.on_fault(SessionFault::command_timeout, clock.now_ns());
   ASSERT_TRUE(recorder.stop());
-  EXPECT_EQ(flight_files().size(), SessionRecorder::kMaxKept + 1);
+  EXPECT_EQ(flight_files().size(), SessionRecorder::kMaxKeptFlights + 1);
   EXPECT_FALSE(std::filesystem::exists(flights / "flight-20000101T000000.000Z-clamped.hapton"));
   EXPECT_TRUE(std::filesystem::exists(flights / "a letter"));
 }

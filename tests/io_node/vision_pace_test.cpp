@@ -94,8 +94,8 @@ TEST(VisionPaces, InvisibleMotionSendsOneStatePerFrame) {
   FrameAck same{1, 0, 60.0F};
   same.unchanged = true;
   pace.on_frame_ack(0, same, kMs);
-  EXPECT_EQ(pace.decide(0, state_at(2), kMs + VisionPace::kUnseenNs - 1), Decision::wait);
-  EXPECT_EQ(pace.decide(0, state_at(3), kMs + VisionPace::kUnseenNs), Decision::send);
+  EXPECT_EQ(pace.decide(0, state_at(2), kMs + VisionPace::kUnchangedPauseNs - 1), Decision::wait);
+  EXPECT_EQ(pace.decide(0, state_at(3), kMs + VisionPace::kUnchangedPauseNs), Decision::send);
 }
 
 // While the hand rests, a node that draws all the time repeats its acknowledgement. That must not delay the state when the hand moves.
@@ -116,7 +116,7 @@ TEST(VisionPaces, AnAcknowledgementThatIsToldAgainCountsWhereTheFirstWasLost) {
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   EXPECT_EQ(pace.decide(0, state_at(30), 37 * kMs), Decision::wait);
   pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .unchanged = true}, 38 * kMs);
-  EXPECT_EQ(pace.decide(0, state_at(54), 38 * kMs + VisionPace::kUnseenNs), Decision::send);
+  EXPECT_EQ(pace.decide(0, state_at(54), 38 * kMs + VisionPace::kUnchangedPauseNs), Decision::send);
 }
 
 TEST(VisionPaces, AnUnchangedStateIsNotSent) {
