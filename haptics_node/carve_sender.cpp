@@ -4,7 +4,9 @@
 
 namespace hapton {
 
-CarveSender::CarveSender(std::uint32_t source, std::size_t most) : source_(source), most_(most) { carves_.reserve(most); }
+CarveSender::CarveSender(std::uint32_t source, std::size_t max_entries) : source_(source), max_entries_(max_entries) {
+  carves_.reserve(max_entries);
+}
 
 void CarveSender::note(const MadeCarve& made) noexcept {
   if (made.serial == 1 && newest() > 0) begin_anew();
@@ -26,7 +28,7 @@ void CarveSender::begin_anew() noexcept {
   carves_.clear();
   next_fresh_ = 1;
   next_requested_ = 0;
-  times_again_ = 0;
+  repeats_left_ = 0;
 }
 
 void CarveSender::accept(const CarveStatus& status) noexcept {
@@ -36,19 +38,19 @@ void CarveSender::accept(const CarveStatus& status) noexcept {
 }
 
 std::optional<Carves> CarveSender::take_due(std::int64_t now_ns) noexcept {
-  if (now_ns < next_ns_) return std::nullopt;
+  if (now_ns < next_send_ns_) return std::nullopt;
   const bool has_fresh = next_fresh_ <= newest();
   const bool has_requested = next_requested_ != 0;
-  const bool is_again = !has_fresh && !has_requested && times_again_ > 0 && now_ns >= again_ns_;
-  if (!has_fresh && !has_requested && !is_again) return std::nullopt;
-  next_ns_ = now_ns + kEveryNs;
-  if (is_again) {
-    --times_again_;
-    again_ns_ = now_ns + kAgainNs;
+  const bool is_repeat = !has_fresh && !has_requested && repeats_left_ > 0 && now_ns >= repeat_ns_;
+  if (!has_fresh && !has_requested && !is_repeat) return std::nullopt;
+  next_send_ns_ = now_ns + kEveryNs;
+  if (is_repeat) {
+    --repeats_left_;
+    repeat_ns_ = now_ns + kRepeatNs;
     return gather(find_tail(), newest());
   }
-  was_fresh_ = has_fresh && !(has_requested && was_fresh_);
-  return was_fresh_ ? take_fresh(now_ns) : take_requested();
+  last_was_fresh_ = has_fresh && !(has_requested && last_was_fresh_);
+  return last_was_fresh_ ? take_fresh(now_ns) : take_requested();
 }
 
 // The serial of the first of the newest entries that fit into one datagram.
@@ -60,8 +62,8 @@ std::uint32_t CarveSender::find_tail() const noexcept {
 Carves CarveSender::take_fresh(std::int64_t now_ns) noexcept {
   const Carves fresh = gather(next_fresh_ > kOverlap ? next_fresh_ - kOverlap : 1, newest());
   next_fresh_ = fresh.first + fresh.count;
-  times_again_ = kTimesAgain;
-  again_ns_ = now_ns + kAgainNs;
+  repeats_left_ = kRepeats;
+  repeat_ns_ = now_ns + kRepeatNs;
   return fresh;
 }
 

@@ -23,16 +23,16 @@ class CarveSender {
   static constexpr std::int64_t kEveryNs = 5 * kNanosecondsPerMillisecond;
   // Entries repeated before new ones, and times that the last ones are sent again: most losses then need no request (decision 161).
   static constexpr std::uint32_t kOverlap = 8;
-  static constexpr std::int64_t kAgainNs = 50 * kNanosecondsPerMillisecond;
-  static constexpr int kTimesAgain = 2;
+  static constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
+  static constexpr int kRepeats = 2;
 
-  // source: as in Carves, odd. Takes memory for `most` entries.
-  explicit CarveSender(std::uint32_t source, std::size_t most = kMax);
+  // source: as in Carves, odd. Takes memory for `max_entries` entries.
+  explicit CarveSender(std::uint32_t source, std::size_t max_entries = kMax);
 
   // Adds the next entry. Its serial is newest() + 1, or 1 if other bodies have taken the place of those carved before: then the source
   // changes, as if it were another process. An entry with another serial, or for which there is no memory, is left out.
   void note(const MadeCarve& made) noexcept;
-  bool is_full() const noexcept { return carves_.size() == most_; }
+  bool is_full() const noexcept { return carves_.size() == max_entries_; }
   std::uint32_t source() const noexcept { return source_; }
   std::uint32_t newest() const noexcept { return static_cast<std::uint32_t>(carves_.size()); }
 
@@ -52,14 +52,14 @@ class CarveSender {
   std::uint32_t find_tail() const noexcept;
 
   std::uint32_t source_;
-  std::size_t most_;
+  std::size_t max_entries_;
   std::vector<Carves::One> carves_;   // the index is serial - 1
   std::uint32_t next_fresh_ = 1;      // serial of the first entry that has not been sent yet
   std::uint32_t next_requested_ = 0;  // entries from this serial to before next_fresh_ are sent again; 0: none
-  bool was_fresh_ = false;
-  std::int64_t next_ns_ = 0;
-  std::int64_t again_ns_ = 0;
-  int times_again_ = 0;
+  bool last_was_fresh_ = false;
+  std::int64_t next_send_ns_ = 0;
+  std::int64_t repeat_ns_ = 0;
+  int repeats_left_ = 0;
 };
 
 }  // namespace hapton

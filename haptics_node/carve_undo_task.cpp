@@ -14,13 +14,13 @@ constexpr std::chrono::milliseconds kUndoPollPeriod(5);
 
 }  // namespace
 
-CarveUndoTask::CarveUndoTask(const Sculpture& whole, std::span<const MadeCarve> before) : whole_(whole), copy_(whole) {
-  for (const MadeCarve& made : before) {
+CarveUndoTask::CarveUndoTask(const Sculpture& uncarved, std::span<const MadeCarve> earlier_carves) : uncarved_(uncarved), copy_(uncarved) {
+  for (const MadeCarve& made : earlier_carves) {
     list_.add(made);
     carve(made);
-    last_[made.serial % kMaxMissing] = made;
+    last_entries_[made.serial % kMaxMissing] = made;
   }
-  synced_ = list_.newest();
+  copied_serial_ = list_.newest();
   thread_ = start_thread([this] { run(); });
 }
 
@@ -30,26 +30,26 @@ CarveUndoTask::~CarveUndoTask() {
 }
 
 void CarveUndoTask::note(const MadeCarve& made) noexcept {
-  last_[made.serial % kMaxMissing] = made;
-  if (!noted_->push(made)) has_lost_ = true;
+  last_entries_[made.serial % kMaxMissing] = made;
+  if (!new_entries_->push(made)) has_lost_entries_ = true;
 }
 
 std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
   if (stage_.load(std::memory_order_acquire) != Stage::ready) return std::nullopt;
   const std::uint32_t newest = step.touch().count_carves();
-  if (newest < synced_) {  // the bodies were replaced
-    has_lost_ = true;
+  if (newest < copied_serial_) {  // the bodies were replaced
+    has_lost_entries_ = true;
     stage_.store(Stage::idle, std::memory_order_release);
     return std::nullopt;
   }
-  if (newest - synced_ > kMaxMissing) {
+  if (newest - copied_serial_ > kMaxMissing) {
     stage_.store(Stage::behind, std::memory_order_release);
     return std::nullopt;
   }
-  for (std::uint32_t serial = synced_ + 1; serial <= newest; ++serial) carve(last_[serial % kMaxMissing]);
+  for (std::uint32_t serial = copied_serial_ + 1; serial <= newest; ++serial) carve(last_entries_[serial % kMaxMissing]);
   const CarveRange undone = undone_;
   const bool is_done = newest < Sculpture::kMaxCarves && step.restore_carves(copy_, newest + 1);
-  if (!is_done) has_lost_ = true;  // the bodies were replaced, or no serial is left
+  if (!is_done) has_lost_entries_ = true;  // the bodies were replaced, or no serial is left
   stage_.store(is_done ? Stage::taken : Stage::idle, std::memory_order_release);
   if (!is_done) return std::nullopt;
   return MadeCarve{.serial = newest + 1, .undone = undone};
@@ -83,15 +83,15 @@ void CarveUndoTask::run() {
 // A carve whose undo is already in the list is not carved into the copy: the copy must not have it.
 void CarveUndoTask::catch_up() {
   MadeCarve made;
-  while (noted_->pop(made)) {
+  while (new_entries_->pop(made)) {
     list_.add(made);
     if (list_.is_active(made.serial)) carve(made);
-    synced_ = made.serial;
+    copied_serial_ = made.serial;
   }
 }
 
 bool CarveUndoTask::begin_undo(std::uint32_t serial) {
-  if (has_lost_) {
+  if (has_lost_entries_) {
     log_warning("carves can no longer be undone in this haptics_node: there are too many, or the scene has other bodies; start it again");
     return false;
   }
@@ -107,7 +107,7 @@ bool CarveUndoTask::begin_undo(std::uint32_t serial) {
 void CarveUndoTask::put_back(const CarveRange& range) {
   list_.undo(range);
   for (std::size_t body = 0; body < copy_.bodies().size(); ++body) {
-    restore_undone(list_, copy_.bodies()[body].object, range, whole_.bodies()[body].field, copy_.field(body));
+    restore_undone(list_, copy_.bodies()[body].object, range, uncarved_.bodies()[body].field, copy_.field(body));
   }
 }
 

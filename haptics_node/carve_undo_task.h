@@ -22,8 +22,9 @@ namespace hapton {
 // RT: note, request and work yes. Threads: one caller.
 class CarveUndoTask {
  public:
-  // whole: the bodies in use before any carve; before: what was carved since then. Takes memory for two more copies of the bodies.
-  explicit CarveUndoTask(const Sculpture& whole, std::span<const MadeCarve> before = {});
+  // uncarved: the bodies in use before any carve; earlier_carves: what was carved since then. Takes memory for two more copies of the
+  // bodies.
+  explicit CarveUndoTask(const Sculpture& uncarved, std::span<const MadeCarve> earlier_carves = {});
   ~CarveUndoTask();
   CarveUndoTask(const CarveUndoTask&) = delete;
   CarveUndoTask& operator=(const CarveUndoTask&) = delete;
@@ -50,19 +51,19 @@ class CarveUndoTask {
   void put_back(const CarveRange& range);
   void carve(const MadeCarve& made) noexcept;
 
-  const Sculpture whole_;
+  const Sculpture uncarved_;
   Sculpture copy_;
   // The caller's:
-  std::array<MadeCarve, kMaxMissing> last_ = {};  // the last entries; the index is serial % kMaxMissing
+  std::array<MadeCarve, kMaxMissing> last_entries_ = {};  // the last entries; the index is serial % kMaxMissing
   // The task's:
   CarveList list_;
   // Used by both:
   Mailbox<std::uint32_t> requests_;
-  std::unique_ptr<Ring> noted_ = std::make_unique<Ring>();
-  std::atomic<bool> has_lost_ = false;  // nothing can be undone any more
+  std::unique_ptr<Ring> new_entries_ = std::make_unique<Ring>();
+  std::atomic<bool> has_lost_entries_ = false;  // nothing can be undone any more
   std::atomic<Stage> stage_ = Stage::idle;
-  CarveRange undone_;         // the carves undone in the copy; changes while the task uses the copy
-  std::uint32_t synced_ = 0;  // serial up to which the copy has all entries; changes likewise
+  CarveRange undone_;                // the carves undone in the copy; changes while the task uses the copy
+  std::uint32_t copied_serial_ = 0;  // serial up to which the copy has all entries; changes likewise
   std::atomic<bool> stop_ = false;
   std::thread thread_;  // last: it uses the others
 };

@@ -19,9 +19,9 @@ namespace hapton {
 namespace {
 
 // The time between two checks for a request or a sample, the same as in ToolTask.
-constexpr auto kPause = std::chrono::microseconds(100);
+constexpr auto kGraspPollPeriod = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
-constexpr double kNoticedS = 0.2;
+constexpr double kLogAboveS = 0.2;
 
 std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const Scene& scene) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
@@ -41,9 +41,9 @@ GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutD
                      const MaterialTask& material_task, MethodBuilder& builder, const Clock& clock)
     : options_(std::move(options)),
       scene_(place_objects(scene, put_down)),
-      as_loaded_(scene),
+      loaded_scene_(scene),
       objects_(meshes_of(scene_), options_.shading_crease_rad),
-      mapped_(scene_.objects.size()),
+      mapped_surfaces_(scene_.objects.size()),
       link_(link),
       material_task_(material_task),
       builder_(builder),
@@ -63,7 +63,7 @@ void GraspTask::stop() noexcept {
 
 void GraspTask::run() {
   while (!stop_.load(std::memory_order_acquire)) {
-    if (!run_once()) std::this_thread::sleep_for(kPause);
+    if (!run_once()) std::this_thread::sleep_for(kGraspPollPeriod);
   }
 }
 
@@ -80,10 +80,10 @@ bool GraspTask::run_once() {
 }
 
 bool GraspTask::map_next() {
-  for (std::size_t o = 0; o < mapped_.size(); ++o) {
+  for (std::size_t o = 0; o < mapped_surfaces_.size(); ++o) {
     const SurfaceMaps& maps = scene_.objects[o].effects.maps;
-    if (!maps.is_on() || (mapped_[o] != nullptr && mapped_[o]->triangles() == maps.triangles)) continue;
-    mapped_[o] = std::make_shared<const MappedSurface>(maps.triangles);
+    if (!maps.is_on() || (mapped_surfaces_[o] != nullptr && mapped_surfaces_[o]->triangles() == maps.triangles)) continue;
+    mapped_surfaces_[o] = std::make_shared<const MappedSurface>(maps.triangles);
     return true;
   }
   return false;
@@ -133,7 +133,7 @@ void GraspTask::pick_up(const GraspRequest& request) {
   if (options_.on_tool) options_.on_tool(tool_->tool().coupling());
   link_.replies.publish({request.serial, tool_.get(), describe_tool(*tool_)});
   const double seconds = 1e-9 * static_cast<double>(clock_.now_ns() - begin_ns);
-  if (seconds > kNoticedS) {
+  if (seconds > kLogAboveS) {
     log_info("{} is picked up; its preparation took {:.1f} s", name, seconds);
   } else {
     log_info("{} is picked up", name);
@@ -145,13 +145,13 @@ void GraspTask::put_down(const GraspRequest& request) {
   const auto number = static_cast<std::size_t>(request.object);
   SceneObject& object = scene_.objects[number];
   const SceneObject before = object;
-  move_object(request.moved, as_loaded_.objects[number], object);
+  move_object(request.moved, loaded_scene_.objects[number], object);
   objects_.replace(number, object.mesh);
   const auto made = make_placed_scene(scene_, options_.coupling_n_per_m, ++revision_, request.serial);
   made->touch.built = objects_.build();
   while (map_next()) {
   }
-  made->touch.mapped = mapped_;
+  made->touch.mapped = mapped_surfaces_;
   if (const auto built = builder_.rebuild_for(made); !built) {
     log_warning("{} cannot be put down there: {}; it is back where it was before it was picked up", printable(object.name),
                 built.error().what);

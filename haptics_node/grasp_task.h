@@ -65,9 +65,9 @@ class GraspTask {
 
   Options options_;
   Scene scene_;  // with the objects where they are now
-  Scene as_loaded_;
+  Scene loaded_scene_;
   PreparedObjects objects_;
-  std::vector<std::shared_ptr<const MappedSurface>> mapped_;  // for each object; null: it has no images, or is not prepared yet
+  std::vector<std::shared_ptr<const MappedSurface>> mapped_surfaces_;  // for each object; null: it has no images, or is not prepared yet
   GraspLink& link_;
   const MaterialTask& material_task_;
   MethodBuilder& builder_;

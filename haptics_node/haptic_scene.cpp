@@ -9,21 +9,21 @@
 namespace hapton {
 
 HapticScene::HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideBodyWarning& inside, PatchSender& patches)
-    : find_gains_(std::move(find_gains)), adviser_(adviser), inside_(inside), patches_(patches), scene_(std::move(scene)) {}
+    : find_gains_(std::move(find_gains)), adviser_(adviser), inside_warning_(inside), patch_sender_(patches), scene_(std::move(scene)) {}
 
 void HapticScene::tune(const std::vector<Material>& materials) {
   const std::scoped_lock lock(mutex_);
   tuned_ = materials;
   for (std::size_t o = 0; o < std::min(tuned_.size(), scene_.objects.size()); ++o) scene_.objects[o].material = tuned_[o];
   adviser_.set_gains(find_gains_(scene_));
-  patches_.set_materials(tuned_);
+  patch_sender_.set_materials(tuned_);
 }
 
 void HapticScene::follow(const TouchScene& scene) {
   const std::scoped_lock lock(mutex_);
   tuned_.clear();
   note(scene);
-  patches_.set_scene(scene_, hash_scene(scene_));
+  patch_sender_.set_scene(scene_, hash_scene(scene_));
 }
 
 void HapticScene::place(const TouchScene& scene, std::uint32_t revision) {
@@ -33,14 +33,14 @@ void HapticScene::place(const TouchScene& scene, std::uint32_t revision) {
   TouchScene meshes = scene_;
   meshes.built.reset();
   meshes.mapped.clear();
-  patches_.set_scene(std::move(meshes), 0, revision);
+  patch_sender_.set_scene(std::move(meshes), 0, revision);
 }
 
 void HapticScene::note(const TouchScene& scene) {
   scene_ = scene;
   for (std::size_t o = 0; o < std::min(tuned_.size(), scene_.objects.size()); ++o) scene_.objects[o].material = tuned_[o];
   adviser_.set_gains(find_gains_(scene_));
-  inside_.set_scene(scene_);
+  inside_warning_.set_scene(scene_);
 }
 
 }  // namespace hapton

@@ -35,8 +35,8 @@ class HapticScene {
 
   FindGains find_gains_;
   StiffnessAdviser& adviser_;
-  InsideBodyWarning& inside_;
-  PatchSender& patches_;
+  InsideBodyWarning& inside_warning_;
+  PatchSender& patch_sender_;
   std::mutex mutex_;
   TouchScene scene_;
   std::vector<Material> tuned_;  // materials of the last tune(); empty: those of the scene count

@@ -14,7 +14,7 @@ namespace {
 // The smallest winding number that counts as inside a body. It is whole for a closed body; small holes reduce it slightly.
 constexpr double kMinWinding = 0.9;
 constexpr auto kInsideCheckPeriod = std::chrono::milliseconds(50);
-constexpr int kLooksBetween = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
+constexpr int kPeriodsBetweenChecks = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
 
 }  // namespace
 
@@ -42,11 +42,11 @@ void InsideBodyWarning::set_scene(TouchScene scene) {
 
 // Polls, since to wake this thread would be a system call in the loop that replies to the hub.
 void InsideBodyWarning::run() {
-  for (int rest = 0; !stop_.load();) {
+  for (int periods_left = 0; !stop_.load();) {
     std::this_thread::sleep_for(kInsideCheckPeriod);
-    if (rest-- > 0 || !hands_.take()) continue;
+    if (periods_left-- > 0 || !hands_.take()) continue;
     check(hands_.value());
-    rest = is_inside() ? kLooksBetween : 0;
+    periods_left = is_inside() ? kPeriodsBetweenChecks : 0;
   }
 }
 

@@ -286,8 +286,8 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
   GraspLink grasp_link;
   std::optional<Grasp> grasp;
   set_up_grasp(options, node.start, tool.felt != nullptr, grasp_link, step, grasp);
-  const TouchScene felt_first = couple_scene(scene.touch_scene(), options.method.coupling_n_per_m);
-  PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
+  const TouchScene first_felt_scene = couple_scene(scene.touch_scene(), options.method.coupling_n_per_m);
+  PatchSender patches(first_felt_scene, options.method.probe_radius_m, setup.scene_hash,
                       !has_effects && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
                       {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(node.client, node.clock, step, builder, setup, options.method.build_on_approach, node.facts);
@@ -295,11 +295,11 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
   if (has_effects) loop.set_effects(&node.effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   const auto gains_of = [&](const TouchScene& touched) { return find_felt_gains(tool, grasp.has_value(), touched); };
-  StiffnessAdviser adviser(gains_of(felt_first));
+  StiffnessAdviser adviser(gains_of(first_felt_scene));
   loop.set_stiffness_adviser(&adviser);
-  InsideBodyWarning inside(felt_first);
+  InsideBodyWarning inside(first_felt_scene);
   loop.set_inside_body_warning(&inside);
-  HapticScene felt(felt_first, gains_of, adviser, inside, patches);
+  HapticScene felt(first_felt_scene, gains_of, adviser, inside, patches);
   MaterialTask::DescribeTool describe_tool;
   if (tool) describe_tool = [&](double stiffness_n_per_m) { return tool.describe(stiffness_n_per_m); };
   MaterialTask material_task(

@@ -52,7 +52,7 @@ void MaterialTask::follow(const MaterialState& state) {
 void MaterialTask::follow(const Scene& scene, std::uint32_t revision) {
   const std::scoped_lock lock(followed_mutex_);
   followed_state_.reset();
-  accepted_.reset();
+  accepted_state_.reset();
   followed_scene_.emplace(scene.touch_scene(), revision);
   followed_tuning_.emplace(scene);
 }
@@ -75,7 +75,7 @@ bool MaterialTask::follow_file() {
   tuning_.follow(*state);
   auto result = std::make_unique<TunedMaterials>();
   result->state = tuning_.state();
-  result->state.request = replied_;
+  result->state.request = last_request_;
   add_materials(*result);
   publish(std::move(result));
   return true;
@@ -83,7 +83,7 @@ bool MaterialTask::follow_file() {
 
 std::optional<MaterialState> MaterialTask::accepted() const {
   const std::scoped_lock lock(followed_mutex_);
-  return accepted_;
+  return accepted_state_;
 }
 
 void MaterialTask::add_materials(TunedMaterials& result) const {
@@ -93,15 +93,15 @@ void MaterialTask::add_materials(TunedMaterials& result) const {
   const std::vector<Material> uncoupled = tuned_materials(scene_, tuning_.state(), 0.0);
   for (std::size_t o = 0; o < uncoupled.size(); ++o) tuned.objects[o].material = uncoupled[o];
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(std::move(tuned), coupling_n_per_m_));
-  result.of_tool = {obstacles.stiffness_n_per_m, std::move(obstacles.friction), std::move(obstacles.damping)};
+  result.tool_materials = {obstacles.stiffness_n_per_m, std::move(obstacles.friction), std::move(obstacles.damping)};
   result.tool_method = describe_tool_(obstacles.stiffness_n_per_m);
 }
 
 void MaterialTask::publish(std::unique_ptr<TunedMaterials> result) {
-  result->scene = scene_revision_;
+  result->scene_revision = scene_revision_;
   if (!result->materials.empty()) {
     const std::scoped_lock lock(followed_mutex_);
-    if (!followed_scene_) accepted_ = result->state;  // else they are of a scene that is no longer in use
+    if (!followed_scene_) accepted_state_ = result->state;  // else they are of a scene that is no longer in use
   }
   const std::vector<Material> materials = result->materials;
   result_.store(result.release(), std::memory_order_release);  // before on_tuned_, which may take a while
@@ -115,7 +115,7 @@ void MaterialTask::tune(const MaterialRequest& request) {
   auto result = std::make_unique<TunedMaterials>();
   const auto changed = tuning_.change(request);
   result->state = tuning_.state();
-  result->state.request = replied_ = request.request;
+  result->state.request = last_request_ = request.request;
   if (changed) {
     add_materials(*result);
     log_info("{}", tuning_.describe_last());

@@ -19,11 +19,11 @@ namespace hapton {
 
 // The result of a request: the materials of all objects, or why none is changed.
 struct TunedMaterials {
-  std::vector<Material> materials;            // for ForceMethod::set_materials; empty: rejected
-  std::optional<ToolMaterials> of_tool = {};  // if the stylus holds a rigid tool all the time
-  HapticsSetup::Text tool_method = {};        // then: its text for HapticsSetup::method
-  MaterialState state;                        // without the serial, which is set when the materials come into use
-  std::uint32_t scene = 0;                    // NewScene::revision of the scene that they are for; 0: the first
+  std::vector<Material> materials;                   // for ForceMethod::set_materials; empty: rejected
+  std::optional<ToolMaterials> tool_materials = {};  // if the stylus holds a rigid tool all the time
+  HapticsSetup::Text tool_method = {};               // then: its text for HapticsSetup::method
+  MaterialState state;                               // without the serial, which is set when the materials come into use
+  std::uint32_t scene_revision = 0;                  // NewScene::revision of the scene that they are for; 0: the first
 };
 
 // Checks and computes changes of materials in its own thread, so that the loop that replies to the device only passes on what is ready.
@@ -75,10 +75,10 @@ class MaterialTask {
   Mailbox<MaterialRequest> requests_;
   std::atomic<TunedMaterials*> result_ = nullptr;
   std::atomic<TunedMaterials*> retired_ = nullptr;
-  std::uint32_t replied_ = 0;  // number of the last request
+  std::uint32_t last_request_ = 0;  // number of the last request
   std::uint32_t scene_revision_ = 0;
   mutable std::mutex followed_mutex_;  // guards the four members after it
-  std::optional<MaterialState> accepted_;
+  std::optional<MaterialState> accepted_state_;
   std::optional<MaterialState> followed_state_;                         // from the scene file, not published yet
   std::optional<std::pair<TouchScene, std::uint32_t>> followed_scene_;  // not taken over by the thread yet
   std::optional<MaterialTuning> followed_tuning_;

@@ -21,7 +21,7 @@ MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::wea
     : make_(std::move(make)),
       settings_(std::move(settings)),
       scene_(std::move(scene)),
-      in_use_(std::move(in_use)),
+      method_in_use_(std::move(in_use)),
       thread_(start_thread([this] { run(); })) {}
 
 MethodBuilder::~MethodBuilder() {
@@ -57,7 +57,7 @@ void MethodBuilder::run() {
 }
 
 bool MethodBuilder::prepare() {
-  const std::shared_ptr<ForceMethod> method = in_use_.lock();
+  const std::shared_ptr<ForceMethod> method = method_in_use_.lock();
   return method != nullptr && method->prepare();
 }
 
@@ -86,17 +86,17 @@ void MethodBuilder::build_requested_scene() {
 
 Result<void> MethodBuilder::build_scene(const std::shared_ptr<const NewScene>& scene) {
   auto ready = std::make_unique<BuiltMethod>();
-  std::shared_ptr<ForceMethod> method = scene->keeps_shape ? in_use_.lock() : nullptr;
+  std::shared_ptr<ForceMethod> method = scene->keeps_shape ? method_in_use_.lock() : nullptr;
   MethodSettings settings = settings_;
   if (method == nullptr) {
     settings.build_on_approach = false;
     auto made = make_(settings, scene->touch);
     if (!made) return tl::unexpected(made.error());
-    if (scene->put_down == 0) log_method(**made);
+    if (scene->put_down_serial == 0) log_method(**made);
     method = std::move(*made);
   }
   scene_ = scene->touch;
-  in_use_ = method;
+  method_in_use_ = method;
   ready->step = std::make_unique<TouchStep>(std::move(method), scene->touch);
   put_text(to_text(settings), ready->text);
   ready->scene = scene;
@@ -130,7 +130,7 @@ void MethodBuilder::build(const Request& request) {
   ready->step = std::make_unique<TouchStep>(std::move(*method), scene_);
   put_text(to_text(settings), ready->text);
   ready->request_id = request.request_id;
-  in_use_ = ready->step->share_method();
+  method_in_use_ = ready->step->share_method();
   settings_.name = settings.name;
   publish(std::move(ready));
 }

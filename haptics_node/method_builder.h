@@ -88,7 +88,7 @@ class MethodBuilder {
   TouchScene scene_;
   Mailbox<Request> requests_;
   Mailbox<RejectedMethod> rejections_;
-  std::weak_ptr<ForceMethod> in_use_;  // the method built last; used by the builder's thread only
+  std::weak_ptr<ForceMethod> method_in_use_;  // the method built last; used by the builder's thread only
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;
   std::atomic<std::uint64_t> idle_polls_ = 0;

@@ -6,12 +6,13 @@
 
 namespace hapton {
 
-std::shared_ptr<NewScene> make_placed_scene(const Scene& scene, double coupling_n_per_m, std::uint32_t revision, std::uint32_t put_down) {
+std::shared_ptr<NewScene> make_placed_scene(const Scene& scene, double coupling_n_per_m, std::uint32_t revision,
+                                            std::uint32_t put_down_serial) {
   auto made = std::make_shared<NewScene>();
   made->touch = scene.touch_scene();
   for (const TouchObject& object : made->touch.objects) made->materials.push_back(couple_material(object.material, coupling_n_per_m));
   made->revision = revision;
-  made->put_down = put_down;
+  made->put_down_serial = put_down_serial;
   return made;
 }
 

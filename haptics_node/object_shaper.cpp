@@ -28,9 +28,9 @@ ObjectShaper::Object::Object(std::int32_t number, const SceneObject& object, Str
       method(&streamed),
       maker(streamed, *object.program_shape),
       parts(static_cast<std::uint32_t>(object.mesh->vertices.size())),
-      parts_before(parts.total()),
+      previous_parts(parts.total()),
       start{.source = source, .object = number, .total = parts.total()},
-      again_from(parts.total()) {}
+      resend_from(parts.total()) {}
 
 ObjectShaper::ObjectShaper(const Scene& scene, const TouchStep& touch, std::uint32_t source) {
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
@@ -41,7 +41,7 @@ ObjectShaper::ObjectShaper(const Scene& scene, const TouchStep& touch, std::uint
       objects_.push_back(std::make_unique<Object>(number, scene.objects[o], *streamed, source));
     }
   }
-  for (const auto& object : objects_) object->is_alone = std::count(names_.begin(), names_.end(), object->name) == 1;
+  for (const auto& object : objects_) object->has_unique_name = std::count(names_.begin(), names_.end(), object->name) == 1;
 }
 
 ObjectShaper::~ObjectShaper() {
@@ -61,9 +61,9 @@ void ObjectShaper::run() {
 }
 
 bool ObjectShaper::work() {
-  bool any = false;
-  for (const auto& object : objects_) any = object->maker.work() || any;
-  return any;
+  bool has_work = false;
+  for (const auto& object : objects_) has_work = object->maker.work() || has_work;
+  return has_work;
 }
 
 std::string_view ObjectShaper::name_of(std::int32_t object) const noexcept {
@@ -73,7 +73,7 @@ std::string_view ObjectShaper::name_of(std::int32_t object) const noexcept {
 ObjectShaper::Object* ObjectShaper::find(const ShapeRequest& part) noexcept {
   const std::string_view name = text_of(part.object);
   const auto is_it = [&](const std::unique_ptr<Object>& one) {
-    return name.empty() ? one->start.object == part.number : one->is_alone && one->name == name;
+    return name.empty() ? one->start.object == part.number : one->has_unique_name && one->name == name;
   };
   const auto found = std::find_if(objects_.begin(), objects_.end(), is_it);
   return found != objects_.end() ? found->get() : nullptr;
@@ -112,56 +112,56 @@ void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcep
     return reject(part, number, "the shape has another number of vertices than the mesh; hapton info shows the mesh's number", now_ns);
   }
   if (object->stream != part.stream) {
-    if (object->stream != 0 && now_ns - object->part_ns < kSilentNs) {
+    if (object->stream != 0 && now_ns - object->last_part_ns < kSilentNs) {
       return reject(part, number, "another program deforms this object; it can be replaced 1 s after its last shape", now_ns);
     }
     object->stream = part.stream;
     object->shape = 0;
-    object->is_given = false;
+    object->is_passed_on = false;
     object->parts.clear();
-    object->parts_before.clear();
+    object->previous_parts.clear();
   }
-  object->part_ns = now_ns;
+  object->last_part_ns = now_ns;
   if (part.shape < object->shape) return add_overtaken(*object, part);
-  if (part.shape == object->shape && object->is_given) {
-    const bool is_again = part.part.first == 0 && object->reply.stream == part.stream && object->reply.shape == part.shape;
-    if (is_again) push_reply(object->reply);
+  if (part.shape == object->shape && object->is_passed_on) {
+    const bool is_repeat = part.part.first == 0 && object->reply.stream == part.stream && object->reply.shape == part.shape;
+    if (is_repeat) push_reply(object->reply);
     return;
   }
   if (part.shape != object->shape) begin_shape(*object, part.shape);
   object->parts.add(part.part);
   if (!object->parts.is_whole()) return;
-  give(*object, part, object->parts);
-  object->is_given = true;
-  leave_out_before(*object);
+  pass_on(*object, part, object->parts);
+  object->is_passed_on = true;
+  drop_previous_shape(*object);
 }
 
 // The shape before may still become complete, because parts may overtake one another.
 void ObjectShaper::begin_shape(Object& object, std::uint32_t shape) noexcept {
-  leave_out_before(object);
-  if (!object.is_given) {
-    std::swap(object.parts_before, object.parts);
-    object.shape_before = object.shape;
+  drop_previous_shape(object);
+  if (!object.is_passed_on) {
+    std::swap(object.previous_parts, object.parts);
+    object.previous_shape = object.shape;
   }
   object.parts.clear();
   object.shape = shape;
-  object.is_given = false;
+  object.is_passed_on = false;
 }
 
 void ObjectShaper::add_overtaken(Object& object, const ShapeRequest& part) noexcept {
-  if (object.parts_before.is_empty() || part.shape != object.shape_before) return;  // that shape was left out, or is complete
-  object.parts_before.add(part.part);
-  if (!object.parts_before.is_whole()) return;
-  give(object, part, object.parts_before);
-  object.parts_before.clear();
+  if (object.previous_parts.is_empty() || part.shape != object.previous_shape) return;  // that shape was left out, or is complete
+  object.previous_parts.add(part.part);
+  if (!object.previous_parts.is_whole()) return;
+  pass_on(object, part, object.previous_parts);
+  object.previous_parts.clear();
 }
 
-void ObjectShaper::leave_out_before(Object& object) noexcept {
-  counts_.incomplete += object.parts_before.is_empty() ? 0 : 1;
-  object.parts_before.clear();
+void ObjectShaper::drop_previous_shape(Object& object) noexcept {
+  counts_.incomplete += object.previous_parts.is_empty() ? 0 : 1;
+  object.previous_parts.clear();
 }
 
-void ObjectShaper::give(Object& object, const ShapeRequest& part, const ShapeParts& parts) noexcept {
+void ObjectShaper::pass_on(Object& object, const ShapeRequest& part, const ShapeParts& parts) noexcept {
   WantedShape& draft = object.maker.draft();
   draft.stream = part.stream;
   draft.shape = part.shape;
@@ -173,24 +173,25 @@ void ObjectShaper::give(Object& object, const ShapeRequest& part, const ShapePar
 void ObjectShaper::accept(const ShapeStatus& status, std::int64_t now_ns) noexcept {
   for (const auto& object : objects_) {
     if (object->start.object != status.object || object->start.source != status.source) continue;
-    if (status.count == 0 && object->start.serial == status.serial) object->again_from = std::min(object->again_from, status.first);
+    if (status.count == 0 && object->start.serial == status.serial) object->resend_from = std::min(object->resend_from, status.first);
     if (status.count == 0) continue;
     lossy_until_ns_ = now_ns + kLossyNs;
     const std::uint32_t end = std::min(status.first + status.count, object->start.total);
-    if (again_end_ - again_begin_ < kMaxAgain) again_[again_end_++ % kMaxAgain] = {object.get(), status.serial, status.first, end};
+    if (resends_end_ - resends_begin_ < kMaxResends)
+      resends_[resends_end_++ % kMaxResends] = {object.get(), status.serial, status.first, end};
   }
 }
 
 // A part that the hub has requested again. Requests for shapes that are no longer kept are dropped.
-std::optional<Message> ObjectShaper::take_again(std::int64_t now_ns) noexcept {
-  for (; again_begin_ != again_end_; ++again_begin_) {
-    Again& again = again_[again_begin_ % kMaxAgain];
-    const auto& announced = again.object->announced;
-    const auto is_it = [&](const Object::Announced& one) { return one.serial == again.serial && one.made != nullptr; };
+std::optional<Message> ObjectShaper::take_resend(std::int64_t now_ns) noexcept {
+  for (; resends_begin_ != resends_end_; ++resends_begin_) {
+    Resend& resend = resends_[resends_begin_ % kMaxResends];
+    const auto& announced = resend.object->announced;
+    const auto is_it = [&](const Object::Announced& one) { return one.serial == resend.serial && one.made != nullptr; };
     const auto found = std::find_if(announced.begin(), announced.end(), is_it);
-    if (found == announced.end() || again.first >= again.end) continue;
-    const std::uint32_t first = std::exchange(again.first, again.first + ShapePart::kMaxHere);
-    return make_part(*again.object, again.serial, found->made->wanted, first, now_ns);
+    if (found == announced.end() || resend.first >= resend.end) continue;
+    const std::uint32_t first = std::exchange(resend.first, resend.first + ShapePart::kMaxHere);
+    return make_part(*resend.object, resend.serial, found->made->wanted, first, now_ns);
   }
   return std::nullopt;
 }
@@ -211,12 +212,12 @@ std::int64_t ObjectShaper::find_stage_ns(const Object& object) const noexcept {
 
 std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
   if (pace_.lead_ns == 0) return 0;
-  return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + find_stage_ns(object);
+  return pace_.lead_ns + (is_lossy_ ? pace_.resend_ns : 0) + find_stage_ns(object);
 }
 
 // The shortest time of a motion, so that the surface does not stop between two: the limit of waiting motions must suffice for the lead,
 // each shape takes time to be sent, and to be made ready by a hub that spends at most half of its time on shapes.
-double ObjectShaper::find_least_s(const Object& object) const noexcept {
+double ObjectShaper::find_min_duration_s(const Object& object) const noexcept {
   const std::int64_t of_queue_ns = find_lead_ns(object) / static_cast<std::int64_t>(StreamedMethod::kMaxWaiting - 1);
   const std::int64_t of_parts_ns = ShapePart::count_parts(object.start.total) * pace_.part_ns;
   return 1e-9 * static_cast<double>(std::max({of_queue_ns, of_parts_ns, find_stage_ns(object)}));
@@ -227,17 +228,18 @@ bool ObjectShaper::has_room(const Object& object) const noexcept {
 }
 
 bool ObjectShaper::begin_sending(Object& object, std::int64_t scene_time_ns) noexcept {
-  if (object.start.end_ns > scene_time_ns + kAheadNs + find_lead_ns(object)) return false;
+  if (object.start.end_ns > scene_time_ns + kSendAheadNs + find_lead_ns(object)) return false;
   object.next = object.maker.take();
   if (object.next == nullptr) return false;
-  object.sent_to = 0;
+  object.sent_until = 0;
   sending_ = &object;
   ++serial_;
   return true;
 }
 
 Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
-  const double over_s = StreamedMethod::compute_time_s(*object.next->stage, std::max(object.next->wanted.over_s, find_least_s(object)));
+  const double over_s =
+      StreamedMethod::compute_time_s(*object.next->stage, std::max(object.next->wanted.over_s, find_min_duration_s(object)));
   ShapeStart& start = object.start;
   start.before = start.serial;
   start.serial = serial_;
@@ -248,7 +250,7 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
   (place.made != nullptr ? place.made : object.next)->stage = std::move(used);
   if (place.made != nullptr) object.maker.give_back(std::move(place.made));
   place = {serial_, std::move(object.next)};
-  object.again_from = start.total;
+  object.resend_from = start.total;
   object.reply = {.stream = place.made->wanted.stream,
                   .shape = place.made->wanted.shape,
                   .object = start.object,
@@ -256,7 +258,7 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
                   .serial = start.serial};
   push_reply(object.reply);
   ++counts_.shapes;
-  newest_ = &start;
+  newest_start_ = &start;
   sending_ = nullptr;
   return start;
 }
@@ -284,18 +286,18 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
     next_object_ = (next_object_ + 1) % objects_.size();
     begin_sending(object, step.scene_time_ns());
   }
-  const bool is_whole = sending_ == nullptr || sending_->sent_to >= sending_->start.total;
+  const bool is_whole = sending_ == nullptr || sending_->sent_until >= sending_->start.total;
   // All parts are sent, and few enough motions wait that this one can wait, too.
   if (sending_ != nullptr && is_whole && has_room(*sending_)) return begin_motion(*sending_, step);
   if (now_ns < next_part_ns_) return std::nullopt;
-  if (auto again = take_again(now_ns)) return again;
+  if (auto resend = take_resend(now_ns)) return resend;
   if (!is_whole) {
-    const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMaxHere);
+    const std::uint32_t first = std::exchange(sending_->sent_until, sending_->sent_until + ShapePart::kMaxHere);
     return make_part(*sending_, serial_, sending_->next->wanted, first, now_ns);
   }
   for (const auto& object : objects_) {
-    if (object->again_from >= object->start.total || object->announced_count == 0) continue;
-    const std::uint32_t first = std::exchange(object->again_from, object->again_from + ShapePart::kMaxHere);
+    if (object->resend_from >= object->start.total || object->announced_count == 0) continue;
+    const std::uint32_t first = std::exchange(object->resend_from, object->resend_from + ShapePart::kMaxHere);
     return make_part(*object, object->start.serial, object->present().made->wanted, first, now_ns);
   }
   return std::nullopt;

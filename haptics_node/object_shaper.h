@@ -28,7 +28,7 @@ namespace hapton {
 class ObjectShaper {
  public:
   // The vertices of the next shape are sent once the present motion ends within this time.
-  static constexpr std::int64_t kAheadNs = 20'000'000;
+  static constexpr std::int64_t kSendAheadNs = 20'000'000;
   // Once a program has sent no shape for this time, another program may deform the object.
   static constexpr std::int64_t kSilentNs = 1'000'000'000;
   // The hub is given twice the time that it took lately to make a shape ready, but at least and at most these times for each vertex. The
@@ -59,7 +59,7 @@ class ObjectShaper {
   struct Pace {
     std::int64_t lead_ns = 0;
     std::int64_t part_ns = 0;              // between two parts of shapes
-    std::int64_t again_ns = 0;             // time to send a lost part again: motions begin this much later while parts get lost
+    std::int64_t resend_ns = 0;            // time to send a lost part again: motions begin this much later while parts get lost
     std::int64_t stage_ns_per_vertex = 0;  // time that the hub took lately to make a shape ready; 0: not known
   };
   void set_pace(const Pace& pace) noexcept { pace_ = pace; }
@@ -70,7 +70,7 @@ class ObjectShaper {
   std::size_t count() const noexcept { return objects_.size(); }
   const ShapeStart& newest(std::size_t n) const noexcept { return objects_[n]->start; }
   // The start announced last, of any object; null: none.
-  const ShapeStart* newest() const noexcept { return newest_; }
+  const ShapeStart* newest() const noexcept { return newest_start_; }
 
   struct Counts {
     std::uint64_t shapes = 0;      // announced
@@ -82,23 +82,23 @@ class ObjectShaper {
 
  private:
   static constexpr std::size_t kMaxAnnounced = StreamedMethod::kMaxWaiting + 1;
-  static constexpr std::size_t kMaxAgain = 32;  // requests to send vertices again that are kept
+  static constexpr std::size_t kMaxResends = 32;  // requests to send vertices again that are kept
 
   struct Object {
     Object(std::int32_t number, const SceneObject& object, StreamedMethod& streamed, std::uint32_t source);
 
     std::string name;
-    bool is_alone = false;  // no other object of the scene has that name
+    bool has_unique_name = false;  // no other object of the scene has that name
     StreamedMethod* method;
     ShapeMaker maker;
     ShapeParts parts;
-    ShapeParts parts_before;         // of the shape before, if it was not complete when the newer one began
-    std::uint32_t shape_before = 0;  // number of that shape
-    std::uint32_t stream = 0;        // of the program that deforms it; 0: none yet
-    std::uint32_t shape = 0;         // the shape whose parts arrive
-    bool is_given = false;           // all parts of `shape` have arrived, and the maker has it
-    std::int64_t part_ns = 0;        // when the last part arrived
-    ShapeStart start;                // of the newest shape
+    ShapeParts previous_parts;         // of the shape before, if it was not complete when the newer one began
+    std::uint32_t previous_shape = 0;  // number of that shape
+    std::uint32_t stream = 0;          // of the program that deforms it; 0: none yet
+    std::uint32_t shape = 0;           // the shape whose parts arrive
+    bool is_passed_on = false;         // all parts of `shape` have arrived, and the maker has it
+    std::int64_t last_part_ns = 0;     // when the last part arrived
+    ShapeStart start;                  // of the newest shape
     // The shapes announced last, of which parts can be sent again; the last one is that of `start`.
     struct Announced {
       std::uint32_t serial = 0;  // 0: none
@@ -108,16 +108,16 @@ class ObjectShaper {
     std::size_t announced_count = 0;  // since the start
     const Announced& present() const noexcept { return announced[(announced_count + kMaxAnnounced - 1) % kMaxAnnounced]; }
     std::unique_ptr<MadeShape> next;  // the shape that is being sent
-    std::uint32_t sent_to = 0;        // of next: vertices before this one have been sent
-    std::uint32_t again_from = 0;     // of present(): vertices from here on are sent again
+    std::uint32_t sent_until = 0;     // of next: vertices before this one have been sent
+    std::uint32_t resend_from = 0;    // of present(): vertices from here on are sent again
     ShapeReply reply;                 // to the last shape
   };
 
   Object* find(const ShapeRequest& part) noexcept;
   void begin_shape(Object& object, std::uint32_t shape) noexcept;
   void add_overtaken(Object& object, const ShapeRequest& part) noexcept;
-  void leave_out_before(Object& object) noexcept;
-  void give(Object& object, const ShapeRequest& part, const ShapeParts& parts) noexcept;
+  void drop_previous_shape(Object& object) noexcept;
+  void pass_on(Object& object, const ShapeRequest& part, const ShapeParts& parts) noexcept;
   std::string_view explain(const ShapeRequest& part) const noexcept;
   void reject(const ShapeRequest& part, std::int32_t object, std::string_view why, std::int64_t now_ns) noexcept;
   void push_reply(const ShapeReply& reply) noexcept;
@@ -126,11 +126,11 @@ class ObjectShaper {
   Message begin_motion(Object& object, HapticsStep& step) noexcept;
   std::int64_t find_stage_ns(const Object& object) const noexcept;
   std::int64_t find_lead_ns(const Object& object) const noexcept;
-  double find_least_s(const Object& object) const noexcept;
+  double find_min_duration_s(const Object& object) const noexcept;
   bool has_room(const Object& object) const noexcept;
   Message make_part(const Object& object, std::uint32_t serial, const WantedShape& shape, std::uint32_t first,
                     std::int64_t now_ns) noexcept;
-  std::optional<Message> take_again(std::int64_t now_ns) noexcept;
+  std::optional<Message> take_resend(std::int64_t now_ns) noexcept;
   void run();
 
   static constexpr std::size_t kMaxReplies = 16;  // replies that wait to be sent; a program repeats a shape that gets no reply
@@ -144,21 +144,21 @@ class ObjectShaper {
   std::size_t next_object_ = 0;  // the object that is served first
   std::uint32_t serial_ = 0;
   // Vertices of an announced shape that are to be sent again.
-  struct Again {
+  struct Resend {
     const Object* object = nullptr;
     std::uint32_t serial = 0;
     std::uint32_t first = 0;
     std::uint32_t end = 0;
   };
-  std::array<Again, kMaxAgain> again_ = {};
-  std::size_t again_begin_ = 0;
-  std::size_t again_end_ = 0;
+  std::array<Resend, kMaxResends> resends_ = {};
+  std::size_t resends_begin_ = 0;
+  std::size_t resends_end_ = 0;
   std::int64_t lossy_until_ns_ = 0;
   bool is_lossy_ = false;
   Pace pace_;
   std::int64_t next_part_ns_ = 0;
   std::int64_t next_rejection_ns_ = 0;
-  const ShapeStart* newest_ = nullptr;
+  const ShapeStart* newest_start_ = nullptr;
   Counts counts_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

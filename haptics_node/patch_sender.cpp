@@ -28,8 +28,8 @@ constexpr auto kSenderPollPeriod = std::chrono::milliseconds(4);
 // half a round trip. A move takes another half. The rest is for jitter and, if the round trip is short, for sending the move again.
 constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
 constexpr double kLeadTrips = 1.25;
-constexpr double kMaxLeadTripS = 2.0;  // a longer round trip counts as this
-constexpr double kVelocityS = 0.1;     // time constant of the mean of the hand's velocity
+constexpr double kMaxLeadTripS = 2.0;           // a longer round trip counts as this
+constexpr double kVelocityTimeConstantS = 0.1;  // time constant of the mean of the hand's velocity
 constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
 const char* find_scene_obstacle(const TouchScene& scene) {
@@ -93,7 +93,7 @@ PatchSender::PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t 
       probe_radius_m_(probe_radius_m),
       scene_hash_(scene_hash),
       options_(options),
-      is_served_(is_offered),
+      can_offer_method_(is_offered),
       thread_(start_thread([this] { run(); })) {}
 
 PatchSender::~PatchSender() {
@@ -103,13 +103,13 @@ PatchSender::~PatchSender() {
 
 void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns, std::uint64_t session) noexcept {
   wanted_until_ns_ = status.is_wanted ? now_ns + kWantedNs : 0;
-  hub_ = session;
-  hub_wants_ = status.is_wanted;
-  is_numbered_ = status.request != 0;
+  hub_session_ = session;
+  hub_requests_parts_ = status.is_wanted;
+  numbers_requests_ = status.request != 0;
   // If nothing was withdrawn or offered since the epoch without parts was made, no part was sent after it.
-  const std::uint64_t empty = empty_.load(std::memory_order_acquire);
-  const bool is_present = static_cast<std::uint32_t>(empty >> 32) == withdrawals_.load(std::memory_order_relaxed);
-  if (is_present && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
+  const std::uint64_t empty = empty_epoch_.load(std::memory_order_acquire);
+  const bool is_current = static_cast<std::uint32_t>(empty >> 32) == withdrawals_.load(std::memory_order_relaxed);
+  if (is_current && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
   round_trip_s_ = status.round_trip_s;
   shape_s_per_vertex_ = status.shape_s_per_vertex;
   statuses_.publish({status, now_ns});
@@ -120,12 +120,12 @@ void PatchSender::note_hand(const DeviceState& state, const std::array<float, 12
 }
 
 void PatchSender::note_move(const ObjectMove& move, std::int64_t now_ns) noexcept {
-  if (!sent_.table.take(move)) return;
-  const std::span<const ObjectMove> moves = sent_.table.moves();
+  if (!sent_moves_.table.take(move)) return;
+  const std::span<const ObjectMove> moves = sent_moves_.table.moves();
   for (std::size_t n = 0; n < moves.size(); ++n) {
-    if (moves[n].object == move.object) sent_.sent_ns[n] = now_ns;
+    if (moves[n].object == move.object) sent_moves_.sent_ns[n] = now_ns;
   }
-  moves_.publish(sent_);
+  moves_.publish(sent_moves_);
 }
 
 void PatchSender::note_shape(const ShapeStart& start) noexcept {
@@ -148,13 +148,13 @@ const Message* PatchSender::front() noexcept {
   const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_relaxed);
   std::size_t begin = begin_.load(std::memory_order_relaxed);
   const std::size_t end = end_.load(std::memory_order_acquire);
-  while (begin != end && ring_[begin % kRing].withdrawals != withdrawals) ++begin;
+  while (begin != end && ring_[begin % kRingSlots].withdrawals != withdrawals) ++begin;
   begin_.store(begin, std::memory_order_release);
-  return begin == end ? nullptr : &ring_[begin % kRing].message;
+  return begin == end ? nullptr : &ring_[begin % kRingSlots].message;
 }
 
 std::int64_t PatchSender::find_lead_ns(std::int64_t now_ns) const noexcept {
-  if (!is_wanted(now_ns) || !is_offered() || is_withdrawn(hub_)) return 0;
+  if (!is_wanted(now_ns) || !is_offered() || is_withdrawn(hub_session_)) return 0;
   return kLeadNs + static_cast<std::int64_t>(kLeadTrips * static_cast<double>(round_trip_ns()));
 }
 
@@ -172,7 +172,7 @@ void PatchSender::run() {
     if (has_status) {
       const auto& [status, time_ns] = statuses_.value();
       wanted_until_ns = status.is_wanted ? time_ns + kWantedNs : 0;
-      wants_ = status.is_wanted;
+      wants_parts_ = status.is_wanted;
       request_ = status.request;
       hub_knows_effects_ = status.knows_effects;
       if (source_) source_->accept(status);
@@ -196,7 +196,7 @@ void PatchSender::run() {
 
 // Parts are withdrawn even if no status has arrived for long: the hub may still have them.
 bool PatchSender::must_withdraw(std::uint32_t withdrawals) const noexcept {
-  return withdrawals % 2 == 1 && wants_ && source_ && (source_withdrawals_ != withdrawals || source_->counts().held == 0);
+  return withdrawals % 2 == 1 && wants_parts_ && source_ && (source_withdrawals_ != withdrawals || source_->counts().held == 0);
 }
 
 // Materials that were set for the scene before do not apply to this one.
@@ -204,13 +204,13 @@ void PatchSender::set_scene(TouchScene scene, std::uint64_t scene_hash, std::uin
   const std::scoped_lock lock(scene_mutex_);
   scene_obstacle_.store(find_scene_obstacle(scene), std::memory_order_release);
   next_scene_.emplace(std::move(scene), scene_hash);
-  materials_.clear();
+  next_materials_.clear();
   revision_.store(revision, std::memory_order_release);
 }
 
 void PatchSender::set_materials(const std::vector<Material>& materials) {
   const std::scoped_lock lock(scene_mutex_);
-  materials_ = materials;
+  next_materials_ = materials;
 }
 
 // Takes both at once: freeing the old scene takes time, in which another scene may be set, with materials of its own.
@@ -220,14 +220,14 @@ void PatchSender::follow_scene() {
   {
     const std::scoped_lock lock(scene_mutex_);
     next.swap(next_scene_);
-    materials.swap(materials_);
+    materials.swap(next_materials_);
   }
   if (next) {
     std::tie(scene_, scene_hash_) = std::move(*next);
     source_.reset();
     tiles_.reset();
-    motions_.clear();
-    commanded_.clear();
+    hand_motions_.clear();
+    commanded_motions_.clear();
   }
   if (!materials.empty()) follow_materials(materials);
 }
@@ -257,16 +257,16 @@ void PatchSender::follow_shapes() {
 // Begins the known moves of the bodies of the present parts.
 void PatchSender::begin_moves() {
   for (const ObjectMove& move : moves_.value().table.moves()) {
-    for (std::size_t b = 1; tiles_ && b < commanded_.size(); ++b) {
+    for (std::size_t b = 1; tiles_ && b < commanded_motions_.size(); ++b) {
       const MotionGroup& group = tiles_->bodies[b].group;
-      if (group.commanded >= 0 && group.objects.front() == move.object) commanded_[b].begin(to_command(move));
+      if (group.commanded >= 0 && group.objects.front() == move.object) commanded_motions_[b].begin(to_command(move));
     }
   }
 }
 
 Pose PatchSender::pose_of(std::size_t body, double time_s) const noexcept {
   const MotionGroup& group = tiles_->bodies[body].group;
-  if (group.commanded >= 0) return commanded_[body].pose_at(time_s);
+  if (group.commanded >= 0) return commanded_motions_[body].pose_at(time_s);
   return group.motion != nullptr ? group.motion->pose_at(time_s) : Pose(Pose::Identity());
 }
 
@@ -279,10 +279,10 @@ bool PatchSender::make_parts() {
     return false;
   }
   tiles_ = std::move(tiles);
-  motions_.assign(tiles_->bodies.size(), HandMotion());
-  commanded_.clear();
-  for (const TileBody& body : tiles_->bodies) commanded_.emplace_back(body.pivot_m);
-  hand_ns_ = 0;
+  hand_motions_.assign(tiles_->bodies.size(), HandMotion());
+  commanded_motions_.clear();
+  for (const TileBody& body : tiles_->bodies) commanded_motions_.emplace_back(body.pivot_m);
+  last_hand_ns_ = 0;
   begin_moves();
   const std::string effects =
       tiles_->effects.empty() ? "" : fmt::format(", {:.3g} kB of effects", 1e-3 * static_cast<double>(tiles_->effects.size()));
@@ -296,7 +296,7 @@ void PatchSender::follow_method(std::uint32_t withdrawals) {
   bool offers = withdrawals % 2 == 0 && is_offered() && (tiles_ || make_parts());
   if (offers && !tiles_->effects.empty() && !hub_knows_effects_) {
     offers = false;
-    if (!std::exchange(has_told_of_effects_, true))
+    if (!std::exchange(has_warned_of_effects_, true))
       log_warning("io_node is of an earlier version, which cannot compute effects itself: the force stays remote; update io_node");
   }
   if (source_ && offers == was_offered_ && source_withdrawals_ == withdrawals && source_request_ == request_) return;
@@ -305,7 +305,7 @@ void PatchSender::follow_method(std::uint32_t withdrawals) {
   source_request_ = request_;
   source_ = std::make_unique<PatchSource>(offers ? *tiles_ : make_no_tiles(), probe_radius_m_, scene_hash_, ++epoch_, options_);
   source_->reply_to(request_, method_serial_.load(std::memory_order_relaxed));
-  if (withdrawals % 2 == 1) empty_.store((std::uint64_t{withdrawals} << 32) | epoch_, std::memory_order_release);
+  if (withdrawals % 2 == 1) empty_epoch_.store((std::uint64_t{withdrawals} << 32) | epoch_, std::memory_order_release);
   source_->set_materials(materials_of(scene_));
   for (const ObjectMove& move : moves_.value().table.moves()) source_->note_move(move, -1);
   follow_shapes();
@@ -315,12 +315,12 @@ void PatchSender::follow_hand(const Hand& hand) {
   const auto X_WS = find_rigid_pose(hand.X_WS);
   if (!X_WS) return;
   const Vec3 p_SD = X_WS->inverse(Eigen::Isometry) * hand.p_WD;
-  const double dt_s = 1e-9 * static_cast<double>(hand.time_ns - std::exchange(hand_ns_, hand.time_ns));
-  for (std::size_t body = 0; body < motions_.size(); ++body) {
-    HandMotion& motion = motions_[body];
+  const double dt_s = 1e-9 * static_cast<double>(hand.time_ns - std::exchange(last_hand_ns_, hand.time_ns));
+  for (std::size_t body = 0; body < hand_motions_.size(); ++body) {
+    HandMotion& motion = hand_motions_[body];
     const Vec3 p_OD = pose_of(body, 1e-9 * static_cast<double>(hand.scene_time_ns)).inverse(Eigen::Isometry) * p_SD;
     const Vec3 moved = p_OD - std::exchange(motion.p_SD, p_OD);
-    if (dt_s > 0.0 && dt_s < 1.0) motion.v_SD += std::min(dt_s / kVelocityS, 1.0) * (moved / dt_s - motion.v_SD);
+    if (dt_s > 0.0 && dt_s < 1.0) motion.v_SD += std::min(dt_s / kVelocityTimeConstantS, 1.0) * (moved / dt_s - motion.v_SD);
     source_->aim(motion, body);
   }
 }
@@ -328,10 +328,10 @@ void PatchSender::follow_hand(const Hand& hand) {
 bool PatchSender::fill(std::int64_t now_ns, std::uint32_t withdrawals) {
   const std::size_t first = end_.load(std::memory_order_relaxed);
   std::size_t end = first;
-  while (end - begin_.load(std::memory_order_acquire) < kRing) {
+  while (end - begin_.load(std::memory_order_acquire) < kRingSlots) {
     auto part = source_->take(now_ns);
     if (!part) break;
-    ring_[end % kRing] = {*part, withdrawals, was_offered_};
+    ring_[end % kRingSlots] = {*part, withdrawals, was_offered_};
     end_.store(++end, std::memory_order_release);
   }
   return end != first;

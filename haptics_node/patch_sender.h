@@ -58,7 +58,7 @@ class PatchSender {
   // compute the force, also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
   // To be called when another method is in use, with its can_offer(). A scene with objects that can be carved is never offered.
-  void set_offered(bool is_offered) noexcept { is_served_.store(is_offered, std::memory_order_release); }
+  void set_offered(bool is_offered) noexcept { can_offer_method_.store(is_offered, std::memory_order_release); }
   // True: withdraws all parts, until this is called with false; then the hub gets the parts of the scene again, and starts no patch at the
   // probe of a reply from before method_serial (ForceCommand). Parts that were not sent before a change are never sent.
   void set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept;
@@ -68,12 +68,12 @@ class PatchSender {
     return withdrawals_.load(std::memory_order_relaxed) % 2 == 1 && !(is_requested(session) && has_sent_parts_);
   }
   // Whether the hub of this session requests parts, so that it may have some.
-  bool is_requested(std::uint64_t session) const noexcept { return hub_ == session && hub_wants_; }
+  bool is_requested(std::uint64_t session) const noexcept { return hub_session_ == session && hub_requests_parts_; }
   // Whether the hub numbers its requests (PatchStatus::request) and accepts only parts that reply to the newest one. A hub of an earlier
   // version accepts parts however late they arrive. True before the first status.
-  bool has_numbered_requests() const noexcept { return is_numbered_; }
+  bool has_numbered_requests() const noexcept { return numbers_requests_; }
   // Whether the hub gets parts when it requests them; otherwise the force of this node is used. Threads: any.
-  bool is_offered() const noexcept { return is_served_.load(std::memory_order_acquire) && obstacle().empty(); }
+  bool is_offered() const noexcept { return can_offer_method_.load(std::memory_order_acquire) && obstacle().empty(); }
   // Why the scene cannot be offered with any method, as a clause; empty: it depends on the method. Threads: any.
   std::string_view obstacle() const noexcept { return scene_obstacle_.load(std::memory_order_acquire); }
   // To be called when another scene is felt: its parts are offered, in an epoch of their own. scene_hash 0: not known. revision:
@@ -90,7 +90,7 @@ class PatchSender {
   const Message* front() noexcept;
   void pop() noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
-    has_sent_parts_ = has_sent_parts_ || ring_[begin % kRing].is_offered;
+    has_sent_parts_ = has_sent_parts_ || ring_[begin % kRingSlots].is_offered;
     begin_.store(begin + 1, std::memory_order_release);
   }
 
@@ -100,7 +100,7 @@ class PatchSender {
   }
 
  private:
-  static constexpr std::size_t kRing = 16;  // parts that wait for the reply loop, which sends four after each state
+  static constexpr std::size_t kRingSlots = 16;  // parts that wait for the reply loop, which sends four after each state
   struct Status {
     PatchStatus status;
     std::int64_t time_ns = 0;
@@ -151,26 +151,26 @@ class PatchSender {
   std::atomic<std::int64_t> wanted_until_ns_ = 0;
   std::atomic<float> round_trip_s_ = 0.0F;
   std::atomic<float> shape_s_per_vertex_ = 0.0F;
-  SentMoves sent_;  // used by the caller only
+  SentMoves sent_moves_;  // used by the caller only
   Mailbox<SentMoves> moves_;
   SentShapes sent_shapes_;  // used by the caller only
   Mailbox<SentShapes> shapes_;
   Mailbox<Status> statuses_;
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;
-  std::atomic<bool> is_served_;  // can_offer() of the method in use
+  std::atomic<bool> can_offer_method_;  // can_offer() of the method in use
   std::mutex scene_mutex_;
   std::optional<std::pair<TouchScene, std::uint64_t>> next_scene_;  // the scene set last, with its hash, until the thread takes it over
-  std::vector<Material> materials_;                                 // materials set last, until the thread takes them over; empty: none
+  std::vector<Material> next_materials_;                            // materials set last, until the thread takes them over; empty: none
   std::atomic<std::uint32_t> revision_ = 0;
   std::atomic<std::uint32_t> withdrawals_ = 0;    // counts the changes of set_withdrawn: odd while parts are withdrawn
   std::atomic<std::uint32_t> method_serial_ = 0;  // from set_withdrawn; stored before withdrawals_
-  std::atomic<std::uint64_t> empty_ = 0;          // newest epoch without parts; its upper 32 bits: withdrawals_ when it was made
-  std::uint64_t hub_ = 0;                         // session of the newest status; this and the next three: used by the caller only
-  bool hub_wants_ = false;                        // the hub requests parts, by the newest status
-  bool is_numbered_ = true;                       // the hub numbers its requests, by the newest status
+  std::atomic<std::uint64_t> empty_epoch_ = 0;    // newest epoch without parts; its upper 32 bits: withdrawals_ when it was made
+  std::uint64_t hub_session_ = 0;                 // session of the newest status; this and the next three: used by the caller only
+  bool hub_requests_parts_ = false;               // the hub requests parts, by the newest status
+  bool numbers_requests_ = true;                  // the hub numbers its requests, by the newest status
   bool has_sent_parts_ = false;                   // parts were sent since a hub confirmed that it has none
-  std::array<Part, kRing> ring_;
+  std::array<Part, kRingSlots> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
 
@@ -178,16 +178,16 @@ class PatchSender {
   std::unique_ptr<TiledScene> tiles_;
   std::unique_ptr<PatchSource> source_;
   bool was_offered_ = false;
-  bool wants_ = false;              // the hub requests parts, by its newest status
+  bool wants_parts_ = false;        // the hub requests parts, by its newest status
   bool hub_knows_effects_ = false;  // likewise: the hub can compute effects
-  bool has_told_of_effects_ = false;
+  bool has_warned_of_effects_ = false;
   std::uint32_t request_ = 0;  // PatchStatus::request of the newest status
   std::uint32_t source_request_ = 0;
   std::uint32_t source_withdrawals_ = 0;
   std::uint32_t epoch_ = 0;
-  std::vector<HandMotion> motions_;         // by body
-  std::vector<CommandedMotion> commanded_;  // by body
-  std::int64_t hand_ns_ = 0;
+  std::vector<HandMotion> hand_motions_;            // by body
+  std::vector<CommandedMotion> commanded_motions_;  // by body
+  std::int64_t last_hand_ns_ = 0;
 
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -17,9 +17,9 @@ constexpr std::int64_t kWaitedNs = 20'000;                             // a rece
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change the setup is sent a few times more at this interval, because a datagram may be lost.
-constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kSetupRepeatNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
-constexpr std::size_t kMaxMovesAgain = 16;  // moves of objects that are sent again with each setup
+constexpr std::size_t kMaxMoveRepeats = 16;  // moves of objects that are sent again with each setup
 // Between two requests of programs that are carried out: each move is sent to every vision node.
 constexpr std::int64_t kMoveEveryNs = 4 * kNanosecondsPerMillisecond;
 // A shorter wait for the first reply is not reported. During a longer one vision nodes are notified at the interval below.
@@ -36,7 +36,7 @@ ReplyLoop::ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, Meth
       step_(step),
       builder_(builder),
       setup_(setup),
-      method_(setup.method),
+      method_text_(setup.method),
       scene_(scene),
       builds_on_approach_(builds_on_approach),
       start_ns_(clock.now_ns()) {}
@@ -75,14 +75,14 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
     if (step_.has_state()) is_ready() ? reply() : wait_for_builder();
   }
   withdraw_parts();
-  if (patches_ != nullptr) send_patches();
-  if (undo_ != nullptr) undo_carves();
-  if (carves_ != nullptr) send_carves();
+  if (patch_sender_ != nullptr) send_patches();
+  if (carve_undo_ != nullptr) undo_carves();
+  if (carve_sender_ != nullptr) send_carves();
   change_method();
   change_materials();
   move_objects();
   repeat_move();
-  if (shapes_ != nullptr) deform_objects();
+  if (object_shaper_ != nullptr) deform_objects();
   report_grasp();
   send_setup();
   report_hub_state();
@@ -103,17 +103,17 @@ void ReplyLoop::drain(std::int64_t began_ns) noexcept {
 
 // Sends where objects are before the first reply after a join, because another haptics node may have moved them.
 void ReplyLoop::note_join() noexcept {
-  if (std::exchange(joins_, hub_.counts().joins) == hub_.counts().joins) return;
+  if (std::exchange(handled_joins_, hub_.counts().joins) == hub_.counts().joins) return;
   send_moves();
   send_shape_starts();
-  if (carves_ != nullptr) hub_.send(carves_->announce());
+  if (carve_sender_ != nullptr) hub_.send(carve_sender_->announce());
 }
 
 void ReplyLoop::handle(const Message& message) noexcept {
   if (handle_shape(message)) return;
-  const bool overtaken = hub_.last_arrival() == Arrival::reordered;
+  const bool is_overtaken = hub_.last_arrival() == Arrival::reordered;
   if (const auto* state = std::get_if<DeviceState>(&message)) {
-    if (overtaken) {
+    if (is_overtaken) {
       return;  // a newer one has its reply or is waiting
     }
     if (hub_.session() != session_) {
@@ -126,40 +126,40 @@ void ReplyLoop::handle(const Message& message) noexcept {
     wait_.note(*state, arrival_ns_);
     // Long gaps are expected only if several states come rarely: requested parts may not have arrived yet, and this node's force be felt.
     const std::int64_t gap_ns = state->sample_time_ns - std::exchange(state_ns_, state->sample_time_ns);
-    const bool come_rarely = std::min(gap_ns, std::exchange(state_gap_ns_, gap_ns)) >= kThinnedGapNs;
-    step_.set_thinned(come_rarely && sends_parts(arrival_ns_) && !has_withdrawn());
+    const bool are_states_rare = std::min(gap_ns, std::exchange(state_gap_ns_, gap_ns)) >= kThinnedGapNs;
+    step_.set_thinned(are_states_rare && sends_parts(arrival_ns_) && !has_withdrawn());
     step_.offer(*state);
-    if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) {
-      patches_->note_hand(*state, step_.view().X_WS, state->scene_time_ns >= 0 ? state->scene_time_ns : step_.scene_time_ns());
+    if (patch_sender_ != nullptr && patch_sender_->is_wanted(arrival_ns_)) {
+      patch_sender_->note_hand(*state, step_.view().X_WS, state->scene_time_ns >= 0 ? state->scene_time_ns : step_.scene_time_ns());
     }
   } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
-    if (!overtaken) wants_patches_ = status->is_wanted;
-    if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns(), hub_.session());
+    if (!is_overtaken) wants_patches_ = status->is_wanted;
+    if (!is_overtaken && patch_sender_ != nullptr) patch_sender_->accept(*status, hub_.receive_time_ns(), hub_.session());
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
-    if (!overtaken) step_.turn_scene(*view);
+    if (!is_overtaken) step_.turn_scene(*view);
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
-    scene_shown_ = scene->given_hash;
-    tool_shown_ = scene->tool_hash;
+    shown_scene_hash_ = scene->given_hash;
+    shown_tool_hash_ = scene->tool_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
     // While the hub gets parts of the scene, it computes the force itself, and the round trip does not matter.
     const bool is_remote = !sends_parts(hub_.receive_time_ns()) || has_withdrawn();
-    if (!overtaken && adviser_ != nullptr && is_remote) adviser_->note(*facts);
+    if (!is_overtaken && adviser_ != nullptr && is_remote) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
     if (step_.grasp() != nullptr) step_.grasp()->request_pose(*pose);
   } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
-    if (!overtaken && mover_ != nullptr) mover_->request(*move);
+    if (!is_overtaken && mover_ != nullptr) mover_->request(*move);
   } else if (const auto* missing = std::get_if<CarveStatus>(&message)) {
-    if (!overtaken && carves_ != nullptr) carves_->accept(*missing);
+    if (!is_overtaken && carve_sender_ != nullptr) carve_sender_->accept(*missing);
   } else if (const auto* undo = std::get_if<CarveUndo>(&message)) {
     request_undo(*undo);
   } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
-    if (!overtaken) request_materials(*request);
+    if (!is_overtaken) request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // A requester repeats its request until the reply comes.
-    if (overtaken) return;
+    if (is_overtaken) return;
     if (settings->method_request != 0 && settings->method_request == last_request_) return;
     last_request_ = settings->method_request;
-    if (is_holding() || shapes_ != nullptr) return reject_method(settings->method_request);
+    if (is_holding() || object_shaper_ != nullptr) return reject_method(settings->method_request);
     builder_.request(settings->method, settings->method_request);
   }
 }
@@ -169,7 +169,7 @@ bool ReplyLoop::is_holding() const noexcept { return step_.holds_tool() || (step
 
 void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   setup_.method_request = request;
-  put_text(shapes_ != nullptr         ? "programs deform objects of the scene, which needs the method proxy: it stays in use"
+  put_text(object_shaper_ != nullptr  ? "programs deform objects of the scene, which needs the method proxy: it stays in use"
            : step_.grasp() != nullptr ? "the stylus holds an object, and methods need a probe; put it down, then request again"
                                       : "the stylus holds a rigid tool, and methods need a probe; leave out --tool, or [tool] of the scene",
            setup_.rejection);
@@ -213,30 +213,30 @@ void ReplyLoop::reply() noexcept {
   hub_.send(command);
   compute_times_.record(spent_ns);
   step_times_.record(end_ns - begin_ns);
-  if (inside_ != nullptr) note_hand();
-  if (carves_ != nullptr) note_carve();
+  if (inside_warning_ != nullptr) note_hand();
+  if (carve_sender_ != nullptr) note_carve();
 }
 
 void ReplyLoop::note_hand() noexcept {
   if (std::exchange(free_starts_, step_.free_starts()) != step_.free_starts()) {
-    inside_->note_start(step_.p_STouching());
-  } else if (inside_->is_watching()) {
-    inside_->note_hand(step_.p_STouching(), step_.has_contact());
+    inside_warning_->note_start(step_.p_STouching());
+  } else if (inside_warning_->is_watching()) {
+    inside_warning_->note_hand(step_.p_STouching(), step_.has_contact());
   }
 }
 
 void ReplyLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
-    if (built->scene != nullptr && step_.grasp() != nullptr) step_.grasp()->note_built(built->scene->put_down);
+    if (built->scene != nullptr && step_.grasp() != nullptr) step_.grasp()->note_built(built->scene->put_down_serial);
     if (built->scene == nullptr && is_tuned()) built->step->set_materials(tuned_->materials);
     built->step = step_.replace(std::move(built->step));
-    method_ = built->text;
-    show_method(method_);
+    method_text_ = built->text;
+    show_method(method_text_);
     setup_.material_serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
     if (built->request_id != 0) setup_.method_request = built->request_id;
     setup_.rejection = {};
     if (built->scene != nullptr) take_scene(*built->scene);
-    if (patches_ != nullptr) patches_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
+    if (patch_sender_ != nullptr) patch_sender_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
     show_method_in_use();
     builder_.retire(std::move(built));
     send_setup_soon();
@@ -252,7 +252,7 @@ void ReplyLoop::change_method() noexcept {
 // because the old one is that of another scene.
 void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_revision_ = scene.revision;
-  if (scene.put_down == 0) {
+  if (scene.put_down_serial == 0) {
     material_revision_ = scene.revision;
     describe_scene(scene.hash, scene.facts);
     materials_.object_count = 0;
@@ -263,7 +263,7 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   step_.set_materials(is_tuned() ? tuned_->materials : scene.materials);
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
   // What a vision node has shown until now does not tell whether it shows the new scene.
-  scene_shown_ = scene_reported_ = 0;
+  shown_scene_hash_ = reported_scene_hash_ = 0;
 }
 
 void ReplyLoop::describe_scene(std::uint64_t hash, const SceneFacts& facts) noexcept {
@@ -289,17 +289,17 @@ void ReplyLoop::change_materials() noexcept {
   if (material_task_ == nullptr) return;
   auto result = material_task_->take();
   if (result == nullptr) return;
-  if (result->scene == material_revision_) {
+  if (result->scene_revision == material_revision_) {
     materials_ = result->state;
   } else {
     materials_.request = result->state.request;
     put_text("the scene was read again meanwhile; request it again", materials_.rejection);
   }
-  if (result->scene == material_revision_ && !result->materials.empty()) {
-    if (result->of_tool) {
-      step_.set_materials(result->materials, *result->of_tool);
-      method_ = result->tool_method;
-      show_method(method_);
+  if (result->scene_revision == material_revision_ && !result->materials.empty()) {
+    if (result->tool_materials) {
+      step_.set_materials(result->materials, *result->tool_materials);
+      method_text_ = result->tool_method;
+      show_method(method_text_);
     } else {
       step_.set_materials(result->materials);
     }
@@ -312,10 +312,10 @@ void ReplyLoop::change_materials() noexcept {
 
 void ReplyLoop::send_patches() noexcept {
   for (int n = 0; n < kMaxPatches; ++n) {
-    const Message* part = patches_->front();
+    const Message* part = patch_sender_->front();
     if (part == nullptr) return;
     hub_.send(*part);
-    patches_->pop();
+    patch_sender_->pop();
   }
 }
 
@@ -331,7 +331,7 @@ void ReplyLoop::send_setup() noexcept {
   if (is_new_session) setup_repeats_ = kSetupRepeats;
   setup_session_ = hub_.session();
   setup_sent_ns_ = now_ns;
-  next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupAgainNs : kSetupEveryNs);
+  next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupRepeatNs : kSetupEveryNs);
   setup_repeats_ -= setup_repeats_ > 0 ? 1 : 0;
   setup_.method_serial = static_cast<std::uint32_t>(step_.counts().method_changes);
   setup_.view_revision = step_.view().revision;
@@ -342,7 +342,7 @@ void ReplyLoop::send_setup() noexcept {
   send_poses();
   send_moves();
   send_shape_starts();
-  if (carves_ != nullptr) hub_.send(carves_->announce());
+  if (carve_sender_ != nullptr) hub_.send(carve_sender_->announce());
 }
 
 // After the reply, and one at a time: however many requests come, the force never waits for them. The move is announced before the first
@@ -352,15 +352,15 @@ void ReplyLoop::move_objects() {
   const std::int64_t now_ns = clock_.now_ns();
   if (now_ns < next_move_ns_) return;
   next_move_ns_ = now_ns + kMoveEveryNs;
-  if (patches_ != nullptr) mover_->set_lead_ns(patches_->find_lead_ns(now_ns));
+  if (patch_sender_ != nullptr) mover_->set_lead_ns(patch_sender_->find_lead_ns(now_ns));
   const ObjectMover::Done done = mover_->work(step_);
   if (done.reply.request == 0) return;  // the next one is not due yet
   if (done.move) hub_.send(*done.move);
-  if (done.move && patches_ != nullptr) patches_->note_move(*done.move, now_ns);
+  if (done.move && patch_sender_ != nullptr) patch_sender_->note_move(*done.move, now_ns);
   hub_.send(done.reply);
   if (done.move) {
     move_repeats_ = kSetupRepeats;
-    repeat_move_ns_ = now_ns + kSetupAgainNs;
+    repeat_move_ns_ = now_ns + kSetupRepeatNs;
   }
   report_move(done);
 }
@@ -369,7 +369,7 @@ void ReplyLoop::move_objects() {
 void ReplyLoop::repeat_move() noexcept {
   if (move_repeats_ == 0 || clock_.now_ns() < repeat_move_ns_) return;
   --move_repeats_;
-  repeat_move_ns_ += kSetupAgainNs;
+  repeat_move_ns_ += kSetupRepeatNs;
   const auto by_serial = [](const ObjectMove& a, const ObjectMove& b) { return a.serial < b.serial; };
   hub_.send(*std::max_element(mover_->moves().begin(), mover_->moves().end(), by_serial));
 }
@@ -392,17 +392,17 @@ void ReplyLoop::report_move(const ObjectMover::Done& done) {
 void ReplyLoop::send_moves() noexcept {
   if (mover_ == nullptr || mover_->moves().empty()) return;
   const std::span<const ObjectMove> moves = mover_->moves();
-  for (std::size_t sent = 0; sent < std::min(kMaxMovesAgain, moves.size()); ++sent) {
+  for (std::size_t sent = 0; sent < std::min(kMaxMoveRepeats, moves.size()); ++sent) {
     hub_.send(moves[next_move_]);
     next_move_ = (next_move_ + 1) % moves.size();
   }
 }
 
 void ReplyLoop::report_scene() {
-  if (scene_shown_ == 0 || scene_.given_hash == 0 || scene_shown_ == scene_reported_) return;
-  const bool was_other = scene_reported_ != 0 && scene_reported_ != scene_.given_hash;
-  scene_reported_ = scene_shown_;
-  if (scene_shown_ != scene_.given_hash) {
+  if (shown_scene_hash_ == 0 || scene_.given_hash == 0 || shown_scene_hash_ == reported_scene_hash_) return;
+  const bool was_other = reported_scene_hash_ != 0 && reported_scene_hash_ != scene_.given_hash;
+  reported_scene_hash_ = shown_scene_hash_;
+  if (shown_scene_hash_ != scene_.given_hash) {
     log_warning("vision_node shows another scene than the one touched here; start both with the same --scene, --unit and --no-fit");
   } else if (was_other) {
     log_info("vision_node shows the same scene again");
@@ -410,14 +410,14 @@ void ReplyLoop::report_scene() {
 }
 
 void ReplyLoop::report_shown_tool() {
-  if (tool_shown_ == 0 || scene_.tool_hash == 0 || tool_shown_ == tool_reported_) return;
-  const bool was_other = tool_reported_ != 0 && tool_reported_ != scene_.tool_hash;
-  tool_reported_ = tool_shown_;
-  if (tool_shown_ != scene_.tool_hash) {
+  if (shown_tool_hash_ == 0 || scene_.tool_hash == 0 || shown_tool_hash_ == reported_tool_hash_) return;
+  const bool was_other = reported_tool_hash_ != 0 && reported_tool_hash_ != scene_.tool_hash;
+  reported_tool_hash_ = shown_tool_hash_;
+  if (shown_tool_hash_ != scene_.tool_hash) {
     log_warning("vision_node draws {}; start both with the same --tool, --tool-unit and --tool-grip",
-                scene_.tool_hash == SceneFacts::kNoTool ? "a rigid tool, but the stylus is a probe here"
-                : tool_shown_ == SceneFacts::kNoTool    ? "a probe, but the stylus holds a rigid tool here"
-                                                        : "another rigid tool than the one held here");
+                scene_.tool_hash == SceneFacts::kNoTool   ? "a rigid tool, but the stylus is a probe here"
+                : shown_tool_hash_ == SceneFacts::kNoTool ? "a probe, but the stylus holds a rigid tool here"
+                                                          : "another rigid tool than the one held here");
   } else if (was_other) {
     log_info("vision_node draws the same tool again");
   }
@@ -436,19 +436,19 @@ void ReplyLoop::report_tool() {
 
 // For the picture of vision_node and for hapton top; the log has the warning already.
 void ReplyLoop::report_inside() noexcept {
-  if (inside_ == nullptr || inside_->is_inside() == scene_.is_hand_inside) return;
+  if (inside_warning_ == nullptr || inside_warning_->is_inside() == scene_.is_hand_inside) return;
   scene_.is_hand_inside = !scene_.is_hand_inside;
   send_setup_soon();
 }
 
 std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
-  if (patches_ == nullptr) return "";
-  if (patches_->is_offered()) {
-    const bool is_safe = step_.grasp() == nullptr || patches_->has_numbered_requests();
+  if (patch_sender_ == nullptr) return "";
+  if (patch_sender_->is_offered()) {
+    const bool is_safe = step_.grasp() == nullptr || patch_sender_->has_numbered_requests();
     return is_safe ? "" : "objects of the scene are movable, and io_node is of an older version";
   }
   if (is_holding()) return "the stylus holds a rigid tool";
-  if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
+  if (const std::string_view why = patch_sender_->obstacle(); !why.empty()) return why;
   if (effects_ != nullptr) return "effects from shared libraries are in use";
   const std::string_view method(setup_.method.data());
   return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is not proxy";

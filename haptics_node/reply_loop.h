@@ -33,25 +33,25 @@ class ReplyLoop {
             bool builds_on_approach = false, const SceneFacts& scene = {});
 
   // Before run: offers the hub the scene in parts. Pre: patches outlives this.
-  void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
+  void set_patch_sender(PatchSender* patches) noexcept { patch_sender_ = patches; }
   // Before run: computes changes of materials. Pre: material_task outlives this.
   void set_material_task(MaterialTask* material_task) noexcept { material_task_ = material_task; }
   // Before run: moves objects as programs request. Without a mover, such requests are ignored. Pre: mover outlives this.
   void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
   // Before run: deforms objects as programs request. Without a shaper, such requests are ignored; with one, requests of another method are
   // rejected. Pre: shapes outlives this.
-  void set_object_shaper(ObjectShaper* shapes) noexcept { shapes_ = shapes; }
+  void set_object_shaper(ObjectShaper* shapes) noexcept { object_shaper_ = shapes; }
   // Before run: keeps and sends the carves that the stylus makes. Pre: carves outlives this.
-  void set_carve_sender(CarveSender* carves) noexcept { carves_ = carves; }
+  void set_carve_sender(CarveSender* carves) noexcept { carve_sender_ = carves; }
   // Before run: undoes carves on request. Pre: undo outlives this; set_carve_sender was called.
-  void set_carve_undo(CarveUndoTask* undo) noexcept { undo_ = undo; }
+  void set_carve_undo(CarveUndoTask* undo) noexcept { carve_undo_ = undo; }
   // Before run: the effects from shared libraries that the step adds. The loop logs each of them that is cut off, and each method from a
   // shared library that is cut off. Pre: effects outlives this.
   void set_effects(PluginEffects* effects);
   // Before run: gets the hub's LoopFacts. Pre: adviser outlives this.
   void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
   // Before run: warns if the hand is inside a body from the start. Pre: inside outlives this.
-  void set_inside_body_warning(InsideBodyWarning* inside) noexcept { inside_ = inside; }
+  void set_inside_body_warning(InsideBodyWarning* inside) noexcept { inside_warning_ = inside; }
 
   // Before run: the longest time to spin for a device state (StateWait).
   void set_longest_spin(std::int64_t longest_ns) noexcept { wait_.set_longest_spin(longest_ns); }
@@ -78,14 +78,14 @@ class ReplyLoop {
   void reject_method(std::uint32_t request) noexcept;
   void change_method() noexcept;
   void change_materials() noexcept;
-  bool is_tuned() const noexcept { return tuned_ != nullptr && tuned_->scene == material_revision_; }
+  bool is_tuned() const noexcept { return tuned_ != nullptr && tuned_->scene_revision == material_revision_; }
   void take_scene(const NewScene& scene) noexcept;
   void describe_scene(std::uint64_t hash, const SceneFacts& facts) noexcept;
   void send_patches() noexcept;
   bool sends_parts(std::int64_t now_ns) const noexcept {
-    return patches_ != nullptr && patches_->is_offered() && patches_->is_wanted(now_ns);
+    return patch_sender_ != nullptr && patch_sender_->is_offered() && patch_sender_->is_wanted(now_ns);
   }
-  bool has_withdrawn() const noexcept { return patches_ != nullptr && patches_->is_withdrawn(hub_.session()); }
+  bool has_withdrawn() const noexcept { return patch_sender_ != nullptr && patch_sender_->is_withdrawn(hub_.session()); }
   void show_method(const HapticsSetup::Text& method) noexcept;
   void show_method_in_use() noexcept;
   void send_setup_soon() noexcept;
@@ -125,10 +125,10 @@ class ReplyLoop {
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
-  HapticsSetup::Text method_ = {};        // of the probe or the scene's tool, without effects from shared libraries
+  HapticsSetup::Text method_text_ = {};   // of the probe or the scene's tool, without effects from shared libraries
   HapticsSetup::Text effects_text_ = {};  // text of these effects
   SceneFacts scene_;
-  PatchSender* patches_ = nullptr;
+  PatchSender* patch_sender_ = nullptr;
   std::string_view patch_obstacle_reported_;                 // logged for a hub that requests parts; empty: none
   static constexpr std::int64_t kThinnedGapNs = 40'000'000;  // the hub sends 20 states a second while it computes the force
   std::int64_t state_ns_ = 0;                                // sample time of the newest state
@@ -138,18 +138,18 @@ class ReplyLoop {
   PluginEffects* effects_ = nullptr;
   bool is_method_cut_off_ = false;  // as logged last
   StiffnessAdviser* adviser_ = nullptr;
-  InsideBodyWarning* inside_ = nullptr;
-  std::uint32_t free_starts_ = 0;  // HapticsStep::free_starts(), as passed to inside_
+  InsideBodyWarning* inside_warning_ = nullptr;
+  std::uint32_t free_starts_ = 0;  // HapticsStep::free_starts(), as passed to inside_warning_
   MaterialTask* material_task_ = nullptr;
-  std::unique_ptr<TunedMaterials> tuned_;  // in use while is_tuned(); otherwise the materials of the scene file are in use
-  std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
-  std::uint32_t material_revision_ = 0;    // revision that the materials came with: a scene with an object put down keeps them
-  const PlacedScene* placed_ = nullptr;    // facts of a scene that may not be in use yet; null: none
+  std::unique_ptr<TunedMaterials> tuned_;      // in use while is_tuned(); otherwise the materials of the scene file are in use
+  std::uint32_t scene_revision_ = 0;           // NewScene::revision of the scene in use
+  std::uint32_t material_revision_ = 0;        // revision that the materials came with: a scene with an object put down keeps them
+  const PlacedScene* placed_scene_ = nullptr;  // facts of a scene that may not be in use yet; null: none
   MaterialState materials_;
-  std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
-  std::uint64_t scene_reported_ = 0;  // scene_shown_ when it was logged last
-  std::uint64_t tool_shown_ = 0;      // SceneFacts::tool_hash that a vision node last reported; 0: none
-  std::uint64_t tool_reported_ = 0;   // tool_shown_ when it was logged last
+  std::uint64_t shown_scene_hash_ = 0;     // hash of the scene that a vision node last reported; 0: none
+  std::uint64_t reported_scene_hash_ = 0;  // shown_scene_hash_ when it was logged last
+  std::uint64_t shown_tool_hash_ = 0;      // SceneFacts::tool_hash that a vision node last reported; 0: none
+  std::uint64_t reported_tool_hash_ = 0;   // shown_tool_hash_ when it was logged last
   bool builds_on_approach_;
   std::optional<std::uint64_t> idle_polls_before_;  // MethodBuilder::idle_polls() at the call of announce_start
   std::int64_t next_setup_ns_ = 0;
@@ -170,16 +170,16 @@ class ReplyLoop {
   bool is_tool_blocked_ = false;   // as logged last
   std::uint32_t pose_serial_ = 0;  // Grasp::pose_serial(), as sent last
   std::size_t next_pose_ = 0;      // index of the pose to be sent again next
-  CarveSender* carves_ = nullptr;
-  CarveUndoTask* undo_ = nullptr;
+  CarveSender* carve_sender_ = nullptr;
+  CarveUndoTask* carve_undo_ = nullptr;
   bool are_carves_full_ = false;  // as logged last
-  ObjectShaper* shapes_ = nullptr;
+  ObjectShaper* object_shaper_ = nullptr;
   std::int64_t repeat_start_ns_ = 0;    // when the newest start of a shape is sent again
   int start_repeats_ = 0;               // how often it is still sent again
   std::int64_t last_shape_ns_ = 0;      // when a shape was announced last
   std::int64_t shape_rejected_ns_ = 0;  // when a rejected shape was logged last
   ObjectMover* mover_ = nullptr;
-  std::uint64_t joins_ = 0;            // HubClient::counts().joins, as handled by note_join() last
+  std::uint64_t handled_joins_ = 0;    // HubClient::counts().joins, as handled by note_join() last
   std::size_t next_move_ = 0;          // index in mover_->moves() of the move to be sent again next
   std::int64_t next_move_ns_ = 0;      // before this time no request is carried out
   std::int64_t repeat_move_ns_ = 0;    // when the newest move is sent again

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxPosesAgain = 16;  // poses of objects that are sent again with each setup
+constexpr std::size_t kMaxPoseRepeats = 16;  // poses of objects that are sent again with each setup
 
 }  // namespace
 
@@ -17,16 +17,16 @@ constexpr std::size_t kMaxPosesAgain = 16;  // poses of objects that are sent ag
 // parts again only of the scene in use. A hub of an earlier version gets none: it would use parts with the old place, even late ones.
 void ReplyLoop::withdraw_parts() noexcept {
   Grasp* grasp = step_.grasp();
-  if (patches_ == nullptr || grasp == nullptr) return;
-  const bool is_object_away = grasp->is_object_away(!patches_->is_requested(hub_.session()));
-  const bool is_placed = patches_->revision() == scene_revision_;
-  const bool is_safe = patches_->has_numbered_requests();
-  patches_->set_withdrawn(is_object_away || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().method_changes));
-  grasp->set_may_leave(patches_->is_withdrawn(hub_.session()));
+  if (patch_sender_ == nullptr || grasp == nullptr) return;
+  const bool is_object_away = grasp->is_object_away(!patch_sender_->is_requested(hub_.session()));
+  const bool is_placed = patch_sender_->revision() == scene_revision_;
+  const bool is_safe = patch_sender_->has_numbered_requests();
+  patch_sender_->set_withdrawn(is_object_away || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().method_changes));
+  grasp->set_may_leave(patch_sender_->is_withdrawn(hub_.session()));
 }
 
-// Sends the pose that changed last, and up to kMaxPosesAgain poses in turn: a datagram may be lost, and a vision node may come from another
-// session.
+// Sends the pose that changed last, and up to kMaxPoseRepeats poses in turn: a datagram may be lost, and a vision node may come from
+// another session.
 void ReplyLoop::send_poses() noexcept {
   if (step_.grasp() == nullptr) return;
   const std::span<const ObjectPose> poses = step_.grasp()->poses();
@@ -34,7 +34,7 @@ void ReplyLoop::send_poses() noexcept {
     if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
   }
   std::size_t sent = 0;
-  for (std::size_t looked = 0; looked < poses.size() && sent < kMaxPosesAgain; ++looked) {
+  for (std::size_t looked = 0; looked < poses.size() && sent < kMaxPoseRepeats; ++looked) {
     const ObjectPose& pose = poses[next_pose_];
     next_pose_ = (next_pose_ + 1) % poses.size();
     if (pose.serial == 0) continue;
@@ -46,17 +46,17 @@ void ReplyLoop::send_poses() noexcept {
 // A method that is built while the stylus holds an object computes no force, and so is not shown, until the object is put down.
 void ReplyLoop::show_method_in_use() noexcept {
   const bool holds_object = step_.grasp() != nullptr && step_.holds_tool();
-  show_method(holds_object ? step_.grasp()->method() : method_);
+  show_method(holds_object ? step_.grasp()->method() : method_text_);
 }
 
 // While the stylus holds an object, the setup names another method. A pose that has changed is sent at once.
 void ReplyLoop::report_grasp() noexcept {
   Grasp* grasp = step_.grasp();
   if (grasp == nullptr) return;
-  if (const PlacedScene* placed = grasp->take_placed()) placed_ = placed;
-  if (placed_ != nullptr && placed_->revision == scene_revision_) {
-    describe_scene(placed_->hash, placed_->facts);
-    placed_ = nullptr;
+  if (const PlacedScene* placed = grasp->take_placed()) placed_scene_ = placed;
+  if (placed_scene_ != nullptr && placed_scene_->revision == scene_revision_) {
+    describe_scene(placed_scene_->hash, placed_scene_->facts);
+    placed_scene_ = nullptr;
     send_setup_soon();
   }
   if (grasp->pose_serial() == pose_serial_) return;
@@ -64,7 +64,7 @@ void ReplyLoop::report_grasp() noexcept {
   if (step_.holds_tool()) {
     show_method(grasp->method());
   } else if (!grasp->is_busy()) {
-    show_method(method_);
+    show_method(method_text_);
   }
   send_setup_soon();
 }

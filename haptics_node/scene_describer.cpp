@@ -27,7 +27,7 @@ SceneDescriber::~SceneDescriber() {
 void SceneDescriber::describe(const Scene& scene, std::uint32_t revision) {
   {
     const std::lock_guard lock(mutex_);
-    next_.emplace(Request{scene, revision});
+    next_request_.emplace(Request{scene, revision});
   }
   changed_.notify_one();
 }
@@ -37,9 +37,9 @@ void SceneDescriber::run() {
     std::optional<Request> request;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return stops_ || next_.has_value(); });
+      changed_.wait(lock, [this] { return stops_ || next_request_.has_value(); });
       if (stops_) return;
-      request = std::exchange(next_, std::nullopt);
+      request = std::exchange(next_request_, std::nullopt);
     }
     placed_.publish(describe_(request->scene, request->revision));
   }

@@ -45,7 +45,7 @@ class SceneDescriber {
   Describe describe_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Request> next_;
+  std::optional<Request> next_request_;
   bool stops_ = false;
   std::thread thread_;
 };

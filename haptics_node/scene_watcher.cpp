@@ -64,8 +64,8 @@ std::string_view describe(SceneChange change) {
 
 SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTask& material_task, MethodBuilder& builder)
     : options_(std::move(options)),
-      base_(scene),
-      used_(std::move(scene)),
+      built_scene_(scene),
+      scene_in_use_(std::move(scene)),
       material_task_(material_task),
       builder_(builder),
       file_(options_.path) {}
@@ -112,37 +112,37 @@ SceneWatcher::Outcome SceneWatcher::poll() {
 
 // False: the log says why.
 bool SceneWatcher::may_replace(const Scene& scene) const {
-  if (tool_of(scene) != tool_of(used_)) {
+  if (tool_of(scene) != tool_of(scene_in_use_)) {
     log_warning("{}: [tool] has changed: start haptics_node again to use it; the present scene stays in use", options_.path.string());
     return false;
   }
-  if (!suits_held(base_, used_, scene, options_.has_tool)) {
+  if (!suits_held(built_scene_, scene_in_use_, scene, options_.has_tool)) {
     log_warning(
         "{}: the stylus {} this scene, so only stiffness, damping and friction may change, of {} objects at most, and more than these has "
         "changed: start haptics_node again to use it; the present scene stays in use",
         options_.path.string(), options_.has_tool ? "holds a rigid tool in" : "picks up objects of", MaterialState::kMaxObjects);
     return false;
   }
-  if (!has_same_plugins(used_, scene)) {
+  if (!has_same_plugins(scene_in_use_, scene)) {
     log_warning("{}: its plug-ins have changed: start haptics_node again to use it; the present scene stays in use",
                 options_.path.string());
     return false;
   }
-  if (!has_same_commanded(used_, scene)) {
+  if (!has_same_commanded(scene_in_use_, scene)) {
     log_warning(
         "{}: programs move objects of this scene, and their shapes, their poses at rest, or the names or the number of all objects have "
         "changed: start haptics_node again to use it; the present scene stays in use",
         options_.path.string());
     return false;
   }
-  if (!has_same_sculpt(used_, scene)) {
+  if (!has_same_sculpt(scene_in_use_, scene)) {
     log_warning(
         "{}: objects of this scene can be carved, and the shapes of its objects have changed: start haptics_node again to use it; the "
         "present scene stays in use",
         options_.path.string());
     return false;
   }
-  if (!has_same_program_shapes(used_, scene)) {
+  if (!has_same_program_shapes(scene_in_use_, scene)) {
     log_warning(
         "{}: programs deform objects of this scene, and the shapes or the names of its objects have changed: start haptics_node again "
         "to use it; the present scene stays in use",
@@ -153,15 +153,15 @@ bool SceneWatcher::may_replace(const Scene& scene) const {
 }
 
 SceneWatcher::Outcome SceneWatcher::take(Scene scene) {
-  const SceneChange change = compare_scenes(used_, scene);
+  const SceneChange change = compare_scenes(scene_in_use_, scene);
   if (change == SceneChange::none) {
     log_info("{} was read again: nothing that affects the forces has changed", options_.path.string());
     return Outcome::same;
   }
   if (change == SceneChange::materials) {
-    if (const auto state = describe_materials(base_, scene)) {
+    if (const auto state = describe_materials(built_scene_, scene)) {
       material_task_.follow(*state);
-      used_ = std::move(scene);
+      scene_in_use_ = std::move(scene);
       log_info("{} was read again: its materials fade in", options_.path.string());
       return Outcome::materials;
     }
@@ -180,8 +180,8 @@ SceneWatcher::Outcome SceneWatcher::take_scene(Scene scene, SceneChange change) 
   material_task_.follow(scene, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} was read again: {}", options_.path.string(), describe(change));
-  base_ = scene;
-  used_ = std::move(scene);
+  built_scene_ = scene;
+  scene_in_use_ = std::move(scene);
   return Outcome::scene;
 }
 

@@ -60,8 +60,8 @@ class SceneWatcher {
   Outcome take_scene(Scene scene, SceneChange change);
 
   Options options_;
-  Scene base_;  // for which the method in use was made; MaterialTask::follow gets the differences from it
-  Scene used_;  // read last of those that came into use
+  Scene built_scene_;   // for which the method in use was made; MaterialTask::follow gets the differences from it
+  Scene scene_in_use_;  // read last of those that came into use
   MaterialTask& material_task_;
   MethodBuilder& builder_;
   FileWatch file_;

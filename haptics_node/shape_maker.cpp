@@ -17,7 +17,7 @@ WantedShape make_rest(std::size_t vertices) {
 }  // namespace
 
 ShapeMaker::ShapeMaker(const StreamedMethod& method, const ProgramShape& shape)
-    : stager_(method.stager()), shape_(shape), wanted_(make_rest(stager_.rest().size())), base_(method.current_stage().to) {}
+    : stager_(method.stager()), shape_(shape), wanted_(make_rest(stager_.rest().size())), next_start_(method.current_stage().to) {}
 
 ShapeMaker::~ShapeMaker() {
   delete made_.load();
@@ -31,7 +31,7 @@ std::unique_ptr<MadeShape> ShapeMaker::take() noexcept {
 }
 
 void ShapeMaker::note_taken() noexcept {
-  base_ = std::move(offered_to_);
+  next_start_ = std::move(offered_end_);
   offered_ = nullptr;
 }
 
@@ -50,7 +50,7 @@ bool ShapeMaker::work() {
   if (!is_pending_) return false;
   const WantedShape& wanted = wanted_.value();
   std::vector<Vec3> to = shape_.vertices_of(stager_.rest(), wanted.displacements_m);
-  auto stage = stager_.make(base_, to);
+  auto stage = stager_.make(next_start_, to);
   if (!stage) {
     reject(stage.error().what);
     is_pending_ = false;
@@ -66,7 +66,7 @@ bool ShapeMaker::work() {
   }
   delete before;
   offered_ = made.release();
-  offered_to_ = std::move(to);
+  offered_end_ = std::move(to);
   is_pending_ = false;
   return true;
 }

@@ -70,10 +70,10 @@ class ShapeMaker {
   std::atomic<MadeShape*> made_ = nullptr;
   std::atomic<MadeShape*> retired_ = nullptr;
   // Used by work() only:
-  std::vector<Vec3> base_;        // vertices where the stage taken last ends
-  MadeShape* offered_ = nullptr;  // last put into made_; not to be dereferenced, as the loop may have taken it
-  std::vector<Vec3> offered_to_;  // vertices where its stage ends
-  bool is_pending_ = false;       // wanted_.value() is not ready yet
+  std::vector<Vec3> next_start_;   // vertices where the stage taken last ends
+  MadeShape* offered_ = nullptr;   // last put into made_; not to be dereferenced, as the loop may have taken it
+  std::vector<Vec3> offered_end_;  // vertices where its stage ends
+  bool is_pending_ = false;        // wanted_.value() is not ready yet
 };
 
 }  // namespace hapton

@@ -5,13 +5,13 @@
 namespace hapton {
 
 bool StateWait::receive(Datagram& datagram, std::int64_t deadline_ns) noexcept {
-  const auto due_ns = longest_ns_ > 0 ? forecast_.find_next_ns() : std::nullopt;
+  const auto due_ns = longest_spin_ns_ > 0 ? forecast_.find_next_ns() : std::nullopt;
   if (!due_ns) return hub_.receive(datagram, deadline_ns);
   const std::int64_t period_ns = forecast_.period_ns();
-  const std::int64_t longest_ns = std::min(longest_ns_, period_ns / 2);
+  const std::int64_t longest_ns = std::min(longest_spin_ns_, period_ns / 2);
   // Wakes at most longest_ns / 2 before the state is due, and at least an eighth: arrival times in the forecast include late wake-ups.
   const std::int64_t wake_ns = *due_ns - std::clamp(wake_up_.margin_ns(period_ns), longest_ns / 8, longest_ns / 2);
-  const auto least_sleep_ns = static_cast<std::int64_t>(kMinSleep * static_cast<double>(period_ns));
+  const auto least_sleep_ns = static_cast<std::int64_t>(kMinSleepShare * static_cast<double>(period_ns));
   if (wake_ns - clock_.now_ns() < least_sleep_ns || wake_ns >= deadline_ns || !trial_.may_spin()) {
     return hub_.receive(datagram, deadline_ns);
   }

@@ -16,13 +16,13 @@ namespace hapton {
 class StateWait {
  public:
   // The thread sleeps for at least this share of each period, so that a loop of real-time priority is never throttled.
-  static constexpr double kMinSleep = 0.25;
+  static constexpr double kMinSleepShare = 0.25;
 
   StateWait(HubClient& hub, const Clock& clock) noexcept : hub_(hub), clock_(clock) {}
 
   // Sets the longest time to spin for a state; half a period is a limit as well. 0: the thread sleeps until a state arrives.
   void set_longest_spin(std::int64_t longest_ns) noexcept {
-    longest_ns_ = longest_ns;
+    longest_spin_ns_ = longest_ns;
     wake_up_.set_margin_ns(longest_ns / 2);  // starts large: if a state arrives before the wake-up, SpinTrial counts that against spinning
   }
 
@@ -45,7 +45,7 @@ class StateWait {
 
   HubClient& hub_;
   const Clock& clock_;
-  std::int64_t longest_ns_ = 0;
+  std::int64_t longest_spin_ns_ = 0;
   ArrivalForecast forecast_;
   AdaptiveSpin wake_up_{1.0};
   SpinTrial trial_;

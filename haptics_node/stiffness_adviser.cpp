@@ -158,7 +158,7 @@ StiffnessAdviser::StiffnessAdviser(const LargestGains& gains)
       damping_ns_per_m_(gains.damping_ns_per_m),
       viscosity_ns_per_m_(gains.viscosity_ns_per_m),
       rotational_nm_per_rad_(gains.rotational_nm_per_rad),
-      considered_gains_(gains),
+      checked_gains_(gains),
       thread_(start_thread([this] { run(); })) {}
 
 StiffnessAdviser::~StiffnessAdviser() {
@@ -202,7 +202,7 @@ void StiffnessAdviser::run() {
   while (!stop_.load()) {
     if (facts_.take()) consider(facts_.value());
     const LargestGains now = read_gains();
-    const LargestGains before = std::exchange(considered_gains_, now);
+    const LargestGains before = std::exchange(checked_gains_, now);
     const LargestGains risen{.stiffness_n_per_m = if_risen(before.stiffness_n_per_m, now.stiffness_n_per_m),
                              .cause = now.cause,
                              .by_place_n_per_m = if_risen(before.by_place_n_per_m, now.by_place_n_per_m),
@@ -211,18 +211,18 @@ void StiffnessAdviser::run() {
                              .damping_ns_per_m = if_risen(before.damping_ns_per_m, now.damping_ns_per_m),
                              .viscosity_ns_per_m = if_risen(before.viscosity_ns_per_m, now.viscosity_ns_per_m),
                              .rotational_nm_per_rad = if_risen(before.rotational_nm_per_rad, now.rotational_nm_per_rad)};
-    if (risen.any()) advise(considered_, risen);
+    if (risen.any()) advise(checked_facts_, risen);
     checks_.fetch_add(1, std::memory_order_release);
     std::this_thread::sleep_for(kPeriod);
   }
 }
 
 void StiffnessAdviser::consider(const LoopFacts& facts) {
-  const bool is_same_loop = facts.device == considered_.device && facts.servo_rate_hz == considered_.servo_rate_hz &&
-                            facts.max_torque_nm == considered_.max_torque_nm;
-  if (is_same_loop && facts.round_trip_s < static_cast<float>(kMuchSlower) * considered_.round_trip_s) return;
-  considered_ = facts;
-  advise(facts, considered_gains_);
+  const bool is_same_loop = facts.device == checked_facts_.device && facts.servo_rate_hz == checked_facts_.servo_rate_hz &&
+                            facts.max_torque_nm == checked_facts_.max_torque_nm;
+  if (is_same_loop && facts.round_trip_s < static_cast<float>(kMuchSlower) * checked_facts_.round_trip_s) return;
+  checked_facts_ = facts;
+  advise(facts, checked_gains_);
 }
 
 void StiffnessAdviser::advise(const LoopFacts& facts, const LargestGains& gains) {

@@ -75,8 +75,8 @@ class StiffnessAdviser {
   std::atomic<double> viscosity_ns_per_m_;
   std::atomic<double> rotational_nm_per_rad_;
   Mailbox<LoopFacts> facts_;
-  LoopFacts considered_;           // the facts checked last; used by the object's own thread only
-  LargestGains considered_gains_;  // the gains checked last; likewise
+  LoopFacts checked_facts_;     // the facts checked last; used by the object's own thread only
+  LargestGains checked_gains_;  // the gains checked last; likewise
   std::atomic<std::uint64_t> checks_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

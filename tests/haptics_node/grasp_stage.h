@@ -71,7 +71,7 @@ struct GraspTaskTest : testing::Test {
     if (waits) return;
     auto built = builder->take();
     if (built == nullptr) return;
-    if (built->scene != nullptr) grasp->note_built(built->scene->put_down);
+    if (built->scene != nullptr) grasp->note_built(built->scene->put_down_serial);
     built->step = step->replace(std::move(built->step));
     if (built->scene != nullptr) step->set_materials(built->scene->materials);
     builder->retire(std::move(built));

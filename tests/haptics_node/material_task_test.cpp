@@ -83,22 +83,22 @@ TEST(MaterialTask, GivesTheToolMaterialsOfARigidTool) {
   material_task.request(request);
   auto result = wait_for_result(material_task);
   ASSERT_NE(result, nullptr);
-  ASSERT_TRUE(result->of_tool);
-  EXPECT_LT(result->of_tool->stiffness_n_per_m, 900.0) << "coupled, as at the start";
-  EXPECT_GT(result->of_tool->stiffness_n_per_m, 500.0);
-  ASSERT_EQ(result->of_tool->friction.size(), 2U);
-  EXPECT_EQ(result->of_tool->friction[0].friction_static, 0.0);
-  EXPECT_EQ(result->of_tool->friction[1].friction_static, 0.5);
-  EXPECT_EQ(result->of_tool->friction[1].friction_dynamic, 0.4);
-  EXPECT_EQ(result->of_tool->damping[0].along_ns_per_m, 3.0);
-  EXPECT_GT(result->of_tool->damping[1].normal_ns_per_m, 0.0);
+  ASSERT_TRUE(result->tool_materials);
+  EXPECT_LT(result->tool_materials->stiffness_n_per_m, 900.0) << "coupled, as at the start";
+  EXPECT_GT(result->tool_materials->stiffness_n_per_m, 500.0);
+  ASSERT_EQ(result->tool_materials->friction.size(), 2U);
+  EXPECT_EQ(result->tool_materials->friction[0].friction_static, 0.0);
+  EXPECT_EQ(result->tool_materials->friction[1].friction_static, 0.5);
+  EXPECT_EQ(result->tool_materials->friction[1].friction_dynamic, 0.4);
+  EXPECT_EQ(result->tool_materials->damping[0].along_ns_per_m, 3.0);
+  EXPECT_GT(result->tool_materials->damping[1].normal_ns_per_m, 0.0);
   EXPECT_EQ(result->tool_method[0], 't');
   material_task.retire(std::move(result));
   MaterialTask without(hull_and_deck(), 0.0);
   without.request(stiffness_request(6, "deck", 700.0));
   result = wait_for_result(without);
   ASSERT_NE(result, nullptr);
-  EXPECT_FALSE(result->of_tool);
+  EXPECT_FALSE(result->tool_materials);
 }
 
 TEST(MaterialTask, ARejectedRequestHasNoMaterials) {
@@ -163,7 +163,7 @@ TEST(MaterialTask, AChangeOfASceneThatIsReplacedMeanwhileNotifiesNobody) {
     material_task.request(stiffness_request(number, "deck", 700.0 + number));
     auto result = wait_for_result(material_task);
     ASSERT_NE(result, nullptr);
-    EXPECT_EQ(result->scene, number - 1);
+    EXPECT_EQ(result->scene_revision, number - 1);
     material_task.retire(std::move(result));
   }
   const auto notified_now = [&] {

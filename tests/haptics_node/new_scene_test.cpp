@@ -26,7 +26,7 @@ TEST(NewSceneOf, AFileHasItsHashAndFactsAndNothingPutDown) {
   const Scene scene = scene_of_two();
   const auto made = make_new_scene(scene, kCouplingOfNewScenes, 7, true);
   EXPECT_EQ(made->revision, 7U);
-  EXPECT_EQ(made->put_down, 0U);
+  EXPECT_EQ(made->put_down_serial, 0U);
   EXPECT_TRUE(made->keeps_shape);
   EXPECT_EQ(made->hash, hash_scene(scene.touch_scene()));
   EXPECT_EQ(made->facts.given_hash, make_scene_facts(scene).given_hash);
@@ -35,7 +35,7 @@ TEST(NewSceneOf, AFileHasItsHashAndFactsAndNothingPutDown) {
 TEST(NewSceneOf, AnObjectPutDownHasItsOrder) {
   const auto made = make_placed_scene(scene_of_two(), kCouplingOfNewScenes, 7, 3);
   EXPECT_EQ(made->revision, 7U);
-  EXPECT_EQ(made->put_down, 3U);
+  EXPECT_EQ(made->put_down_serial, 3U);
 }
 
 // Material and coupling are two springs in series.

@@ -176,7 +176,7 @@ TEST_F(ObjectShaperTest, ABusyHubKnowsOfShapesEarlier) {
 // A fifth of the parts is lost, and the hub requests what is missing: nearly all shapes are whole before they begin.
 TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
   constexpr std::int64_t kTripNs = 40'000'000;  // one way
-  shaper_.set_pace({.lead_ns = 200'000'000, .part_ns = 5'000'000, .again_ns = 120'000'000});
+  shaper_.set_pace({.lead_ns = 200'000'000, .part_ns = 5'000'000, .resend_ns = 120'000'000});
   KnownShapes hub({169, 25});
   std::mt19937_64 random(252);
   std::vector<std::pair<std::int64_t, Message>> on_their_way;

@@ -87,7 +87,7 @@ class GraspLoopTest : public ReplyLoopStage {
     made->touch = two_boxes_of_loop();
     made->materials.resize(2);
     made->revision = revision;
-    made->put_down = 1;
+    made->put_down_serial = 1;
     return builder_.rebuild_for(made).has_value();
   }
 

@@ -161,7 +161,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   EXPECT_EQ(result->materials[0].stiffness_n_per_m, 700.0);
   EXPECT_EQ(result->materials[0].friction_static, 0.3);
   EXPECT_EQ(result->state.object_count, 1U);
-  EXPECT_EQ(result->scene, 0U);
+  EXPECT_EQ(result->scene_revision, 0U);
   material_task->retire(std::move(result));
   EXPECT_EQ(builder->take(), nullptr);
   // Back to the stiffness at the start: the state then has no change of any object.
@@ -213,7 +213,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
   const auto result = wait_for_materials();
   ASSERT_NE(result, nullptr);
   EXPECT_EQ(result->materials.size(), 2U);
-  EXPECT_EQ(result->scene, 2U);
+  EXPECT_EQ(result->scene_revision, 2U);
 }
 
 TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
@@ -304,7 +304,7 @@ TEST_F(SceneWatcherTest, AfterAnotherSceneMaterialsAreDescribedAsDifferencesFrom
     ASSERT_NE(result, nullptr);
     EXPECT_EQ(result->materials.at(0).stiffness_n_per_m, stiffness_n_per_m);
     EXPECT_EQ(result->state.object_count, stiffness_n_per_m == 600.0 ? 0U : 1U);
-    EXPECT_EQ(result->scene, 1U);
+    EXPECT_EQ(result->scene_revision, 1U);
     material_task->retire(std::move(result));
   }
 }
