@@ -83,7 +83,7 @@ class ObjectNumbers {
   }
 
   void add(const std::string& name) {
-    std::size_t& before = seen_[name];
+    std::size_t& before = name_counts_[name];
     const auto found = by_name_.find(name);
     if (found != by_name_.end() && before < found->second.size()) {
       numbers_.push_back(found->second[before]);
@@ -102,14 +102,14 @@ class ObjectNumbers {
   std::size_t scene_count_;
   Annotations& annotations_;
   std::map<std::string, std::vector<std::int32_t>> by_name_;
-  std::map<std::string, std::size_t> seen_;
+  std::map<std::string, std::size_t> name_counts_;
   std::vector<std::int32_t> numbers_;
 };
 
 // Reads the tables of the file, and ends at the first error.
 class AnnotationsParser {
  public:
-  AnnotationsParser(const toml::table& table, std::span<const std::string> names) : table_(table), objects_(names, read_.annotations) {}
+  AnnotationsParser(const toml::table& table, std::span<const std::string> names) : table_(table), objects_(names, result_.annotations) {}
 
   Result<AnnotationsRead> parse(std::uint64_t scene_hash) {
     read_head(scene_hash);
@@ -119,7 +119,7 @@ class AnnotationsParser {
     for_each("carve", [this](const toml::table& each) { read_carve(each); });
     if (error_) return tl::unexpected(*error_);
     put_in_order();
-    return std::move(read_);
+    return std::move(result_);
   }
 
  private:
@@ -132,7 +132,7 @@ class AnnotationsParser {
     for (std::size_t i = 0; i < entry_places_.size(); ++i) order.emplace_back(entry_places_[i], i);
     std::sort(order.begin(), order.end());
     std::sort(carve_places_.begin(), carve_places_.end());
-    Annotations& all = read_.annotations;
+    Annotations& all = result_.annotations;
     std::vector<Annotation> entries;
     for (const auto& [place, i] : order) {
       entries.push_back(std::move(all.entries[i]));
@@ -147,7 +147,7 @@ class AnnotationsParser {
     if (!error_) error_ = Error{fmt::format("line {}: {}", node.source().begin.line, fmt::format(format, std::forward<Args>(args)...))};
   }
 
-  void keep(const TableReader& reader) {
+  void keep_error(const TableReader& reader) {
     if (!error_) error_ = reader.error();
   }
 
@@ -163,9 +163,9 @@ class AnnotationsParser {
       head.fail_at("schema", "the schema is '{}', and this program reads '{}': save the annotations with a program of this version",
                    printable(schema), kSchema);
     }
-    keep(head);
+    keep_error(head);
     if (error_) return;
-    read_.is_other_scene = hash != fmt::format("{:016x}", scene_hash);
+    result_.is_other_scene = hash != fmt::format("{:016x}", scene_hash);
     const toml::node* names = table_.get("objects");
     if (names == nullptr) return;
     const toml::array* list = names->as_array();
@@ -225,8 +225,8 @@ class AnnotationsParser {
       reject(*table.get("points_m"), "'points_m' must be a list of points");
       return {};
     }
-    points_ += list->size();
-    if (points_ > kMaxAnnotationPoints) {
+    point_count_ += list->size();
+    if (point_count_ > kMaxAnnotationPoints) {
       reject(*table.get("points_m"), "there are more than {} points: split the file", kMaxAnnotationPoints);
       return {};
     }
@@ -243,15 +243,15 @@ class AnnotationsParser {
     TableReader reader(table, where);
     reader.allow(keys);
     for (const std::string_view key : keys) reader.require(key);
-    keep(reader);
+    keep_error(reader);
     return !error_;
   }
 
   void add(Annotation entry, bool fits, const toml::table& table) {
     if (error_) return;
     entry_places_.push_back(place_of(table));
-    if (!fits) ++read_.left_out;
-    read_.annotations.entries.push_back(std::move(entry));
+    if (!fits) ++result_.left_out;
+    result_.annotations.entries.push_back(std::move(entry));
   }
 
   void read_stroke(const toml::table& table) {
@@ -284,13 +284,13 @@ class AnnotationsParser {
     if (!reader.error() && !(std::abs(rotation.norm() - 1.0) <= kUnitSlack)) {
       reader.fail_at("rotation", "'rotation' must be a unit quaternion [w, x, y, z]");
     }
-    keep(reader);
+    keep_error(reader);
     PutDown put_down{.object = find_object(*table.get("object"))};
     if (error_) return;
     put_down.p_m = position_m;
     put_down.q = rotation;
-    if (!objects_.is_of_scene(put_down.object)) ++read_.left_out;
-    read_.annotations.put_down.push_back(put_down);
+    if (!objects_.is_of_scene(put_down.object)) ++result_.left_out;
+    result_.annotations.put_down.push_back(put_down);
   }
 
   void read_carve(const toml::table& table) {
@@ -298,22 +298,22 @@ class AnnotationsParser {
     TableReader reader(table, "[[carve]]");
     CarvedPress press;
     reader.read("radius_m", press.radius_m, 1e-9, kMaxCarveM);
-    keep(reader);
+    keep_error(reader);
     press.object = find_object(*table.get("object"));
     press.radius_m = rounded_to_float(press.radius_m);
     const toml::node& capsules = *table.get("capsules_m");
     const toml::array* list = capsules.as_array();
     if (list == nullptr || list->empty()) return reject(capsules, "'capsules_m' must be a list of capsules");
-    carves_ += list->size();
-    if (carves_ > kMaxSavedCarves) return reject(capsules, "there are more than {} carves: split the file", kMaxSavedCarves);
+    carve_count_ += list->size();
+    if (carve_count_ > kMaxSavedCarves) return reject(capsules, "there are more than {} carves: split the file", kMaxSavedCarves);
     press.carves.reserve(list->size());
     for (const toml::node& each : *list) {
       if (error_) return;
       press.carves.push_back(read_capsule(each, press.radius_m));
     }
     if (error_) return;
-    if (!objects_.is_of_scene(press.object)) ++read_.left_out;
-    read_.annotations.carved.push_back(std::move(press));
+    if (!objects_.is_of_scene(press.object)) ++result_.left_out;
+    result_.annotations.carved.push_back(std::move(press));
     carve_places_.push_back(place_of(table));
   }
 
@@ -332,10 +332,10 @@ class AnnotationsParser {
   }
 
   const toml::table& table_;
-  AnnotationsRead read_;
+  AnnotationsRead result_;
   ObjectNumbers objects_;
-  std::size_t points_ = 0;
-  std::size_t carves_ = 0;
+  std::size_t point_count_ = 0;
+  std::size_t carve_count_ = 0;
   std::vector<Place> entry_places_;
   std::vector<Place> carve_places_;
   std::optional<Error> error_;

@@ -4,20 +4,20 @@
 
 namespace hapton {
 
-std::filesystem::path find_scene(const std::filesystem::path& named) {
+std::filesystem::path find_scene(const std::filesystem::path& name) {
   std::error_code error;
-  return find_scene(named, std::filesystem::read_symlink("/proc/self/exe", error).parent_path());
+  return find_scene(name, std::filesystem::read_symlink("/proc/self/exe", error).parent_path());
 }
 
-std::filesystem::path find_scene(const std::filesystem::path& named, const std::filesystem::path& program_folder) {
+std::filesystem::path find_scene(const std::filesystem::path& name, const std::filesystem::path& program_folder) {
   std::error_code error;
-  if (named.is_absolute() || std::filesystem::exists(named, error)) return named;
+  if (name.is_absolute() || std::filesystem::exists(name, error)) return name;
   // Beside an installed program, or in the source tree of a program in build/PRESET/bin.
   for (const char* root : {"../share/hapton", "../../.."}) {
-    const auto found = (program_folder / root / named).lexically_normal();
+    const auto found = (program_folder / root / name).lexically_normal();
     if (std::filesystem::exists(found, error)) return found;
   }
-  return named;
+  return name;
 }
 
 }  // namespace hapton

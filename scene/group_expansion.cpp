@@ -65,7 +65,7 @@ class Expansion {
       if (const auto done = (this->*step)(); !done) return tl::unexpected(done.error());
     }
     if (const auto done = show_members(groups_.size(), {}); !done) return tl::unexpected(done.error());
-    return std::move(shown_);
+    return std::move(shown_objects_);
   }
 
  private:
@@ -73,7 +73,7 @@ class Expansion {
 
   Result<void> number_groups() {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      if (numbers_.emplace(groups_[g].name, g).second) continue;
+      if (group_numbers_.emplace(groups_[g].name, g).second) continue;
       return fail("line {}: there are two groups named '{}': give each its own name", groups_[g].line, printable(groups_[g].name));
     }
     return {};
@@ -82,9 +82,9 @@ class Expansion {
   // The index of the group with this name. groups_.size(): the name is empty, which means no group.
   Result<std::size_t> find_group(const std::string& name, std::size_t line) const {
     if (name.empty()) return groups_.size();
-    if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
+    if (const auto found = group_numbers_.find(name); found != group_numbers_.end()) return found->second;
     std::vector<std::string_view> known;
-    for (const auto& [one, number] : numbers_) known.emplace_back(one);
+    for (const auto& [one, number] : group_numbers_) known.emplace_back(one);
     return fail("line {}: there is no [[group]] named '{}'{}", line, printable(name),
                 known.empty() ? ": add it" : similar_word_hint(name, known));
   }
@@ -114,14 +114,14 @@ class Expansion {
   // The path of a group: "outer/inner/", or "" for no group. Pre: find_group finds all names, and no group is inside itself.
   std::string path_of(const std::string& group) const {
     if (group.empty()) return {};
-    return path_of(groups_[numbers_.find(group)->second].group) + group + "/";
+    return path_of(groups_[group_numbers_.find(group)->second].group) + group + "/";
   }
 
   Result<void> check_nesting() {
     for (const GroupSpec& group : groups_) {
       std::vector<std::string_view> inside = {group.name};
       for (const GroupSpec* at = &group; !at->group.empty();) {
-        at = &groups_[numbers_.find(at->group)->second];
+        at = &groups_[group_numbers_.find(at->group)->second];
         const bool is_again = std::find(inside.begin(), inside.end(), at->name) != inside.end();
         inside.push_back(at->name);
         if (is_again) return fail("line {}: group '{}' is inside itself: {}", group.line, printable(group.name), fmt::join(inside, " in "));
@@ -140,7 +140,7 @@ class Expansion {
     for (const GroupSpec& one : instances_) names.insert(path_of(one.group) + one.name);
     for (const GroupSpec& one : instances_) {
       const auto object = targets_.find(one.of);
-      const bool is_group = numbers_.contains(one.of);
+      const bool is_group = group_numbers_.contains(one.of);
       const std::string of = printable(one.of);
       if (object == targets_.end() && !is_group && names.contains(one.of)) {
         return fail("line {}: '{}' is an instance itself: name the object or the group that it shows", one.of_line, of);
@@ -162,7 +162,7 @@ class Expansion {
       if (name.ends_with("/" + instance.of)) return fmt::format("; did you mean '{}'?", printable(name));
       known.emplace_back(name);
     }
-    for (const auto& [name, number] : numbers_) known.emplace_back(name);
+    for (const auto& [name, number] : group_numbers_) known.emplace_back(name);
     return similar_word_hint(instance.of, known);
   }
 
@@ -186,7 +186,7 @@ class Expansion {
   // instance: the one that shows the group; its defaults replace those of the group. Null: the group is shown in its own place.
   Result<void> show_group(std::size_t group, const std::string& name, const Similarity& pose, Surroundings around,
                           const GroupSpec* instance = nullptr) {
-    if (open_.size() == kDeepestShown) {
+    if (open_groups_.size() == kDeepestShown) {
       return fail("line {}: '{}' is inside more than {} groups and instances of groups: use fewer",
                   instance != nullptr ? instance->line : groups_[group].line, printable(name), kDeepestShown - 1);
     }
@@ -194,16 +194,16 @@ class Expansion {
     around.prefix += name + "/";
     around.take_defaults(groups_[group]);
     if (instance != nullptr) around.take_defaults(*instance);
-    open_.push_back(group);
+    open_groups_.push_back(group);
     const auto done = show_members(group, around);
-    open_.pop_back();
+    open_groups_.pop_back();
     return done;
   }
 
   Result<void> show_instance(const GroupSpec& instance, Surroundings around) {
     if (around.instance_line == 0) around.instance_line = instance.line;
-    if (const auto found = numbers_.find(instance.of); found != numbers_.end()) {
-      if (std::find(open_.begin(), open_.end(), found->second) != open_.end()) {
+    if (const auto found = group_numbers_.find(instance.of); found != group_numbers_.end()) {
+      if (std::find(open_groups_.begin(), open_groups_.end(), found->second) != open_groups_.end()) {
         return fail("line {}: instance '{}' is inside the group '{}' that it shows: it would contain itself", instance.of_line,
                     printable(around.prefix + instance.name), printable(instance.of));
       }
@@ -239,12 +239,12 @@ class Expansion {
       return fail("line {}: '{}' is {:.3g} times its size, {:.3g} m from the origin: at most {:g} times and {:g} m", line,
                   printable(object.name), object.scale, object.p_SM.norm(), kMaxScale, kMaxLengthM);
     }
-    if (const auto [other, is_new] = names_.emplace(object.name, around.instance_line); !is_new) {
+    if (const auto [other, is_new] = instance_lines_by_name_.emplace(object.name, around.instance_line); !is_new) {
       return fail("line {}: two objects have the name '{}': in a scene with groups or instances give each its own",
                   around.instance_line == 0 && other->second != 0 ? other->second : line, printable(object.name));
     }
-    shown_.push_back(std::move(object));
-    if (shown_.size() > kMaxShownObjects)
+    shown_objects_.push_back(std::move(object));
+    if (shown_objects_.size() > kMaxShownObjects)
       return fail("line {}: there are more than {} objects: use fewer instances", line, kMaxShownObjects);
     return {};
   }
@@ -252,12 +252,12 @@ class Expansion {
   const std::vector<ObjectSpec>& objects_;
   const std::vector<GroupSpec>& groups_;
   const std::vector<GroupSpec>& instances_;
-  std::map<std::string, std::size_t, std::less<>> numbers_;               // indices of groups, by name
+  std::map<std::string, std::size_t, std::less<>> group_numbers_;         // indices of groups, by name
   std::vector<Members> members_;                                          // of each group; the last one: of no group
   std::map<std::string, std::vector<std::size_t>, std::less<>> targets_;  // indices of objects, by their name in the scene
-  std::vector<std::size_t> open_;                                         // indices of the groups around what is being shown
-  std::map<std::string, std::size_t> names_;                              // names of all objects shown, with the lines of their instances
-  std::vector<ObjectSpec> shown_;
+  std::vector<std::size_t> open_groups_;                                  // indices of the groups around what is being shown
+  std::map<std::string, std::size_t> instance_lines_by_name_;             // names of all objects shown, with the lines of their instances
+  std::vector<ObjectSpec> shown_objects_;
 };
 
 }  // namespace

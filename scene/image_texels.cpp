@@ -24,17 +24,17 @@ Error large_image(unsigned width, unsigned height) {
 
 // A PNG file without the chunks that say how its values become colours: with these chunks, libpng would convert the values to sRGB.
 std::string without_colour_space(const std::string& bytes) {
-  constexpr std::size_t kFrame = 12;  // length, type and checksum of a chunk
-  std::string kept(kPngBegin);
-  for (std::size_t at = kPngBegin.size(); at + kFrame <= bytes.size();) {
+  constexpr std::size_t kChunkOverheadBytes = 12;  // length, type and checksum of a chunk
+  std::string filtered(kPngBegin);
+  for (std::size_t at = kPngBegin.size(); at + kChunkOverheadBytes <= bytes.size();) {
     std::size_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8U | static_cast<std::uint8_t>(bytes[at + i]);
-    const std::size_t size = std::min(length + kFrame, bytes.size() - at);
+    const std::size_t size = std::min(length + kChunkOverheadBytes, bytes.size() - at);
     const std::string_view type = std::string_view(bytes).substr(at + 4, 4);
-    if (type != "gAMA" && type != "cHRM" && type != "iCCP" && type != "sRGB") kept.append(bytes, at, size);
+    if (type != "gAMA" && type != "cHRM" && type != "iCCP" && type != "sRGB") filtered.append(bytes, at, size);
     at += size;
   }
-  return kept;
+  return filtered;
 }
 
 // Removes alpha, the last of the channels of each texel.
@@ -70,16 +70,16 @@ Result<ImageTexels> decode_png(const std::string& bytes, TexelKind kind) {
 // libjpeg reports an error by a call that must not return.
 struct JpegFault {
   jpeg_error_mgr manager;
-  std::jmp_buf back;
+  std::jmp_buf return_point;
 };
 
-[[noreturn]] void leave_jpeg(j_common_ptr jpeg) { std::longjmp(reinterpret_cast<JpegFault*>(jpeg->err)->back, 1); }
+[[noreturn]] void leave_jpeg(j_common_ptr jpeg) { std::longjmp(reinterpret_cast<JpegFault*>(jpeg->err)->return_point, 1); }
 void ignore_message(j_common_ptr) {}
 
 // No object with a destructor is created between setjmp and the calls that may jump back to it. False: the file is broken.
 bool read_jpeg_rows(jpeg_decompress_struct& jpeg, JpegFault& fault, const std::string& bytes, TexelKind kind,
                     std::vector<std::uint8_t>& values) {
-  if (setjmp(fault.back) != 0) return false;
+  if (setjmp(fault.return_point) != 0) return false;
   jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<unsigned long>(bytes.size()));
   jpeg_read_header(&jpeg, TRUE);
   if (jpeg.image_width > kMaxImageSide || jpeg.image_height > kMaxImageSide) return true;  // the caller sees the size

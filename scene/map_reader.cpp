@@ -33,13 +33,13 @@ void read_file_name(const toml::table& table, TableReader& reader, std::string_v
 }
 
 // Error: a pair of numbers without its image, or an image without its numbers.
-void need_both(TableReader& reader, std::string_view image, std::string_view numbers) {
+void require_both(TableReader& reader, std::string_view image, std::string_view numbers) {
   if (reader.has(image) && !reader.has(numbers)) reader.fail_at(image, "'{}' needs '{}': the number at black and at white", image, numbers);
   if (reader.has(numbers) && !reader.has(image)) reader.fail_at(numbers, "'{}' has no effect without '{}'", numbers, image);
 }
 
 // Error: a key or a damping that cannot be combined with a relief from an image.
-void be_alone(TableReader& reader, std::string_view image, const Material& material) {
+void reject_other_bumps(TableReader& reader, std::string_view image, const Material& material) {
   for (const char* key : {"bump_length_m", "bump_pattern", "bump_direction"}) {
     if (reader.has(key)) reader.fail_at(key, "'{}' belongs to bumps by a formula: leave it out, or leave out '{}'", key, image);
   }
@@ -73,7 +73,7 @@ void read_normals(const toml::table& table, TableReader& reader, const Material&
   double scale = 1.0;
   reader.read("normal_map_scale", scale, 0.0, kMapMaxNormalScale, true);
   spec.normal_scale = scale;
-  be_alone(reader, "normal_map", material);
+  reject_other_bumps(reader, "normal_map", material);
 }
 
 void read_height(const toml::table& table, TableReader& reader, const Material& material, MapSpec& spec) {
@@ -84,12 +84,12 @@ void read_height(const toml::table& table, TableReader& reader, const Material& 
   double height_m = 0.0;
   reader.read("bump_height_m", height_m, 0.0, kMapMaxHeightM, true);
   spec.at_black = -height_m;
-  be_alone(reader, "bump_map", material);
+  reject_other_bumps(reader, "bump_map", material);
 }
 
 void read_stiffness(const toml::table& table, TableReader& reader, Material& material, const SurfaceEffects& effects, MapSpec& spec) {
   read_file_name(table, reader, "stiffness_map", spec);
-  need_both(reader, "stiffness_map", "stiffness_map_n_per_m");
+  require_both(reader, "stiffness_map", "stiffness_map_n_per_m");
   if (!reader.has("stiffness_map")) return;
   if (reader.has("stiffness_n_per_m")) reader.fail_at("stiffness_n_per_m", "'stiffness_n_per_m' is set beside 'stiffness_map': keep one");
   if (effects.layers.is_on()) reader.fail_at("stiffness_map", "'stiffness_map' has no effect beside layers, which replace the stiffness");
@@ -104,7 +104,7 @@ void read_stiffness(const toml::table& table, TableReader& reader, Material& mat
 
 void read_friction(const toml::table& table, TableReader& reader, const Material& material, MapSpec& spec) {
   read_file_name(table, reader, "friction_map", spec);
-  need_both(reader, "friction_map", "friction_map_range");
+  require_both(reader, "friction_map", "friction_map_range");
   if (!reader.has("friction_map")) return;
   if (material.friction_static > 0.0) {
     reader.fail_at("friction_map", "'friction_map' replaces 'friction_static' and 'friction_dynamic': leave these out");
@@ -117,7 +117,7 @@ void read_friction(const toml::table& table, TableReader& reader, const Material
 
 void read_viscosity(const toml::table& table, TableReader& reader, const SurfaceEffects& effects, MapSpec& spec) {
   read_file_name(table, reader, "viscosity_map", spec);
-  need_both(reader, "viscosity_map", "viscosity_map_ns_per_m");
+  require_both(reader, "viscosity_map", "viscosity_map_ns_per_m");
   if (!reader.has("viscosity_map")) return;
   if (effects.viscosity.is_on()) reader.fail_at("viscosity_map", "'viscosity_map' replaces 'viscosity_ns_per_m': leave that out");
   std::array<double, 2> range = {};

@@ -47,7 +47,7 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
   }
   ready.sealed = seal_for_touch(*mesh, sealing);
   ready.mesh = std::move(*mesh);
-  if (ready.sealed.has_sealed()) ready.vertices_before = std::move(vertices);
+  if (ready.sealed.has_sealed()) ready.unsealed_vertices = std::move(vertices);
   if (appearance_ == AppearanceReading::on && !ready.sealed.has_sealed() && appearance.has_colours_or_images())
     ready.appearance = std::make_shared<const MeshAppearance>(std::move(appearance));
   if (ready.sealed.is_worth_a_note()) {

@@ -28,7 +28,7 @@ class MeshCache {
   struct ReadyMesh {
     TriangleMesh mesh;
     SealReport sealed;
-    std::vector<Vec3> vertices_before;                 // vertices before cracks were sealed; empty: none were sealed
+    std::vector<Vec3> unsealed_vertices;               // vertices before cracks were sealed; empty: none were sealed
     std::uint64_t given_hash = 0;                      // hash_mesh() before sealing
     std::shared_ptr<const MeshAppearance> appearance;  // null: none
     MapSource map;                                     // if there are maps: the mesh before sealing; MapSource::vertices is empty

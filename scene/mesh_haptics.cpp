@@ -10,7 +10,7 @@ namespace {
 
 // Keeps the elements of those triangles that are kept; a list without elements stays empty.
 template <class Element>
-void keep_of(const std::vector<bool>& is_kept, std::vector<Element>& elements) {
+void erase_others(const std::vector<bool>& is_kept, std::vector<Element>& elements) {
   std::size_t count = 0;
   for (std::size_t t = 0; t < elements.size(); ++t) {
     if (is_kept[t]) elements[count++] = elements[t];
@@ -33,10 +33,10 @@ void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshAppear
   std::vector<bool> is_kept;
   for (const TriangleAppearance& triangle : maps.triangles) is_kept.push_back(triangle.material == material);
   if (std::find(is_kept.begin(), is_kept.end(), false) == is_kept.end()) return;
-  keep_of(is_kept, mesh.triangles);
-  keep_of(is_kept, mesh.authored_normals);
-  keep_of(is_kept, appearance.triangles);
-  keep_of(is_kept, maps.triangles);
+  erase_others(is_kept, mesh.triangles);
+  erase_others(is_kept, mesh.authored_normals);
+  erase_others(is_kept, appearance.triangles);
+  erase_others(is_kept, maps.triangles);
   drop_unused_vertices(mesh);
 }
 

@@ -23,7 +23,7 @@ struct HapticMaterial {
   std::optional<std::size_t> viscosity = {};
 
   bool has_maps() const { return height || stiffness || friction || viscosity; }
-  bool says_anything() const { return has_maps() || !numbers.empty(); }
+  bool has_content() const { return has_maps() || !numbers.empty(); }
 };
 
 // How the triangles of a mesh file feel.

@@ -84,15 +84,16 @@ std::string describe_inside_out(const ClosedBodies& bodies) {
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit) {
   Result<MeshFile> file = load_mesh_file(path, unit);
   if (!file) return tl::unexpected(file.error());
-  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}, .sealed = {}, .left = {}, .for_touch = {}};
+  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}, .sealed = {}, .borders_left = {}, .touch_topology = {}};
   report.flaws = find_flaws(report.file.mesh);
   const TriangleMesh touched = seal_cracks(report.file.mesh, report.sealed);
-  report.left = report.sealed.has_sealed() ? count_boundary_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
+  report.borders_left =
+      report.sealed.has_sealed() ? count_boundary_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
   for (const HapticMaterial* material : haptic_materials_of(report.file)) {
     const auto read = read_material(*material, report.file.haptics.maps, report.path);
     if (!read) report.file.notes.push_back(fmt::format("cannot be touched before this is corrected: {}", read.error().what));
   }
-  report.for_touch = compute_mesh_topology(touched);
+  report.touch_topology = compute_mesh_topology(touched);
   return report;
 }
 
@@ -152,8 +153,8 @@ std::string to_text(const MeshReport& report) {
   for (const HapticMaterial* material : haptic_materials_of(report.file)) line("haptic material", "{}", describe(*material));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{}{})", report.is_closed_for_touch() ? "yes" : "no",
-       report.left.open + report.left.cracks, report.left.open, report.left.cracks, describe_widest(report.left),
-       report.is_closed_for_touch() ? "" : describe_flaws(report.for_touch));
+       report.borders_left.open + report.borders_left.cracks, report.borders_left.open, report.borders_left.cracks,
+       describe_widest(report.borders_left), report.is_closed_for_touch() ? "" : describe_flaws(report.touch_topology));
   line("method smooth would", "{}", report.flaws.repair.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;
@@ -168,9 +169,9 @@ MeshJson sealed_to_json(const MeshReport& report) {
   MeshJson json;
   append_sealing(json, report.sealed);
   json["boundary_edges_left"] = report.sealed.boundary_edges_left;
-  json["open_border_edges_left"] = report.left.open;
-  json["crack_edges_left"] = report.left.cracks;
-  json["widest_crack_left_m"] = report.left.widest_crack;
+  json["open_border_edges_left"] = report.borders_left.open;
+  json["crack_edges_left"] = report.borders_left.cracks;
+  json["widest_crack_left_m"] = report.borders_left.widest_crack;
   json["unsealed_edges"] = report.sealed.unsealed_edges;
   json["widest_unsealed_m"] = report.sealed.widest_unsealed;
   json["closed"] = report.is_closed_for_touch();

@@ -41,12 +41,12 @@ std::string describe_inside_out(const ClosedBodies& bodies);
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;         // of the mesh of the file, with its vertices welded
-  SealReport sealed;       // what the sealing of cracks changed
-  BoundaryEdges left;      // boundary edges that remain after sealing
-  MeshTopology for_touch;  // topology of the sealed mesh, which is the one that is touched
+  MeshFlaws flaws;              // of the mesh of the file, with its vertices welded
+  SealReport sealed;            // what the sealing of cracks changed
+  BoundaryEdges borders_left;   // boundary edges that remain after sealing
+  MeshTopology touch_topology;  // topology of the sealed mesh, which is the one that is touched
 
-  bool is_closed_for_touch() const { return for_touch.is_closed(); }
+  bool is_closed_for_touch() const { return touch_topology.is_closed(); }
 };
 
 // Error: whatever load_mesh_file rejects. RT: set-up only.

@@ -12,11 +12,11 @@
 namespace hapton {
 namespace {
 
-constexpr double kMinBlue = 0.1;      // least z of a unit normal: a slope of 10
-constexpr double kGrid = 65535.0;     // heights are rounded to this many steps, so that they are the same on every machine
-constexpr int kMaxSide = 2048;        // largest side of the image that is transformed
-constexpr double kUnitLength = 0.25;  // an image is no normal map if the mean length of its normals differs from 1 by more than this,
-constexpr double kUpright = 0.3;      // or if their mean z is below this
+constexpr double kMinBlue = 0.1;          // least z of a unit normal: a slope of 10
+constexpr double kHeightSteps = 65535.0;  // heights are rounded to this many steps, so that they are the same on every machine
+constexpr int kMaxSide = 2048;            // largest side of the image that is transformed
+constexpr double kMaxLengthError = 0.25;  // an image is no normal map if the mean length of its normals differs from 1 by more than this,
+constexpr double kMinMeanZ = 0.3;         // or if their mean z is below this
 
 // Slopes of the relief along u (the real part) and along v (the imaginary part), so that one transform handles both.
 struct SlopeField {
@@ -42,7 +42,7 @@ Result<SlopeField> read_slopes(const ImageTexels& numbers, double scale) {
     field.slopes.emplace_back(-scale * normal.x() / up, scale * normal.y() / up);  // plus, because v increases downwards
   }
   const auto count = static_cast<double>(field.slopes.size());
-  if (std::fabs(length / count - 1.0) > kUnitLength || upright / count < kUpright) {
+  if (std::fabs(length / count - 1.0) > kMaxLengthError || upright / count < kMinMeanZ) {
     return fail("is not a normal map: most of its texels should be near red 128, green 128, blue 255");
   }
   return field;
@@ -132,7 +132,8 @@ Result<Relief> relief_of_normals(const ImageTexels& numbers, const Eigen::Vector
   std::vector<float> texels;
   texels.reserve(field->slopes.size());
   for (const std::complex<double>& height : field->slopes) {
-    texels.push_back(static_cast<float>(std::round(kGrid * std::clamp((height.real() - lowest->real()) / height_m, 0.0, 1.0)) / kGrid));
+    texels.push_back(
+        static_cast<float>(std::round(kHeightSteps * std::clamp((height.real() - lowest->real()) / height_m, 0.0, 1.0)) / kHeightSteps));
   }
   return Relief{SurfaceImage(field->width, field->height, std::move(texels)), height_m};
 }

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kRoundedSpeed = 1e-9;
+constexpr double kSpeedRoundingShare = 1e-9;
 
 MorphTarget place_target(const MorphSpec& morph, const ObjectSpec& object, const SceneFit& fit, const TriangleMesh& mesh) {
   const double scale = fit.scale * object.scale;
@@ -84,10 +84,10 @@ double fastest_motion(const KeyframeMotion* motion, const TriangleMesh& mesh, co
 
 Result<void> check_speed(const MeshDeformation& deformation, double motion_m_per_s, const std::string& name) {
   const auto& keys = deformation.keys();
-  const double left = kMaxSurfaceSpeed - motion_m_per_s;
+  const double speed_left = kMaxSurfaceSpeed - motion_m_per_s;
   for (std::size_t i = 1; i < keys.size(); ++i) {
     const double fastest = deformation.fastest_per_s(i - 1);
-    if (fastest + motion_m_per_s <= kMaxSurfaceSpeed * (1.0 + kRoundedSpeed)) continue;
+    if (fastest + motion_m_per_s <= kMaxSurfaceSpeed * (1.0 + kSpeedRoundingShare)) continue;
     const double seconds = keys[i].time_s - keys[i - 1].time_s;
     if (motion_m_per_s > 0.0) {
       return fail(
@@ -98,7 +98,7 @@ Result<void> check_speed(const MeshDeformation& deformation, double motion_m_per
     return fail(
         "from {:g} to {:g} s '{}' deforms at up to {:.3g} m/s; a surface may move at {:g} m/s at most: give it {:.3f} s "
         "or more",
-        keys[i - 1].time_s, keys[i].time_s, name, fastest, kMaxSurfaceSpeed, std::ceil(1e3 * seconds * fastest / left) / 1e3);
+        keys[i - 1].time_s, keys[i].time_s, name, fastest, kMaxSurfaceSpeed, std::ceil(1e3 * seconds * fastest / speed_left) / 1e3);
   }
   return {};
 }

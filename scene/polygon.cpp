@@ -50,25 +50,25 @@ bool add_fan(std::span<const std::uint32_t> corners, std::vector<Triangle>& into
 class EarCutter {
  public:
   explicit EarCutter(const std::vector<Vec2>& flat)
-      : flat_(flat), before_(flat.size()), next_(flat.size()), outside_(flat.size(), 0), is_cut_(flat.size(), false) {
+      : flat_(flat), previous_(flat.size()), next_(flat.size()), known_outside_(flat.size(), 0), is_cut_(flat.size(), false) {
     for (std::size_t i = 0; i < flat.size(); ++i) {
       next_[i] = (i + 1) % flat.size();
-      before_[next_[i]] = i;
+      previous_[next_[i]] = i;
     }
   }
 
   // False, with some of the triangles appended, when no ear is left to cut.
   bool cut_all(std::span<const std::uint32_t> corners, std::vector<Triangle>& into) {
-    std::size_t left = corners.size();
+    std::size_t remaining = corners.size();
     std::size_t misses = 0;
-    for (std::size_t at = 0; left > 3; at = next_[at]) {
+    for (std::size_t at = 0; remaining > 3; at = next_[at]) {
       if (!is_ear(at)) {
-        if (++misses == left) return false;
+        if (++misses == remaining) return false;
         continue;
       }
-      into.push_back({corners[before_[at]], corners[at], corners[next_[at]]});
+      into.push_back({corners[previous_[at]], corners[at], corners[next_[at]]});
       cut(at);
-      --left;
+      --remaining;
       misses = 0;
     }
     const auto first = static_cast<std::size_t>(std::find(is_cut_.begin(), is_cut_.end(), false) - is_cut_.begin());
@@ -81,11 +81,11 @@ class EarCutter {
  private:
   // An ear is a corner that turns left and has no other corner in or on its triangle.
   bool is_ear(std::size_t corner) {
-    const Vec2& a = flat_[before_[corner]];
+    const Vec2& a = flat_[previous_[corner]];
     const Vec2& b = flat_[corner];
     const Vec2& c = flat_[next_[corner]];
     if (!(turn(a, b, c) > 0)) return false;
-    for (std::size_t& other = outside_[corner]; other < flat_.size(); ++other) {
+    for (std::size_t& other = known_outside_[corner]; other < flat_.size(); ++other) {
       if (is_cut_[other]) continue;
       ++work_;
       const Vec2& p = flat_[other];
@@ -97,14 +97,14 @@ class EarCutter {
 
   void cut(std::size_t corner) {
     is_cut_[corner] = true;
-    next_[before_[corner]] = next_[corner];
-    before_[next_[corner]] = before_[corner];
-    outside_[before_[corner]] = outside_[next_[corner]] = 0;
+    next_[previous_[corner]] = next_[corner];
+    previous_[next_[corner]] = previous_[corner];
+    known_outside_[previous_[corner]] = known_outside_[next_[corner]] = 0;
   }
 
   const std::vector<Vec2>& flat_;
-  std::vector<std::size_t> before_, next_;  // neighbours in the ring of the corners that are not cut
-  std::vector<std::size_t> outside_;        // of each corner: the others below this number are outside its triangle, or cut
+  std::vector<std::size_t> previous_, next_;  // neighbours in the ring of the corners that are not cut
+  std::vector<std::size_t> known_outside_;    // of each corner: the others below this number are outside its triangle, or cut
   std::vector<bool> is_cut_;
   std::size_t work_ = 0;
 };

@@ -14,7 +14,7 @@ Result<PosedMesh> make_posed_mesh(const ObjectSpec& object, const std::filesyste
   if (object.has_colour) posed.appearance.reset();
   if (object.animated_morphs != nullptr) posed.in_file = posed.mesh.vertices;
   posed.given_hash = hash_placed((*loaded)->given_hash, object.scale, object.q_SM, object.p_SM);
-  for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->vertices_before : posed.mesh.vertices) posed.box.extend(pose(vertex));
+  for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->unsealed_vertices : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
   posed.map = (*loaded)->map;
   if (posed.map.mesh != nullptr) {

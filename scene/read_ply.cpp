@@ -44,12 +44,12 @@ class AsciiValues {
 class BinaryValues {
  public:
   BinaryValues(std::string_view body, const PlyHeader& header)
-      : at_(body.data()), left_(body.size()), offset_(header.body_offset), swap_(header.encoding == PlyEncoding::big_endian) {}
+      : at_(body.data()), bytes_left_(body.size()), offset_(header.body_offset), swaps_bytes_(header.encoding == PlyEncoding::big_endian) {}
 
   const char* read(PlyType type, double& value) {
     const std::size_t size = size_of(type);
-    if (left_ < size) return "the file ends too early: cut short; copy or export it again";
-    if (swap_) {
+    if (bytes_left_ < size) return "the file ends too early: cut short; copy or export it again";
+    if (swaps_bytes_) {
       std::array<char, 8> raw = {};
       std::reverse_copy(at_, at_ + size, raw.begin());
       value = decode(type, raw.data());
@@ -57,13 +57,13 @@ class BinaryValues {
       value = decode(type, at_);
     }
     at_ += size;
-    left_ -= size;
+    bytes_left_ -= size;
     offset_ += size;
     return nullptr;
   }
   std::string place() const { return fmt::format("byte {}", offset_); }
-  std::size_t bytes_left() const { return left_; }
-  std::size_t end() const { return left_; }
+  std::size_t bytes_left() const { return bytes_left_; }
+  std::size_t end() const { return bytes_left_; }
   static std::size_t least_bytes(PlyType type) { return size_of(type); }
 
  private:
@@ -97,9 +97,9 @@ class BinaryValues {
   }
 
   const char* at_;
-  std::size_t left_;
+  std::size_t bytes_left_;
   std::size_t offset_;
-  bool swap_;
+  bool swaps_bytes_;
 };
 
 static_assert(std::endian::native == std::endian::little, "the byte swap assumes a little-endian machine");
@@ -120,7 +120,7 @@ class BodyReader {
       if (auto error = check_size(element)) return error;
       if (auto error = read_element(element)) return error;
     }
-    if (!seen_faces_) return Error{"the header has no 'face' element with 'vertex_indices': export triangles, not points or strips"};
+    if (!has_read_faces_) return Error{"the header has no 'face' element with 'vertex_indices': export triangles, not points or strips"};
     return std::nullopt;
   }
 
@@ -268,7 +268,7 @@ class BodyReader {
     if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1) {
       return Error{"the faces do not have one list 'vertex_indices': export the file again"};
     }
-    seen_faces_ = true;
+    has_read_faces_ = true;
     std::vector<int> places(element.properties.size(), -1);
     const auto corners_at = std::find_if(element.properties.begin(), element.properties.end(), is_corners);
     places[static_cast<std::size_t>(corners_at - element.properties.begin())] = kCornersPlace;
@@ -412,7 +412,7 @@ class BodyReader {
   bool has_colours_ = false;
   bool has_texcoords_ = false;
   bool has_normals_ = false;
-  bool seen_faces_ = false;
+  bool has_read_faces_ = false;
 };
 
 // PLY does not say what its alpha means: here it is opacity, as in MeshLab. If it is zero everywhere, the program that wrote the file does

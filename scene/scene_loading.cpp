@@ -5,28 +5,28 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kSaid = 1;
-constexpr std::uint32_t kSealed = 2;
-constexpr std::uint32_t kFitted = 4;
-constexpr std::uint32_t kUnitAt = 3;  // the unit is in the bits from this one on: 0 for no unit, otherwise 1 + its number
+constexpr std::uint32_t kKnownBit = 1;
+constexpr std::uint32_t kSealedBit = 2;
+constexpr std::uint32_t kFittedBit = 4;
+constexpr std::uint32_t kUnitShift = 3;  // the unit is in the bits from this one on: 0 for no unit, otherwise 1 + its number
 constexpr std::uint32_t kUnits = static_cast<std::uint32_t>(Unit::in) + 1;
 
 }  // namespace
 
 std::uint32_t to_code(const SceneLoading& loading) {
-  std::uint32_t code = kSaid;
-  if (loading.sealing == CrackSealing::on) code |= kSealed;
-  if (loading.fit == MeshFit::workspace) code |= kFitted;
-  if (loading.unit) code |= (static_cast<std::uint32_t>(*loading.unit) + 1) << kUnitAt;
+  std::uint32_t code = kKnownBit;
+  if (loading.sealing == CrackSealing::on) code |= kSealedBit;
+  if (loading.fit == MeshFit::workspace) code |= kFittedBit;
+  if (loading.unit) code |= (static_cast<std::uint32_t>(*loading.unit) + 1) << kUnitShift;
   return code;
 }
 
 std::optional<SceneLoading> from_code(std::uint32_t code) {
-  const std::uint32_t unit = code >> kUnitAt;
-  if ((code & kSaid) == 0 || unit > kUnits) return std::nullopt;
+  const std::uint32_t unit = code >> kUnitShift;
+  if ((code & kKnownBit) == 0 || unit > kUnits) return std::nullopt;
   SceneLoading loading;
-  loading.sealing = (code & kSealed) != 0 ? CrackSealing::on : CrackSealing::off;
-  loading.fit = (code & kFitted) != 0 ? MeshFit::workspace : MeshFit::off;
+  loading.sealing = (code & kSealedBit) != 0 ? CrackSealing::on : CrackSealing::off;
+  loading.fit = (code & kFittedBit) != 0 ? MeshFit::workspace : MeshFit::off;
   if (unit > 0) loading.unit = static_cast<Unit>(unit - 1);
   return loading;
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffU;
 // The slot of a vertex in the hash table is prefetched this many vertices ahead: for a large mesh the slots are in no cache.
-constexpr std::size_t kAhead = 16;
+constexpr std::size_t kPrefetchDistance = 16;
 
 std::uint64_t mix(std::uint64_t h) {
   // The finaliser of MurmurHash3.
@@ -39,23 +39,23 @@ std::uint64_t hash(const Vec3& p, std::uint64_t start) {
 template <class Same>
 void renumber(TriangleMesh& mesh, Same same) {
   std::vector<std::uint32_t> new_index(mesh.vertices.size(), kNone);
-  std::vector<Vec3> kept;
-  kept.reserve(mesh.vertices.size());
+  std::vector<Vec3> kept_vertices;
+  kept_vertices.reserve(mesh.vertices.size());
   for (Triangle& triangle : mesh.triangles) {
     for (std::uint32_t& corner : triangle) {
       if (new_index[corner] == kNone) {
         const std::uint32_t twin = same(corner);
         if (new_index[twin] == kNone) {
-          new_index[twin] = static_cast<std::uint32_t>(kept.size());
-          kept.push_back(mesh.vertices[twin]);
+          new_index[twin] = static_cast<std::uint32_t>(kept_vertices.size());
+          kept_vertices.push_back(mesh.vertices[twin]);
         }
         new_index[corner] = new_index[twin];
       }
       corner = new_index[corner];
     }
   }
-  kept.shrink_to_fit();
-  mesh.vertices = std::move(kept);
+  kept_vertices.shrink_to_fit();
+  mesh.vertices = std::move(kept_vertices);
 }
 
 }  // namespace
@@ -66,17 +66,17 @@ void weld_vertices(TriangleMesh& mesh) {
   std::vector<std::uint32_t> slots(std::bit_ceil(2 * mesh.vertices.size() + 1), kNone);
   const std::size_t mask = slots.size() - 1;
   const std::uint64_t start = random_start();
-  std::array<std::size_t, kAhead> home = {};
-  const auto foresee = [&](std::size_t v) {
+  std::array<std::size_t, kPrefetchDistance> home_slots = {};
+  const auto prefetch_slot = [&](std::size_t v) {
     if (v >= mesh.vertices.size()) return;
-    home[v % kAhead] = hash(mesh.vertices[v], start) & mask;
-    __builtin_prefetch(&slots[home[v % kAhead]], 1);
+    home_slots[v % kPrefetchDistance] = hash(mesh.vertices[v], start) & mask;
+    __builtin_prefetch(&slots[home_slots[v % kPrefetchDistance]], 1);
   };
-  for (std::size_t v = 0; v < kAhead; ++v) foresee(v);
+  for (std::size_t v = 0; v < kPrefetchDistance; ++v) prefetch_slot(v);
   std::vector<std::uint32_t> twin(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    std::size_t slot = home[v % kAhead];
-    foresee(v + kAhead);
+    std::size_t slot = home_slots[v % kPrefetchDistance];
+    prefetch_slot(v + kPrefetchDistance);
     while (slots[slot] != kNone && mesh.vertices[slots[slot]] != mesh.vertices[v]) slot = (slot + 1) & mask;
     if (slots[slot] == kNone) slots[slot] = static_cast<std::uint32_t>(v);
     twin[v] = slots[slot];

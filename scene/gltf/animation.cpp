@@ -16,7 +16,7 @@ namespace hapton::gltf {
 namespace {
 
 // A motion or scale that deviates from a rigid one by at most this is no deformation: numbers in a file have seven digits.
-constexpr double kRigid = 1e-5;
+constexpr double kRigidMotionTolerance = 1e-5;
 
 template <class Value>
 struct Track {
@@ -49,9 +49,9 @@ class AnimationBudget {
   bool take_poses(std::size_t count) { return take(poses_, count, std::size_t{1} << 24, 16); }
 
  private:
-  bool take(std::size_t& taken, std::size_t count, std::size_t least, std::size_t of_a_byte) const {
+  bool take(std::size_t& taken, std::size_t count, std::size_t base_count, std::size_t per_byte) const {
     taken += count;
-    return taken <= least + of_a_byte * buffers_.bytes_read();
+    return taken <= base_count + per_byte * buffers_.bytes_read();
   }
 
   const Buffers& buffers_;
@@ -167,7 +167,7 @@ bool is_scale_at_rest(const Document& document, const Json& sampler, const Json&
   if (!at_rest) return false;
   double most = 0.0;
   for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::fabs(scales->values[0][k] - (*at_rest)[k]));
-  return most <= kRigid;
+  return most <= kRigidMotionTolerance;
 }
 
 Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, const Json& animation, const std::string& where,
@@ -303,7 +303,7 @@ Result<std::optional<KeyframeMotion>> find_motion(const NodeTree& tree, const st
   for (const double time : times) {
     const Eigen::Affine3d moved = pose_of_path(tree, path, &tracks, time) * X_FN.inverse();
     const bool is_rigid = moved.matrix().allFinite() &&
-                          (moved.linear() * moved.linear().transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() <= kRigid &&
+                          (moved.linear() * moved.linear().transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() <= kRigidMotionTolerance &&
                           moved.linear().determinant() > 0.0;
     if (!is_rigid) {
       ++left_out.deformed;

@@ -24,9 +24,9 @@ Result<Buffers::View> Buffers::view(const Json& index_json, const std::string& w
 Result<std::string> Buffers::copy_for_image(const Json& index_json, const std::string& where) {
   const Result<View> found = view(index_json, where);
   if (!found) return tl::unexpected(found.error());
-  if (copied_bytes_ + found->bytes.size() > kMostCopies * bytes_read_) {
-    return fail("{}: the images have more than {} times the {} bytes of the buffers, which they share: {}", where, kMostCopies, bytes_read_,
-                kExportAgain);
+  if (copied_bytes_ + found->bytes.size() > kMaxCopyRatio * bytes_read_) {
+    return fail("{}: the images have more than {} times the {} bytes of the buffers, which they share: {}", where, kMaxCopyRatio,
+                bytes_read_, kExportAgain);
   }
   copied_bytes_ += found->bytes.size();
   return std::string(found->bytes);
@@ -44,7 +44,7 @@ Result<Buffers::View> Buffers::compressed_view(std::size_t index, const Json& co
     if (!decoded) return tl::unexpected(decoded.error());
     // Any number of views may share the same bytes, so the sum over all views has a limit.
     unfolded_bytes_ += decoded->size();
-    if (unfolded_bytes_ > kMeshoptBytesOfAByte * bytes_read_) {
+    if (unfolded_bytes_ > kMaxMeshoptBytesPerByte * bytes_read_) {
       return fail("{}: its compressed views unfold to more than the {} bytes of its buffers can hold: {}", name, bytes_read_, kExportAgain);
     }
     unfolded = unfolded_.emplace(index, std::move(*decoded)).first;

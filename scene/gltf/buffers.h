@@ -24,7 +24,7 @@ class Buffers {
   // A buffer view [3.6.1]; one with EXT_meshopt_compression is decompressed.
   Result<View> view(const Json& index_json, const std::string& where);
 
-  // A copy of the bytes of a buffer view for an image. Error: all images together exceed kMostCopies times the bytes of all buffers.
+  // A copy of the bytes of a buffer view for an image. Error: all images together exceed kMaxCopyRatio times the bytes of all buffers.
   Result<std::string> copy_for_image(const Json& index_json, const std::string& where);
 
   // Size of all buffers read so far, before decompression.
@@ -32,7 +32,7 @@ class Buffers {
 
  private:
   // Any number of images may share a view, so only this bounds their copies by the size of the file.
-  static constexpr std::size_t kMostCopies = 8;
+  static constexpr std::size_t kMaxCopyRatio = 8;
 
   Result<View> compressed_view(std::size_t index, const Json& compression);
   Result<std::string_view> range(const Json& json, const std::string& name);

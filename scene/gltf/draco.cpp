@@ -28,9 +28,9 @@ namespace {
 // Draco allocates memory for the counts in its header. A regular mesh of one repeated pattern needs the fewest bits: a plane grid of half
 // a million triangles has 22 triangles per byte (tests/scene/gltf/draco_test.cpp measures it). The limit is about ten times that. Small
 // meshes stay far below it, because tables take most of their bytes.
-constexpr std::size_t kMaxTrianglesOfAByte = 256;
+constexpr std::size_t kMaxTrianglesPerByte = 256;
 constexpr std::size_t kMaxAttributes = 64;
-constexpr std::size_t kMaxBytesOfAPoint = 1024;
+constexpr std::size_t kMaxBytesPerPoint = 1024;
 
 // One of Draco's decoders, with limits at the two places where it allocates memory for counts that the stream states.
 template <class Decoder>
@@ -57,7 +57,7 @@ class Bounded : public Decoder {
       const draco::PointAttribute& attribute = *this->point_cloud()->attribute(static_cast<int>(a));
       bytes += attribute.num_components() * sizeof(std::int32_t) + static_cast<std::size_t>(draco::DataTypeLength(attribute.data_type()));
     }
-    exceeded_ = count > kMaxAttributes || bytes > kMaxBytesOfAPoint || this->point_cloud()->num_points() > 3 * max_triangles_;
+    exceeded_ = count > kMaxAttributes || bytes > kMaxBytesPerPoint || this->point_cloud()->num_points() > 3 * max_triangles_;
     return !exceeded_ && Decoder::DecodeAllAttributes();
   }
 
@@ -186,7 +186,7 @@ std::vector<Eigen::Vector3f> vectors_of(const draco::Mesh& mesh, std::uint32_t i
 }  // namespace
 
 Result<DracoMesh> decode_draco(std::string_view bytes, const DracoRequest& request, const std::string& where) {
-  const std::size_t max_triangles = std::min(request.max_triangles, kMaxTrianglesOfAByte * bytes.size());
+  const std::size_t max_triangles = std::min(request.max_triangles, kMaxTrianglesPerByte * bytes.size());
   draco::Mesh mesh;
   if (auto error = decode_any(bytes, max_triangles, where, mesh)) return tl::unexpected(std::move(*error));
   if (mesh.num_faces() > max_triangles) return fail("{}: its Draco data hold more than {} triangles: simplify it", where, max_triangles);

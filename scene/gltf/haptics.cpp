@@ -247,7 +247,7 @@ Result<std::optional<std::uint32_t>> haptic_material_of(const Document& document
   const Json& materials = member(extension_of(document.root, kHapticExtension), "materials");
   const auto index = index_of(member(extension, "hapticMaterialIndex"), materials, where);
   if (!index) return tl::unexpected(index.error());
-  if (!haptics.materials[*index].says_anything()) return std::optional<std::uint32_t>();
+  if (!haptics.materials[*index].has_content()) return std::optional<std::uint32_t>();
   return std::optional(static_cast<std::uint32_t>(*index));
 }
 

@@ -42,7 +42,7 @@ std::size_t most_items(const MeshoptLayout& layout, std::size_t bytes) {
     case MeshoptMode::indices:
       return bytes;
     default:
-      return kMeshoptBytesOfAByte * bytes / layout.stride;
+      return kMaxMeshoptBytesPerByte * bytes / layout.stride;
   }
 }
 

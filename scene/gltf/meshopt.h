@@ -20,7 +20,7 @@ struct MeshoptLayout {
 
 // The largest number of decoded bytes for one byte of the compressed stream: 64 for attributes (four groups of 16 equal bytes, with two
 // bits for each group). In a triangle list a byte gives at most 12, in an index sequence 4. Source: appendix A of the extension.
-constexpr std::size_t kMeshoptBytesOfAByte = 64;
+constexpr std::size_t kMaxMeshoptBytesPerByte = 64;
 
 // Error: a mode, filter, count or stride that the extension does not allow.
 Result<MeshoptLayout> meshopt_layout_of(const Json& json, const std::string& where);

@@ -209,11 +209,11 @@ class SceneReader {
   // Counts what is read. Any number of nodes and primitives may share data that the file contains once. If they add triangles, these are
   // limited. But without triangles, the same data could be read again for each node, which would take hours.
   std::optional<Error> count_read(std::size_t items) {
-    read_ += items;
-    if (read_ <= kReadOfATriangle * max_triangles_) return std::nullopt;
+    read_count_ += items;
+    if (read_count_ <= kMaxReadPerTriangle * max_triangles_) return std::nullopt;
     return Error{
         fmt::format("has more than {} vertices, morph targets, instances, primitives and bytes of names with all its nodes: simplify it",
-                    kReadOfATriangle * max_triangles_)};
+                    kMaxReadPerTriangle * max_triangles_)};
   }
 
   void count_flaws(const std::optional<Primitive>& primitive) {
@@ -292,7 +292,7 @@ class SceneReader {
   }
 
   // Items per permitted triangle: three vertices, three displacements, and a morph target, a weight, an instance and a primitive.
-  static constexpr std::size_t kReadOfATriangle = 10;
+  static constexpr std::size_t kMaxReadPerTriangle = 10;
 
   const Document& document_;
   std::size_t max_triangles_;
@@ -307,7 +307,7 @@ class SceneReader {
   std::size_t bad_morphs_ = 0;
   std::size_t odd_weights_ = 0;
   std::size_t displacements_ = 0;  // of the morph targets of all instances
-  std::size_t read_ = 0;           // items read for all nodes, see count_read
+  std::size_t read_count_ = 0;     // items read for all nodes, see count_read
 };
 
 }  // namespace
