@@ -41,7 +41,8 @@ class ScalarCollider final : public PairCollider {
 // Takes blocks of eight pairs, as a mesh prepared for collision stores them. The time includes a repetition of undecided pairs in double.
 class BlockCollider final : public PairCollider {
  public:
-  explicit BlockCollider(const Pairs& pairs) : pairs_(pairs), blocks_(pairs.size() / 8), found_(blocks_.size()), again_(pairs.size()) {
+  explicit BlockCollider(const Pairs& pairs)
+      : pairs_(pairs), blocks_(pairs.size() / 8), block_contacts_(blocks_.size()), recomputed_contacts_(pairs.size()) {
     for (std::size_t b = 0; b < blocks_.size(); ++b) pack_8(&pairs[8 * b], blocks_[b]);
   }
   std::string name() const override { return "simd"; }
@@ -49,57 +50,57 @@ class BlockCollider final : public PairCollider {
   bool is_peer() const override { return false; }
   void collide(std::size_t first, std::size_t count) override {
     for (std::size_t b = first / 8; b < (first + count) / 8; ++b) {
-      intersect_8(blocks_[b], found_[b]);
-      for (unsigned left = found_[b].undecided; left != 0; left &= left - 1) {
+      intersect_8(blocks_[b], block_contacts_[b]);
+      for (unsigned left = block_contacts_[b].undecided; left != 0; left &= left - 1) {
         const std::size_t i = 8 * b + static_cast<std::size_t>(__builtin_ctz(left));
-        again_[i] = intersect_triangles(pairs_[i]);
+        recomputed_contacts_[i] = intersect_triangles(pairs_[i]);
       }
     }
   }
   double location_error(std::size_t i) const override {
-    const TriangleContacts8& found = found_[i / 8];
+    const TriangleContacts8& found = block_contacts_[i / 8];
     const auto lane = i % 8;
-    if ((found.undecided >> lane & 1) != 0) return error_of(again_[i], pairs_[i]);
+    if ((found.undecided >> lane & 1) != 0) return error_of(recomputed_contacts_[i], pairs_[i]);
     TriangleContact contact;
     contact.meets = (found.meets >> lane & 1) != 0;
     contact.begin = pairs_[i].a[0] + Vec3(found.begin[0][lane], found.begin[1][lane], found.begin[2][lane]);
     contact.end = pairs_[i].a[0] + Vec3(found.end[0][lane], found.end[1][lane], found.end[2][lane]);
     return error_of(contact, pairs_[i]);
   }
-  std::size_t asked_again() const override {
-    std::size_t asked = 0;
-    for (const TriangleContacts8& found : found_) asked += static_cast<std::size_t>(__builtin_popcount(found.undecided));
-    return asked;
+  std::size_t recomputed() const override {
+    std::size_t sum = 0;
+    for (const TriangleContacts8& found : block_contacts_) sum += static_cast<std::size_t>(__builtin_popcount(found.undecided));
+    return sum;
   }
 
  private:
   const Pairs& pairs_;
   std::vector<TrianglePairs8> blocks_;
-  std::vector<TriangleContacts8> found_;
-  std::vector<TriangleContact> again_;
+  std::vector<TriangleContacts8> block_contacts_;
+  std::vector<TriangleContact> recomputed_contacts_;
 };
 
 // Takes corners in double precision; the time includes packing and unpacking.
 class MeshCollider final : public PairCollider {
  public:
-  explicit MeshCollider(const Pairs& pairs) : pairs_(pairs), contacts_(pairs.size()), asked_(pairs.size() / 8) {}
+  explicit MeshCollider(const Pairs& pairs) : pairs_(pairs), contacts_(pairs.size()), recomputed_counts_(pairs.size() / 8) {}
   std::string name() const override { return "simd_from_double"; }
   std::string what() const override { return "the same from double corners to double contacts"; }
   bool is_peer() const override { return false; }
   void collide(std::size_t first, std::size_t count) override {
-    asked_[first / 8] = intersect_pairs(std::span(pairs_).subspan(first, count), std::span(contacts_).subspan(first, count));
+    recomputed_counts_[first / 8] = intersect_pairs(std::span(pairs_).subspan(first, count), std::span(contacts_).subspan(first, count));
   }
   double location_error(std::size_t i) const override { return error_of(contacts_[i], pairs_[i]); }
-  std::size_t asked_again() const override {
-    std::size_t asked = 0;
-    for (const std::size_t n : asked_) asked += n;
-    return asked;
+  std::size_t recomputed() const override {
+    std::size_t sum = 0;
+    for (const std::size_t n : recomputed_counts_) sum += n;
+    return sum;
   }
 
  private:
   const Pairs& pairs_;
   std::vector<TriangleContact> contacts_;
-  std::vector<std::size_t> asked_;  // undecided pairs of the batch that begins at pair 8 * index
+  std::vector<std::size_t> recomputed_counts_;  // undecided pairs of the batch that begins at pair 8 * index
 };
 
 double at_quantile(const std::vector<double>& sorted_ns, double q) {
@@ -134,7 +135,7 @@ HaptonResult judge(const PairCollider& collider, std::vector<double> batch_ns, c
   result.best_haptons = haptons(batch_ns.front());
   result.batches = batch_ns.size();
   count_errors(collider, settings.pairs.count, result);
-  result.asked_again = collider.asked_again();
+  result.recomputed = collider.recomputed();
   return result;
 }
 
@@ -155,7 +156,7 @@ void count_errors(const PairCollider& collider, std::size_t pairs, HaptonResult&
     const double found = collider.location_error(i);
     const double error = std::isnan(found) ? std::numeric_limits<double>::infinity() : found;
     result.missed += error < 0.0 ? 1 : 0;
-    result.off += error > kHaptonAccuracy ? 1 : 0;
+    result.mislocated += error > kHaptonAccuracy ? 1 : 0;
     result.worst_error = std::max(result.worst_error, error);
   }
 }
@@ -196,9 +197,9 @@ std::string to_text(const HaptonRun& run) {
   for (const HaptonResult& r : run.results) {
     fmt::format_to(std::back_inserter(text), "{:<18} {:>12.0f} {:>12.0f} {:>12.0f} {:>9.0f} {:>7} {:>10.4g} % {:>8}  {}", r.name,
                    r.p50_haptons, r.p99_haptons, r.best_haptons, r.p50_haptons / kMemoCapableHaptons, r.missed, 100.0 * r.worst_error,
-                   r.off, r.what);
-    if (r.asked_again > 0) {
-      fmt::format_to(std::back_inserter(text), " ({:.1f} %)", 100.0 * static_cast<double>(r.asked_again) / static_cast<double>(r.checked));
+                   r.mislocated, r.what);
+    if (r.recomputed > 0) {
+      fmt::format_to(std::back_inserter(text), " ({:.1f} %)", 100.0 * static_cast<double>(r.recomputed) / static_cast<double>(r.checked));
     }
     text += '\n';
   }
@@ -210,7 +211,7 @@ std::string to_csv(const HaptonRun& run) {
       "name,is_peer,p50_haptons,p99_haptons,best_haptons,batches,checked,missed,worse_than_0_1_percent,worst_error,asked_again\n";
   for (const HaptonResult& r : run.results) {
     fmt::format_to(std::back_inserter(text), "{},{:d},{:.1f},{:.1f},{:.1f},{},{},{},{},{:.3g},{}\n", r.name, r.is_peer, r.p50_haptons,
-                   r.p99_haptons, r.best_haptons, r.batches, r.checked, r.missed, r.off, r.worst_error, r.asked_again);
+                   r.p99_haptons, r.best_haptons, r.batches, r.checked, r.missed, r.mislocated, r.worst_error, r.recomputed);
   }
   return text;
 }
@@ -235,9 +236,9 @@ std::string to_json(const HaptonRun& run) {
                                {"batches", r.batches},
                                {"checked", r.checked},
                                {"missed", r.missed},
-                               {"worse_than_0_1_percent", r.off},
+                               {"worse_than_0_1_percent", r.mislocated},
                                {"worst_error", r.worst_error},
-                               {"asked_again", r.asked_again}});
+                               {"asked_again", r.recomputed}});
   }
   return json.dump(2) + "\n";
 }

@@ -30,7 +30,7 @@ class PairCollider {
   // negative: no contact was found. For FCL: the distance of its best point from the exact segment, divided likewise.
   virtual double location_error(std::size_t pair) const = 0;
   // The number of pairs that a fast algorithm passed to a slower one.
-  virtual std::size_t asked_again() const { return 0; }
+  virtual std::size_t recomputed() const { return 0; }
 };
 
 // Three colliders of ours (eight pairs at once from prepared blocks; the same from double corners; one by one) and FCL's two if built in.
@@ -49,16 +49,16 @@ struct HaptonResult {
   double p99_haptons = 0.0;  // 99 % of the batches were at least as fast
   double best_haptons = 0.0;
   std::size_t batches = 0;
-  std::size_t checked = 0;   // number of pairs compared with extended precision in this run: all of them
-  std::size_t missed = 0;    // number of those for which no contact was found
-  std::size_t off = 0;       // number of those located worse than 0.1 %
-  double worst_error = 0.0;  // largest error of the contacts found, divided by the longest edge of the smaller triangle
-  std::size_t asked_again = 0;
+  std::size_t checked = 0;     // number of pairs compared with extended precision in this run: all of them
+  std::size_t missed = 0;      // number of those for which no contact was found
+  std::size_t mislocated = 0;  // number of those located worse than 0.1 %
+  double worst_error = 0.0;    // largest error of the contacts found, divided by the longest edge of the smaller triangle
+  std::size_t recomputed = 0;
 
-  bool holds() const { return missed == 0 && off == 0; }
+  bool holds() const { return missed == 0 && mislocated == 0; }
 };
 
-// Fills in result.checked, missed, off and worst_error. An error that is not a number counts as infinite.
+// Fills in result.checked, missed, mislocated and worst_error. An error that is not a number counts as infinite.
 void count_errors(const PairCollider& collider, std::size_t pairs, HaptonResult& result);
 
 struct HaptonRunSettings {

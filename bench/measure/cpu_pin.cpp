@@ -5,10 +5,10 @@
 namespace hapton {
 
 CpuPin::CpuPin() {
-  CPU_ZERO(&before_);
-  if (sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+  CPU_ZERO(&previous_mask_);
+  if (sched_getaffinity(0, sizeof previous_mask_, &previous_mask_) != 0) return;
   for (int cpu = CPU_SETSIZE - 1; cpu >= 0; --cpu) {
-    if (!CPU_ISSET(static_cast<std::size_t>(cpu), &before_)) continue;
+    if (!CPU_ISSET(static_cast<std::size_t>(cpu), &previous_mask_)) continue;
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET(static_cast<std::size_t>(cpu), &one);
@@ -18,7 +18,7 @@ CpuPin::CpuPin() {
 }
 
 CpuPin::~CpuPin() {
-  if (cpu_ >= 0) sched_setaffinity(0, sizeof before_, &before_);
+  if (cpu_ >= 0) sched_setaffinity(0, sizeof previous_mask_, &previous_mask_);
 }
 
 double read_load_average() {

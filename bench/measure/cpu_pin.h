@@ -16,7 +16,7 @@ class CpuPin {
   int cpu() const { return cpu_; }  // number of the CPU; -1: the system refused to pin the thread
 
  private:
-  cpu_set_t before_ = {};
+  cpu_set_t previous_mask_ = {};
   int cpu_ = -1;
 };
 

@@ -98,8 +98,8 @@ Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effect
 
   const bool is_plain = !effects.surface.any() && effects.space.empty();
   EffectFormula form(effects);
-  double error = 0.0;
-  double whole = 0.0;
+  double error_squares = 0.0;
+  double exact_squares = 0.0;
   double worst = 0.0;
   for (std::size_t i = 0; i < felt->size(); ++i) {
     Vec3 exact = Vec3::Zero();
@@ -110,11 +110,11 @@ Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effect
     if (time_of(i, settings.rate_hz) < kSettleS) continue;
     const Vec3 spring = is_plain ? Vec3(Vec3::Zero()) : plane_spring(motion.at(time_of(i, settings.rate_hz)).p);
     const double difference = ((*felt)[i] - exact).norm();
-    error += difference * difference;
-    whole += (exact - spring).squaredNorm();
+    error_squares += difference * difference;
+    exact_squares += (exact - spring).squaredNorm();
     worst = std::max(worst, difference);
   }
-  return EffectError{.rms = whole > 0.0 ? std::sqrt(error / whole) : std::sqrt(error), .worst_n = worst};
+  return EffectError{.rms = exact_squares > 0.0 ? std::sqrt(error_squares / exact_squares) : std::sqrt(error_squares), .worst_n = worst};
 }
 
 }  // namespace hapton

@@ -14,9 +14,9 @@ constexpr double kReachShare = 0.025;
 // Share of the extent by which single precision may differ from brute force: a quarter of the smallest fall-through.
 constexpr double kAgreeShare = 1e-4;
 // Triangle tests by brute force for each kind of query, which take about a second: 20 to 500 queries, depending on the size of the mesh.
-constexpr double kTriangleTests = 4e7;
-constexpr double kFewestCompared = 20.0;
-constexpr double kMostCompared = 500.0;
+constexpr double kMaxTriangleTests = 4e7;
+constexpr double kMinCompared = 20.0;
+constexpr double kMaxCompared = 500.0;
 // Queries from which the time of one is estimated, and the fewest in a measurement; a free choice.
 constexpr std::size_t kMinQueries = 16;
 
@@ -27,38 +27,38 @@ std::size_t stride_for(std::size_t queries, std::size_t most) {
 
 // Stride through the queries with which they fit into a third of the time budget, so that they can be timed about three times. Estimated
 // from a few queries.
-template <class Ask>
-std::size_t find_stride(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, Ask&& ask) {
+template <class Query>
+std::size_t find_stride(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, Query&& query) {
   if (queries <= kMinQueries) return 1;
   const std::uint64_t start = Stopwatch::ticks();
-  for (std::size_t i = 0; i < kMinQueries; ++i) ask(i * (queries / kMinQueries));
+  for (std::size_t i = 0; i < kMinQueries; ++i) query(i * (queries / kMinQueries));
   const double each_s = 1e-9 * watch.ns_between(start, Stopwatch::ticks()) / static_cast<double>(kMinQueries);
   const double fit = budget.seconds / 3.0 / std::max(each_s, 1e-9);
   return stride_for(queries, std::max(kMinQueries, static_cast<std::size_t>(std::min(fit, 1e9))));
 }
 
 // Two replies agree: both found nothing, or both found the same.
-bool same(double a, double b, double tolerance) {
+bool is_same_result(double a, double b, double tolerance) {
   if (std::isfinite(a) != std::isfinite(b)) return false;
   return !std::isfinite(a) || std::fabs(a - b) <= tolerance;
 }
 
-template <class Ask, class Tolerance>
+template <class Query, class Tolerance>
 QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, const std::vector<double>& truth,
-                         std::size_t truth_stride, Ask&& ask, Tolerance&& tolerance) {
+                         std::size_t truth_stride, Query&& query, Tolerance&& tolerance) {
   QueryTiming timing;
-  const std::size_t stride = find_stride(watch, budget, queries, ask);
-  const std::size_t asked = (queries + stride - 1) / stride;
-  std::vector<double> replies(asked);
+  const std::size_t stride = find_stride(watch, budget, queries, query);
+  const std::size_t query_count = (queries + stride - 1) / stride;
+  std::vector<double> replies(query_count);
   const TimedSteps timed = time_steps(
-      watch, budget, asked, [](std::size_t) {}, [&](std::size_t i) { replies[i] = ask(i * stride); }, [](std::size_t) {});
+      watch, budget, query_count, [](std::size_t) {}, [&](std::size_t i) { replies[i] = query(i * stride); }, [](std::size_t) {});
   timing.time = spread_of_times(timed.least.ns());
   timing.mean_ns = timed.mean_ns;
   timing.repetitions = timed.repetitions;
   timing.found = static_cast<std::size_t>(std::count_if(replies.begin(), replies.end(), [](double a) { return std::isfinite(a); }));
   for (std::size_t i = 0; i < truth.size(); ++i) {
     ++timing.compared;
-    if (same(ask(i * truth_stride), truth[i], tolerance(i * truth_stride))) ++timing.agree;
+    if (is_same_result(query(i * truth_stride), truth[i], tolerance(i * truth_stride))) ++timing.agree;
   }
   return timing;
 }
@@ -78,8 +78,8 @@ TouchQueries make_queries(std::span<const ForceSample> felt, std::size_t reset_e
 
 BruteResults query_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries) {
   BruteResults replies;
-  const double fit = kTriangleTests / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size()));
-  const auto most = static_cast<std::size_t>(std::clamp(fit, kFewestCompared, kMostCompared));
+  const double fit = kMaxTriangleTests / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size()));
+  const auto most = static_cast<std::size_t>(std::clamp(fit, kMinCompared, kMaxCompared));
   replies.segment_stride = stride_for(queries.segments.size(), most);
   replies.point_stride = stride_for(queries.points.size(), most);
   const auto brute = own_structures().front().make(mesh);

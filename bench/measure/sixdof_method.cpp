@@ -22,7 +22,7 @@ class ProxyTool final : public SixdofMethod {
 
 class ForceTask final : public SixdofMethod {
  public:
-  ForceTask(std::unique_ptr<ToolStep> tool, int every) : held_(std::move(tool)), every_(every) {}
+  ForceTask(std::unique_ptr<ToolStep> tool, int every) : held_(std::move(tool)), samples_per_follow_(every) {}
   void reset(const Pose& X_SD) override {
     held_.begin_anew();
     held_.forget_motion();
@@ -36,7 +36,7 @@ class ForceTask final : public SixdofMethod {
     return held_.step({X_SD}, samples_ * kSampleNs);
   }
   void follow() override {
-    if (since_reset_ % every_ == 0) held_.follow();
+    if (since_reset_ % samples_per_follow_ == 0) held_.follow();
   }
   Placement placement(const ToolStep&) const override { return held_.tool().proxy().placement(); }
 
@@ -46,7 +46,7 @@ class ForceTask final : public SixdofMethod {
   HeldTool held_;
   std::int64_t samples_ = 0;  // samples since construction, the clock of the held tool
   std::int64_t since_reset_ = 0;
-  std::int64_t every_;
+  std::int64_t samples_per_follow_;
 };
 
 class VoxelMethod final : public SixdofMethod {

@@ -19,24 +19,26 @@ using Json = nlohmann::ordered_json;
 class VectorError {
  public:
   void add(const Vec3& found, const Vec3& expected) {
-    difference_ += (found - expected).squaredNorm();
-    expected_ += expected.squaredNorm();
+    difference_squares_ += (found - expected).squaredNorm();
+    expected_squares_ += expected.squaredNorm();
     if (!(found.norm() > 0.0) || !(expected.norm() > 0.0)) return;
     const double angle = std::atan2(found.cross(expected).norm(), found.dot(expected));
-    angle_ += angle * angle;
-    ++angles_;
+    angle_squares_ += angle * angle;
+    ++angle_count_;
   }
   // In percent of the expected values, or of `scale` if that is larger.
-  double percent(double scale) const { return 100.0 * std::sqrt(difference_) / std::max(std::sqrt(expected_), scale); }
-  double angle_deg() const { return angles_ == 0 ? 0.0 : std::sqrt(angle_ / static_cast<double>(angles_)) * 180.0 / std::numbers::pi; }
-  double sum() const { return std::sqrt(expected_); }
-  bool any() const { return expected_ > 0.0; }
+  double percent(double scale) const { return 100.0 * std::sqrt(difference_squares_) / std::max(std::sqrt(expected_squares_), scale); }
+  double angle_deg() const {
+    return angle_count_ == 0 ? 0.0 : std::sqrt(angle_squares_ / static_cast<double>(angle_count_)) * 180.0 / std::numbers::pi;
+  }
+  double expected_norm() const { return std::sqrt(expected_squares_); }
+  bool any() const { return expected_squares_ > 0.0; }
 
  private:
-  double difference_ = 0.0;
-  double expected_ = 0.0;
-  double angle_ = 0.0;
-  std::size_t angles_ = 0;
+  double difference_squares_ = 0.0;
+  double expected_squares_ = 0.0;
+  double angle_squares_ = 0.0;
+  std::size_t angle_count_ = 0;
 };
 
 void note_errors(SixdofRow& row, const SixdofScenario& scenario, const std::vector<ToolOutput>& felt) {
@@ -52,7 +54,7 @@ void note_errors(SixdofRow& row, const SixdofScenario& scenario, const std::vect
   const double lever = std::sqrt(scenario.coupling.rotational_stiffness_nm_per_rad / scenario.coupling.stiffness_n_per_m);
   row.force_error_percent = force.percent(0.0);
   row.force_angle_deg = force.angle_deg();
-  row.torque_error_percent = torque.percent(torque.any() ? 0.0 : force.sum() * lever);
+  row.torque_error_percent = torque.percent(torque.any() ? 0.0 : force.expected_norm() * lever);
   row.torque_angle_deg = torque.any() ? torque.angle_deg() : 0.0;
 }
 

@@ -74,8 +74,8 @@ std::string hulls_text(const PapersReport& report) {
 }  // namespace
 
 std::optional<double> PaperRow::ratio() const {
-  if (!theirs || !ours || *theirs == 0.0) return std::nullopt;
-  return *ours / *theirs;
+  if (!paper_value || !ours || *paper_value == 0.0) return std::nullopt;
+  return *ours / *paper_value;
 }
 
 PaperRow& PapersReport::row(std::string_view key) {
@@ -94,8 +94,8 @@ bool PapersReport::is_complete() const {
 
 PapersReport make_papers_report() {
   PapersReport report;
-  const auto add = [&](std::string key, std::string what, std::string unit, std::optional<double> theirs, std::string said) {
-    report.rows.push_back({std::move(key), std::move(what), std::move(unit), theirs, std::move(said), std::nullopt, "not measured"});
+  const auto add = [&](std::string key, std::string what, std::string unit, std::optional<double> paper_value, std::string quote) {
+    report.rows.push_back({std::move(key), std::move(what), std::move(unit), paper_value, std::move(quote), std::nullopt, "not measured"});
   };
   add("memo.grid_occupied", "grid 32^3 on the car: cells occupied", "%", 25.0, "4.2.2: cell occupancy factor of 25 %");
   add("memo.grid_mean", "... triangles an occupied cell, mean", "", 3.0, "4.2.2: 3 triangles on average");
@@ -145,8 +145,9 @@ std::string to_text(const PapersReport& report) {
     if (of != paper) text += fmt::format("-- {} --\n", of);
     paper = of;
     const auto ratio = row.ratio();
-    fmt::format_to(std::back_inserter(text), "{:<52} {:>12} {:>14} {:>10}\n    {}{}{}\n", row.what, cell(row.theirs, row.unit),
-                   cell(row.ours, row.unit), ratio ? fmt::format("{:.3g}", *ratio) : "-", row.said, row.said.empty() ? "" : " | ", row.how);
+    fmt::format_to(std::back_inserter(text), "{:<52} {:>12} {:>14} {:>10}\n    {}{}{}\n", row.what, cell(row.paper_value, row.unit),
+                   cell(row.ours, row.unit), ratio ? fmt::format("{:.3g}", *ratio) : "-", row.quote, row.quote.empty() ? "" : " | ",
+                   row.how);
   }
   return text + tasks_text(report) + hulls_text(report) + "\n" + report.conditions.to_text() + "\n";
 }
@@ -159,8 +160,8 @@ std::string to_json(const PapersReport& report) {
     json["rows"].push_back({{"key", row.key},
                             {"what", row.what},
                             {"unit", row.unit},
-                            {"paper", json_of(row.theirs)},
-                            {"paper_says", row.said},
+                            {"paper", json_of(row.paper_value)},
+                            {"paper_says", row.quote},
                             {"ours", json_of(row.ours)},
                             {"ours_over_paper", json_of(row.ratio())},
                             {"how", row.how}});
@@ -204,8 +205,8 @@ std::string to_json(const PapersReport& report) {
 std::string to_csv(const PapersReport& report) {
   std::string text = "key,what,unit,paper,ours,ours_over_paper,paper_says,how\n";
   for (const PaperRow& row : report.rows) {
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{}\n", row.key, quoted(row.what), row.unit, field(row.theirs),
-                   field(row.ours), field(row.ratio()), quoted(row.said), quoted(row.how));
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{}\n", row.key, quoted(row.what), row.unit, field(row.paper_value),
+                   field(row.ours), field(row.ratio()), quoted(row.quote), quoted(row.how));
   }
   return text;
 }

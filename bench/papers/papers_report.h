@@ -13,15 +13,15 @@ namespace hapton {
 
 // A paper's value for its own system, and the value of this machine today.
 struct PaperRow {
-  std::string key;               // name of the row in CSV and JSON, for example "memo.round_trip"
-  std::string what;              // description for people
-  std::string unit;              // unit of both values; empty: a plain number
-  std::optional<double> theirs;  // none: the paper claims it without a figure
-  std::string said;              // the paper's own text or number, with its section
-  std::optional<double> ours;    // none: not measured, and `how` says why
-  std::string how;               // how it was measured
+  std::string key;                    // name of the row in CSV and JSON, for example "memo.round_trip"
+  std::string what;                   // description for people
+  std::string unit;                   // unit of both values; empty: a plain number
+  std::optional<double> paper_value;  // none: the paper claims it without a figure
+  std::string quote;                  // the paper's own text or number, with its section
+  std::optional<double> ours;         // none: not measured, and `how` says why
+  std::string how;                    // how it was measured
 
-  // Ours divided by theirs; none if a value is missing or theirs is 0.
+  // `ours` divided by `paper_value`; none if a value is missing or `paper_value` is 0.
   std::optional<double> ratio() const;
 };
 

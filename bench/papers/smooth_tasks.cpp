@@ -33,26 +33,26 @@ struct StepFacts {
 // Notes, in one repetition, before which step the slow task last selected a set, and how old the set in use is.
 class SetWatch {
  public:
-  void note_selection(std::size_t step) { selected_at_ = step; }
+  void note_selection(std::size_t step) { selected_step_ = step; }
 
   void note_step(std::size_t step, const SmoothCounters& now, StepFacts& facts) {
-    const bool took = now.offered != before_.offered;
-    const bool selected = now.selections != before_.selections;
-    const bool asked_tree = now.overflows != before_.overflows;
-    if (took) made_at_ = selected_at_;
-    if (selected) made_at_ = step;
+    const bool took = now.offered != previous_counters_.offered;
+    const bool selected = now.selections != previous_counters_.selections;
+    const bool asked_tree = now.overflows != previous_counters_.overflows;
+    if (took) made_step_ = selected_step_;
+    if (selected) made_step_ = step;
     facts.offered += took ? 1 : 0;
     facts.without_set += selected || asked_tree ? 1 : 0;
     facts.beyond_set += asked_tree ? 1 : 0;
-    facts.at_work.push_back(now.skipped == before_.skipped ? 1 : 0);
-    facts.age_steps.push_back(static_cast<double>(step - made_at_));
-    before_ = now;
+    facts.at_work.push_back(now.skipped == previous_counters_.skipped ? 1 : 0);
+    facts.age_steps.push_back(static_cast<double>(step - made_step_));
+    previous_counters_ = now;
   }
 
  private:
-  SmoothCounters before_;
-  std::size_t selected_at_ = 0;
-  std::size_t made_at_ = 0;
+  SmoothCounters previous_counters_;
+  std::size_t selected_step_ = 0;
+  std::size_t made_step_ = 0;
 };
 
 // Keeps the least time of each call over all repetitions; every repetition makes the same calls in the same order.

@@ -82,13 +82,13 @@ class BulletTool final : public SixdofMethod {
     tool_body_->setLinearVelocity(btVector3(0, 0, 0));
     tool_body_->setAngularVelocity(btVector3(0, 0, 0));
     tool_body_->clearForces();
-    last_ = X_SD;
+    last_X_SD_ = X_SD;
   }
 
   ToolOutput step(const Pose& X_SD) override {
     const Spring before = pull(X_SD);
-    const Vec3 velocity = (X_SD.translation() - last_.translation()) / kStepS;
-    const Vec3 turning = turn_between(Quat(last_.linear()), Quat(X_SD.linear())) / kStepS;
+    const Vec3 velocity = (X_SD.translation() - last_X_SD_.translation()) / kStepS;
+    const Vec3 turning = turn_between(Quat(last_X_SD_.linear()), Quat(X_SD.linear())) / kStepS;
     const double damping = 2.0 * std::sqrt(coupling_.stiffness_n_per_m * kMassKg);
     const double lever2 = coupling_.rotational_stiffness_nm_per_rad / coupling_.stiffness_n_per_m;
     const Vec3 force = before.force_n + damping * (velocity - from_bullet(tool_body_->getLinearVelocity()) / kUnitsPerM);
@@ -96,7 +96,7 @@ class BulletTool final : public SixdofMethod {
     tool_body_->applyCentralForce(to_bullet(kUnitsPerM * force));
     tool_body_->applyTorque(to_bullet(kUnitsPerM * kUnitsPerM * torque));
     world_.stepSimulation(btScalar(kStepS), 0);
-    last_ = X_SD;
+    last_X_SD_ = X_SD;
 
     ToolOutput output;
     for (int i = 0; i < dispatcher_.getNumManifolds(); ++i)
@@ -136,7 +136,7 @@ class BulletTool final : public SixdofMethod {
   btDiscreteDynamicsWorld world_;
   std::unique_ptr<btRigidBody> scene_body_;
   std::unique_ptr<btRigidBody> tool_body_;
-  Pose last_ = Pose::Identity();
+  Pose last_X_SD_ = Pose::Identity();
 };
 
 }  // namespace

@@ -29,38 +29,38 @@ class FclTool final : public SixdofMethod {
     for (const Vec3& vertex : scenario.tool->vertices) radius_m_ = std::max(radius_m_, vertex.norm());
   }
 
-  void reset(const Pose& X_SD) override { at_ = X_SD; }
+  void reset(const Pose& X_SD) override { X_SP_ = X_SD; }
 
   ToolOutput step(const Pose& X_SD) override {
     fcl::ContinuousCollisionRequestd request(10, 1e-4, fcl::CCDM_LINEAR, fcl::GST_LIBCCD, fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
     fcl::ContinuousCollisionResultd result;
     const fcl::Transform3d still = fcl::Transform3d::Identity();
-    fcl::continuousCollide(tool_.get(), fcl::Transform3d(at_.matrix()), fcl::Transform3d(X_SD.matrix()), scene_.get(), still, still,
+    fcl::continuousCollide(tool_.get(), fcl::Transform3d(X_SP_.matrix()), fcl::Transform3d(X_SD.matrix()), scene_.get(), still, still,
                            request, result);
-    const Vec3 turn = turn_between(Quat(at_.linear()), Quat(X_SD.linear()));
+    const Vec3 turn = turn_between(Quat(X_SP_.linear()), Quat(X_SD.linear()));
     // Stop before the contact: FCL reports a collision for touching bodies, in whatever direction they move.
-    const double length_m = (X_SD.translation() - at_.translation()).norm() + turn.norm() * radius_m_;
+    const double length_m = (X_SD.translation() - X_SP_.translation()).norm() + turn.norm() * radius_m_;
     const double time = result.is_collide ? std::clamp(result.time_of_contact - kStopShortM / length_m, 0.0, 1.0) : 1.0;
-    at_.translation() += time * (X_SD.translation() - at_.translation());
-    at_.linear() = (turn_by(time * turn) * Quat(at_.linear())).normalized().toRotationMatrix();
+    X_SP_.translation() += time * (X_SD.translation() - X_SP_.translation());
+    X_SP_.linear() = (turn_by(time * turn) * Quat(X_SP_.linear())).normalized().toRotationMatrix();
 
     ToolOutput output;
     output.contact = result.is_collide;
-    output.X_WP = at_;
+    output.X_WP = X_SP_;
     if (!output.contact) return output;
-    output.force_n = coupling_.stiffness_n_per_m * (at_.translation() - X_SD.translation());
-    output.torque_nm = coupling_.rotational_stiffness_nm_per_rad * turn_between(Quat(X_SD.linear()), Quat(at_.linear()));
+    output.force_n = coupling_.stiffness_n_per_m * (X_SP_.translation() - X_SD.translation());
+    output.torque_nm = coupling_.rotational_stiffness_nm_per_rad * turn_between(Quat(X_SD.linear()), Quat(X_SP_.linear()));
     return output;
   }
 
-  Placement placement(const ToolStep& exact) const override { return local_placement(exact, at_); }
+  Placement placement(const ToolStep& exact) const override { return local_placement(exact, X_SP_); }
 
  private:
   ToolCoupling coupling_;
   std::shared_ptr<FclMesh> tool_;
   std::shared_ptr<FclMesh> scene_;
   double radius_m_ = 0.0;
-  Pose at_ = Pose::Identity();
+  Pose X_SP_ = Pose::Identity();
 };
 
 }  // namespace

@@ -40,9 +40,9 @@ TEST(MeasureHaptons, ARunWithMissedOrWrongPairsDoesNotHold) {
   run.results[0].missed = 1;
   EXPECT_FALSE(run.holds());
   run.results[0].missed = 0;
-  run.results[1].off = 1;
+  run.results[1].mislocated = 1;
   EXPECT_FALSE(run.holds());
-  run.results[1].off = 0;
+  run.results[1].mislocated = 0;
   run.results.back().is_peer = true;
   run.results.back().missed = 1;
   EXPECT_TRUE(run.holds()) << "a peer's accuracy is shown, not asked for";
@@ -84,7 +84,7 @@ TEST(MeasureHaptons, ANanErrorCountsAsOff) {
   count_errors(WrongCollider({1e-4, kNan, -1.0, 2e-3, 1e-3}), 5, result);
   EXPECT_EQ(result.checked, 5U);
   EXPECT_EQ(result.missed, 1U);
-  EXPECT_EQ(result.off, 2U);
+  EXPECT_EQ(result.mislocated, 2U);
   EXPECT_EQ(result.worst_error, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(result.holds());
 }

@@ -23,7 +23,7 @@ TEST(PapersReport, HoldsBothPapersFigures) {
       {"memo.force_rate_all", 1000.0}, {"memo.haptons", 1.0},    {"memo.haptons_capable", 5.0}, {"memo.stereo_culled", 20.0},
       {"memo.stereo_unculled", 8.0},   {"memo.round_trip", 0.7}, {"memo.system_latency", 50.0}, {"fdh.query_typical", 3.0},
       {"fdh.query_most", 10.0},        {"fdh.idle_3khz", 50.0},  {"fdh.rate", 10000.0}};
-  for (const auto& [key, value] : figures) EXPECT_DOUBLE_EQ(report.row(key).theirs.value_or(-1.0), value) << key;
+  for (const auto& [key, value] : figures) EXPECT_DOUBLE_EQ(report.row(key).paper_value.value_or(-1.0), value) << key;
   std::set<std::string> keys;
   for (const PaperRow& row : report.rows) EXPECT_TRUE(keys.insert(row.key).second) << row.key;
 }
@@ -43,11 +43,11 @@ TEST(PapersReport, ARowWithoutAValueMakesItIncomplete) {
 
 TEST(PapersReport, TheRatioIsOursOverTheirs) {
   PaperRow row;
-  row.theirs = 0.7;
+  row.paper_value = 0.7;
   EXPECT_FALSE(row.ratio());
   row.ours = 0.07;
   EXPECT_NEAR(row.ratio().value_or(0.0), 0.1, 1e-12);
-  row.theirs.reset();
+  row.paper_value.reset();
   EXPECT_FALSE(row.ratio());
 }
 
