@@ -279,10 +279,10 @@ TEST_F(DeviceLoops, AForcePostedWhileACycleRunsIsServedAtItsEnd) {
   device.within_write = [&] {
     device.within_write = nullptr;
     number = loop.post({{.force_n = Vec3(0, 0, 2)}, clock.now_ns() - 1});
-    EXPECT_NE(loop.latest().command, number) << "within another's write";
+    EXPECT_NE(loop.latest().command_number, number) << "within another's write";
   };
   ASSERT_TRUE(loop.run_cycle());
-  EXPECT_EQ(loop.latest().command, number);
+  EXPECT_EQ(loop.latest().command_number, number);
 }
 
 TEST_F(DeviceLoops, WhatTheWatchdogProcessCutComesBackWithARampAndOnlyFromZero) {
@@ -478,7 +478,7 @@ TEST(DeviceThreads, CyclesAndForcesFromTwoThreadsNeverMeetInTheDevice) {
   const std::int64_t end_ns = clock.now_ns() + 500 * kMs;
   while (clock.now_ns() < end_ns) number = loop->post({{.force_n = Vec3(0, 0, 1)}, clock.now_ns()});
   thread.stop();
-  EXPECT_EQ(loop->latest().command, number) << "the last force was left lying";
+  EXPECT_EQ(loop->latest().command_number, number) << "the last force was left lying";
   EXPECT_EQ(meetings.load(), 0);
 }
 
