@@ -10,9 +10,11 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kLargePage = std::size_t{1} << 21;  // x86-64 and aarch64 with pages of 4 KiB
-constexpr std::size_t kMin = 2 * kLargePage;              // up to half of a smaller block would stay in small pages
+constexpr std::size_t kMinLargeBytes = 2 * kLargePage;    // up to half of a smaller block would stay in small pages
 
-std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) { return std::align_val_t{bytes >= kMin ? kLargePage : alignment}; }
+std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) {
+  return std::align_val_t{bytes >= kMinLargeBytes ? kLargePage : alignment};
+}
 
 // Fills the pages at once, then sets MADV_NOHUGEPAGE: otherwise khugepaged might collapse small pages later and stall readers.
 void use_large_pages(void* memory, std::size_t bytes) {
@@ -30,7 +32,7 @@ void use_large_pages(void* memory, std::size_t bytes) {
 void* allocate_large(std::size_t bytes, std::size_t alignment) {
   void* const memory = ::operator new(bytes, alignment_of(bytes, alignment));
   // Whole large pages only: a last, partly used one would waste memory.
-  if (bytes >= kMin) use_large_pages(memory, bytes / kLargePage * kLargePage);
+  if (bytes >= kMinLargeBytes) use_large_pages(memory, bytes / kLargePage * kLargePage);
   return memory;
 }
 

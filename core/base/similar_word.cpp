@@ -32,8 +32,8 @@ std::string_view find_similar_word(std::string_view word, std::span<const std::s
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
     // A shortened word, such as stiffness for stiffness_n_per_m, counts as near.
-    const bool begins = word.size() >= 4 && candidate.starts_with(word);
-    const std::size_t distance = begins ? 0 : word.size() > 64 ? word.size() : edit_distance(word, candidate);
+    const bool is_abbreviation = word.size() >= 4 && candidate.starts_with(word);
+    const std::size_t distance = is_abbreviation ? 0 : word.size() > 64 ? word.size() : edit_distance(word, candidate);
     if (distance < best_distance) {
       best_distance = distance;
       best = candidate;

@@ -9,9 +9,9 @@ std::size_t utf8_length(std::string_view text) noexcept {
   const unsigned first = at(0);
   if (first < 0x80) return 1;
   const std::size_t length = first >= 0xC2 && first < 0xE0 ? 2 : first >= 0xE0 && first < 0xF0 ? 3 : first >= 0xF0 && first < 0xF5 ? 4 : 0;
-  const unsigned least = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
-  const unsigned most = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
-  if (length == 0 || at(1) < least || at(1) > most) return 0;
+  const unsigned min_second = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
+  const unsigned max_second = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  if (length == 0 || at(1) < min_second || at(1) > max_second) return 0;
   for (std::size_t i = 2; i < length; ++i) {
     if (at(i) < 0x80 || at(i) > 0xBF) return 0;
   }

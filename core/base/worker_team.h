@@ -29,14 +29,14 @@ class WorkerTeam {
 
 // The team whose only worker is the calling thread; any number of threads may use it at the same time.
 inline WorkerTeam& calling_thread() noexcept {
-  class Alone final : public WorkerTeam {
+  class CallingThreadTeam final : public WorkerTeam {
    public:
     int size() const noexcept override { return 1; }
 
    private:
     void run_each(Function function, const void* context) noexcept override { function(context, 0); }
   };
-  static Alone team;
+  static CallingThreadTeam team;
   return team;
 }
 

@@ -165,7 +165,7 @@ void DeformingGeometry::make_trees() {
 std::size_t DeformingGeometry::part_at(double time_s) const noexcept {
   const double duration = deformation_->duration_s();
   if (!(duration > 0.0)) return 0;
-  const double share = deformation_->time_in_round(time_s) / duration;
+  const double share = deformation_->time_in_loop(time_s) / duration;
   return std::min(static_cast<std::size_t>(share * static_cast<double>(trees_.size())), trees_.size() - 1);
 }
 

@@ -53,7 +53,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     CornerNormalReport report;
     ShadedMesh shaded = fill_corner_normals(mesh, source, *shading_crease_rad, report);
     use_authored_normals(mesh, shaded);
-    check_corner_normals(shaded);
+    repair_corner_normals(shaded);
     for (const Vec3& normal : shaded.normals) surface->normals.push_back(normal.cast<float>());
     for (const std::uint32_t old : order) surface->corner_normals.push_back(shaded.corner_normals[old]);
   }

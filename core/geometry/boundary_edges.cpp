@@ -14,9 +14,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kShareOfEdge = 0.05;    // share of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
+constexpr double kMaxGapShare = 0.05;    // share of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
 constexpr std::size_t kMaxMeasured = 8;  // points for which the nearest edge is searched; a free choice
-constexpr std::size_t kFewEdges = 64;    // added to the number of edges, so that a small mesh is examined completely; a free choice
+constexpr std::size_t kExtraEdges = 64;  // added to the number of edges, so that a small mesh is examined completely; a free choice
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -80,7 +80,7 @@ class PendingPoints {
     const SegmentSlabs slabs(a, b);
     const auto enter = [&](const MedianTree::Node& node) {
       ++work_;
-      return node.open != 0 && slabs.meets(node.box.min(), node.box.max());
+      return node.open_items != 0 && slabs.meets(node.box.min(), node.box.max());
     };
     tree_.visit_open(enter, [&](std::uint32_t i) { return try_point(points_[i], edge, segment); });
   }
@@ -102,7 +102,7 @@ class PendingPoints {
   }
 
   std::vector<Point> points_;
-  MedianTree tree_;  // `open` of a node: its points that are not done
+  MedianTree tree_;  // `open_items` of a node: its points that are not done
   std::size_t work_ = 0;
 };
 
@@ -113,7 +113,7 @@ std::vector<PendingPoints::Point> points_along(const TriangleMesh& mesh, const s
   for (const std::uint32_t e : edges) {
     const Vec3& from = mesh.vertices[borders[e].first];
     const Vec3 along = mesh.vertices[borders[e].second] - from;
-    const double radius = std::min(width, kShareOfEdge * along.norm());
+    const double radius = std::min(width, kMaxGapShare * along.norm());
     for (const double share : shares) points.push_back({.at = from + share * along, .radius = radius, .edge = e});
   }
   return points;
@@ -166,15 +166,15 @@ BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, const std::vector<s
     if (cracks.empty()) break;
     for (std::uint32_t e = 0; e < borders.size() && !count.has_given_up; ++e) {
       pending.test_edge(e, mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]);
-      count.has_given_up = count.work + pending.work() > most_work * (borders.size() + kFewEdges);
+      count.has_given_up = count.work + pending.work() > most_work * (borders.size() + kExtraEdges);
     }
-    std::vector<std::uint8_t> found(borders.size(), 0);
+    std::vector<std::uint8_t> found_points(borders.size(), 0);
     for (const PendingPoints::Point& point : pending.points()) {
       if (!point.is_found) continue;
-      ++found[point.edge];
+      ++found_points[point.edge];
       at_cracks.push_back(point);
     }
-    std::erase_if(cracks, [&](std::uint32_t e) { return found[e] < shares.size(); });
+    std::erase_if(cracks, [&](std::uint32_t e) { return found_points[e] < shares.size(); });
     count.work += pending.work();
   }
   std::erase_if(at_cracks,

@@ -41,49 +41,49 @@ std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& piece
 }
 
 // The width of a loop: the diameter of the largest ball that gets through it, moving along the normal of the loop.
-double width_of(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, const Vec3& area, double length, double enough) {
+double width_of(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, const Vec3& area, double length, double negligible_width) {
   if (!(area.norm() > 0.0)) return 0.0;
   if (edges.size() == 3) return 4.0 * area.norm() / length;
   const Eigen::Matrix3d to_plane = Quat::FromTwoVectors(area, Vec3::UnitZ()).toRotationMatrix();
-  const Vec3 near = mesh.vertices[edges.front().low];
-  std::vector<Segment2> flat;
-  flat.reserve(edges.size());
+  const Vec3 origin = mesh.vertices[edges.front().low];
+  std::vector<Segment2> projected;
+  projected.reserve(edges.size());
   for (const HalfEdge& edge : edges) {
-    const Vec3 from = to_plane * (mesh.vertices[edge.low] - near);
-    const Vec3 to = to_plane * (mesh.vertices[edge.high] - near);
-    flat.emplace_back(from.head<2>(), to.head<2>());
+    const Vec3 from = to_plane * (mesh.vertices[edge.low] - origin);
+    const Vec3 to = to_plane * (mesh.vertices[edge.high] - origin);
+    projected.emplace_back(from.head<2>(), to.head<2>());
   }
-  return largest_disc(std::move(flat), enough);
+  return largest_disc(std::move(projected), negligible_width);
 }
 
-BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, double enough) {
+BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, double negligible_width) {
   BoundaryLoop loop;
   loop.edges = edges.size();
   // Positions relative to a vertex of the loop: far from the origin, differences of products would lose their digits.
-  const Vec3 near = mesh.vertices[edges.front().low];
+  const Vec3 origin = mesh.vertices[edges.front().low];
   Vec3 area = Vec3::Zero();
   Vec3 sum = Vec3::Zero();
   double longest = -1.0;
   for (const HalfEdge& edge : edges) {
-    const Vec3 from = mesh.vertices[edge.upward ? edge.low : edge.high] - near;
-    const Vec3 to = mesh.vertices[edge.upward ? edge.high : edge.low] - near;
+    const Vec3 from = mesh.vertices[edge.is_upward ? edge.low : edge.high] - origin;
+    const Vec3 to = mesh.vertices[edge.is_upward ? edge.high : edge.low] - origin;
     const double length = (to - from).norm();
     loop.length += length;
     area += 0.5 * from.cross(to);
     sum += 0.5 * length * (from + to);
     if (length <= longest) continue;
     longest = length;
-    loop.on_edge = near + 0.5 * (from + to);
+    loop.on_edge = origin + 0.5 * (from + to);
   }
   loop.area = area.norm();
-  loop.width = width_of(mesh, edges, area, loop.length, enough);
-  loop.centre = loop.length > 0.0 ? Vec3(near + sum / loop.length) : near;
+  loop.width = width_of(mesh, edges, area, loop.length, negligible_width);
+  loop.centre = loop.length > 0.0 ? Vec3(origin + sum / loop.length) : origin;
   return loop;
 }
 
 }  // namespace
 
-std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double enough) {
+std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double negligible_width) {
   const SharedEdges edges = edges_of(mesh);
   std::vector<HalfEdge> borders;
   for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -98,7 +98,7 @@ std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double e
   const std::vector<double> areas = measure_pieces(mesh, pieces);
   std::vector<BoundaryLoop> loops;
   for (const auto& [vertex, rim] : by_rim) {
-    loops.push_back(measure_loop(mesh, rim, enough));
+    loops.push_back(measure_loop(mesh, rim, negligible_width));
     loops.back().piece_area = areas[pieces.root(vertex)];
   }
   std::stable_sort(loops.begin(), loops.end(), [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.width > b.width; });
@@ -110,7 +110,7 @@ std::vector<Vec3> find_inconsistent_edges(const TriangleMesh& mesh) {
   std::vector<Vec3> middles;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto sides = edges[e];
-    if (sides.size() != 2 || sides[0].upward != sides[1].upward) continue;
+    if (sides.size() != 2 || sides[0].is_upward != sides[1].is_upward) continue;
     middles.push_back(0.5 * (mesh.vertices[sides[0].low] + mesh.vertices[sides[0].high]));
   }
   return middles;

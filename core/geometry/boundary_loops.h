@@ -24,9 +24,9 @@ struct BoundaryLoop {
 };
 
 // The loops of all boundary edges (edges with one triangle), the widest first. Loops that share a vertex count as one. Triangles that
-// repeat a vertex are ignored. enough: for a loop that is not wider than this, `width` may be any bound of its width up to this. Pre:
-// vertices are welded. Units: those of the mesh. Time: n log n, plus that of largest_disc. RT: set-up only.
-std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double enough = 0.0);
+// repeat a vertex are ignored. negligible_width: for a loop that is not wider than this, `width` may be any bound of its width up to this.
+// Pre: vertices are welded. Units: those of the mesh. Time: n log n, plus that of largest_disc. RT: set-up only.
+std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double negligible_width = 0.0);
 
 // The midpoints of all edges that two triangles traverse in the same direction: one of the two is flipped. In no particular order. RT:
 // set-up only.

@@ -71,15 +71,15 @@ ClosestPoint closest_on_face(const PreparedTriangle& triangle, const Vec3& p) {
 }
 
 ClosestPoint closest_on_boundary(const PreparedTriangle& triangle, const Vec3& p) {
-  int best = 0;
+  int best_edge = 0;
   SegmentPoint nearest = closest_on_segment(triangle.corner[0], triangle.corner[1], p);
-  double best2 = nearest.offset.squaredNorm();
+  double best_distance2 = nearest.offset.squaredNorm();
   for (int k = 1; k < 3; ++k) {
     const SegmentPoint candidate = closest_on_segment(triangle.corner[k], triangle.corner[(k + 1) % 3], p);
-    const double candidate2 = candidate.offset.squaredNorm();
-    if (candidate2 < best2) {
-      best = k;
-      best2 = candidate2;
+    const double candidate_distance2 = candidate.offset.squaredNorm();
+    if (candidate_distance2 < best_distance2) {
+      best_edge = k;
+      best_distance2 = candidate_distance2;
       nearest = candidate;
     }
   }
@@ -87,14 +87,14 @@ ClosestPoint closest_on_boundary(const PreparedTriangle& triangle, const Vec3& p
   found.point = nearest.point;
   found.distance = nearest.offset.norm();
   if (found.distance > 0.0) found.direction = nearest.offset / found.distance;
-  found.barycentric[best] = 1.0 - nearest.t;
-  found.barycentric[(best + 1) % 3] = nearest.t;
+  found.barycentric[best_edge] = 1.0 - nearest.t;
+  found.barycentric[(best_edge + 1) % 3] = nearest.t;
   if (nearest.t <= 0.0) {
-    found.feature = vertex_feature(best);
+    found.feature = vertex_feature(best_edge);
   } else if (nearest.t >= 1.0) {
-    found.feature = vertex_feature((best + 1) % 3);
+    found.feature = vertex_feature((best_edge + 1) % 3);
   } else {
-    found.feature = edge_feature(best);
+    found.feature = edge_feature(best_edge);
   }
   return found;
 }

@@ -50,12 +50,12 @@ class ContactTriangle {
   }
 
   bool is_near_boundary(const Vec3& on_face, double distance) const {
-    bool any = false;
+    bool is_any_near = false;
     for (int k = 0; k < 3; ++k) {
       const double off = inward_[k].dot(on_face - corner_[k]);
-      any |= off * off * inverse_squared_[k] <= distance * distance;
+      is_any_near |= off * off * inverse_squared_[k] <= distance * distance;
     }
-    return any;
+    return is_any_near;
   }
 
   Separation separation(const Vec3& p) const {
@@ -67,7 +67,7 @@ class ContactTriangle {
       const Vec3 unit = height < 0.0 ? Vec3(-normal_) : normal_;
       return {distance, unit, p - distance * unit, Feature::face};
     }
-    double best = std::numeric_limits<double>::infinity();
+    double best_squared = std::numeric_limits<double>::infinity();
     Vec3 best_off = Vec3::Zero();
     int best_edge = 0;
     double best_t = 0.0;
@@ -76,8 +76,8 @@ class ContactTriangle {
       const double t = std::min(1.0, std::max(0.0, from[k].dot(edge_[k]) * inverse_squared_[k]));
       const Vec3 off = from[k] - t * edge_[k];
       const double squared = off.squaredNorm();
-      if (!(squared < best)) continue;
-      best = squared;
+      if (!(squared < best_squared)) continue;
+      best_squared = squared;
       best_off = off;
       best_edge = k;
       best_t = t;
@@ -85,11 +85,11 @@ class ContactTriangle {
     Separation result;
     result.nearest = corner_[best_edge] + best_t * edge_[best_edge];
     result.feature = best_t > 0.0 && best_t < 1.0 ? Feature::edge : Feature::vertex;
-    if (result.feature == Feature::edge && best * inverse_squared_[best_edge] < detail::kShort) {
-      best_off = detail::squared_to(edge_[best_edge], inverse_squared_[best_edge], best_off);
-      best = best_off.squaredNorm();
+    if (result.feature == Feature::edge && best_squared * inverse_squared_[best_edge] < detail::kShortSquaredShare) {
+      best_off = detail::perpendicular_to(edge_[best_edge], inverse_squared_[best_edge], best_off);
+      best_squared = best_off.squaredNorm();
     }
-    result.distance = std::sqrt(best);
+    result.distance = std::sqrt(best_squared);
     if (result.distance > 0.0) {
       result.normal = best_off / result.distance;
     } else if (!normal_.isZero(0.0)) {

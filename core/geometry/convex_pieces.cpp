@@ -16,9 +16,9 @@ namespace {
 using Box3 = Eigen::AlignedBox3d;
 
 // No cut along a wall is nearer to the side of a cell than this share of the cell's size, so that each cut makes progress.
-constexpr double kNearestCut = 0.1;
+constexpr double kMinCutShare = 0.1;
 // A wall counts as normal to an axis if it extends along the axis by at most this share of the cell.
-constexpr double kSquare = 0.01;
+constexpr double kMaxWallExtent = 0.01;
 
 // A convex part of a triangle.
 struct Face {
@@ -30,12 +30,12 @@ struct Face {
 struct Part {
   Box3 cell;
   std::vector<Face> faces;
-  std::vector<Vec3> inner;  // corners of the cell that are within the solid
-  double concavity = 0.0;   // largest height of a point above the plane of a face; 0: not above the allowed one
-  std::size_t worst = 0;    // the face with that height
+  std::vector<Vec3> inner_corners;  // corners of the cell that are within the solid
+  double concavity = 0.0;           // largest height of a point above the plane of a face; 0: not above the allowed one
+  std::size_t worst_face = 0;       // the face with that height
 
   ConvexPiece points() const {
-    ConvexPiece all = inner;
+    ConvexPiece all = inner_corners;
     for (const Face& face : faces) all.insert(all.end(), face.corners.begin(), face.corners.end());
     return all;
   }
@@ -72,7 +72,7 @@ Face clip(const Face& face, int axis, double at, double sign) {
 
 // A key for the plane of a face: the same for all faces that lie in the plane, except for rounding.
 std::array<std::int64_t, 4> plane_of(const Face& face, const Vec3& origin, double extent) {
-  constexpr double kSteps = 1.0 / FarPoints::kAgree;
+  constexpr double kSteps = 1.0 / FarPoints::kRelativeError;
   const double height = face.normal.dot(face.corners.front() - origin) / extent;
   return {std::llround(kSteps * face.normal.x()), std::llround(kSteps * face.normal.y()), std::llround(kSteps * face.normal.z()),
           std::llround(kSteps * height)};
@@ -83,16 +83,16 @@ std::size_t find_concavity(Part& part, double max_concavity) {
   FarPoints points(part.points());
   if (!(points.extent() > 0.0)) return 0;
   std::set<std::array<std::int64_t, 4>> planes;
-  double most = max_concavity;
+  double greatest_height = max_concavity;
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
     const Face& face = part.faces[f];
     if (!planes.insert(plane_of(face, part.faces.front().corners.front(), points.extent())).second) continue;
-    const double above = points.find_farthest(face.normal, face.corners.front(), most);
-    if (!(above > most)) continue;
-    most = part.concavity = above;
-    part.worst = f;
+    const double above = points.find_farthest(face.normal, face.corners.front(), greatest_height);
+    if (!(above > greatest_height)) continue;
+    greatest_height = part.concavity = above;
+    part.worst_face = f;
   }
-  return points.compared();
+  return points.comparisons();
 }
 
 struct Cut {
@@ -103,7 +103,7 @@ struct Cut {
 // Cuts along the wall of the notch if that is normal to an axis, as in a machined body; else across the middle of the longest side.
 Cut choose_cut(const Part& part) {
   Cut cut;
-  const Face& wall = part.faces[part.worst];
+  const Face& wall = part.faces[part.worst_face];
   wall.normal.cwiseAbs().maxCoeff(&cut.axis);
   double low = part.cell.max()[cut.axis];
   double high = part.cell.min()[cut.axis];
@@ -114,7 +114,7 @@ Cut choose_cut(const Part& part) {
   const double size = part.cell.sizes()[cut.axis];
   cut.at = low + 0.5 * (high - low);
   const double share = (cut.at - part.cell.min()[cut.axis]) / size;
-  if (high - low <= kSquare * size && share > kNearestCut && share < 1.0 - kNearestCut) return cut;
+  if (high - low <= kMaxWallExtent * size && share > kMinCutShare && share < 1.0 - kMinCutShare) return cut;
   part.cell.sizes().maxCoeff(&cut.axis);
   cut.at = part.cell.center()[cut.axis];
   return cut;
@@ -135,14 +135,14 @@ class Splitter {
   }
 
   std::vector<Part>& parts() { return parts_; }
-  std::size_t compared() const { return compared_; }
+  std::size_t comparisons() const { return comparisons_; }
 
   void split(std::size_t index) {
     const Part part = std::exchange(parts_[index], {});
     parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(index));
     const auto [axis, at] = choose_cut(part);
     for (const double sign : {1.0, -1.0}) {
-      Part half{.cell = part.cell, .faces = {}, .inner = {}};
+      Part half{.cell = part.cell, .faces = {}, .inner_corners = {}};
       (sign > 0.0 ? half.cell.max() : half.cell.min())[axis] = at;
       for (const Face& face : part.faces) {
         if (is_on_side(face, axis, at, sign)) half.faces.push_back(clip(face, axis, at, sign));
@@ -157,20 +157,21 @@ class Splitter {
   void finish(Part& part) {
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 point = part.cell.corner(static_cast<Box3::CornerType>(corner));
-      if (solid_.is_inside(point)) part.inner.push_back(point);
+      if (solid_.is_inside(point)) part.inner_corners.push_back(point);
     }
-    compared_ += find_concavity(part, max_concavity_);
+    comparisons_ += find_concavity(part, max_concavity_);
   }
 
   PointInMesh solid_;
   double max_concavity_;
   std::vector<Part> parts_;
-  std::size_t compared_ = 0;
+  std::size_t comparisons_ = 0;
 };
 
 }  // namespace
 
-std::vector<ConvexPiece> split_into_convex(const TriangleMesh& mesh, double max_concavity, std::size_t most_pieces, std::size_t* compared) {
+std::vector<ConvexPiece> split_into_convex(const TriangleMesh& mesh, double max_concavity, std::size_t most_pieces,
+                                           std::size_t* comparisons) {
   Splitter splitter(mesh, max_concavity);
   const auto less = [](const Part& a, const Part& b) { return a.concavity < b.concavity; };
   while (splitter.parts().size() < most_pieces) {
@@ -178,7 +179,7 @@ std::vector<ConvexPiece> split_into_convex(const TriangleMesh& mesh, double max_
     if (worst == splitter.parts().end() || !(worst->concavity > max_concavity)) break;
     splitter.split(static_cast<std::size_t>(worst - splitter.parts().begin()));
   }
-  if (compared != nullptr) *compared = splitter.compared();
+  if (comparisons != nullptr) *comparisons = splitter.comparisons();
   std::vector<ConvexPiece> pieces;
   for (const Part& part : splitter.parts()) pieces.push_back(part.points());
   return pieces;

@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarthestTurn = 0.0872;  // cosine of 85 degrees
+constexpr double kMinNormalCosine = 0.0872;  // cosine of 85 degrees
 
 template <class Mesh>
 Vec3 unit_face_normal(const Mesh& mesh, std::size_t t) {
@@ -73,12 +73,12 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
       const HalfEdge* other = edges.adjacent(t, k);
       if (other == nullptr || other->triangle < t) continue;
       const std::uint32_t u = other->triangle;
-      const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
-      const bool flat = faces[t].isZero(0.0) || faces[u].isZero(0.0);
+      const bool is_upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
+      const bool is_flat = faces[t].isZero(0.0) || faces[u].isZero(0.0);
       // Inconsistently oriented: the two faces have no common outside.
-      const bool sharp = upward == other->upward || (!flat && faces[t].dot(faces[u]) < least_cosine);
-      report.sharp_edges += sharp ? 1 : 0;
-      if (sharp) continue;
+      const bool is_sharp = is_upward == other->is_upward || (!is_flat && faces[t].dot(faces[u]) < least_cosine);
+      report.sharp_edges += is_sharp ? 1 : 0;
+      if (is_sharp) continue;
       const std::uint32_t start = 3 * t + static_cast<std::uint32_t>(k);
       const std::uint32_t end = 3 * t + static_cast<std::uint32_t>((k + 1) % 3);
       const std::uint32_t other_start = 3 * u + other->corner;
@@ -88,12 +88,12 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
     }
   }
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> index(3 * count, kNone);
+  std::vector<std::uint32_t> normal_of_root(3 * count, kNone);
   std::vector<std::uint32_t> first_of_vertex(mesh.vertices.size(), kNone);
   std::vector<char> creased(mesh.vertices.size(), 0);
   shaded.corner_normals.resize(count);
   for (std::uint32_t c = 0; c < 3 * count; ++c) {
-    std::uint32_t& normal = index[corners.root(c)];
+    std::uint32_t& normal = normal_of_root[corners.root(c)];
     if (normal == kNone) {
       normal = static_cast<std::uint32_t>(shaded.normals.size());
       shaded.normals.emplace_back(Vec3::Zero());
@@ -123,7 +123,7 @@ Vec3 valid_authored_normal(const TriangleMesh& mesh, std::size_t t, int k, const
   const Vec3 normal = mesh.authored_normals[t][k].cast<double>();
   const double length = normal.norm();
   if (!std::isfinite(length) || !(length > 0.0)) return Vec3::Zero();
-  return normal.dot(face) > kFarthestTurn * length ? Vec3(normal / length) : Vec3(Vec3::Zero());
+  return normal.dot(face) > kMinNormalCosine * length ? Vec3(normal / length) : Vec3(Vec3::Zero());
 }
 
 // Calls use(triangle, corner, normal) for every valid authored normal.
@@ -169,15 +169,15 @@ Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>
   return length > 1e-9 ? Vec3(sum / length) : mesh.normals[between[0]];
 }
 
-NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
+NormalCheckReport repair_corner_normals(ShadedMesh& mesh, std::size_t faces) {
   NormalCheckReport report;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 face = t < faces ? unit_face_normal(mesh, t) : Vec3(Vec3::Zero());
     for (int k = 0; k < 3; ++k) {
       const Vec3& n = mesh.normal(t, k);
-      const bool unit = n.allFinite() && std::fabs(n.squaredNorm() - 1.0) < 1e-9;
-      if (unit && (face.isZero(0.0) || n.dot(face) > kFarthestTurn)) continue;
-      ++(unit ? report.turned_away : report.not_unit);
+      const bool is_unit = n.allFinite() && std::fabs(n.squaredNorm() - 1.0) < 1e-9;
+      if (is_unit && (face.isZero(0.0) || n.dot(face) > kMinNormalCosine)) continue;
+      ++(is_unit ? report.turned_away : report.not_unit);
       // Without an area, any direction will do: such a triangle exerts no force of its own.
       mesh.corner_normals[t][k] = static_cast<std::uint32_t>(mesh.normals.size());
       mesh.normals.push_back(face.isZero(0.0) ? Vec3(Vec3::UnitZ()) : face);

@@ -57,6 +57,6 @@ struct NormalCheckReport {
 // Final check of the normals: a corner's normal that is not finite, not of length one or not on its face's side is replaced by the normal
 // of the face, or by the z axis where there is none. faces: number of triangles that have a side; the triangles of fans after them need
 // unit normals only. RT: set-up only. Source: FDH paper, 4.1: "final validation of normal vectors".
-NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces = ~std::size_t{0});
+NormalCheckReport repair_corner_normals(ShadedMesh& mesh, std::size_t faces = ~std::size_t{0});
 
 }  // namespace hapton

@@ -23,7 +23,7 @@ Vec3 draw_move(Random& random, double radius) {
   }
 }
 
-TriangleMesh apart(const TriangleMesh& mesh) {
+TriangleMesh separate_triangles(const TriangleMesh& mesh) {
   TriangleMesh loose;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto first = static_cast<std::uint32_t>(loose.vertices.size());
@@ -40,8 +40,8 @@ void add_strip(TriangleMesh& mesh, std::uint32_t low, int low_count, std::uint32
   while (i + 1 < low_count || j + 1 < high_count) {
     const auto a = low + static_cast<std::uint32_t>(i);
     const auto b = high + static_cast<std::uint32_t>(j);
-    const bool low_next = j + 1 == high_count || (i + 1 < low_count && (2 * i + 1) * (high_count - 1) <= (2 * j + 1) * (low_count - 1));
-    if (low_next) {
+    const bool advances_low = j + 1 == high_count || (i + 1 < low_count && (2 * i + 1) * (high_count - 1) <= (2 * j + 1) * (low_count - 1));
+    if (advances_low) {
       mesh.triangles.push_back({a, a + 1, b});
       ++i;
     } else {
@@ -64,7 +64,7 @@ struct Sector {
   double from = 0.0;  // azimuth
   double to = 0.0;
   double side = 1.0;  // 1: above the equator; -1: below
-  int along_equator = 0;
+  int cells_along_equator = 0;
 };
 
 // Adds rings of vertices from the equator to the pole, each with about half as many vertices as the ring before.
@@ -73,7 +73,7 @@ void add_sector(TriangleMesh& mesh, const Waves& waves, const Sector& sector, in
   std::vector<int> count;
   for (int ring = 0; ring <= rings; ++ring) {
     first.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
-    count.push_back(ring == rings ? 1 : std::max(2, (sector.along_equator >> ring) + 1));
+    count.push_back(ring == rings ? 1 : std::max(2, (sector.cells_along_equator >> ring) + 1));
     const double polar = 0.5 * std::numbers::pi * (1.0 - static_cast<double>(ring) / rings);
     for (int i = 0; i < count[ring]; ++i) {
       const double share = count[ring] == 1 ? 0.0 : static_cast<double>(i) / (count[ring] - 1);
@@ -95,7 +95,7 @@ void add_sector(TriangleMesh& mesh, const Waves& waves, const Sector& sector, in
 }  // namespace
 
 TriangleMesh make_torn(const TriangleMesh& mesh, double width) {
-  TriangleMesh torn = apart(mesh);
+  TriangleMesh torn = separate_triangles(mesh);
   for (const Triangle& t : torn.triangles) {
     const Vec3 middle = (torn.vertices[t[0]] + torn.vertices[t[1]] + torn.vertices[t[2]]) / 3.0;
     for (const std::uint32_t v : t) torn.vertices[v] += 0.5 * width * (middle - torn.vertices[v]).normalized();
@@ -105,7 +105,7 @@ TriangleMesh make_torn(const TriangleMesh& mesh, double width) {
 
 TriangleMesh make_shaken(const TriangleMesh& mesh, double width, std::uint64_t seed) {
   Random random(seed);
-  TriangleMesh shaken = apart(mesh);
+  TriangleMesh shaken = separate_triangles(mesh);
   for (Vec3& vertex : shaken.vertices) vertex += draw_move(random, 0.5 * width);
   return shaken;
 }
@@ -134,11 +134,11 @@ TriangleMesh make_patched_box(const Vec3& size_m, double width, std::uint64_t se
 
 TriangleMesh make_patched_sphere(double radius_m, double relative_height, double width, std::uint64_t seed) {
   constexpr int kRings = 12;
-  constexpr double kSharpest = 12.0;  // allowance for curvature: this times the relative height is added to that of a sphere
+  constexpr double kCurvatureAllowance = 12.0;  // allowance for curvature: this times the relative height is added to that of a sphere
   Random random(seed);
   const Waves waves{radius_m, relative_height};
   // A chord of length L under a curvature c has the sagitta L^2 c / 8, which should be a quarter of the width.
-  const double chord = std::sqrt(2.0 * width * radius_m / (1.0 + kSharpest * relative_height));
+  const double chord = std::sqrt(2.0 * width * radius_m / (1.0 + kCurvatureAllowance * relative_height));
   TriangleMesh sphere;
   for (const auto& [sectors, side, turn] : {std::array{3.0, 1.0, 0.1}, std::array{4.0, -1.0, 0.35}}) {
     for (int i = 0; i < static_cast<int>(sectors); ++i) {

@@ -22,7 +22,7 @@ std::vector<Vec3> cut(const std::vector<Vec3>& polygon, int axis, double sign, d
 }  // namespace
 
 TriangleMesh crop_to_cube(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& centre, double half_side) {
-  TriangleMesh close;
+  TriangleMesh cropped;
   for (const std::uint32_t i : triangles) {
     const Vec3 a = mesh.corner(i, 0) - centre;
     const Vec3 b = mesh.corner(i, 1) - centre;
@@ -33,11 +33,11 @@ TriangleMesh crop_to_cube(const TriangleMesh& mesh, std::span<const std::uint32_
       for (const double sign : {-1.0, 1.0}) polygon = cut(polygon, axis, sign, half_side);
     }
     if (polygon.size() < 3) continue;
-    const auto first = static_cast<std::uint32_t>(close.vertices.size());
-    close.vertices.insert(close.vertices.end(), polygon.begin(), polygon.end());
-    for (std::uint32_t k = 2; k < polygon.size(); ++k) close.triangles.push_back({first, first + k - 1, first + k});
+    const auto first = static_cast<std::uint32_t>(cropped.vertices.size());
+    cropped.vertices.insert(cropped.vertices.end(), polygon.begin(), polygon.end());
+    for (std::uint32_t k = 2; k < polygon.size(); ++k) cropped.triangles.push_back({first, first + k - 1, first + k});
   }
-  return close;
+  return cropped;
 }
 
 }  // namespace hapton

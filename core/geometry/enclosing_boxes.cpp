@@ -12,11 +12,11 @@ bool EnclosingBoxes::contain(const Box& box) { return !tree_.nodes().empty() && 
 
 bool EnclosingBoxes::is_contained(std::uint32_t number, const Box& box) {
   const MedianTree::Node& node = tree_.nodes()[number];
-  ++compared_;
+  ++comparisons_;
   if (!node.box.contains(box)) return false;
   if (node.right != 0) return is_contained(number + 1, box) || is_contained(node.right, box);
   for (std::uint32_t i = node.first; i < node.last; ++i) {
-    ++compared_;
+    ++comparisons_;
     if (boxes_[i].contains(box)) return true;
   }
   return false;

@@ -24,7 +24,7 @@ class EnclosingBoxes {
   // Whether one of the boxes contains `box`. A box contains itself.
   bool contain(const Box& box);
   // The number of boxes compared so far, including those of the nodes of the tree.
-  std::size_t compared() const noexcept { return compared_; }
+  std::size_t comparisons() const noexcept { return comparisons_; }
 
  private:
   static constexpr std::uint32_t kLeafSize = 4;
@@ -33,7 +33,7 @@ class EnclosingBoxes {
 
   std::vector<Box> boxes_;
   MedianTree tree_;  // sorted by the centres of the boxes
-  std::size_t compared_ = 0;
+  std::size_t comparisons_ = 0;
 };
 
 }  // namespace hapton

@@ -13,17 +13,17 @@ FarPoints::FarPoints(std::vector<Vec3> points) : points_(std::move(points)), tre
 
 double FarPoints::find_farthest(const Vec3& direction, const Vec3& from, double least) {
   double farthest = least;
-  const Vec3 steepness = direction.cwiseAbs();
+  const Vec3 absolute_direction = direction.cwiseAbs();
   // The farther a box reaches in the direction, the smaller is this distance, so visit_nearest_first visits it earlier.
   const auto distance = [&](std::uint32_t number) {
-    return -(direction.dot(boxes_[number].centre - from) + steepness.dot(boxes_[number].half));
+    return -(direction.dot(boxes_[number].centre - from) + absolute_direction.dot(boxes_[number].half));
   };
   const auto enter = [&](double away) {
-    ++compared_;
-    return -away > farthest + kAgree * extent_;
+    ++comparisons_;
+    return -away > farthest + kRelativeError * extent_;
   };
   tree_.visit_nearest_first(distance, enter, [&](const MedianTree::Node& leaf) {
-    compared_ += leaf.last - leaf.first;
+    comparisons_ += leaf.last - leaf.first;
     for (std::uint32_t i = leaf.first; i < leaf.last; ++i) {
       farthest = std::max(farthest, direction.dot(points_[i] - from));
     }

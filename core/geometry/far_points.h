@@ -17,18 +17,18 @@ class FarPoints {
  public:
   // By how much the result of a query may be too small, as a share of the extent of all points: far more than rounding, so that points that
   // are equally far are not looked at one by one.
-  static constexpr double kAgree = 0x1p-40;
+  static constexpr double kRelativeError = 0x1p-40;
 
   // Pre: all points are finite.
   explicit FarPoints(std::vector<Vec3> points);
 
-  // The largest direction . (point - from) of all points, or `least` if that is larger; the result may be too small by up to kAgree times
-  // the extent. Pre: the direction is a unit vector.
+  // The largest direction . (point - from) of all points, or `least` if that is larger; the result may be too small by up to kRelativeError
+  // times the extent. Pre: the direction is a unit vector.
   double find_farthest(const Vec3& direction, const Vec3& from, double least);
   // The longest side of the box around all points.
   double extent() const noexcept { return extent_; }
   // The number of points and boxes that were looked at so far.
-  std::size_t compared() const noexcept { return compared_; }
+  std::size_t comparisons() const noexcept { return comparisons_; }
 
  private:
   static constexpr std::uint32_t kLeafSize = 8;
@@ -41,7 +41,7 @@ class FarPoints {
   MedianTree tree_;
   std::vector<Box> boxes_;  // by node of the tree
   double extent_ = 0.0;
-  std::size_t compared_ = 0;
+  std::size_t comparisons_ = 0;
 };
 
 }  // namespace hapton

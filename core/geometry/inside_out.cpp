@@ -17,14 +17,14 @@ constexpr double kVolumeShare = 1e-9;
 
 struct Body {
   Eigen::AlignedBox3d box;
-  double volume = 0.0;         // positive with the front outside
-  std::uint64_t boundary = 0;  // sum of scatter() over its edges, signed by direction; 0: closed
+  double volume = 0.0;              // positive with the front outside
+  std::uint64_t boundary_hash = 0;  // sum of hash_edge() over its edges, signed by direction; 0: closed
   std::size_t triangles = 0;
 };
 
 // A pseudo-random number for each edge (the finalizer of splitmix64), so that sums of different edges cancel only with a probability of
 // 2^-64.
-std::uint64_t scatter(std::uint32_t low, std::uint32_t high) {
+std::uint64_t hash_edge(std::uint32_t low, std::uint32_t high) {
   std::uint64_t z = (std::uint64_t{high} << 32 | low) + 0x9E3779B97F4A7C15ULL;
   z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9ULL;
   z = (z ^ z >> 27) * 0x94D049BB133111EBULL;
@@ -32,7 +32,7 @@ std::uint64_t scatter(std::uint32_t low, std::uint32_t high) {
 }
 
 bool is_closed(const Body& body) {
-  return body.boundary == 0 && std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3);
+  return body.boundary_hash == 0 && std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3);
 }
 
 // A collapsed triangle has no surface, and goes to and fro along an edge: it would join two bodies unnoticed.
@@ -51,7 +51,7 @@ std::vector<Body> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces)
     ++body.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
-      body.boundary += low == t[k] ? scatter(low, high) : 0 - scatter(low, high);
+      body.boundary_hash += low == t[k] ? hash_edge(low, high) : 0 - hash_edge(low, high);
       body.box.extend(mesh.vertices[t[k]]);
     }
   }
@@ -81,16 +81,16 @@ ClosedBodies count_closed_bodies(const TriangleMesh& mesh) {
   for (const Body& body : bodies) {
     if (body.volume > 0.0) outward.push_back(body.box);
   }
-  EnclosingBoxes around(std::move(outward));
+  EnclosingBoxes outward_boxes(std::move(outward));
   ClosedBodies result{.count = bodies.size(), .others = others};
   const Body* largest = nullptr;
   for (const Body& body : bodies) {
-    if (body.volume > 0.0 || around.contain(body.box)) continue;
+    if (body.volume > 0.0 || outward_boxes.contain(body.box)) continue;
     ++result.inside_out;
     if (largest == nullptr || body.box.volume() > largest->box.volume()) largest = &body;
   }
   if (largest != nullptr) result.inside_out_at = largest->box.center();
-  result.compared = around.compared();
+  result.comparisons = outward_boxes.comparisons();
   return result;
 }
 

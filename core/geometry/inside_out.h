@@ -14,7 +14,7 @@ struct ClosedBodies {
   std::size_t others = 0;      // pieces that are open or have no volume
   std::size_t inside_out = 0;  // bodies with the fronts inside, except cavities: those inside the box of a body with its front outside
   Vec3 inside_out_at = Vec3::Zero();  // centre of the box of the largest of those bodies, in the frame of the mesh; zero if there is none
-  std::size_t compared = 0;           // boxes that were compared to tell cavities from bodies that are inside out (EnclosingBoxes)
+  std::size_t comparisons = 0;        // boxes that were compared to tell cavities from bodies that are inside out (EnclosingBoxes)
 };
 
 // Pre: vertices are welded. Time: linear in the mesh, and n log n in its closed bodies where few of their boxes overlap partly. RT: set-up

@@ -40,7 +40,8 @@ class EdgeColumns {
       count_ = count;
       width_ = (high_x - low_x) / static_cast<double>(count);
     };
-    for (divide(std::clamp<std::size_t>(edges.size() / 4, 1, kMostColumns)); count_ > 1 && count_entries() > kMostTimes * edges.size();) {
+    for (divide(std::clamp<std::size_t>(edges.size() / 4, 1, kMostColumns));
+         count_ > 1 && count_entries() > kMaxColumnsPerEdge * edges.size();) {
       divide(count_ / 2);
     }
     begins_.assign(count_ + 1, 0);
@@ -58,29 +59,29 @@ class EdgeColumns {
   }
 
   // Edges in a column, on average.
-  double mean() const { return static_cast<double>(items_.size()) / static_cast<double>(count_); }
+  double mean_edges_in_column() const { return static_cast<double>(items_.size()) / static_cast<double>(count_); }
 
   // The distance of p from the nearest edge, negative outside of the polygons. work: grows by the number of edges that were compared.
   double depth_of(const Vec2& p, double& work) const {
-    const std::size_t own = column_of(p.x());
+    const std::size_t own_column = column_of(p.x());
     double nearest = std::numeric_limits<double>::infinity();
     bool is_inside = false;
     const auto compare = [&](std::size_t column) {
       for (std::size_t n = begins_[column]; n < begins_[column + 1]; ++n) {
         nearest = std::min(nearest, squared_distance(p, edges_[items_[n]]));
-        if (column == own) is_inside = is_inside != is_crossed(p, edges_[items_[n]]);
+        if (column == own_column) is_inside = is_inside != is_crossed(p, edges_[items_[n]]);
       }
       work += static_cast<double>(begins_[column + 1] - begins_[column]);
     };
-    compare(own);
-    for (std::size_t c = own; c > 0 && is_nearer(p.x() - begin_of(c), nearest); --c) compare(c - 1);
-    for (std::size_t c = own + 1; c < count_ && is_nearer(begin_of(c) - p.x(), nearest); ++c) compare(c);
+    compare(own_column);
+    for (std::size_t c = own_column; c > 0 && is_nearer(p.x() - begin_of(c), nearest); --c) compare(c - 1);
+    for (std::size_t c = own_column + 1; c < count_ && is_nearer(begin_of(c) - p.x(), nearest); ++c) compare(c);
     return is_inside ? std::sqrt(nearest) : -std::sqrt(nearest);
   }
 
  private:
   static constexpr std::size_t kMostColumns = 4096;
-  static constexpr std::size_t kMostTimes = 3;  // most columns that an edge may be in, on average
+  static constexpr std::size_t kMaxColumnsPerEdge = 3;  // most columns that an edge may be in, on average
 
   static bool is_nearer(double along, double squared) { return along <= 0.0 || along * along < squared; }
   double begin_of(std::size_t column) const { return low_x_ + width_ * static_cast<double>(column); }
@@ -113,8 +114,8 @@ struct Square {
   Vec2 middle;
   double half = 0.0;   // half of its side
   double depth = 0.0;  // depth_of() its middle
-  double most() const { return depth + half * std::sqrt(2.0); }
-  bool operator<(const Square& other) const { return most() < other.most(); }
+  double max_depth() const { return depth + half * std::sqrt(2.0); }
+  bool operator<(const Square& other) const { return max_depth() < other.max_depth(); }
 };
 
 using Squares = std::priority_queue<Square>;
@@ -138,9 +139,9 @@ void align(std::vector<Segment2>& edges) {
 
 // Squares that cover all edges. Their side is the shorter one of the box around the edges, or longer, to limit their number.
 Squares cover(const EdgeColumns& edges, const Vec2& low, const Vec2& high, double& work) {
-  const double most = std::clamp(kMaxWork / edges.mean(), 1.0, 1024.0);
+  const double max_count = std::clamp(kMaxWork / edges.mean_edges_in_column(), 1.0, 1024.0);
   const Vec2 size = high - low;
-  const double side = std::max(size.minCoeff(), size.maxCoeff() / most);
+  const double side = std::max(size.minCoeff(), size.maxCoeff() / max_count);
   Squares squares;
   for (double x = low.x() + 0.5 * side; x < high.x() + 0.5 * side; x += side) {
     for (double y = low.y() + 0.5 * side; y < high.y() + 0.5 * side; y += side) {
@@ -152,7 +153,7 @@ Squares cover(const EdgeColumns& edges, const Vec2& low, const Vec2& high, doubl
 
 }  // namespace
 
-double largest_disc(std::vector<Segment2> edges, double enough) {
+double largest_disc(std::vector<Segment2> edges, double negligible_diameter) {
   constexpr double kAccuracy = 0.01;
   align(edges);
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity());
@@ -163,13 +164,13 @@ double largest_disc(std::vector<Segment2> edges, double enough) {
     high = high.cwiseMax(edge.first).cwiseMax(edge.second);
   }
   const double narrowest = edges.empty() ? 0.0 : (high - low).minCoeff();
-  // The polygons are no wider than `enough`, or a sliver within rounding.
-  if (!(narrowest > std::max(enough, 0x1p-40 * (high - low).maxCoeff()))) return narrowest;
+  // The polygons are no wider than `negligible_diameter`, or a sliver within rounding.
+  if (!(narrowest > std::max(negligible_diameter, 0x1p-40 * (high - low).maxCoeff()))) return narrowest;
   const EdgeColumns columns(edges, low.x(), high.x());
   double work = 0.0;
   Squares squares = cover(columns, low, high, work);
   double best = 0.0;
-  while (work < kMaxWork && squares.top().most() > std::max((1.0 + kAccuracy) * best, 0.5 * enough)) {
+  while (work < kMaxWork && squares.top().max_depth() > std::max((1.0 + kAccuracy) * best, 0.5 * negligible_diameter)) {
     const Square square = squares.top();
     squares.pop();
     best = std::max(best, square.depth);
@@ -182,7 +183,7 @@ double largest_disc(std::vector<Segment2> edges, double enough) {
     }
   }
   // No disc is wider than the shorter side of the box around the edges.
-  return std::min(2.0 * squares.top().most(), narrowest);
+  return std::min(2.0 * squares.top().max_depth(), narrowest);
 }
 
 }  // namespace hapton

@@ -23,8 +23,8 @@ class MedianTree {
     Eigen::AlignedBox3d box;  // around the extents of its items
     std::uint32_t first = 0;  // its items are those from `first` to before `last`
     std::uint32_t last = 0;
-    std::uint32_t right = 0;  // number of the right child, 0 in a leaf; the left child is the next node
-    std::uint32_t open = 0;   // number of items that visit_open has not finished
+    std::uint32_t right = 0;       // number of the right child, 0 in a leaf; the left child is the next node
+    std::uint32_t open_items = 0;  // number of items that visit_open has not finished
   };
 
   MedianTree() = default;
@@ -37,7 +37,7 @@ class MedianTree {
     constexpr bool kArePoints = std::is_same_v<ExtentOf, PlaceOf>;  // the extent of each item is its place
     const auto build = [&](auto&& self, std::uint32_t first, std::uint32_t last) -> void {
       const std::size_t number = nodes_.size();
-      Node node{.box = {}, .first = first, .last = last, .open = last - first};
+      Node node{.box = {}, .first = first, .last = last, .open_items = last - first};
       Eigen::AlignedBox3d places;
       for (std::uint32_t i = first; i < last; ++i) {
         places.extend(place_of(items[i]));
@@ -96,7 +96,7 @@ class MedianTree {
       } else {
         for (std::uint32_t i = node.first; i < node.last; ++i) finished += look(i) ? 1 : 0;
       }
-      node.open -= finished;
+      node.open_items -= finished;
       return finished;
     };
     if (!nodes_.empty()) visit(visit, nodes_.front());

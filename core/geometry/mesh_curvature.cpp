@@ -23,27 +23,27 @@ void add_triangle(const TriangleMesh& mesh, const Triangle& triangle, std::vecto
   if (!(twice_area > 0.0)) return;
   double cot[3];
   double side_squared[3];  // of the side opposite corner k
-  int obtuse = -1;
+  int obtuse_corner = -1;
   for (int k = 0; k < 3; ++k) {
     const Vec3& x = mesh.corner(static_cast<std::size_t>(&triangle - mesh.triangles.data()), k);
     const Vec3 to_next = mesh.vertices[triangle[(k + 1) % 3]] - x;
-    const Vec3 to_last = mesh.vertices[triangle[(k + 2) % 3]] - x;
-    const double cosine = to_next.dot(to_last);
+    const Vec3 to_previous = mesh.vertices[triangle[(k + 2) % 3]] - x;
+    const double cosine = to_next.dot(to_previous);
     cot[k] = cosine / twice_area;
-    side_squared[k] = (to_next - to_last).squaredNorm();
-    if (cosine < 0.0) obtuse = k;
+    side_squared[k] = (to_next - to_previous).squaredNorm();
+    if (cosine < 0.0) obtuse_corner = k;
   }
   for (int k = 0; k < 3; ++k) {
     Ring& ring = rings[triangle[k]];
     const int next = (k + 1) % 3;
-    const int last = (k + 2) % 3;
+    const int previous = (k + 2) % 3;
     const Vec3& x = mesh.vertices[triangle[k]];
-    ring.laplacian += cot[last] * (x - mesh.vertices[triangle[next]]) + cot[next] * (x - mesh.vertices[triangle[last]]);
+    ring.laplacian += cot[previous] * (x - mesh.vertices[triangle[next]]) + cot[next] * (x - mesh.vertices[triangle[previous]]);
     ring.normal += normal;
     // The Voronoi area, or a part of the triangle if its circumcentre is outside.
-    ring.area += obtuse < 0    ? 0.125 * (side_squared[next] * cot[next] + side_squared[last] * cot[last])
-                 : obtuse == k ? 0.25 * twice_area
-                               : 0.125 * twice_area;
+    ring.area += obtuse_corner < 0    ? 0.125 * (side_squared[next] * cot[next] + side_squared[previous] * cot[previous])
+                 : obtuse_corner == k ? 0.25 * twice_area
+                                      : 0.125 * twice_area;
   }
 }
 
@@ -59,17 +59,17 @@ std::vector<bool> find_open_vertices(const TriangleMesh& mesh) {
     }
   }
   std::sort(edges.begin(), edges.end());
-  std::vector<bool> open(mesh.vertices.size());
+  std::vector<bool> is_open(mesh.vertices.size());
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i;
     while (end < edges.size() && edges[end].first == edges[i].first) ++end;
     if (end - i != 2 || edges[i].second == edges[i + 1].second) {
-      open[edges[i].first >> 32U] = true;
-      open[edges[i].first & 0xFFFFFFFFU] = true;
+      is_open[edges[i].first >> 32U] = true;
+      is_open[edges[i].first & 0xFFFFFFFFU] = true;
     }
     i = end;
   }
-  return open;
+  return is_open;
 }
 
 }  // namespace
@@ -77,11 +77,11 @@ std::vector<bool> find_open_vertices(const TriangleMesh& mesh) {
 std::vector<double> compute_mean_curvature(const TriangleMesh& mesh) {
   std::vector<Ring> rings(mesh.vertices.size());
   for (const Triangle& triangle : mesh.triangles) add_triangle(mesh, triangle, rings);
-  const std::vector<bool> open = find_open_vertices(mesh);
+  const std::vector<bool> is_open = find_open_vertices(mesh);
   std::vector<double> curvature(rings.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < rings.size(); ++i) {
     const Ring& ring = rings[i];
-    if (open[i] || !(ring.area > 0.0)) continue;
+    if (is_open[i] || !(ring.area > 0.0)) continue;
     // K(x) = laplacian / (2 area) is 2 H n.
     const Vec3 K = ring.laplacian / (2.0 * ring.area);
     curvature[i] = 0.5 * std::copysign(K.norm(), K.dot(ring.normal));

@@ -41,15 +41,15 @@ class MeshDeformation {
   // The weights at a time. Pre: the time is finite. A time before 0 counts as 0.
   Weights weights_at(double time_s) const noexcept;
   // The time since the motion last began again; if it does not loop, at most the time of the last key. Pre: a loop has duration_s() > 0.
-  double time_in_round(double time_s) const noexcept;
+  double time_in_loop(double time_s) const noexcept;
 
   // All vertices that any target moves, ascending.
-  std::span<const std::uint32_t> moved() const { return moved_; }
+  std::span<const std::uint32_t> moved() const { return moved_vertices_; }
   // The position of moved()[i], whose position at rest is `rest`.
   Vec3 position_of(std::size_t i, const Vec3& rest, const Weights& weights) const noexcept {
     Vec3 p = rest;
     for (std::size_t j = 0; j < targets_.size(); ++j) {
-      if (weights[j] != 0.0) p += weights[j] * displacements_[j * moved_.size() + i];
+      if (weights[j] != 0.0) p += weights[j] * displacements_[j * moved_vertices_.size() + i];
     }
     return p;
   }
@@ -71,9 +71,9 @@ class MeshDeformation {
   std::vector<MorphTarget> targets_;
   std::vector<MorphKey> keys_;
   bool loops_;
-  std::vector<std::uint32_t> moved_;
-  std::vector<Vec3> displacements_;  // of the vertices moved_, target by target; 0 for a vertex that the target does not move
-  std::vector<double> longest_;      // the largest displacement of a vertex, for each target
+  std::vector<std::uint32_t> moved_vertices_;
+  std::vector<Vec3> displacements_;  // of the vertices moved_vertices_, target by target; 0 for a vertex that the target does not move
+  std::vector<double> longest_displacement_;  // the largest displacement of a vertex, for each target
 };
 
 // Whether all numbers are equal, and both loop or neither does.

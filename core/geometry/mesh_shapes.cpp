@@ -30,8 +30,8 @@ void subdivide_on_unit_sphere(TriangleMesh& mesh) {
   midpoints.reserve(mesh.triangles.size() * 2);
   auto midpoint = [&](Index a, Index b) {
     const std::uint64_t key = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-    const auto [at, fresh] = midpoints.try_emplace(key, static_cast<Index>(mesh.vertices.size()));
-    if (fresh) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
+    const auto [at, is_new] = midpoints.try_emplace(key, static_cast<Index>(mesh.vertices.size()));
+    if (is_new) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
     return at->second;
   };
   std::vector<Triangle> finer;
@@ -54,34 +54,35 @@ double cross_2d(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen:
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-bool inside_or_on(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& p) {
+bool is_inside_or_on(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& p) {
   return cross_2d(a, b, p) >= 0.0 && cross_2d(b, c, p) >= 0.0 && cross_2d(c, a, p) >= 0.0;
 }
 
-bool is_ear(const std::vector<Eigen::Vector2d>& outline, const std::vector<Index>& left, std::size_t i) {
-  const std::size_t n = left.size();
-  const Index before = left[(i + n - 1) % n];
-  const Index at = left[i];
-  const Index after = left[(i + 1) % n];
+bool is_ear(const std::vector<Eigen::Vector2d>& outline, const std::vector<Index>& remaining, std::size_t i) {
+  const std::size_t n = remaining.size();
+  const Index before = remaining[(i + n - 1) % n];
+  const Index at = remaining[i];
+  const Index after = remaining[(i + 1) % n];
   if (cross_2d(outline[before], outline[at], outline[after]) <= 0.0) return false;
-  return std::none_of(left.begin(), left.end(), [&](Index other) {
-    return other != before && other != at && other != after && inside_or_on(outline[before], outline[at], outline[after], outline[other]);
+  return std::none_of(remaining.begin(), remaining.end(), [&](Index other) {
+    return other != before && other != at && other != after &&
+           is_inside_or_on(outline[before], outline[at], outline[after], outline[other]);
   });
 }
 
 std::vector<Triangle> clip_ears(const std::vector<Eigen::Vector2d>& outline) {
-  std::vector<Index> left(outline.size());
-  for (Index i = 0; i < left.size(); ++i) left[i] = i;
+  std::vector<Index> remaining(outline.size());
+  for (Index i = 0; i < remaining.size(); ++i) remaining[i] = i;
   std::vector<Triangle> triangles;
-  while (left.size() > 3) {
+  while (remaining.size() > 3) {
     std::size_t ear = 0;
-    while (ear < left.size() && !is_ear(outline, left, ear)) ++ear;
-    if (ear == left.size()) ear = 0;  // only for outlines that are not simple: keeps the number of triangles right
-    const std::size_t n = left.size();
-    triangles.push_back({left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+    while (ear < remaining.size() && !is_ear(outline, remaining, ear)) ++ear;
+    if (ear == remaining.size()) ear = 0;  // only for outlines that are not simple: keeps the number of triangles right
+    const std::size_t n = remaining.size();
+    triangles.push_back({remaining[(ear + n - 1) % n], remaining[ear], remaining[(ear + 1) % n]});
+    remaining.erase(remaining.begin() + static_cast<std::ptrdiff_t>(ear));
   }
-  triangles.push_back({left[0], left[1], left[2]});
+  triangles.push_back({remaining[0], remaining[1], remaining[2]});
   return triangles;
 }
 
@@ -98,8 +99,8 @@ TriangleMesh make_box(const Vec3& size_m, int cells) {
   TriangleMesh mesh;
   std::map<std::array<int, 3>, Index> welded;
   auto vertex = [&](const std::array<int, 3>& at) {
-    const auto [found, fresh] = welded.try_emplace(at, static_cast<Index>(mesh.vertices.size()));
-    if (fresh)
+    const auto [found, is_new] = welded.try_emplace(at, static_cast<Index>(mesh.vertices.size()));
+    if (is_new)
       mesh.vertices.push_back(
           Vec3(at[0] / double(cells) - 0.5, at[1] / double(cells) - 0.5, at[2] / double(cells) - 0.5).cwiseProduct(size_m));
     return found->second;
@@ -184,7 +185,7 @@ TriangleMesh make_bumpy_sphere(double radius_m, double relative_height, std::siz
   for (std::size_t count = 20; count < min_triangles; count *= 4) ++level;
   TriangleMesh mesh = make_icosphere(1.0, level);
   struct Wave {
-    Vec3 number;
+    Vec3 vector;
     double phase;
     double height;
   };
@@ -195,13 +196,13 @@ TriangleMesh make_bumpy_sphere(double radius_m, double relative_height, std::siz
     for (int i = 0; i < 4; ++i) {
       Vec3 direction(symmetric(random), symmetric(random), symmetric(random));
       while (direction.squaredNorm() < 0.01) direction = Vec3(symmetric(random), symmetric(random), symmetric(random));
-      const double number = 4.0 * std::pow(2.2, octave);
-      waves.push_back({number * direction.normalized(), std::numbers::pi * symmetric(random), 0.25 / number * 4.0 / 1.6});
+      const double wave_number = 4.0 * std::pow(2.2, octave);
+      waves.push_back({wave_number * direction.normalized(), std::numbers::pi * symmetric(random), 0.25 / wave_number * 4.0 / 1.6});
     }
   }
   for (Vec3& vertex : mesh.vertices) {
     double bump = 0.0;
-    for (const Wave& wave : waves) bump += wave.height * std::sin(wave.number.dot(vertex) + wave.phase);
+    for (const Wave& wave : waves) bump += wave.height * std::sin(wave.vector.dot(vertex) + wave.phase);
     vertex *= radius_m * (1.0 + relative_height * bump);
   }
   return mesh;
@@ -213,21 +214,21 @@ TriangleMesh make_rough_sphere(double radius_m, double curvature_radius_m, doubl
   int level = 0;
   for (std::size_t count = 20; count < min_triangles; count *= 4) ++level;
   TriangleMesh mesh = make_icosphere(radius_m, level);
-  const double number = 2.0 * std::numbers::pi / wavelength_m;
-  const double height = std::sqrt(10.0 / kWaves) / (curvature_radius_m * number * number);
+  const double wave_number = 2.0 * std::numbers::pi / wavelength_m;
+  const double height = std::sqrt(10.0 / kWaves) / (curvature_radius_m * wave_number * wave_number);
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
-  std::array<Vec3, kWaves> wave;
-  std::array<double, kWaves> shift{};
+  std::array<Vec3, kWaves> wave_vector;
+  std::array<double, kWaves> phase_shift{};
   for (int i = 0; i < kWaves; ++i) {
     const double x = normal(random), y = normal(random), z = normal(random);
-    wave[i] = number * Vec3(x, y, z).normalized();
-    shift[i] = phase(random);
+    wave_vector[i] = wave_number * Vec3(x, y, z).normalized();
+    phase_shift[i] = phase(random);
   }
   for (Vec3& vertex : mesh.vertices) {
     double bump = 0.0;
-    for (int i = 0; i < kWaves; ++i) bump += height * std::sin(wave[i].dot(vertex) + shift[i]);
+    for (int i = 0; i < kWaves; ++i) bump += height * std::sin(wave_vector[i].dot(vertex) + phase_shift[i]);
     vertex *= 1.0 + bump / radius_m;
   }
   return mesh;

@@ -20,7 +20,7 @@ bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || 
 struct HalfEdge {
   std::uint32_t high = 0;    // the edge's vertex with the higher number
   std::uint32_t corner = 0;  // 3 * triangle + k: the side runs from corner k to k + 1
-  bool upward = false;       // from the vertex with the lower number to the other
+  bool is_upward = false;    // from the vertex with the lower number to the other
 };
 
 std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
@@ -99,7 +99,7 @@ class TopologyCounter {
       for (std::uint32_t corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
         const std::uint32_t from = vertex_at(corner);
         const std::uint32_t to = vertex_at(next_corner(corner));
-        if (from != to) add(std::min(from, to), HalfEdge{.high = std::max(from, to), .corner = corner, .upward = from < to});
+        if (from != to) add(std::min(from, to), HalfEdge{.high = std::max(from, to), .corner = corner, .is_upward = from < to});
       }
     });
     DisjointSets fans(3 * mesh_.triangles.size());
@@ -126,15 +126,15 @@ class TopologyCounter {
   void count_edge(std::span<const HalfEdge> sides, DisjointSets& fans) {
     if (sides.size() == 1) ++result_.boundary_edges;
     if (sides.size() > 2) ++result_.nonmanifold_edges;
-    if (sides.size() == 2 && sides[0].upward == sides[1].upward) ++result_.inconsistent_edges;
+    if (sides.size() == 2 && sides[0].is_upward == sides[1].is_upward) ++result_.inconsistent_edges;
     for (std::size_t i = 1; i < sides.size(); ++i) {
       fans.join(corner_at_low(sides[0]), corner_at_low(sides[i]));
       fans.join(corner_at_high(sides[0]), corner_at_high(sides[i]));
     }
   }
 
-  static std::uint32_t corner_at_low(const HalfEdge& side) { return side.upward ? side.corner : next_corner(side.corner); }
-  static std::uint32_t corner_at_high(const HalfEdge& side) { return side.upward ? next_corner(side.corner) : side.corner; }
+  static std::uint32_t corner_at_low(const HalfEdge& side) { return side.is_upward ? side.corner : next_corner(side.corner); }
+  static std::uint32_t corner_at_high(const HalfEdge& side) { return side.is_upward ? next_corner(side.corner) : side.corner; }
 
   // A vertex is manifold if all its corners are in one fan.
   void count_fans(DisjointSets& fans) {

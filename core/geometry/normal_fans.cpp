@@ -60,19 +60,19 @@ class OpenTurns {
 
 // Links the turns of one vertex into rings; adds a fan of triangles over each ring of three or more.
 void fill_vertex(ShadedMesh& mesh, std::span<const Turn> turns, NormalFanReport& report) {
-  bool open = false;
-  OpenTurns left(turns);
-  while (const Turn* start = left.take_last()) {
+  bool has_open_turn = false;
+  OpenTurns open_turns(turns);
+  while (const Turn* start = open_turns.take_last()) {
     std::vector<std::uint32_t> ring = {start->from};
     std::uint32_t at = start->to;
     while (at != start->from) {
-      const Turn* next = left.take_from(at);
+      const Turn* next = open_turns.take_from(at);
       if (next == nullptr) break;
       ring.push_back(at);
       at = next->to;
     }
     if (at != start->from) {
-      open = true;
+      has_open_turn = true;
       continue;
     }
     for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
@@ -80,7 +80,7 @@ void fill_vertex(ShadedMesh& mesh, std::span<const Turn> turns, NormalFanReport&
       ++report.corner_fans;
     }
   }
-  report.open_corners += open ? 1 : 0;
+  report.open_corners += has_open_turn ? 1 : 0;
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
       if (other == nullptr || other->triangle < t) continue;
       const std::uint32_t v0 = mesh.triangles[t][k];
       const std::uint32_t v1 = mesh.triangles[t][(k + 1) % 3];
-      if ((v0 < v1) == other->upward) continue;  // inconsistently oriented: the normals do not turn, they flip
+      if ((v0 < v1) == other->is_upward) continue;  // inconsistently oriented: the normals do not turn, they flip
       const std::uint32_t a0 = mesh.corner_normals[t][k];
       const std::uint32_t a1 = mesh.corner_normals[t][(k + 1) % 3];
       const std::uint32_t b1 = mesh.corner_normals[other->triangle][other->corner];

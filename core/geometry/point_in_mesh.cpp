@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 // Fixed directions in which the three rays are offset, with digits of irrational constants: meshes are hardly ever aligned with them.
-constexpr std::array<std::array<double, 3>, 3> kAside = {
+constexpr std::array<std::array<double, 3>, 3> kRayOffsets = {
     {{0.31, 0.7310585786, -0.5772156649}, {-0.27, -0.6180339887, -0.4142135624}, {0.11, 0.1415926536, 0.7182818285}}};
 
 double doubled_area(double ay, double az, double by, double bz, double cy, double cz) {
@@ -31,9 +31,9 @@ PointInMesh::PointInMesh(const TriangleMesh& mesh, double jitter, std::size_t mo
   const auto cells = static_cast<std::size_t>(cells_);
   auto visit = [&](auto&& act) {
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      const Cells own = cells_of(i);
-      for (std::size_t row = own.first_row; row <= own.last_row; ++row) {
-        for (std::size_t column = own.first_column; column <= own.last_column; ++column) act(row * cells + column, i);
+      const Cells covered = cells_of(i);
+      for (std::size_t row = covered.first_row; row <= covered.last_row; ++row) {
+        for (std::size_t column = covered.first_column; column <= covered.last_column; ++column) act(row * cells + column, i);
       }
     }
   };
@@ -66,16 +66,16 @@ PointInMesh::Cells PointInMesh::cells_of(std::size_t triangle) const {
 std::size_t PointInMesh::count_listings() const {
   std::size_t count = 0;
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-    const Cells own = cells_of(i);
-    count += (own.last_row - own.first_row + 1) * (own.last_column - own.first_column + 1);
+    const Cells covered = cells_of(i);
+    count += (covered.last_row - covered.first_row + 1) * (covered.last_column - covered.first_column + 1);
   }
   return count;
 }
 
 bool PointInMesh::is_inside(const Vec3& p) const {
   int votes = 0;
-  for (const auto& aside : kAside) {
-    const Vec3 q = p + jitter_m_ * Vec3(aside[0], aside[1], aside[2]);
+  for (const auto& ray_offset : kRayOffsets) {
+    const Vec3 q = p + jitter_m_ * Vec3(ray_offset[0], ray_offset[1], ray_offset[2]);
     if (!((q.array() >= low_.array()).all() && (q.array() <= high_.array()).all())) continue;  // also skips a point with a NaN coordinate
     votes += winding_along_x(q) != 0;
   }

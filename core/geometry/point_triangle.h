@@ -26,23 +26,25 @@ struct Separation {
 // and then the normal deviates by that error over the distance.
 inline double normal_error(const Separation& s) {
   constexpr double kFaceError = 0x1p-48;
-  constexpr double kPlaceError = 0x1p-50;
-  return s.feature == Feature::face ? kFaceError : s.distance > kPlaceError ? kPlaceError / s.distance : 1.0;
+  constexpr double kPositionError = 0x1p-50;
+  return s.feature == Feature::face ? kFaceError : s.distance > kPositionError ? kPositionError / s.distance : 1.0;
 }
 
 namespace detail {
 
 // A share of squared lengths: a vector shorter than 2^-20 of the edge has lost too many digits of its direction.
-constexpr double kShort = 0x1p-40;
+constexpr double kShortSquaredShare = 0x1p-40;
 
 // Removes from `off`, a vector from the edge to a point, the component along the edge: it is rounding of the closest point.
-inline Vec3 squared_to(const Vec3& edge, double inverse_squared, const Vec3& off) { return off - (off.dot(edge) * inverse_squared) * edge; }
+inline Vec3 perpendicular_to(const Vec3& edge, double inverse_squared, const Vec3& off) {
+  return off - (off.dot(edge) * inverse_squared) * edge;
+}
 
 struct NearestOnEdge {
   double distance_squared;
   Vec3 off;  // from the closest point to p
   Vec3 nearest;
-  bool inner;  // nearest is not an end of the edge
+  bool is_inner;  // nearest is not an end of the edge
 };
 
 inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -53,7 +55,7 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b
   if (!(dot < length_squared)) return {(p - b).squaredNorm(), p - b, b, false};
   const double t = dot / length_squared;
   Vec3 off = (p - a) - t * edge;
-  if (off.squaredNorm() < kShort * length_squared) off = squared_to(edge, 1.0 / length_squared, off);
+  if (off.squaredNorm() < kShortSquaredShare * length_squared) off = perpendicular_to(edge, 1.0 / length_squared, off);
   return {off.squaredNorm(), off, a + t * edge, true};
 }
 
@@ -95,7 +97,7 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   Separation result;
   result.distance = std::sqrt(best.distance_squared);
   result.nearest = best.nearest;
-  result.feature = best.inner ? Feature::edge : Feature::vertex;
+  result.feature = best.is_inner ? Feature::edge : Feature::vertex;
   if (result.distance > 0.0) {
     result.normal = best.off / result.distance;  // unit even if p - nearest is mostly rounding
   } else if (normal_squared > 0.0) {

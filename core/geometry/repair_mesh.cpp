@@ -20,11 +20,11 @@ KeyTable<3>::Key rotated(const Triangle& t) {
 }
 
 void weld(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
-  KeyTable<3> seen(mesh.vertices.size());
+  KeyTable<3> numbers(mesh.vertices.size());
   std::vector<std::uint32_t> renumbered(mesh.vertices.size());
   std::uint32_t used = 0;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    renumbered[i] = seen.find_or_add(words_of(mesh.vertices[i]), used);
+    renumbered[i] = numbers.find_or_add(words_of(mesh.vertices[i]), used);
     if (renumbered[i] == used) {
       source.push_back(static_cast<std::uint32_t>(i));
       mesh.vertices[used++] = mesh.vertices[i];
@@ -40,7 +40,7 @@ void weld(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& 
 }
 
 void drop_useless(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
-  KeyTable<3> seen(mesh.triangles.size());
+  KeyTable<3> numbers(mesh.triangles.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle t = mesh.triangles[i];
@@ -49,11 +49,11 @@ void drop_useless(TriangleMesh& mesh, RepairReport& report, std::vector<std::uin
       continue;
     }
     const auto number = static_cast<std::uint32_t>(i);
-    if (seen.find_or_add(rotated(t), number) != number) {
+    if (numbers.find_or_add(rotated(t), number) != number) {
       ++report.dropped_duplicates;
       continue;
     }
-    if (seen.contains(rotated({t[0], t[2], t[1]}))) ++report.double_faces;
+    if (numbers.contains(rotated({t[0], t[2], t[1]}))) ++report.double_faces;
     source[kept] = static_cast<std::uint32_t>(i);
     if (i < mesh.authored_normals.size()) mesh.authored_normals[kept] = mesh.authored_normals[i];
     mesh.triangles[kept++] = t;
@@ -79,40 +79,40 @@ void count_thin(const TriangleMesh& mesh, RepairReport& report) {
 
 // Orients every piece consistently, where that is possible.
 void orient_pieces(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
-  enum : std::uint8_t { unseen, as_is, flipped };
-  std::vector<std::uint8_t> state(mesh.triangles.size(), unseen);
+  enum : std::uint8_t { unvisited, unchanged, flipped };
+  std::vector<std::uint8_t> state(mesh.triangles.size(), unvisited);
   std::vector<std::uint32_t> piece;
   for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
-    if (state[start] != unseen) continue;
+    if (state[start] != unvisited) continue;
     ++report.pieces;
     piece.assign(1, start);
-    state[start] = as_is;
-    bool fits = true;
-    std::size_t turned = 0;
+    state[start] = unchanged;
+    bool is_orientable = true;
+    std::size_t flipped_count = 0;
     for (std::size_t i = 0; i < piece.size(); ++i) {
       const std::uint32_t t = piece[i];
       for (int k = 0; k < 3; ++k) {
         const HalfEdge* other = edges.adjacent(t, k);
         if (other == nullptr) continue;
-        const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
-        const bool same_direction =
-            upward == other->upward;  // consistently oriented triangles traverse their common edge in opposite directions
-        const std::uint8_t wanted = (state[t] == flipped) != same_direction ? flipped : as_is;
-        if (state[other->triangle] == unseen) {
-          state[other->triangle] = wanted;
-          turned += wanted == flipped ? 1 : 0;
+        const bool is_upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
+        const bool is_same_direction =
+            is_upward == other->is_upward;  // consistently oriented triangles traverse their common edge in opposite directions
+        const std::uint8_t required = (state[t] == flipped) != is_same_direction ? flipped : unchanged;
+        if (state[other->triangle] == unvisited) {
+          state[other->triangle] = required;
+          flipped_count += required == flipped ? 1 : 0;
           piece.push_back(other->triangle);
-        } else if (state[other->triangle] != wanted) {
-          fits = false;
+        } else if (state[other->triangle] != required) {
+          is_orientable = false;
         }
       }
     }
-    if (!fits) {
+    if (!is_orientable) {
       ++report.unorientable_pieces;
       continue;
     }
-    if (turned == 0) continue;
-    const std::uint8_t minority = 2 * turned > piece.size() ? as_is : flipped;
+    if (flipped_count == 0) continue;
+    const std::uint8_t minority = 2 * flipped_count > piece.size() ? unchanged : flipped;
     for (const std::uint32_t t : piece) {
       if (state[t] != minority) continue;
       std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);

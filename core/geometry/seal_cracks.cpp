@@ -34,7 +34,7 @@ constexpr std::size_t kMaxJoins = 6;
 constexpr std::size_t kMaxJoinedVertices = 60'000;
 
 struct WorkBudget {
-  std::size_t left = 0;
+  std::size_t work_left = 0;
   std::size_t vertices_left = 0;
   bool is_spent = false;
   bool is_crowded = false;  // one join alone takes too much work
@@ -49,7 +49,7 @@ std::size_t cost_of_join(const TriangleMesh& mesh, const std::vector<std::uint8_
 }
 
 WorkBudget make_budget(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary) {
-  return {.left = kMaxWork * count_vertices(at_boundary),
+  return {.work_left = kMaxWork * count_vertices(at_boundary),
           .vertices_left = std::max(kMaxJoins * cost_of_join(mesh, at_boundary), kMaxJoinedVertices)};
 }
 
@@ -58,28 +58,28 @@ struct Method {
   Turning turning = Turning::any;
 };
 
-// Joins until nothing more can be joined. Parts whose joining would exceed the tolerance are excluded (`untouched`), and everything is
+// Joins until nothing more can be joined. Parts whose joining would exceed the tolerance are added to `excluded`, and everything is
 // repeated: the sides of a notch, for example, are close at its tip, and would be zipped up from the tip, vertex by vertex.
 // Calls use(joiner, joined mesh) at the end, unless there is no boundary or the budget is used up.
 template <class Use>
-void join(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget, Use&& use) {
+void join(const TriangleMesh& mesh, const Method& method, SeamParts& excluded, WorkBudget& budget, Use&& use) {
   const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
   if (at_boundary.empty()) return;
   const double tolerance = method.share * compute_bounds(mesh).extent();
   const std::size_t cost = cost_of_join(mesh, at_boundary);
   for (int tries = 1;; ++tries) {
-    const std::size_t before = untouched.size();
+    const std::size_t before = excluded.size();
     TriangleMesh joined_mesh = mesh;
-    SeamJoiner joiner(joined_mesh, at_boundary, tolerance, untouched, method.turning);
+    SeamJoiner joiner(joined_mesh, at_boundary, tolerance, excluded, method.turning);
     budget.is_spent = budget.vertices_left < cost;
     if (budget.is_spent) return;
-    if (!joiner.run(budget.left)) {
+    if (!joiner.run(budget.work_left)) {
       budget.is_spent = budget.is_crowded = true;
       return;
     }
-    budget.left -= joiner.work();
+    budget.work_left -= joiner.work();
     budget.vertices_left -= cost;
-    if (untouched.size() > before && tries < kMaxTries) continue;
+    if (excluded.size() > before && tries < kMaxTries) continue;
     use(joiner, joined_mesh);
     return;
   }
@@ -93,7 +93,7 @@ struct Sealing {
   bool is_settled = false;  // there is nothing left to join
 };
 
-SealReport report_on(SeamJoiner& joiner) {
+SealReport make_report(SeamJoiner& joiner) {
   return {.welded_vertices = joiner.seam().welded(),
           .split_triangles = joiner.seam().splits(),
           .zipped_edges = joiner.seam().zipped(),
@@ -125,34 +125,34 @@ void add(Sealing next, Sealing& sealing) {
 }
 
 // Returns the excluded parts of the given mesh as parts of the mesh in `sealing`.
-JoinedParts follow(const JoinedParts& parts, const TriangleMesh& mesh, const Sealing& sealing) {
-  JoinedParts now;
-  const std::vector<std::uint32_t>& vertex_now = sealing.sources.vertices;
-  for (const std::uint32_t v : parts.vertices) now.vertices.insert(vertex_now[v]);
+SeamParts to_sealed_parts(const SeamParts& parts, const TriangleMesh& mesh, const Sealing& sealing) {
+  SeamParts sealed_parts;
+  const std::vector<std::uint32_t>& sealed_vertex = sealing.sources.vertices;
+  for (const std::uint32_t v : parts.vertices) sealed_parts.vertices.insert(sealed_vertex[v]);
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const std::uint32_t chord : parts.chords) {
     const Triangle& t = mesh.triangles[chord / 3];
-    edges.insert(std::minmax({vertex_now[t[chord % 3]], vertex_now[t[(chord + 1) % 3]]}));
+    edges.insert(std::minmax({sealed_vertex[t[chord % 3]], sealed_vertex[t[(chord + 1) % 3]]}));
   }
-  if (edges.empty()) return now;
+  if (edges.empty()) return sealed_parts;
   for (std::uint32_t t = 0; t < sealing.mesh.triangles.size(); ++t) {
     const Triangle& triangle = sealing.mesh.triangles[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
-      if (edges.contains(std::minmax({triangle[k], triangle[(k + 1) % 3]}))) now.chords.insert(3 * t + k);
+      if (edges.contains(std::minmax({triangle[k], triangle[(k + 1) % 3]}))) sealed_parts.chords.insert(3 * t + k);
     }
   }
-  return now;
+  return sealed_parts;
 }
 
-// Joins in passes until nothing more can be joined. The parts in `untouched` are excluded.
-Sealing join_in_passes(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+// Joins in passes until nothing more can be joined. The parts in `excluded` stay as they are.
+Sealing join_in_passes(const TriangleMesh& mesh, const Method& method, SeamParts& excluded, WorkBudget& budget) {
   Sealing sealing;
   for (int pass = 0; pass <= kMaxPasses && !sealing.is_settled && !budget.is_spent; ++pass) {
-    JoinedParts followed;
-    if (pass > 0) followed = follow(untouched, mesh, sealing);
+    SeamParts followed;
+    if (pass > 0) followed = to_sealed_parts(excluded, mesh, sealing);
     Sealing next{.mesh = {}, .report = {}, .sources = {}, .is_settled = true};
-    join(pass == 0 ? mesh : sealing.mesh, method, pass == 0 ? untouched : followed, budget, [&](SeamJoiner& joiner, TriangleMesh& joined) {
-      next.report = report_on(joiner);
+    join(pass == 0 ? mesh : sealing.mesh, method, pass == 0 ? excluded : followed, budget, [&](SeamJoiner& joiner, TriangleMesh& joined) {
+      next.report = make_report(joiner);
       if (!next.report.has_sealed()) return;
       next.sources = joiner.seam().finish();
       next.mesh = std::move(joined);
@@ -180,8 +180,8 @@ bool is_in_bounds(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& 
 
 // What several passes together have changed too much: vertices of the given mesh that moved farther than the tolerance and, for a triangle
 // that changed beyond the bounds (is_in_bounds), its edges if it was split, otherwise its vertices.
-JoinedParts find_overdone(const TriangleMesh& mesh, const Sealing& sealing) {
-  JoinedParts found;
+SeamParts find_excessive_changes(const TriangleMesh& mesh, const Sealing& sealing) {
+  SeamParts found;
   const double tolerance = sealing.report.tolerance;
   const SeamMesh::Sources& sources = sealing.sources;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -209,12 +209,12 @@ class Exclusion {
  public:
   Exclusion(const TriangleMesh& mesh, double radius) : mesh_(mesh), at_boundary_(find_boundary_vertices(mesh)), radius_(radius) {}
 
-  void exclude(const JoinedParts& parts, JoinedParts& untouched) {
+  void exclude(const SeamParts& parts, SeamParts& excluded) {
     std::map<int, std::unordered_set<std::uint32_t>> by_rings;
-    const auto exclude_vertex = [&](std::uint32_t v) { by_rings[times_[v]++].insert(v); };
+    const auto exclude_vertex = [&](std::uint32_t v) { by_rings[exclusion_counts_[v]++].insert(v); };
     for (const std::uint32_t v : parts.vertices) exclude_vertex(v);
     for (const std::uint32_t chord : parts.chords) {
-      if (!untouched.chords.insert(chord).second) exclude_vertex(mesh_.triangles[chord / 3][chord % 3]);
+      if (!excluded.chords.insert(chord).second) exclude_vertex(mesh_.triangles[chord / 3][chord % 3]);
     }
     if (by_rings.empty()) return;
     std::unordered_set<std::uint32_t> reached;
@@ -222,14 +222,14 @@ class Exclusion {
       if (const auto found = by_rings.find(rings); found != by_rings.end()) reached.insert(found->second.begin(), found->second.end());
       if (rings > 0) grow(reached);
     }
-    untouched.vertices.insert(reached.begin(), reached.end());
+    excluded.vertices.insert(reached.begin(), reached.end());
   }
 
  private:
   // Adds the boundary vertices near the reached ones, and the boundary vertices of triangles at the reached ones.
   void grow(std::unordered_set<std::uint32_t>& reached) const {
     const VertexTree tree(mesh_.vertices, {reached.begin(), reached.end()});
-    std::vector<VertexTree::Found> found;
+    std::vector<VertexTree::NearVertex> found;
     std::unordered_set<std::uint32_t> more;
     for (std::uint32_t v = 0; v < at_boundary_.size(); ++v) {
       if (at_boundary_[v] == 0) continue;
@@ -246,30 +246,30 @@ class Exclusion {
   const TriangleMesh& mesh_;
   std::vector<std::uint8_t> at_boundary_;
   double radius_;
-  std::unordered_map<std::uint32_t, int> times_;
+  std::unordered_map<std::uint32_t, int> exclusion_counts_;
 };
 
 // Joins in passes. If they change parts too much, excludes these and repeats the passes. Returns nothing if the budget is used up.
-std::optional<Sealing> join_in_bounds(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+std::optional<Sealing> join_in_bounds(const TriangleMesh& mesh, const Method& method, SeamParts& excluded, WorkBudget& budget) {
   std::optional<Exclusion> exclusion;
   for (;;) {
-    Sealing sealing = join_in_passes(mesh, method, untouched, budget);
+    Sealing sealing = join_in_passes(mesh, method, excluded, budget);
     if (budget.is_spent) return std::nullopt;
     if (!sealing.report.has_sealed()) return sealing;
-    const JoinedParts overdone = find_overdone(mesh, sealing);
-    if (overdone.size() == 0) return sealing;
+    const SeamParts excessive = find_excessive_changes(mesh, sealing);
+    if (excessive.size() == 0) return sealing;
     if (!exclusion) exclusion.emplace(mesh, sealing.report.tolerance);
-    exclusion->exclude(overdone, untouched);
+    exclusion->exclude(excessive, excluded);
   }
 }
 
 // Calls join_in_bounds(), and then repeats it on its result without exclusions until there is nothing to join.
-std::optional<Sealing> join_until_settled(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
-  std::optional<Sealing> sealing = join_in_bounds(mesh, method, untouched, budget);
-  if (!sealing || !sealing->report.has_sealed() || (untouched.size() == 0 && sealing->is_settled)) return sealing;
+std::optional<Sealing> join_until_settled(const TriangleMesh& mesh, const Method& method, SeamParts& excluded, WorkBudget& budget) {
+  std::optional<Sealing> sealing = join_in_bounds(mesh, method, excluded, budget);
+  if (!sealing || !sealing->report.has_sealed() || (excluded.size() == 0 && sealing->is_settled)) return sealing;
   sealing->is_settled = false;
   for (int tries = 0; tries < kMaxTries && !sealing->is_settled; ++tries) {
-    JoinedParts none;
+    SeamParts none;
     std::optional<Sealing> again = join_in_bounds(sealing->mesh, method, none, budget);
     if (!again) return std::nullopt;
     if (again->report.has_sealed())
@@ -281,34 +281,34 @@ std::optional<Sealing> join_until_settled(const TriangleMesh& mesh, const Method
 }
 
 // Seals so that sealing the result by the same method changes nothing.
-std::optional<Sealing> seal(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+std::optional<Sealing> seal(const TriangleMesh& mesh, const Method& method, SeamParts& excluded, WorkBudget& budget) {
   std::optional<Exclusion> exclusion;
   for (;;) {
-    std::optional<Sealing> sealing = join_until_settled(mesh, method, untouched, budget);
+    std::optional<Sealing> sealing = join_until_settled(mesh, method, excluded, budget);
     if (!sealing || !sealing->report.has_sealed()) return sealing;
-    const JoinedParts overdone = find_overdone(mesh, *sealing);
-    if (overdone.size() == 0) return sealing->is_settled ? std::move(sealing) : std::nullopt;
+    const SeamParts excessive = find_excessive_changes(mesh, *sealing);
+    if (excessive.size() == 0) return sealing->is_settled ? std::move(sealing) : std::nullopt;
     if (!exclusion) exclusion.emplace(mesh, sealing->report.tolerance);
-    exclusion->exclude(overdone, untouched);
+    exclusion->exclude(excessive, excluded);
   }
 }
 
 // Seals by the careful method (Turning::little), then the result by the other method (Turning::any) if that settles.
 std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, WorkBudget budget) {
-  JoinedParts untouched;
+  SeamParts excluded;
   std::optional<Exclusion> exclusion;
   for (;;) {
-    std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::little}, untouched, budget);
+    std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::little}, excluded, budget);
     if (!sealing || !sealing->report.has_sealed()) return sealing;
-    JoinedParts none;
+    SeamParts none;
     WorkBudget more_budget = make_budget(sealing->mesh, find_boundary_vertices(sealing->mesh));
     std::optional<Sealing> more = seal(sealing->mesh, {.share = share, .turning = Turning::any}, none, more_budget);
     if (!more || !more->report.has_sealed()) return sealing;
     add(std::move(*more), *sealing);
-    const JoinedParts overdone = find_overdone(mesh, *sealing);
-    if (overdone.size() == 0) return sealing;
+    const SeamParts excessive = find_excessive_changes(mesh, *sealing);
+    if (excessive.size() == 0) return sealing;
     if (!exclusion) exclusion.emplace(mesh, sealing->report.tolerance);
-    exclusion->exclude(overdone, untouched);
+    exclusion->exclude(excessive, excluded);
   }
 }
 
@@ -316,16 +316,16 @@ std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, Wo
 std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share, const std::vector<std::uint8_t>& at_boundary) {
   const WorkBudget budget = make_budget(mesh, at_boundary);
   WorkBudget used = budget;
-  JoinedParts untouched;
-  std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::any}, untouched, used);
+  SeamParts excluded;
+  std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::any}, excluded, used);
   return sealing || used.is_crowded ? std::move(sealing) : seal_carefully(mesh, share, budget);
 }
 
 void count_unsealed(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, SealReport& report) {
   if (report.boundary_edges_left == 0) return;
-  const BoundaryEdges left = count_boundary_edges(mesh, at_boundary, report.tolerance);
-  report.unsealed_edges = left.cracks;
-  report.widest_unsealed = left.widest_crack;
+  const BoundaryEdges unsealed = count_boundary_edges(mesh, at_boundary, report.tolerance);
+  report.unsealed_edges = unsealed.cracks;
+  report.widest_unsealed = unsealed.widest_crack;
 }
 
 }  // namespace
@@ -357,14 +357,14 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
 }
 
 std::string SealReport::describe() const {
-  const std::string left =
+  const std::string unsealed =
       unsealed_edges == 0 ? "" : fmt::format("; {} of them are at cracks up to {:.3g} m wide", unsealed_edges, widest_unsealed);
   if (has_given_up) {
     return fmt::format("cracks not sealed: its {} boundary edges lie too close together to identify gaps of {:.3g} m{}; repair the mesh",
-                       boundary_edges, tolerance, left);
+                       boundary_edges, tolerance, unsealed);
   }
   const std::string why =
-      left.empty() ? "" : left + ": closing them would move a vertex too far, flip a triangle or join what is not one surface";
+      unsealed.empty() ? "" : unsealed + ": closing them would move a vertex too far, flip a triangle or join what is not one surface";
   if (!has_sealed() && unsealed_edges == 0)
     return fmt::format("no cracks up to {:.3g} m wide; {} boundary edges", tolerance, boundary_edges);
   if (!has_sealed()) return fmt::format("no cracks sealed; {} boundary edges{}", boundary_edges, why);

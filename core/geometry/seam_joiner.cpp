@@ -18,16 +18,12 @@ constexpr std::size_t kMaxMembers = 32;       // of vertices welded together, up
 // Averages: a surface that is torn apart at every edge has 3 and 2. Above these limits most of the boundary lies within one tolerance.
 constexpr std::size_t kMaxPairs = 8;       // pairs per boundary edge of the original mesh
 constexpr std::size_t kMaxJunctions = 64;  // junctions per boundary edge of the original mesh
-constexpr double kFoldedBack = 0.5;        // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
+constexpr double kMinFoldedCosine = 0.5;   // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
 
 }  // namespace
 
-SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched, Turning turning)
-    : seam_(mesh, std::move(at_boundary), tolerance, turning),
-      tolerance_(tolerance),
-      turning_(turning),
-      mesh_(mesh),
-      untouched_(untouched) {}
+SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, SeamParts& excluded, Turning turning)
+    : seam_(mesh, std::move(at_boundary), tolerance, turning), tolerance_(tolerance), turning_(turning), mesh_(mesh), excluded_(excluded) {}
 
 SeamJoiner::Closest SeamJoiner::closest_on(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
@@ -54,7 +50,7 @@ bool SeamJoiner::run(std::size_t most_work) {
   boundary_edges_ = seam_.boundary_edges().size();
   for (int kind = straight; kind < kind_count; ++kind) {
     kind_ = static_cast<Kind>(kind);
-    if (kind_ != straight) find_reserved();
+    if (kind_ != straight) find_reserved_edges();
     for (int round = 0; round < kMaxRounds; ++round) {
       const std::size_t before = changes_;
       weld_round();
@@ -69,10 +65,10 @@ bool SeamJoiner::run(std::size_t most_work) {
   return true;
 }
 
-JoinedParts SeamJoiner::joined() const {
-  JoinedParts parts;
-  parts.vertices.insert(welded_.begin(), welded_.end());
-  for (const Cut& cut : cut_) {
+SeamParts SeamJoiner::joined() const {
+  SeamParts parts;
+  parts.vertices.insert(welded_vertices_.begin(), welded_vertices_.end());
+  for (const Cut& cut : made_cuts_) {
     parts.vertices.insert(cut.vertex);
     parts.chords.insert(cut.chord);
   }
@@ -82,28 +78,28 @@ JoinedParts SeamJoiner::joined() const {
 // The kind of seam that two boundary edges would form, which run side by side from their neighbouring vertices `a` of one and `b` of the
 // other. `a` and `b` may be the same.
 SeamJoiner::Kind SeamJoiner::kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const {
-  if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return sharp;
+  if (seam_.inward(one).dot(seam_.inward(other)) > kMinFoldedCosine) return sharp;
   return (one.from == a) == (other.from == b) ? flipped : straight;
 }
 
-void SeamJoiner::find_reserved() {
+void SeamJoiner::find_reserved_edges() {
   const double radius = kReservedGap * tolerance_;
-  reserved_.clear();
+  reserved_chords_.clear();
   VertexTree tree(mesh_.vertices, seam_.boundary_vertices());
-  std::vector<VertexTree::Found> found;
+  std::vector<VertexTree::NearVertex> found;
   for (const Edge& edge : seam_.boundary_edges()) {
     tree.find_near_segment(at(edge.from), at(edge.to), radius, found);
-    for (const VertexTree::Found& near : found) {
+    for (const VertexTree::NearVertex& near : found) {
       if (near.vertex == edge.from || near.vertex == edge.to || seam_.valence(near.vertex) > kMaxValence) continue;
       seam_.find_boundary_edges_at(near.vertex, edges_v_);
       for (const Edge& other : edges_v_) {
-        if (other.triangle == edge.triangle || seam_.inward(edge).dot(seam_.inward(other)) > kFoldedBack) continue;
+        if (other.triangle == edge.triangle || seam_.inward(edge).dot(seam_.inward(other)) > kMinFoldedCosine) continue;
         if ((at(edge.to) - at(edge.from)).dot(at(other.to) - at(other.from)) >= 0.0) continue;
-        const std::uint32_t far = other.other(near.vertex);
-        const double at_far = std::min(
-            {closest(edge, far).squared_distance, closest(other, edge.from).squared_distance, closest(other, edge.to).squared_distance});
+        const std::uint32_t far_end = other.other(near.vertex);
+        const double at_far = std::min({closest(edge, far_end).squared_distance, closest(other, edge.from).squared_distance,
+                                        closest(other, edge.to).squared_distance});
         const double squared_gap = std::max(near.squared_distance, at_far);
-        if (squared_gap <= radius * radius && !is_near(squared_gap)) reserved_.insert({edge.chord, other.chord});
+        if (squared_gap <= radius * radius && !is_near(squared_gap)) reserved_chords_.insert({edge.chord, other.chord});
       }
     }
   }
@@ -120,13 +116,13 @@ void SeamJoiner::find_pairs() {
   };
   const std::vector<std::uint32_t> vertices = seam_.boundary_vertices();
   const VertexTree tree(mesh_.vertices, vertices);
-  std::vector<VertexTree::Found> found;
+  std::vector<VertexTree::NearVertex> found;
   std::vector<Edge> edges;
   std::vector<std::uint8_t> is_full(mesh_.vertices.size(), 0);
   for (const std::uint32_t u : vertices) {
     tree.find_nearest(at(u), u, tolerance_, kMaxNearVertices, found);
     if (found.size() == kMaxNearVertices) is_full[u] = 1;
-    for (const VertexTree::Found& near : found) {
+    for (const VertexTree::NearVertex& near : found) {
       // A vertex with a lower number that has examined all its neighbours has added the pair already.
       if (near.vertex > u || is_full[near.vertex] != 0) add(u, near.vertex);
     }
@@ -169,9 +165,9 @@ bool SeamJoiner::is_seam_from_far_end(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > seam_.valence(v)) std::swap(u, v);
   seam_.find_boundary_edges_at(u, edges_u_);
   return std::any_of(edges_u_.begin(), edges_u_.end(), [&](const Edge& e) {
-    const std::uint32_t far = e.other(u);
-    if (!seam_.is_boundary(far, v)) return false;
-    const Edge f = seam_.boundary_edge(far, v);
+    const std::uint32_t far_end = e.other(u);
+    if (!seam_.is_boundary(far_end, v)) return false;
+    const Edge f = seam_.boundary_edge(far_end, v);
     return !is_reserved(e) && !is_reserved(f) && kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f);
   });
 }
@@ -188,14 +184,14 @@ void SeamJoiner::weld_round() {
   candidates_ += pairs_.size();
   for (const Pair& pair : pairs_) {
     if (is_spent()) return;
-    std::uint32_t u = seam_.standing_for(pair.u);
-    std::uint32_t v = seam_.standing_for(pair.v);
+    std::uint32_t u = seam_.representative_of(pair.u);
+    std::uint32_t v = seam_.representative_of(pair.v);
     if (u == v || seam_.boundary_count(u) == 0 || seam_.boundary_count(v) == 0) continue;
-    if (untouched_.vertices.contains(u) || untouched_.vertices.contains(v)) continue;
+    if (excluded_.vertices.contains(u) || excluded_.vertices.contains(v)) continue;
     const double squared = (at(u) - at(v)).squaredNorm();
     if (seam_.is_edge(u, v) || !is_seam_at(u, v) || !(is_near(squared) ? weld(u, v) : weld_between(u, v))) continue;
     widest_gap_ = std::max(widest_gap_, is_near(squared) ? std::sqrt(squared) : (at(pair.u) - at(pair.v)).norm());
-    welded_.insert(welded_.end(), {u, v});
+    welded_vertices_.insert(welded_vertices_.end(), {u, v});
     ++changes_;
   }
 }
@@ -208,38 +204,39 @@ bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   const SeamMesh::Weld second = seam_.valence(v) > kMaxValence ? SeamMesh::Weld::rejected : seam_.weld(v, u);
   if (second == SeamMesh::Weld::done) return true;
   if (first != SeamMesh::Weld::too_far && second != SeamMesh::Weld::too_far) return false;
-  std::vector<std::uint32_t> of_u, of_v;
-  seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
-  seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
-  if (of_u.size() + of_v.size() <= kMaxMembers) {
-    candidates_ += of_u.size() * of_v.size();
-    if (weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u)) return true;
-    if (move_apart(u, of_u, v, of_v)) return false;
+  std::vector<std::uint32_t> members_of_u, members_of_v;
+  seam_.for_each_member(u, [&](std::uint32_t member) { members_of_u.push_back(member); });
+  seam_.for_each_member(v, [&](std::uint32_t member) { members_of_v.push_back(member); });
+  if (members_of_u.size() + members_of_v.size() <= kMaxMembers) {
+    candidates_ += members_of_u.size() * members_of_v.size();
+    if (weld_at_member(u, members_of_u, v, members_of_v) || weld_at_member(v, members_of_v, u, members_of_u)) return true;
+    if (move_apart(u, members_of_u, v, members_of_v)) return false;
   }
-  untouched_.vertices.insert(of_u.begin(), of_u.end());
-  untouched_.vertices.insert(of_v.begin(), of_v.end());
+  excluded_.vertices.insert(members_of_u.begin(), members_of_u.end());
+  excluded_.vertices.insert(members_of_v.begin(), members_of_v.end());
   return false;
 }
 
 // Welds u and v if vertices welded to them are near each other, although u and v themselves no longer are.
 bool SeamJoiner::weld_between(std::uint32_t u, std::uint32_t v) {
   if (turning_ == Turning::little) return false;
-  std::vector<std::uint32_t> of_u, of_v;
-  seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
-  seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
-  if (of_u.size() + of_v.size() > kMaxMembers) return false;
-  candidates_ += of_u.size() * of_v.size();
-  return weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u);
+  std::vector<std::uint32_t> members_of_u, members_of_v;
+  seam_.for_each_member(u, [&](std::uint32_t member) { members_of_u.push_back(member); });
+  seam_.for_each_member(v, [&](std::uint32_t member) { members_of_v.push_back(member); });
+  if (members_of_u.size() + members_of_v.size() > kMaxMembers) return false;
+  candidates_ += members_of_u.size() * members_of_v.size();
+  return weld_at_member(u, members_of_u, v, members_of_v) || weld_at_member(v, members_of_v, u, members_of_u);
 }
 
 // Welds u and v at the position of another vertex welded to u that is within the tolerance of all vertices welded to u or v.
-bool SeamJoiner::weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
-                                const std::vector<std::uint32_t>& of_v) {
+bool SeamJoiner::weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& members_of_u, std::uint32_t v,
+                                const std::vector<std::uint32_t>& members_of_v) {
   const auto is_near_all = [&](std::uint32_t member, const std::vector<std::uint32_t>& all) {
     return std::all_of(all.begin(), all.end(), [&](std::uint32_t other) { return is_near((at(other) - at(member)).squaredNorm()); });
   };
-  for (const std::uint32_t member : of_u) {
-    if (member == u || !is_near_all(member, of_u) || !is_near_all(member, of_v) || !seam_.move_to_member(u, member)) continue;
+  for (const std::uint32_t member : members_of_u) {
+    if (member == u || !is_near_all(member, members_of_u) || !is_near_all(member, members_of_v) || !seam_.move_to_member(u, member))
+      continue;
     if (seam_.weld(v, member) == SeamMesh::Weld::done) return true;
     seam_.move_to_member(member, u);
   }
@@ -248,13 +245,14 @@ bool SeamJoiner::weld_at_member(std::uint32_t u, const std::vector<std::uint32_t
 
 // Two vertices near each other that cannot be welded, because vertices welded to them before would move too far: they get positions farther
 // apart than the tolerance, so that the gap between them is seen to be too wide.
-bool SeamJoiner::move_apart(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
-                            const std::vector<std::uint32_t>& of_v) {
-  for (const std::uint32_t to_u : of_u) {
-    for (const std::uint32_t to_v : of_v) {
-      if (is_near((at(to_u) - at(to_v)).squaredNorm()) || apart_.contains(key_of(to_u, to_v)) || !seam_.move_to_member(u, to_u)) continue;
+bool SeamJoiner::move_apart(std::uint32_t u, const std::vector<std::uint32_t>& members_of_u, std::uint32_t v,
+                            const std::vector<std::uint32_t>& members_of_v) {
+  for (const std::uint32_t to_u : members_of_u) {
+    for (const std::uint32_t to_v : members_of_v) {
+      if (is_near((at(to_u) - at(to_v)).squaredNorm()) || separated_pairs_.contains(key_of(to_u, to_v)) || !seam_.move_to_member(u, to_u))
+        continue;
       if (seam_.move_to_member(v, to_v)) {
-        apart_.insert(key_of(to_u, to_v));
+        separated_pairs_.insert(key_of(to_u, to_v));
         ++changes_;
         return true;
       }
@@ -265,7 +263,7 @@ bool SeamJoiner::move_apart(std::uint32_t u, const std::vector<std::uint32_t>& o
 }
 
 void SeamJoiner::find_junctions() {
-  cuts_.clear();
+  cuts_of_edge_.clear();
   if (junctions_found_at_ != changes_) edges_ = seam_.boundary_edges();
   edge_number_.clear();
   for (std::uint32_t i = 0; i < edges_.size(); ++i) edge_number_[key_of(edges_[i].from, edges_[i].to)] = i;
@@ -278,10 +276,10 @@ void SeamJoiner::find_junctions() {
   };
   const std::vector<std::uint32_t> vertices = seam_.boundary_vertices();
   VertexTree tree(mesh_.vertices, vertices);
-  std::vector<VertexTree::Found> found;
+  std::vector<VertexTree::NearVertex> found;
   for (std::uint32_t i = 0; i < edges_.size(); ++i) {
     tree.find_near_segment(at(edges_[i].from), at(edges_[i].to), tolerance_, found);
-    for (const VertexTree::Found& near : found) add(i, near.vertex);
+    for (const VertexTree::NearVertex& near : found) add(i, near.vertex);
     if (junctions_.size() <= kMaxJunctions * (boundary_edges_ + 16)) continue;
     most_work_ = 0;
     return;
@@ -315,7 +313,7 @@ void SeamJoiner::split_round() {
 std::optional<SeamJoiner::Edge> SeamJoiner::find_piece(std::uint32_t edge, double share) const {
   std::uint32_t a = edges_[edge].from;
   std::uint32_t b = edges_[edge].to;
-  if (const auto found = cuts_.find(edge); found != cuts_.end()) {
+  if (const auto found = cuts_of_edge_.find(edge); found != cuts_of_edge_.end()) {
     const std::map<double, std::uint32_t>& cuts = found->second;
     const auto after = cuts.upper_bound(share);
     if (after != cuts.end()) b = after->second;
@@ -326,7 +324,7 @@ std::optional<SeamJoiner::Edge> SeamJoiner::find_piece(std::uint32_t edge, doubl
 
 bool SeamJoiner::cut(const Edge& piece, std::uint32_t vertex) {
   const auto found = edge_number_.find(key_of(piece.from, piece.to));
-  if (found == edge_number_.end() || untouched_.chords.contains(piece.chord) || untouched_.vertices.contains(vertex)) return false;
+  if (found == edge_number_.end() || excluded_.chords.contains(piece.chord) || excluded_.vertices.contains(vertex)) return false;
   const std::uint32_t edge = found->second;
   const Closest here = closest(edges_[edge], vertex);
   if (!here.is_inside() || !is_near(here.squared_distance)) return false;
@@ -336,11 +334,11 @@ bool SeamJoiner::cut(const Edge& piece, std::uint32_t vertex) {
   const auto [start, end] = seam_.chord_of(piece);
   if (!is_near(closest_on(start, end, at(vertex)).squared_distance)) {
     seam_.unsplit(piece.from, piece.to, vertex);
-    untouched_.chords.insert(piece.chord);
+    excluded_.chords.insert(piece.chord);
     return false;
   }
-  cut_.push_back({piece.chord, vertex});
-  cuts_[edge][here.share] = vertex;
+  made_cuts_.push_back({piece.chord, vertex});
+  cuts_of_edge_[edge][here.share] = vertex;
   edge_number_[key_of(piece.from, vertex)] = edge;
   edge_number_[key_of(vertex, piece.to)] = edge;
   return true;
@@ -350,8 +348,8 @@ bool SeamJoiner::cut(const Edge& piece, std::uint32_t vertex) {
 void SeamJoiner::uncut(const Edge& piece, std::uint32_t vertex) {
   const std::uint32_t edge = edge_number_[key_of(piece.from, piece.to)];
   seam_.unsplit(piece.from, piece.to, vertex);
-  cut_.pop_back();
-  cuts_[edge].erase(closest(edges_[edge], vertex).share);
+  made_cuts_.pop_back();
+  cuts_of_edge_[edge].erase(closest(edges_[edge], vertex).share);
 }
 
 // Splits a piece of boundary at a vertex if that lets a part of it join an edge that ends at the vertex, at once or by a second split.
@@ -368,9 +366,9 @@ bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
   const double gap = std::sqrt(closest(piece, vertex).squared_distance);
   for (const bool is_second_needed : {false, true}) {
     for (const Edge& f : alongside) {
-      const std::uint32_t far = f.other(vertex);
-      if ((far == piece.from || far == piece.to) == is_second_needed || is_reserved(f)) continue;
-      if (!(is_second_needed ? zip_with_second(piece, vertex, f, far) : zip_to_end(piece, vertex, f, far))) continue;
+      const std::uint32_t far_end = f.other(vertex);
+      if ((far_end == piece.from || far_end == piece.to) == is_second_needed || is_reserved(f)) continue;
+      if (!(is_second_needed ? zip_with_second(piece, vertex, f, far_end) : zip_to_end(piece, vertex, f, far_end))) continue;
       widest_gap_ = std::max(widest_gap_, gap);
       return true;
     }
@@ -384,18 +382,19 @@ bool SeamJoiner::zip_to_end(const Edge& piece, std::uint32_t vertex, const Edge&
 }
 
 // As zip_at, where the edge f leads to another vertex near the piece, or past one of the piece's ends, which is then near f.
-bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far) {
+bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far_end) {
   if (f.triangle == piece.triangle) return false;
-  if (is_close_by(piece, far)) {
-    const bool runs_on = closest(piece, far).share > closest(piece, vertex).share;  // f leads from the vertex in the direction of the piece
-    if (!is_kind(piece, f, vertex, runs_on) || is_over_strip(piece, vertex, f) || !cut(piece, vertex)) return false;
-    const std::optional<Edge> rest = find_boundary_edge(vertex, runs_on ? piece.to : piece.from);
-    if (rest && cut(*rest, far)) return true;
+  if (is_close_by(piece, far_end)) {
+    const bool runs_on =
+        closest(piece, far_end).share > closest(piece, vertex).share;  // f leads from the vertex in the direction of the piece
+    if (!is_kind_joined_now(piece, f, vertex, runs_on) || is_over_strip(piece, vertex, f) || !cut(piece, vertex)) return false;
+    const std::optional<Edge> remaining_piece = find_boundary_edge(vertex, runs_on ? piece.to : piece.from);
+    if (remaining_piece && cut(*remaining_piece, far_end)) return true;
     uncut(piece, vertex);
     return false;
   }
   for (const std::uint32_t end : {piece.from, piece.to}) {
-    if (!is_close_by(f, end) || !is_kind(piece, f, vertex, end == piece.to)) continue;
+    if (!is_close_by(f, end) || !is_kind_joined_now(piece, f, vertex, end == piece.to)) continue;
     if (is_over_strip(piece, vertex, f) || !cut(piece, vertex)) continue;
     if (cut(f, end)) return true;
     uncut(piece, vertex);
@@ -404,8 +403,8 @@ bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const 
 }
 
 // Whether seams of this kind are joined now. runs_on: f leads from the vertex in the direction of the piece, otherwise in the opposite one.
-bool SeamJoiner::is_kind(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const {
-  if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= sharp;
+bool SeamJoiner::is_kind_joined_now(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const {
+  if (seam_.inward(piece).dot(seam_.inward(f)) > kMinFoldedCosine) return kind_ >= sharp;
   const bool is_same_direction = (f.from == vertex) == runs_on;
   return (is_same_direction ? flipped : straight) <= kind_;
 }

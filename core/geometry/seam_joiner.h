@@ -16,7 +16,7 @@
 namespace hapton {
 
 // Parts of a mesh: vertices that are welded or split an edge, and edges that are split (SeamMesh::Edge::chord).
-struct JoinedParts {
+struct SeamParts {
   std::unordered_set<std::uint32_t> vertices;
   std::unordered_set<std::uint32_t> chords;
   std::size_t size() const { return vertices.size() + chords.size(); }
@@ -36,11 +36,11 @@ struct JoinedParts {
 // vertices and VertexTree::kMaxSegments edges are examined.
 class SeamJoiner {
  public:
-  // Pre: mesh and untouched outlive this; at_boundary is from find_boundary_vertices. untouched: parts that are neither welded nor split.
-  // Parts whose joining would exceed the tolerance are added to `untouched`: vertices that would move others farther than the tolerance
+  // Pre: mesh and excluded outlive this; at_boundary is from find_boundary_vertices. excluded: parts that are neither welded nor split.
+  // Parts whose joining would exceed the tolerance are added to `excluded`: vertices that would move others farther than the tolerance
   // from their origin, and edges along which a gap would be closed, split by split, to where it is wider than the tolerance. Joining must
   // then be repeated on the original mesh.
-  SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched,
+  SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, SeamParts& excluded,
              Turning turning = Turning::any);
 
   // Joins. Call it once. False: it took more than most_work and is not finished; do not use the mesh then.
@@ -50,7 +50,7 @@ class SeamJoiner {
   SeamMesh& seam() { return seam_; }
   std::size_t boundary_edges() const { return boundary_edges_; }  // number of boundary edges before joining
   double widest_gap() const { return widest_gap_; }               // widest gap that was joined
-  JoinedParts joined() const;
+  SeamParts joined() const;
 
  private:
   using Edge = SeamMesh::Edge;
@@ -88,8 +88,8 @@ class SeamJoiner {
   static std::uint64_t key_of(std::uint32_t a, std::uint32_t b);
   Kind kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const;
 
-  void find_reserved();
-  bool is_reserved(const Edge& edge) const { return kind_ != straight && reserved_.contains(edge.chord); }
+  void find_reserved_edges();
+  bool is_reserved(const Edge& edge) const { return kind_ != straight && reserved_chords_.contains(edge.chord); }
 
   bool is_spent() const { return most_work_ == 0 || work() > most_work_; }
   void find_pairs();
@@ -99,8 +99,10 @@ class SeamJoiner {
   void weld_round();
   bool weld(std::uint32_t u, std::uint32_t v);
   bool weld_between(std::uint32_t u, std::uint32_t v);
-  bool weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v, const std::vector<std::uint32_t>& of_v);
-  bool move_apart(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v, const std::vector<std::uint32_t>& of_v);
+  bool weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& members_of_u, std::uint32_t v,
+                      const std::vector<std::uint32_t>& members_of_v);
+  bool move_apart(std::uint32_t u, const std::vector<std::uint32_t>& members_of_u, std::uint32_t v,
+                  const std::vector<std::uint32_t>& members_of_v);
 
   void find_junctions();
   void split_round();
@@ -110,15 +112,15 @@ class SeamJoiner {
   void uncut(const Edge& piece, std::uint32_t vertex);
   bool zip_at(const Edge& piece, std::uint32_t vertex);
   bool zip_to_end(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t end);
-  bool zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far);
-  bool is_kind(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const;
+  bool zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far_end);
+  bool is_kind_joined_now(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const;
   bool is_over_strip(const Edge& piece, std::uint32_t vertex, const Edge& f) const;
 
   SeamMesh seam_;
   double tolerance_;
   Turning turning_;
   const TriangleMesh& mesh_;
-  JoinedParts& untouched_;
+  SeamParts& excluded_;
   std::size_t most_work_ = 0;
   std::size_t candidates_ = 0;  // pairs and junctions examined
   // The changes that were made and not undone.
@@ -126,11 +128,11 @@ class SeamJoiner {
     std::uint32_t chord = 0;
     std::uint32_t vertex = 0;
   };
-  std::vector<std::uint32_t> welded_;
-  std::vector<Cut> cut_;
-  std::unordered_set<std::uint64_t> apart_;  // pairs of positions to which vertices were moved apart
+  std::vector<std::uint32_t> welded_vertices_;
+  std::vector<Cut> made_cuts_;
+  std::unordered_set<std::uint64_t> separated_pairs_;  // pairs of positions to which vertices were moved apart
   Kind kind_ = straight;
-  std::unordered_set<std::uint32_t> reserved_;  // chords of edges beyond which a surface seems to continue, past too wide a gap
+  std::unordered_set<std::uint32_t> reserved_chords_;  // chords of edges beyond which a surface seems to continue, past too wide a gap
   std::size_t changes_ = 0;
   double widest_gap_ = 0.0;
   std::size_t boundary_edges_ = 0;
@@ -141,7 +143,7 @@ class SeamJoiner {
   std::size_t junctions_found_at_ = ~std::size_t{0};
   // For one round of splits: the boundary edges at its start, where each was cut since, and the edge to which each piece belongs.
   std::vector<Edge> edges_;
-  std::unordered_map<std::uint32_t, std::map<double, std::uint32_t>> cuts_;
+  std::unordered_map<std::uint32_t, std::map<double, std::uint32_t>> cuts_of_edge_;
   std::unordered_map<std::uint64_t, std::uint32_t> edge_number_;
 };
 

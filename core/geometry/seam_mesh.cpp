@@ -11,7 +11,7 @@ constexpr double kNoArea = 1e-14;           // twice the area, over the longest 
 constexpr double kMinCosine = 1e-3;         // least cosine between a triangle's normals before and after
 constexpr double kMinCosineOfShort = 0.75;  // the same with Turning::little, for a triangle with a short edge: 41 degrees
 constexpr double kShortEdge = 2.0;          // in tolerances: a shorter edge is short
-constexpr double kMinShare = 0.1;           // least share of its height that a triangle keeps, where kMinHeight would require more
+constexpr double kMinHeightShare = 0.1;     // least share of its height that a triangle keeps, where kMinHeight would require more
 constexpr std::ptrdiff_t kMaxFlooded = 64;  // triangles that flood() adds before it gives up
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
@@ -44,18 +44,20 @@ void replace(Triangle& triangle, std::uint32_t from, std::uint32_t to) {
   }
 }
 
-bool has(const Triangle& t, std::uint32_t vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
+bool has_vertex(const Triangle& t, std::uint32_t vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
 
 }  // namespace
 
 bool is_sound_change(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& after, double tolerance, Turning turning) {
-  const Shape was = shape_of(before);
-  if (!was.has_area()) return true;
-  const Shape is = shape_of(after);
-  if (!is.has_area() || !(is.height() >= std::min(SeamMesh::kMinHeight * tolerance, kMinShare * was.height()))) return false;
-  const bool has_short_edge = is.shortest_squared < kShortEdge * kShortEdge * tolerance * tolerance;
+  const Shape shape_before = shape_of(before);
+  if (!shape_before.has_area()) return true;
+  const Shape shape_after = shape_of(after);
+  if (!shape_after.has_area() ||
+      !(shape_after.height() >= std::min(SeamMesh::kMinHeight * tolerance, kMinHeightShare * shape_before.height())))
+    return false;
+  const bool has_short_edge = shape_after.shortest_squared < kShortEdge * kShortEdge * tolerance * tolerance;
   const double least_cosine = turning == Turning::little && has_short_edge ? kMinCosineOfShort : kMinCosine;
-  return was.normal.dot(is.normal) > least_cosine * was.normal.norm() * is.normal.norm();
+  return shape_before.normal.dot(shape_after.normal) > least_cosine * shape_before.normal.norm() * shape_after.normal.norm();
 }
 
 std::vector<std::uint8_t> find_boundary_vertices(const TriangleMesh& mesh) {
@@ -141,18 +143,18 @@ SeamMesh::SeamMesh(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, do
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& triangle = mesh.triangles[t];
     if (repeats_vertex(triangle)) continue;
-    bool at = false;
+    bool is_at_boundary = false;
     for (const std::uint32_t v : triangle) {
       if (!is_tracked(v)) continue;
       fan_of(v).push_back(t);
-      at = true;
+      is_at_boundary = true;
     }
-    if (at) add_edges(t);
+    if (is_at_boundary) add_edges(t);
   }
   zipped_ = 0;
 }
 
-std::uint32_t SeamMesh::standing_for(std::uint32_t vertex) const {
+std::uint32_t SeamMesh::representative_of(std::uint32_t vertex) const {
   while (welded_to_[vertex] != kNone) vertex = welded_to_[vertex];
   return vertex;
 }
@@ -173,9 +175,9 @@ SeamMesh::Edge SeamMesh::boundary_edge(std::uint32_t a, std::uint32_t b) const {
 }
 
 std::pair<Vec3, Vec3> SeamMesh::chord_of(const Edge& edge) const {
-  const Triangle& came = original_[edge.chord / 3];
+  const Triangle& original = original_[edge.chord / 3];
   const std::uint32_t k = edge.chord % 3;
-  return {position(standing_for(came[k])), position(standing_for(came[(k + 1) % 3]))};
+  return {position(representative_of(original[k])), position(representative_of(original[(k + 1) % 3]))};
 }
 
 std::vector<std::uint32_t> SeamMesh::boundary_vertices() const {
@@ -229,7 +231,7 @@ bool SeamMesh::flood(std::vector<std::uint32_t> reached, std::uint32_t to, const
   for (std::size_t i = 0; i < reached.size(); ++i) {
     ++work_;
     const Triangle& triangle = mesh_.triangles[reached[i]];
-    if (has(triangle, to)) return true;
+    if (has_vertex(triangle, to)) return true;
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = triangle[k];
       const std::uint32_t b = triangle[(k + 1) % 3];
@@ -257,10 +259,10 @@ std::uint32_t SeamMesh::source_of(std::uint32_t triangle) const {
   return triangle < original_.size() ? triangle : sources_[triangle - original_.size()];
 }
 
-void SeamMesh::count_boundary(std::uint32_t a, std::uint32_t b, bool is) {
+void SeamMesh::count_boundary(std::uint32_t a, std::uint32_t b, bool is_boundary_now) {
   if (!is_tracked(a) || !is_tracked(b)) return;
-  boundary_count_[a] += is ? 1U : ~0U;
-  boundary_count_[b] += is ? 1U : ~0U;
+  boundary_count_[a] += is_boundary_now ? 1U : ~0U;
+  boundary_count_[b] += is_boundary_now ? 1U : ~0U;
 }
 
 void SeamMesh::add_edge(std::uint32_t a, std::uint32_t b, std::uint32_t triangle) {
@@ -315,7 +317,7 @@ bool SeamMesh::keeps_edges_apart(std::uint32_t u, std::uint32_t v) const {
       if (there.count == 0) continue;
       if (there.count != 1 || find(u, w).count != 1) return false;
       bool is_same = true;
-      for (const std::uint32_t corner : mesh_.triangles[t]) is_same &= corner == u || has(mesh_.triangles[there.triangles], corner);
+      for (const std::uint32_t corner : mesh_.triangles[t]) is_same &= corner == u || has_vertex(mesh_.triangles[there.triangles], corner);
       if (is_same) return false;
     }
   }
@@ -374,17 +376,17 @@ bool SeamMesh::split(std::uint32_t a, std::uint32_t b, std::uint32_t at) {
   replace(last, edge.from, at);
   if (!is_sound(source, first) || !is_sound(source, last)) return false;
 
-  const auto added = static_cast<std::uint32_t>(mesh_.triangles.size());
+  const auto added_triangle = static_cast<std::uint32_t>(mesh_.triangles.size());
   remove_edges(edge.triangle);
   mesh_.triangles[edge.triangle] = first;
   mesh_.triangles.push_back(last);
   sources_.push_back(source);
   add_edges(edge.triangle);
-  add_edges(added);
+  add_edges(added_triangle);
   --zipped_;  // add_edges() has counted the edge between the two parts, which is not a seam
-  fan_of(at).insert(fan_of(at).end(), {edge.triangle, added});
-  std::replace(fan_of(edge.to).begin(), fan_of(edge.to).end(), edge.triangle, added);
-  if (is_tracked(edge.apex)) fan_of(edge.apex).push_back(added);
+  fan_of(at).insert(fan_of(at).end(), {edge.triangle, added_triangle});
+  std::replace(fan_of(edge.to).begin(), fan_of(edge.to).end(), edge.triangle, added_triangle);
+  if (is_tracked(edge.apex)) fan_of(edge.apex).push_back(added_triangle);
   if (!mesh_.authored_normals.empty()) {
     const auto k_from = static_cast<std::size_t>(std::find(first.begin(), first.end(), edge.from) - first.begin());
     const std::size_t k_to = (k_from + 1) % 3;
@@ -404,25 +406,25 @@ bool SeamMesh::split(std::uint32_t a, std::uint32_t b, std::uint32_t at) {
 }
 
 void SeamMesh::unsplit(std::uint32_t a, std::uint32_t b, std::uint32_t at) {
-  const auto added = static_cast<std::uint32_t>(mesh_.triangles.size() - 1);
-  const Triangle last = mesh_.triangles[added];
-  const std::uint32_t to = has(last, b) ? b : a;
+  const auto added_triangle = static_cast<std::uint32_t>(mesh_.triangles.size() - 1);
+  const Triangle last = mesh_.triangles[added_triangle];
+  const std::uint32_t to = has_vertex(last, b) ? b : a;
   const auto k_at = static_cast<std::size_t>(std::find(last.begin(), last.end(), at) - last.begin());
   const std::size_t k_to = (k_at + 1) % 3;
   const std::uint32_t apex = last[(k_at + 2) % 3];
-  const std::uint32_t kept = fan_of(at)[fan_of(at).size() - 2];
-  remove_edges(added);
-  remove_edges(kept);
+  const std::uint32_t kept_triangle = fan_of(at)[fan_of(at).size() - 2];
+  remove_edges(added_triangle);
+  remove_edges(kept_triangle);
   ++zipped_;
-  replace(mesh_.triangles[kept], at, to);
+  replace(mesh_.triangles[kept_triangle], at, to);
   mesh_.triangles.pop_back();
   sources_.pop_back();
-  add_edges(kept);
+  add_edges(kept_triangle);
   fan_of(at).resize(fan_of(at).size() - 2);
-  std::replace(fan_of(to).begin(), fan_of(to).end(), added, kept);
+  std::replace(fan_of(to).begin(), fan_of(to).end(), added_triangle, kept_triangle);
   if (is_tracked(apex)) fan_of(apex).pop_back();
   if (!mesh_.authored_normals.empty()) {
-    mesh_.authored_normals[kept][k_to] = mesh_.authored_normals[added][k_to];
+    mesh_.authored_normals[kept_triangle][k_to] = mesh_.authored_normals[added_triangle][k_to];
     mesh_.authored_normals.pop_back();
   }
 }
@@ -433,14 +435,14 @@ SeamMesh::Sources SeamMesh::finish() {
   std::iota(sources.triangles.begin(), sources.triangles.end(), 0U);
   if (!sources_.empty()) sources.triangles = put_parts_in_place();
   sources.vertices.resize(mesh_.vertices.size());
-  std::uint32_t kept = 0;
+  std::uint32_t kept_count = 0;
   for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) {
     if (welded_to_[v] != kNone) continue;
-    mesh_.vertices[kept] = mesh_.vertices[v];
-    sources.vertices[v] = kept++;
+    mesh_.vertices[kept_count] = mesh_.vertices[v];
+    sources.vertices[v] = kept_count++;
   }
-  mesh_.vertices.resize(kept);
-  for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) sources.vertices[v] = sources.vertices[standing_for(v)];
+  mesh_.vertices.resize(kept_count);
+  for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) sources.vertices[v] = sources.vertices[representative_of(v)];
   if (welded_ == 0) return sources;
   for (Triangle& t : mesh_.triangles) {
     for (std::uint32_t& v : t) v = sources.vertices[v];

@@ -53,7 +53,7 @@ class SeamMesh {
 
   double tolerance() const { return tolerance_; }
   const Vec3& position(std::uint32_t vertex) const { return mesh_.vertices[vertex]; }
-  std::uint32_t standing_for(std::uint32_t vertex) const;  // the vertex to which this one was finally welded; itself if none
+  std::uint32_t representative_of(std::uint32_t vertex) const;  // the vertex to which this one was finally welded; itself if none
   bool is_boundary(std::uint32_t a, std::uint32_t b) const;
   bool is_edge(std::uint32_t a, std::uint32_t b) const { return find(a, b).count > 0; }
   std::uint32_t boundary_count(std::uint32_t vertex) const { return boundary_count_[vertex]; }  // boundary edges at the vertex
@@ -109,7 +109,7 @@ class SeamMesh {
     std::vector<std::uint32_t> vertices;   // for each original vertex: the vertex of the resulting mesh that it became
   };
   // Finishes the mesh: removes welded vertices, and puts the parts of a split triangle in its place; vertices keep their order. Afterwards
-  // only standing_for and for_each_member may be called.
+  // only representative_of and for_each_member may be called.
   Sources finish();
 
  private:
@@ -143,7 +143,7 @@ class SeamMesh {
   void remove_edge(std::uint32_t a, std::uint32_t b, std::uint32_t triangle);
   void add_edges(std::uint32_t triangle);
   void remove_edges(std::uint32_t triangle);
-  void count_boundary(std::uint32_t a, std::uint32_t b, bool is);
+  void count_boundary(std::uint32_t a, std::uint32_t b, bool is_boundary_now);
   bool is_sound(std::uint32_t source, const Triangle& triangle) const;
   std::vector<std::uint32_t> put_parts_in_place();
   bool stays_sound(std::uint32_t u, std::uint32_t v) const;

@@ -18,7 +18,7 @@ struct ShadedMesh {
   std::vector<std::uint32_t> source;     // for each triangle, the triangle of the original mesh that it is (a part of)
 
   // The last vertices of the list, and the normals from first_middle_normal on, are each midway between two earlier ones, which these lists
-  // name. Normals that check_corner_normals adds later come after those.
+  // name. Normals that repair_corner_normals adds later come after those.
   std::vector<std::array<std::uint32_t, 2>> middle_vertices;
   std::vector<std::array<std::uint32_t, 2>> middle_normals;
   std::uint32_t first_middle_normal = 0;

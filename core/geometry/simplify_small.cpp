@@ -18,9 +18,9 @@
 namespace hapton {
 namespace {
 
-constexpr int kTries = 16;      // the last one uses 0.5 % of the bound: quadrics were off by a factor of six at most (decision 3)
-constexpr double kFiner = 0.7;  // factor of the quadrics' error bound from one attempt to the next
-constexpr int kMaxIdle = 64;    // triangles visited in a row without coming nearer
+constexpr int kTries = 16;            // the last one uses 0.5 % of the bound: quadrics were off by a factor of six at most (decision 3)
+constexpr double kErrorFactor = 0.7;  // factor of the quadrics' error bound from one attempt to the next
+constexpr int kMaxIdle = 64;          // triangles visited in a row without coming nearer
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 // The triangles at each vertex.
@@ -48,23 +48,23 @@ class Fans {
 // For every vertex, the vertex still in use that is the fewest edges away; kNone if a whole piece was removed.
 std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, const Fans& fans_before, const Fans& fans_after,
                                              std::size_t vertices) {
-  std::vector<std::uint32_t> kept(vertices, kNone);
-  std::vector<std::uint32_t> front;
+  std::vector<std::uint32_t> nearest_kept(vertices, kNone);
+  std::vector<std::uint32_t> queue;
   for (std::uint32_t v = 0; v < vertices; ++v) {
     if (fans_after[v].empty()) continue;
-    kept[v] = v;
-    front.push_back(v);
+    nearest_kept[v] = v;
+    queue.push_back(v);
   }
-  for (std::size_t i = 0; i < front.size(); ++i) {
-    for (const std::uint32_t t : fans_before[front[i]]) {
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    for (const std::uint32_t t : fans_before[queue[i]]) {
       for (const std::uint32_t v : before[t]) {
-        if (kept[v] != kNone) continue;
-        kept[v] = kept[front[i]];
-        front.push_back(v);
+        if (nearest_kept[v] != kNone) continue;
+        nearest_kept[v] = nearest_kept[queue[i]];
+        queue.push_back(v);
       }
     }
   }
-  return kept;
+  return nearest_kept;
 }
 
 // Finds the triangle closest to a point: goes from triangle to triangle over common vertices, always from the closest one known. In a row
@@ -72,20 +72,20 @@ std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, c
 class Descent {
  public:
   explicit Descent(const TriangleMesh& mesh)
-      : mesh_(mesh), fans_(mesh.triangles, mesh.vertices.size()), seen_by_(mesh.triangles.size(), 0) {}
+      : mesh_(mesh), fans_(mesh.triangles, mesh.vertices.size()), last_search_(mesh.triangles.size(), 0) {}
 
   const Fans& fans() const { return fans_; }
 
   // The distance of p from the closest triangle found, in a search that starts at a vertex.
   double find_distance(std::uint32_t from, const Vec3& p) {
     ++search_;
-    open_.clear();
+    queue_.clear();
     visit_around(from, p);
-    double least = open_.front().first;
-    for (int idle = 0; idle < kMaxIdle && !open_.empty() && least > 0.0; ++idle) {
-      std::pop_heap(open_.begin(), open_.end(), std::greater<>());
-      const auto [distance, triangle] = open_.back();
-      open_.pop_back();
+    double least = queue_.front().first;
+    for (int idle = 0; idle < kMaxIdle && !queue_.empty() && least > 0.0; ++idle) {
+      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+      const auto [distance, triangle] = queue_.back();
+      queue_.pop_back();
       if (distance < least) least = distance, idle = 0;
       for (const std::uint32_t v : mesh_.triangles[triangle]) visit_around(v, p);
     }
@@ -95,30 +95,30 @@ class Descent {
  private:
   void visit_around(std::uint32_t vertex, const Vec3& p) {
     for (const std::uint32_t t : fans_[vertex]) {
-      if (seen_by_[t] == search_) continue;
-      seen_by_[t] = search_;
-      open_.emplace_back(triangle_distance_squared(p, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)), t);
-      std::push_heap(open_.begin(), open_.end(), std::greater<>());
+      if (last_search_[t] == search_) continue;
+      last_search_[t] = search_;
+      queue_.emplace_back(triangle_distance_squared(p, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)), t);
+      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
     }
   }
 
   const TriangleMesh& mesh_;
   Fans fans_;
-  std::vector<std::uint32_t> seen_by_;
+  std::vector<std::uint32_t> last_search_;
   std::uint32_t search_ = 0;
-  std::vector<std::pair<double, std::uint32_t>> open_;  // a heap, the nearest first
+  std::vector<std::pair<double, std::uint32_t>> queue_;  // a heap, the nearest first
 };
 
 // The largest distance of a vertex of `before` from `mesh`, which has the same vertices.
 double measure_deviation(std::span<const Triangle> before, const TriangleMesh& mesh) {
   const Fans fans_before(before, mesh.vertices.size());
   Descent descent(mesh);
-  const auto kept = find_nearest_kept(before, fans_before, descent.fans(), mesh.vertices.size());
+  const auto nearest_kept = find_nearest_kept(before, fans_before, descent.fans(), mesh.vertices.size());
   double farthest = 0.0;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (fans_before[v].empty() || kept[v] == v) continue;
-    if (kept[v] == kNone) return std::numeric_limits<double>::infinity();
-    farthest = std::max(farthest, descent.find_distance(kept[v], mesh.vertices[v]));
+    if (fans_before[v].empty() || nearest_kept[v] == v) continue;
+    if (nearest_kept[v] == kNone) return std::numeric_limits<double>::infinity();
+    farthest = std::max(farthest, descent.find_distance(nearest_kept[v], mesh.vertices[v]));
   }
   return farthest;
 }
@@ -161,7 +161,7 @@ Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m) {
   const std::vector<Triangle> before = std::move(mesh.triangles);
   const std::vector<float> positions = positions_in_unit_box(mesh, bounds.low, side);
   double error = max_error_m / side;
-  for (int i = 0; i < kTries; ++i, error *= kFiner) {
+  for (int i = 0; i < kTries; ++i, error *= kErrorFactor) {
     mesh.triangles = simplify_by_quadrics(before, positions, error);
     report.error_m = measure_deviation(before, mesh);
     report.after = mesh.triangles.size();

@@ -50,12 +50,12 @@ Result<SmoothSurface> make_smooth_surface(const TriangleMesh& mesh, const Smooth
   SmoothSurface surface;
   surface.vertex_source = std::move(vertex_source);
   surface.mesh = fill_corner_normals(clean, source, settings.crease_angle_rad, report.normals);
-  report.check = check_corner_normals(surface.mesh);
+  report.check = repair_corner_normals(surface.mesh);
   const auto limit = static_cast<std::size_t>(settings.growth * static_cast<double>(clean.triangles.size())) + 100000;
   report.split = split_large(surface.mesh, settings.longest_edge * diagonal_of(clean), limit);
   surface.face_count = surface.mesh.triangles.size();
   report.fans = add_normal_fans(surface.mesh);
-  report.final_check = check_corner_normals(surface.mesh, surface.face_count);
+  report.final_check = repair_corner_normals(surface.mesh, surface.face_count);
   return surface;
 }
 

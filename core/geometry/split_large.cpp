@@ -28,18 +28,18 @@ class Round {
       const Vec3& a = mesh_.vertices[side.low];
       const Vec3& b = mesh_.vertices[side.high];
       if (!((b - a).squaredNorm() > longest_edge * longest_edge)) continue;
-      middle_[e] = static_cast<std::uint32_t>(mesh_.vertices.size() + marked_);
-      ++marked_;
-      added_ += edges_[e].size();
+      middle_[e] = static_cast<std::uint32_t>(mesh_.vertices.size() + marked_edges_);
+      ++marked_edges_;
+      added_triangles_ += edges_[e].size();
     }
   }
 
-  std::size_t marked() const { return marked_; }
-  std::size_t added() const { return added_; }
+  std::size_t marked_edges() const { return marked_edges_; }
+  std::size_t added_triangles() const { return added_triangles_; }
 
   void apply() {
-    mesh_.vertices.resize(mesh_.vertices.size() + marked_);
-    mesh_.middle_vertices.resize(mesh_.middle_vertices.size() + marked_);
+    mesh_.vertices.resize(mesh_.vertices.size() + marked_edges_);
+    mesh_.middle_vertices.resize(mesh_.middle_vertices.size() + marked_edges_);
     const std::size_t first_middle = mesh_.vertices.size() - mesh_.middle_vertices.size();
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       if (middle_[e] == kNone) continue;
@@ -64,11 +64,11 @@ class Round {
     return at->second;
   }
 
-  void put(std::uint32_t t, const Corner& a, const Corner& b, const Corner& c) {
+  void replace_triangle(std::uint32_t t, const Corner& a, const Corner& b, const Corner& c) {
     mesh_.triangles[t] = {a.vertex, b.vertex, c.vertex};
     mesh_.corner_normals[t] = {a.normal, b.normal, c.normal};
   }
-  void add(std::uint32_t from, const Corner& a, const Corner& b, const Corner& c) {
+  void add_triangle(std::uint32_t from, const Corner& a, const Corner& b, const Corner& c) {
     mesh_.triangles.push_back({a.vertex, b.vertex, c.vertex});
     mesh_.corner_normals.push_back({a.normal, b.normal, c.normal});
     mesh_.source.push_back(mesh_.source[from]);
@@ -89,8 +89,8 @@ class Round {
       if (middle[k] != kNone) half[k] = {middle[k], middle_normal(corner[k].normal, corner[(k + 1) % 3].normal)};
     }
     if (marks == 3) {
-      put(t, half[0], half[1], half[2]);
-      for (int k = 0; k < 3; ++k) add(t, corner[k], half[k], half[(k + 2) % 3]);
+      replace_triangle(t, half[0], half[1], half[2]);
+      for (int k = 0; k < 3; ++k) add_triangle(t, corner[k], half[k], half[(k + 2) % 3]);
       return;
     }
     // Rotates the corners so that edge 0 is the marked edge, or edges 0 and 1 are the two marked edges.
@@ -99,19 +99,19 @@ class Round {
     const auto c = [&](int k) { return corner[(turn + k) % 3]; };
     const auto h = [&](int k) { return half[(turn + k) % 3]; };
     if (marks == 1) {
-      put(t, c(0), h(0), c(2));
-      add(t, h(0), c(1), c(2));
+      replace_triangle(t, c(0), h(0), c(2));
+      add_triangle(t, h(0), c(1), c(2));
       return;
     }
-    put(t, h(0), c(1), h(1));
+    replace_triangle(t, h(0), c(1), h(1));
     // Divides the remaining quadrilateral along its shorter diagonal.
     const auto place = [&](const Corner& at) { return mesh_.vertices[at.vertex]; };
     if ((place(h(1)) - place(c(0))).squaredNorm() <= (place(c(2)) - place(h(0))).squaredNorm()) {
-      add(t, c(0), h(0), h(1));
-      add(t, c(0), h(1), c(2));
+      add_triangle(t, c(0), h(0), h(1));
+      add_triangle(t, c(0), h(1), c(2));
     } else {
-      add(t, c(0), h(0), c(2));
-      add(t, h(0), h(1), c(2));
+      add_triangle(t, c(0), h(0), c(2));
+      add_triangle(t, h(0), h(1), c(2));
     }
   }
 
@@ -119,8 +119,8 @@ class Round {
   SharedEdges edges_;
   std::vector<std::uint32_t> middle_;
   std::unordered_map<std::uint64_t, std::uint32_t> middle_normals_;
-  std::size_t marked_ = 0;
-  std::size_t added_ = 0;
+  std::size_t marked_edges_ = 0;
+  std::size_t added_triangles_ = 0;
 };
 
 }  // namespace
@@ -131,13 +131,13 @@ SplitReport split_large(ShadedMesh& mesh, double longest_edge, std::size_t max_t
   const std::size_t before = mesh.triangles.size();
   while (longest_edge > 0.0) {
     Round round(mesh, longest_edge);
-    if (round.marked() == 0) break;
-    if (mesh.triangles.size() + round.added() > max_triangles) {
-      report.complete = false;
+    if (round.marked_edges() == 0) break;
+    if (mesh.triangles.size() + round.added_triangles() > max_triangles) {
+      report.is_complete = false;
       break;
     }
     round.apply();
-    report.edges += round.marked();
+    report.edges += round.marked_edges();
   }
   report.triangles = mesh.triangles.size() - before;
   return report;
@@ -145,7 +145,7 @@ SplitReport split_large(ShadedMesh& mesh, double longest_edge, std::size_t max_t
 
 std::string SplitReport::describe() const {
   return fmt::format("split: {} edges longer than {:g} m halved, {} triangles added{}", edges, longest_edge, triangles,
-                     complete ? "" : "; some stay long: the limit on triangles was reached");
+                     is_complete ? "" : "; some stay long: the limit on triangles was reached");
 }
 
 }  // namespace hapton

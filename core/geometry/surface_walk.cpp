@@ -90,9 +90,9 @@ void SurfaceWalk::cross_edge(int edge) {
   const std::uint32_t next = neighbour_[triangle_][edge];
   const Vec3 inward = face_normal(triangle_).cross(along);
   const double through = -heading_.dot(inward);  // > 0
-  const double kept = heading_.dot(along);
+  const double along_edge = heading_.dot(along);
   if (next == kNone) {
-    heading_ = (kept * along + through * inward).normalized();
+    heading_ = (along_edge * along + through * inward).normalized();
     entry_ = edge;
     return;
   }
@@ -101,10 +101,10 @@ void SurfaceWalk::cross_edge(int edge) {
            (mesh_.triangles[next][entry] == b && mesh_.triangles[next][(entry + 1) % 3] == a))) {
     ++entry;
   }
-  const bool flipped = mesh_.triangles[next][entry] == a;
-  const Vec3 next_inward = face_normal(next).cross(flipped ? along : Vec3(-along));
-  heading_ = (kept * along + through * next_inward).normalized();
-  if (flipped) side_ = -side_;
+  const bool is_flipped = mesh_.triangles[next][entry] == a;
+  const Vec3 next_inward = face_normal(next).cross(is_flipped ? along : Vec3(-along));
+  heading_ = (along_edge * along + through * next_inward).normalized();
+  if (is_flipped) side_ = -side_;
   triangle_ = next;
   entry_ = entry;
 }

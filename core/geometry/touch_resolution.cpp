@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-bool is_wide(const TriangleMesh& mesh, std::size_t t, double height) {
+bool is_higher_than(const TriangleMesh& mesh, std::size_t t, double height) {
   const Vec3 ab = mesh.corner(t, 1) - mesh.corner(t, 0);
   const Vec3 ac = mesh.corner(t, 2) - mesh.corner(t, 0);
   const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
@@ -19,7 +19,7 @@ bool is_wide(const TriangleMesh& mesh, std::size_t t, double height) {
 }
 
 // The triangle with its lowest-numbered vertex first, in the same cyclic order.
-Triangle turned_to_least(const Triangle& triangle) {
+Triangle rotated_to_lowest(const Triangle& triangle) {
   Triangle turned = triangle;
   std::rotate(turned.begin(), std::min_element(turned.begin(), turned.end()), turned.end());
   return turned;
@@ -29,7 +29,7 @@ Triangle turned_to_least(const Triangle& triangle) {
 std::vector<bool> find_copies(const std::vector<Triangle>& triangles) {
   std::vector<std::pair<Triangle, std::uint32_t>> sorted;
   sorted.reserve(triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) sorted.emplace_back(turned_to_least(triangles[t]), t);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) sorted.emplace_back(rotated_to_lowest(triangles[t]), t);
   std::sort(sorted.begin(), sorted.end());
   std::vector<bool> copies(triangles.size(), false);
   for (std::size_t i = 1; i < sorted.size(); ++i) copies[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
@@ -43,7 +43,7 @@ bool drop_triangles(TriangleMesh& mesh, double height, std::vector<std::uint32_t
   std::size_t kept = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (copies[t]) continue;
-    if (!is_wide(mesh, t, height)) {
+    if (!is_higher_than(mesh, t, height)) {
       at_dropped.insert(at_dropped.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
       continue;
     }
@@ -80,11 +80,11 @@ Resolved resolve(const TriangleMesh& mesh, double extent, double width, double h
 
 }  // namespace
 
-std::optional<TriangleMesh> resolve_for_touch(const TriangleMesh& mesh, double width, double no_height) {
+std::optional<TriangleMesh> resolve_for_touch(const TriangleMesh& mesh, double width, double negligible_height) {
   const double extent = compute_bounds(mesh).extent();
   if (!(extent > 0.0)) return std::nullopt;
   Resolved resolved = resolve(mesh, extent, width, width);
-  if (!resolved.is_closed) resolved = resolve(mesh, extent, width, no_height);
+  if (!resolved.is_closed) resolved = resolve(mesh, extent, width, negligible_height);
   if (!resolved.has_changed) return std::nullopt;
   return std::move(resolved.mesh);
 }

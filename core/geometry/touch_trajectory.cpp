@@ -81,13 +81,13 @@ std::size_t rows_of(double seconds, const TrajectorySettings& settings) {
 std::vector<double> find_outline(const TriangleMesh& mesh, const Vec3& centre, double mm) {
   std::vector<double> outline(kSectors, 0.0);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    double low = 1e300, high = -1e300, far = 0.0;
+    double low = 1e300, high = -1e300, farthest = 0.0;
     std::array<double, 3> angle{};
     for (int k = 0; k < 3; ++k) {
       const Vec3 p = mesh.corner(i, k) - centre;
       low = std::min(low, p.z());
       high = std::max(high, p.z());
-      far = std::max(far, p.head<2>().norm());
+      farthest = std::max(farthest, p.head<2>().norm());
       angle[k] = std::atan2(p.y(), p.x());
     }
     if (low > 12.0 * mm || high < -12.0 * mm) continue;
@@ -102,7 +102,7 @@ std::vector<double> find_outline(const TriangleMesh& mesh, const Vec3& centre, d
     const int count = static_cast<int>(std::ceil(span / (2.0 * kPi) * kSectors)) + 2;
     for (int s = first; s <= first + count && s < first + kSectors; ++s) {
       double& sector = outline[static_cast<std::size_t>((s % kSectors + kSectors) % kSectors)];
-      sector = std::max(sector, far);
+      sector = std::max(sector, farthest);
     }
   }
   return outline;
@@ -138,10 +138,10 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
   const std::size_t approach = rows_of(kApproach_s, settings);
   const double dt = 1.0 / settings.rate_hz;
   const double low_pass = 1.0 - std::exp(-dt / 0.020);
-  TouchTrajectory made;
-  made.reset_every = segment;
-  made.p_SD.reserve(settings.rows);
-  while (made.p_SD.size() < settings.rows) {
+  TouchTrajectory trajectory;
+  trajectory.reset_every = segment;
+  trajectory.p_SD.reserve(settings.rows);
+  while (trajectory.p_SD.size() < settings.rows) {
     const Place start = find_free_place(mesh, 5.0 * *mm, [&] {
       const std::uint32_t triangle = draw(random);
       return Place{triangle, (mesh.corner(triangle, 0) + mesh.corner(triangle, 1) + mesh.corner(triangle, 2)) / 3.0,
@@ -150,10 +150,10 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
     walk.start(start.triangle, std::uniform_real_distribution<double>(-kPi, kPi)(random));
     Vec3 up = start.normal;
     double turning = 0.0;  // rad/s
-    for (std::size_t i = 0; i < segment && made.p_SD.size() < settings.rows; ++i) {
+    for (std::size_t i = 0; i < segment && trajectory.p_SD.size() < settings.rows; ++i) {
       if (i < approach) {
         const double height = 5.0 - 6.5 * static_cast<double>(i + 1) / static_cast<double>(approach);
-        made.p_SD.push_back(start.point + height * *mm * start.normal);
+        trajectory.p_SD.push_back(start.point + height * *mm * start.normal);
         continue;
       }
       turning += (-turning * dt / 0.3) + 2.0 * std::sqrt(dt / 0.3) * normal(random);
@@ -162,10 +162,10 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
       up += low_pass * (walk.normal() - up);
       const Vec3 direction = up.norm() > 0.1 ? Vec3(up.normalized()) : walk.normal();
       const double depth = 1.5 + 0.5 * std::sin(2.0 * kPi * static_cast<double>(i - approach) * dt / 0.8);
-      made.p_SD.push_back(walk.point() - depth * *mm * direction);
+      trajectory.p_SD.push_back(walk.point() - depth * *mm * direction);
     }
   }
-  return made;
+  return trajectory;
 }
 
 Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings) {
@@ -178,8 +178,8 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
   for (const Window window : {Window::largest, Window::largest, Window::mean}) ring = filter_outline(ring, window);
   std::mt19937_64 random(settings.seed);
   const double phase = std::uniform_real_distribution<double>(0.0, 2.0 * kPi)(random);
-  TouchTrajectory made;
-  made.p_SD.reserve(settings.rows);
+  TouchTrajectory trajectory;
+  trajectory.p_SD.reserve(settings.rows);
   for (std::size_t i = 0; i < settings.rows; ++i) {
     const double t = static_cast<double>(i) / settings.rate_hz;
     const double turn = std::fmod(0.25 * t + phase / (2.0 * kPi), 1.0);
@@ -189,9 +189,9 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
     const double radius = (1.0 - part) * ring[sector] + part * ring[(sector + 1) % kSectors];
     const double height = 6.0 - 5.0 * std::cos(2.0 * kPi * t / 1.7);
     const double angle = 2.0 * kPi * turn - kPi;
-    made.p_SD.push_back(centre + (radius + height * *mm) * Vec3(std::cos(angle), std::sin(angle), 0.0));
+    trajectory.p_SD.push_back(centre + (radius + height * *mm) * Vec3(std::cos(angle), std::sin(angle), 0.0));
   }
-  return made;
+  return trajectory;
 }
 
 Result<TouchTrajectory> make_tap_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings) {
@@ -201,11 +201,11 @@ Result<TouchTrajectory> make_tap_trajectory(const TriangleMesh& mesh, const Traj
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const TriangleSampler draw(mesh);
   const std::size_t tap = rows_of(kTap_s, settings);
-  TouchTrajectory made;
-  made.reset_every = tap;
-  made.p_SD.reserve(settings.rows);
-  while (made.p_SD.size() < settings.rows) {
-    const std::size_t kind = 3 * made.p_SD.size() / settings.rows;
+  TouchTrajectory trajectory;
+  trajectory.reset_every = tap;
+  trajectory.p_SD.reserve(settings.rows);
+  while (trajectory.p_SD.size() < settings.rows) {
+    const std::size_t kind = 3 * trajectory.p_SD.size() / settings.rows;
     const Place place = find_free_place(mesh, 5.0 * *mm, [&] {
       const std::uint32_t triangle = draw(random);
       const int k = static_cast<int>(3.0 * uniform(random)) % 3;
@@ -215,12 +215,12 @@ Result<TouchTrajectory> make_tap_trajectory(const TriangleMesh& mesh, const Traj
       const Vec3 point = kind == 0 ? Vec3(a + u * (b - a) + v * (c - a)) : kind == 1 ? a : Vec3(0.5 * (a + b));
       return Place{triangle, point, normal_of(mesh, triangle)};
     });
-    for (std::size_t i = 0; i < tap && made.p_SD.size() < settings.rows; ++i) {
+    for (std::size_t i = 0; i < tap && trajectory.p_SD.size() < settings.rows; ++i) {
       const double travelled = 500.0 * std::min(static_cast<double>(i), static_cast<double>(tap - 1 - i)) / settings.rate_hz;
-      made.p_SD.push_back(place.point + std::max(-1.5, 5.0 - travelled) * *mm * place.normal);
+      trajectory.p_SD.push_back(place.point + std::max(-1.5, 5.0 - travelled) * *mm * place.normal);
     }
   }
-  return made;
+  return trajectory;
 }
 
 Result<TouchTrajectory> make_random_walk(const TriangleMesh& mesh, const TrajectorySettings& settings) {
@@ -234,10 +234,10 @@ Result<TouchTrajectory> make_random_walk(const TriangleMesh& mesh, const Traject
   Vec3 at = bounds.centre();
   at.x() = bounds.high.x() + 4.0 * *mm;
   Vec3 velocity = Vec3::Zero();
-  TouchTrajectory made;
-  made.p_SD.reserve(settings.rows);
+  TouchTrajectory trajectory;
+  trajectory.p_SD.reserve(settings.rows);
   for (std::size_t i = 0; i < settings.rows; ++i) {
-    made.p_SD.push_back(at);
+    trajectory.p_SD.push_back(at);
     // Ornstein-Uhlenbeck velocity, with a correlation time of 0.2 s and a standard deviation of 250 mm/s in each component.
     velocity += -velocity * (dt / 0.2) + 250.0 * *mm * std::sqrt(2.0 * dt / 0.2) * Vec3(normal(random), normal(random), normal(random));
     at += velocity * dt;
@@ -249,7 +249,7 @@ Result<TouchTrajectory> make_random_walk(const TriangleMesh& mesh, const Traject
       }
     }
   }
-  return made;
+  return trajectory;
 }
 
 }  // namespace hapton

@@ -12,22 +12,22 @@ template <class Value>
 double find_zero(double low, double at_low, double high, double at_high, double near_zero, Value&& value, int most_rounds = 40) {
   if (!(at_low > 0.0)) return low;
   double zero = low;
-  double before = 0.0;
+  double at_previous = 0.0;
   for (int i = 0; i < most_rounds; ++i) {
     zero = low + (high - low) * (at_low / (at_low - at_high));
     if (!(zero > low) || !(zero < high)) break;
-    const double here = value(zero);
-    if (!(std::fabs(here) > near_zero)) break;
-    if (here < 0.0) {
+    const double at_zero = value(zero);
+    if (!(std::fabs(at_zero) > near_zero)) break;
+    if (at_zero < 0.0) {
       high = zero;
-      at_high = here;
-      if (before < 0.0) at_low *= 0.5;
+      at_high = at_zero;
+      if (at_previous < 0.0) at_low *= 0.5;
     } else {
       low = zero;
-      at_low = here;
-      if (before > 0.0) at_high *= 0.5;
+      at_low = at_zero;
+      if (at_previous > 0.0) at_high *= 0.5;
     }
-    before = here;
+    at_previous = at_zero;
   }
   return zero;
 }

@@ -22,8 +22,8 @@ inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
 // and still has a potential. RT: yes.
 inline double torque_share(const Vec3& turn) noexcept {
   constexpr double kPi = 3.14159265358979323846;
-  constexpr double kFadeFrom = kPi * 5.0 / 6.0;
-  return std::clamp((kPi - turn.norm()) / (kPi - kFadeFrom), 0.0, 1.0);
+  constexpr double kFadeFromRad = kPi * 5.0 / 6.0;
+  return std::clamp((kPi - turn.norm()) / (kPi - kFadeFromRad), 0.0, 1.0);
 }
 
 // The unit quaternion of a rotation vector (rad). RT: yes.

@@ -72,7 +72,7 @@ TEST(CornerNormals, AuthoredOnesReplaceComputedOnes) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) EXPECT_LT((shaded.normal(t, k) - mesh.corner(t, k).normalized()).norm(), 1e-6);
   }
-  EXPECT_EQ(check_corner_normals(shaded).repaired(), 0U);
+  EXPECT_EQ(repair_corner_normals(shaded).repaired(), 0U);
 }
 
 TEST(CornerNormals, AuthoredOnesThatAreNotValidFallBackToComputedOnes) {
@@ -181,13 +181,13 @@ TEST(CheckCornerNormals, RepairsWhatPointsAway) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   CornerNormalReport report;
   ShadedMesh shaded = shade(mesh, 40.0, report);
-  EXPECT_EQ(check_corner_normals(shaded).repaired(), 0U);
+  EXPECT_EQ(repair_corner_normals(shaded).repaired(), 0U);
   shaded.normals[shaded.corner_normals[0][0]] *= -1.0;
   shaded.normals[shaded.corner_normals[0][1]] = Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0);
-  const NormalCheckReport found = check_corner_normals(shaded);
+  const NormalCheckReport found = repair_corner_normals(shaded);
   EXPECT_GT(found.turned_away, 4U);
   EXPECT_GT(found.not_unit, 4U);
-  EXPECT_EQ(check_corner_normals(shaded).repaired(), 0U);
+  EXPECT_EQ(repair_corner_normals(shaded).repaired(), 0U);
   for (std::size_t t = 0; t < shaded.triangles.size(); ++t) {
     const Vec3 face = (shaded.corner(t, 1) - shaded.corner(t, 0)).cross(shaded.corner(t, 2) - shaded.corner(t, 0)).normalized();
     for (int k = 0; k < 3; ++k) EXPECT_GT(shaded.normal(t, k).dot(face), 0.08);

@@ -41,7 +41,7 @@ TEST(EnclosingBoxes, FindWhatLookingAtEachFinds) {
 TEST(EnclosingBoxes, NoneContainsAnything) {
   EnclosingBoxes none({});
   EXPECT_FALSE(none.contain(cube(Vec3::Zero(), 1.0)));
-  EXPECT_EQ(none.compared(), 0U);
+  EXPECT_EQ(none.comparisons(), 0U);
 }
 
 TEST(EnclosingBoxes, OfThoseApartAQueryLooksAtAFew) {
@@ -56,7 +56,7 @@ TEST(EnclosingBoxes, OfThoseApartAQueryLooksAtAFew) {
       EXPECT_FALSE(tree.contain(cube(Vec3(3.0 * i + 1.5, 3.0 * k, 0.0), 0.25))) << "between two";
     }
   }
-  EXPECT_LT(tree.compared(), 2048U * 30U) << "10 levels of nodes; one by one: 1024 each";
+  EXPECT_LT(tree.comparisons(), 2048U * 30U) << "10 levels of nodes; one by one: 1024 each";
 }
 
 TEST(EnclosingBoxes, OfThoseInsideEachOtherAQueryLooksAtAFew) {
@@ -65,7 +65,7 @@ TEST(EnclosingBoxes, OfThoseInsideEachOtherAQueryLooksAtAFew) {
   EnclosingBoxes tree(shells);
   for (int i = 1; i <= 1000; ++i) EXPECT_TRUE(tree.contain(cube(Vec3::Zero(), i - 0.5)));
   EXPECT_FALSE(tree.contain(cube(Vec3::Zero(), 1000.5)));
-  EXPECT_LT(tree.compared(), 1000U * 30U);
+  EXPECT_LT(tree.comparisons(), 1000U * 30U);
 }
 
 }  // namespace

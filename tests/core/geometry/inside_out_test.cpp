@@ -112,7 +112,7 @@ TEST(InsideOut, TheWorkIsNearLinearInTheBodies) {
     const ClosedBodies bodies = count_closed_bodies(all);
     EXPECT_EQ(bodies.count, 3 * side * side);
     EXPECT_EQ(bodies.inside_out, side * side);
-    EXPECT_LT(bodies.compared, 20 * bodies.count) << side;
+    EXPECT_LT(bodies.comparisons, 20 * bodies.count) << side;
   }
 }
 
@@ -123,7 +123,7 @@ TEST(InsideOut, OfBodiesThatAreAllInsideOutNoneIsCompared) {
   for (int i = 0; i < 100; ++i) all = put_beside(std::move(all), moved(ball, 1.0 + 0.01 * i, Vec3(3.0 * i, 0, 0)));
   const ClosedBodies bodies = count_closed_bodies(all);
   EXPECT_EQ(bodies.inside_out, 100U);
-  EXPECT_EQ(bodies.compared, 0U);
+  EXPECT_EQ(bodies.comparisons, 0U);
   EXPECT_LT((bodies.inside_out_at - Vec3(297, 0, 0)).norm(), 1e-9) << "the largest";
 }
 

@@ -33,7 +33,7 @@ TEST(MeshDeformation, StaysBeforeAndAfterItsKeysOrBeginsAgain) {
   EXPECT_EQ(once.weights_at(99.0), once.weights_at(2.5));
   const MeshDeformation round = two_targets(true);
   for (const double time : {0.0, 0.6, 1.7, 2.4}) EXPECT_NEAR(round.weights_at(time + 5.0)[0], round.weights_at(time)[0], 1e-12) << time;
-  EXPECT_NEAR(round.time_in_round(7.6), 0.1, 1e-12);
+  EXPECT_NEAR(round.time_in_loop(7.6), 0.1, 1e-12);
 }
 
 // By brute force, no vertex moves farther than the bound; the speed of the fastest vertex is the one computed by hand.

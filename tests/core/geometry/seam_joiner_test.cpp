@@ -36,8 +36,8 @@ TriangleMesh two_rows(int below, int above, double gap) {
 
 TEST(SeamJoiner, JoinsVerticesFirstAndThenTJunctions) {
   TriangleMesh mesh = two_rows(2, 3, 0.5 * kTolerance);
-  JoinedParts untouched;
-  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+  SeamParts excluded;
+  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_EQ(joiner.boundary_edges(), 14U);
   EXPECT_EQ(joiner.seam().welded(), 2U);  // the ends of the gap
@@ -45,18 +45,18 @@ TEST(SeamJoiner, JoinsVerticesFirstAndThenTJunctions) {
   EXPECT_EQ(joiner.seam().zipped(), 4U);
   EXPECT_EQ(joiner.seam().boundary_edges().size(), 9U);
   EXPECT_NEAR(joiner.widest_gap(), 0.5 * kTolerance, 1e-12);
-  EXPECT_EQ(untouched.size(), 0U);
+  EXPECT_EQ(excluded.size(), 0U);
   EXPECT_EQ(joiner.joined().chords.size(), 3U);
 }
 
 TEST(SeamJoiner, LeavesTheUntouchedAlone) {
   TriangleMesh mesh = two_rows(1, 1, 0.5 * kTolerance);
-  JoinedParts untouched{.vertices = {1}, .chords = {}};
-  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+  SeamParts excluded{.vertices = {1}, .chords = {}};
+  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_EQ(joiner.seam().welded(), 1U);  // 3 and 6, not 1 and 4
-  EXPECT_EQ(joiner.seam().standing_for(4), 4U);
-  EXPECT_TRUE(joiner.seam().standing_for(6) == 3U || joiner.seam().standing_for(3) == 6U);
+  EXPECT_EQ(joiner.seam().representative_of(4), 4U);
+  EXPECT_TRUE(joiner.seam().representative_of(6) == 3U || joiner.seam().representative_of(3) == 6U);
 }
 
 // The corners of three triangles lie in a row at one place: the outer two are too far apart to be welded to one another, but both are near
@@ -67,12 +67,12 @@ TEST(SeamJoiner, WeldsAtTheVertexThatIsNearAllOthers) {
   mesh.vertices = {{0, 0, 0},    {1, 0, 0},     {0.5, 0.9, 0},  // each triangle is about a sixth of a hexagon
                    {0, 0, step}, {0.5, 0.9, 0}, {-0.5, 0.9, 0}, {0, 0, 2.0 * step}, {-0.5, 0.9, 0}, {-1, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
-  JoinedParts untouched;
-  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+  SeamParts excluded;
+  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_EQ(joiner.seam().zipped(), 2U);
-  for (const std::uint32_t v : {0U, 3U, 6U}) EXPECT_EQ(joiner.seam().position(joiner.seam().standing_for(v)), Vec3(0, 0, step));
-  EXPECT_EQ(untouched.size(), 0U);
+  for (const std::uint32_t v : {0U, 3U, 6U}) EXPECT_EQ(joiner.seam().position(joiner.seam().representative_of(v)), Vec3(0, 0, step));
+  EXPECT_EQ(excluded.size(), 0U);
 }
 
 // A plate torn in two by a gap wider than the plate is thick: its upper and lower sides are within the tolerance of each other, the two
@@ -84,18 +84,18 @@ TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
   };
   for (const double gap : {1.2, 2.0, 3.0}) {
     TriangleMesh mesh = sheet(gap * kTolerance);
-    JoinedParts untouched;
-    SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+    SeamParts excluded;
+    SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
     EXPECT_TRUE(joiner.run(kPlentyOfWork));
     for (const std::uint32_t of_crack : {3U, 8U, 10U}) {  // inner vertices of the crack; at its ends the rims are joined
-      EXPECT_EQ(joiner.seam().standing_for(of_crack), of_crack) << gap;
-      EXPECT_EQ(joiner.seam().standing_for(14 + of_crack), 14 + of_crack) << gap;
+      EXPECT_EQ(joiner.seam().representative_of(of_crack), of_crack) << gap;
+      EXPECT_EQ(joiner.seam().representative_of(14 + of_crack), 14 + of_crack) << gap;
     }
     EXPECT_EQ(joiner.seam().splits(), 0U) << gap;
   }
   TriangleMesh narrow = sheet(0.1 * kTolerance);
-  JoinedParts untouched;
-  SeamJoiner joiner(narrow, find_boundary_vertices(narrow), kTolerance, untouched);
+  SeamParts excluded;
+  SeamJoiner joiner(narrow, find_boundary_vertices(narrow), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_EQ(joiner.seam().splits(), 6U) << "each side is closed with itself";
 }
@@ -112,12 +112,12 @@ TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
     mesh.triangles.push_back({last, next, 3});
     last = next;
   }
-  JoinedParts untouched;
+  SeamParts excluded;
   TriangleMesh first = mesh;
-  SeamJoiner(first, find_boundary_vertices(mesh), kTolerance, untouched).run(kPlentyOfWork);
-  ASSERT_EQ(untouched.chords, (std::unordered_set<std::uint32_t>{0}));
+  SeamJoiner(first, find_boundary_vertices(mesh), kTolerance, excluded).run(kPlentyOfWork);
+  ASSERT_EQ(excluded.chords, (std::unordered_set<std::uint32_t>{0}));
   TriangleMesh second = mesh;
-  SeamJoiner again(second, find_boundary_vertices(mesh), kTolerance, untouched);
+  SeamJoiner again(second, find_boundary_vertices(mesh), kTolerance, excluded);
   EXPECT_TRUE(again.run(kPlentyOfWork));
   EXPECT_EQ(again.seam().splits(), 0U);
   EXPECT_EQ(again.seam().welded(), 0U);
@@ -145,8 +145,8 @@ TEST(SeamJoiner, ClosesACrackFromItsTipWhereHundredsOfEdgesPass) {
     mesh.vertices.insert(mesh.vertices.end(), crack.begin(), crack.end());
     mesh.triangles.push_back({tip + 1, tip, tip + 2});
     mesh.triangles.push_back({tip, tip + 3, tip + 4});
-    JoinedParts untouched;
-    SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+    SeamParts excluded;
+    SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
     EXPECT_TRUE(joiner.run(kPlentyOfWork)) << seed;
     EXPECT_EQ(joiner.seam().splits(), 1U) << seed;
     EXPECT_EQ(joiner.seam().zipped(), 1U) << seed;
@@ -156,10 +156,10 @@ TEST(SeamJoiner, ClosesACrackFromItsTipWhereHundredsOfEdgesPass) {
 
 TEST(SeamJoiner, StopsWhereItTakesMoreWorkThanItMay) {
   TriangleMesh mesh = two_rows(20, 30, 0.5 * kTolerance);
-  JoinedParts untouched;
-  EXPECT_FALSE(SeamJoiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched).run(10));
+  SeamParts excluded;
+  EXPECT_FALSE(SeamJoiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded).run(10));
   TriangleMesh again = two_rows(20, 30, 0.5 * kTolerance);
-  SeamJoiner joiner(again, find_boundary_vertices(again), kTolerance, untouched);
+  SeamJoiner joiner(again, find_boundary_vertices(again), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_LT(joiner.work(), 100 * joiner.boundary_edges());
 }
@@ -167,12 +167,12 @@ TEST(SeamJoiner, StopsWhereItTakesMoreWorkThanItMay) {
 // A trial split that was undone does not count as joined.
 TEST(SeamJoiner, ReportsOnlyWhatStays) {
   TriangleMesh mesh = two_rows(20, 30, 0.5 * kTolerance);
-  JoinedParts untouched;
-  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+  SeamParts excluded;
+  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
   EXPECT_GT(joiner.joined().size(), 0U);
   TriangleMesh joined = mesh;
-  JoinedParts none;
+  SeamParts none;
   SeamJoiner second(joined, find_boundary_vertices(joined), kTolerance, none);
   EXPECT_TRUE(second.run(kPlentyOfWork));
   EXPECT_EQ(second.joined().size(), 0U);

@@ -47,7 +47,7 @@ TEST(SeamMesh, WeldsTwoSidesOfAGapIntoOneEdge) {
   EXPECT_EQ(seam.zipped(), 1U);
   EXPECT_EQ(seam.boundary_edges().size(), 6U);
   EXPECT_FALSE(seam.is_boundary(1, 2));
-  EXPECT_EQ(seam.standing_for(7), 2U);
+  EXPECT_EQ(seam.representative_of(7), 2U);
   const SeamMesh::Sources sources = seam.finish();
   EXPECT_EQ(mesh.vertices.size(), 6U);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}}));

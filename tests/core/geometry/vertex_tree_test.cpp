@@ -33,7 +33,7 @@ TEST(VertexTree, FindsTheNearestAsLookingAtAllDoes) {
     const std::vector<Vec3> points = draw_points(seed, 600, true);
     const std::vector<std::uint32_t> items = every_second(points.size());
     const VertexTree tree(points, items);
-    std::vector<VertexTree::Found> found;
+    std::vector<VertexTree::NearVertex> found;
     for (std::uint32_t q = 0; q < points.size(); ++q) {
       for (const auto& [radius, most] :
            {std::pair(0.2, std::size_t{1000}), std::pair(0.5, std::size_t{7}), std::pair(0.0, std::size_t{9})}) {
@@ -63,7 +63,7 @@ TEST(VertexTree, FindsWhatIsNearASegmentAsLookingAtAllDoes) {
     ends.push_back(ends.back());                                                                                   // of length zero
     const std::vector<std::uint32_t> items = every_second(points.size());
     VertexTree tree(points, items);
-    std::vector<VertexTree::Found> found;
+    std::vector<VertexTree::NearVertex> found;
     for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
       std::vector<std::uint32_t> all;
       for (const std::uint32_t i : items) {
@@ -81,7 +81,7 @@ TEST(VertexTree, APointIsTestedAgainstSoManySegmentsOnly) {
   std::vector<std::uint32_t> items(points.size());
   std::iota(items.begin(), items.end(), 0U);
   VertexTree tree(points, items);
-  std::vector<VertexTree::Found> found;
+  std::vector<VertexTree::NearVertex> found;
   std::size_t all = 0;
   for (std::uint32_t i = 0; i < 2 * VertexTree::kMaxSegments; ++i) {
     tree.find_near_segment(Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), 0.1, found);
@@ -93,7 +93,7 @@ TEST(VertexTree, APointIsTestedAgainstSoManySegmentsOnly) {
 TEST(VertexTree, OfNothingFindsNothing) {
   const std::vector<Vec3> points(3, Vec3::Zero());
   VertexTree tree(points, {});
-  std::vector<VertexTree::Found> found(1);
+  std::vector<VertexTree::NearVertex> found(1);
   tree.find_nearest(Vec3::Zero(), 0, 1.0, 5, found);
   EXPECT_TRUE(found.empty());
   tree.find_near_segment(Vec3::Zero(), Vec3::UnitX(), 1.0, found);
