@@ -33,10 +33,10 @@ class BeyondPlane {
     const Vec3 ab = vertices_[corner[1]] - a;
     const Vec3 ac = vertices_[corner[2]] - a;
     const Vec3 normal = ab.cross(ac);
-    const double least = margin * normal.lpNorm<1>() + kRounding * ab.lpNorm<1>() * ac.lpNorm<1>();
+    const double min_height = margin * normal.lpNorm<1>() + kRounding * ab.lpNorm<1>() * ac.lpNorm<1>();
     const Double4 level(normal.dot(a));
-    const Double4 above = level + Double4(least);
-    const Double4 below = level - Double4(least);
+    const Double4 above = level + Double4(min_height);
+    const Double4 below = level - Double4(min_height);
     unsigned beyond = 0;
     for (std::size_t half = 0; half < 2; ++half) {
       std::array<Double4, 3> height;
@@ -55,9 +55,9 @@ class BeyondPlane {
   void load() {
     is_loaded_ = true;
     for (std::size_t c = 0; c < WideBvh::kWidth; ++c) {
-      const Triangle& of = triangles_[(lanes_ >> c & 1U) != 0 ? items_[c] : 0];
+      const Triangle& triangle = triangles_[(lanes_ >> c & 1U) != 0 ? items_[c] : 0];
       for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t axis = 0; axis < 3; ++axis) corner_[k][axis][c] = vertices_[of[k]][static_cast<Eigen::Index>(axis)];
+        for (std::size_t axis = 0; axis < 3; ++axis) corner_[k][axis][c] = vertices_[triangle[k]][static_cast<Eigen::Index>(axis)];
       }
     }
   }

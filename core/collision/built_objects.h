@@ -19,7 +19,7 @@ struct BuiltObjects {
   std::vector<Box> bounds;                                     // of each object, local, with a margin for rounding
 
   // Whether these objects were built from exactly these meshes (the same pointers in the same order), with this crease angle.
-  bool are_of(const std::vector<std::shared_ptr<const TriangleMesh>>& scene, std::optional<double> crease_rad) const {
+  bool are_built_from(const std::vector<std::shared_ptr<const TriangleMesh>>& scene, std::optional<double> crease_rad) const {
     return meshes == scene && shading_crease_rad == crease_rad;
   }
 };

@@ -90,15 +90,15 @@ void DeformingGeometry::make_arrays() {
   }
   std::sort(order.begin(), order.end());
   for (const auto& [vertex, i] : order) {
-    vertex_.push_back(vertex);
+    moving_vertices_.push_back(vertex);
     const Vec3 rest = geometry_.to_local(mesh_->vertices[deformation_->moved()[i]]);
-    rest_.insert(rest_.end(), rest.begin(), rest.end());
+    rest_coordinates_.insert(rest_coordinates_.end(), rest.begin(), rest.end());
   }
   for (std::size_t j = 0; j < deformation_->targets().size(); ++j) {
     for (const auto& [vertex, i] : order) {
-      MeshDeformation::Weights alone = {};
-      alone[j] = 1.0;
-      const Vec3 displacement = deformation_->position_of(i, Vec3::Zero(), alone) / geometry_.unit_m();
+      MeshDeformation::Weights unit_weights = {};
+      unit_weights[j] = 1.0;
+      const Vec3 displacement = deformation_->position_of(i, Vec3::Zero(), unit_weights) / geometry_.unit_m();
       displacements_.insert(displacements_.end(), displacement.begin(), displacement.end());
     }
   }
@@ -109,15 +109,15 @@ void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) n
   constexpr std::size_t kBlock = 3 * 128;  // coordinates: 3 KB, of 32 KB and more
   ObjectGeometry& object = geometry_.deforming_object();
   std::array<double, kBlock> p;
-  for (std::size_t begin = 0; begin < rest_.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, rest_.size() - begin);
-    std::copy_n(&rest_[begin], count, p.begin());
+  for (std::size_t begin = 0; begin < rest_coordinates_.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, rest_coordinates_.size() - begin);
+    std::copy_n(&rest_coordinates_[begin], count, p.begin());
     for (std::size_t j = 0; j < deformation_->targets().size(); ++j) {
       if (weights[j] == 0.0) continue;
-      const double* displacement = &displacements_[j * rest_.size() + begin];
+      const double* displacement = &displacements_[j * rest_coordinates_.size() + begin];
       for (std::size_t k = 0; k < count; ++k) p[k] += weights[j] * displacement[k];
     }
-    for (std::size_t k = 0; k < count; k += 3) object.move_vertex(vertex_[(begin + k) / 3], {p[k], p[k + 1], p[k + 2]});
+    for (std::size_t k = 0; k < count; k += 3) object.move_vertex(moving_vertices_[(begin + k) / 3], {p[k], p[k + 1], p[k + 2]});
   }
 }
 
@@ -129,9 +129,10 @@ std::size_t DeformingGeometry::choose_count() const {
     path += deformation_->most_displacement(deformation_->weights_at(keys[i - 1].time_s), deformation_->weights_at(keys[i].time_s));
   }
   const double edge = compute_mean_edge(*mesh_);
-  const std::size_t room = kMaxBytes / std::max<std::size_t>(1, geometry_.deforming_object().tree().bytes());
-  const double wanted = edge > 0.0 ? std::ceil(2.0 * path / edge) : 1.0;
-  return std::clamp<std::size_t>(static_cast<std::size_t>(std::min<double>(wanted, kMaxTrees)), 1, std::max<std::size_t>(1, room));
+  const std::size_t max_trees = kMaxBytes / std::max<std::size_t>(1, geometry_.deforming_object().tree().bytes());
+  const double desired_count = edge > 0.0 ? std::ceil(2.0 * path / edge) : 1.0;
+  return std::clamp<std::size_t>(static_cast<std::size_t>(std::min<double>(desired_count, kMaxTrees)), 1,
+                                 std::max<std::size_t>(1, max_trees));
 }
 
 void DeformingGeometry::make_trees() {
@@ -181,32 +182,33 @@ void DeformingGeometry::shape(double time_s) noexcept {
 }
 
 std::optional<std::size_t> DeformingGeometry::find_moving(std::uint32_t vertex) const noexcept {
-  const auto found = std::lower_bound(vertex_.begin(), vertex_.end(), vertex);
-  if (found == vertex_.end() || *found != vertex) return std::nullopt;
-  return static_cast<std::size_t>(found - vertex_.begin());
+  const auto found = std::lower_bound(moving_vertices_.begin(), moving_vertices_.end(), vertex);
+  if (found == moving_vertices_.end() || *found != vertex) return std::nullopt;
+  return static_cast<std::size_t>(found - moving_vertices_.begin());
 }
 
 Vec3 DeformingGeometry::rest_of(std::uint32_t vertex) const noexcept {
   const auto moving = find_moving(vertex);
   if (!moving) return geometry_.deforming_object().vertices()[vertex];
-  return {rest_[3 * *moving], rest_[3 * *moving + 1], rest_[3 * *moving + 2]};
+  return {rest_coordinates_[3 * *moving], rest_coordinates_[3 * *moving + 1], rest_coordinates_[3 * *moving + 2]};
 }
 
-Vec3 DeformingGeometry::moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
+Vec3 DeformingGeometry::displacement_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
   const auto moving = find_moving(vertex);
   Vec3 moved = Vec3::Zero();
   if (!moving) return moved;
   const MeshDeformation::Weights from = deformation_->weights_at(from_s);
   const MeshDeformation::Weights to = deformation_->weights_at(to_s);
   for (std::size_t j = 0; j < deformation_->targets().size(); ++j) {
-    const double* displacement = &displacements_[j * rest_.size() + 3 * *moving];
+    const double* displacement = &displacements_[j * rest_coordinates_.size() + 3 * *moving];
     for (int k = 0; k < 3; ++k) moved[k] += (to[j] - from[j]) * displacement[k];
   }
   return moved;
 }
 
 std::size_t DeformingGeometry::bytes() const {
-  std::size_t bytes = vertex_.capacity() * sizeof(std::uint32_t) + (rest_.capacity() + displacements_.capacity()) * sizeof(double);
+  std::size_t bytes =
+      moving_vertices_.capacity() * sizeof(std::uint32_t) + (rest_coordinates_.capacity() + displacements_.capacity()) * sizeof(double);
   for (const WideBvh& tree : trees_) bytes += tree.bytes();
   return bytes;
 }

@@ -56,7 +56,7 @@ class DeformingGeometry {
 
   // The position of a vertex of the object at rest, and its displacement from one time to another; both local.
   Vec3 rest_of(std::uint32_t vertex) const noexcept;
-  Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept;
+  Vec3 displacement_between(std::uint32_t vertex, double from_s, double to_s) const noexcept;
 
   const MeshDeformation& deformation() const { return *deformation_; }
   std::size_t tree_count() const { return trees_.size(); }
@@ -67,16 +67,17 @@ class DeformingGeometry {
   void make_trees();
   void move_vertices(const MeshDeformation::Weights& weights) noexcept;
   std::size_t part_at(double time_s) const noexcept;
-  // The place of the vertex in vertex_; none if the deformation does not move it.
+  // The place of the vertex in moving_vertices_; none if the deformation does not move it.
   std::optional<std::size_t> find_moving(std::uint32_t vertex) const noexcept;
   std::size_t choose_count() const;
 
   TouchGeometry& geometry_;
   std::shared_ptr<const TriangleMesh> mesh_;
   std::shared_ptr<const MeshDeformation> deformation_;
-  std::vector<std::uint32_t> vertex_;  // numbers in the object of the vertices that move, ascending
-  // Three coordinates for each vertex in vertex_, local: its position at rest, and its displacement, for one target after the other.
-  std::vector<double> rest_;
+  std::vector<std::uint32_t> moving_vertices_;  // numbers in the object of the vertices that move, ascending
+  // Three coordinates for each vertex in moving_vertices_, local: its position at rest, and its displacement, for one target after the
+  // other.
+  std::vector<double> rest_coordinates_;
   std::vector<double> displacements_;
   std::vector<WideBvh> trees_;  // by part; the geometry has the tree of part_, and its own is stored in that place
   std::size_t part_ = 0;

@@ -187,16 +187,16 @@ class FdhHierarchy {
     std::array<Entry, FdhTopology::kMaxStack> stack;
     int top = 0;
     stack[top++] = {0, 0.0F};
-    float bound = slackened(bound_squared());
+    float max_squared = slackened(bound_squared());
     while (top > 0) {
       const Entry entry = stack[--top];
-      if (!(entry.distance_squared <= bound)) continue;
+      if (!(entry.distance_squared <= max_squared)) continue;
       if (FdhTopology::is_leaf(entry.child)) {
         const std::uint32_t count = FdhTopology::leaf_count(entry.child);
         ++visits.leaves;
         visits.items += count;
         leaf(FdhTopology::leaf_first(entry.child), count);
-        bound = slackened(bound_squared());
+        max_squared = slackened(bound_squared());
         continue;
       }
       ++visits.nodes;
@@ -207,7 +207,7 @@ class FdhHierarchy {
       const Float8 gy = gap(1);
       const Float8 gz = gap(2);
       Float8 distance = gx * gx + gy * gy + gz * gz;
-      unsigned mask = sign_bits(distance <= bound) & node.used();
+      unsigned mask = sign_bits(distance <= max_squared) & node.used();
       if constexpr (kAxes > 3) {
         if (mask == 0) continue;
         for (int i = 3; i < kAxes; ++i) {
@@ -216,7 +216,7 @@ class FdhHierarchy {
           constexpr std::array<float, 4> kInverseLengthSquared = {0.0F, 1.0F, 0.4999999F, 0.3333333F};
           distance = max(distance, g * g * kInverseLengthSquared[FdhDirections<K>::length_squared(i)]);
         }
-        mask &= sign_bits(distance <= bound);
+        mask &= sign_bits(distance <= max_squared);
       }
       const int first = top;
       for (; mask != 0; mask &= mask - 1) {

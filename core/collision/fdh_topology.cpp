@@ -24,7 +24,7 @@ FloatBox box_of(const FdhItem& item) {
 
 struct Builder {
   std::span<FdhItem> items;
-  FdhTopology out;
+  FdhTopology topology;
 
   ItemRun range_of(std::uint32_t begin, std::uint32_t end) const {
     ItemRun range{.begin = begin, .end = end};
@@ -80,11 +80,11 @@ struct Builder {
 
   // Makes the node of a range that does not fit into one leaf. Recursion: at most kMaxDepth deep.
   std::uint32_t make_node(const ItemRun& whole, int level) {
-    const auto index = static_cast<std::uint32_t>(out.nodes.size());
+    const auto index = static_cast<std::uint32_t>(topology.nodes.size());
     FdhTopology::Children nothing;
     nothing.fill(FdhTopology::kNothing);
-    out.nodes.push_back(nothing);
-    out.depth = std::max(out.depth, level);
+    topology.nodes.push_back(nothing);
+    topology.depth = std::max(topology.depth, level);
     // Halving reduces ceil(log2 n) = bit_width(n - 1) by at least one per level, so it ends in time if it begins when this number is the
     // levels left. Other splits do not increase the number. At the root it is at most 28 <= kMaxDepth - 1, so it never exceeds them.
     const int levels_left = FdhTopology::kMaxDepth - level;
@@ -112,7 +112,7 @@ struct Builder {
     for (int i = 0; i < count; ++i) {
       const std::uint32_t child =
           parts[i].size() <= FdhTopology::kLeafSize ? FdhTopology::leaf(parts[i].begin, parts[i].size()) : make_node(parts[i], level + 1);
-      out.nodes[index][i] = child;
+      topology.nodes[index][i] = child;
     }
     return index;
   }
@@ -124,20 +124,20 @@ FdhTopology build_fdh_topology(std::span<FdhItem> items) {
   Builder builder{items, {}};
   const auto n = static_cast<std::uint32_t>(items.size());
   if (n > 0) {
-    builder.out.nodes.reserve(n / 6 + 8);
+    builder.topology.nodes.reserve(n / 6 + 8);
     if (n <= FdhTopology::kLeafSize) {
       FdhTopology::Children only;
       only.fill(FdhTopology::kNothing);
       only[0] = FdhTopology::leaf(0, n);
-      builder.out.nodes.push_back(only);
-      builder.out.depth = 1;
+      builder.topology.nodes.push_back(only);
+      builder.topology.depth = 1;
     } else {
       builder.make_node(builder.range_of(0, n), 1);
     }
   }
-  builder.out.order.resize(n);
-  for (std::uint32_t i = 0; i < n; ++i) builder.out.order[i] = items[i].id;
-  return std::move(builder.out);
+  builder.topology.order.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) builder.topology.order[i] = items[i].id;
+  return std::move(builder.topology);
 }
 
 }  // namespace hapton

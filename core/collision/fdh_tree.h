@@ -51,54 +51,55 @@ class FdhNearest {
   static constexpr std::size_t kMaxCount = 256;  // as LocalSet::kCapacity
 
   // Pre: 1 <= count <= kMaxCount, max_distance >= 0 (infinite: no limit).
-  FdhNearest(std::size_t count, double max_distance) : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}
+  FdhNearest(std::size_t count, double max_distance)
+      : keep_count_(count + 1), bound_squared_(max_distance * max_distance), max_distance_(max_distance) {}
 
-  double bound_squared() const { return bound_; }
+  double bound_squared() const { return bound_squared_; }
   std::size_t count() const { return count_; }  // candidates in the buffer, or after finish() the result's
   // Tells how large the rounding error of the distances that are added may be; the largest value counts.
   void allow_rounding(double rounding) { rounding_ = rounding > rounding_ ? rounding : rounding_; }
   void add(double distance_squared, std::uint32_t object, std::uint32_t triangle) {
-    if (!(distance_squared <= bound_)) return;
-    found_[count_++] = {distance_squared, triangle, object};
-    if (count_ == limit()) cut();
+    if (!(distance_squared <= bound_squared_)) return;
+    candidates_[count_++] = {distance_squared, triangle, object};
+    if (count_ == limit()) keep_nearest();
   }
 
   // Ends the search and returns the triangles found, in no order: all nearer than complete_radius() (at max_distance: but for rounding).
   std::span<const FdhNear> finish() {
-    if (count_ >= keep_) {
-      cut();
-      complete_radius_ = std::fmax(0.0, std::sqrt(found_[keep_ - 1].distance_squared) * (1.0 - kOutward) - 2.0 * rounding_);
-      count_ = keep_ - 1;
+    if (count_ >= keep_count_) {
+      keep_nearest();
+      complete_radius_ = std::fmax(0.0, std::sqrt(candidates_[keep_count_ - 1].distance_squared) * (1.0 - kOutward) - 2.0 * rounding_);
+      count_ = keep_count_ - 1;
     } else {
       complete_radius_ = max_distance_;
     }
-    return {found_.data(), count_};
+    return {candidates_.data(), count_};
   }
   double complete_radius() const { return complete_radius_; }
 
  private:
-  static bool nearer(const FdhNear& a, const FdhNear& b) {
+  static bool is_nearer(const FdhNear& a, const FdhNear& b) {
     if (a.distance_squared != b.distance_squared) return a.distance_squared < b.distance_squared;
     return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
   }
   // The buffer is reduced when it holds half as many again as are kept: a smaller one costs more selections, a larger one more tests of
   // triangles that are too far away (bench/fdh_bench.cpp).
-  std::size_t limit() const { return keep_ + keep_ / 2 + 1; }
-  // Keeps the nearest keep_; the farthest of them is last and is the new bound.
-  void cut() {
-    std::nth_element(found_.begin(), found_.begin() + (keep_ - 1), found_.begin() + count_,
-                     [](const FdhNear& a, const FdhNear& b) { return nearer(a, b); });
-    count_ = keep_;
-    bound_ = found_[keep_ - 1].distance_squared;
+  std::size_t limit() const { return keep_count_ + keep_count_ / 2 + 1; }
+  // Keeps the nearest keep_count_; the farthest of them is last and is the new bound.
+  void keep_nearest() {
+    std::nth_element(candidates_.begin(), candidates_.begin() + (keep_count_ - 1), candidates_.begin() + count_,
+                     [](const FdhNear& a, const FdhNear& b) { return is_nearer(a, b); });
+    count_ = keep_count_;
+    bound_squared_ = candidates_[keep_count_ - 1].distance_squared;
   }
 
-  std::size_t keep_;
+  std::size_t keep_count_;
   std::size_t count_ = 0;
-  double bound_;
+  double bound_squared_;
   double max_distance_;
   double complete_radius_ = 0.0;
   double rounding_ = 0.0;
-  std::array<FdhNear, 2 * (kMaxCount + 1)> found_;  // the first count_ are valid
+  std::array<FdhNear, 2 * (kMaxCount + 1)> candidates_;  // the first count_ are valid
 };
 
 // Statistics of a tree.
@@ -163,7 +164,7 @@ class FdhTree {
   double rounding() const { return rounding_; }
 
  private:
-  using Three = detail::Of3<Lanes4>;
+  using Points4 = detail::Of3<Lanes4>;
 
   FdhInterval<K> interval(const Vec3& p, const Vec3& q) const;
   // Calls use(id, squared distance) for each triangle of a leaf. distance_of: computes it for four triangles, given their corners in lanes.
@@ -292,7 +293,7 @@ void FdhTree<K>::measure_leaf(std::uint32_t first, std::uint32_t count, Distance
     const double* p1 = vertices_[(*t[1])[k]].data();
     const double* p2 = vertices_[(*t[2])[k]].data();
     const double* p3 = vertices_[(*t[3])[k]].data();
-    return Three{Lanes4{p0[0], p1[0], p2[0], p3[0]}, Lanes4{p0[1], p1[1], p2[1], p3[1]}, Lanes4{p0[2], p1[2], p2[2], p3[2]}};
+    return Points4{Lanes4{p0[0], p1[0], p2[0], p3[0]}, Lanes4{p0[1], p1[1], p2[1], p3[1]}, Lanes4{p0[2], p1[2], p2[2], p3[2]}};
   };
   const Lanes4 d = distance_of(gather(0), gather(1), gather(2));
   for (std::uint32_t i = 0; i < count; ++i) use(order_[first + i], d[i]);
@@ -318,15 +319,15 @@ template <int K>
 template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) const {
   if (!ball.centre.allFinite() || !(ball.radius >= 0.0)) return {};
-  const double limit = bound_squared_at(ball.radius, ball.centre);
+  const double bound_squared = bound_squared_at(ball.radius, ball.centre);
   const auto distance_of = detail::distance_from(ball.centre);
   const auto leaf = [&](std::uint32_t first, std::uint32_t count) {
     measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) {
-      if (squared <= limit) visit(id);
+      if (squared <= bound_squared) visit(id);
     });
   };
   return hierarchy_.walk_nearest(
-      interval(ball.centre, ball.centre), [limit] { return limit; }, leaf);
+      interval(ball.centre, ball.centre), [bound_squared] { return bound_squared; }, leaf);
 }
 
 template <int K>
@@ -339,8 +340,8 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit)
     for (const std::uint32_t id : order_) visit(id);
     return {0, 0, static_cast<std::uint32_t>(order_.size())};
   }
-  const double bound = std::max(bound_squared_at(sweep.radius, sweep.from), bound_squared_at(sweep.radius, sweep.to));
-  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(begin), fdh_project<K>(end), std::sqrt(bound));
+  const double bound_squared = std::max(bound_squared_at(sweep.radius, sweep.from), bound_squared_at(sweep.radius, sweep.to));
+  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(begin), fdh_project<K>(end), std::sqrt(bound_squared));
   if (sweep.radius == 0.0) {
     return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
       for (std::uint32_t i = first; i < first + count; ++i) visit(order_[i]);
@@ -349,7 +350,7 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit)
   const auto distance_of = detail::distance_from(sweep.from, sweep.to);
   return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
     measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) {
-      if (squared <= bound) visit(id);
+      if (squared <= bound_squared) visit(id);
     });
   });
 }
@@ -358,16 +359,16 @@ template <int K>
 FdhNear FdhTree<K>::find_nearest(const Vec3& p, double max_distance) const {
   FdhNear best = kNothingNear;
   if (!p.allFinite() || !(max_distance >= 0.0)) return best;
-  double bound = max_distance * max_distance;
+  double bound_squared = max_distance * max_distance;
   bool found = false;
   const auto distance_of = detail::distance_from(p);
   hierarchy_.walk_nearest(
-      interval(p, p), [&bound] { return bound; },
+      interval(p, p), [&bound_squared] { return bound_squared; },
       [&](std::uint32_t first, std::uint32_t count) {
         measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) {
-          if (!(squared < bound || (squared == bound && (!found || id < best.triangle)))) return;
-          bound = squared;
-          best = {bound, id, 0};
+          if (!(squared < bound_squared || (squared == bound_squared && (!found || id < best.triangle)))) return;
+          bound_squared = squared;
+          best = {bound_squared, id, 0};
           found = true;
         });
       });

@@ -29,12 +29,12 @@ std::vector<std::shared_ptr<const ObjectGeometry>> MarkedObjects::update(const s
     NearOthers near;
     hierarchy.for_each_overlapping(bounds[o].inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
       if (other == o) return;
-      const auto kept = object.near.find(other);
+      const auto previous = object.near.find(other);
       if (is_new[o] || is_new[other]) {
         auto triangles = objects[o]->find_near(*objects[other], bounds[o]);
         if (!triangles.empty()) near.emplace(other, std::move(triangles));
-      } else if (kept != object.near.end()) {
-        near.insert(*kept);
+      } else if (previous != object.near.end()) {
+        near.insert(*previous);
       }
     });
     if (is_new[o] || near != object.near) object.marked = with_marks(objects[o], near);

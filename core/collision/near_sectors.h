@@ -41,10 +41,10 @@ class NearSectors {
 
  private:
   struct Item {
-    Box box;             // of the arc, grown for `angle` and rounding
-    Edges edge;          // unit vectors; zero for an edge without length
-    Vec3 normal;         // not of unit length
-    double least = 0.0;  // a unit vector whose product with `normal` is larger is certainly far from the plane
+    Box box;                       // of the arc, grown for `angle` and rounding
+    Edges edge;                    // unit vectors; zero for an edge without length
+    Vec3 normal;                   // not of unit length
+    double min_far_product = 0.0;  // a unit vector whose product with `normal` is larger is certainly far from the plane
     std::uint32_t sector = 0;
   };
 
@@ -52,7 +52,7 @@ class NearSectors {
   static bool is_beside(const Item& a, const Item& b) {
     const double first = a.normal.dot(b.edge[0]);
     const double last = a.normal.dot(b.edge[1]);
-    return std::min(first, last) > a.least || std::max(first, last) < -a.least;
+    return std::min(first, last) > a.min_far_product || std::max(first, last) < -a.min_far_product;
   }
 
   Item make_item(const Edges& sector, double angle, std::uint32_t i) const {
@@ -61,7 +61,7 @@ class NearSectors {
     item.sector = i;
     for (std::size_t k = 0; k < 2; ++k) item.edge[k] = sector[k].stableNormalized();
     item.normal = item.edge[0].cross(item.edge[1]);
-    item.least = least_sine_ * item.normal.norm() + kRounding;
+    item.min_far_product = least_sine_ * item.normal.norm() + kRounding;
     const bool has_length = !item.edge[0].isZero(0.0) && !item.edge[1].isZero(0.0);
     // The arc is nowhere farther from its chord than in its middle.
     const double bulge = has_length ? 1.0 - 0.5 * (item.edge[0] + item.edge[1]).norm() : 2.0;

@@ -25,15 +25,15 @@ using Lanes3 = std::array<Double4, 3>;
 
 // 1 / x; if x is too small for that, a large finite number.
 [[gnu::always_inline]] inline Double4 inverse(const Double4& x) {
-  // The inverse of kMin is finite. Squared lengths of edges on the grid are 2^-102 or more.
-  constexpr double kMin = 0x1p-900;
-  return Double4(1.0) / max(Double4(kMin), x);
+  // The inverse of kMinDivisor is finite. Squared lengths of edges on the grid are 2^-102 or more.
+  constexpr double kMinDivisor = 0x1p-900;
+  return Double4(1.0) / max(Double4(kMinDivisor), x);
 }
 
 // The vector from the closest point of an edge to the query point. `from`: the vector from the edge's start to the query point.
 [[gnu::always_inline]] inline Lanes3 from_edge(const Lanes3& from, const Lanes3& edge) {
-  const Double4 at = min(Double4(1.0), max(Double4(0.0), dot(from, edge) * inverse(dot(edge, edge))));
-  return {from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]};
+  const Double4 share = min(Double4(1.0), max(Double4(0.0), dot(from, edge) * inverse(dot(edge, edge))));
+  return {from[0] - share * edge[0], from[1] - share * edge[1], from[2] - share * edge[2]};
 }
 
 // Element k has coordinate k of all four points, a point in each lane.
@@ -85,29 +85,29 @@ void NearTriangles::bound(const Corners& corners, const Vec3& centre, Bounds& bo
 bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most) noexcept {
   geometry_ = &geometry;
   centre_ = centre;
-  within_ = within;
+  radius_ = within;
   count_ = 0;
-  others_ = 0;
+  outside_fans_ = 0;
   queried_in_fans_ = 0;
   prepared_.fill(-1);
   Batch batch;
-  int waiting = 0;
+  int batch_size = 0;
   int visited = 0;
   bool fits = true;
   geometry.for_each_within(centre, within, [&](std::uint32_t triangle) {
     geometry.prefetch_indices(triangle);
-    batch[static_cast<std::size_t>(waiting++)] = triangle;
+    batch[static_cast<std::size_t>(batch_size++)] = triangle;
     ++(geometry.is_in_large_fan(triangle) ? queried_in_fans_ : visited);
-    if (waiting == kBatch) {
-      queried += waiting;
-      fits = visited <= kMaxVisited && queried_in_fans_ <= kMaxVisitedInFans && add(batch, waiting, most);
-      waiting = 0;
+    if (batch_size == kBatch) {
+      queried += batch_size;
+      fits = visited <= kMaxVisited && queried_in_fans_ <= kMaxVisitedInFans && add(batch, batch_size, most);
+      batch_size = 0;
     }
     return fits;
   });
-  queried += waiting;
-  if (fits) fits = add(batch, waiting, most);
-  found_ = count_;
+  queried += batch_size;
+  if (fits) fits = add(batch, batch_size, most);
+  gathered_ = count_;
   if (!fits) {
     clear();
     return false;
@@ -127,16 +127,16 @@ bool NearTriangles::add(const Batch& batch, int count, int most) noexcept {
     std::array<const Vec3*, 4> a, b, c;
     for (std::size_t lane = 0; lane < 4; ++lane) {
       const auto at = static_cast<std::size_t>(first + std::min(static_cast<int>(lane), lanes - 1));
-      const ObjectGeometry::Corners of = geometry_->corners(batch[at]);
-      a[lane] = &of.a;
-      b[lane] = &of.b;
-      c[lane] = &of.c;
+      const ObjectGeometry::Corners corners = geometry_->corners(batch[at]);
+      a[lane] = &corners.a;
+      b[lane] = &corners.b;
+      c[lane] = &corners.c;
     }
     bound({load_points(a), load_points(b), load_points(c)}, centre_, bounds);
     for (int lane = 0; lane < lanes; ++lane) {
-      if (bounds.distance[lane] > within_) continue;
+      if (bounds.distance[lane] > radius_) continue;
       if (count_ == most) return false;
-      if (!geometry_->is_in_large_fan(batch[static_cast<std::size_t>(first + lane)]) && ++others_ > kMaxOthers) return false;
+      if (!geometry_->is_in_large_fan(batch[static_cast<std::size_t>(first + lane)]) && ++outside_fans_ > kMaxOutsideFans) return false;
       distance_[count_] = bounds.distance[lane];
       for (int k = 0; k < 3; ++k) normal_[k][count_] = bounds.normal[k][lane];
       triangle_[count_] = batch[static_cast<std::size_t>(first + lane)];

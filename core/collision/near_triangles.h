@@ -23,28 +23,28 @@ namespace hapton {
 class NearTriangles {
  public:
   static constexpr int kCapacity = 6144;                   // a sphere at a vertex reaches all triangles of its fan
-  static constexpr int kMaxOthers = 1024;                  // triangles that are in no large fan (SurfaceAdjacency)
+  static constexpr int kMaxOutsideFans = 1024;             // triangles that are in no large fan (SurfaceAdjacency)
   static constexpr int kMaxVisited = 1280;                 // most of these whose boxes are near; only a few are near themselves
   static constexpr int kMaxVisitedInFans = 2 * kCapacity;  // slivers that are not along an axis have large boxes
 
   // Collects all triangles at most `within` from the centre, give or take rounding (2^-44). False, and then empty, if there are more than
-  // `most` (<= kCapacity) of them, or more than kMaxOthers in no large fan, or if more triangles were visited, because their boxes are that
-  // near, than kMaxVisited in no large fan or kMaxVisitedInFans in large fans, counted once per batch. `queried`: is raised by the number
-  // of triangles visited.
+  // `most` (<= kCapacity) of them, or more than kMaxOutsideFans in no large fan, or if more triangles were visited, because their boxes are
+  // that near, than kMaxVisited in no large fan or kMaxVisitedInFans in large fans, counted once per batch. `queried`: is raised by the
+  // number of triangles visited.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {
     count_ = 0;
-    within_ = -1.0;
+    radius_ = -1.0;
   }
 
   // Whether every triangle within `distance` of p was collected.
-  bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
+  bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= radius_; }
   // How many of the triangles that the last gather() visited are in large fans: these are neighbours in memory.
   int queried_in_fans() const { return queried_in_fans_; }
   // The distance from p within which every triangle was collected. Negative: p is outside.
-  double room_at(const Vec3& p) const { return within_ - (p - centre_).norm(); }
+  double covered_radius_at(const Vec3& p) const { return radius_ - (p - centre_).norm(); }
   // Whether p is within half the ball's radius of its centre. Farther out, bounds of triangles on the other side of the centre are weak.
-  bool is_central(const Vec3& p) const { return (p - centre_).norm() <= 0.5 * within_; }
+  bool is_central(const Vec3& p) const { return (p - centre_).norm() <= 0.5 * radius_; }
   int count() const { return count_; }
   std::uint32_t triangle(int slot) const { return triangle_[slot]; }
 
@@ -68,8 +68,8 @@ class NearTriangles {
 
   // Of the triangles that the last gather() collected before it ended or gave up, the share within `distance` of the ball's centre.
   double share_within(double distance) const {
-    const auto end = distance_.begin() + found_;
-    return static_cast<double>(std::count_if(distance_.begin(), end, [&](double d) { return d <= distance; })) / std::max(found_, 1);
+    const auto end = distance_.begin() + gathered_;
+    return static_cast<double>(std::count_if(distance_.begin(), end, [&](double d) { return d <= distance; })) / std::max(gathered_, 1);
   }
 
   // Calls visit(slot) for every triangle within `distance` of the segment from p to q, and for some others.
@@ -116,11 +116,11 @@ class NearTriangles {
 
   const TouchGeometry* geometry_ = nullptr;
   Vec3 centre_ = Vec3::Zero();
-  double within_ = -1.0;
+  double radius_ = -1.0;
   int count_ = 0;
-  int others_ = 0;  // how many of these are in no large fan
+  int outside_fans_ = 0;  // how many of these are in no large fan
   int queried_in_fans_ = 0;
-  int found_ = 0;  // collected by the last gather(), even if they were too many
+  int gathered_ = 0;  // collected by the last gather(), even if they were too many
   // Unused lanes of the last four hold an infinite distance.
   alignas(32) std::array<double, kCapacity> distance_;
   alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;

@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kGrid = 0x1p-51;  // local units; the difference of two coordinates on this grid is exact (decision 4)
 
-Vec3 on_grid(const Vec3& p) { return (p / kGrid).array().round() * kGrid; }
+Vec3 rounded_to_grid(const Vec3& p) { return (p / kGrid).array().round() * kGrid; }
 
 }  // namespace
 
 ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad,
-                               std::vector<std::uint32_t>* numbers) {
+                               std::vector<std::uint32_t>* new_vertex_numbers) {
   LargeVector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices) vertices.push_back(on_grid(frame.to_local(v)));
+  for (const Vec3& v : mesh.vertices) vertices.push_back(rounded_to_grid(frame.to_local(v)));
   auto surface = std::make_shared<Surface>();
   surface->tree = WideBvh(mesh.triangles.size(), [&](std::size_t t) {
     const auto& [a, b, c] = mesh.triangles[t];
@@ -46,7 +46,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     surface->triangles.push_back(t);
   }
   surface->vertices.shrink_to_fit();
-  if (numbers != nullptr) *numbers = std::move(new_vertex);
+  if (new_vertex_numbers != nullptr) *new_vertex_numbers = std::move(new_vertex);
   if (shading_crease_rad) {
     std::vector<std::uint32_t> source(mesh.triangles.size());
     std::iota(source.begin(), source.end(), 0U);
@@ -76,9 +76,9 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }
 
-ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
+ObjectGeometry ObjectGeometry::with_origin_at(const Vec3& p) const {
   auto surface = std::make_shared<Surface>();
-  const Vec3 origin = on_grid(p);
+  const Vec3 origin = rounded_to_grid(p);
   surface->vertices.reserve(vertices().size());
   for (const Vec3& v : vertices()) surface->vertices.push_back(v - origin);
   surface->triangles = surface_->triangles;
@@ -100,13 +100,15 @@ std::vector<std::uint32_t> ObjectGeometry::find_near(const ObjectGeometry& other
   const double size = std::max({1.0, bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff()});
   std::vector<bool> is_near(triangle_count());
   other.tree().for_each_overlapping(bounds.inflated(kWalkableMargin + kTreeRounding * size), [&](std::uint32_t t) {
-    const Corners near_to = other.corners(t);
-    tree().for_each_overlapping(Box::around(near_to.a, near_to.b, near_to.c).inflated(kWalkableMargin), [&](std::uint32_t u) {
-      if (!adjacency_.is_walkable(u) || is_near[u]) return;
-      if (are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {near_to.a, near_to.b, near_to.c}, kWalkableMargin)) return;
-      is_near[u] = true;
-      near.push_back(u);
-    });
+    const Corners other_corners = other.corners(t);
+    tree().for_each_overlapping(
+        Box::around(other_corners.a, other_corners.b, other_corners.c).inflated(kWalkableMargin), [&](std::uint32_t u) {
+          if (!adjacency_.is_walkable(u) || is_near[u]) return;
+          if (are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {other_corners.a, other_corners.b, other_corners.c}, kWalkableMargin))
+            return;
+          is_near[u] = true;
+          near.push_back(u);
+        });
   });
   return near;
 }

@@ -33,7 +33,7 @@ struct LocalFrame {
 //
 // Copies share coordinates, triangles and tree, and differ in the marks of what is not walkable.
 // Threads: immutable once in use, except a surface that deforms: only one thread may use that. RT: queries, move_vertex and swap_tree yes;
-// construction, copies, about(), bounds(), find_near and mark_unwalkable(_near) set-up only.
+// construction, copies, with_origin_at(), bounds(), find_near and mark_unwalkable(_near) set-up only.
 class ObjectGeometry {
  public:
   // Local units. Any other part of the surface is at least this far from a walkable triangle (surface_adjacency.h).
@@ -53,7 +53,7 @@ class ObjectGeometry {
                              std::optional<double> shading_crease_rad = std::nullopt);
 
   // The same surface with the origin at p, in the same local units. Its tree is empty: this is for a tool, whose tree is never searched.
-  ObjectGeometry about(const Vec3& p) const;
+  ObjectGeometry with_origin_at(const Vec3& p) const;
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(surface_->triangles.size()); }
   std::size_t bytes() const;

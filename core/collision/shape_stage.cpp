@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kBoxRoom = 0x1p-40;  // local units; rounding may put a share at the boundary of two parts into either
+constexpr double kBoxMargin = 0x1p-40;  // local units; rounding may put a share at the boundary of two parts into either
 
 // Rounds as ObjectGeometry::move_vertex does; the difference of two such coordinates is exact.
 double to_grid(double local) { return std::ldexp(std::rint(std::ldexp(local, 51)), -51); }
@@ -47,8 +47,8 @@ std::vector<double> ShapeStager::to_local(std::span<const Vec3> shape) const {
 std::unique_ptr<ShapeStage> ShapeStager::make_rest() const {
   auto stage = std::make_unique<ShapeStage>();
   stage->begin = stage->to = mesh_->vertices;
-  stage->from = to_local(mesh_->vertices);
-  stage->motion.assign(stage->from.size(), 0.0);
+  stage->begin_local = to_local(mesh_->vertices);
+  stage->motion_local.assign(stage->begin_local.size(), 0.0);
   stage->trees.push_back(tree_);
   return stage;
 }
@@ -70,8 +70,8 @@ Result<void> ShapeStager::check(std::span<const Vec3> from, std::span<const Vec3
 
 // The number of parts, as in DeformingGeometry: vertices move by at most half a mean edge in each, if kMaxTrees parts suffice for that.
 std::size_t ShapeStager::choose_count(double most_m) const {
-  const double wanted = mean_edge_m_ > 0.0 ? std::ceil(2.0 * most_m / mean_edge_m_) : 1.0;
-  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxTrees)));
+  const double desired_count = mean_edge_m_ > 0.0 ? std::ceil(2.0 * most_m / mean_edge_m_) : 1.0;
+  return static_cast<std::size_t>(std::clamp(desired_count, 1.0, static_cast<double>(kMaxTrees)));
 }
 
 Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from, std::span<const Vec3> to) const {
@@ -79,9 +79,9 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
   auto stage = std::make_unique<ShapeStage>();
   stage->begin.assign(from.begin(), from.end());
   stage->to.assign(to.begin(), to.end());
-  stage->from = to_local(from);
-  stage->motion = to_local(to);
-  for (std::size_t i = 0; i < stage->motion.size(); ++i) stage->motion[i] -= stage->from[i];
+  stage->begin_local = to_local(from);
+  stage->motion_local = to_local(to);
+  for (std::size_t i = 0; i < stage->motion_local.size(); ++i) stage->motion_local[i] -= stage->begin_local[i];
   // Rounding both ends of a motion to the grid lengthens the motion by less than this.
   const double rounding_m = 0x1p-49 * frame_.unit_m;
   for (std::size_t v = 0; v < to.size(); ++v) stage->most_m = std::max(stage->most_m, (to[v] - from[v]).norm());
@@ -89,8 +89,8 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
   const std::size_t count = choose_count(stage->most_m);
   const auto corner_at = [&](std::uint32_t vertex, double share) {
     const std::size_t at = 3 * std::size_t{vertex};
-    return Vec3(stage->from[at] + share * stage->motion[at], stage->from[at + 1] + share * stage->motion[at + 1],
-                stage->from[at + 2] + share * stage->motion[at + 2]);
+    return Vec3(stage->begin_local[at] + share * stage->motion_local[at], stage->begin_local[at + 1] + share * stage->motion_local[at + 1],
+                stage->begin_local[at + 2] + share * stage->motion_local[at + 2]);
   };
   for (std::size_t part = 0; part < count; ++part) {
     const double begin = static_cast<double>(part) / static_cast<double>(count);
@@ -102,25 +102,26 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
         box.grow(corner_at(vertex, begin));
         box.grow(corner_at(vertex, end));
       }
-      return box.inflated(kBoxRoom);
+      return box.inflated(kBoxMargin);
     });
     stage->trees.push_back(std::move(tree));
   }
   return stage;
 }
 
-StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest) : geometry_(geometry), rest_(rest->from) {
+StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest)
+    : geometry_(geometry), rest_(rest->begin_local) {
   present_.stage = std::move(rest);
   geometry_.deforming_object().swap_tree(present_.stage->trees[0]);
   shape(0.0);
 }
 
 // Takes the oldest stage that is no longer used.
-std::unique_ptr<ShapeStage> StreamedGeometry::take_used() noexcept {
-  if (used_count_ == 0) return std::move(ended_.stage);
-  auto oldest = std::move(used_[0]);
-  std::move(used_.begin() + 1, used_.begin() + static_cast<std::ptrdiff_t>(used_count_), used_.begin());
-  --used_count_;
+std::unique_ptr<ShapeStage> StreamedGeometry::take_retired() noexcept {
+  if (retired_count_ == 0) return std::move(ended_.stage);
+  auto oldest = std::move(retired_[0]);
+  std::move(retired_.begin() + 1, retired_.begin() + static_cast<std::ptrdiff_t>(retired_count_), retired_.begin());
+  --retired_count_;
   return oldest;
 }
 
@@ -132,14 +133,14 @@ StreamedGeometry::Released StreamedGeometry::offer(std::unique_ptr<ShapeStage> s
 }
 
 std::unique_ptr<ShapeStage> StreamedGeometry::append(std::unique_ptr<ShapeStage> stage, double over_s, double start_s) noexcept {
-  auto used = take_used();
+  auto retired = take_retired();
   waiting_[waiting_count_] = {std::move(stage), std::max(start_s, end_s()), over_s};
   ++waiting_count_;
-  return used;
+  return retired;
 }
 
-StreamedGeometry::Found StreamedGeometry::find(double time_s) const noexcept {
-  const Timed* timed = &present_;
+StreamedGeometry::StageAt StreamedGeometry::find(double time_s) const noexcept {
+  const TimedStage* timed = &present_;
   double travelled_m = travelled_m_;
   for (std::size_t n = 0; n < waiting_count_ && time_s >= waiting_[n].start_s; ++n) {
     travelled_m += timed->stage->most_m;
@@ -149,8 +150,8 @@ StreamedGeometry::Found StreamedGeometry::find(double time_s) const noexcept {
 }
 
 double StreamedGeometry::travel_to(double time_s) const noexcept {
-  const Found found = find(time_s);
-  return std::fabs(found.travelled_m + found.timed.share_at(time_s) * found.timed.stage->most_m - shaped_at_m_);
+  const StageAt found = find(time_s);
+  return std::fabs(found.travelled_m + found.timed.share_at(time_s) * found.timed.stage->most_m - travelled_at_shape_m_);
 }
 
 // Pre: at least one stage waits.
@@ -158,7 +159,7 @@ void StreamedGeometry::advance() noexcept {
   ObjectGeometry& object = geometry_.deforming_object();
   object.swap_tree(present_.stage->trees[part_]);
   travelled_m_ += present_.stage->most_m;
-  if (ended_.stage != nullptr) used_[used_count_++] = std::move(ended_.stage);
+  if (ended_.stage != nullptr) retired_[retired_count_++] = std::move(ended_.stage);
   ended_ = std::move(present_);
   present_ = std::move(waiting_[0]);
   std::move(waiting_.begin() + 1, waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_), waiting_.begin());
@@ -177,12 +178,12 @@ void StreamedGeometry::shape(double time_s) noexcept {
   ObjectGeometry& object = geometry_.deforming_object();
   ShapeStage& stage = *present_.stage;
   const double share = present_.share_at(time_s);
-  for (std::size_t i = 0; i + 2 < stage.from.size(); i += 3) {
+  for (std::size_t i = 0; i + 2 < stage.begin_local.size(); i += 3) {
     object.move_vertex(static_cast<std::uint32_t>(i / 3),
-                       {stage.from[i] + share * stage.motion[i], stage.from[i + 1] + share * stage.motion[i + 1],
-                        stage.from[i + 2] + share * stage.motion[i + 2]});
+                       {stage.begin_local[i] + share * stage.motion_local[i], stage.begin_local[i + 1] + share * stage.motion_local[i + 1],
+                        stage.begin_local[i + 2] + share * stage.motion_local[i + 2]});
   }
-  shaped_at_m_ = travelled_m_ + share * stage.most_m;
+  travelled_at_shape_m_ = travelled_m_ + share * stage.most_m;
   const std::size_t count = stage.trees.size();
   const std::size_t part = std::min(static_cast<std::size_t>(share * static_cast<double>(count)), count - 1);
   if (part == part_) return;
@@ -192,7 +193,7 @@ void StreamedGeometry::shape(double time_s) noexcept {
 }
 
 std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
-  const Timed& timed = find(time_s).timed;
+  const TimedStage& timed = find(time_s).timed;
   const ShapeStage& stage = *timed.stage;
   const double share = timed.share_at(time_s);
   std::vector<Vec3> vertices = stage.begin;
@@ -203,14 +204,14 @@ std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
 std::size_t StreamedGeometry::bytes() const noexcept {
   std::size_t bytes = rest_.capacity() * sizeof(double);
   const auto add = [&](const ShapeStage& stage) {
-    bytes +=
-        (stage.begin.capacity() + stage.to.capacity()) * sizeof(Vec3) + (stage.from.capacity() + stage.motion.capacity()) * sizeof(double);
+    bytes += (stage.begin.capacity() + stage.to.capacity()) * sizeof(Vec3) +
+             (stage.begin_local.capacity() + stage.motion_local.capacity()) * sizeof(double);
     for (const WideBvh& tree : stage.trees) bytes += tree.bytes();
   };
   add(*present_.stage);
   if (ended_.stage != nullptr) add(*ended_.stage);
   for (std::size_t n = 0; n < waiting_count_; ++n) add(*waiting_[n].stage);
-  for (std::size_t n = 0; n < used_count_; ++n) add(*used_[n]);
+  for (std::size_t n = 0; n < retired_count_; ++n) add(*retired_[n]);
   return bytes;
 }
 

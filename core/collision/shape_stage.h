@@ -14,12 +14,12 @@ namespace hapton {
 
 // A straight motion of all vertices of a surface from one shape to the next, made ready for StreamedGeometry.
 struct ShapeStage {
-  std::vector<Vec3> begin;     // where the vertices of the mesh are at the beginning, frame S, in m
-  std::vector<Vec3> to;        // where they are at the end, likewise
-  std::vector<double> from;    // the beginning, local: three coordinates for each vertex of the object, on its grid
-  std::vector<double> motion;  // what to add to `from` to get to the end; exact
-  std::vector<WideBvh> trees;  // one for each of equal parts of the motion; its boxes hold their triangles in all shapes of that part
-  double most_m = 0.0;         // no vertex moves farther
+  std::vector<Vec3> begin;           // where the vertices of the mesh are at the beginning, frame S, in m
+  std::vector<Vec3> to;              // where they are at the end, likewise
+  std::vector<double> begin_local;   // the beginning, local: three coordinates for each vertex of the object, on its grid
+  std::vector<double> motion_local;  // what to add to `begin_local` to get to the end; exact
+  std::vector<WideBvh> trees;        // one for each of equal parts of the motion; its boxes hold their triangles in all shapes of that part
+  double most_m = 0.0;               // no vertex moves farther
 };
 
 // Makes stages of a surface whose shapes are not known beforehand. RT: no. Threads: const calls from any number, also while the geometry
@@ -85,9 +85,10 @@ class StreamedGeometry {
   // The position of a vertex of the object at rest, and its displacement from one time to another; both local. The displacement is that of
   // the present stage, and of the one before it until offer() or append() has returned it; motion in other stages is left out.
   Vec3 rest_of(std::uint32_t vertex) const noexcept { return at(rest_, vertex); }
-  Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
-    Vec3 moved = (present_.share_at(to_s) - present_.share_at(from_s)) * at(present_.stage->motion, vertex);
-    if (ended_.stage != nullptr && from_s < present_.start_s) moved += (1.0 - ended_.share_at(from_s)) * at(ended_.stage->motion, vertex);
+  Vec3 displacement_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
+    Vec3 moved = (present_.share_at(to_s) - present_.share_at(from_s)) * at(present_.stage->motion_local, vertex);
+    if (ended_.stage != nullptr && from_s < present_.start_s)
+      moved += (1.0 - ended_.share_at(from_s)) * at(ended_.stage->motion_local, vertex);
     return moved;
   }
 
@@ -113,7 +114,7 @@ class StreamedGeometry {
 
  private:
   // A stage, and when it moves: for over_s seconds from start_s on.
-  struct Timed {
+  struct TimedStage {
     std::unique_ptr<ShapeStage> stage = nullptr;
     double start_s = 0.0;
     double over_s = 0.0;
@@ -123,30 +124,30 @@ class StreamedGeometry {
     }
   };
   // The stage at a given time, and the sum of most_m of all stages before it.
-  struct Found {
-    const Timed& timed;
+  struct StageAt {
+    const TimedStage& timed;
     double travelled_m = 0.0;
   };
   static Vec3 at(const std::vector<double>& numbers, std::uint32_t vertex) noexcept { return Vec3::Map(&numbers[3 * std::size_t{vertex}]); }
-  const Timed& last() const noexcept { return waiting_count_ > 0 ? waiting_[waiting_count_ - 1] : present_; }
-  Found find(double time_s) const noexcept;
-  std::unique_ptr<ShapeStage> take_used() noexcept;
+  const TimedStage& last() const noexcept { return waiting_count_ > 0 ? waiting_[waiting_count_ - 1] : present_; }
+  StageAt find(double time_s) const noexcept;
+  std::unique_ptr<ShapeStage> take_retired() noexcept;
   void advance() noexcept;
 
   TouchGeometry& geometry_;
-  std::vector<double> rest_;  // laid out as ShapeStage::from
-  Timed present_;
-  Timed ended_;                             // the stage before present_, until it is returned
-  std::array<Timed, kMaxWaiting> waiting_;  // the next one first
+  std::vector<double> rest_;  // laid out as ShapeStage::begin_local
+  TimedStage present_;
+  TimedStage ended_;                             // the stage before present_, until it is returned
+  std::array<TimedStage, kMaxWaiting> waiting_;  // the next one first
   std::size_t waiting_count_ = 0;
   // Stages that ended before ended_ and have not been returned yet, the oldest first. Each stage that arrives makes one of these or ended_
   // return, so these, ended_ and the waiting stages are at most kMaxWaiting.
-  std::array<std::unique_ptr<ShapeStage>, kMaxWaiting> used_;
-  std::size_t used_count_ = 0;
+  std::array<std::unique_ptr<ShapeStage>, kMaxWaiting> retired_;
+  std::size_t retired_count_ = 0;
   std::uint64_t serial_ = 0;
-  std::size_t part_ = 0;      // of the present stage: the geometry has its tree, and its own is stored in that place
-  double travelled_m_ = 0.0;  // sum of most_m of all stages before the present one
-  double shaped_at_m_ = 0.0;  // travelled up to the shape that the geometry has
+  std::size_t part_ = 0;               // of the present stage: the geometry has its tree, and its own is stored in that place
+  double travelled_m_ = 0.0;           // sum of most_m of all stages before the present one
+  double travelled_at_shape_m_ = 0.0;  // travelled up to the shape that the geometry has
 };
 
 }  // namespace hapton

@@ -43,7 +43,7 @@ bool is_beyond(const Vec3& normal, const Vec3& at, const Corners& b, double marg
 }
 
 // Whether a plane separates triangle b from a by more than `margin`: the plane of a, or one through an edge of a at a right angle to a.
-bool parts(const Corners& a, const Corners& b, double margin) {
+bool has_separating_plane(const Corners& a, const Corners& b, double margin) {
   const Vec3 normal = accurate_cross(a[1] - a[0], a[2] - a[0]);
   if (is_beyond(normal, a[0], b, margin)) return true;
   for (int k = 0; k < 3; ++k) {
@@ -80,7 +80,7 @@ struct Sector {
 };
 
 // Whether the angle between a direction and a sector is more than kMinAngle.
-bool is_off(const Sector& sector, const Vec3& v) {
+bool is_far_from(const Sector& sector, const Vec3& v) {
   constexpr double kAngle = SurfaceAdjacency::kMinAngle;
   const double length = v.norm();
   if (sector.is_over(v)) return std::fabs(sector.normal.dot(v)) > kAngle * length * sector.normal.norm();
@@ -94,7 +94,7 @@ bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3
   const Sector a(edges_a[0], edges_a[1]);
   const Sector b(edges_b[0], edges_b[1]);
   for (int k = 0; k < 2; ++k) {
-    if (!is_off(a, b.edge[k]) || !is_off(b, a.edge[k])) return false;
+    if (!is_far_from(a, b.edge[k]) || !is_far_from(b, a.edge[k])) return false;
   }
   const Vec3 line = a.normal.cross(b.normal);
   return !(a.is_over(line) && b.is_over(line)) && !(a.is_over(-line) && b.is_over(-line));
@@ -110,7 +110,7 @@ bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
 }  // namespace
 
 bool are_apart(const Corners& a, const Corners& b, double margin) noexcept {
-  if (parts(a, b, margin) || parts(b, a, margin)) return true;
+  if (has_separating_plane(a, b, margin) || has_separating_plane(b, a, margin)) return true;
   if (intersect_triangles({a, b}).meets) return false;
   for (int i = 0; i < 3; ++i) {
     if (separation_from_triangle(a[i], b[0], b[1], b[2]).distance <= margin) return false;
@@ -233,17 +233,17 @@ std::size_t SurfaceAdjacency::walkable_count() const {
 bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const {
   const std::uint32_t vertex = triangles[start][corner];
   std::uint32_t t = start;
-  bool back = false;
-  bool open = false;
-  int by = corner;
+  bool is_back = false;
+  bool is_open = false;
+  int exit_edge = corner;
   for (std::uint32_t count = 1; count <= 2 * valence; ++count) {
-    const Adjacent next = adjacent(t, by);
+    const Adjacent next = adjacent(t, exit_edge);
     if (!next.exists) return false;
-    back ^= next.flips;
-    open = open || next.triangle == t;
+    is_back ^= next.flips;
+    is_open = is_open || next.triangle == t;
     t = next.triangle;
-    by = triangles[t][next.edge] == vertex ? (next.edge + 2) % 3 : (next.edge + 1) % 3;
-    if (t == start && !back && by == corner) return count == (open ? 2 * valence : valence);
+    exit_edge = triangles[t][next.edge] == vertex ? (next.edge + 2) % 3 : (next.edge + 1) % 3;
+    if (t == start && !is_back && exit_edge == corner) return count == (is_open ? 2 * valence : valence);
   }
   return false;
 }
@@ -253,27 +253,27 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
 // the sectors of its triangles do not overlap. Each triangle adds its part, in any order; full turns are counted where triangles cross a
 // half-plane that contains the axis. Both triangles at an edge compute the same numbers for it. Marks other fans as `broken`.
 SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
-  struct Round {
+  struct FanSums {
     Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // may be rounded: all triangles at the vertex use the same
     std::uint16_t valence = 0;
     std::uint16_t turns = 0;
     bool is_even = true;
   };
   static_assert(kMaxValence < 65535);
-  LargeVector<Round> rounds(vertices.size());
+  LargeVector<FanSums> all_sums(vertices.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
     const Vec3& a = vertices[corner[0]];
     const Vec3 normal = (vertices[corner[1]] - a).cross(vertices[corner[2]] - a);
     const bool repeats = repeats_vertex(corner);
     for (int k = 0; k < 3; ++k) {
-      Round& round = rounds[corner[k]];
+      FanSums& sums = all_sums[corner[k]];
       const Adjacent next = adjacent(t, k);
       const bool runs_on = next.exists && !next.flips && !repeats;
-      round.axis += normal.cast<float>();
-      round.valence = static_cast<std::uint16_t>(std::min(round.valence + 1, kMaxValence + 1));
-      round.is_even = round.is_even && runs_on;
-      if (!runs_on) rounds[corner[(k + 1) % 3]].is_even = false;
+      sums.axis += normal.cast<float>();
+      sums.valence = static_cast<std::uint16_t>(std::min(sums.valence + 1, kMaxValence + 1));
+      sums.is_even = sums.is_even && runs_on;
+      if (!runs_on) all_sums[corner[(k + 1) % 3]].is_even = false;
     }
   }
   for (const Triangle& corner : triangles) {
@@ -283,27 +283,27 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> ve
     const Vec3 normal = edge[0].cross(edge[1]);
     const double least_lean = 0.25 * normal.squaredNorm();
     for (int k = 0; k < 3; ++k) {
-      Round& round = rounds[corner[k]];
-      const Vec3 axis = round.axis.cast<double>();
+      FanSums& sums = all_sums[corner[k]];
+      const Vec3 axis = sums.axis.cast<double>();
       const int before = (k + 2) % 3;
       constexpr double kMin = 8.0 * kMinAngle;
       const double along = axis.dot(normal);
       const double least = std::max(least_lean, kMin * kMin * squared[k] * squared[before]);
-      round.is_even = round.is_even && along > 0.0 && along * along > least * axis.squaredNorm();
+      sums.is_even = sums.is_even && along > 0.0 && along * along > least * axis.squaredNorm();
       // side: the component along axis x X or axis x Y, with X or Y, whichever is farther from the axis: all triangles choose alike.
       const bool leans_from_x = std::fabs(axis.x()) <= std::fabs(axis.y());
       const auto side = [&](const Vec3& e) {
         return leans_from_x ? axis.z() * e.y() - axis.y() * e.z() : axis.x() * e.z() - axis.z() * e.x();
       };
       // Both triangles at an edge use its direction from the vertex outwards.
-      if (side(edge[k]) < 0.0 && side(-edge[before]) >= 0.0) ++round.turns;
+      if (side(edge[k]) < 0.0 && side(-edge[before]) >= 0.0) ++sums.turns;
     }
   }
   Fans fans{std::vector<Fan>(vertices.size(), Fan::broken), {}};
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-    const Round& round = rounds[v];
-    if (round.is_even && round.turns == 1 && round.valence <= kMaxValence) fans.of_vertex[v] = Fan::even;
-    if (round.valence > kLargeFan) fans.large.push_back(v);
+    const FanSums& sums = all_sums[v];
+    if (sums.is_even && sums.turns == 1 && sums.valence <= kMaxValence) fans.of_vertex[v] = Fan::even;
+    if (sums.valence > kLargeFan) fans.large.push_back(v);
   }
   return fans;
 }
@@ -343,10 +343,10 @@ std::size_t SurfaceAdjacency::compare_in_large_fans(std::span<const Vec3> vertic
       around[place[v]].push_back(t);
     }
   }
-  for (const std::uint32_t v : fans.large) note_large_fan(v, around[place[v]], triangles);
+  for (const std::uint32_t v : fans.large) mark_large_fan(v, around[place[v]], triangles);
   std::size_t tests = 0;
   for (const std::uint32_t v : fans.large) {
-    if (fans.of_vertex[v] == Fan::even) note_convex_fan(around[place[v]], vertices, triangles);
+    if (fans.of_vertex[v] == Fan::even) mark_convex_fan(around[place[v]], vertices, triangles);
     if (fans.of_vertex[v] == Fan::even) continue;
     tests += compare_at(v, around[place[v]], vertices, triangles, margin);
     fans.of_vertex[v] = Fan::compared;
@@ -354,7 +354,7 @@ std::size_t SurfaceAdjacency::compare_in_large_fans(std::span<const Vec3> vertic
   return tests;
 }
 
-void SurfaceAdjacency::note_large_fan(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Triangle> triangles) {
+void SurfaceAdjacency::mark_large_fan(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Triangle> triangles) {
   for (const std::uint32_t t : around) {
     const Triangle& corner = triangles[t];
     const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
@@ -363,7 +363,7 @@ void SurfaceAdjacency::note_large_fan(std::uint32_t vertex, std::span<const std:
 }
 
 // A closed fan that goes round once is convex if it is convex at each of its edges.
-void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
+void SurfaceAdjacency::mark_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
                                        std::span<const Triangle> triangles) {
   constexpr double kRounding = 0x1p-49;  // rounding of a height: four times the grid of coordinates
   // In a triangle that is in several large fans, the stored corner may be that of another fan.
@@ -417,27 +417,27 @@ std::size_t SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std:
   const std::vector<Fan>& fans = found.of_vertex;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
-    bool ok = !repeats_vertex(corner);
-    for (int k = 0; k < 3 && ok; ++k) ok = adjacent(t, k).exists && fans[corner[k]] != Fan::broken;
-    sides_[t].is_walkable = static_cast<std::uint16_t>(ok && is_high(corners_of(vertices, corner)));
+    bool is_manifold = !repeats_vertex(corner);
+    for (int k = 0; k < 3 && is_manifold; ++k) is_manifold = adjacent(t, k).exists && fans[corner[k]] != Fan::broken;
+    sides_[t].is_walkable = static_cast<std::uint16_t>(is_manifold && is_high(corners_of(vertices, corner)));
   }
   std::size_t tests = compare_in_large_fans(vertices, triangles, margin, found);
   const auto has_settled = [&](std::uint32_t v) { return fans[v] == Fan::even || fans[v] == Fan::compared; };
   // Triangles with a common vertex need no test if its fan is even, as those of an even fan are apart, or if its triangles were compared.
   BeyondPlane beyond(vertices, triangles);
-  std::array<std::uint32_t, WideBvh::kWidth> item;
+  std::array<std::uint32_t, WideBvh::kWidth> lane_items;
   struct Corners8 {
     Uint32x8 first, second, third;
   } of_items;
   tree.for_each_near_pair(
       margin,
       [&](const std::array<std::uint32_t, WideBvh::kWidth>& items, unsigned lanes) {
-        item = items;
+        lane_items = items;
         beyond.start(items, lanes);
         alignas(32) std::array<std::array<std::uint32_t, WideBvh::kWidth>, 3> corner;
         for (int c = 0; c < WideBvh::kWidth; ++c) {
-          const Triangle& of = triangles[(lanes >> c & 1U) != 0 ? items[c] : 0];
-          for (int k = 0; k < 3; ++k) corner[k][c] = of[k];
+          const Triangle& triangle = triangles[(lanes >> c & 1U) != 0 ? items[c] : 0];
+          for (int k = 0; k < 3; ++k) corner[k][c] = triangle[k];
         }
         const auto load = [&](int k) { return Uint32x8::load(corner[k].data()); };
         of_items = {load(0), load(1), load(2)};
@@ -453,7 +453,7 @@ std::size_t SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std:
         near &= ~sign_bits(settled);
         if (near != 0) near &= ~beyond.find(t, margin);
         for (; near != 0; near &= near - 1) {
-          const std::uint32_t u = item[std::countr_zero(near)];
+          const std::uint32_t u = lane_items[std::countr_zero(near)];
           ++tests;
           if ((sides_[t].is_walkable | sides_[u].is_walkable) == 0 || is_pair_walkable(vertices, triangles[t], triangles[u], margin))
             continue;

@@ -89,8 +89,8 @@ class SurfaceAdjacency {
   Fans find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
   Fans find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
   std::size_t compare_in_large_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles, double margin, Fans& fans);
-  void note_large_fan(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Triangle> triangles);
-  void note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+  void mark_large_fan(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Triangle> triangles);
+  void mark_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices, std::span<const Triangle> triangles);
   std::size_t compare_at(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
                          std::span<const Triangle> triangles, double margin);
   bool is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const;

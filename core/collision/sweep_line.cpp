@@ -28,13 +28,13 @@ SweepOutcome compute_collision(const SweepLine& line, const TrianglePlane& plane
 
   const double t = height_from / drop;
   const Vec3 along = to - from;
-  const Vec3 meet = from + t * along;
+  const Vec3 crossing = from + t * along;
   // Rounding: a height is a sum of three products, with an error of at most 4 epsilon times its terms. So the error of t is that of the
   // heights divided by the drop; the error of the point is this share of the line, plus 4 epsilon times the point's own terms.
   const double scale = plane.extent + from.cwiseAbs().sum() + to.cwiseAbs().sum();
   const double rounding = 8.0 * kEpsilon * scale;
   const double along_error = std::min(1.0, rounding / std::abs(drop));
-  if (!plane.contains(meet[plane.u_axis], meet[plane.v_axis], rounding, along_error * along[plane.u_axis],
+  if (!plane.contains(crossing[plane.u_axis], crossing[plane.v_axis], rounding, along_error * along[plane.u_axis],
                       along_error * along[plane.v_axis])) {
     return SweepOutcome::out_of_triangle;
   }

@@ -97,12 +97,12 @@ bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double fr
   for (int i = 0; i < kFewIterations; ++i) {
     const Separation now = shape.separation(p + t * motion);
     const double slope = now.normal.dot(motion);
-    const double doubt = normal_error(now) * length;
+    const double slope_error = normal_error(now) * length;
     const double gap = now.distance - level;
-    if (slope - doubt >= 0.0) return false;
-    if (gap <= tolerance && slope + doubt < 0.0) return true;
+    if (slope - slope_error >= 0.0) return false;
+    if (gap <= tolerance && slope + slope_error < 0.0) return true;
     if (gap <= tolerance) break;
-    t += gap / (doubt - slope);
+    t += gap / (slope_error - slope);
     if (!(t <= until)) return false;
   }
   return comes_nearer(shape, p, motion, from, until, level, tolerance);
@@ -114,16 +114,16 @@ bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double fr
 template <class Shape>
 double time_to_block(const Shape& shape, const Vec3& p, const Separation& start, const Vec3& motion, double until,
                      const Clearance& clearance) {
-  const double low = clearance.offset - clearance.slop;
+  const double min_distance = clearance.offset - clearance.slop;
   const double length = motion.norm();
   const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
-  if (start_slope >= 0.0 || start.distance + start_slope * until >= low) return kNever;
+  if (start_slope >= 0.0 || start.distance + start_slope * until >= min_distance) return kNever;
   const Separation end = shape.separation(p + until * motion);
   const double end_slope = end.normal.dot(motion) + normal_error(end) * length;
-  if (end.distance >= low) {
+  if (end.distance >= min_distance) {
     if (end_slope <= 0.0) return kNever;
     const double cross = (end.distance - end_slope * until - start.distance) / (start_slope - end_slope);
-    if (start.distance + start_slope * cross >= low) return kNever;
+    if (start.distance + start_slope * cross >= min_distance) return kNever;
   }
   // From outside, the motion stops at the offset. In contact it may use up half of the slop, so that a long slide whose direction has a
   // rounding error still advances; the contact planes lift it again.
@@ -137,7 +137,7 @@ double time_to_block(const Shape& shape, const Vec3& p, const Separation& start,
   }
   if (stop > until) return kNever;
   // A proxy at the lower bound may be below it by rounding. That alone does not stop it.
-  const double level = start.distance >= low - 64.0 * clearance.tolerance ? std::min(low, start.distance) : low;
+  const double level = start.distance >= min_distance - 64.0 * clearance.tolerance ? std::min(min_distance, start.distance) : min_distance;
   if (start.distance < level || end.distance < level) return stop;
   return dips_below(shape, p, motion, stop, until, level, clearance.tolerance) ? stop : kNever;
 }
@@ -154,8 +154,8 @@ template <class Shape>
 Separation blocking_separation(const Shape& shape, const Vec3& p, const Vec3& motion, const Clearance& clearance) {
   const Separation here = shape.separation(p);
   if (here.feature == Feature::face) return here;
-  const double low = clearance.offset - clearance.slop;
-  const double t = here.distance > low ? time_to_reach(shape, p, motion, 0.0, low, clearance.tolerance) : kNever;
+  const double min_distance = clearance.offset - clearance.slop;
+  const double t = here.distance > min_distance ? time_to_reach(shape, p, motion, 0.0, min_distance, clearance.tolerance) : kNever;
   if (t > 1.0) return here;
   Separation ahead = shape.separation(p + t * motion);
   if (ahead.feature != Feature::face) return here;

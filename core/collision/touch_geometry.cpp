@@ -119,7 +119,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
     bounds[i] = local_bounds(frame_, bounds[i]);
     slots_[i].size = bounds[i].diagonal();
     approach[i] = bounds[i].inflated(slots_[i].size);
-    ++waiting_;
+    ++waiting_count_;
   }
   hierarchy_ = ObjectHierarchy(bounds);
   if (policy == BuildPolicy::on_approach) {
@@ -128,11 +128,11 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
   }
   for (std::uint32_t i = 0; i < slots_.size(); ++i) {
     request(i);
-    build_wanted();
+    build_requested();
     active_[i] = slots_[i].built.get();
   }
-  active_count_ = received_ = static_cast<std::uint32_t>(slots_.size());
-  waiting_ = 0;
+  active_count_ = received_count_ = static_cast<std::uint32_t>(slots_.size());
+  waiting_count_ = 0;
   for (std::uint32_t i = 0; i < slots_.size(); ++i) mark_unwalkable_near_others(i);
 }
 
@@ -152,7 +152,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> 
       slots_(objects.size()),
       finished_(objects.size()),
       finished_count_(static_cast<std::uint32_t>(objects.size())),
-      received_(static_cast<std::uint32_t>(objects.size())),
+      received_count_(static_cast<std::uint32_t>(objects.size())),
       active_count_(objects.size()) {
   for (std::uint32_t i = 0; i < slots_.size(); ++i) {
     active_.push_back(objects[i].get());
@@ -204,49 +204,49 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
 }
 
 void TouchGeometry::place_probe(const Vec3& p) noexcept {
-  if (waiting_ == 0) return;
-  ++placement_;
+  if (waiting_count_ == 0) return;
+  ++placement_number_;
   hierarchy_.for_each_overlapping(Box{p, p}, [&](std::uint32_t o) {
-    slots_[o].placed_in = placement_;
+    slots_[o].placed_in = placement_number_;
     request(o);
   });
 }
 
 void TouchGeometry::request(std::uint32_t object) noexcept {
-  if (slots_[object].requested) return;
-  slots_[object].requested = true;
+  if (slots_[object].is_requested) return;
+  slots_[object].is_requested = true;
   const std::uint32_t at = requested_count_.load(std::memory_order_relaxed);
   requested_[at] = object;
   requested_count_.store(at + 1, std::memory_order_release);
 }
 
 double TouchGeometry::request_ahead(const Vec3& p, double range) noexcept {
-  if (waiting_ == 0) return std::numeric_limits<double>::infinity();
+  if (waiting_count_ == 0) return std::numeric_limits<double>::infinity();
   activate(p);
   // Every object's distance shrinks by at most the motion of p; the range it is compared with grows by at most the change of `range`.
-  double gone = (p - searched_from_).norm() + std::max(0.0, range - searched_range_);
-  if (!(gone < unrequested_after_)) {
+  double travelled = (p - searched_from_).norm() + std::max(0.0, range - searched_range_);
+  if (!(travelled < unrequested_distance_)) {
     find_unrequested(p, range);
-    gone = 0.0;
+    travelled = 0.0;
   }
-  const bool any_pending = requested_count_.load(std::memory_order_relaxed) > active_count_;
-  return any_pending ? 0.0 : unrequested_after_ - gone;
+  const bool is_any_pending = requested_count_.load(std::memory_order_relaxed) > active_count_;
+  return is_any_pending ? 0.0 : unrequested_distance_ - travelled;
 }
 
 // Activates objects that were built since the last call, and those whose bounds the probe has left.
 void TouchGeometry::activate(const Vec3& p) noexcept {
   const std::uint32_t finished = finished_count_.load(std::memory_order_acquire);
-  while (received_ < finished) enclosing_[enclosing_count_++] = finished_[received_++];
+  while (received_count_ < finished) enclosing_[enclosing_count_++] = finished_[received_count_++];
   for (std::size_t i = 0; i < enclosing_count_;) {
     const std::uint32_t o = enclosing_[i];
-    const bool encloses_start = placement_ > 0 && slots_[o].placed_in == placement_;
+    const bool encloses_start = placement_number_ > 0 && slots_[o].placed_in == placement_number_;
     if (!(hierarchy_.bounds(o).distance_squared(p) > 0.0) && !encloses_start) {
       ++i;
       continue;
     }
     active_[o] = slots_[o].built.get();
     ++active_count_;
-    --waiting_;
+    --waiting_count_;
     enclosing_[i] = enclosing_[--enclosing_count_];
   }
 }
@@ -256,23 +256,23 @@ void TouchGeometry::activate(const Vec3& p) noexcept {
 void TouchGeometry::find_unrequested(const Vec3& p, double range) noexcept {
   searched_from_ = p;
   searched_range_ = range;
-  unrequested_after_ = std::numeric_limits<double>::infinity();
-  approach_.visit_nearest(p, unrequested_after_, [&](std::uint32_t o, double bound) {
-    if (slots_[o].requested) return bound;
+  unrequested_distance_ = std::numeric_limits<double>::infinity();
+  approach_.visit_nearest(p, unrequested_distance_, [&](std::uint32_t o, double bound) {
+    if (slots_[o].is_requested) return bound;
     const double beyond = std::sqrt(hierarchy_.bounds(o).distance_squared(p)) - std::max(range, slots_[o].size);
     if (!(beyond > 0.0)) {
       request(o);
       return bound;
     }
-    unrequested_after_ = std::min(unrequested_after_, beyond);
-    const double farthest = range + unrequested_after_;
+    unrequested_distance_ = std::min(unrequested_distance_, beyond);
+    const double farthest = range + unrequested_distance_;
     return std::min(bound, farthest * farthest);
   });
 }
 
-bool TouchGeometry::build_wanted() {
-  if (begun_ == requested_count_.load(std::memory_order_acquire)) return false;
-  const std::uint32_t o = requested_[begun_++];
+bool TouchGeometry::build_requested() {
+  if (next_request_ == requested_count_.load(std::memory_order_acquire)) return false;
+  const std::uint32_t o = requested_[next_request_++];
   Slot& slot = slots_[o];
   slot.built = policy_ == BuildPolicy::to_deform
                    ? std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_, &new_vertex_)

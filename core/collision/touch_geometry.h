@@ -24,10 +24,11 @@ enum class BuildPolicy : std::uint8_t { at_once, on_approach, to_deform };
 //
 // Triangles are numbered across objects: the high bits give the object, the low bits its triangle.
 // With BuildPolicy::on_approach an object costs only its bounding box until the probe comes near. request_ahead (RT) then requests it,
-// build_wanted (a slow task, any thread) builds it, nearest first, and the next request_ahead with the probe outside its bounds activates
-// it. An object activated around the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
-// RT: queries, place_probe and request_ahead yes; construction and build_wanted set-up only.
-// Threads: one for the RT side, one for build_wanted.
+// build_requested (a slow task, any thread) builds it, nearest first, and the next request_ahead with the probe outside its bounds
+// activates it. An object activated around the probe would trap it, so it waits until the probe has left, unless the probe was placed
+// there.
+// RT: queries, place_probe and request_ahead yes; construction and build_requested set-up only.
+// Threads: one for the RT side, one for build_requested.
 class TouchGeometry {
  public:
   // The local frame is that of part_of, the box of a larger scene, or if that is empty, of the meshes' bounding box.
@@ -59,9 +60,9 @@ class TouchGeometry {
 
   std::size_t object_count() const { return slots_.size(); }
   std::size_t built_count() const { return finished_count_.load(std::memory_order_acquire); }
-  std::size_t waiting_count() const { return waiting_; }  // objects that are not active yet
-  std::size_t triangle_count() const;                     // of the objects built
-  std::size_t bytes() const;                              // of the objects built
+  std::size_t waiting_count() const { return waiting_count_; }  // objects that are not active yet
+  std::size_t triangle_count() const;                           // of the objects built
+  std::size_t bytes() const;                                    // of the objects built
 
   const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
   ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }
@@ -156,7 +157,7 @@ class TouchGeometry {
   double request_ahead(const Vec3& p, double range) noexcept;
 
   // Builds one requested object. False if there is none.
-  bool build_wanted();
+  bool build_requested();
 
  private:
   struct Slot {
@@ -164,7 +165,7 @@ class TouchGeometry {
     std::unique_ptr<ObjectGeometry> built;         // written by the builder, before the object counts as finished
     std::shared_ptr<const ObjectGeometry> shared;  // in place of `built`, if it was built elsewhere
     double size = 0.0;                             // the diagonal of its bounds
-    bool requested = false;                        // of the RT side only, like the next member
+    bool is_requested = false;                     // of the RT side only, like the next member
     std::uint64_t placed_in = 0;                   // number of the last placement at which its bounds enclosed the probe
   };
 
@@ -194,18 +195,18 @@ class TouchGeometry {
   ObjectHierarchy approach_;  // over bounds grown by the object's own size
   std::vector<std::uint32_t> requested_;
   std::atomic<std::uint32_t> requested_count_ = 0;
-  std::uint32_t begun_ = 0;  // index into requested_; used by the builder only
+  std::uint32_t next_request_ = 0;  // index into requested_; used by the builder only
   std::vector<std::uint32_t> finished_;
   std::atomic<std::uint32_t> finished_count_ = 0;
-  std::uint32_t received_ = 0;            // index into finished_; of the RT side only, like all members below
+  std::uint32_t received_count_ = 0;      // index into finished_; of the RT side only, like all members below
   std::vector<std::uint32_t> enclosing_;  // objects that are finished but not active, because they enclose the probe
   std::size_t enclosing_count_ = 0;
-  std::size_t waiting_ = 0;  // objects not active yet
+  std::size_t waiting_count_ = 0;  // objects not active yet
   std::size_t active_count_ = 0;
-  std::uint64_t placement_ = 0;
+  std::uint64_t placement_number_ = 0;
   Vec3 searched_from_ = Vec3::Zero();  // of the last search for unrequested objects: its position, its range, how far p may move from it
   double searched_range_ = 0.0;
-  double unrequested_after_ = 0.0;
+  double unrequested_distance_ = 0.0;
 };
 
 // ---------------------------------------------------------------------------------------------------------------------

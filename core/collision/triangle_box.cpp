@@ -13,8 +13,8 @@ bool separates(const Vec3& axis, const std::array<Vec3, 3>& corners, const Vec3&
   const double p = axis.dot(corners[0]);
   const double q = axis.dot(corners[1]);
   const double r = axis.dot(corners[2]);
-  const Vec3 spread = axis.cwiseAbs();
-  const double radius = spread.dot(half) + 16.0 * kEpsilon * spread.sum() * size;
+  const Vec3 absolute_axis = axis.cwiseAbs();
+  const double radius = absolute_axis.dot(half) + 16.0 * kEpsilon * absolute_axis.sum() * size;
   return std::min({p, q, r}) > radius || std::max({p, q, r}) < -radius;
 }
 

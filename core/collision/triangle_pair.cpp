@@ -14,7 +14,7 @@ using Corners = std::array<Vec3, 3>;
 struct Turned {
   Corners corner;
   std::array<double, 3> height;  // times twice the other's area; > 0 on the side of the other's normal
-  bool on_top = false;           // corner 0 is the highest
+  bool is_on_top = false;        // corner 0 is the highest
 };
 
 // orient3d of the plane and each corner; the first stage, which may be inexact, computes the plane's normal once for all three corners.
@@ -45,20 +45,20 @@ int sign_of(double x) { return x > 0.0 ? 1 : x < 0.0 ? -1 : 0; }
 Turned turn(const Corners& corner, const std::array<double, 3>& height) {
   const std::array<int, 3> s = {sign_of(height[0]), sign_of(height[1]), sign_of(height[2])};
   int first = 0;
-  bool on_top = false;
+  bool is_on_top = false;
   for (int i = 0; i < 3; ++i) {
     const int next = s[(i + 1) % 3];
     const int last = s[(i + 2) % 3];
     if (s[i] > next && s[i] > last) {
       first = i;
-      on_top = true;
+      is_on_top = true;
       break;
     }
     if (s[i] < next && s[i] < last) first = i;
   }
   const int second = (first + 1) % 3;
   const int third = (first + 2) % 3;
-  return {{corner[first], corner[second], corner[third]}, {height[first], height[second], height[third]}, on_top};
+  return {{corner[first], corner[second], corner[third]}, {height[first], height[second], height[third]}, is_on_top};
 }
 
 // Where the edge from corner 0 to corner i crosses the other triangle's plane. Exact if one of these corners lies in that plane.
@@ -70,7 +70,7 @@ Vec3 pierce(const Turned& t, int i) {
 // --- Coplanar triangles ------------------------------------------------------------------------------------------------------------
 
 // Twice the area of p, q, r projected along an axis, with an exact sign: the third row of the determinant is that axis.
-double shadow_area(const Vec3& p, const Vec3& q, const Vec3& r, int axis) {
+double projected_area(const Vec3& p, const Vec3& q, const Vec3& r, int axis) {
   Vec3 a = p;
   Vec3 b = q;
   Vec3 c = r;
@@ -81,12 +81,12 @@ double shadow_area(const Vec3& p, const Vec3& q, const Vec3& r, int axis) {
 }
 
 // An axis along which the projection of the triangle has an area. -1: there is none, because the triangle is degenerate.
-int find_shadow_axis(const Corners& t) {
+int find_projection_axis(const Corners& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]).cwiseAbs();
   std::array<int, 3> axes = {0, 1, 2};
   std::sort(axes.begin(), axes.end(), [&](int i, int j) { return n[i] > n[j]; });
   for (const int axis : axes) {
-    if (shadow_area(t[0], t[1], t[2], axis) != 0.0) return axis;
+    if (projected_area(t[0], t[1], t[2], axis) != 0.0) return axis;
   }
   return -1;
 }
@@ -97,9 +97,9 @@ struct SharedPoints {
 };
 
 bool is_inside(const Vec3& p, const Corners& t, int axis) {
-  const double side = shadow_area(t[0], t[1], t[2], axis);
+  const double side = projected_area(t[0], t[1], t[2], axis);
   for (int i = 0; i < 3; ++i) {
-    if (shadow_area(t[i], t[(i + 1) % 3], p, axis) * (side > 0.0 ? 1.0 : -1.0) < 0.0) return false;
+    if (projected_area(t[i], t[(i + 1) % 3], p, axis) * (side > 0.0 ? 1.0 : -1.0) < 0.0) return false;
   }
   return true;
 }
@@ -119,9 +119,10 @@ SharedPoints shared_points(const Corners& a, const Corners& b, int axis) {
       const Vec3& q = a[(i + 1) % 3];
       const Vec3& r = b[j];
       const Vec3& s = b[(j + 1) % 3];
-      const double from = shadow_area(r, s, p, axis);
-      const double to = shadow_area(r, s, q, axis);
-      if (sign_of(from) * sign_of(to) >= 0 || sign_of(shadow_area(p, q, r, axis)) * sign_of(shadow_area(p, q, s, axis)) >= 0) continue;
+      const double from = projected_area(r, s, p, axis);
+      const double to = projected_area(r, s, q, axis);
+      if (sign_of(from) * sign_of(to) >= 0 || sign_of(projected_area(p, q, r, axis)) * sign_of(projected_area(p, q, s, axis)) >= 0)
+        continue;
       shared.point[shared.count++] = p + from / (from - to) * (q - p);
     }
   }
@@ -160,18 +161,18 @@ TriangleContact intersect_triangles(const TrianglePair& pair) noexcept {
   const std::array<double, 3> over_a = heights_over(pair.a, pair.b);
   if (is_beside(over_a)) return {};
   if (is_all_zero(over_a) || is_all_zero(over_b)) {
-    const int axis_a = find_shadow_axis(pair.a);
-    const int axis_b = find_shadow_axis(pair.b);
+    const int axis_a = find_projection_axis(pair.a);
+    const int axis_b = find_projection_axis(pair.b);
     return axis_a < 0 || axis_b < 0 ? TriangleContact{} : intersect_coplanar(pair.a, pair.b, axis_a);
   }
   const Turned a = turn(pair.a, over_b);
   const Turned b = turn(pair.b, over_a);
-  const int a_low = a.on_top ? 2 : 1;
+  const int a_low = a.is_on_top ? 2 : 1;
   const int a_high = 3 - a_low;
-  const int b_low = b.on_top ? 1 : 2;
+  const int b_low = b.is_on_top ? 1 : 2;
   const int b_high = 3 - b_low;
-  const double turned = a.on_top == b.on_top ? 1.0 : -1.0;
-  const auto b_is_later = [&](int i, int j) { return turned * orient3d_sign(a.corner[0], a.corner[i], b.corner[0], b.corner[j]); };
+  const double orientation = a.is_on_top == b.is_on_top ? 1.0 : -1.0;
+  const auto b_is_later = [&](int i, int j) { return orientation * orient3d_sign(a.corner[0], a.corner[i], b.corner[0], b.corner[j]); };
   if (b_is_later(a_low, b_high) < 0.0 || b_is_later(a_high, b_low) > 0.0) return {};
   TriangleContact contact;
   contact.meets = true;

@@ -68,8 +68,8 @@ Float8 determinant_error(Float8 eta, Float8 k, Float8 l, Float8 m) {
 
 struct Heights {
   Float8 height[3];
-  Float8 all_clear;  // every sign is certain
-  Float8 beside;     // all three certainly on one side
+  Float8 are_signs_certain;  // every sign is certain
+  Float8 is_beside;          // all three certainly on one side
 };
 
 Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner[3], Float8 error) {
@@ -79,21 +79,21 @@ Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner
     h.height[i] = dot(normal, minus(corner[i], on_plane));
     least = min(least, magnitude(h.height[i]));
   }
-  h.all_clear = least > error;
+  h.are_signs_certain = least > error;
   const Float8 differ = (h.height[0] ^ h.height[1]) | (h.height[0] ^ h.height[2]);
-  h.beside = and_not(differ, h.all_clear);
+  h.is_beside = and_not(differ, h.are_signs_certain);
   return h;
 }
 
 struct Pierced {
   Vec8 point;
-  Float8 loose;  // E / |d0 - d1|: error of t
+  Float8 t_error;  // E / |d0 - d1|: error of t
 };
 
 Pierced pierce(const Vec8& base, const Vec8& direction, Float8 d0, Float8 d1, Float8 error) {
-  const Float8 one_over = 1.0F / (d0 - d1);
-  const Float8 t = d0 * one_over;
-  return {{fma(t, direction.x, base.x), fma(t, direction.y, base.y), fma(t, direction.z, base.z)}, error * magnitude(one_over)};
+  const Float8 inverse = 1.0F / (d0 - d1);
+  const Float8 t = d0 * inverse;
+  return {{fma(t, direction.x, base.x), fma(t, direction.y, base.y), fma(t, direction.z, base.z)}, error * magnitude(inverse)};
 }
 
 }  // namespace
@@ -133,17 +133,17 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 firsts = minus(q.first, p.first);
   const Vec8 low_turn = cross(low_a, firsts);
   const Vec8 high_turn = cross(high_a, firsts);
-  const Float8 turned = (a_below ^ b_below) & kSign;
+  const Float8 order_sign = (a_below ^ b_below) & kSign;
   // > 0: b's crossing point comes later along D than a's.
-  const Float8 low_high = dot(high_b, low_turn) ^ turned;
-  const Float8 high_low = dot(low_b, high_turn) ^ turned;
-  const Float8 low_low = dot(low_b, low_turn) ^ turned;
-  const Float8 high_high = dot(high_b, high_turn) ^ turned;
+  const Float8 low_high = dot(high_b, low_turn) ^ order_sign;
+  const Float8 high_low = dot(low_b, high_turn) ^ order_sign;
+  const Float8 low_low = dot(low_b, low_turn) ^ order_sign;
+  const Float8 high_high = dot(high_b, high_turn) ^ order_sign;
   const Float8 order_error = determinant_error(eta, k, l, between + (k + l));
   const Float8 apart = ((low_high ^ kSign) > order_error) | (high_low > order_error);
   const Float8 least_order = min(min(magnitude(low_high), magnitude(high_low)), min(magnitude(low_low), magnitude(high_high)));
-  const Float8 heights_clear = over_b.all_clear & over_a.all_clear;
-  const Float8 clear = (least_order > order_error) & heights_clear;
+  const Float8 heights_certain = over_b.are_signs_certain & over_a.are_signs_certain;
+  const Float8 certain = (least_order > order_error) & heights_certain;
 
   // begin: the later of the two low ends; end: the earlier of the two high ends. The sign bits of these masks select b's.
   const Float8 begin_on_b = low_low ^ kSign;
@@ -158,13 +158,13 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Pierced end =
       pierce(choose(p.first, q.first, end_on_b), choose(high_a, high_b, end_on_b), choose(p.height[0], q.height[0], end_on_b),
              choose(high_height_a, high_height_b, end_on_b), choose(error_a, error_b, end_on_b));
-  const Float8 shift = max(k, l) * (max(begin.loose, end.loose) + 4.0F * 0x1p-24F) + 8.0F * 0x1p-24F * bound;
+  const Float8 shift = max(k, l) * (max(begin.t_error, end.t_error) + 4.0F * 0x1p-24F) + 8.0F * 0x1p-24F * bound;
   const Float8 error = 1.75F * shift;  // above sqrt(3): from the error of a component to that of the length
   const Float8 located = 0.00099F * min(edge_a, edge_b) > error;
 
-  const Float8 beside = over_b.beside | over_a.beside;
-  const Float8 misses = beside | (apart & heights_clear);
-  const Float8 meets = and_not(misses, clear & located);
+  const Float8 is_beside = over_b.is_beside | over_a.is_beside;
+  const Float8 misses = is_beside | (apart & heights_certain);
+  const Float8 meets = and_not(misses, certain & located);
   contacts.meets = static_cast<std::uint8_t>(sign_bits(meets));
   contacts.undecided = static_cast<std::uint8_t>(~sign_bits(meets | misses));
   store(begin.point, contacts.begin);

@@ -13,26 +13,26 @@ namespace hapton {
 template <class Stamp>
 class VisitStampsOf {
  public:
-  explicit VisitStampsOf(std::size_t items = 0) : seen_(items, 0) {}
+  explicit VisitStampsOf(std::size_t items = 0) : item_stamps_(items, 0) {}
 
   void start() noexcept {
     if (++stamp_ == 0) {
-      std::fill(seen_.begin(), seen_.end(), Stamp{0});
+      std::fill(item_stamps_.begin(), item_stamps_.end(), Stamp{0});
       stamp_ = 1;
     }
   }
 
   // True at the first call for this item since start. Pre: start was called.
   bool first_visit(std::uint32_t item) noexcept {
-    if (seen_[item] == stamp_) {
+    if (item_stamps_[item] == stamp_) {
       return false;
     }
-    seen_[item] = stamp_;
+    item_stamps_[item] = stamp_;
     return true;
   }
 
  private:
-  std::vector<Stamp> seen_;
+  std::vector<Stamp> item_stamps_;
   Stamp stamp_ = 0;
 };
 

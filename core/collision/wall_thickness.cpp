@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 // Two faces nearer than this share of the mesh's extent count as one: coordinates of mesh files are often single precision, of 24 bits.
-constexpr double kSamePlace = 0x1p-20;
+constexpr double kSamePlaceShare = 0x1p-20;
 // A ray also meets a triangle that it passes by up to this share of the triangle's size, so that none slips between two neighbours. The
 // error of barycentric coordinates is a few 2^-52 times the aspect ratio, so triangles may be a million times as long as high.
 constexpr double kBeyondEdge = 0x1p-30;
@@ -37,16 +37,16 @@ class WallRays {
   // The thickness of the wall behind the point p of triangle `from`, if it is less than width. Nothing: there is no wall, or a thicker one.
   std::optional<double> measure(std::uint32_t from, const Vec3& p, const Vec3& inward, double width) const {
     double nearest = width;
-    std::uint32_t met = from;
+    std::uint32_t hit_triangle = from;
     tree_.visit_along(to_unit(p), inward * (width / extent()), 0.0, 1.0, [&](std::uint32_t t, double until) {
       if (share_vertex(mesh_.triangles[from], mesh_.triangles[t])) return until;
       const auto hit = find_ray_hit(p, inward, nearest, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2));
-      if (!hit || *hit <= kSamePlace * extent()) return until;
+      if (!hit || *hit <= kSamePlaceShare * extent()) return until;
       nearest = *hit;
-      met = t;
+      hit_triangle = t;
       return std::min(until, nearest / width);
     });
-    const bool is_wall = met != from && normal(met).dot(inward) >= kWallCosine;
+    const bool is_wall = hit_triangle != from && normal(hit_triangle).dot(inward) >= kWallCosine;
     return is_wall ? std::optional(nearest) : std::nullopt;
   }
 
@@ -66,7 +66,7 @@ class WallRays {
 }  // namespace
 
 // Möller & Trumbore (1997), with the edges moved outwards by kBeyondEdge.
-std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double most, const Vec3& a, const Vec3& b,
+std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double max_distance, const Vec3& a, const Vec3& b,
                                    const Vec3& c) noexcept {
   const Vec3 ab = b - a;
   const Vec3 ac = c - a;
@@ -79,7 +79,7 @@ std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double 
   const double v = direction.dot(along) / determinant;
   if (!(u >= -kBeyondEdge && v >= -kBeyondEdge && u + v <= 1.0 + kBeyondEdge)) return std::nullopt;
   const double distance = ac.dot(along) / determinant;
-  return distance > 0.0 && distance < most ? std::optional(distance) : std::nullopt;
+  return distance > 0.0 && distance < max_distance ? std::optional(distance) : std::nullopt;
 }
 
 ThinWalls find_thin_walls(const TriangleMesh& mesh, double width) {

@@ -36,7 +36,8 @@ ThinWalls find_thin_walls(const TriangleMesh& mesh, double width);
 
 // The distance from p along the unit direction to the triangle abc, if it is in (0, most). A ray that misses the triangle's edges by no
 // more than rounding still meets it. RT: yes.
-std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double most, const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double max_distance, const Vec3& a, const Vec3& b,
+                                   const Vec3& c) noexcept;
 
 // Calls use(point) for the points of one triangle from which the thickness is measured; of a small one only its centroid. RT: yes.
 template <class Use>

@@ -25,8 +25,8 @@ Item make_item(const Box& box, std::uint32_t id) {
   return item;
 }
 
-constexpr std::uint32_t kFew = 64;  // items that fill a whole level of eight nodes
-static_assert(kFew == WideBvh::kWidth * WideBvh::kWidth);
+constexpr std::uint32_t kTwoLevelItems = 64;  // items that fill a whole level of eight nodes
+static_assert(kTwoLevelItems == WideBvh::kWidth * WideBvh::kWidth);
 // In larger runs only the widest axis is tried: it is nearly always the best, and this takes a third of the work.
 constexpr std::uint32_t kOneAxisAbove = 512;
 
@@ -46,8 +46,8 @@ struct WideBvh::Builder {
   // Splits off the first `count` items along the axis, which bounds the depth for any geometry.
   std::pair<ItemRun, ItemRun> split_off(const ItemRun& range, int axis, std::uint32_t count) {
     const std::uint32_t middle = range.begin + count;
-    if (range.size() <= kFew) {
-      part_few(range, axis, count);
+    if (range.size() <= kTwoLevelItems) {
+      partition_few(range, axis, count);
       return {range_of(range.begin, middle), range_of(middle, range.end)};
     }
     std::nth_element(items.begin() + range.begin, items.begin() + middle, items.begin() + range.end,
@@ -57,12 +57,12 @@ struct WideBvh::Builder {
 
   // Moves the `count` items that come first along the axis in front of the others; within both groups the order stays as it is. Each item's
   // rank is counted with eight comparisons at a time, without branches.
-  void part_few(const ItemRun& range, int axis, std::uint32_t count) {
-    alignas(32) std::array<float, kFew> centres;
+  void partition_few(const ItemRun& range, int axis, std::uint32_t count) {
+    alignas(32) std::array<float, kTwoLevelItems> centres;
     centres.fill(std::numeric_limits<float>::infinity());
     const std::uint32_t size = range.size();
     for (std::uint32_t i = 0; i < size; ++i) centres[i] = items[range.begin + i].twice_centre(axis);
-    std::array<std::uint32_t, kFew> before;  // for each item, how many come before it
+    std::array<std::uint32_t, kTwoLevelItems> before;  // for each item, how many come before it
     std::uint32_t candidates = 0;
     float last = std::numeric_limits<float>::lowest();  // largest centre of the items with fewer than `count` before them
     for (std::uint32_t i = 0; i < size; ++i) {
@@ -76,7 +76,7 @@ struct WideBvh::Builder {
       last = before[i] < count ? std::max(last, centres[i]) : last;
     }
     std::uint32_t surplus = candidates - count;  // so many items at `last` belong to the others
-    std::array<Item, kFew> others;
+    std::array<Item, kTwoLevelItems> others;
     std::uint32_t at = range.begin;
     std::uint32_t other = 0;
     for (std::uint32_t i = 0; i < size; ++i) {
@@ -131,7 +131,7 @@ struct WideBvh::Builder {
 
   // Works without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before
   // the cut. bins: those of the cut's axis.
-  std::pair<ItemRun, ItemRun> part_at(const BinnedCut& cut, const ItemRun& range, const Binning& binning, const CutBins& bins) {
+  std::pair<ItemRun, ItemRun> partition_at(const BinnedCut& cut, const ItemRun& range, const Binning& binning, const CutBins& bins) {
     std::uint32_t at = range.begin;
     const Int4 last = Int4(cut.bin);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -143,14 +143,14 @@ struct WideBvh::Builder {
     return cut.sides(range, at, bins);
   }
 
-  std::pair<ItemRun, ItemRun> split(const ItemRun& range, bool balanced) {
+  std::pair<ItemRun, ItemRun> split(const ItemRun& range, bool is_balanced) {
     alignas(16) std::array<float, 4> extent;
     store(extent.data(), range.centres.high - range.centres.low);
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
     const std::uint32_t half = range.size() / 2;
     // A run that fits into eight nodes is cut at a multiple of kWidth items: fewer nodes, and no worse for items of similar size.
-    if (range.size() <= kFew) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
-    if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
+    if (range.size() <= kTwoLevelItems) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
+    if (is_balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
     const bool one_axis = range.size() > kOneAxisAbove;
     const Binning binning = binning_of(range, extent);
     std::array<CutBins, 3> bins;
@@ -160,7 +160,7 @@ struct WideBvh::Builder {
       if (extent[k] > 0.0F) cut.consider(bins[k], k, range.size());
     }
     if (cut.axis < 0) return split_off(range, widest, half);
-    return part_at(cut, range, binning, bins[cut.axis]);
+    return partition_at(cut, range, binning, bins[cut.axis]);
   }
 
   void store_child(Node& node, int c, const FloatBox& box, std::uint32_t child) {
@@ -193,7 +193,7 @@ struct WideBvh::Builder {
       return index;
     }
     // Below this level runs are halved by count: 13 levels of eight-fold division cover 2^32 items, well inside kMaxDepth.
-    const bool balanced = level > kMaxDepth - 14;
+    const bool is_balanced = level > kMaxDepth - 14;
     std::array<ItemRun, kWidth> parts;
     parts[0] = range;
     int count = 1;
@@ -203,14 +203,14 @@ struct WideBvh::Builder {
       for (int c = 0; c < count; ++c) {
         if (parts[c].size() <= kWidth) continue;
         const float part_cost =
-            balanced ? static_cast<float>(parts[c].size()) : parts[c].box.half_area() * static_cast<float>(parts[c].size());
+            is_balanced ? static_cast<float>(parts[c].size()) : parts[c].box.half_area() * static_cast<float>(parts[c].size());
         if (part_cost > cost) {
           cost = part_cost;
           largest = c;
         }
       }
       if (largest < 0) break;
-      const auto [left, right] = split(parts[largest], balanced);
+      const auto [left, right] = split(parts[largest], is_balanced);
       parts[largest] = left;
       parts[count++] = right;
     }
@@ -261,10 +261,10 @@ WideBvh::Parents WideBvh::find_parents() const {
     for (std::uint32_t c = 0; c < kWidth; ++c) {
       const std::uint32_t child = nodes_[n].child[c];
       if (!(nodes_[n].low[0][c] <= nodes_[n].high[0][c])) continue;
-      std::vector<std::uint32_t>& of = (child & kItemBit) != 0 ? parents.of_item : parents.of_node;
+      std::vector<std::uint32_t>& parent_of = (child & kItemBit) != 0 ? parents.of_item : parents.of_node;
       const std::uint32_t i = child & ~kItemBit;
-      if (i >= of.size()) of.resize(i + 1, kNoParent);
-      of[i] = n * kWidth + c;
+      if (i >= parent_of.size()) parent_of.resize(i + 1, kNoParent);
+      parent_of[i] = n * kWidth + c;
     }
   }
   return parents;

@@ -24,7 +24,7 @@ namespace hapton {
 //   bool is_due(double time_s) const        shape() must be called for that time even if no vertex moves
 //   void shape(double time_s)               gives the geometry the shape at that time
 //   void skip_to(double time_s)             that time is reached, and the geometry keeps its shape
-//   Vec3 rest_of(vertex) const, Vec3 moved_between(vertex, from_s, to_s) const   as DeformingGeometry
+//   Vec3 rest_of(vertex) const, Vec3 displacement_between(vertex, from_s, to_s) const   as DeformingGeometry
 // All noexcept, RT: yes. Times of the first four do not decrease, except: shape() for the last step's time may follow skip_to() for it.
 //
 // Frame: S. RT: all but construction. Threads: one.
@@ -92,7 +92,7 @@ class CarriedProxy {
       const std::uint32_t vertex = vertices[static_cast<std::size_t>(k)];
       rest.col(k) = surface_.rest_of(vertex);
       now.col(k) = geometry.corner(held->triangle, k);
-      moved.col(k) = surface_.moved_between(vertex, before_s_, last_time_s_);
+      moved.col(k) = surface_.displacement_between(vertex, before_s_, last_time_s_);
     }
     return SurfacePlace{.p_rest = geometry.to_scene(rest * held->weights),
                         .moved = geometry.unit_m() * (moved * held->weights),

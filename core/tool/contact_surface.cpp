@@ -46,7 +46,7 @@ ToolSurface::ToolSurface(const ObjectGeometry& tool)
     : features(std::make_shared<const SurfaceFeatures>(tool)), tree(tool), radius(radius_of(tool)) {}
 
 ToolSurface::ToolSurface(const std::shared_ptr<const ContactSurface>& surface, const Vec3& grip, const ObjectGeometry& tool)
-    : features(features_of(surface)), tree(surface->tree().about(grip)), radius(radius_of(tool)) {}
+    : features(features_of(surface)), tree(surface->tree().with_origin_at(grip)), radius(radius_of(tool)) {}
 
 SceneSurface::SceneSurface(const TouchGeometry& scene) : features(features_of(scene)), tree(scene) {}
 

@@ -35,7 +35,7 @@ class ContactSurface {
 struct ToolSurface {
   // Pre: the geometry outlives this.
   explicit ToolSurface(const ObjectGeometry& tool);
-  // Makes a tool of a prepared object, with its origin moved to `grip`. tool: surface->geometry().about(grip).
+  // Makes a tool of a prepared object, with its origin moved to `grip`. tool: surface->geometry().with_origin_at(grip).
   ToolSurface(const std::shared_ptr<const ContactSurface>& surface, const Vec3& grip, const ObjectGeometry& tool);
 
   std::shared_ptr<const SurfaceFeatures> features;  // positions of their surface may have an origin other than the grip point

@@ -362,7 +362,7 @@ ObbTree::ObbTree(std::span<const ObbTree* const> objects, const TouchGeometry& s
   triangles_ = std::move(joiner.triangles);
 }
 
-ObbTree ObbTree::about(const Vec3& p) const {
+ObbTree ObbTree::with_origin_at(const Vec3& p) const {
   ObbTree moved(*this);
   for (Node& node : moved.nodes_) {
     const Vec3 centre = node.at() - p;

@@ -40,7 +40,7 @@ class ObbTree {
   ObbTree(std::span<const ObbTree* const> objects, const TouchGeometry& scene);
 
   // The tree of the same surface in coordinates with the origin at p. Boxes are larger by the rounding of their centres.
-  ObbTree about(const Vec3& p) const;
+  ObbTree with_origin_at(const Vec3& p) const;
   std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + triangles_.capacity() * sizeof(std::uint32_t); }
 
   // Node 0 is the root. Empty if there are no triangles.

@@ -160,7 +160,7 @@ ToolStep::ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts
       q_DT_(prepared.q_DT),
       scene_(geometries_of(parts[0].surfaces), prepared.frame),
       part_of_(prepared.part_of),
-      tool_(prepared.tool->geometry().about(prepared.grip)),
+      tool_(prepared.tool->geometry().with_origin_at(prepared.grip)),
       proxy_(tool_, std::make_shared<const ToolSurface>(prepared.tool, prepared.grip, tool_), scene_,
              std::make_shared<const SceneSurface>(parts[0].surfaces, scene_), turn_length_m(coupling_) / scene_.unit_m(), parts[0].friction,
              team_ ? *team_ : calling_thread()) {

@@ -77,7 +77,8 @@ std::optional<double> ProxyMethod::shading_crease_rad(const MethodSettings& sett
 TouchGeometry ProxyMethod::make_geometry(const MethodSettings& settings, const TouchScene& scene) {
   const std::optional<double> crease_rad = shading_crease_rad(settings);
   auto meshes = meshes_of(scene);
-  if (scene.built != nullptr && scene.part_of.is_empty() && scene.built->are_of(meshes, crease_rad)) return TouchGeometry(*scene.built);
+  if (scene.built != nullptr && scene.part_of.is_empty() && scene.built->are_built_from(meshes, crease_rad))
+    return TouchGeometry(*scene.built);
   return TouchGeometry(std::move(meshes), policy_of(settings, scene), crease_rad, scene.part_of);
 }
 
@@ -259,6 +260,6 @@ void ProxyMethod::leave_ball() noexcept {
   ball_.leave(geometry_);
 }
 
-bool ProxyMethod::prepare() { return geometry_.build_wanted(); }
+bool ProxyMethod::prepare() { return geometry_.build_requested(); }
 
 }  // namespace hapton

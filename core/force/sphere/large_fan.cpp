@@ -35,11 +35,11 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
   const double near = on.contacts.offset() + 2.0 * on.contacts.clearance().slop;
   const bool is_hollow = is_hollow_fan(face);
   const double enough = on.contacts.offset() + 2.0 * towards.norm();
-  if (on.near.room_at(on.centre) < near + (is_hollow ? enough : 2.0 * least)) {
+  if (on.near.covered_radius_at(on.centre) < near + (is_hollow ? enough : 2.0 * least)) {
     on.near.widen(enough);  // a wider ball holds hardly more triangles of the fan, and serves many steps
     if (!on.near.gather(on.centre, is_hollow ? Vec3::Zero() : towards, on.work)) return false;
   }
-  double room = on.near.room_at(on.centre) - near;
+  double room = on.near.covered_radius_at(on.centre) - near;
   int planes = 0;
   on.near.visit_near(on.centre, on.centre, near + std::max(room, 0.0), [&](int slot) {
     const std::uint32_t triangle = on.near.triangle(slot);

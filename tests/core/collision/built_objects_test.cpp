@@ -47,18 +47,18 @@ TEST(BuiltObjects, AreOfTheirMeshesAndNormalsAlone) {
   const BuiltMeshes meshes = make_built_meshes();
   BuiltObjects built;
   built.meshes = meshes;
-  EXPECT_TRUE(built.are_of(meshes, std::nullopt));
-  EXPECT_FALSE(built.are_of(meshes, 0.5));
+  EXPECT_TRUE(built.are_built_from(meshes, std::nullopt));
+  EXPECT_FALSE(built.are_built_from(meshes, 0.5));
   built.shading_crease_rad = 0.5;
-  EXPECT_TRUE(built.are_of(meshes, 0.5));
-  EXPECT_FALSE(built.are_of(meshes, 0.25));
-  EXPECT_FALSE(built.are_of(meshes, std::nullopt));
+  EXPECT_TRUE(built.are_built_from(meshes, 0.5));
+  EXPECT_FALSE(built.are_built_from(meshes, 0.25));
+  EXPECT_FALSE(built.are_built_from(meshes, std::nullopt));
   BuiltMeshes other = meshes;
   other.pop_back();
-  EXPECT_FALSE(built.are_of(other, 0.5));
+  EXPECT_FALSE(built.are_built_from(other, 0.5));
   other = meshes;
   other[1] = std::make_shared<TriangleMesh>(*other[1]);
-  EXPECT_FALSE(built.are_of(other, 0.5)) << "an equal mesh, but another one";
+  EXPECT_FALSE(built.are_built_from(other, 0.5)) << "an equal mesh, but another one";
 }
 
 // Compares numbers of triangles, marks, adjacency and queries.

@@ -166,7 +166,7 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   EXPECT_FALSE(near->gather(geometry, Vec3::Zero(), 4.0, queried));
   EXPECT_EQ(near->count(), 0);
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
-  EXPECT_GT(queried, NearTriangles::kMaxOthers);
+  EXPECT_GT(queried, NearTriangles::kMaxOutsideFans);
   bool any = false;
   near->visit_near(Vec3::Zero(), Vec3::Zero(), 4.0, [&](int) { any = true; });
   EXPECT_FALSE(any);

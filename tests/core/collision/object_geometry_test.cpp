@@ -37,7 +37,7 @@ TEST(ObjectGeometry, HoldsTheMeshesTriangles) {
 
 TEST(ObjectGeometry, BoundsAreThoseOfItsVertices) {
   const ObjectGeometry object(make_box({1, 2, 3}, 1), {.origin = Vec3(1, 0, 0), .unit_m = 2.0});
-  EXPECT_EQ(object.bounds().low, object.about(Vec3(0.5, 0, 0)).bounds().low + Vec3(0.5, 0, 0));
+  EXPECT_EQ(object.bounds().low, object.with_origin_at(Vec3(0.5, 0, 0)).bounds().low + Vec3(0.5, 0, 0));
   EXPECT_EQ((object.bounds().high - object.bounds().low).eval(), Vec3(0.5, 1.0, 1.5));
 }
 
@@ -144,7 +144,7 @@ TEST(ObjectGeometry, SmoothNormalsAreTheAuthoredOnesWhereTheyAreValid) {
 TEST(ObjectGeometry, WithAnotherOriginItIsTheSameSurface) {
   const ObjectGeometry surface(make_bumpy_sphere(0.3, 0.2, 300, 5), {Vec3::Zero(), 1.0});
   const Vec3 p(0.1234567890123456, -0.2, 1.0 / 3.0);
-  const ObjectGeometry other = surface.about(p);
+  const ObjectGeometry other = surface.with_origin_at(p);
   ASSERT_EQ(other.triangle_count(), surface.triangle_count());
   for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
     ASSERT_EQ(other.triangle(t), surface.triangle(t));

@@ -99,7 +99,7 @@ TEST(StreamedGeometry, KnowsHowFarAVertexMovedAlsoWhereAStageEndsBetween) {
   double before_s = 0.05;
   for (const double time_s : {0.07, 0.09, 0.113, 0.15, 0.2}) {
     one.surface->shape(time_s);
-    const Vec3 moved = one.geometry->unit_m() * one.surface->moved_between(0, before_s, time_s);
+    const Vec3 moved = one.geometry->unit_m() * one.surface->displacement_between(0, before_s, time_s);
     EXPECT_NEAR(moved.z(), 0.05 * (time_s - before_s), 1e-15) << time_s;
     before_s = time_s;
   }

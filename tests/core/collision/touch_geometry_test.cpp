@@ -137,7 +137,7 @@ TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
   EXPECT_GE(hierarchies, 2 * 2 * sizeof(Box));
   EXPECT_LT(hierarchies, near->triangles.size() * 20);
   geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
-  ASSERT_TRUE(geometry.build_wanted());
+  ASSERT_TRUE(geometry.build_requested());
   EXPECT_GT(geometry.bytes(), hierarchies + near->triangles.size() * 20);
   EXPECT_LT(geometry.bytes(), TouchGeometry(std::vector<const TriangleMesh*>{near.get(), far.get()}).bytes());
 }
@@ -151,7 +151,7 @@ TEST(TouchGeometry, MayHaveLargeFansWhereAnObjectHasOneOrIsNotBuiltYet) {
   TouchGeometry geometry({few}, BuildPolicy::on_approach);
   EXPECT_TRUE(geometry.may_have_large_fans());
   geometry.request_ahead(geometry.to_local({0, 0.06, 0}), 0.0);
-  ASSERT_TRUE(geometry.build_wanted());
+  ASSERT_TRUE(geometry.build_requested());
   EXPECT_FALSE(geometry.may_have_large_fans());
 }
 
@@ -172,13 +172,13 @@ TEST(TouchGeometry, BuildsOnApproachAndActivatesNoObjectAroundTheProbe) {
     return count;
   };
   EXPECT_EQ(geometry.built_count(), 0U);
-  EXPECT_FALSE(geometry.build_wanted()) << "nothing was requested";
+  EXPECT_FALSE(geometry.build_requested()) << "nothing was requested";
   EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 1.5, 0}), 0.0), 0.0);
-  EXPECT_FALSE(geometry.build_wanted());
+  EXPECT_FALSE(geometry.build_requested());
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), 0);
-  EXPECT_TRUE(geometry.build_wanted());
-  EXPECT_FALSE(geometry.build_wanted()) << "the far one was built, too";
+  EXPECT_TRUE(geometry.build_requested());
+  EXPECT_FALSE(geometry.build_requested()) << "the far one was built, too";
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), 0) << "it became active around the probe";
   EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
@@ -292,7 +292,7 @@ TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
       if (!requested[o]) brute = std::min(brute, std::max(0.0, beyond));
     }
     EXPECT_LE(may_go, brute + 1e-12) << "step " << step;
-    while (geometry.build_wanted()) {
+    while (geometry.build_requested()) {
     }
     ASSERT_EQ(geometry.built_count(), static_cast<std::size_t>(std::count(requested.begin(), requested.end(), true))) << "step " << step;
     if (geometry.waiting_count() == 0) break;
@@ -305,7 +305,7 @@ TEST(TouchGeometry, AnObjectWithoutTrianglesIsNotWaitedFor) {
   TouchGeometry geometry({std::make_shared<TriangleMesh>(), ball}, BuildPolicy::on_approach);
   EXPECT_EQ(geometry.waiting_count(), 1U);
   geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
-  EXPECT_TRUE(geometry.build_wanted());
+  EXPECT_TRUE(geometry.build_requested());
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), std::numeric_limits<double>::infinity());
   const TouchGeometry at_once({std::make_shared<TriangleMesh>(), ball});
   EXPECT_EQ(at_once.triangle_count(), ball->triangles.size());

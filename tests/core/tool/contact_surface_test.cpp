@@ -92,7 +92,7 @@ TEST_F(ContactSurfaceTest, AToolOfAPreparedObjectHasTheNearFeaturesOfOneThatIsBu
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball});
   for (const std::uint32_t held : {0U, 1U, 3U}) {
     const Vec3 grip = objects[held]->geometry().corner(0, 0) + 0.01 * draw();
-    const ObjectGeometry tool = objects[held]->geometry().about(grip);
+    const ObjectGeometry tool = objects[held]->geometry().with_origin_at(grip);
     NearFeatures anew(tool, scene);
     NearFeatures prepared(tool, std::make_shared<const ToolSurface>(objects[held], grip, tool), scene,
                           std::make_shared<const SceneSurface>(scene));

@@ -96,8 +96,8 @@ TEST(ObbTree, WithAnotherOriginBoxesContainTheDisplacedTriangles) {
   const ObjectGeometry surface(make_bumpy_sphere(0.3, 0.2, 2000, 5), {Vec3::Zero(), 1.0});
   const ObbTree tree(surface);
   for (const Vec3& p : {Vec3(0.1, -0.2, 0.3), Vec3(-1.7, 0.9, 0.4), Vec3(0.0, 0.0, 0.0)}) {
-    const ObjectGeometry displaced = surface.about(p);
-    const ObbTree moved = tree.about(p);
+    const ObjectGeometry displaced = surface.with_origin_at(p);
+    const ObbTree moved = tree.with_origin_at(p);
     const Checked checked = check_tree(moved, [&](std::uint32_t t) {
       return std::array<Vec3, 3>{displaced.corner(t, 0), displaced.corner(t, 1), displaced.corner(t, 2)};
     });

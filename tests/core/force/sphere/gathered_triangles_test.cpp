@@ -48,7 +48,7 @@ TEST_F(GatheredTrianglesOf, HoldsAllThatBruteForceFindsAndASensibleNumber) {
     ASSERT_TRUE(near->gather(c, towards, work));
     EXPECT_GE(work, near->count());
     ASSERT_TRUE(near->covers(c, kClearanceOfBalls.offset));
-    const double within = near->room_at(c);
+    const double within = near->covered_radius_at(c);
     std::vector<std::uint32_t> visited;
     near->visit_near(c, c, within, [&](int slot) { visited.push_back(near->triangle(slot)); });
     for (std::uint32_t t = 0; t < count(); ++t) {

@@ -85,7 +85,7 @@ TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
   SphereFollower follower(geometry, materials, kOffset / geometry.unit_m());
   const auto build_next = [&](double range) {
     geometry.request_ahead(follower.centre(), range);
-    ASSERT_TRUE(geometry.build_wanted());
+    ASSERT_TRUE(geometry.build_requested());
     geometry.request_ahead(follower.centre(), range);
     follower.forget_near();
   };
