@@ -27,11 +27,11 @@ class BandLimitedSignal {
   double at(double since_newest, std::size_t stride) const noexcept;
 
  private:
-  // Every sample is stored twice, so that the last kKept are always in one piece.
-  static constexpr std::size_t kKept = 256;
-  static_assert(kKept >= 2 * kHalfWidth * kMaxStride);
+  // Every sample is stored twice, so that the last kStored are always in one piece.
+  static constexpr std::size_t kStored = 256;
+  static_assert(kStored >= 2 * kHalfWidth * kMaxStride);
 
-  std::array<double, 2 * kKept> samples_ = {};
+  std::array<double, 2 * kStored> samples_ = {};
   std::size_t next_ = 0;
   const double* kernel_;
 };

@@ -39,7 +39,7 @@ struct BurstEffect {
     }
     state.has_sample = true;
     state.is_inside = is_inside;
-    return ring(sample, state);
+    return burst_force(sample, state);
   }
 
   // The force of a burst with a button. is_pressed: the button was pressed since the sample before.
@@ -48,11 +48,11 @@ struct BurstEffect {
       state.has_begun = true;
       state.began_s = sample.time_s;
     }
-    return ring(sample, state);
+    return burst_force(sample, state);
   }
 
  private:
-  Vec3 ring(const EffectSample& sample, const State& state) const noexcept {
+  Vec3 burst_force(const EffectSample& sample, const State& state) const noexcept {
     const double time_s = sample.time_s - state.began_s;
     if (!state.has_begun || !(time_s < duration_s)) return Vec3::Zero();
     return bounded_force((amplitude_n * decaying_sine(time_s, frequency_hz, decay_s)) * direction, amplitude_n);

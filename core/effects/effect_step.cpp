@@ -23,8 +23,8 @@ struct ForceOf {
 // Where the tip is drawn: on the undeformed layer that resists, just as the probe is drawn on an undeformed surface.
 Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers,
                    const TissueLayers::State& state) noexcept {
-  const bool resists = state.punctured < layers.count() && state.rest_m < depth_m;
-  return resists ? Vec3(p_SP + (state.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
+  const bool resists = state.punctured_count < layers.count() && state.rest_depth_m < depth_m;
+  return resists ? Vec3(p_SP + (state.rest_depth_m / depth_m) * (p_SD - p_SP)) : p_SD;
 }
 
 // U of SurfaceMaps: the energy of the method's spring, without that of the progressive part, which no image scales.
@@ -46,24 +46,24 @@ EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<Switche
   for (const int frame : frame_of_) frames_.resize(std::max(frames_.size(), static_cast<std::size_t>(frame + 1)));
   const auto has_texture = [](const SurfaceEffects& surface) { return surface.texture.is_on(); };
   if (std::any_of(surfaces_.begin(), surfaces_.end(), has_texture)) texture_.emplace();
-  for (SwitchedEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}, .mass = {}, .on = {}});
+  for (SwitchedEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}, .mass = {}, .switch_state = {}});
 }
 
 void EffectStep::reset() noexcept {
   velocity_.reset();
   for (SurfaceFrame& frame : frames_) frame.reset();
-  carried_in_ = kStill;
+  state_frame_ = kStill;
   friction_ = {};
   if (texture_) texture_.emplace();
   time_s_ = 0.0;
-  touched_ = -1;
-  in_contact_ = false;
+  touched_object_ = -1;
+  is_in_contact_ = false;
   contacts_ = 0;
   for (ObjectState& state : states_) state = {};
-  for (Placed& placed : space_) {
-    placed.burst = {};
-    placed.mass = {};
-    placed.on = {};
+  for (EffectWithState& effect : space_) {
+    effect.burst = {};
+    effect.mass = {};
+    effect.switch_state = {};
   }
 }
 
@@ -90,7 +90,7 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
   const bool is_known = contact.contact && contact.object >= 0 && contact.object < static_cast<int>(surfaces_.size());
   if (is_known) {
     const int frame = frame_of(contact.object);
-    if (frame != carried_in_) carry_into(frame);
+    if (frame != state_frame_) carry_state_into(frame);
     result.force_n = frame == kStill ? surface_force({sample, velocity_.newest(), p_SD - before, passed_s}, contact, result.p_SP)
                                      : moving_force(frames_[static_cast<std::size_t>(frame)], sample, passed_s, contact, result.p_SP);
   } else {
@@ -104,14 +104,14 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
 }
 
 Vec3 EffectStep::step_in_space(const Vec3& p_SD, double dt_s, std::uint32_t buttons) noexcept {
-  touched_ = -1;
+  touched_object_ = -1;
   return step(p_SD, dt_s, {}, buttons).force_n;
 }
 
 SurfaceEffectState& EffectStep::state_of(int object) noexcept {
-  if (!in_contact_) ++contacts_;
-  in_contact_ = true;
-  touched_ = object;
+  if (!is_in_contact_) ++contacts_;
+  is_in_contact_ = true;
+  touched_object_ = object;
   ObjectState& state = states_[static_cast<std::size_t>(object)];
   if (state.contact != contacts_) state = {.effects = {}, .contact = contacts_};
   return state.effects;
@@ -144,36 +144,36 @@ void EffectStep::advance_frames(const Vec3& p_SD, double dt_s) noexcept {
 }
 
 // Turns the state that goes on from surface to surface (friction, texture) from the frame of the last surface into this one.
-void EffectStep::carry_into(int frame) noexcept {
+void EffectStep::carry_state_into(int frame) noexcept {
   const auto axes_of = [&](int which) {
     return which == kStill ? Mat3(Mat3::Identity()) : frames_[static_cast<std::size_t>(which)].axes();
   };
-  const Mat3 turn = axes_of(frame).transpose() * axes_of(carried_in_);
-  carried_in_ = frame;
-  friction_.pulled = turn * friction_.pulled;
+  const Mat3 turn = axes_of(frame).transpose() * axes_of(state_frame_);
+  state_frame_ = frame;
+  friction_.extension = turn * friction_.extension;
   if (texture_) texture_->turn(turn);
 }
 
 Vec3 EffectStep::moving_force(SurfaceFrame& frame, const EffectSample& sample, double dt_s, const SurfaceContact& contact,
                               Vec3& p_SP) noexcept {
   if (contact.place != nullptr) frame.follow_deformation(contact.place->moved, dt_s);
-  SurfaceContact touched = contact;
-  touched.force_n = frame.axes().transpose() * contact.force_n;
-  touched.p_SP = frame.to_frame(contact.p_SP);
-  const Seen seen = {.sample = {.p_SD = frame.p_FD(), .v_SD = frame.velocity().mean(), .time_s = sample.time_s},
-                     .newest_v = frame.velocity().newest(),
-                     .motion = frame.motion(),
-                     .dt_s = dt_s};
-  Vec3 p_FP = touched.p_SP;
-  const Vec3 force_F = surface_force(seen, touched, p_FP);
-  if (p_FP != touched.p_SP) p_SP = frame.to_scene(p_FP);
+  SurfaceContact contact_in_frame = contact;
+  contact_in_frame.force_n = frame.axes().transpose() * contact.force_n;
+  contact_in_frame.p_SP = frame.to_frame(contact.p_SP);
+  const SurfaceSample surface_sample = {.sample = {.p_SD = frame.p_FD(), .v_SD = frame.velocity().mean(), .time_s = sample.time_s},
+                                        .newest_v = frame.velocity().newest(),
+                                        .motion = frame.motion(),
+                                        .dt_s = dt_s};
+  Vec3 p_FP = contact_in_frame.p_SP;
+  const Vec3 force_F = surface_force(surface_sample, contact_in_frame, p_FP);
+  if (p_FP != contact_in_frame.p_SP) p_SP = frame.to_scene(p_FP);
   return frame.axes() * force_F;
 }
 
-Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, Vec3& p_SP) noexcept {
-  const EffectSample& sample = seen.sample;
+Vec3 EffectStep::surface_force(const SurfaceSample& surface_sample, const SurfaceContact& contact, Vec3& p_SP) noexcept {
+  const EffectSample& sample = surface_sample.sample;
   const SurfaceEffects& surface = surfaces_[static_cast<std::size_t>(contact.object)];
-  const bool begins = !in_contact_;
+  const bool begins = !is_in_contact_;
   SurfaceEffectState& state = state_of(contact.object);
   if (texture_ && (begins || !surface.texture.is_on())) texture_->begin();
   if (!surface.any()) {
@@ -187,7 +187,7 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   // Only the part along the normal counts: with method sweep, the contact point lags centimetres behind a hand that slides.
   const double depth_m = to_proxy.dot(normal);
   if (!(depth_m > 0.0)) {
-    in_contact_ = !begins;  // a contact begins only with the first depth above zero
+    is_in_contact_ = !begins;  // a contact begins only with the first depth above zero
     return contact.force_n;
   }
 
@@ -208,19 +208,19 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
     pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal - slope), state.layers);
     p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
   }
-  if (surface.drag.damping_ns_per_m > 0.0) pressed_n = surface.drag.damped(pressed_n, seen.newest_v.dot(normal));
+  if (surface.drag.damping_ns_per_m > 0.0) pressed_n = surface.drag.damped(pressed_n, surface_sample.newest_v.dot(normal));
   Vec3 force_n = pressed_n * (normal - slope);
   if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * along(map.stiffness_gradient);
-  add_friction(seen, surface, map, {.normal = normal, .method_n = method_n, .depth_m = depth_m, .normal_n = pressed_n, .begins = begins},
-               force_n);
+  add_friction(surface_sample, surface, map,
+               {.normal = normal, .method_n = method_n, .depth_m = depth_m, .normal_n = pressed_n, .begins = begins}, force_n);
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
   if (surface.maps.viscosity.is_on()) {
     const SurfaceViscosity there{.damping_ns_per_m = map.viscosity_ns_per_m};
     force_n += there.force(sample.v_SD, normal, std::abs(pressed_n));
   }
-  if (surface.texture.is_on()) force_n += texture_->force(surface.texture, sample.v_SD, normal, std::abs(pressed_n), seen.dt_s);
+  if (surface.texture.is_on()) force_n += texture_->force(surface.texture, sample.v_SD, normal, std::abs(pressed_n), surface_sample.dt_s);
   if (surface.tap.is_on()) {
-    if (begins) surface.tap.begin(-seen.newest_v.dot(normal), sample.time_s, state.tap);
+    if (begins) surface.tap.begin(-surface_sample.newest_v.dot(normal), sample.time_s, state.tap);
     force_n += surface.tap.force(sample.time_s, state.tap) * normal;
   }
   if (surface.snap.is_on()) SurfaceSnap::touch(contact.p_SP, normal, state.snap);
@@ -228,7 +228,7 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
 }
 
 // Adds the friction of an image, or that of the material if the method computes none: a spring along the surface.
-void EffectStep::add_friction(const Seen& seen, const SurfaceEffects& surface, const MapSample& map, const Press& press,
+void EffectStep::add_friction(const SurfaceSample& surface_sample, const SurfaceEffects& surface, const MapSample& map, const Press& press,
                               Vec3& force_n) noexcept {
   const bool has_friction_map = surface.maps.friction.is_on();
   if (!(has_friction_map || surface.drag.has_friction()) || !(press.method_n > 0.0)) {
@@ -238,40 +238,41 @@ void EffectStep::add_friction(const Seen& seen, const SurfaceEffects& surface, c
   const auto coefficients = has_friction_map ? SpringFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
   // In its layer, method smooth has a force at almost no depth, which would make this spring too stiff.
   const double spring_n_per_m = std::min(press.method_n / press.depth_m, surface.drag.stiffness_n_per_m);
-  force_n += SpringFriction::force(press.begins ? Vec3(Vec3::Zero()) : seen.motion, press.normal, spring_n_per_m, std::abs(press.normal_n),
-                                   coefficients, friction_);
+  force_n += SpringFriction::force(press.begins ? Vec3(Vec3::Zero()) : surface_sample.motion, press.normal, spring_n_per_m,
+                                   std::abs(press.normal_n), coefficients, friction_);
 }
 
 // The end of contact: layers are whole again and vibrations end; a surface that snaps still attracts.
 Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
-  in_contact_ = false;
+  is_in_contact_ = false;
   friction_ = {};
-  if (touched_ < 0) return Vec3::Zero();
-  const auto object = static_cast<std::size_t>(touched_);
+  if (touched_object_ < 0) return Vec3::Zero();
+  const auto object = static_cast<std::size_t>(touched_object_);
   SurfaceSnap::State& snap = states_[object].effects.snap;
-  const int number = frame_of(touched_);
+  const int number = frame_of(touched_object_);
   if (number == kStill) return surfaces_[object].snap.force(sample, snap);
   const SurfaceFrame& frame = frames_[static_cast<std::size_t>(number)];
   if (frame.has_jumped()) snap = {};
-  EffectSample seen = sample;
-  seen.p_SD = frame.p_FD();
-  return frame.axes() * surfaces_[object].snap.force(seen, snap);
+  EffectSample sample_in_frame = sample;
+  sample_in_frame.p_SD = frame.p_FD();
+  return frame.axes() * surfaces_[object].snap.force(sample_in_frame, snap);
 }
 
 Vec3 EffectStep::space_force(const EffectSample& sample, std::uint32_t buttons) noexcept {
   Vec3 sum = Vec3::Zero();
-  for (auto& [effect, burst, mass, on] : space_) {
-    const bool is_pressed = effect.on.update(buttons, sample.time_s, on);
+  for (auto& [effect, burst, mass, switch_state] : space_) {
+    const bool is_pressed = effect.on.update(buttons, sample.time_s, switch_state);
     if (effect.on.button == 0) {
       sum += std::visit(ForceOf{sample, burst, mass}, effect.effect);
     } else if (const auto* started = std::get_if<BurstEffect>(&effect.effect)) {
       sum += started->force_on_press(sample, is_pressed, burst);
     } else if (const auto* towed = std::get_if<MassEffect>(&effect.effect)) {
-      sum += on.gain * towed->force(sample, mass);  // follows the hand while the button is up, so that a press begins without a jolt
-    } else if (on.gain > 0.0) {
+      sum +=
+          switch_state.gain * towed->force(sample, mass);  // follows the hand while the button is up, so that a press begins without a jolt
+    } else if (switch_state.gain > 0.0) {
       EffectSample since_press = sample;
-      since_press.time_s -= on.began_s;
-      sum += on.gain * std::visit(ForceOf{since_press, burst, mass}, effect.effect);
+      since_press.time_s -= switch_state.began_s;
+      sum += switch_state.gain * std::visit(ForceOf{since_press, burst, mass}, effect.effect);
     }
   }
   return sum;

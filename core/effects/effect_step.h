@@ -77,15 +77,15 @@ class EffectStep {
     SurfaceEffectState effects;
     std::uint64_t contact = 0;
   };
-  struct Placed {
+  struct EffectWithState {
     SwitchedEffect effect;
     BurstEffect::State burst;
     MassEffect::State mass;
-    EffectSwitch::State on;
+    EffectSwitch::State switch_state;
   };
 
   // One sample in the frame of the surface.
-  struct Seen {
+  struct SurfaceSample {
     EffectSample sample;
     Vec3 newest_v = Vec3::Zero();  // velocity over the last interval alone
     Vec3 motion = Vec3::Zero();    // of the device since the sample before
@@ -104,24 +104,25 @@ class EffectStep {
   SurfaceEffectState& state_of(int object) noexcept;
   int frame_of(int object) const noexcept { return frame_of_.empty() ? kStill : frame_of_[static_cast<std::size_t>(object)]; }
   void advance_frames(const Vec3& p_SD, double dt_s) noexcept;
-  void carry_into(int frame) noexcept;
+  void carry_state_into(int frame) noexcept;
   Vec3 moving_force(SurfaceFrame& frame, const EffectSample& sample, double dt_s, const SurfaceContact& contact, Vec3& p_SP) noexcept;
-  Vec3 surface_force(const Seen& seen, const SurfaceContact& contact, Vec3& p_SP) noexcept;
-  void add_friction(const Seen& seen, const SurfaceEffects& surface, const MapSample& map, const Press& press, Vec3& force_n) noexcept;
+  Vec3 surface_force(const SurfaceSample& surface_sample, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  void add_friction(const SurfaceSample& surface_sample, const SurfaceEffects& surface, const MapSample& map, const Press& press,
+                    Vec3& force_n) noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
   Vec3 space_force(const EffectSample& sample, std::uint32_t buttons) noexcept;
 
   std::vector<SurfaceEffects> surfaces_;  // by object
-  std::vector<Placed> space_;
+  std::vector<EffectWithState> space_;
   SmoothVelocity velocity_;
   double time_s_ = 0.0;
-  int touched_ = -1;  // the object touched in the last step that touched any
-  bool in_contact_ = false;
+  int touched_object_ = -1;  // the object touched in the last step that touched any
+  bool is_in_contact_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
   std::vector<int> frame_of_;  // by object; empty: nothing moves
   std::vector<SurfaceFrame> frames_;
   std::span<const Pose> X_SF_;           // poses of frames_ at the next sample
-  int carried_in_ = kStill;              // the frame of friction_ and texture_
+  int state_frame_ = kStill;             // the frame of friction_ and texture_
   SpringFriction::State friction_;       // carried over from object to object, so that the force stays
   std::optional<TextureVoice> texture_;  // carried over likewise; none: no surface has one
   std::uint64_t contacts_ = 0;           // number of contacts begun from free space

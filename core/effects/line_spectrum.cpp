@@ -42,19 +42,20 @@ void multiply_out(const LineSpectrum& first, const LineSpectrum& second) noexcep
   const std::array<const LineSpectrum*, 2> both = {&first, &second};
   const std::size_t most = std::max(factors_of(both, 0), factors_of(both, 2));
   // A lane without a factor i stays as it is. All factors are laid out first: a vector loads slowly just after its lanes were written.
-  std::array<Lanes, kMaxLines / 2> twice, has;
+  std::array<Lanes, kMaxLines / 2> doubled_cosine, has_factor;
   for (int lane = 0; lane < 4; ++lane) {
     const std::size_t factors = factors_of(both, lane);
     for (std::size_t i = 0; i < most; ++i) {
-      twice[i][lane] = i < factors ? 2.0 * both[lane / 2]->cosines[2 * i + static_cast<std::size_t>(lane % 2)] : 0.0;
-      has[i][lane] = i < factors ? 1.0 : 0.0;
+      doubled_cosine[i][lane] = i < factors ? 2.0 * both[lane / 2]->cosines[2 * i + static_cast<std::size_t>(lane % 2)] : 0.0;
+      has_factor[i][lane] = i < factors ? 1.0 : 0.0;
     }
   }
   Halves c;
   for (std::size_t j = 0; j < most + kFront + 1; ++j) c[j] = Lanes::Zero();
   c[kFront] = Lanes::Ones();
   for (std::size_t i = 0; i < most; ++i) {
-    for (std::size_t j = std::min(most, 2 * i + 2) + kFront; j > kFront; --j) c[j] += has[i] * c[j - 2] - twice[i] * c[j - 1];
+    for (std::size_t j = std::min(most, 2 * i + 2) + kFront; j > kFront; --j)
+      c[j] += has_factor[i] * c[j - 2] - doubled_cosine[i] * c[j - 1];
   }
   write(c, 0, first);
   write(c, 2, second);

@@ -19,7 +19,7 @@ struct Range {
     high = std::max(high, x);
   }
 };
-Range only(double x) noexcept { return {x, x}; }
+Range single_value(double x) noexcept { return {x, x}; }
 
 // Ranges over a part of a texel: of the value, and of its first and second derivatives by texture coordinates.
 struct MapRanges {
@@ -47,7 +47,7 @@ Row weights(double s, double t) noexcept {
   return {before, 1.0 - before - after, after};
 }
 Row slopes(double t) noexcept { return {t - 0.5, -2.0 * t, t + 0.5}; }
-constexpr Row kBend = {1.0, -2.0, 1.0};
+constexpr Row kSecondDerivative = {1.0, -2.0, 1.0};
 
 double dot(const Row& a, const Row& b) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -62,7 +62,7 @@ struct Texels {
 
 template <std::size_t a, std::size_t b>
 Range range_of(const Texels& texels, const std::array<Row, a>& across, const std::array<Row, b>& down, double scale) noexcept {
-  Range range = only(scale * texels.sum(across[0], down[0]));
+  Range range = single_value(scale * texels.sum(across[0], down[0]));
   for (const Row& u : across) {
     for (const Row& v : down) range.add(scale * texels.sum(u, v));
   }
@@ -78,7 +78,7 @@ MapRanges ranges_of(const Texels& texels, const Part& part, const ImageMap& map)
     return std::array<Row, 3>{weights(t[0], t[0]), weights(t[0], t[1]), weights(t[1], t[1])};
   };
   const auto slope_points = [](const std::array<double, 2>& t) { return std::array<Row, 2>{slopes(t[0]), slopes(t[1])}; };
-  const std::array<Row, 1> bend = {kBend};
+  const std::array<Row, 1> bend = {kSecondDerivative};
   const auto value_u = value_points(part.u);
   const auto value_v = value_points(part.v);
   const auto slope_u = slope_points(part.u);
@@ -100,8 +100,8 @@ MapRanges wide_ranges_of(const Texels& texels, const ImageMap& map) noexcept {
   const double width = map.image->width();
   const double height = map.image->height();
   const auto& a = texels.at;
-  Range value = only(a[0][0]), u = only(0.0), v = only(0.0), uu = only(a[0][0] - 2.0 * a[0][1] + a[0][2]), uv = only(0.0),
-        vv = only(a[0][0] - 2.0 * a[1][0] + a[2][0]);
+  Range value = single_value(a[0][0]), u = single_value(0.0), v = single_value(0.0), uu = single_value(a[0][0] - 2.0 * a[0][1] + a[0][2]),
+        uv = single_value(0.0), vv = single_value(a[0][0] - 2.0 * a[1][0] + a[2][0]);
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) value.add(a[i][j]);
     uu.add(a[i][0] - 2.0 * a[i][1] + a[i][2]);
@@ -131,29 +131,29 @@ double largest_eigenvalue_of(double trace, double determinant) noexcept {
 }
 
 // How gradients along the surface follow from those in texture coordinates: |a du + b dv|^2 = (a, b) G (a, b)'. metric: the mean G of all
-// triangles, by area. share: the least number with G <= share * metric for each triangle.
+// triangles, by area. max_ratio: the least number with G <= max_ratio * metric for each triangle.
 struct Mapping {
   Eigen::Matrix2d metric = Eigen::Matrix2d::Zero();
-  double share = 0.0;
+  double max_ratio = 0.0;
 
   explicit Mapping(const std::vector<MappedTriangle>& triangles) {
     double area = 0.0;
     for (const MappedTriangle& triangle : triangles) {
-      const double own = (triangle.corner[1] - triangle.corner[0]).cross(triangle.corner[2] - triangle.corner[0]).norm();
-      metric += own * metric_of(triangle);
-      area += own;
+      const double weight = (triangle.corner[1] - triangle.corner[0]).cross(triangle.corner[2] - triangle.corner[0]).norm();
+      metric += weight * metric_of(triangle);
+      area += weight;
     }
     if (!(area > 0.0)) return;
     metric /= area;
     // If all texture coordinates lie on a line, the mean has no inverse. Adding this share of its trace gives it one, and changes the
     // result by at most a thousandth for a mapping that is up to a thousand times as long one way as the other.
-    constexpr double kRegular = 1e-9;
-    metric += kRegular * metric.trace() * Eigen::Matrix2d::Identity();
+    constexpr double kRegularization = 1e-9;
+    metric += kRegularization * metric.trace() * Eigen::Matrix2d::Identity();
     if (!(metric.trace() > 0.0) || !metric.allFinite()) return;
     const Eigen::Matrix2d inverse = metric.inverse();
     for (const MappedTriangle& triangle : triangles) {
       const Eigen::Matrix2d ratio = inverse * metric_of(triangle);
-      share = std::max(share, largest_eigenvalue_of(ratio.trace(), ratio.determinant()));
+      max_ratio = std::max(max_ratio, largest_eigenvalue_of(ratio.trace(), ratio.determinant()));
     }
   }
 
@@ -172,7 +172,7 @@ struct Mapping {
       const double determinant = metric.determinant() * (ranges.uu.high * ranges.vv.high - uv * uv);
       largest = std::max(largest, largest_eigenvalue_of(trace, determinant));
     }
-    return share * largest;
+    return max_ratio * largest;
   }
   double gradient(const MapRanges& ranges) const noexcept {
     double largest = 0.0;
@@ -180,7 +180,7 @@ struct Mapping {
       for (const double v : {ranges.v.low, ranges.v.high})
         largest = std::max(largest, metric(0, 0) * u * u + 2.0 * metric(0, 1) * u * v + metric(1, 1) * v * v);
     }
-    return std::sqrt(share * largest);
+    return std::sqrt(max_ratio * largest);
   }
 };
 
@@ -237,14 +237,14 @@ double find_largest(const ImageMap& map, const Bound& bound) {
 
 double largest_curvature(const ImageMap& map, const std::vector<MappedTriangle>& triangles) {
   const Mapping mapping(triangles);
-  if (!(mapping.share > 0.0)) return 0.0;
+  if (!(mapping.max_ratio > 0.0)) return 0.0;
   return find_largest(map, [&](const MapRanges& ranges) { return mapping.curvature(ranges); });
 }
 
 // K in the plane of n and grad s is the matrix (s k + springs beside k, -f |grad s|; -f |grad s|, U curvature + sideways).
-double MappedSpring::largest_n_per_m(const ImageMap& share, const std::vector<MappedTriangle>& triangles) const {
+double MappedSpring::largest_n_per_m(const ImageMap& share_map, const std::vector<MappedTriangle>& triangles) const {
   const Mapping mapping(triangles);
-  return find_largest(share, [&](const MapRanges& ranges) {
+  return find_largest(share_map, [&](const MapRanges& ranges) {
     const double force_n = pressed_n / ranges.value.low;
     const double along = sideways_n_per_m + 0.5 * force_n * force_n / spring_n_per_m * mapping.curvature(ranges);
     const double across = force_n * mapping.gradient(ranges);
@@ -254,9 +254,9 @@ double MappedSpring::largest_n_per_m(const ImageMap& share, const std::vector<Ma
 }
 
 // The largest eigenvalue of -(v grad s' + grad s v') is |v| |grad s| - v . grad s, with v = n - grad h.
-double MappedSpring::added_n_per_m(const ImageMap& share, const std::vector<MappedTriangle>& triangles, double slope) const {
+double MappedSpring::added_n_per_m(const ImageMap& share_map, const std::vector<MappedTriangle>& triangles, double slope) const {
   const Mapping mapping(triangles);
-  return find_largest(share, [&](const MapRanges& ranges) {
+  return find_largest(share_map, [&](const MapRanges& ranges) {
     const double force_n = pressed_n / ranges.value.low;
     return force_n * mapping.gradient(ranges) * (std::sqrt(1.0 + slope * slope) + slope) +
            0.5 * force_n * force_n / spring_n_per_m * mapping.curvature(ranges);

@@ -24,9 +24,9 @@ struct MappedSpring {
   double pressed_n = 0.0;         // F
 
   // The largest eigenvalue of K without bumps.
-  double largest_n_per_m(const ImageMap& share, const std::vector<MappedTriangle>& triangles) const;
+  double largest_n_per_m(const ImageMap& share_map, const std::vector<MappedTriangle>& triangles) const;
   // The most that the last two terms of K add on bumps of this slope.
-  double added_n_per_m(const ImageMap& share, const std::vector<MappedTriangle>& triangles, double slope) const;
+  double added_n_per_m(const ImageMap& share_map, const std::vector<MappedTriangle>& triangles, double slope) const;
 };
 
 }  // namespace hapton

@@ -17,15 +17,15 @@ class SampledMotion {
   // finite only the time counts.
   void add(const Vec3& p, double dt_s) noexcept {
     if (dt_s < 0.0) *this = {};
-    unmoved_s_ += std::max(dt_s, 0.0);
-    if (p.allFinite()) velocity_.add(p, std::exchange(unmoved_s_, 0.0));
+    since_valid_s_ += std::max(dt_s, 0.0);
+    if (p.allFinite()) velocity_.add(p, std::exchange(since_valid_s_, 0.0));
   }
 
   const Vec3& velocity() const noexcept { return velocity_.mean(); }
 
  private:
   SmoothVelocity velocity_;
-  double unmoved_s_ = 0.0;  // since the last sample that was finite
+  double since_valid_s_ = 0.0;  // since the last sample that was finite
 };
 
 }  // namespace hapton

@@ -31,7 +31,7 @@ class SmoothVelocity {
 
   // The frame has moved: the point of the last sample now has these coordinates.
   void move_last(const Vec3& p) noexcept {
-    if (p.allFinite()) last_ = p;
+    if (p.allFinite()) last_point_ = p;
   }
 
   // Subtracts `velocity` from the last `count` intervals: they were measured against something that moved with this velocity.
@@ -40,7 +40,7 @@ class SmoothVelocity {
   // The smoothed velocity; zero before the second sample.
   const Vec3& mean() const noexcept { return mean_; }
   // The velocity over the last interval alone.
-  Vec3 newest() const noexcept { return has_point_ ? differences_[newest_] : Vec3(Vec3::Zero()); }
+  Vec3 newest() const noexcept { return has_point_ ? interval_velocities_[newest_] : Vec3(Vec3::Zero()); }
 
  private:
   void update_mean() noexcept;
@@ -51,12 +51,12 @@ class SmoothVelocity {
   static constexpr double kShortestS = 1e-9;
   static constexpr double kLongestS = 1.0;
 
-  std::array<Vec3, kSamples> differences_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
-                                             Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  std::array<double, kSamples> intervals_s_ = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  // those of differences_
+  std::array<Vec3, kSamples> interval_velocities_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
+                                                     Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  std::array<double, kSamples> intervals_s_ = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  // those of interval_velocities_
   std::size_t newest_ = 0;
   Vec3 mean_ = Vec3::Zero();
-  Vec3 last_ = Vec3::Zero();
+  Vec3 last_point_ = Vec3::Zero();
   bool has_point_ = false;
   bool has_interval_ = false;
 };

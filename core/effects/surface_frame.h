@@ -26,13 +26,13 @@ class SurfaceFrame {
     has_jumped_ = false;
     const Vec3 p_FD = to_frame(p_SD);
     if (has_point_) {
-      const Vec3 last_now = to_frame(last_p_SD_);
-      has_jumped_ = !((last_now - last_p_FD_).norm() <= kMaxMPerS * std::max(dt_s, 0.0));
-      if (has_jumped_) move_last_to(last_now);
+      const Vec3 last_p_FD_now = to_frame(last_p_SD_);
+      has_jumped_ = !((last_p_FD_now - last_p_FD_).norm() <= kMaxMPerS * std::max(dt_s, 0.0));
+      if (has_jumped_) move_last_to(last_p_FD_now);
     }
     motion_ = has_point_ ? Vec3(p_FD - last_p_FD_) : Vec3(Vec3::Zero());
     velocity_.add(p_FD, dt_s);
-    not_followed_ = std::min(not_followed_ + 1, SmoothVelocity::kSamples);
+    samples_since_follow_ = std::min(samples_since_follow_ + 1, SmoothVelocity::kSamples);
     last_p_SD_ = p_SD;
     last_p_FD_ = p_FD;
     has_point_ = true;
@@ -43,9 +43,9 @@ class SurfaceFrame {
     const bool is_known = dt_s > 0.0 && moved_F.norm() <= kMaxMPerS * dt_s;
     if (is_known) {
       motion_ -= moved_F;
-      velocity_.shift(not_followed_, moved_F / dt_s);
+      velocity_.shift(samples_since_follow_, moved_F / dt_s);
     }
-    not_followed_ = 0;
+    samples_since_follow_ = 0;
   }
   // The scene has moved, so that the last device point has other coordinates in S.
   void move_last(const Vec3& p_SD) noexcept {
@@ -59,7 +59,7 @@ class SurfaceFrame {
     if (!has_point_ || !other.has_point_) return;
     velocity_ = other.velocity_;
     velocity_.move_last(last_p_FD_);
-    not_followed_ = other.not_followed_;
+    samples_since_follow_ = other.samples_since_follow_;
   }
 
   Vec3 to_frame(const Vec3& p_S) const noexcept { return X_SF_.linear().transpose() * (p_S - X_SF_.translation()); }
@@ -81,7 +81,7 @@ class SurfaceFrame {
   Vec3 motion_ = Vec3::Zero();
   Vec3 last_p_SD_ = Vec3::Zero();
   Vec3 last_p_FD_ = Vec3::Zero();
-  std::size_t not_followed_ = 0;  // samples since follow_deformation()
+  std::size_t samples_since_follow_ = 0;  // samples since follow_deformation()
   bool has_point_ = false;
   bool has_jumped_ = false;
 };

@@ -51,13 +51,13 @@ double rms_of(const TextureModel& model) {
   std::vector<double> a(model.ar.size());
   std::vector<double> b(model.ma.size());
   multiply_out({cosines(model.ar), a}, {cosines(model.ma), b});
-  SampleHistory ins, outs;
+  SampleHistory inputs, outputs;
   double energy = 0.0;
   for (int n = 0; n < kResponseSamples; ++n) {
     const double in = n == 0 ? 1.0 : 0.0;
-    const double out = in + ins.sum(b) - outs.sum(a);
-    ins.push(in);
-    outs.push(out);
+    const double out = in + inputs.sum(b) - outputs.sum(a);
+    inputs.push(in);
+    outputs.push(out);
     energy += out * out;
   }
   return model.gain * std::sqrt(model.variance * energy);
@@ -102,9 +102,9 @@ Result<TextureModels> TextureModels::make(double rate_hz, std::vector<TextureMod
     if (const auto fits = check_model(model, models.front(), m + 1); !fits) return tl::unexpected(fits.error());
     const double rms = rms_of(model);
     if (!(rms <= kMaxRms)) return fail("model {} has {} m/s^2 root mean square: it must be at most {}", m + 1, rms, kMaxRms);
-    made.loudest_ = std::max(made.loudest_, rms);
-    made.most_speed_ = std::max(made.most_speed_, model.speed_m_per_s);
-    made.most_force_ = std::max(made.most_force_, model.force_n);
+    made.max_rms_ = std::max(made.max_rms_, rms);
+    made.max_speed_ = std::max(made.max_speed_, model.speed_m_per_s);
+    made.max_force_ = std::max(made.max_force_, model.force_n);
     made.frequencies_.insert(made.frequencies_.end(), model.ar.begin(), model.ar.end());
     made.frequencies_.insert(made.frequencies_.end(), model.ma.begin(), model.ma.end());
   }
@@ -120,7 +120,7 @@ Result<TextureModels> TextureModels::make(double rate_hz, std::vector<TextureMod
     const double as = a.speed_m_per_s - c.speed_m_per_s, af = a.force_n - c.force_n;
     const double bs = b.speed_m_per_s - c.speed_m_per_s, bf = b.force_n - c.force_n;
     const double area = as * bf - af * bs;
-    if (!(std::abs(area) > kMinTextureArea * made.most_speed_ * made.most_force_))
+    if (!(std::abs(area) > kMinTextureArea * made.max_speed_ * made.max_force_))
       return fail("triangle {} has no area: its models must differ in speed and force, and not be in one line", t + 1);
     const double cs = c.speed_m_per_s, cf = c.force_n;
     made.shares_.push_back(
@@ -156,7 +156,7 @@ TextureModels::Weights TextureModels::find(double speed_m_per_s, double force_n,
 }
 
 void TextureModels::blend(double speed_m_per_s, double force_n, std::size_t& triangle, Blend& result) const noexcept {
-  const Weights weights = find(std::clamp(speed_m_per_s, 0.0, most_speed_), std::clamp(force_n, 0.0, most_force_), triangle);
+  const Weights weights = find(std::clamp(speed_m_per_s, 0.0, max_speed_), std::clamp(force_n, 0.0, max_force_), triangle);
   const TextureTriangle& corners = triangles_[triangle];
   const std::size_t count = ar_order_ + ma_order_;
   const double* a = frequencies_.data() + corners[0] * count;

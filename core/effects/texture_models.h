@@ -59,7 +59,7 @@ class TextureModels {
   std::span<const TextureModel> models() const noexcept { return models_; }
   std::span<const TextureTriangle> triangles() const noexcept { return triangles_; }
   // Root mean square of the loudest model, m/s^2.
-  double loudest_m_per_s2() const noexcept { return loudest_; }
+  double loudest_m_per_s2() const noexcept { return max_rms_; }
 
  private:
   // Shares of a triangle's first and second model, as linear functions of speed and force: constant, by speed, by force.
@@ -75,9 +75,9 @@ class TextureModels {
   double rate_hz_ = 0.0;
   std::size_t ar_order_ = 0;
   std::size_t ma_order_ = 0;
-  double loudest_ = 0.0;
-  double most_speed_ = 0.0;
-  double most_force_ = 0.0;
+  double max_rms_ = 0.0;
+  double max_speed_ = 0.0;
+  double max_force_ = 0.0;
   std::vector<TextureModel> models_;
   std::vector<TextureTriangle> triangles_;
   std::vector<Shares> shares_;       // by triangle

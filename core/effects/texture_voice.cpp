@@ -16,9 +16,9 @@ constexpr double kMaxAcceleration = 1e6;  // m/s^2
 
 void TextureVoice::begin() noexcept {
   if (is_fresh_) return;
-  const std::uint64_t drawn = drawn_;
+  const std::uint64_t noise_count = noise_count_;
   *this = {};
-  drawn_ = drawn;
+  noise_count_ = noise_count;
 }
 
 void TextureVoice::advance(const RecordedTexture& texture, double speed_m_per_s, double dt_s) noexcept {
@@ -32,7 +32,7 @@ void TextureVoice::advance(const RecordedTexture& texture, double speed_m_per_s,
   const double due = std::floor(since_newest_);
   since_newest_ -= due;
   for (int n = 0; n < std::min(static_cast<int>(due), kMaxSamples); ++n) {
-    const double noise = blend.deviation * white_noise(texture.seed, drawn_++);
+    const double noise = blend.deviation * white_noise(texture.seed, noise_count_++);
     const double shaped = noise + noises_.sum(ma);
     noises_.push(noise);
     const double acceleration = std::clamp(shaped - accelerations_.sum(ar), -kMaxAcceleration, kMaxAcceleration);
@@ -54,9 +54,9 @@ Vec3 TextureVoice::force(const RecordedTexture& texture, const Vec3& v_SD, const
   advance(texture, speed_m_per_s, dt_s);
   if (!(speed_m_per_s > RecordedTexture::kRestMPerS)) return Vec3::Zero();
   const double acceleration = signal_.at(since_newest_, BandLimitedSignal::stride_for(interval_s_ * texture.models->rate_hz()));
-  const double moving = std::min(1.0, speed_m_per_s / RecordedTexture::kRestMPerS - 1.0);
+  const double speed_gain = std::min(1.0, speed_m_per_s / RecordedTexture::kRestMPerS - 1.0);
   const double most_n = std::min(texture.max_force_n, pressed_n);
-  return (std::clamp(texture.mass_kg * moving * acceleration, -most_n, most_n) / speed_m_per_s) * across;
+  return (std::clamp(texture.mass_kg * speed_gain * acceleration, -most_n, most_n) / speed_m_per_s) * across;
 }
 
 }  // namespace hapton

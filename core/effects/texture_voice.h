@@ -35,10 +35,10 @@ class TextureVoice {
   BandLimitedSignal signal_;
   Vec3 velocity_ = Vec3::Zero();  // along the surface
   double pressed_n_ = 0.0;
-  double interval_s_ = 0.0;    // smoothed time between steps
-  double since_newest_ = 0.0;  // time since the newest sample of the models, in their samples
-  std::size_t triangle_ = 0;   // triangle of the last blend
-  std::uint64_t drawn_ = 0;    // number of noise samples so far
+  double interval_s_ = 0.0;        // smoothed time between steps
+  double since_newest_ = 0.0;      // time since the newest sample of the models, in their samples
+  std::size_t triangle_ = 0;       // triangle of the last blend
+  std::uint64_t noise_count_ = 0;  // number of noise samples so far
   bool is_fresh_ = true;
 };
 

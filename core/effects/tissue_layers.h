@@ -34,8 +34,8 @@ class TissueLayers {
   static constexpr std::size_t kMax = 8;
 
   struct State {
-    std::size_t punctured = 0;  // number of layers
-    double rest_m = 0.0;        // depth from which the next one resists
+    std::size_t punctured_count = 0;  // number of layers
+    double rest_depth_m = 0.0;        // depth from which the next one resists
     bool has_begun = false;
   };
 

@@ -24,7 +24,7 @@ TEST(SpringFriction, SticksLikeASpringAndSlidesOnTheCone) {
   // Where friction is lower it slips at once; where there is none, no force is left.
   EXPECT_NEAR(SpringFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.1, 0.1}, state).x(), -0.2, 1e-12);
   EXPECT_EQ(SpringFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.0, 0.0}, state), Vec3(0, 0, 0));
-  EXPECT_EQ(state.pulled, Vec3(0, 0, 0));
+  EXPECT_EQ(state.extension, Vec3(0, 0, 0));
 }
 
 // Normal, normal force and coefficient change at random: the hand never gets more than it gave.

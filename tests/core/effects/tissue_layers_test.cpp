@@ -22,13 +22,13 @@ TEST(TissueLayers, ResistLikeASpringUntilTheyArePunctured) {
   EXPECT_DOUBLE_EQ(layers.force(0.001, 0, state), 0.4);
   EXPECT_DOUBLE_EQ(layers.force(0.0025, 0, state), 1.0) << "at the pop-through force it still holds";
   EXPECT_EQ(layers.force(0.0026, 0, state), 0.0) << "punctured";
-  EXPECT_EQ(state.punctured, 1U);
+  EXPECT_EQ(state.punctured_count, 1U);
   EXPECT_EQ(layers.force(0.009, 0, state), 0.0) << "between two layers";
   EXPECT_DOUBLE_EQ(layers.force(0.012, 0, state), 1.6);
   EXPECT_EQ(layers.force(0.0126, 0, state), 0.0) << "punctured";
   EXPECT_DOUBLE_EQ(layers.force(0.021, 0, state), 2.0);
   EXPECT_EQ(layers.force(0.5, 0, state), kMaxEffectForceN) << "bone is never punctured";
-  EXPECT_EQ(state.punctured, 2U);
+  EXPECT_EQ(state.punctured_count, 2U);
 }
 
 TEST(TissueLayers, DragTheNeedleBothWaysOncePunctured) {
@@ -54,8 +54,8 @@ TEST(TissueLayers, APunctureLeavesNoTension) {
   const TissueLayers layers = made_layers();
   TissueLayers::State state;
   EXPECT_EQ(layers.force(0.016, 0, state), 0.0);
-  EXPECT_EQ(state.punctured, 1U);
-  EXPECT_EQ(state.rest_m, 0.016);
+  EXPECT_EQ(state.punctured_count, 1U);
+  EXPECT_EQ(state.rest_depth_m, 0.016);
   EXPECT_NEAR(layers.force(0.017, 0, state), 0.8, 1e-12);
   EXPECT_EQ(layers.force(0.015, 0, state), 0.0);
 }
