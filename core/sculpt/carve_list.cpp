@@ -26,31 +26,31 @@ bool CarveList::add(const MadeCarve& added) {
   if (added.serial == 0 || added.serial > kMax) return false;
   if (added.is_undo() && (added.undone.last < added.undone.first || added.undone.last >= added.serial)) return false;
   if (added.serial > newest()) entries_.resize(added.serial);
-  Kept& kept = entries_[added.serial - 1];
-  if (kept.is_there) return false;
-  kept.is_there = true;
+  Entry& stored = entries_[added.serial - 1];
+  if (stored.is_present) return false;
+  stored.is_present = true;
   if (added.is_undo()) {
     undo(added.undone);
     return true;
   }
-  kept.is_carve = true;
-  kept.begins = added.begins;
-  kept.object = added.object;
+  stored.is_carve = true;
+  stored.begins = added.begins;
+  stored.object = added.object;
   for (int axis = 0; axis < 3; ++axis) {
-    kept.numbers[static_cast<std::size_t>(axis)] = static_cast<float>(added.carve.from_m[axis]);
-    kept.numbers[static_cast<std::size_t>(axis) + 3] = static_cast<float>(added.carve.to_m[axis]);
+    stored.numbers[static_cast<std::size_t>(axis)] = static_cast<float>(added.carve.from_m[axis]);
+    stored.numbers[static_cast<std::size_t>(axis) + 3] = static_cast<float>(added.carve.to_m[axis]);
   }
-  kept.numbers[6] = static_cast<float>(added.carve.radius_m);
+  stored.numbers[6] = static_cast<float>(added.carve.radius_m);
   // The undo of this carve may have arrived before it.
-  if (kept.is_undone) return true;
-  ++active_;
+  if (stored.is_undone) return true;
+  ++active_count_;
   newest_active_ = std::max(newest_active_, added.serial);
   return true;
 }
 
 void CarveList::undo(const CarveRange& range) {
   for (std::uint32_t serial = range.first; !range.is_empty() && serial <= std::min(range.last, newest()); ++serial) {
-    active_ -= is_active(serial) ? 1 : 0;
+    active_count_ -= is_active(serial) ? 1 : 0;
     entries_[serial - 1].is_undone = true;
   }
   while (newest_active_ > 0 && !is_active(newest_active_)) --newest_active_;
@@ -58,17 +58,17 @@ void CarveList::undo(const CarveRange& range) {
 
 bool CarveList::is_active(std::uint32_t serial) const {
   if (serial == 0 || serial > newest()) return false;
-  const Kept& kept = entries_[serial - 1];
-  return kept.is_carve && !kept.is_undone;
+  const Entry& stored = entries_[serial - 1];
+  return stored.is_carve && !stored.is_undone;
 }
 
 MadeCarve CarveList::entry(std::uint32_t serial) const {
-  const Kept& kept = entries_[serial - 1];
-  const auto& n = kept.numbers;
-  return {.object = kept.object,
+  const Entry& stored = entries_[serial - 1];
+  const auto& n = stored.numbers;
+  return {.object = stored.object,
           .serial = serial,
           .carve = {.from_m = Vec3(n[0], n[1], n[2]), .to_m = Vec3(n[3], n[4], n[5]), .radius_m = n[6]},
-          .begins = kept.begins};
+          .begins = stored.begins};
 }
 
 CarveRange CarveList::find_press(std::uint32_t serial) const {

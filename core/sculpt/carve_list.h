@@ -51,7 +51,7 @@ class CarveList {
   // The largest serial of an active carve; 0: there is none.
   std::uint32_t newest_active() const { return newest_active_; }
   // The number of active carves.
-  std::uint32_t count_active() const { return active_; }
+  std::uint32_t count_active() const { return active_count_; }
 
   // The press of the button to which the carve with this serial belongs: from the carve that begins the press to the last carve before the
   // next press. Empty: the list has no carve with this serial.
@@ -74,10 +74,10 @@ class CarveList {
 
  private:
   // An entry, with its numbers in single precision as in messages: a million entries take 36 MB.
-  struct Kept {
+  struct Entry {
     std::array<float, 7> numbers = {};  // from_m, to_m, radius_m
     std::int32_t object = -1;
-    bool is_there = false;
+    bool is_present = false;
     bool is_carve = false;
     bool begins = false;
     bool is_undone = false;
@@ -86,9 +86,9 @@ class CarveList {
   std::uint32_t last_of(const CarveRange& range) const { return range.is_empty() || range.last > newest() ? newest() : range.last; }
   MadeCarve entry(std::uint32_t serial) const;
 
-  std::vector<Kept> entries_;  // the index is serial - 1
+  std::vector<Entry> entries_;  // the index is serial - 1
   std::uint32_t newest_active_ = 0;
-  std::uint32_t active_ = 0;
+  std::uint32_t active_count_ = 0;
 };
 
 // Puts the material back that the carves in `undone` removed from an object. `field` then equals, bit for bit, `whole` with the object's

@@ -38,13 +38,13 @@ struct CarveReach {
 struct CapsuleLanes {
   explicit CapsuleLanes(const Carve& carve)
       : along((carve.to_m - carve.from_m).cast<float>()),
-        per_square(along.squaredNorm() > 0.0F ? 1.0F / along.squaredNorm() : 0.0F),
+        inverse_squared(along.squaredNorm() > 0.0F ? 1.0F / along.squaredNorm() : 0.0F),
         radius(static_cast<float>(carve.radius_m)) {}
 
   // How deep a point lies below the capsule's surface: positive inside, negative outside.
   Float8 depth(Float8 x, float y, float z) const noexcept {
     const Float8 dot = x * Float8(along.x()) + Float8(y * along.y() + z * along.z());
-    const Float8 share = min(Float8(1.0F), max(Float8(0.0F), dot * Float8(per_square)));
+    const Float8 share = min(Float8(1.0F), max(Float8(0.0F), dot * Float8(inverse_squared)));
     const Float8 dx = x - share * Float8(along.x());
     const Float8 dy = Float8(y) - share * Float8(along.y());
     const Float8 dz = Float8(z) - share * Float8(along.z());
@@ -52,7 +52,7 @@ struct CapsuleLanes {
   }
 
   Eigen::Vector3f along;
-  float per_square;
+  float inverse_squared;
   float radius;
 };
 
@@ -83,7 +83,7 @@ double squared_distance_across_x(const Carve& carve, double y, double z) {
 CarvedField::CarvedField(const FieldGrid& grid)
     : grid_(grid),
       per_spacing_(1.0 / grid.spacing_m),
-      last_(Vec3(grid.nodes[0], grid.nodes[1], grid.nodes[2]).array() - 1.0),
+      last_node_(Vec3(grid.nodes[0], grid.nodes[1], grid.nodes[2]).array() - 1.0),
       band_m_(kBandVoxels * grid.spacing_m),
       blocks_(grid.size() / 8) {}
 
@@ -116,13 +116,13 @@ Result<CarvedField> CarvedField::make(const TriangleMesh& mesh, double voxel_m) 
   const auto grid = plan(mesh, voxel_m);
   if (!grid) return tl::unexpected(grid.error());
   CarvedField field(*grid);
-  compute_mesh_distances(mesh, *grid, field.band_m_, field.own_values());
+  compute_mesh_distances(mesh, *grid, field.band_m_, field.mutable_values());
   return field;
 }
 
 template <class Visit>
-void CarvedField::visit_reach(const Carve& given, const CarvedFieldBox& within, Visit&& visit) const noexcept {
-  const Carve carve = rounded(given);
+void CarvedField::visit_reach(const Carve& unrounded, const CarvedFieldBox& within, Visit&& visit) const noexcept {
+  const Carve carve = rounded(unrounded);
   if (!is_capsule(carve)) return;
   const double reach_m = carve.radius_m + band_m_;
   CarveReach reach(grid_, carve, reach_m);
@@ -173,8 +173,8 @@ bool CarvedField::would_change(const Carve& carve) const noexcept {
   return changes;
 }
 
-CarvedFieldBox CarvedField::reach(const Carve& given) const noexcept {
-  const Carve carve = rounded(given);
+CarvedFieldBox CarvedField::reach(const Carve& unrounded) const noexcept {
+  const Carve carve = rounded(unrounded);
   if (!is_capsule(carve)) return {};
   const CarveReach reach(grid_, carve, carve.radius_m + band_m_);
   CarvedFieldBox box;
@@ -199,14 +199,14 @@ void CarvedField::copy(const CarvedField& other, const CarvedFieldBox& box) noex
     for (int y = box.low[1]; y < box.high[1]; ++y) {
       const std::size_t row = grid_.index(box.low[0], y, z);
       std::copy_n(other.values().begin() + static_cast<std::ptrdiff_t>(row), length,
-                  own_values().begin() + static_cast<std::ptrdiff_t>(row));
+                  mutable_values().begin() + static_cast<std::ptrdiff_t>(row));
     }
   }
 }
 
 double CarvedField::value(const Vec3& p) const noexcept {
   const Vec3 cell = (p - grid_.origin_m) * per_spacing_;
-  const Vec3& last = last_;
+  const Vec3& last = last_node_;
   const Vec3 inside = cell.cwiseMax(0.0).cwiseMin(last);
   const double outside = (cell - inside).squaredNorm();
   if (!(outside <= 0.0)) return band_m_ + grid_.spacing_m * std::sqrt(outside);

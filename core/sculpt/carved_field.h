@@ -78,11 +78,11 @@ class CarvedField {
   template <class Visit>
   void visit_reach(const Carve& carve, const CarvedFieldBox& within, Visit&& visit) const noexcept;
   CarvedFieldBox all_nodes() const noexcept { return {{0, 0, 0}, grid_.nodes}; }
-  std::span<float> own_values() noexcept { return {blocks_.front().lanes.data(), grid_.size()}; }
+  std::span<float> mutable_values() noexcept { return {blocks_.front().lanes.data(), grid_.size()}; }
 
   FieldGrid grid_;
   double per_spacing_ = 0.0;
-  Vec3 last_ = Vec3::Zero();  // number of the last node along x, y, z
+  Vec3 last_node_ = Vec3::Zero();  // number of the last node along x, y, z
   double band_m_ = 0.0;
   LargeVector<Block> blocks_;
 };

@@ -53,18 +53,18 @@ class SurfaceSearch {
     return is_all;
   }
 
-  double distance_m() const { return std::sqrt(squared_); }
+  double distance_m() const { return std::sqrt(least_squared_); }
   const Vec3& closest() const { return closest_; }
 
  private:
   double squared_distance_to_cell(int x, int y, int z) const {
     const Vec3 low(x, y, z);
-    const Vec3 beside = (low - place_).cwiseMax(place_ - low - Vec3::Ones()).cwiseMax(0.0);
-    return field_.spacing_m() * field_.spacing_m() * beside.squaredNorm();
+    const Vec3 offset = (low - place_).cwiseMax(place_ - low - Vec3::Ones()).cwiseMax(0.0);
+    return field_.spacing_m() * field_.spacing_m() * offset.squaredNorm();
   }
 
   void search_cell(int x, int y, int z) {
-    if (squared_distance_to_cell(x, y, z) >= squared_) return;
+    if (squared_distance_to_cell(x, y, z) >= least_squared_) return;
     FieldCell cell;
     bool is_inside = false, is_outside = false;
     for (int k = 0; k < 8; ++k) {
@@ -81,31 +81,31 @@ class SurfaceSearch {
 
   void search_cell(const FieldCell& cell, const std::array<std::size_t, 4>& corners) {
     std::array<std::size_t, 4> inside = {}, outside = {};
-    std::size_t within = 0, without = 0;
-    for (const std::size_t c : corners) (cell.value[c] < 0.0 ? inside[within++] : outside[without++]) = c;
+    std::size_t inside_count = 0, outside_count = 0;
+    for (const std::size_t c : corners) (cell.value[c] < 0.0 ? inside[inside_count++] : outside[outside_count++]) = c;
     const auto cross = [&](std::size_t i, std::size_t o) {
       const std::size_t a = inside[i], b = outside[o];
       return Vec3(cell.corner[a] + cell.value[a] / (cell.value[a] - cell.value[b]) * (cell.corner[b] - cell.corner[a]));
     };
-    if (within == 1) take(cross(0, 0), cross(0, 1), cross(0, 2));
-    if (within == 3) take(cross(0, 0), cross(1, 0), cross(2, 0));
-    if (within == 2) {
-      take(cross(0, 0), cross(0, 1), cross(1, 1));
-      take(cross(0, 0), cross(1, 1), cross(1, 0));
+    if (inside_count == 1) consider(cross(0, 0), cross(0, 1), cross(0, 2));
+    if (inside_count == 3) consider(cross(0, 0), cross(1, 0), cross(2, 0));
+    if (inside_count == 2) {
+      consider(cross(0, 0), cross(0, 1), cross(1, 1));
+      consider(cross(0, 0), cross(1, 1), cross(1, 0));
     }
   }
 
-  void take(const Vec3& a, const Vec3& b, const Vec3& c) {
+  void consider(const Vec3& a, const Vec3& b, const Vec3& c) {
     const ClosestPoint found = closest_point(a, b, c, p_);
-    if (found.distance * found.distance >= squared_) return;
-    squared_ = found.distance * found.distance;
+    if (found.distance * found.distance >= least_squared_) return;
+    least_squared_ = found.distance * found.distance;
     closest_ = found.point;
   }
 
   const CarvedField& field_;
   Vec3 p_;
   Vec3 place_;  // position of p, in spacings from the first node
-  double squared_ = std::numeric_limits<double>::infinity();
+  double least_squared_ = std::numeric_limits<double>::infinity();
   Vec3 closest_ = Vec3::Zero();
 };
 

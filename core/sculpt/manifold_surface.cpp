@@ -93,18 +93,18 @@ class ManifoldSurfaceMaker {
  public:
   explicit ManifoldSurfaceMaker(const NodeValues& grid)
       : grid_(grid), steps_{1, static_cast<std::size_t>(grid.counts[0]), static_cast<std::size_t>(grid.counts[0] * grid.counts[1])} {
-    for (unsigned corners = 0; corners < plain_.size(); ++corners) plain_[corners] = find_pieces(corners, 0);
-    for (auto* layer : {&below_, &here_}) layer->resize(step(2));
+    for (unsigned corners = 0; corners < unflipped_pieces_.size(); ++corners) unflipped_pieces_[corners] = find_pieces(corners, 0);
+    for (auto* layer : {&layer_below_, &present_layer_}) layer->resize(step(2));
   }
 
   // Works layer by layer along z: the cells around an edge of the grid are in two layers at most.
   ManifoldSurface make() {
     for (cell_[2] = 0; cell_[2] + 1 < grid_.counts[2]; ++cell_[2]) {
-      std::swap(below_, here_);
+      std::swap(layer_below_, present_layer_);
       for_each_node([this](std::size_t node) { place_vertices(node); });
       for_each_node([this](std::size_t node) { join_quads(node); });
     }
-    return std::move(made_);
+    return std::move(surface_);
   }
 
  private:
@@ -132,7 +132,7 @@ class ManifoldSurfaceMaker {
   }
   // True if both pieces of contour in the face belong to one piece of surface.
   bool is_joined(unsigned corners, const CellFace& face) const {
-    const CellPieces& pieces = plain_[corners];
+    const CellPieces& pieces = unflipped_pieces_[corners];
     return pieces.of_edge[face.edges[0]] == pieces.of_edge[face.edges[2]] &&
            pieces.of_edge[face.edges[1]] == pieces.of_edge[face.edges[3]] && pieces.of_edge[face.edges[0]] == pieces.of_edge[face.edges[1]];
   }
@@ -152,11 +152,11 @@ class ManifoldSurfaceMaker {
 
   void place_vertices(std::size_t node) {
     const unsigned corners = corners_of(node);
-    if (plain_[corners].count == 0) return;
+    if (unflipped_pieces_[corners].count == 0) return;
     const unsigned flips = find_flips(node, corners);
-    Cell& cell = here_[node - static_cast<std::size_t>(cell_[2]) * step(2)];
-    cell.first = static_cast<std::uint32_t>(made_.positions.size());
-    cell.pieces = flips == 0 ? plain_[corners] : find_pieces(corners, flips);
+    Cell& cell = present_layer_[node - static_cast<std::size_t>(cell_[2]) * step(2)];
+    cell.first = static_cast<std::uint32_t>(surface_.positions.size());
+    cell.pieces = flips == 0 ? unflipped_pieces_[corners] : find_pieces(corners, flips);
     for (std::uint8_t piece = 0; piece < cell.pieces.count; ++piece) place_vertex(node, cell.pieces, piece);
   }
 
@@ -176,7 +176,7 @@ class ManifoldSurfaceMaker {
       ++crossings;
     }
     const Eigen::Vector3f whole(static_cast<float>(cell_[0]), static_cast<float>(cell_[1]), static_cast<float>(cell_[2]));
-    made_.positions.emplace_back(whole + sum / static_cast<float>(crossings));
+    surface_.positions.emplace_back(whole + sum / static_cast<float>(crossings));
   }
 
   // Makes a quad around each edge of the grid that begins at the node and is crossed by the surface.
@@ -186,10 +186,10 @@ class ManifoldSurfaceMaker {
       if ((grid_.values[node + step(axis)] < 0.0F) == is_node_inside) continue;
       std::array<std::uint32_t, 4> quad;
       for (std::size_t k = 0; k < 4; ++k) {
-        constexpr std::array<std::size_t, 4> kRound = {3, 2, 0, 1};  // the number n of the edge in the cells around it
-        quad[is_node_inside ? k : 3 - k] = vertex_at(node, axis, kRound[k]);
+        constexpr std::array<std::size_t, 4> kEdgeNumbers = {3, 2, 0, 1};  // the number n of the edge in the cells around it
+        quad[is_node_inside ? k : 3 - k] = vertex_at(node, axis, kEdgeNumbers[k]);
       }
-      made_.quads.push_back(quad);
+      surface_.quads.push_back(quad);
     }
   }
 
@@ -201,17 +201,17 @@ class ManifoldSurfaceMaker {
     back[second] = n & 1U;
     back[third] = n >> 1U;
     const std::size_t in_layer = node - static_cast<std::size_t>(cell_[2]) * step(2) - back[0] - back[1] * step(1);
-    const Cell& cell = (back[2] == 0 ? here_ : below_)[in_layer];
+    const Cell& cell = (back[2] == 0 ? present_layer_ : layer_below_)[in_layer];
     return cell.first + cell.pieces.of_edge[4 * axis + n];
   }
 
   const NodeValues& grid_;
-  std::array<std::size_t, 3> steps_;     // index step from a node to the next one along each axis
-  std::array<CellPieces, 256> plain_;    // pieces without flips, by the corners that are inside
-  std::vector<Cell> below_;              // cells of the layer below, by the number of their first node in the layer
-  std::vector<Cell> here_;               // cells of the present layer; valid where the surface passes
-  std::array<int, 3> cell_ = {0, 0, 0};  // the present cell, or node
-  ManifoldSurface made_;
+  std::array<std::size_t, 3> steps_;              // index step from a node to the next one along each axis
+  std::array<CellPieces, 256> unflipped_pieces_;  // pieces without flips, by the corners that are inside
+  std::vector<Cell> layer_below_;                 // cells of the layer below, by the number of their first node in the layer
+  std::vector<Cell> present_layer_;               // cells of the present layer; valid where the surface passes
+  std::array<int, 3> cell_ = {0, 0, 0};           // the present cell, or node
+  ManifoldSurface surface_;
 };
 
 }  // namespace

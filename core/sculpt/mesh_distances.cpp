@@ -40,7 +40,7 @@ class TriangleRaster {
         // The part of the row within the band of the triangle's plane.
         double from = low.x(), to = high.x();
         const double off = normal.dot(grid_.node(0, y, z) - a) - normal.x() * grid_.origin_m.x();
-        if (std::abs(normal.x()) > kSlope) {
+        if (std::abs(normal.x()) > kMinNormalX) {
           const double one = (-band_m_ - off) / normal.x(), two = (band_m_ - off) / normal.x();
           const double slack = grid_.spacing_m;
           from = std::max(from, std::min(one, two) - slack);
@@ -52,7 +52,7 @@ class TriangleRaster {
   }
 
  private:
-  static constexpr double kSlope = 1e-3;  // with a smaller |normal.x()| the plane is too nearly parallel to x to bound the row usefully
+  static constexpr double kMinNormalX = 1e-3;  // with a smaller one the plane is too nearly parallel to x to bound the row usefully
 
   void add_row(const Vec3& a, const Vec3& b, const Vec3& c, int y, int z, NodeRange xs) {
     const auto fill = [](const Vec3& p) {
@@ -116,7 +116,7 @@ class RowCrossings {
     std::int64_t y, z;
   };
 
-  Place even(const Vec3& p) const { return {2 * rounded_step(p, 1), 2 * rounded_step(p, 2)}; }
+  Place to_even_place(const Vec3& p) const { return {2 * rounded_step(p, 1), 2 * rounded_step(p, 2)}; }
   std::int64_t rounded_step(const Vec3& p, int axis) const { return std::llround((p[axis] - middle_[axis]) * scale_); }
 
   // Twice the area of (p, from, to), exact. Where it is 0, `sign` is that for p moved a little towards +y and much less towards +z.
@@ -127,20 +127,20 @@ class RowCrossings {
   static Side side(const Place& p, const Place& from, const Place& to) {
     const std::int64_t dy = to.y - from.y, dz = to.z - from.z;
     const std::int64_t area = dy * (p.z - from.z) - dz * (p.y - from.y);
-    const std::int64_t decides = area != 0 ? area : dz != 0 ? -dz : dy;
-    return {area, decides > 0 ? 1 : decides < 0 ? -1 : 0};
+    const std::int64_t first_nonzero = area != 0 ? area : dz != 0 ? -dz : dy;
+    return {area, first_nonzero > 0 ? 1 : first_nonzero < 0 ? -1 : 0};
   }
 
   void add_triangle(std::size_t triangle) {
     const Vec3 &a = mesh_.corner(triangle, 0), &b = mesh_.corner(triangle, 1), &c = mesh_.corner(triangle, 2);
-    const Place pa = even(a), pb = even(b), pc = even(c);
+    const Place pa = to_even_place(a), pb = to_even_place(b), pc = to_even_place(c);
     const double slack = 4.0 / scale_;  // more than vertices (0.5) and rows (1) move by rounding
     const Vec3 low = a.cwiseMin(b).cwiseMin(c).array() - slack, high = a.cwiseMax(b).cwiseMax(c).array() + slack;
     const NodeRange ys = nodes_between(grid_, 1, low.y(), high.y());
     const NodeRange zs = nodes_between(grid_, 2, low.z(), high.z());
     for (int z = zs.first; z <= zs.last; ++z) {
       for (int y = ys.first; y <= ys.last; ++y) {
-        const Place even_p = even(grid_.node(0, y, z));
+        const Place even_p = to_even_place(grid_.node(0, y, z));
         const Place p = {even_p.y + 1, even_p.z + 1};
         const Side wa = side(p, pb, pc), wb = side(p, pc, pa), wc = side(p, pa, pb);
         if (wa.sign == 0 || wa.sign != wb.sign || wb.sign != wc.sign) continue;

@@ -34,16 +34,16 @@ bool Sculpture::is_alike(const Sculpture& other) const noexcept {
 void Sculpture::carve(std::size_t body, const Carve& carve) noexcept {
   if (!bodies_[body].field.would_change(carve)) return;
   bodies_[body].field.carve(carve);
-  made_ = MadeCarve{.object = bodies_[body].object,
-                    .serial = ++newest_,
-                    .carve = rounded(carve),
-                    .begins = std::exchange(has_new_press_, false) || newest_ == 1};
+  carve_of_step_ = MadeCarve{.object = bodies_[body].object,
+                             .serial = ++newest_,
+                             .carve = rounded(carve),
+                             .begins = std::exchange(has_new_press_, false) || newest_ == 1};
 }
 
 void Sculpture::exchange_shapes(Sculpture& other, std::uint32_t newest) noexcept {
   std::swap(bodies_, other.bodies_);
   newest_ = newest;
-  made_.reset();
+  carve_of_step_.reset();
 }
 
 }  // namespace hapton

@@ -40,7 +40,7 @@ class Sculpture {
   bool is_alike(const Sculpture& other) const noexcept;
 
   // Begins a step: there is no carve in it yet.
-  void begin_step() noexcept { made_.reset(); }
+  void begin_step() noexcept { carve_of_step_.reset(); }
   // Notes the buttons that are down in this step. pressable: those that carve; the first carve after one of them goes down begins a press.
   void note_buttons(std::uint32_t buttons, std::uint32_t pressable) noexcept {
     has_new_press_ = has_new_press_ || (buttons & pressable & ~last_buttons_) != 0;
@@ -52,12 +52,12 @@ class Sculpture {
   // is_alike(other).
   void exchange_shapes(Sculpture& other, std::uint32_t newest) noexcept;
   // The carve of this step, if there was one.
-  const std::optional<MadeCarve>& made() const noexcept { return made_; }
+  const std::optional<MadeCarve>& made() const noexcept { return carve_of_step_; }
 
  private:
   std::vector<Body> bodies_;
   std::uint32_t newest_ = 0;
-  std::optional<MadeCarve> made_;
+  std::optional<MadeCarve> carve_of_step_;
   std::uint32_t last_buttons_ = 0;
   bool has_new_press_ = false;  // a button was pressed, and nothing was carved since
 };
