@@ -7,16 +7,16 @@ namespace hapton {
 namespace {
 
 // The bounds that are chosen so far, from all bounds.
-class Chosen {
+class ChosenBounds {
  public:
-  Chosen(std::span<const MotionBound> all, const LocalContacts& metric, std::span<std::uint32_t> numbers)
+  ChosenBounds(std::span<const MotionBound> all, const LocalContacts& metric, std::span<std::uint32_t> numbers)
       : all_(all), metric_(metric), numbers_(numbers.first(std::min(numbers.size(), LocalContacts::kMax))) {
     roots_[kCurved] = metric.inverse_root;
     roots_[kPlain] = metric.plain_inverse_root.asDiagonal();
   }
 
   std::size_t count() const noexcept { return count_; }
-  std::size_t left() const noexcept { return numbers_.size() - count_; }
+  std::size_t free_places() const noexcept { return numbers_.size() - count_; }
   bool has(std::uint32_t number) const noexcept {
     const auto end = numbers_.begin() + static_cast<std::ptrdiff_t>(count_);
     return std::find(numbers_.begin(), end, number) != end;
@@ -28,14 +28,14 @@ class Chosen {
 
   // Adds bounds until the motion to `goal` within the chosen bounds is that within all bounds, or most_cuts are added in each metric, or no
   // place is left. False: the chosen bounds contradicted each other and were lowered, so those added for earlier goals may not suffice.
-  bool hold(const Vec6& goal, int most_cuts) noexcept {
+  bool add_bounds_for(const Vec6& goal, int most_cuts) noexcept {
     if (is_free(goal) && !add_violated(goal)) return true;
     for (const Metric metric : {kCurved, kPlain}) {
       LeastMotion least;
       for (int cut = 0; cut <= most_cuts; ++cut) {
         const Vec6 pull = roots_[metric].transpose() * metric_.stiffness.cwiseProduct(goal);
         least = find_least_motion(pull, {bounds_[metric].data(), count_}, metric_.tolerance);
-        if (!least.solved) return !relax();
+        if (!least.is_solved) return !relax();
         if (cut == most_cuts || !add_violated(roots_[metric] * least.y)) break;
       }
       if (least.active_count > 0) break;
@@ -53,7 +53,7 @@ class Chosen {
   }
   // Adds the bound that the motion violates most, of all bounds. False: none was added; none is violated, or no place is left.
   bool add_violated(const Vec6& motion) noexcept {
-    if (left() == 0) return false;
+    if (free_places() == 0) return false;
     std::uint32_t worst = 0;
     double most = metric_.tolerance;
     for (std::uint32_t i = 0; i < all_.size(); ++i) {
@@ -86,12 +86,12 @@ class Chosen {
   bool is_relaxed_ = false;
 };
 
-void choose_for_all(std::span<const Vec6> goals, Chosen& chosen) noexcept {
+void choose_for_all(std::span<const Vec6> goals, ChosenBounds& chosen) noexcept {
   if (goals.empty()) return;
   // Searches the first goal again at the end, with as many cuts as there are places. Begins anew if bounds were lowered.
   for (std::size_t g = 0; g <= goals.size();) {
     const bool is_last = g == goals.size();
-    const bool is_held = chosen.hold(goals[is_last ? 0 : g], is_last ? static_cast<int>(LocalContacts::kMax) : kMaxCuts);
+    const bool is_held = chosen.add_bounds_for(goals[is_last ? 0 : g], is_last ? static_cast<int>(LocalContacts::kMax) : kMaxCuts);
     g = is_held ? g + 1 : 0;
   }
 }
@@ -100,18 +100,18 @@ void choose_for_all(std::span<const Vec6> goals, Chosen& chosen) noexcept {
 
 std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const Vec6> goals, const LocalContacts& metric,
                             std::span<std::uint32_t> numbers) noexcept {
-  Chosen chosen(bounds, metric, numbers);
+  ChosenBounds chosen(bounds, metric, numbers);
   choose_for_all(goals, chosen);
   std::array<std::uint32_t, LocalContacts::kMax> nearest;
   std::size_t count = 0;
-  const std::size_t most = chosen.left();
-  const auto has_less_room = [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; };
+  const std::size_t most = chosen.free_places();
+  const auto is_nearer_bound = [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; };
   for (std::uint32_t i = 0; i < bounds.size() && most > 0; ++i) {  // a heap, the bound with the most room at its front
-    if (count == most && !has_less_room(i, nearest[0])) continue;
+    if (count == most && !is_nearer_bound(i, nearest[0])) continue;
     if (chosen.has(i)) continue;
-    if (count == most) std::pop_heap(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count--), has_less_room);
+    if (count == most) std::pop_heap(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count--), is_nearer_bound);
     nearest[count++] = i;
-    std::push_heap(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count), has_less_room);
+    std::push_heap(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count), is_nearer_bound);
   }
   for (std::size_t i = 0; i < count; ++i) chosen.add(nearest[i]);
   return chosen.count();

@@ -7,11 +7,11 @@ namespace hapton {
 namespace {
 
 // Share of the distance between device and tool: a round whose corrections are no larger ends the iteration.
-constexpr double kSettled = 0x1p-20;
+constexpr double kMaxCorrectionShare = 0x1p-20;
 // In levers of the tool: a contact is the same as in the last step if its point and its normal, taken together, have moved by less.
-constexpr double kSame = 0.25;
+constexpr double kMaxSameContactDistance = 0.25;
 // Share of the largest normal force: a contact that pushes with less does not count when the slip of the tool is measured.
-constexpr double kTells = 0x1p-10;
+constexpr double kMinForceShare = 0x1p-10;
 
 Vec6 wrench(const Vec3& force, const Vec3& arm) {
   Vec6 all;
@@ -51,49 +51,50 @@ void ContactCones::add(const LocalContacts& local, const Vec6& from, bool is_sta
   contact.tangent_compliance = std::max(a.squaredNorm(), b.squaredNorm()) + std::abs(a.dot(b));
   contact.normal = normal;
   const double length = tangential.norm();
-  const double kept = length > 0.0 ? std::min(1.0, contact.coefficient * normal / length) : 0.0;
-  at_ += normal * contact.normal_row;
+  const double share = length > 0.0 ? std::min(1.0, contact.coefficient * normal / length) : 0.0;
+  scaled_motion_ += normal * contact.normal_row;
   for (std::size_t k = 0; k < 2; ++k) {
-    contact.tangential[k] = kept * tangential.dot(contact.tangents[k]);
-    at_ += contact.tangential[k] * contact.tangent_rows[k];
+    contact.tangential[k] = share * tangential.dot(contact.tangents[k]);
+    scaled_motion_ += contact.tangential[k] * contact.tangent_rows[k];
   }
 }
 
-void ContactCones::add_known(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
+void ContactCones::add_previous(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
   const double lever_squared = local.stiffness[3];
-  for (std::size_t k = 0; k < known_count_; ++k) {
-    const Known& known = known_[k];
+  for (std::size_t k = 0; k < previous_count_; ++k) {
+    const PreviousContact& previous = previous_[k];
     int nearest = -1;
-    double least = kSame * kSame * lever_squared;
+    double least_squared = kMaxSameContactDistance * kMaxSameContactDistance * lever_squared;
     for (std::size_t i = 0; i < local.count; ++i) {
-      const double away = (local.contacts[i].arm - known.arm).squaredNorm() +
-                          lever_squared * (local.bounds[i].row.head<3>().normalized() - known.direction).squaredNorm();
-      if (away >= least) continue;
-      least = away;
+      const double distance_squared = (local.contacts[i].arm - previous.arm).squaredNorm() +
+                                      lever_squared * (local.bounds[i].row.head<3>().normalized() - previous.direction).squaredNorm();
+      if (distance_squared >= least_squared) continue;
+      least_squared = distance_squared;
       nearest = static_cast<int>(i);
     }
-    if (nearest >= 0) add(local, from, is_static, nearest, known.normal, known.tangential);
+    if (nearest >= 0) add(local, from, is_static, nearest, previous.normal, previous.tangential);
   }
 }
 
 // Corrects the forces of a contact. Returns how far that moves the tool, in scaled coordinates.
 double ContactCones::correct(Contact& contact) noexcept {
-  const double normal = std::max(0.0, contact.normal + (contact.least - contact.normal_row.dot(at_)) / contact.normal_compliance);
+  const double normal =
+      std::max(0.0, contact.normal + (contact.least - contact.normal_row.dot(scaled_motion_)) / contact.normal_compliance);
   double moved_squared = (normal - contact.normal) * (normal - contact.normal) * contact.normal_compliance;
-  at_ += (normal - contact.normal) * contact.normal_row;
+  scaled_motion_ += (normal - contact.normal) * contact.normal_row;
   contact.normal = normal;
-  std::array<double, 2> wanted;
+  std::array<double, 2> unlimited;
   for (std::size_t k = 0; k < 2; ++k) {
-    const double slip = contact.tangent_rows[k].dot(at_) - contact.from[k];
-    wanted[k] = contact.tangential[k] - slip / contact.tangent_compliance;
+    const double slip = contact.tangent_rows[k].dot(scaled_motion_) - contact.from[k];
+    unlimited[k] = contact.tangential[k] - slip / contact.tangent_compliance;
   }
-  const double length = std::sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
-  const double most = contact.coefficient * normal;
-  const double kept = length > most ? most / length : 1.0;
+  const double length = std::sqrt(unlimited[0] * unlimited[0] + unlimited[1] * unlimited[1]);
+  const double max_tangential = contact.coefficient * normal;
+  const double share = length > max_tangential ? max_tangential / length : 1.0;
   for (std::size_t k = 0; k < 2; ++k) {
-    const double change = kept * wanted[k] - contact.tangential[k];
+    const double change = share * unlimited[k] - contact.tangential[k];
     moved_squared += change * change * contact.tangent_compliance;
-    at_ += change * contact.tangent_rows[k];
+    scaled_motion_ += change * contact.tangent_rows[k];
     contact.tangential[k] += change;
   }
   return std::sqrt(moved_squared);
@@ -101,10 +102,10 @@ double ContactCones::correct(Contact& contact) noexcept {
 
 void ContactCones::iterate(const Vec6& goal) noexcept {
   while (rounds_ < kMaxRounds) {
-    double moved = 0.0;
-    for (std::size_t i = 0; i < count_; ++i) moved = std::max(moved, correct(contacts_[i]));
+    double longest_correction = 0.0;
+    for (std::size_t i = 0; i < count_; ++i) longest_correction = std::max(longest_correction, correct(contacts_[i]));
     ++rounds_;
-    if (moved <= kSettled * (at_ - goal).norm()) return;
+    if (longest_correction <= kMaxCorrectionShare * (scaled_motion_ - goal).norm()) return;
   }
 }
 
@@ -123,8 +124,8 @@ bool ContactCones::add_violated(const LocalContacts& local, const Vec6& from, bo
   return true;
 }
 
-void ContactCones::note(const LocalContacts& local) noexcept {
-  known_count_ = 0;
+void ContactCones::store_results(const LocalContacts& local) noexcept {
+  previous_count_ = 0;
   slip_ = 0.0;
   double largest = 0.0;
   for (std::size_t i = 0; i < count_; ++i) largest = std::max(largest, contacts_[i].normal);
@@ -133,29 +134,29 @@ void ContactCones::note(const LocalContacts& local) noexcept {
     if (!(contact.normal > 0.0)) continue;
     const auto n = static_cast<std::size_t>(contact.index);
     const Vec3 tangential = contact.tangential[0] * contact.tangents[0] + contact.tangential[1] * contact.tangents[1];
-    known_[known_count_++] = {local.contacts[n].arm, local.bounds[n].row.head<3>().normalized(), contact.normal, tangential};
-    if (contact.normal < kTells * largest) continue;
-    slip_ =
-        std::max(slip_, std::hypot(contact.tangent_rows[0].dot(at_) - contact.from[0], contact.tangent_rows[1].dot(at_) - contact.from[1]));
+    previous_[previous_count_++] = {local.contacts[n].arm, local.bounds[n].row.head<3>().normalized(), contact.normal, tangential};
+    if (contact.normal < kMinForceShare * largest) continue;
+    slip_ = std::max(slip_, std::hypot(contact.tangent_rows[0].dot(scaled_motion_) - contact.from[0],
+                                       contact.tangent_rows[1].dot(scaled_motion_) - contact.from[1]));
   }
 }
 
 void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
                          bool is_static) noexcept {
   const Vec6 goal = wanted.cwiseQuotient(local.plain_inverse_root);
-  at_ = goal;
+  scaled_motion_ = goal;
   count_ = 0;
   rounds_ = 0;
-  add_known(local, from, is_static);
+  add_previous(local, from, is_static);
   for (std::size_t k = 0; k < static_cast<std::size_t>(frictionless.active_count); ++k) {
     add(local, from, is_static, frictionless.active[k], 0.0, Vec3::Zero());
   }
   for (std::size_t set = 0; set < kMaxSets; ++set) {
     iterate(goal);
-    motion_ = local.plain_inverse_root.cwiseProduct(at_);
+    motion_ = local.plain_inverse_root.cwiseProduct(scaled_motion_);
     if (rounds_ == kMaxRounds || !add_violated(local, from, is_static)) break;
   }
-  note(local);
+  store_results(local);
 }
 
 }  // namespace hapton

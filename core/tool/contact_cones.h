@@ -27,12 +27,12 @@ class ContactCones {
   void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
              bool is_static) noexcept;
   // The next step does not start from the forces of the last one.
-  void forget() noexcept { known_count_ = 0; }
+  void forget() noexcept { previous_count_ = 0; }
 
   // Results of the last step:
-  const Vec6& motion() const noexcept { return motion_; }   // from local.proxy; may violate bounds by what the limits above left
-  double slip() const noexcept { return slip_; }            // largest since `from`, of contacts with at least 2^-10 of the largest force
-  bool holds() const noexcept { return known_count_ > 0; }  // a contact pushes
+  const Vec6& motion() const noexcept { return motion_; }      // from local.proxy; may violate bounds by what the limits above left
+  double slip() const noexcept { return slip_; }               // largest since `from`, of contacts with at least 2^-10 of the largest force
+  bool holds() const noexcept { return previous_count_ > 0; }  // a contact pushes
   int rounds() const noexcept { return rounds_; }
 
  private:
@@ -50,7 +50,7 @@ class ContactCones {
     double normal = 0.0;                    // force
     std::array<double, 2> tangential = {};  // force along the tangents
   };
-  struct Known {  // a contact of the last step, and its force
+  struct PreviousContact {  // a contact of the last step, and its force
     Vec3 arm = Vec3::Zero();
     Vec3 direction = Vec3::Zero();
     double normal = 0.0;
@@ -59,17 +59,17 @@ class ContactCones {
 
   bool has(int index) const noexcept;
   void add(const LocalContacts& local, const Vec6& from, bool is_static, int index, double normal, const Vec3& tangential) noexcept;
-  void add_known(const LocalContacts& local, const Vec6& from, bool is_static) noexcept;
+  void add_previous(const LocalContacts& local, const Vec6& from, bool is_static) noexcept;
   bool add_violated(const LocalContacts& local, const Vec6& from, bool is_static) noexcept;
   double correct(Contact& contact) noexcept;
   void iterate(const Vec6& goal) noexcept;
-  void note(const LocalContacts& local) noexcept;
+  void store_results(const LocalContacts& local) noexcept;
 
   std::array<Contact, kMax> contacts_ = {};
   std::size_t count_ = 0;
-  std::array<Known, kMax> known_ = {};  // those that pushed in the last step
-  std::size_t known_count_ = 0;
-  Vec6 at_ = Vec6::Zero();  // scaled: the device's motion plus the displacements by all forces
+  std::array<PreviousContact, kMax> previous_ = {};  // those that pushed in the last step
+  std::size_t previous_count_ = 0;
+  Vec6 scaled_motion_ = Vec6::Zero();  // scaled: the device's motion plus the displacements by all forces
   Vec6 motion_ = Vec6::Zero();
   double slip_ = 0.0;
   int rounds_ = 0;

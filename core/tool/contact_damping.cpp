@@ -51,7 +51,7 @@ void ContactDamping::reset() noexcept {
   }
   is_placed_ = false;
   dt_s_ = 0.0;
-  touched_.count = 0;
+  touched_parts_.count = 0;
 }
 
 void ContactDamping::move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept {
@@ -62,7 +62,7 @@ void ContactDamping::move(const Placement& device, std::span<const Placement> pa
     Motion& motion = motions_[p];
     if (!motion.has_damping) continue;
     const Placement part = p > 0 && p <= parts.size() ? parts[p - 1] : Placement();
-    const bool jumps = is_first || unit_m_ * motion_past(last, radius_, motion.part, part) > kJumpMPerS * dt_s;
+    const bool jumps = is_first || unit_m_ * relative_travel_bound(last, radius_, motion.part, part) > kJumpMPerS * dt_s;
     const Placement from = (jumps ? part : motion.part).inverse() * (is_first ? device : last);
     const Placement to = part.inverse() * device;
     motion.part = part;
@@ -73,7 +73,7 @@ void ContactDamping::move(const Placement& device, std::span<const Placement> pa
   }
 }
 
-Vec6 ContactDamping::velocity_past(int part) const noexcept {
+Vec6 ContactDamping::relative_velocity(int part) const noexcept {
   const Motion& motion = motions_[static_cast<std::size_t>(part)];
   Vec6 velocity;
   velocity << motion.part.orientation * motion.shift.mean(), motion.part.orientation * motion.turn.mean();
@@ -86,23 +86,23 @@ DampingCoefficients ContactDamping::damping_of(const Contact& contact) const noe
   return damping_[part][contact.object];
 }
 
-void ContactDamping::add(const Contact& contact, double along_n, Touched& touched) const noexcept {
+void ContactDamping::add(const Contact& contact, double normal_load_n, TouchedPart& touched) const noexcept {
   const DampingCoefficients damping = damping_of(contact);
   touched.contact_n += contact.force_n;
   if (!damping.is_on()) return;
-  const double weight = contact.force_n / along_n;
+  const double weight = contact.force_n / normal_load_n;
   const double larger = std::max(damping.normal_ns_per_m, damping.along_ns_per_m);
   touched.largest = std::max(touched.largest, larger);
   touched.upper_bound += weight * larger;
   const Vec3 arm = unit_m_ * contact.arm;
   Eigen::Matrix<double, 3, 6> jacobian;
   jacobian << Mat3::Identity(), cross_matrix(arm).transpose();  // velocity of the contact's point: shift + turn x arm
-  const Vec3 velocity = jacobian * velocity_past(contact.part);
+  const Vec3 velocity = jacobian * relative_velocity(contact.part);
   const double normal_speed = contact.normal.dot(velocity);
   const Vec6 row = jacobian.transpose() * contact.normal;
   const auto add_to = [&](DampingMatrix& metric, double ns_per_m, double speed, const auto& shape) {
     if (!(ns_per_m > 0.0)) return;
-    const double coefficient = weight * ns_per_m * share_within(ns_per_m * std::abs(speed), along_n);
+    const double coefficient = weight * ns_per_m * share_within(ns_per_m * std::abs(speed), normal_load_n);
     metric.matrix += coefficient * shape;
     metric.coefficient += coefficient;
   };
@@ -131,29 +131,29 @@ Vec6 ContactDamping::DampingMatrix::force(const Vec6& velocity, double most_n) c
   return force.allFinite() ? force : Vec6(Vec6::Zero());
 }
 
-const ContactDamping::Touched* ContactDamping::TouchedParts::find(int part) const noexcept {
+const ContactDamping::TouchedPart* ContactDamping::TouchedParts::find(int part) const noexcept {
   const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
-  const auto found = std::find_if(all.begin(), end, [part](const Touched& one) { return one.part == part; });
+  const auto found = std::find_if(all.begin(), end, [part](const TouchedPart& one) { return one.part == part; });
   return found == end ? nullptr : &*found;
 }
 
-ContactDamping::Touched& ContactDamping::TouchedParts::at(int part) noexcept {
+ContactDamping::TouchedPart& ContactDamping::TouchedParts::find_or_add(int part) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     if (all[i].part == part) return all[i];
   }
-  Touched& touched = all[count++];
+  TouchedPart& touched = all[count++];
   touched.part = part;
   return touched;
 }
 
 // Limits the sum over all contacts to the largest coefficient of a contact: a material that is stable alone stays so. If upper_bound is
 // within that limit, as in the common case that one face is touched, no eigenvalues are computed.
-void ContactDamping::limit(TouchedParts& now) const noexcept {
+void ContactDamping::limit(TouchedParts& touched_now) const noexcept {
   Mat3 sum = Mat3::Zero();
   double most = 0.0;
   double upper_bound = 0.0;
-  for (std::size_t i = 0; i < now.count; ++i) {
-    const Touched& one = now.all[i];
+  for (std::size_t i = 0; i < touched_now.count; ++i) {
+    const TouchedPart& one = touched_now.all[i];
     most = std::max(most, one.largest);
     upper_bound += one.upper_bound;
     sum += one.normal.matrix.topLeftCorner<3, 3>() + one.along.matrix.topLeftCorner<3, 3>();
@@ -161,27 +161,27 @@ void ContactDamping::limit(TouchedParts& now) const noexcept {
   if (upper_bound <= most * (1.0 + 0x1p-40)) return;
   const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(sum, Eigen::EigenvaluesOnly).eigenvalues()[2];
   if (!(largest > most)) return;
-  for (std::size_t i = 0; i < now.count; ++i) {
-    now.all[i].normal.scale(most / largest);
-    now.all[i].along.scale(most / largest);
+  for (std::size_t i = 0; i < touched_now.count; ++i) {
+    touched_now.all[i].normal.scale(most / largest);
+    touched_now.all[i].along.scale(most / largest);
   }
 }
 
 // Low-pass filter: the damping of each touched part approaches its present value, and that of the other parts approaches zero, so the sum
 // over all parts is filtered, too.
-void ContactDamping::blend(TouchedParts& now, double share) const noexcept {
-  const std::size_t touched = now.count;
+void ContactDamping::blend(TouchedParts& touched_now, double share) const noexcept {
+  const std::size_t touched = touched_now.count;
   for (std::size_t i = 0; i < touched; ++i) {
-    Touched& one = now.all[i];
-    const Touched* before = touched_.find(one.part);
+    TouchedPart& one = touched_now.all[i];
+    const TouchedPart* before = touched_parts_.find(one.part);
     one.normal.blend(before != nullptr ? before->normal : DampingMatrix(), share);
     one.along.blend(before != nullptr ? before->along : DampingMatrix(), share);
   }
-  for (std::size_t i = 0; i < touched_.count && now.count < now.all.size(); ++i) {
-    const Touched& before = touched_.all[i];
+  for (std::size_t i = 0; i < touched_parts_.count && touched_now.count < touched_now.all.size(); ++i) {
+    const TouchedPart& before = touched_parts_.all[i];
     const double remaining = before.remaining * (1.0 - share);
-    if (remaining < kMinRemaining || now.find(before.part) != nullptr) continue;
-    Touched& one = now.all[now.count++];
+    if (remaining < kMinRemaining || touched_now.find(before.part) != nullptr) continue;
+    TouchedPart& one = touched_now.all[touched_now.count++];
     one = before;
     one.remaining = remaining;
     one.contact_n *= 1.0 - share;
@@ -192,31 +192,31 @@ void ContactDamping::blend(TouchedParts& now, double share) const noexcept {
 
 ContactDamping::Wrench ContactDamping::step(std::span<const Contact> contacts, bool is_held) noexcept {
   contacts = contacts.first(std::min(contacts.size(), kMaxContacts));
-  TouchedParts now;
+  TouchedParts touched_now;
   for (const Contact& contact : contacts) {
     if (!(contact.force_n > 0.0) || !has_damping(contact.part)) continue;
-    double along_n = 0.0;
-    for (const Contact& other : contacts) along_n += std::max(0.0, other.force_n) * std::max(0.0, contact.normal.dot(other.normal));
-    add(contact, std::max(along_n, contact.force_n), now.at(contact.part));
+    double normal_load_n = 0.0;
+    for (const Contact& other : contacts) normal_load_n += std::max(0.0, other.force_n) * std::max(0.0, contact.normal.dot(other.normal));
+    add(contact, std::max(normal_load_n, contact.force_n), touched_now.find_or_add(contact.part));
   }
   const double share = dt_s_ / (kSmoothS + dt_s_);
   dt_s_ = 0.0;
-  limit(now);
-  if (!is_held) now.count = 0;
-  if (is_held) blend(now, share);
+  limit(touched_now);
+  if (!is_held) touched_now.count = 0;
+  if (is_held) blend(touched_now, share);
   Vec6 sum = Vec6::Zero();
-  for (std::size_t i = 0; i < now.count; ++i) {
-    Touched& touched = now.all[i];
-    const Vec6 velocity = velocity_past(touched.part);
+  for (std::size_t i = 0; i < touched_now.count; ++i) {
+    TouchedPart& touched = touched_now.all[i];
+    const Vec6 velocity = relative_velocity(touched.part);
     touched.force = touched.normal.force(velocity, touched.contact_n) + touched.along.force(velocity, touched.contact_n);
     sum += touched.force;
   }
-  touched_ = now;
+  touched_parts_ = touched_now;
   return {sum.head<3>(), sum.tail<3>()};
 }
 
-ContactDamping::Wrench ContactDamping::on_tool_by(int part) const noexcept {
-  const Touched* touched = touched_.find(part);
+ContactDamping::Wrench ContactDamping::wrench_of_part(int part) const noexcept {
+  const TouchedPart* touched = touched_parts_.find(part);
   return touched == nullptr ? Wrench() : Wrench{touched->force.head<3>(), touched->force.tail<3>()};
 }
 

@@ -77,9 +77,9 @@ class ContactDamping {
   // Returns the force and torque on the tool.
   Wrench step(std::span<const Contact> contacts, bool is_held) noexcept;
   // Contact has ended: drops the filtered damping.
-  void release() noexcept { touched_.count = 0; }
+  void release() noexcept { touched_parts_.count = 0; }
   // The share of the last step's wrench that the contacts with this part exert on the tool.
-  Wrench on_tool_by(int part) const noexcept;
+  Wrench wrench_of_part(int part) const noexcept;
 
  private:
   // The share in G of one kind of damping (normal or tangential) at one part.
@@ -91,7 +91,7 @@ class ContactDamping {
     void blend(const DampingMatrix& before, double share) noexcept;
     Vec6 force(const Vec6& velocity, double most_n) const noexcept;
   };
-  struct Touched {
+  struct TouchedPart {
     int part = 0;
     DampingMatrix normal = {};
     DampingMatrix along = {};
@@ -103,11 +103,11 @@ class ContactDamping {
   };
   // The parts touched in this step, then those touched shortly before.
   struct TouchedParts {
-    std::array<Touched, kMaxContacts + 2> all;
+    std::array<TouchedPart, kMaxContacts + 2> all;
     std::size_t count = 0;
 
-    const Touched* find(int part) const noexcept;
-    Touched& at(int part) noexcept;
+    const TouchedPart* find(int part) const noexcept;
+    TouchedPart& find_or_add(int part) noexcept;
   };
   // Velocity of the tool relative to a part, in the frame of the part.
   struct Motion {
@@ -122,10 +122,10 @@ class ContactDamping {
   }
   void update_damping() noexcept;
   DampingCoefficients damping_of(const Contact& contact) const noexcept;
-  Vec6 velocity_past(int part) const noexcept;
-  void add(const Contact& contact, double along_n, Touched& touched) const noexcept;
-  void limit(TouchedParts& now) const noexcept;
-  void blend(TouchedParts& now, double share) const noexcept;
+  Vec6 relative_velocity(int part) const noexcept;
+  void add(const Contact& contact, double normal_load_n, TouchedPart& touched) const noexcept;
+  void limit(TouchedParts& touched_now) const noexcept;
+  void blend(TouchedParts& touched_now, double share) const noexcept;
 
   std::vector<std::vector<DampingCoefficients>> damping_;
   double unit_m_ = 1.0;
@@ -135,7 +135,7 @@ class ContactDamping {
   Placement device_;
   std::vector<Motion> motions_;  // by part
   double dt_s_ = 0.0;            // since the last step
-  TouchedParts touched_;
+  TouchedParts touched_parts_;
 };
 
 }  // namespace hapton

@@ -13,7 +13,7 @@ using Kind = FeaturePair::Kind;
 struct SegmentPoints {
   Vec3 on_a;
   Vec3 on_b;
-  bool inside = false;
+  bool is_inside = false;
 };
 
 // The closest points of segments from a along d and from b along e (Ericson, Real-Time Collision Detection, 5.1.9). Each
@@ -100,7 +100,7 @@ FeatureGap measure_gap(const FeaturePair& pair, const Placement& placement) noex
   const Vec3 a = placement.at(pair.tool[0]);
   const SegmentPoints near =
       closest_on_segments(a, placement.orientation * (pair.tool[1] - pair.tool[0]), pair.scene[0], pair.scene[1] - pair.scene[0]);
-  return gap_between(near.on_a, near.on_b, placement.position, near.inside ? TriangleFeature::face : TriangleFeature::vertex0);
+  return gap_between(near.on_a, near.on_b, placement.position, near.is_inside ? TriangleFeature::face : TriangleFeature::vertex0);
 }
 
 double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement& from, const Placement& to) noexcept {

@@ -14,12 +14,12 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
     : tool_(std::move(tool)),
       samples_(Sample{.parts = std::vector<Placement>(tool_->moving_count())}),
-      drag_(tool_->drag()),
+      damping_(tool_->damping()),
       has_friction_(tool_->has_friction()),
       parts_(tool_->moving_count()),
       last_parts_(parts_),
       pushes_(parts_.size()) {
-  last_.parts = parts_;
+  last_sample_.parts = parts_;
   place_objects();
 }
 
@@ -46,7 +46,7 @@ void HeldTool::set_materials(const ToolMaterials& materials) noexcept {
     has_friction_ = has_friction_ || materials.friction[o].friction_static > 0.0;
   }
   if (!has_friction_) friction_.forget();
-  drag_.set_damping(damping_of_);
+  damping_.set_damping(damping_of_);
 }
 
 void HeldTool::set_friction(LocalContacts& contacts) const noexcept {
@@ -73,8 +73,8 @@ void HeldTool::publish(const Placement& device, const Placement& goal, std::int6
 // Takes the newest contacts of the slow task. True: they are new, and have come late.
 bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
   ++samples_since_new_;
-  const bool are_new = found_.take();
-  if (seconds(time_ns - felt_ns_) > kLongestGapS) is_after_sample_gap_ = true;
+  const bool are_new = found_contacts_.take();
+  if (seconds(time_ns - last_step_ns_) > kLongestGapS) is_after_sample_gap_ = true;
   is_after_sample_gap_ = is_after_sample_gap_ && !are_new;
   const bool are_late = are_new && samples_since_new_ > kMaxPromptSamples;
   if (are_new) samples_since_new_ = 0;
@@ -84,7 +84,7 @@ bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
 // While more pairs are near than can be considered, the proxy stays, whatever the device does. After kStaleS of that, begins anew.
 void HeldTool::note_frozen(const FoundContacts& found, std::int64_t time_ns) noexcept {
   if (is_known_ && found.contacts.is_held) {
-    frozen_s_ += std::clamp(seconds(time_ns - felt_ns_), 0.0, kLongestGapS);
+    frozen_s_ += std::clamp(seconds(time_ns - last_step_ns_), 0.0, kLongestGapS);
   } else {
     frozen_s_ = 0.0;
   }
@@ -102,13 +102,13 @@ void HeldTool::count_lateness() noexcept {
 
 // No contacts are known, or the proxy is blocked, so nothing is felt.
 void HeldTool::release(const Placement& device, std::int64_t time_ns) noexcept {
-  drag_.release();
+  damping_.release();
   publish(device, device, time_ns);
   friction_.forget();
-  felt_ = {};
+  last_wrench_ = {};
   fading_share_ = 0.0;
-  felt_at_ = device;
-  felt_ns_ = time_ns;
+  last_device_ = device;
+  last_step_ns_ = time_ns;
 }
 
 ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept {
@@ -120,13 +120,13 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   std::copy(parts_.begin(), parts_.end(), last_parts_.begin());
   tool_->to_local(input.X_SO, parts_);
   const bool are_late = take_found_contacts(time_ns);
-  FoundContacts& found = found_.value();
+  FoundContacts& found = found_contacts_.value();
   output.proxy = found.step;
   is_known_ = found.serial == serial_;
   note_frozen(found, time_ns);
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
-  if (drag_.is_on()) move_drag(input, device, seconds(time_ns - felt_ns_));
+  if (damping_.is_on()) move_damping(input, device, seconds(time_ns - last_step_ns_));
   if (!is_known_ || output.proxy.is_blocked) {
     release(device, time_ns);
     return output;
@@ -139,17 +139,17 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   if (has_changed_) set_friction(found.contacts);
   LocalContacts::Solution solution;
   if (has_friction_) {
-    const ToolFriction::Step rubbed = friction_.step(found.contacts, device, parts_);
-    goal = rubbed.goal;
-    solution = rubbed.solution;
-    at = rubbed.at;
+    const ToolFriction::Step friction_step = friction_.step(found.contacts, device, parts_);
+    goal = friction_step.goal;
+    solution = friction_step.solution;
+    at = friction_step.at;
   } else {
     solution = found.contacts.solve(device);
     at = solution.at;
   }
   output = tool_->felt_at(input, device, at);
   const Vec3 felt_p_WP = output.X_WP.translation();
-  if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn(found, at)).X_WP;
+  if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn_pose(found, at)).X_WP;
   find_pushes(found.contacts, solution, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
@@ -159,20 +159,20 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   // The parts get the whole torque of the contacts, also where the stylus feels only a share of it (torque_share).
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
-  if (drag_.is_on()) add_drag(found.contacts, solution, share, input.X_WS.linear(), output);
+  if (damping_.is_on()) add_damping(found.contacts, solution, share, input.X_WS.linear(), output);
   const Vec3 shift_m = felt_p_WP - output.X_WP.translation();
   for (ToolPush& push : pushes_) push.torque_nm += shift_m.cross(push.force_n);
   return output;
 }
 
-Placement HeldTool::drawn(const FoundContacts& found, const Placement& at) const noexcept {
+Placement HeldTool::drawn_pose(const FoundContacts& found, const Placement& at) const noexcept {
   // Moving parts push the tool ahead, however far: found.reach limits only its motion from there.
   const Placement from = parts_.empty() ? found.contacts.proxy : found.contacts.constrain(found.contacts.proxy);
   const RigidMotion motion = motion_between(from, at);
   const double length = motion.length(tool_->proxy().radius());
   if (length <= found.reach) return at;
-  const double late = std::min(1.0, (age_s_ - kLateS) / kLateS);
-  return motion.at(1.0 + late * (found.reach / length - 1.0));
+  const double lateness_share = std::min(1.0, (age_s_ - kLateS) / kLateS);
+  return motion.at(1.0 + lateness_share * (found.reach / length - 1.0));
 }
 
 void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
@@ -181,46 +181,46 @@ void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::S
   // What a multiplier of 1 means: this force, and the torque of this force at a lever of one local unit.
   const double unit_n = tool_->unit_force_n();
   const double unit_nm = unit_n * tool_->scene().unit_m();
-  Vec3 rest_n = felt.force_n;  // the whole force; after the loop only what friction adds
-  Vec3 rest_nm = felt.torque_nm;
-  double grip = 0.0;
+  Vec3 remaining_n = felt.force_n;  // the whole force; after the loop only what friction adds
+  Vec3 remaining_nm = felt.torque_nm;
+  double friction_weight = 0.0;
   for (int k = 0; k < solution.active_count; ++k) {
     const auto i = static_cast<std::size_t>(solution.active[k]);
     const LocalContact& contact = contacts.contacts[i];
     const Vec3 force_n = unit_n * solution.multipliers[k] * (R_WS * contacts.bounds[i].row.head<3>());
     const Vec3 torque_nm = unit_nm * solution.multipliers[k] * (R_WS * contacts.bounds[i].row.tail<3>());
-    rest_n -= force_n;
-    rest_nm -= torque_nm;
-    grip += solution.multipliers[k] * contact.friction.friction_dynamic;
+    remaining_n -= force_n;
+    remaining_nm -= torque_nm;
+    friction_weight += solution.multipliers[k] * contact.friction.friction_dynamic;
     if (contact.part <= 0) continue;
     ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
     push = {push.force_n - force_n, push.torque_nm - torque_nm};
   }
-  if (!(grip > 0.0)) return;
+  if (!(friction_weight > 0.0)) return;
   for (int k = 0; k < solution.active_count; ++k) {
     const LocalContact& contact = contacts.contacts[static_cast<std::size_t>(solution.active[k])];
     if (contact.part <= 0) continue;
-    const double share = solution.multipliers[k] * contact.friction.friction_dynamic / grip;
+    const double share = solution.multipliers[k] * contact.friction.friction_dynamic / friction_weight;
     ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
-    push = {push.force_n - share * rest_n, push.torque_nm - share * rest_nm};
+    push = {push.force_n - share * remaining_n, push.torque_nm - share * remaining_nm};
   }
 }
 
-void HeldTool::move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept {
-  if (!is_known_ || dt_s < 0.0 || dt_s > kLongestGapS) drag_.reset();
-  tool_->note_view(input, last_view_, drag_);
-  drag_.move(device, parts_, dt_s);
+void HeldTool::move_damping(const ToolInput& input, const Placement& device, double dt_s) noexcept {
+  if (!is_known_ || dt_s < 0.0 || dt_s > kLongestGapS) damping_.reset();
+  tool_->note_view(input, last_view_, damping_);
+  damping_.move(device, parts_, dt_s);
 }
 
-void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
-                        ToolOutput& output) noexcept {
+void HeldTool::add_damping(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
+                           ToolOutput& output) noexcept {
   std::array<ContactDamping::Contact, ContactDamping::kMaxContacts> touched;
-  const std::size_t count = list_drag_contacts(contacts, solution, share * tool_->unit_force_n(), touched);
-  const ContactDamping::Wrench drag = drag_.step({touched.data(), count}, output.contact);
-  output.force_n += R_WS * drag.force_n;
-  output.torque_nm += R_WS * drag.torque_nm;
+  const std::size_t count = list_damping_contacts(contacts, solution, share * tool_->unit_force_n(), touched);
+  const ContactDamping::Wrench damping = damping_.step({touched.data(), count}, output.contact);
+  output.force_n += R_WS * damping.force_n;
+  output.torque_nm += R_WS * damping.torque_nm;
   for (std::size_t p = 0; p < pushes_.size(); ++p) {
-    const ContactDamping::Wrench part = drag_.on_tool_by(static_cast<int>(p) + 1);
+    const ContactDamping::Wrench part = damping_.wrench_of_part(static_cast<int>(p) + 1);
     pushes_[p] = {pushes_[p].force_n - R_WS * part.force_n, pushes_[p].torque_nm - R_WS * part.torque_nm};
   }
 }
@@ -236,19 +236,20 @@ double HeldTool::coupling_extension(const ContactDamping::Wrench& felt) const no
 // While the contacts stay the same, the distance from device to proxy changes by no more than the device moves: so does the distance of any
 // point from a convex set. Twice that leaves room for the contacts' curvature; a force that jumps by more is changed gradually.
 void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
-  fading_share_ = std::max(0.0, fading_share_ - std::clamp(seconds(time_ns - felt_ns_), 0.0, kMaxFadeStepS) / kContactFadeS);
+  fading_share_ = std::max(0.0, fading_share_ - std::clamp(seconds(time_ns - last_step_ns_), 0.0, kMaxFadeStepS) / kContactFadeS);
   const ContactDamping::Wrench plain{output.force_n, output.torque_nm};
   if (are_late) {
-    const ContactDamping::Wrench jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
-                                      felt_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
+    const ContactDamping::Wrench jump{last_wrench_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
+                                      last_wrench_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
     const ToolCoupling& coupling = tool_->coupling();
-    const Vec3 turn = turn_between(felt_at_.orientation, device.orientation);
+    const Vec3 turn = turn_between(last_device_.orientation, device.orientation);
     const double lever_squared = coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m;
-    double moved = std::sqrt((device.position - felt_at_.position).squaredNorm() +
+    double moved = std::sqrt((device.position - last_device_.position).squaredNorm() +
                              turn.squaredNorm() * lever_squared / (tool_->scene().unit_m() * tool_->scene().unit_m()));
-    for (std::size_t p = 0; p < parts_.size(); ++p) moved += motion_past(device, tool_->proxy().radius(), last_parts_[p], parts_[p]);
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      moved += relative_travel_bound(device, tool_->proxy().radius(), last_parts_[p], parts_[p]);
     if (coupling_extension(jump) > 2.0 * moved + ToolProxy::kContactOffset) {
-      fading_wrench_ = {felt_.force_n - plain.force_n, felt_.torque_nm - plain.torque_nm};
+      fading_wrench_ = {last_wrench_.force_n - plain.force_n, last_wrench_.torque_nm - plain.torque_nm};
       fading_share_ = 1.0;
     }
   }
@@ -256,22 +257,22 @@ void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t t
     output.force_n += fading_share_ * fading_wrench_.force_n;
     output.torque_nm += fading_share_ * fading_wrench_.torque_nm;
   }
-  felt_ = {output.force_n, output.torque_nm};
-  felt_at_ = device;
-  felt_ns_ = time_ns;
+  last_wrench_ = {output.force_n, output.torque_nm};
+  last_device_ = device;
+  last_step_ns_ = time_ns;
 }
 
 double HeldTool::travel_since_last(const Sample& sample) const noexcept {
   const ToolProxy& proxy = tool_->proxy();
-  return motion_between(last_.device, sample.device).length(proxy.radius()) + proxy.travel();
+  return motion_between(last_sample_.device, sample.device).length(proxy.radius()) + proxy.travel();
 }
 
 bool HeldTool::follow() noexcept {
   if (!samples_.take()) return false;
   const Sample& sample = samples_.value();
-  FoundContacts& found = found_.draft();
+  FoundContacts& found = found_contacts_.draft();
   ToolProxy& proxy = tool_->proxy();
-  const bool is_first = sample.serial != last_.serial;
+  const bool is_first = sample.serial != last_sample_.serial;
   if (is_first) proxy.reset(start_.value_or(sample.device), sample.parts);
   start_.reset();
   found.step = proxy.step(sample.goal, sample.parts);
@@ -282,8 +283,8 @@ bool HeldTool::follow() noexcept {
   found.reach = proxy.last_local_reach();
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;
-  last_ = sample;
-  found_.publish_draft();
+  last_sample_ = sample;
+  found_contacts_.publish_draft();
   return true;
 }
 

@@ -45,7 +45,7 @@ class HeldTool final : public StylusTool {
   // Fast: the slow task resets the proxy, as ToolStep::reset does, at the next sample.
   void begin_anew() noexcept override { ++serial_; }
   // Fast.
-  void forget_motion() noexcept override { drag_.reset(); }
+  void forget_motion() noexcept override { damping_.reset(); }
   // Fast: the slow task had found the tool's pose before the last step.
   bool is_known() const noexcept override { return is_known_; }
   Vec3 vertex_m() const noexcept override { return tool_->vertex_m(); }
@@ -81,9 +81,9 @@ class HeldTool final : public StylusTool {
   double coupling_extension(const ContactDamping::Wrench& felt) const noexcept;
   void place_objects();
   void set_friction(LocalContacts& contacts) const noexcept;
-  void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
-  void add_drag(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
-                ToolOutput& output) noexcept;
+  void move_damping(const ToolInput& input, const Placement& device, double dt_s) noexcept;
+  void add_damping(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
+                   ToolOutput& output) noexcept;
   void find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
                    const Mat3& R_WS) noexcept;
 
@@ -103,22 +103,22 @@ class HeldTool final : public StylusTool {
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;
   };
-  Placement drawn(const FoundContacts& found, const Placement& at) const noexcept;
+  Placement drawn_pose(const FoundContacts& found, const Placement& at) const noexcept;
 
   std::unique_ptr<ToolStep> tool_;  // only the slow task moves its proxy
   Mailbox<Sample> samples_;
-  Mailbox<FoundContacts> found_;
+  Mailbox<FoundContacts> found_contacts_;
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
   double frozen_s_ = 0.0;  // how long the proxy has been unable to move
   Lateness lateness_;
   bool is_after_sample_gap_ = true;  // no contacts have come since a gap in the samples
   bool is_known_ = false;
-  Sample last_;  // the one that follow() used last
+  Sample last_sample_;  // the one that follow() used last
   std::optional<Placement> start_;
   ToolFriction friction_;
-  ContactDamping drag_;
-  // As set_materials() gave them, by part and object. Before its first call, contacts and drag_ have the values the tool was made with.
+  ContactDamping damping_;
+  // As set_materials() gave them, by part and object. Before its first call, contacts and damping_ have the values the tool was made with.
   std::vector<std::vector<CoulombFriction>> friction_of_;
   std::vector<std::vector<DampingCoefficients>> damping_of_;
   std::vector<std::size_t> counts_;  // of set_materials(): objects counted so far, by part
@@ -129,11 +129,11 @@ class HeldTool final : public StylusTool {
   std::vector<Placement> last_parts_;  // at the step before that
   std::vector<ToolPush> pushes_;
   // What the fast task's last step returned; and the change of force by late contacts, of which the share fading_share_ is still to fade.
-  ContactDamping::Wrench felt_;
+  ContactDamping::Wrench last_wrench_;
   ContactDamping::Wrench fading_wrench_;
   double fading_share_ = 0.0;
-  Placement felt_at_;
-  std::int64_t felt_ns_ = 0;
+  Placement last_device_;
+  std::int64_t last_step_ns_ = 0;
   int samples_since_new_ = 0;
 };
 

@@ -10,14 +10,14 @@ namespace {
 class ActiveRows {
  public:
   // Coordinates of `row` along the active rows' span, and what is left of it.
-  void split(const Vec6& row, Vec6& along, Vec6& rest) const {
+  void split(const Vec6& row, Vec6& along, Vec6& residual) const {
     along.setZero();
-    rest = row;
-    for (int pass = 0; pass < 2; ++pass) {  // after the second pass, `rest` is orthogonal to them within rounding (Kahan & Parlett)
+    residual = row;
+    for (int pass = 0; pass < 2; ++pass) {  // after the second pass, `residual` is orthogonal to them within rounding (Kahan & Parlett)
       for (int k = 0; k < count_; ++k) {
-        const double share = q_.col(k).dot(rest);
+        const double share = q_.col(k).dot(residual);
         along[k] += share;
-        rest -= share * q_.col(k);
+        residual -= share * q_.col(k);
       }
     }
   }
@@ -31,11 +31,11 @@ class ActiveRows {
     }
     return r;
   }
-  void add(const Vec6& along, const Vec6& rest) {
-    const double length = rest.norm();
+  void add(const Vec6& along, const Vec6& residual) {
+    const double length = residual.norm();
     r_.col(count_) = along;
     r_(count_, count_) = length;
-    q_.col(count_) = rest / length;
+    q_.col(count_) = residual / length;
     ++count_;
   }
   void clear() { count_ = 0; }
@@ -85,9 +85,9 @@ void release(int blocking, std::span<const MotionBound> bounds, LeastMotion& fou
   rows.clear();
   for (int k = 0; k < found.active_count; ++k) {
     Vec6 along;
-    Vec6 rest;
-    rows.split(bounds[found.active[k]].row, along, rest);
-    rows.add(along, rest);
+    Vec6 residual;
+    rows.split(bounds[found.active[k]].row, along, residual);
+    rows.add(along, residual);
   }
 }
 
@@ -110,26 +110,27 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
     double multiplier = 0.0;
     for (bool is_added = false; !is_added;) {
       if (++round > kMaxRounds) {
-        found.solved = false;
+        found.is_solved = false;
         return found;
       }
       Vec6 along;
-      Vec6 rest;
-      rows.split(row, along, rest);
+      Vec6 residual;
+      rows.split(row, along, residual);
       const Vec6 r = rows.solve(along);
       double step = 0.0;
       int blocking = find_blocking(found, r, step);
-      const bool spans = rest.squaredNorm() <= kDependent * kDependent * row.squaredNorm();
-      const double full = spans ? std::numeric_limits<double>::infinity() : (bounds[worst].least - row.dot(found.y)) / rest.squaredNorm();
-      if (!spans && full <= step) {
+      const bool is_dependent = residual.squaredNorm() <= kDependent * kDependent * row.squaredNorm();
+      const double full_step =
+          is_dependent ? std::numeric_limits<double>::infinity() : (bounds[worst].least - row.dot(found.y)) / residual.squaredNorm();
+      if (!is_dependent && full_step <= step) {
         blocking = -1;
-        step = full;
+        step = full_step;
       }
       if (!std::isfinite(step)) {
-        found.solved = false;
+        found.is_solved = false;
         return found;
       }
-      if (!spans) found.y += step * rest;
+      if (!is_dependent) found.y += step * residual;
       for (int k = 0; k < found.active_count; ++k) found.multipliers[k] -= step * r[k];
       multiplier += step;
       is_added = blocking < 0;
@@ -137,7 +138,7 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
         release(blocking, bounds, found, rows);
         continue;
       }
-      rows.add(along, rest);
+      rows.add(along, residual);
       found.active[found.active_count] = worst;
       found.multipliers[found.active_count++] = multiplier;
     }

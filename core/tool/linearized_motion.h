@@ -10,7 +10,7 @@ struct LinearizedMotion {
   Placement from;
   Mat3 orientation;  // at the start
   Vec3 shift;
-  Mat3 turned;           // turned * arm: the change of an arm by the turn, along the scene's axes
+  Mat3 turn_change;      // turn_change * arm: the change of an arm by the turn, along the scene's axes
   double angle = 0.0;    // of the turn
   double sagitta = 0.0;  // upper bound, for an arm of length 1
 
@@ -18,12 +18,12 @@ struct LinearizedMotion {
       : from(motion.from),
         orientation(motion.from.orientation.toRotationMatrix()),
         shift(motion.shift),
-        turned(turn_by(motion.turn).toRotationMatrix() - Mat3::Identity()),
+        turn_change(turn_by(motion.turn).toRotationMatrix() - Mat3::Identity()),
         angle(motion.turn.norm()),
         sagitta(0.125 * angle * angle) {}
 
   // The displacement from start to end of a point of the tool. arm: from the grip point at the start, along the scene's axes.
-  Vec3 displacement(const Vec3& arm) const { return shift + turned * arm; }
+  Vec3 displacement(const Vec3& arm) const { return shift + turn_change * arm; }
 };
 
 }  // namespace hapton

@@ -50,10 +50,10 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const Too
       radius_(tool_surface_->radius),
       front_(tool_surface_->tree, scene_surface_->tree, radius_, team),
       features_(kMaxFeatures),
-      known_(kMaxFeatures),
+      known_pairs_(kMaxFeatures),
       workers_(static_cast<std::size_t>(team.size())) {
   for (Worker& worker : workers_) {
-    worker.swept.resize(kSwept);
+    worker.swept.resize(kCachedTriangles);
     worker.found.reserve(kMaxFeatures);
   }
 }
@@ -63,15 +63,15 @@ void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, cons
   PlacedTriangle& placed = *this;
   placed = PlacedTriangle(motion.from.position + arm[0], motion.from.position + arm[1], motion.from.position + arm[2]);
   double longest = 0.0;
-  most_moved = 0.0;
+  max_displacement = 0.0;
   swept = box;
   for (int k = 0; k < 3; ++k) {
     moved[k] = motion.displacement(arm[k]);
-    most_moved = std::max(most_moved, moved[k].squaredNorm());
+    max_displacement = std::max(max_displacement, moved[k].squaredNorm());
     longest = std::max(longest, arm[k].squaredNorm());
     swept.grow(corner[k] + moved[k]);
   }
-  most_moved = std::sqrt(most_moved);
+  max_displacement = std::sqrt(max_displacement);
   longest = std::sqrt(longest);
   normal_error *= 1.0 + longest;
   reach = within * (1.0 + 0x1p-40) + motion.sagitta * longest + 0x1p-45 * (1.0 + longest);
@@ -84,20 +84,20 @@ bool NearFeatures::any_intersect(const Placement& placement) noexcept {
 
 bool NearFeatures::collect(const Placement& placement, double distance, double turn) noexcept {
   count_ = 0;
-  known_.clear();
+  known_pairs_.clear();
   placement_ = placement;
   turn_ = turn;
-  within_ = 0.0;
+  covered_distance_ = 0.0;
   front_.forget();
   if (!extend(RigidMotion{placement}, distance)) return false;
-  within_ = distance;
+  covered_distance_ = distance;
   return true;
 }
 
 void NearFeatures::follow(const Placement& placement, double turn) noexcept {
   placement_ = placement;
   turn_ = turn;
-  within_ = reached_;
+  covered_distance_ = covered_on_path_;
   for (std::size_t i = 0; i < count_; ++i) {
     NearFeature& near = features_[i];
     near.gap = measure_gap(near.pair, placement);
@@ -107,17 +107,17 @@ void NearFeatures::follow(const Placement& placement, double turn) noexcept {
 
 bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   const double length = motion.length(radius_);
-  reached_ = std::max(distance, within_ - length);
-  if (length + distance <= within_) return true;
+  covered_on_path_ = std::max(distance, covered_distance_ - length);
+  if (length + distance <= covered_distance_) return true;
   const LinearizedMotion path(motion);
   ++walk_;
   for (Worker& worker : workers_) worker.found.clear();
   const bool is_whole =
-      front_.for_each_near(path, distance, [&](ObbFront::Turn turn, std::uint32_t own, std::uint32_t id, std::uint16_t features) {
-        Worker& worker = workers_[static_cast<std::size_t>(turn.worker)];
+      front_.for_each_near(path, distance, [&](ObbFront::VisitId visit_id, std::uint32_t own, std::uint32_t id, std::uint16_t features) {
+        Worker& worker = workers_[static_cast<std::size_t>(visit_id.worker)];
         const SweptTriangle& tool = swept(worker, own, path, distance);
         const ObjectGeometry::Corners c = scene_->corners(id);
-        Visit visit{worker, turn.place, tool, {c.a, c.b, c.c}};
+        Visit visit{worker, visit_id.place, tool, {c.a, c.b, c.c}};
         visit.pair.tool_triangle = own;
         visit.pair.scene_triangle = id;
         return find_near(visit, features);
@@ -132,15 +132,15 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
 ObbFront::Visited NearFeatures::find_near(Visit& visit, std::uint16_t features) const noexcept {
   double gap = 0.0;
   // Over a motion a separating plane may exclude a pair that the distances of its features do not exclude.
-  if (features != ObbFront::kAllFeatures && visit.tool.most_moved == 0.0) add_features(features, visit);
+  if (features != ObbFront::kAllFeatures && visit.tool.max_displacement == 0.0) add_features(features, visit);
   if (visit.near == 0) {
     const PlacedTriangle scene(visit.scene[0], visit.scene[1], visit.scene[2]);
     const PlaneGap plane = find_plane_gap(visit.tool, scene);
-    if (plane.apart) return apart_by(plane, visit.tool, scene);
+    if (plane.is_separated) return separated_by(plane, visit.tool, scene);
     gap = plane.gap;
     add_features(ObbFront::kAllFeatures, visit);
   }
-  return {std::max(gap, std::sqrt(visit.all_squared)), std::max(gap, std::sqrt(visit.rest_squared)), visit.fits, visit.near};
+  return {std::max(gap, std::sqrt(visit.all_squared)), std::max(gap, std::sqrt(visit.new_squared)), visit.fits, visit.near};
 }
 
 void NearFeatures::add_features(std::uint16_t features, Visit& visit) const noexcept {
@@ -155,14 +155,14 @@ bool NearFeatures::merge_found() noexcept {
   ObbFront::for_each_by_place(
       workers_, [](const Worker& worker) -> const std::vector<Found>& { return worker.found; },
       [&](const Found& one) {
-        if (known_.insert(one.near.pair)) features_[count_++] = one.near;
+        if (known_pairs_.insert(one.near.pair)) features_[count_++] = one.near;
       });
   return true;
 }
 
 const NearFeatures::SweptTriangle& NearFeatures::swept(Worker& worker, std::uint32_t triangle, const LinearizedMotion& motion,
                                                        double distance) const noexcept {
-  SweptTriangle& tool = worker.swept[triangle % kSwept];
+  SweptTriangle& tool = worker.swept[triangle % kCachedTriangles];
   if (tool.walk != walk_ || tool.triangle != triangle) {
     tool.place(tool_->corners(triangle), motion, distance);
     tool.walk = walk_;
@@ -216,14 +216,14 @@ NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, con
   const Vec3 below = scene.box.low - tool.swept.high;
   int axis = 0;
   PlaneGap found;
-  found.apart = above.cwiseMax(below).maxCoeff(&axis) > 0.0;
-  if (!found.apart) return found;
+  found.is_separated = above.cwiseMax(below).maxCoeff(&axis) > 0.0;
+  if (!found.is_separated) return found;
   found.direction[axis] = above[axis] > 0.0 ? 1.0 : -1.0;
   found.gap = (tool.box.low - scene.box.high).cwiseMax(scene.box.low - tool.box.high).cwiseMax(0.0).norm();
   return found;
 }
 
-ObbFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+ObbFront::Visited NearFeatures::separated_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   ObbFront::Visited visited{plane.gap, plane.gap, true};
   // The length of a shorter direction would be inexact (denormal numbers).
   visited.has_plane = plane.direction.squaredNorm() > 0x1p-900;
@@ -245,7 +245,7 @@ void NearFeatures::add_vertices(std::uint16_t features, Visit& visit) const noex
   const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
-  const std::array<Vec3, 3> own = {t.a, t.b, t.c};
+  const std::array<Vec3, 3> tool_points = {t.a, t.b, t.c};
   const std::array<Vec3, 3>& s = visit.scene;
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
@@ -253,7 +253,7 @@ void NearFeatures::add_vertices(std::uint16_t features, Visit& visit) const noex
     if ((features & of_tool) != 0 && tool_features_.owns_vertex(pair.tool_triangle, k)) {
       const double squared = triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]);
       pair.kind = Kind::vertex_face;
-      pair.tool[0] = own[k];
+      pair.tool[0] = tool_points[k];
       pair.scene = s;
       add(squared, of_tool, visit);
     }
@@ -261,7 +261,7 @@ void NearFeatures::add_vertices(std::uint16_t features, Visit& visit) const noex
     if ((features & of_scene) != 0 && scene_features.owns_vertex(scene_triangle, k)) {
       const double squared = triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]);
       pair.kind = Kind::face_vertex;
-      pair.tool = own;
+      pair.tool = tool_points;
       pair.scene[0] = s[k];
       add(squared, of_scene, visit);
     }
@@ -274,7 +274,7 @@ void NearFeatures::add_edges(std::uint16_t features, Visit& visit) const noexcep
   const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
-  const std::array<Vec3, 3> own = {t.a, t.b, t.c};
+  const std::array<Vec3, 3> tool_points = {t.a, t.b, t.c};
   pair.kind = Kind::edge_edge;
   for (int i = 0; i < 3; ++i) {
     const std::uint16_t of_edge = edge_bit(i, 0) | edge_bit(i, 1) | edge_bit(i, 2);
@@ -282,7 +282,7 @@ void NearFeatures::add_edges(std::uint16_t features, Visit& visit) const noexcep
     const Vec3& a = tool.corner[i];
     const Vec3 d = tool.corner[(i + 1) % 3] - a;
     pair.tool_corner = i;
-    pair.tool = {own[i], own[(i + 1) % 3], Vec3::Zero()};
+    pair.tool = {tool_points[i], tool_points[(i + 1) % 3], Vec3::Zero()};
     for (int k = 0; k < 3; ++k) {
       const std::uint16_t feature = edge_bit(i, k);
       if ((features & feature) == 0 || !scene_features.owns_edge(scene_triangle, k)) continue;
@@ -298,18 +298,18 @@ void NearFeatures::add_edges(std::uint16_t features, Visit& visit) const noexcep
 
 void NearFeatures::add(double distance_squared, std::uint16_t feature, Visit& visit) const noexcept {
   visit.all_squared = std::min(visit.all_squared, distance_squared);
-  const double reach = visit.tool.reach + visit.tool.most_moved;
+  const double reach = visit.tool.reach + visit.tool.max_displacement;
   if (distance_squared <= reach * reach && add_if_near(visit)) {
     visit.near = static_cast<std::uint16_t>(visit.near | feature);
   } else {
-    visit.rest_squared = std::min(visit.rest_squared, distance_squared);
+    visit.new_squared = std::min(visit.new_squared, distance_squared);
   }
 }
 
 // Adds the pair, unless it stays apart over the motion because a fixed plane between its closest points separates it.
 bool NearFeatures::add_if_near(Visit& visit) const noexcept {
   const FeaturePair& pair = visit.pair;
-  if (known_.has(pair)) return true;
+  if (known_pairs_.has(pair)) return true;
   const SweptTriangle& tool = visit.tool;
   const FeatureGap gap = measure_gap(pair, placement_);
   double approach = 0.0;

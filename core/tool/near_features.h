@@ -71,7 +71,7 @@ class NearFeatures {
   double radius() const { return radius_; }
 
  private:
-  static constexpr std::size_t kSwept = 128;  // triangles of the tool that a worker caches; a power of two
+  static constexpr std::size_t kCachedTriangles = 128;  // triangles of the tool that a worker caches; a power of two
 
   // A triangle in the scene's frame.
   struct PlacedTriangle {
@@ -97,18 +97,18 @@ class NearFeatures {
     std::uint32_t triangle = 0;
 
     std::array<Vec3, 3> moved;  // displacement of each corner over the motion
-    double most_moved = 0.0;
+    double max_displacement = 0.0;
     double reach = 0.0;  // if the straight lines from start to end are farther apart than this, the paths stay farther than `within`
     Box swept;           // box of the straight lines of its corners, inflated by the reach
   };
 
   struct Found {
     NearFeature near;
-    std::uint32_t place;  // position of the visit in the traversal (ObbFront::Turn)
+    std::uint32_t place;  // position of the visit in the traversal (ObbFront::VisitId)
   };
   // Data of one worker in a call.
   struct Worker {
-    std::vector<SweptTriangle> swept;  // cache, by triangle number modulo kSwept
+    std::vector<SweptTriangle> swept;  // cache, by triangle number modulo kCachedTriangles
     std::vector<Found> found;          // pairs that are not in features_
   };
   // A visited pair of triangles, and the least squared distance of all its features, and of those that are not known yet.
@@ -121,19 +121,20 @@ class NearFeatures {
     std::uint16_t near = 0;  // bits of the features that are near: found now, or known before
     bool fits = true;        // false: no room for more pairs of features
     double all_squared = std::numeric_limits<double>::infinity();
-    double rest_squared = std::numeric_limits<double>::infinity();
+    double new_squared = std::numeric_limits<double>::infinity();
   };
 
   const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const LinearizedMotion& motion, double distance) const noexcept;
-  // Lower bound of the distance of two triangles at the start of the motion; `apart`: a fixed plane separates them over the whole motion.
+  // Lower bound of the distance of two triangles at the start of the motion; `is_separated`: a fixed plane separates them over the whole
+  // motion.
   struct PlaneGap {
     double gap = 0.0;
-    bool apart = false;
+    bool is_separated = false;
     Vec3 direction = Vec3::Zero();  // normal of that plane, from the scene to the tool, of any length; zero: no plane
   };
   static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   static PlaneGap find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  static ObbFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  static ObbFront::Visited separated_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   // features: bits of the features to consider.
   ObbFront::Visited find_near(Visit& visit, std::uint16_t features) const noexcept;
   // These add the features that matter for the motion to Worker::found.
@@ -158,11 +159,11 @@ class NearFeatures {
   ObbFront front_;
   Placement placement_;  // of the last collect or follow
   double turn_ = 0.0;
-  double within_ = 0.0;   // all pairs with at most this distance at placement_ are known
-  double reached_ = 0.0;  // the same at every placement on the motion of the last extend
+  double covered_distance_ = 0.0;  // all pairs with at most this distance at placement_ are known
+  double covered_on_path_ = 0.0;   // the same at every placement on the motion of the last extend
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
-  FeatureSet known_;  // the pairs in features_
+  FeatureSet known_pairs_;  // the pairs in features_
   std::vector<Worker> workers_;
   std::uint64_t walk_ = 0;  // number of the present traversal
 };

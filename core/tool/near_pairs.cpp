@@ -22,7 +22,7 @@ NearPairs::NearPairs(const ObjectGeometry& tool, const TouchGeometry& scene, std
   pairs_.resize(most_pairs);
 }
 
-Box NearPairs::turned(const Box& box, const Placement& placement, const Mat3& turn, double margin) const noexcept {
+Box NearPairs::transformed(const Box& box, const Placement& placement, const Mat3& turn, double margin) const noexcept {
   const Vec3 centre = placement.position + turn * box.centre();
   const Vec3 half = turn.cwiseAbs() * (0.5 * (box.high - box.low));
   const double rounding = 0x1p-46 * (centre.cwiseAbs().maxCoeff() + half.maxCoeff());
@@ -72,7 +72,7 @@ bool NearPairs::collect(const Placement& placement, double margin) noexcept {
   while (top > 0) {
     const std::uint32_t node = stack[--top];
     if (nodes_[node].is_empty()) continue;
-    const Box box = turned(nodes_[node], placement, turn, margin);
+    const Box box = transformed(nodes_[node], placement, turn, margin);
     if (node >= first_leaf_) {
       if (!collect_cluster(node - first_leaf_, box, placement, margin)) return false;
       continue;

@@ -37,7 +37,7 @@ class NearPairs {
  private:
   static constexpr std::uint32_t kClusterSize = 8;
 
-  Box turned(const Box& box, const Placement& placement, const Mat3& turn, double margin) const noexcept;
+  Box transformed(const Box& box, const Placement& placement, const Mat3& turn, double margin) const noexcept;
   bool collect_cluster(std::uint32_t cluster, const Box& box, const Placement& placement, double margin) noexcept;
 
   const ObjectGeometry* tool_;

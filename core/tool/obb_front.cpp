@@ -48,17 +48,17 @@ ObbFront::ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, Wor
       radius_(radius),
       team_(&team),
       walkers_(static_cast<std::size_t>(team.size())),
-      ended_(kMaxEnded),
-      until_(kMaxEnded / SeparatingPlanes::kTogether),
-      lowest_(kMaxEnded / kBlock),
-      rest_until_(kMaxEnded),
-      visited_in_(kMaxEnded),
-      near_(kMaxEnded),
-      planes_(kMaxEnded, radius) {
-  places_.reserve(kMaxEnded);
+      front_pairs_(kMaxFrontPairs),
+      until_(kMaxFrontPairs / SeparatingPlanes::kTogether),
+      block_bounds_(kMaxFrontPairs / kBlock),
+      rest_until_(kMaxFrontPairs),
+      visited_in_(kMaxFrontPairs),
+      near_(kMaxFrontPairs),
+      planes_(kMaxFrontPairs, radius) {
+  places_.reserve(kMaxFrontPairs);
   for (Walker& walker : walkers_) {
-    walker.boxes.resize(kBoxes);
-    walker.added.reserve(kMaxEnded);
+    walker.boxes.resize(kCachedBoxes);
+    walker.added.reserve(kMaxFrontPairs);
   }
 }
 
@@ -78,7 +78,7 @@ void ObbFront::ToolBox::place(const ObbTree::Node& tool, const LinearizedMotion&
 }
 
 const ObbFront::ToolBox& ObbFront::placed(Walker& walker, std::uint32_t node, const LinearizedMotion& motion) const noexcept {
-  ToolBox& box = walker.boxes[node % kBoxes];
+  ToolBox& box = walker.boxes[node % kCachedBoxes];
   if (box.walk != walk_ || box.node != node) {
     box.place(tool_->nodes()[node], motion);
     box.walk = walk_;
@@ -95,7 +95,7 @@ bool ObbFront::splits_tool(Pair pair) const noexcept {
   return !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
 }
 
-ObbFront::Apart ObbFront::test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction) noexcept {
+ObbFront::BoxGap ObbFront::test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction) noexcept {
   const Lanes4 axes[3] = {lanes_at(scene.axes[0].data()), lanes_at(scene.axes[1].data()), lanes_at(scene.axes[2].data())};
   const Vec3 half = scene.half_size();
   const Vec3 between = tool.centre - scene.at();
@@ -116,20 +116,20 @@ ObbFront::Apart ObbFront::test(const ToolBox& tool, const ObbTree::Node& scene, 
   const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
   constexpr double kAxisLength = 1.0 - 0x1p-20;  // least length of an axis
   // The squares of gaps along perpendicular axes add up.
-  Apart apart{std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
-              largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance, Vec3::Zero()};
-  if (wants_direction && apart.over_motion) {
-    apart.direction = squared(moved_scene) > squared(moved_tool) ? direction_of(axes, moved_scene, by_scene)
-                                                                 : direction_of(tool.lanes, moved_tool, by_tool);
+  BoxGap box_gap{std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
+                 largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance, Vec3::Zero()};
+  if (wants_direction && box_gap.is_apart_over_motion) {
+    box_gap.direction = squared(moved_scene) > squared(moved_tool) ? direction_of(axes, moved_scene, by_scene)
+                                                                   : direction_of(tool.lanes, moved_tool, by_tool);
   }
-  return apart;
+  return box_gap;
 }
 
 void ObbFront::begin(const LinearizedMotion& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
-  const double turned = turn_between(at_.orientation, motion.from.orientation).norm();
-  travelled_ += (motion.from.position - at_.position).norm() + radius_ * turned + rounding;
-  at_ = motion.from;
+  const double turned = turn_between(last_start_.orientation, motion.from.orientation).norm();
+  travelled_ += (motion.from.position - last_start_.position).norm() + radius_ * turned + rounding;
+  last_start_ = motion.from;
   ++walk_;
   for (Walker& walker : walkers_) {
     walker.added.clear();
@@ -143,39 +143,39 @@ void ObbFront::begin(const LinearizedMotion& motion, double distance) noexcept {
 
 // A front has tens of thousands of pairs; a walk begins at few of them. It leaves out pairs for which the tool has not travelled far enough
 // to come near, and pairs with a stored plane that separates the boxes over the motion.
-void ObbFront::find_places(float enough, float clearance) noexcept {
+void ObbFront::find_places(float max_travel, float clearance) noexcept {
   constexpr std::size_t kLanes = SeparatingPlanes::kTogether;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Float8 travelled(float_at_most(travelled_));
   places_.clear();
-  enough_ = enough;
+  max_travel_ = max_travel;
   for (std::size_t block = 0; block * kBlock < count_; ++block) {
-    if (lowest_[block] > enough) continue;
+    if (block_bounds_[block] > max_travel) continue;
     const std::size_t before = places_.size();
     Float8 lowest(kInfinity);
     const std::size_t end = std::min((block + 1) * kBlock, count_);
     for (std::size_t first = block * kBlock; first < end; first += kLanes) {
       float* const bounds = until_[first / kLanes].of.data();
       Float8 until = Float8::load(bounds);
-      unsigned low = sign_bits(until <= Float8(enough));
+      unsigned low = sign_bits(until <= Float8(max_travel));
       if (low != 0) {
         const SeparatingPlanes::Gaps gaps = planes_.find_gaps(first / kLanes);
         until = max((travelled + gaps.start) * Float8(1.0F - 0x1p-22F), until);
         store(bounds, until);
-        low = sign_bits(until <= Float8(enough)) & ~sign_bits(gaps.over > Float8(clearance));
+        low = sign_bits(until <= Float8(max_travel)) & ~sign_bits(gaps.over > Float8(clearance));
       }
       lowest = min(lowest, until);
       if (end - first < kLanes) low &= (1U << (end - first)) - 1U;
       for (; low != 0; low &= low - 1U) {
         const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(low));
-        if (visited_in_[i] != epoch_ || rest_until_[i] <= enough) places_.push_back(static_cast<std::uint32_t>(i));
+        if (visited_in_[i] != epoch_ || rest_until_[i] <= max_travel) places_.push_back(static_cast<std::uint32_t>(i));
       }
     }
     // The walk changes the bounds of the pairs at which it begins, so the block's bound is not known yet.
-    lowest_[block] = -kInfinity;
+    block_bounds_[block] = -kInfinity;
     if (places_.size() > before) continue;
-    lowest_[block] = kInfinity;
-    for (int lane = 0; lane < static_cast<int>(kLanes); ++lane) lowest_[block] = std::min(lowest_[block], lowest[lane]);
+    block_bounds_[block] = kInfinity;
+    for (int lane = 0; lane < static_cast<int>(kLanes); ++lane) block_bounds_[block] = std::min(block_bounds_[block], lowest[lane]);
   }
 }
 
@@ -184,21 +184,22 @@ void ObbFront::begin_at_roots(const LinearizedMotion& motion, double distance) n
   travelled_ = 0.0;
   first_count_ = 0;
   planes_.restart(motion.from);
-  ended_[0] = {0, 0};
+  front_pairs_[0] = {0, 0};
   count_ = 1;
-  for (std::size_t before = 0; before != count_ && count_ < kFirst;) {
+  for (std::size_t before = 0; before != count_ && count_ < kMinFirstPairs;) {
     before = count_;
     for (std::size_t i = 0; i < before; ++i) {
-      const Pair pair = ended_[i];
-      if (is_end(pair) || test(placed(walkers_[0], pair.tool, motion), scene_->nodes()[pair.scene], distance).over_motion) continue;
+      const Pair pair = front_pairs_[i];
+      if (is_end(pair) || test(placed(walkers_[0], pair.tool, motion), scene_->nodes()[pair.scene], distance).is_apart_over_motion)
+        continue;
       const bool is_tool = splits_tool(pair);
       const std::uint32_t link = is_tool ? tool_->nodes()[pair.tool].link : scene_->nodes()[pair.scene].link;
-      ended_[i] = is_tool ? Pair{link, pair.scene} : Pair{pair.tool, link};
-      ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
+      front_pairs_[i] = is_tool ? Pair{link, pair.scene} : Pair{pair.tool, link};
+      front_pairs_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
     }
   }
-  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0});
-  std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < count_; ++i) put(i, {front_pairs_[i], -1.0F, -1.0F, 0, 0});
+  std::fill(block_bounds_.begin(), block_bounds_.end(), -std::numeric_limits<float>::infinity());
 }
 
 ObbFront::End ObbFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
@@ -207,7 +208,7 @@ ObbFront::End ObbFront::end_of(Pair pair, double distance, double rest, std::uin
 }
 
 void ObbFront::put(std::size_t i, const End& end) noexcept {
-  ended_[i] = end.pair;
+  front_pairs_[i] = end.pair;
   until(i) = end.until;
   rest_until_[i] = end.rest_until;
   visited_in_[i] = end.visited_in;
@@ -237,11 +238,11 @@ bool ObbFront::finish() noexcept {
     tests += walker.tests;
     added += walker.added.size();
   }
-  if (tests > kMaxTests || count_ + added > kMaxEnded) return false;
+  if (tests > kMaxTests || count_ + added > kMaxFrontPairs) return false;
   for_each_by_place(
       walkers_, [](const Walker& walker) -> const std::vector<End>& { return walker.added; },
       [&](const End& end) {
-        lowest_[count_ / kBlock] = std::min(lowest_[count_ / kBlock], end.until);
+        block_bounds_[count_ / kBlock] = std::min(block_bounds_[count_ / kBlock], end.until);
         put(count_++, end);
       });
   return true;

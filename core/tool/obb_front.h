@@ -36,7 +36,7 @@ class ObbFront {
 
   // The worker that makes a visit, and the place of the visit: the index, among the pairs at which the walk begins, of the one that led to
   // it. Each worker visits in ascending order of places, and one worker makes all visits of a place.
-  struct Turn {
+  struct VisitId {
     int worker;
     std::uint32_t place;
   };
@@ -63,7 +63,7 @@ class ObbFront {
   // whose bounds do not exclude it, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it
   // may have come within the distance. features: the visitor need test only these (Visited::near of an earlier visit); if none of them
   // comes within the distance, it tests all, for better bounds. False, and pairs are missing: a visitor ended the walk, it took more than
-  // kMaxTests tests, or the front would exceed kMaxEnded pairs. Threads: workers visit concurrently.
+  // kMaxTests tests, or the front would exceed kMaxFrontPairs pairs. Threads: workers visit concurrently.
   template <class Visit>
   bool for_each_near(const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
 
@@ -92,10 +92,10 @@ class ObbFront {
     double slack = 0.0;         // bound of how far the displacement of a point of the box differs from the centre's, plus rounding
     double still_slack = 0.0;   // the rounding alone
   };
-  struct Apart {
-    double distance = 0.0;          // lower bound at the start of the motion
-    bool over_motion = false;       // the boxes stay farther apart than the clearance over the motion
-    Vec3 direction = Vec3::Zero();  // if requested: along the normal of a plane that stays between the boxes over the motion
+  struct BoxGap {
+    double distance = 0.0;              // lower bound at the start of the motion
+    bool is_apart_over_motion = false;  // the boxes stay farther apart than the clearance over the motion
+    Vec3 direction = Vec3::Zero();      // if requested: along the normal of a plane that stays between the boxes over the motion
   };
   struct alignas(32) Eight {
     std::array<float, SeparatingPlanes::kTogether> of;
@@ -120,16 +120,16 @@ class ObbFront {
   };
   // The data of one worker in a walk.
   struct Walker {
-    std::vector<ToolBox> boxes;  // cache, by node number modulo kBoxes
+    std::vector<ToolBox> boxes;  // cache, by node number modulo kCachedBoxes
     std::vector<End> added;      // new pairs, in addition to those at which the walk began
     std::size_t tests = 0;
   };
 
-  static Apart test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
+  static BoxGap test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
   const ToolBox& placed(Walker& walker, std::uint32_t node, const LinearizedMotion& motion) const noexcept;
   // Prepares a walk: finds the pairs at which it begins.
   void begin(const LinearizedMotion& motion, double distance) noexcept;
-  void find_places(float enough, float clearance) noexcept;
+  void find_places(float max_travel, float clearance) noexcept;
   void begin_at_roots(const LinearizedMotion& motion, double distance) noexcept;
   // Appends the pairs that the walkers added to the front. False if there is no room, or there were too many tests.
   bool finish() noexcept;
@@ -142,27 +142,27 @@ class ObbFront {
   bool is_end(Pair pair) const noexcept;  // both nodes are leaves
   // Visits the pair at a place, which was visited before: a visit gives better bounds than a test of its boxes. False: the walk has to end.
   template <class Visit>
-  bool visit_again(Turn turn, const LinearizedMotion& motion, Visit&& visit) noexcept;
+  bool visit_again(VisitId visit_id, const LinearizedMotion& motion, Visit&& visit) noexcept;
   // Walks down the trees from the pair at a place. False: the walk has to end.
   template <class Visit>
-  bool descend(Turn turn, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
+  bool descend(VisitId visit_id, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
 
-  static constexpr std::size_t kMaxEnded = 1U << 17;  // pairs of the front
-  static constexpr std::size_t kBlock = 64;           // pairs that share a bound (lowest_)
-  static constexpr std::size_t kBoxes = 512;          // boxes that a worker caches
-  static constexpr std::size_t kFirst = 256;          // pairs that a walk from the roots begins at, to be shared out
-  static constexpr double kFastTurn = 0x1p-7;         // rad in a walk: from this on, planes would soon be useless, and none is stored
-  static constexpr std::size_t kTogether = 8;         // places that a worker takes at a time
-  static constexpr std::size_t kWorthIt = 32;         // places: with fewer, one worker makes the walk
+  static constexpr std::size_t kMaxFrontPairs = 1U << 17;  // pairs of the front
+  static constexpr std::size_t kBlock = 64;                // pairs that share a bound (block_bounds_)
+  static constexpr std::size_t kCachedBoxes = 512;         // boxes that a worker caches
+  static constexpr std::size_t kMinFirstPairs = 256;       // pairs that a walk from the roots begins at, to be shared out
+  static constexpr double kFastTurn = 0x1p-7;              // rad in a walk: from this on, planes would soon be useless, and none is stored
+  static constexpr std::size_t kTogether = 8;              // places that a worker takes at a time
+  static constexpr std::size_t kMinPlacesForTeam = 32;     // places: with fewer, one worker makes the walk
 
   const ObbTree* tool_;
   const ObbTree* scene_;
   double radius_;
   WorkerTeam* team_;
   std::vector<Walker> walkers_;
-  std::vector<Pair> ended_;
+  std::vector<Pair> front_pairs_;
   std::vector<Eight> until_;               // see End
-  std::vector<float> lowest_;              // lower bound of until_ of each block
+  std::vector<float> block_bounds_;        // lower bound of until_ of each block
   std::vector<float> rest_until_;          // see End; used for visited pairs only
   std::vector<std::uint64_t> visited_in_;  // see End
   std::vector<std::uint16_t> near_;        // see End
@@ -171,9 +171,9 @@ class ObbFront {
   std::size_t count_ = 0;              // pairs of the front; 0: the next walk begins at the roots
   std::vector<std::uint32_t> places_;  // numbers of the pairs at which the walk begins
   std::size_t first_count_ = 0;        // count_ after the last walk from the roots
-  Placement at_;                       // of the tool, at the start of the last walk's motion
+  Placement last_start_;               // of the tool, at the start of the last walk's motion
   double travelled_ = 0.0;             // bound of the path of a point of the tool since the walk from the roots
-  float enough_ = 0.0F;                // no pair with a higher until_ comes within the distance in this walk
+  float max_travel_ = 0.0F;            // no pair with a higher until_ comes within the distance in this walk
   std::uint64_t walk_ = 0;             // number of the walk
 };
 
@@ -191,15 +191,15 @@ bool ObbFront::for_each_near(const LinearizedMotion& motion, double distance, Vi
       if (first >= places_.size()) return;
       const std::size_t last = std::min(first + kTogether, places_.size());
       for (std::size_t place = first; place < last; ++place) {
-        const Turn turn{worker, static_cast<std::uint32_t>(place)};
-        const bool is_seen = visited_in_[places_[place]] != 0;
-        if (is_seen ? visit_again(turn, motion, visit) : descend(turn, motion, distance, visit)) continue;
+        const VisitId visit_id{worker, static_cast<std::uint32_t>(place)};
+        const bool was_visited = visited_in_[places_[place]] != 0;
+        if (was_visited ? visit_again(visit_id, motion, visit) : descend(visit_id, motion, distance, visit)) continue;
         goes_on.store(false, std::memory_order_relaxed);
         return;
       }
     }
   };
-  if (places_.size() < kWorthIt) {
+  if (places_.size() < kMinPlacesForTeam) {
     walk(0);
   } else {
     team_->run(walk);
@@ -211,17 +211,17 @@ bool ObbFront::for_each_near(const LinearizedMotion& motion, double distance, Vi
 }
 
 template <class Visit>
-bool ObbFront::visit_again(Turn turn, const LinearizedMotion& motion, Visit&& visit) noexcept {
-  if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMaxTests) return false;
-  const std::uint32_t at = places_[turn.place];
-  const Pair pair = ended_[at];
+bool ObbFront::visit_again(VisitId visit_id, const LinearizedMotion& motion, Visit&& visit) noexcept {
+  if (++walkers_[static_cast<std::size_t>(visit_id.worker)].tests > kMaxTests) return false;
+  const std::uint32_t at = places_[visit_id.place];
+  const Pair pair = front_pairs_[at];
   const ObbTree::Node& tool = tool_->nodes()[pair.tool];
   const float rest = rest_until_[at];
-  const bool is_partial = visited_in_[at] != epoch_ && rest > enough_;
+  const bool is_partial = visited_in_[at] != epoch_ && rest > max_travel_;
   const Visited found =
-      visit(turn, tool_->triangle(tool), scene_->triangle(scene_->nodes()[pair.scene]), is_partial ? near_[at] : kAllFeatures);
+      visit(visit_id, tool_->triangle(tool), scene_->triangle(scene_->nodes()[pair.scene]), is_partial ? near_[at] : kAllFeatures);
   if (!found.goes_on) return false;
-  End end = end_of(pair, found.gap, found.rest, turn.place, epoch_);
+  End end = end_of(pair, found.gap, found.rest, visit_id.place, epoch_);
   end.near = found.near;
   if (is_partial && found.near != 0) {
     end.until = std::min(end.until, rest);
@@ -233,36 +233,36 @@ bool ObbFront::visit_again(Turn turn, const LinearizedMotion& motion, Visit&& vi
 }
 
 template <class Visit>
-bool ObbFront::descend(Turn turn, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept {
-  Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
-  const std::uint32_t from = places_[turn.place];
+bool ObbFront::descend(VisitId visit_id, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept {
+  Walker& walker = walkers_[static_cast<std::size_t>(visit_id.worker)];
+  const std::uint32_t from = places_[visit_id.place];
   const bool wants_plane = motion.angle < kFastTurn;
   bool is_first = true;
   bool has_replaced = false;
   std::array<Pair, 2 * ObbTree::kMaxDepth + 2> stack;
   int top = 0;
-  stack[top++] = ended_[from];
+  stack[top++] = front_pairs_[from];
   while (top > 0) {
     const Pair pair = stack[--top];
     if (++walker.tests > kMaxTests) return false;
     const ObbTree::Node& tool = tool_->nodes()[pair.tool];
     const ObbTree::Node& scene = scene_->nodes()[pair.scene];
-    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
-    if (apart.over_motion || is_end(pair)) {
-      const Visited found =
-          apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene), kAllFeatures);
+    const BoxGap box_gap = test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
+    if (box_gap.is_apart_over_motion || is_end(pair)) {
+      const Visited found = box_gap.is_apart_over_motion ? Visited{0.0, 0.0, true}
+                                                         : visit(visit_id, tool_->triangle(tool), scene_->triangle(scene), kAllFeatures);
       if (!found.goes_on) return false;
-      End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place,
-                       apart.over_motion ? 0 : epoch_);
+      End end = end_of(pair, std::max(box_gap.distance, found.gap), std::max(box_gap.distance, found.rest), visit_id.place,
+                       box_gap.is_apart_over_motion ? 0 : epoch_);
       end.near = found.near;
-      if (wants_plane && apart.over_motion) {
-        const Vec3 normal = SeparatingPlanes::normal_along(apart.direction);
+      if (wants_plane && box_gap.is_apart_over_motion) {
+        const Vec3 normal = SeparatingPlanes::normal_along(box_gap.direction);
         end.set_plane(normal, planes_.gap_along(normal, tool, scene));
       } else if (wants_plane && found.has_plane) {
         end.set_plane(found.normal, found.along_normal);
       }
       if (has_replaced) {
-        if (walker.added.size() == kMaxEnded) return false;
+        if (walker.added.size() == kMaxFrontPairs) return false;
         walker.added.push_back(end);
       } else if (!is_first) {
         put(from, end);

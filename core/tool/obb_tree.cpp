@@ -20,14 +20,14 @@ struct TreeTriangle {
         centre((corner[0] + corner[1] + corner[2]) / 3.0),
         area(normal.norm()),
         id(first_id | t) {
-    for (const Vec3& p : corner) spread += area / 12.0 * (p - centre) * (p - centre).transpose();
+    for (const Vec3& p : corner) second_moments += area / 12.0 * (p - centre) * (p - centre).transpose();
   }
 
   std::array<Vec3, 3> corner;
   Vec3 normal;  // its length is twice the area
   Vec3 centre;
-  Mat3 spread = Mat3::Zero();  // second moments about the centre, doubled
-  double area;                 // doubled
+  Mat3 second_moments = Mat3::Zero();  // second moments about the centre, doubled
+  double area;                         // doubled
   std::uint32_t id;
 
   Vec3 direction() const { return normal.stableNormalized(); }
@@ -77,7 +77,7 @@ struct PieceAxes {
       const Vec3 weighted = item.area * from;
       area += item.area;
       first += weighted;
-      second += weighted * from.transpose() + item.spread;
+      second += weighted * from.transpose() + item.second_moments;
     }
     if (!(area > 0.0)) return;
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
@@ -168,12 +168,12 @@ class TreeBuilder {
     PieceBend bend;
     for (std::size_t i = 0; i < own.size(); ++i) bend.add(own[i]);
     std::size_t half = own.size() / 2;
-    if (own.size() <= kLargestBent && bend.relative() > kBent) {
+    if (own.size() <= kLargestBent && bend.relative() > kMinBend) {
       half = split_by_bend(own, along.axes);
     } else {
-      const std::span<SortKey> keys = keys_of(own, Along{along.axes.col(2), false});
+      const std::span<SortKey> keys = keys_of(own, SortAxis{along.axes.col(2), false});
       std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end());
-      arrange(own, keys);
+      reorder(own, keys);
     }
     node.link = static_cast<std::uint32_t>(nodes.size());
     nodes[at] = node;
@@ -183,7 +183,7 @@ class TreeBuilder {
   }
 
   // Orders triangles along an axis by their centres, or by their normals.
-  struct Along {
+  struct SortAxis {
     Vec3 axis;
     bool is_by_normal;
 
@@ -191,11 +191,11 @@ class TreeBuilder {
   };
 
   // The keys of a piece's triangles, in the order of the piece.
-  std::span<SortKey> keys_of(const SurfacePiece& own, const Along& along) {
+  std::span<SortKey> keys_of(const SurfacePiece& own, const SortAxis& along) {
     for (std::size_t i = 0; i < own.size(); ++i) keys_[i] = {along.value(own[i]), own[i].id, own.numbers[i]};
     return std::span(keys_).first(own.size());
   }
-  static void arrange(const SurfacePiece& own, std::span<const SortKey> keys) {
+  static void reorder(const SurfacePiece& own, std::span<const SortKey> keys) {
     for (std::size_t i = 0; i < own.size(); ++i) own.numbers[i] = keys[i].number;
   }
 
@@ -215,7 +215,7 @@ class TreeBuilder {
       }
       if (is_flatter || order == 0) best_keys_.assign(keys.begin(), keys.end());
     }
-    arrange(own, best_keys_);
+    reorder(own, best_keys_);
     return best;
   }
 
@@ -237,7 +237,7 @@ class TreeBuilder {
     return {static_cast<std::size_t>(least - bends_.begin()), *least};
   }
 
-  static constexpr double kBent = 0.02;              // PieceBend::relative() above which split_by_bend is used
+  static constexpr double kMinBend = 0.02;           // PieceBend::relative() above which split_by_bend is used
   static constexpr std::size_t kLargestBent = 1024;  // triangles; larger pieces are split in the middle
   std::vector<double> bends_;
   std::vector<SortKey> keys_;
@@ -276,7 +276,7 @@ class TreeJoiner {
 
   void build(std::uint32_t at, std::span<Object> objects) {
     if (objects.size() == 1) {
-      put(at, objects[0]);
+      copy_tree(at, objects[0]);
       return;
     }
     Box bounds;
@@ -314,7 +314,7 @@ class TreeJoiner {
   }
 
   // Copies the tree of an object: its root to node `at`, all other nodes to the end.
-  void put(std::uint32_t at, const Object& object) {
+  void copy_tree(std::uint32_t at, const Object& object) {
     const auto shift = static_cast<std::uint32_t>(nodes.size() - 1);
     const auto first_leaf = static_cast<std::uint32_t>(triangles.size());
     const auto placed = [&](const ObbTree::Node& node) {

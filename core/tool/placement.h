@@ -30,7 +30,7 @@ struct Placement {
 };
 
 // Upper bound of how far a point within `radius` of the tool's grip point moves relative to a body that moves from `from` to `to`. RT: yes.
-inline double motion_past(const Placement& tool, double radius, const Placement& from, const Placement& to) noexcept {
+inline double relative_travel_bound(const Placement& tool, double radius, const Placement& from, const Placement& to) noexcept {
   const Placement a = from.inverse() * tool;
   const Placement b = to.inverse() * tool;
   return (b.position - a.position).norm() + radius * turn_between(a.orientation, b.orientation).norm();

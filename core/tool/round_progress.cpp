@@ -12,10 +12,10 @@ bool RoundProgress::is_stalled(const Placement& at, double distance) noexcept {
     best_ = at;
     best_distance_ = distance;
   }
-  const bool is_gain = is_first || best_distance_ < gained_at_ - least_gain_;
-  if (is_gain) gained_at_ = best_distance_;
-  since_gain_ = is_gain ? 0 : since_gain_ + 1;
-  return since_gain_ >= kPatience;
+  const bool is_gain = is_first || best_distance_ < distance_at_gain_ - least_gain_;
+  if (is_gain) distance_at_gain_ = best_distance_;
+  rounds_since_gain_ = is_gain ? 0 : rounds_since_gain_ + 1;
+  return rounds_since_gain_ >= kPatience;
 }
 
 }  // namespace hapton

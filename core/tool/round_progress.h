@@ -27,8 +27,8 @@ class RoundProgress {
  private:
   double least_gain_;
   int rounds_ = 0;
-  int since_gain_ = 0;
-  double gained_at_ = 0.0;  // the distance at the last gain
+  int rounds_since_gain_ = 0;
+  double distance_at_gain_ = 0.0;  // the distance at the last gain
   bool is_best_ = false;
   double best_distance_ = 0.0;
   Placement best_;

@@ -34,26 +34,26 @@ void ScenePart::aim(double share) noexcept {
 
 void ScenePart::advance(const RigidMotion& motion, double share, const Placement& tool) noexcept {
   if (!is_moving_) return;
-  put_at(share < 1.0 ? tool * own(motion).at(share).inverse() : next_);
+  put_at(share < 1.0 ? tool * in_part_frame(motion).at(share).inverse() : next_);
   is_moving_ = false;
 }
 
-RigidMotion ScenePart::own(const RigidMotion& motion) const noexcept {
+RigidMotion ScenePart::in_part_frame(const RigidMotion& motion) const noexcept {
   if (!moves_) return motion;
-  const Placement from = own(motion.from);
+  const Placement from = in_part_frame(motion.from);
   if (!is_moving_) return {from, turn_.transpose() * motion.shift, turn_.transpose() * motion.turn};
-  return motion_between(from, own_end(motion));
+  return motion_between(from, end_in_part_frame(motion));
 }
 
-Placement ScenePart::own_end(const RigidMotion& motion) const noexcept {
-  return is_moving_ ? next_.inverse() * motion.at(1.0) : own(motion.at(1.0));
+Placement ScenePart::end_in_part_frame(const RigidMotion& motion) const noexcept {
+  return is_moving_ ? next_.inverse() * motion.at(1.0) : in_part_frame(motion.at(1.0));
 }
 
-Mat6 ScenePart::curvature(const Mat6& own) const noexcept {
-  if (!moves_) return own;
+Mat6 ScenePart::curvature(const Mat6& in_part) const noexcept {
+  if (!moves_) return in_part;
   Mat6 turned;
   for (int i = 0; i < 2; ++i) {
-    for (int k = 0; k < 2; ++k) turned.block<3, 3>(3 * i, 3 * k) = turn_ * own.block<3, 3>(3 * i, 3 * k) * turn_.transpose();
+    for (int k = 0; k < 2; ++k) turned.block<3, 3>(3 * i, 3 * k) = turn_ * in_part.block<3, 3>(3 * i, 3 * k) * turn_.transpose();
   }
   return turned;
 }

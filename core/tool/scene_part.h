@@ -43,15 +43,15 @@ class ScenePart {
   bool is_moving() const { return is_moving_; }
 
   // Placement, motion and end of the motion of the tool, converted to the part's frame. While is_moving(): relative to the moving part.
-  Placement own(const Placement& tool) const noexcept { return moves_ ? at_.inverse() * tool : tool; }
-  RigidMotion own(const RigidMotion& motion) const noexcept;
-  Placement own_end(const RigidMotion& motion) const noexcept;
+  Placement in_part_frame(const Placement& tool) const noexcept { return moves_ ? at_.inverse() * tool : tool; }
+  RigidMotion in_part_frame(const RigidMotion& motion) const noexcept;
+  Placement end_in_part_frame(const RigidMotion& motion) const noexcept;
 
   // Conversions from the part's frame (identities if it stands still).
   bool moves() const { return moves_; }
-  Vec3 direction(const Vec3& own) const noexcept { return moves_ ? Vec3(turn_ * own) : own; }
-  Vec3 point(const Vec3& own) const noexcept { return moves_ ? at_.at(own) : own; }
-  Mat6 curvature(const Mat6& own) const noexcept;
+  Vec3 direction(const Vec3& in_part) const noexcept { return moves_ ? Vec3(turn_ * in_part) : in_part; }
+  Vec3 point(const Vec3& in_part) const noexcept { return moves_ ? at_.at(in_part) : in_part; }
+  Mat6 curvature(const Mat6& in_part) const noexcept;
 
  private:
   void put_at(const Placement& at) noexcept;

@@ -41,7 +41,7 @@ void SeparatingPlanes::begin(const LinearizedMotion& motion, double turned) noex
   turn_ = motion.orientation;
   turned_ += turned;
   moved_ = {at_.position - reference_.position, turn_ - reference_turn_};
-  const Map path{motion.shift, motion.turned * turn_};
+  const Map path{motion.shift, motion.turn_change * turn_};
   moved_float_.set(moved_);
   motion_float_.set(path);
   constexpr double kRounding = 0x1p-19;

@@ -40,21 +40,21 @@ struct VoxelRange {
   Vec3 size() const { return (last - first).cast<double>().array() + 1.0; }
 };
 
-// Whether the triangle meets the cells; also true for some that it misses by less than kRoom.
+// Whether the triangle meets the cells; also true for some that it misses by less than kMargin.
 bool may_meet(const std::array<Vec3, 3>& corner, const VoxelRange& cells) {
-  constexpr double kRoom = 0x1p-20;  // in cells: far above the rounding of cell numbers, which are below 2^20
+  constexpr double kMargin = 0x1p-20;  // in cells: far above the rounding of cell numbers, which are below 2^20
   const Vec3 half = 0.5 * cells.size();
   const Vec3 middle = cells.first.cast<double>() + half;
-  const Vec3 wide = half.array() + kRoom;
+  const Vec3 wide = half.array() + kMargin;
   return meets({corner[0] - middle, corner[1] - middle, corner[2] - middle}, [&](const Vec3& axis) { return axis.cwiseAbs().dot(wide); });
 }
 
 // Calls use(cell) for each cell of the range that the triangle meets, until use returns false. Large ranges are halved, and halves that the
 // triangle misses are left out, so that a long triangle takes the time of the cells that it meets, not of all cells of its box.
 template <class Use>
-bool for_each_met(const std::array<Vec3, 3>& corner, const VoxelRange& cells, const Use& use) {
-  constexpr double kFew = 64.0;  // cells: a range of no more is tested cell by cell
-  if (cells.size().prod() > kFew) {
+bool for_each_crossed(const std::array<Vec3, 3>& corner, const VoxelRange& cells, const Use& use) {
+  constexpr double kMaxTestedSingly = 64.0;  // cells: a range of no more is tested cell by cell
+  if (cells.size().prod() > kMaxTestedSingly) {
     if (!may_meet(corner, cells)) return true;
     int axis = 0;
     cells.size().maxCoeff(&axis);
@@ -62,7 +62,7 @@ bool for_each_met(const std::array<Vec3, 3>& corner, const VoxelRange& cells, co
     VoxelRange high = cells;
     low.last[axis] = cells.first[axis] + (cells.last[axis] - cells.first[axis]) / 2;
     high.first[axis] = low.last[axis] + 1;
-    return for_each_met(corner, low, use) && for_each_met(corner, high, use);
+    return for_each_crossed(corner, low, use) && for_each_crossed(corner, high, use);
   }
   const auto reach_of_cell = [](const Vec3& axis) { return 0.5 * axis.lpNorm<1>(); };
   for (int z = cells.first.z(); z <= cells.last.z(); ++z) {
@@ -118,7 +118,7 @@ Result<std::vector<SurfaceVoxel>> find_surface_voxels(const TriangleMesh& mesh, 
     // A triangle that only touches the side between two cells belongs to both.
     const Cell first = (low.array().ceil() - 1.0).matrix().cast<int>();
     const Cell last = high.array().floor().matrix().cast<int>();
-    const bool fits = for_each_met(corner, {first, last}, [&](const Cell& cell) {
+    const bool fits = for_each_crossed(corner, {first, last}, [&](const Cell& cell) {
       crossings.push_back({cell, area});
       return crossings.size() <= most;
     });

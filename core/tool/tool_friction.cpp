@@ -10,9 +10,9 @@ namespace {
 // Share of the device's motion: if, without friction, the tool would move by no more along it, the device does not pull the tool onward.
 constexpr double kMinPull = 0x1p-10;
 // Share of the device's motion: a tool that sticks moves by at most this. One that slides moves by all of it.
-constexpr double kSticks = 0.125;
+constexpr double kMaxStickShare = 0.125;
 // Share of the distance between device and tool: the slip that the iteration leaves, 16 times the correction that ends it (ContactCones).
-constexpr double kLeftSlip = 0x1p-16;
+constexpr double kResidualSlipShare = 0x1p-16;
 
 // Largest rotation in a step, rad, of a tool that was in contact. Where friction has turned it far from the device, the bounds of contacts,
 // which are linear about the tool's pose, do not hold along the path back: the next step continues with contacts found on that path. 100
@@ -46,15 +46,15 @@ void ToolFriction::choose_carrier(const LocalContacts& local, const LocalContact
   if (parts.empty()) return;
   double most = 0.0;
   for (int k = 0; k < solution.active_count; ++k) {
-    const LocalContact& own = local.contacts[static_cast<std::size_t>(solution.active[k])];
+    const LocalContact& contact = local.contacts[static_cast<std::size_t>(solution.active[k])];
     double sum = 0.0;
     for (int i = 0; i < solution.active_count; ++i) {
       const LocalContact& other = local.contacts[static_cast<std::size_t>(solution.active[i])];
-      if (other.part == own.part) sum += other.friction.friction_static * solution.multipliers[i];
+      if (other.part == contact.part) sum += other.friction.friction_static * solution.multipliers[i];
     }
     if (sum <= most) continue;
     most = sum;
-    carrier_ = own.part;
+    carrier_ = contact.part;
   }
   if (carrier_ > 0 && static_cast<std::size_t>(carrier_) <= parts.size()) carrier_at_ = parts[static_cast<std::size_t>(carrier_) - 1];
 }
@@ -74,23 +74,23 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
     reset(solution.at);
     return {solution.at, device, solution};
   }
-  const Vec6 here = motion_between(local.proxy, at_).shift_and_turn();
+  const Vec6 present_motion = motion_between(local.proxy, at_).shift_and_turn();
   const Vec6 wanted = motion_between(local.proxy, device).shift_and_turn();
-  const Vec6 slide = solution.motion - here;
-  cones_.solve(local, wanted, here, solution, sticks_);
+  const Vec6 slide = solution.motion - present_motion;
+  cones_.solve(local, wanted, present_motion, solution, sticks_);
   const double moved_length = moved.head<3>().norm() + std::sqrt(local.stiffness[3]) * moved.tail<3>().norm();
   const Vec6 extension = wanted - cones_.motion();
-  const double left = kLeftSlip * std::sqrt(local.stiffness.cwiseProduct(extension).dot(extension));
-  const bool slides = cones_.slip() > std::max({kSticks * moved_length, left, local.tolerance});
-  const Vec6 pulled = local.stiffness.cwiseProduct(moved);
-  const bool pulls_onward = pulled.dot(slide) > kMinPull * pulled.dot(moved);
+  const double residual_slip = kResidualSlipShare * std::sqrt(local.stiffness.cwiseProduct(extension).dot(extension));
+  const bool slides = cones_.slip() > std::max({kMaxStickShare * moved_length, residual_slip, local.tolerance});
+  const Vec6 pull_change = local.stiffness.cwiseProduct(moved);
+  const bool pulls_onward = pull_change.dot(slide) > kMinPull * pull_change.dot(moved);
   slides_ = slides || (slides_ && pulls_onward);
   sticks_ = !slides && !slides_;
   Step step;
   step.solution = solution;
-  const Vec6 ahead = cones_.motion() - here;
+  const Vec6 ahead = cones_.motion() - present_motion;
   const double turn = ahead.tail<3>().norm();
-  const Vec6 motion = was_held && turn > kMaxTurn ? Vec6(here + (kMaxTurn / turn) * ahead) : cones_.motion();
+  const Vec6 motion = was_held && turn > kMaxTurn ? Vec6(present_motion + (kMaxTurn / turn) * ahead) : cones_.motion();
   step.at = displaced(local.proxy, local.project(motion));
   at_ = step.goal = step.at;
   return step;

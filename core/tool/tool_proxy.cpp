@@ -15,13 +15,13 @@ constexpr double kLargestTurn = 0.5;  // rad in a round: the linear bounds are g
 constexpr int kMaxCorrections = 3;
 constexpr std::size_t kManyFeatures = 1024;  // pairs of features; with more, the reach does not grow
 constexpr std::size_t kMaxFollowed = 96;     // pairs that are followed, or twice those of a search: of more, most are behind the tool
-constexpr double kNothing = 0x1p-10;         // of the offset: if no more of the motion is left, the device is reached
+constexpr double kMaxRemaining = 0x1p-10;    // of the offset: if no more of the motion is left, the device is reached
 // A round begins with the pairs within a distance: this share of its reach, ...
 constexpr double kNearShare = 0x1p-8;
-constexpr double kNear = 2.0;  // ... plus this many offsets
+constexpr double kNearOffsets = 2.0;  // ... plus this many offsets
 // If no contact holds a motion, a first part of it is searched alone: it may lead straight into a surface, however far the last one went.
-constexpr double kFirstShare = 0x1p-8;  // share of the motion
-constexpr double kMinFirst = 16.0;      // in offsets, at least
+constexpr double kFirstShare = 0x1p-8;     // share of the motion
+constexpr double kMinFirstOffsets = 16.0;  // in offsets, at least
 constexpr int kMaxExtensions = 8;
 // While the device is far below the surface on which a tool slides, a small slide brings the tool nearer by a far smaller distance.
 constexpr double kMinGain = kOffset * 0x1p-12;
@@ -42,8 +42,8 @@ ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurfa
       team_(&team),
       bounds_(NearFeatures::kMaxFeatures),
       bound_pairs_(NearFeatures::kMaxFeatures),
-      yields_(NearFeatures::kMaxFeatures),
-      known_(1) {
+      part_motions_(NearFeatures::kMaxFeatures),
+      known_counts_(1) {
   parts_.push_back(std::make_unique<ScenePart>(tool, std::move(tool_surface), scene, std::move(scene_surface), std::move(friction), team));
 }
 
@@ -53,15 +53,15 @@ void ToolProxy::add_part(const TouchGeometry& scene, std::shared_ptr<const Scene
   const std::size_t most = parts_.size() * NearFeatures::kMaxFeatures;
   bounds_.resize(most);
   bound_pairs_.resize(most);
-  yields_.resize(most);
-  known_.resize(parts_.size());
+  part_motions_.resize(most);
+  known_counts_.resize(parts_.size());
 }
 
 double ToolProxy::travel_to(std::span<const Placement> parts) const noexcept {
   double travel = 0.0;
   for (std::size_t p = 1; p < parts_.size() && p <= parts.size(); ++p) {
     const Placement& target = parts_[p]->target();
-    if (!(target == parts[p - 1])) travel = std::max(travel, motion_past(proxy_, radius(), target, parts[p - 1]));
+    if (!(target == parts[p - 1])) travel = std::max(travel, relative_travel_bound(proxy_, radius(), target, parts[p - 1]));
   }
   return travel;
 }
@@ -73,15 +73,16 @@ void ToolProxy::set_targets(std::span<const Placement> parts) noexcept {
 
 bool ToolProxy::collect(const Placement& placement, double distance, double turn) noexcept {
   return std::all_of(parts_.begin(), parts_.end(),
-                     [&](const auto& part) { return part->near().collect(part->own(placement), distance, turn); });
+                     [&](const auto& part) { return part->near().collect(part->in_part_frame(placement), distance, turn); });
 }
 
 bool ToolProxy::extend(const RigidMotion& motion, double distance) noexcept {
-  return std::all_of(parts_.begin(), parts_.end(), [&](const auto& part) { return part->near().extend(part->own(motion), distance); });
+  return std::all_of(parts_.begin(), parts_.end(),
+                     [&](const auto& part) { return part->near().extend(part->in_part_frame(motion), distance); });
 }
 
 void ToolProxy::follow(const Placement& placement, double turn) noexcept {
-  for (const auto& part : parts_) part->near().follow(part->own(placement), turn);
+  for (const auto& part : parts_) part->near().follow(part->in_part_frame(placement), turn);
 }
 
 std::size_t ToolProxy::feature_count() const noexcept {
@@ -96,7 +97,7 @@ bool ToolProxy::overlaps(const Placement& placement) noexcept {
     for (const NearFeature& near : part->near().features()) {
       if (near.gap.distance < kMinGap * kOffset) return true;
     }
-    if (part->near().any_intersect(part->own(placement))) return true;  // triangles that intersect need not have near features
+    if (part->near().any_intersect(part->in_part_frame(placement))) return true;  // triangles that intersect need not have near features
   }
   return false;
 }
@@ -108,9 +109,9 @@ void ToolProxy::reset(const Placement& device, std::span<const Placement> parts)
 }
 
 void ToolProxy::place(const Placement& device) noexcept {
-  proxy_ = last_ = device;
+  proxy_ = last_proxy_ = device;
   contacts_.count = 0;
-  reach_ = local_limit_ = 0.0;
+  reach_ = local_reach_limit_ = 0.0;
   for (std::size_t p = 1; p < parts_.size(); ++p) parts_[p]->put_at_target();
   energy_.set_plain();
   is_blocked_ = overlaps(device);
@@ -122,7 +123,7 @@ void ToolProxy::update_curvature() noexcept {
     const BoundPair& pair = bound_pairs_[least_.active[k]];
     const NearFeature& near = near_of(pair);
     const ScenePart& part = *parts_[pair.part];
-    curvature -= least_.multipliers[k] * part.curvature(gap_curvature(near.pair, near.gap, part.own(proxy_)));
+    curvature -= least_.multipliers[k] * part.curvature(gap_curvature(near.pair, near.gap, part.in_part_frame(proxy_)));
   }
   energy_.set_curvature(curvature);
 }
@@ -132,7 +133,7 @@ void ToolProxy::make_bounds() noexcept {
   for (std::uint32_t p = 0; p < parts_.size(); ++p) {
     const ScenePart& part = *parts_[p];
     // The motion of the tool relative to the part, if the part moves and the tool does not.
-    const Vec6 passing = part.is_moving() ? part.own(RigidMotion{proxy_}).shift_and_turn() : Vec6(Vec6::Zero());
+    const Vec6 passing = part.is_moving() ? part.in_part_frame(RigidMotion{proxy_}).shift_and_turn() : Vec6(Vec6::Zero());
     const std::span<const NearFeature> features = part.near().features();
     for (std::uint32_t i = 0; i < features.size(); ++i) {
       const FeatureGap& gap = features[i].gap;
@@ -144,10 +145,10 @@ void ToolProxy::make_bounds() noexcept {
       bound.row = energy_.to_row(row);
       bound.least = kOffset - gap.distance;
       if (part.is_moving()) {
-        yields_[bound_count_] = -(gap.normal.dot(passing.head<3>()) + lever.dot(passing.tail<3>()));
-        bound.least += yields_[bound_count_];
+        part_motions_[bound_count_] = -(gap.normal.dot(passing.head<3>()) + lever.dot(passing.tail<3>()));
+        bound.least += part_motions_[bound_count_];
       } else {
-        yields_[bound_count_] = 0.0;
+        part_motions_[bound_count_] = 0.0;
       }
       bound_pairs_[bound_count_++] = {p, i};
     }
@@ -161,13 +162,13 @@ bool ToolProxy::correct_bounds(const RigidMotion& motion) noexcept {
   bool is_corrected = false;
   for (std::size_t i = 0; i < bound_count_;) {
     const std::uint32_t p = bound_pairs_[i].part;
-    const Placement from = parts_[p]->own(proxy_);
-    const Placement to = parts_[p]->own_end(motion);
+    const Placement from = parts_[p]->in_part_frame(proxy_);
+    const Placement to = parts_[p]->end_in_part_frame(motion);
     for (; i < bound_count_ && bound_pairs_[i].part == p; ++i) {
       const NearFeature& near = near_of(bound_pairs_[i]);
       const double gap = gap_along(near.pair, near.gap, from, to);
-      const double lacking = std::max(0.0, near.gap.distance - yields_[i] + bounds_[i].row.dot(y) - gap);
-      const double least = kOffset - near.gap.distance + yields_[i] + lacking;
+      const double lacking = std::max(0.0, near.gap.distance - part_motions_[i] + bounds_[i].row.dot(y) - gap);
+      const double least = kOffset - near.gap.distance + part_motions_[i] + lacking;
       if (gap < kOffset - 4.0 * kTolerance && least > bounds_[i].least + kTolerance) is_corrected = true;
       bounds_[i].least = std::max(bounds_[i].least, least);
     }
@@ -185,11 +186,11 @@ RigidMotion ToolProxy::cut_to(double reach, const RigidMotion& motion) const noe
 bool ToolProxy::solve(const Vec6& goal, LeastMotion& least) noexcept {
   const std::span<MotionBound> bounds(bounds_.data(), bound_count_);
   least = find_least_motion(goal, bounds, kTolerance);
-  if (least.solved) return true;
+  if (least.is_solved) return true;
   // A pair below the offset may ask for more than the others leave: then zero motion is always allowed, if no part moves.
-  for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].least = std::min(bounds_[i].least, yields_[i]);
+  for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].least = std::min(bounds_[i].least, part_motions_[i]);
   least = find_least_motion(goal, bounds, kTolerance);
-  return least.solved;
+  return least.is_solved;
 }
 
 RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexcept {
@@ -207,21 +208,21 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
 }
 
 bool ToolProxy::is_at_rest() const noexcept {
-  return least_.solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(rest_radius()) <= kConverged * kOffset;
+  return least_.is_solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(rest_radius()) <= kConverged * kOffset;
 }
 
-void ToolProxy::note_known() noexcept {
-  for (std::size_t p = 0; p < parts_.size(); ++p) known_[p] = parts_[p]->near().features().size();
+void ToolProxy::count_known() noexcept {
+  for (std::size_t p = 0; p < parts_.size(); ++p) known_counts_[p] = parts_[p]->near().features().size();
 }
 
-// True if the motion brings a minimum that was added since note_known below the contact offset.
+// True if the motion brings a minimum that was added since count_known below the contact offset.
 bool ToolProxy::is_crossed(const RigidMotion& motion) const noexcept {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const ScenePart& part = *parts_[p];
-    const std::span<const NearFeature> added = part.near().features().subspan(known_[p]);
+    const std::span<const NearFeature> added = part.near().features().subspan(known_counts_[p]);
     if (added.empty()) continue;
-    const Placement from = part.own(proxy_);
-    const Placement to = part.own_end(motion);
+    const Placement from = part.in_part_frame(proxy_);
+    const Placement to = part.end_in_part_frame(motion);
     const bool is_any = std::any_of(added.begin(), added.end(), [&](const NearFeature& near) {
       return near.is_minimum && gap_along(near.pair, near.gap, from, to) < kOffset - kTolerance;
     });
@@ -235,11 +236,11 @@ bool ToolProxy::is_crossed(const RigidMotion& motion) const noexcept {
 double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
   double until = 1.0;
   for (const auto& part : parts_) {
-    const RigidMotion own = part->own(motion);
+    const RigidMotion part_motion = part->in_part_frame(motion);
     for (const NearFeature& near : part->near().features()) {
       const double d = near.gap.distance;
       const double floor = std::min(d, std::max(kMinGap * kOffset, std::min(kFloor * kOffset, d - kOffset * 0x1p-8)));
-      until = bound_time_of_impact(near.pair, near.gap, own, floor, until);
+      until = bound_time_of_impact(near.pair, near.gap, part_motion, floor, until);
       if (!(until > 0.0)) return 0.0;
     }
   }
@@ -247,7 +248,7 @@ double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
 }
 
 void ToolProxy::note_contacts(ToolProxyStep& report) noexcept {
-  contacts_.count = least_.solved ? least_.active_count : 0;
+  contacts_.count = least_.is_solved ? least_.active_count : 0;
   for (int k = 0; k < contacts_.count; ++k) {
     const BoundPair& pair = bound_pairs_[least_.active[k]];
     const NearFeature& near = near_of(pair);
@@ -267,17 +268,17 @@ void ToolProxy::return_to_best() noexcept {
   contacts_ = best_contacts_;
 }
 
-bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, double tried, RigidMotion& motion) noexcept {
+bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, double searched_length, RigidMotion& motion) noexcept {
   for (int k = 0; k < kMaxExtensions && !(std::isfinite(reach) && is_at_rest()); ++k) {
-    note_known();
+    count_known();
     const bool is_last = k + 1 == kMaxExtensions;
     const double length = motion.length(radius());
-    const bool is_part = length > 2.0 * tried && !is_last;
-    if (!extend(is_part ? motion.scaled(tried / length) : motion, kOffset)) return false;
+    const bool is_part = length > 2.0 * searched_length && !is_last;
+    if (!extend(is_part ? motion.scaled(searched_length / length) : motion, kOffset)) return false;
     if (is_crossed(motion) && !is_last) {
       motion = constrain(wanted, reach);
     } else if (is_part) {
-      tried *= kGrowth;
+      searched_length *= kGrowth;
     } else {
       break;
     }
@@ -289,16 +290,16 @@ bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, doub
 bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = motion_between(proxy_, device);
   const double radius = this->radius();
-  const double left = wanted.length(radius);
-  if (left > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
+  const double remaining = wanted.length(radius);
+  if (remaining > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
     // From round to round the gaps, and so the distance to the device, vary by less than an offset: a smaller gain does not count.
     if (energy_.length(motion_between(progress_.best(), device)) < energy_.length(wanted) - kOffset) return_to_best();
     report.converged = false;
     return false;
   }
   contacts_.count = 0;
-  if (!(left > 0.0)) return false;
-  const double reach = std::min(left, reach_);
+  if (!(remaining > 0.0)) return false;
+  const double reach = std::min(remaining, reach_);
   const auto shorten = [&] {
     reach_ = 0.5 * reach;
     report.is_frozen = true;
@@ -308,21 +309,21 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const double turn = std::min(2.0 * reach / radius, kLargestTilt);
   if (std::exchange(follows_, false)) {
     follow(proxy_, turn);
-  } else if (collect(proxy_, kNearShare * reach + kNear * kOffset, turn)) {
-    most_followed_ = std::max(kMaxFollowed, 2 * feature_count());
+  } else if (collect(proxy_, kNearShare * reach + kNearOffsets * kOffset, turn)) {
+    max_followed_ = std::max(kMaxFollowed, 2 * feature_count());
   } else {
     return shorten();
   }
   RigidMotion motion = constrain(wanted, reach);
-  const double first = std::max(kMinFirst * kOffset, kFirstShare * motion.length(radius));
-  const double tried = least_.active_count == 0 ? std::min(tried_, first) : tried_;
-  if (!extend_until_clear(wanted, reach, tried, motion)) return shorten();
+  const double first = std::max(kMinFirstOffsets * kOffset, kFirstShare * motion.length(radius));
+  const double searched_length = least_.active_count == 0 ? std::min(searched_length_, first) : searched_length_;
+  if (!extend_until_clear(wanted, reach, searched_length, motion)) return shorten();
   report.is_frozen = false;
   report.feature_count = std::max(report.feature_count, feature_count());
   note_contacts(report);
   if (is_at_rest()) return false;
   const double length = motion.length(radius);
-  if (least_.solved) update_curvature();
+  if (least_.is_solved) update_curvature();
   report.converged = false;
   if (motion.length(rest_radius()) <= kConverged * kOffset) {
     // The bounds for a long motion allow hardly any motion; those for a shorter one are better.
@@ -331,15 +332,15 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   }
   const double share = find_safe_share(motion);
   // The proxy is put at the device only if the motion that was found safe leads there.
-  const RigidMotion rest{proxy_, wanted.shift - motion.shift, wanted.turn - motion.turn};
-  if (share >= 1.0 && least_.active_count == 0 && rest.length(radius) <= kNothing * kOffset) {
+  const RigidMotion remaining_motion{proxy_, wanted.shift - motion.shift, wanted.turn - motion.turn};
+  if (share >= 1.0 && least_.active_count == 0 && remaining_motion.length(radius) <= kMaxRemaining * kOffset) {
     proxy_ = device;
     report.converged = true;
     return false;
   }
   proxy_ = motion.at(share);
-  follows_ = feature_count() <= most_followed_;
-  tried_ = std::max(tried_, share * length);
+  follows_ = feature_count() <= max_followed_;
+  searched_length_ = std::max(searched_length_, share * length);
   if (share >= 1.0 && length >= 0.99 * reach && feature_count() < kManyFeatures) reach_ *= kGrowth;
   return true;
 }
@@ -348,8 +349,8 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
 bool ToolProxy::is_squeezed_by(const RigidMotion& motion) const noexcept {
   for (const auto& part : parts_) {
     if (!part->is_moving()) continue;
-    const Placement from = part->own(proxy_);
-    const Placement to = part->own_end(motion);
+    const Placement from = part->in_part_frame(proxy_);
+    const Placement to = part->end_in_part_frame(motion);
     for (const NearFeature& near : part->near().features()) {
       if (!near.is_minimum) continue;
       const double least = std::min(kOffset - kTolerance, near.gap.distance) - 0x1p-6 * kTolerance;
@@ -368,20 +369,20 @@ bool ToolProxy::find_push(RigidMotion& motion) noexcept {
 
 double ToolProxy::carry_round(double length) noexcept {
   const RigidMotion still{proxy_};
-  const double distance = kNearShare * length + kNear * kOffset;
+  const double distance = kNearShare * length + kNearOffsets * kOffset;
   const double turn = std::min(2.0 * length / radius(), kLargestTilt);
   bool is_near = false;
   for (const auto& part : parts_) {
     if (!part->is_moving()) continue;
     NearFeatures& near = part->near();
-    if (!near.collect(part->own(proxy_), distance, turn) || !near.extend(part->own(still), kOffset)) return 0.0;
+    if (!near.collect(part->in_part_frame(proxy_), distance, turn) || !near.extend(part->in_part_frame(still), kOffset)) return 0.0;
     is_near = is_near || !near.features().empty();
   }
   RigidMotion motion = still;
   double share = 1.0;
   if (is_near) {
     for (const auto& part : parts_) {
-      if (!part->is_moving() && !part->near().collect(part->own(proxy_), distance, turn)) return 0.0;
+      if (!part->is_moving() && !part->near().collect(part->in_part_frame(proxy_), distance, turn)) return 0.0;
     }
     if (!find_push(motion)) return 0.0;
     share = find_safe_share(motion);
@@ -396,28 +397,28 @@ void ToolProxy::carry(std::size_t first, std::size_t last, ToolProxyStep& report
   double budget = 2.0 * travel_ + kCatchUp * kOffset;
   double limit = budget;
   for (int k = 0; k < kMaxCarries; ++k) {
-    double left = 0.0;
+    double remaining = 0.0;
     double turn = 0.0;
     bool is_arrived = true;
     for (std::size_t p = first; p < last; ++p) {
       const ScenePart& part = *parts_[p];
       if (part.is_arrived()) continue;
       is_arrived = false;
-      left = std::max(left, motion_past(proxy_, radius(), part.at(), part.target()));
+      remaining = std::max(remaining, relative_travel_bound(proxy_, radius(), part.at(), part.target()));
       turn = std::max(turn, turn_between(part.at().orientation, part.target().orientation).norm());
     }
     if (is_arrived) return;
     double share = 1.0;
-    if (left > std::min(limit, budget)) share = std::min(limit, budget) / left;
+    if (remaining > std::min(limit, budget)) share = std::min(limit, budget) / remaining;
     if (turn > kLargestTurn) share = std::min(share, kLargestTurn / turn);
-    const double length = share * left;
+    const double length = share * remaining;
     if (share < 1.0 && length <= kConverged * kOffset) return;
     for (std::size_t p = first; p < last; ++p) parts_[p]->aim(share);
     ++report.carries;
-    const double made = carry_round(length);
+    const double share_made = carry_round(length);
     for (const auto& part : parts_) part->stay();
-    budget -= made * length;
-    limit = made >= 1.0 || made * length >= kConverged * kOffset ? 4.0 * length : 0.25 * length;
+    budget -= share_made * length;
+    limit = share_made >= 1.0 || share_made * length >= kConverged * kOffset ? 4.0 * length : 0.25 * length;
   }
 }
 
@@ -444,10 +445,10 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
   }
   if (parts_.size() > 1) carry_all(report);
   // In contact the proxy moves about as far as in the step before, and mostly less than the device.
-  reach_ = 1.5 * motion_between(last_, proxy_).length(radius()) + 16.0 * kOffset;
+  reach_ = 1.5 * motion_between(last_proxy_, proxy_).length(radius()) + 16.0 * kOffset;
   if (contacts_.count == 0) reach_ = std::max(reach_, motion_between(proxy_, device).length(radius()));
-  tried_ = reach_;
-  last_ = proxy_;
+  searched_length_ = reach_;
+  last_proxy_ = proxy_;
   progress_.restart();
   follows_ = false;
   while (report.rounds < kMaxRounds) {
@@ -455,7 +456,8 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
     report.converged = true;
     if (!round(device, report)) break;
   }
-  report.is_frozen = report.is_frozen && proxy_.position == last_.position && proxy_.orientation.coeffs() == last_.orientation.coeffs();
+  report.is_frozen =
+      report.is_frozen && proxy_.position == last_proxy_.position && proxy_.orientation.coeffs() == last_proxy_.orientation.coeffs();
   return report;
 }
 

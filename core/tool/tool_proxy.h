@@ -136,19 +136,19 @@ class ToolProxy {
   void update_curvature() noexcept;
   void make_bounds() noexcept;
   RigidMotion cut_to(double reach, const RigidMotion& motion) const noexcept;
-  // The motion nearest to the goal within the bounds. If they cannot all be met, `least` of each bound is lowered to yields_ (zero
+  // The motion nearest to the goal within the bounds. If they cannot all be met, `least` of each bound is lowered to part_motions_ (zero
   // for a part that does not move) where it is larger. False: no motion was found.
   bool solve(const Vec6& goal, LeastMotion& least) noexcept;
   RigidMotion constrain(const RigidMotion& wanted, double reach) noexcept;
   bool correct_bounds(const RigidMotion& motion) noexcept;
   // Adds the pairs that the motion brings together, and finds the motion again, until it crosses no added pair. False: more than fit.
-  // A motion far longer than `tried` is likely to cross a pair early, and may come near very many later: its beginning is searched first.
-  // Ends early if the tool is at rest, unless the reach is infinite.
-  bool extend_until_clear(const RigidMotion& wanted, double reach, double tried, RigidMotion& motion) noexcept;
+  // A motion far longer than `searched_length` is likely to cross a pair early, and may come near very many later: its beginning is
+  // searched first. Ends early if the tool is at rest, unless the reach is infinite.
+  bool extend_until_clear(const RigidMotion& wanted, double reach, double searched_length, RigidMotion& motion) noexcept;
   bool is_at_rest() const noexcept;  // the contacts let the proxy come no nearer to the device
   // Radius for the length of a motion that is compared with kConverged: a stiff turn has a large torque where the surface hardly moves.
   double rest_radius() const noexcept { return std::max(radius(), energy_.turn_length()); }
-  void note_known() noexcept;  // is_crossed ignores the features that are known now
+  void count_known() noexcept;  // is_crossed ignores the features that are known now
   bool is_crossed(const RigidMotion& motion) const noexcept;
   double find_safe_share(const RigidMotion& motion) const noexcept;
   void note_contacts(ToolProxyStep& report) noexcept;
@@ -177,19 +177,19 @@ class ToolProxy {
   WorkerTeam* team_;
   Parts parts_;  // the first stands still, the others move
   Placement proxy_;
-  Placement last_;      // the proxy before the last step
-  double reach_ = 0.0;  // largest motion of a point of the tool in a round
-  double tried_ = 0.0;  // the larger of the reach at the start of this step and the longest motion that it has made
+  Placement last_proxy_;          // the proxy before the last step
+  double reach_ = 0.0;            // largest motion of a point of the tool in a round
+  double searched_length_ = 0.0;  // the larger of the reach at the start of this step and the longest motion that it has made
   bool is_blocked_ = true;
-  double local_limit_ = 0.0;  // of the reach of find_local_contacts; 0: no limit
+  double local_reach_limit_ = 0.0;  // of the reach of find_local_contacts; 0: no limit
   double last_local_reach_ = 0.0;
-  std::size_t most_followed_ = 0;    // with more pairs than this the next round calls collect
+  std::size_t max_followed_ = 0;     // with more pairs than this the next round calls collect
   bool follows_ = false;             // the next round calls NearFeatures::follow: this one has made the motion of its last extend
   std::vector<MotionBound> bounds_;  // of the minima of the distance
   std::vector<BoundPair> bound_pairs_;
-  std::vector<double> yields_;      // of each bound: the part of `least` that is due to the motion of its part
-  std::vector<std::size_t> known_;  // by part: number of features before the last extend
-  double travel_ = 0.0;             // see travel()
+  std::vector<double> part_motions_;       // of each bound: the part of `least` that is due to the motion of its part
+  std::vector<std::size_t> known_counts_;  // by part: number of features before the last extend
+  double travel_ = 0.0;                    // see travel()
   std::size_t bound_count_ = 0;
   LeastMotion least_;
   Contacts contacts_;

@@ -17,10 +17,10 @@ void ToolProxy::find_local_contacts(const Placement& device, std::span<const Pla
   local.tolerance = kTolerance;
   local.is_held = false;
   if (is_blocked_) return;
-  if (local_limit_ > 0.0) reach = std::min(reach, local_limit_);
+  if (local_reach_limit_ > 0.0) reach = std::min(reach, local_reach_limit_);
   while (!collect(proxy_, reach + kContactOffset, std::min(2.0 * reach / radius(), kLargestTilt))) {
     reach *= kShrinkage;
-    local_limit_ = reach;
+    local_reach_limit_ = reach;
     local.is_held = reach < kContactOffset;
     if (local.is_held) return;
   }
@@ -47,10 +47,10 @@ void ToolProxy::limit_local_reach() noexcept {
   }
   const double most = kMany + 2.0 * close;
   if (all > most) {
-    local_limit_ = std::max(kMinLocalReach, std::max(kShrinkage, 0.5 * most / all) * last_local_reach_);
-  } else if (all < 0.25 * most && local_limit_ > 0.0) {
-    local_limit_ *= 2.0;
-    if (local_limit_ > radius()) local_limit_ = 0.0;
+    local_reach_limit_ = std::max(kMinLocalReach, std::max(kShrinkage, 0.5 * most / all) * last_local_reach_);
+  } else if (all < 0.25 * most && local_reach_limit_ > 0.0) {
+    local_reach_limit_ *= 2.0;
+    if (local_reach_limit_ > radius()) local_reach_limit_ = 0.0;
   }
 }
 

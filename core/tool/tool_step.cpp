@@ -131,7 +131,7 @@ Result<std::unique_ptr<ToolStep>> ToolStep::checked(std::unique_ptr<ToolStep> st
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
   if (!(size > 0.0) || !(turn_length > 0.0)) return fail("the tool has no surface about its grip point");
   if (!(size <= kMaxSizes)) return fail("the tool is {:.3g} times as large as the scene; check the units of both", size);
-  step->set_drag({});
+  step->set_damping({});
   return step;
 }
 
@@ -193,11 +193,11 @@ void ToolStep::set_stiffness(double n_per_m) noexcept {
 
 void ToolStep::reset(const ToolInput& input) noexcept {
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return;
-  last_ = to_local(input);
+  last_device_ = to_local(input);
   to_local(input.X_SO, parts_);
-  proxy_.reset(last_, parts_);
+  proxy_.reset(last_device_, parts_);
   friction_.forget();
-  drag_.reset();
+  damping_.reset();
 }
 
 ToolOutput ToolStep::felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept {
@@ -221,20 +221,20 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = to_local(input);
   to_local(input.X_SO, parts_);
-  const ToolProxyStep followed = has_friction_ ? follow(device) : proxy_.step(device, parts_);
-  if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
+  const ToolProxyStep proxy_step = has_friction_ ? follow(device) : proxy_.step(device, parts_);
+  if (!proxy_step.is_blocked) output = felt_at(input, device, proxy_.placement());
   output.torque_nm *= torque_share(turn_between(device.orientation, proxy_.placement().orientation));
-  output.proxy = followed;
-  if (drag_.is_on()) {
-    note_view(input, last_view_, drag_);
-    drag_.move(device, parts_, input.dt_s);
-    add_drag(input, output);
+  output.proxy = proxy_step;
+  if (damping_.is_on()) {
+    note_view(input, last_view_, damping_);
+    damping_.move(device, parts_, input.dt_s);
+    add_damping(input, output);
   }
   return output;
 }
 
-void ToolStep::note_view(const ToolInput& input, ToolView& last, ContactDamping& drag) const noexcept {
-  if (last.X_WS.matrix() != input.X_WS.matrix()) drag.move_last(to_local({.X_WD = last.X_WD, .X_WS = input.X_WS}));
+void ToolStep::note_view(const ToolInput& input, ToolView& last, ContactDamping& damping) const noexcept {
+  if (last.X_WS.matrix() != input.X_WS.matrix()) damping.move_last(to_local({.X_WD = last.X_WD, .X_WS = input.X_WS}));
   last = {input.X_WD, input.X_WS};
 }
 
@@ -245,22 +245,22 @@ Result<void> ToolStep::damp(const std::vector<DampingCoefficients>& damping) {
                   one.along_ns_per_m);
     }
   }
-  set_drag(damping);
+  set_damping(damping);
   return {};
 }
 
-void ToolStep::set_drag(const std::vector<DampingCoefficients>& damping) {
+void ToolStep::set_damping(const std::vector<DampingCoefficients>& damping) {
   std::size_t objects = scene_.object_count();
   for (const auto& part : moving_) objects += part->object_count();
   std::vector<std::vector<DampingCoefficients>> by_part(moving_.size() + 1);
   for (std::size_t o = 0; o < objects; ++o) {
     by_part[part_of(o)].push_back(o < damping.size() ? damping[o] : DampingCoefficients());
   }
-  drag_ = ContactDamping(std::move(by_part), scene_.unit_m(), proxy_.radius());
+  damping_ = ContactDamping(std::move(by_part), scene_.unit_m(), proxy_.radius());
 }
 
-std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
-                               std::array<ContactDamping::Contact, ContactDamping::kMaxContacts>& contacts) noexcept {
+std::size_t list_damping_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
+                                  std::array<ContactDamping::Contact, ContactDamping::kMaxContacts>& contacts) noexcept {
   const auto count = static_cast<std::size_t>(solution.active_count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(solution.active[k]);
@@ -271,11 +271,11 @@ std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::
   return count;
 }
 
-void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
+void ToolStep::add_damping(const ToolInput& input, ToolOutput& output) noexcept {
   std::array<ContactDamping::Contact, ContactDamping::kMaxContacts> contacts;
   std::size_t count = 0;
   if (output.contact && has_friction_) {
-    count = list_drag_contacts(local_, solution_, unit_force_n(), contacts);
+    count = list_damping_contacts(local_, solution_, unit_force_n(), contacts);
   } else if (output.contact) {
     for (const ToolContact& contact : proxy_.contacts()) {
       const TouchGeometry& scene = contact.part > 0 ? *moving_[static_cast<std::size_t>(contact.part) - 1] : scene_;
@@ -283,22 +283,22 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
                            scene.mesh_of(contact.scene_triangle)};
     }
   }
-  const ContactDamping::Wrench drag = drag_.step({contacts.data(), count}, output.contact);
-  output.force_n += input.X_WS.linear() * drag.force_n;
-  output.torque_nm += input.X_WS.linear() * drag.torque_nm;
+  const ContactDamping::Wrench damping = damping_.step({contacts.data(), count}, output.contact);
+  output.force_n += input.X_WS.linear() * damping.force_n;
+  output.torque_nm += input.X_WS.linear() * damping.torque_nm;
 }
 
 // Computes friction from the contacts at the pose of the proxy, then lets the proxy follow to where friction holds the tool.
 ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
-  const double moved = motion_between(last_, device).length(proxy_.radius());
-  last_ = device;
+  const double moved = motion_between(last_device_, device).length(proxy_.radius());
+  last_device_ = device;
   proxy_.find_local_contacts(device, parts_, proxy_.local_reach(moved + proxy_.travel_to(parts_)), local_);
   local_.follow(parts_);
-  const ToolFriction::Step rubbed = friction_.step(local_, device, parts_);
-  solution_ = rubbed.solution;
-  const ToolProxyStep followed = proxy_.step(rubbed.goal, parts_);
+  const ToolFriction::Step friction_step = friction_.step(local_, device, parts_);
+  solution_ = friction_step.solution;
+  const ToolProxyStep proxy_step = proxy_.step(friction_step.goal, parts_);
   friction_.move_to(proxy_.placement());
-  return followed;
+  return proxy_step;
 }
 
 std::string ToolStep::describe() const {

@@ -60,8 +60,8 @@ struct PreparedTool {
 double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip = Vec3::Zero());
 
 // Lists the contacts that hold a tool, for damping. unit_force_n: force of a multiplier of 1. Returns their number. RT: yes.
-std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
-                               std::array<ContactDamping::Contact, ContactDamping::kMaxContacts>& contacts) noexcept;
+std::size_t list_damping_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
+                                  std::array<ContactDamping::Contact, ContactDamping::kMaxContacts>& contacts) noexcept;
 
 // One haptic step of a rigid tool, shared by the live node, replay, tests and benches: the 6-DOF counterpart of TouchStep.
 //   force  = stiffness * (p_WP - p_WD)
@@ -96,7 +96,7 @@ class ToolStep {
   // The poses of the parts that move, converted to the local frame. Leaves those without a finite pose as they are.
   void to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept;
   // For the damping of contacts, at each sample: if X_WS changed since the last one, that does not count as a motion of the hand.
-  void note_view(const ToolInput& input, ToolView& last, ContactDamping& drag) const noexcept;
+  void note_view(const ToolInput& input, ToolView& last, ContactDamping& damping) const noexcept;
   std::size_t moving_count() const { return moving_.size(); }
   // Of an object of the scene, in the order of make: 0 if it stands still, otherwise the number of the part that it moves with.
   std::size_t part_of(std::size_t object) const noexcept;
@@ -113,7 +113,7 @@ class ToolStep {
   // A vertex of the tool, metres from the grip point, along the stylus' axes. Pre: made from a mesh, not from a PreparedTool.
   Vec3 vertex_m() const { return scene_.unit_m() * tool_.vertices().front(); }
   bool has_friction() const { return has_friction_; }
-  const ContactDamping& drag() const { return drag_; }
+  const ContactDamping& damping() const { return damping_; }
   double unit_force_n() const { return coupling_.stiffness_n_per_m * scene_.unit_m(); }  // of a multiplier of 1
   const ToolCoupling& coupling() const { return coupling_; }                             // with the rotational stiffness that is used
   // A few lines for users.
@@ -137,8 +137,8 @@ class ToolStep {
   ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts, const ToolCoupling& coupling, std::unique_ptr<WorkerTeam> team);
   static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;
-  void set_drag(const std::vector<DampingCoefficients>& damping);  // of each object; objects without an entry are not damped
-  void add_drag(const ToolInput& input, ToolOutput& output) noexcept;
+  void set_damping(const std::vector<DampingCoefficients>& damping);  // of each object; objects without an entry are not damped
+  void add_damping(const ToolInput& input, ToolOutput& output) noexcept;
 
   std::unique_ptr<WorkerTeam> team_;
   ToolCoupling coupling_;
@@ -155,9 +155,9 @@ class ToolStep {
   ToolFriction friction_;
   LocalContacts local_;
   LocalContacts::Solution solution_;  // of local_, in the last step
-  Placement last_;                    // of the device, in the last step
+  Placement last_device_;             // of the device, in the last step
   // With damping only:
-  ContactDamping drag_;
+  ContactDamping damping_;
   ToolView last_view_;
 };
 

@@ -53,12 +53,12 @@ Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, con
     }
   }
 
-  const VoxelGrid of_tool{Vec3::Zero(), voxel_m};
-  const auto shell = find_surface_voxels(tool, of_tool);
+  const VoxelGrid tool_grid{Vec3::Zero(), voxel_m};
+  const auto shell = find_surface_voxels(tool, tool_grid);
   if (!shell) return tl::unexpected(shell.error());
   for (const SurfaceVoxel& voxel : *shell) {
     if (voxel.normal.isZero(0.0)) continue;
-    made->points_.push_back({of_tool.centre_m(voxel.cell), -voxel.normal});
+    made->points_.push_back({tool_grid.centre_m(voxel.cell), -voxel.normal});
     made->radius_m_ = std::max(made->radius_m_, made->points_.back().r_m.norm());
   }
   if (made->points_.empty()) return fail("a tool of these voxels has no points; give a smaller voxel than {:.3g} m", voxel_m);

@@ -63,9 +63,9 @@ TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
 
 TEST(HeldToolOfAScene, HasTheDampingOfTheMaterials) {
   Scene scene = scene_with_tool();
-  EXPECT_FALSE(make_live_tool({}, scene).value().followed->tool().drag().is_on());
+  EXPECT_FALSE(make_live_tool({}, scene).value().followed->tool().damping().is_on());
   scene.objects[0].material.damping_ns_per_m = 0.5;
-  EXPECT_TRUE(make_live_tool({}, scene).value().followed->tool().drag().is_on());
+  EXPECT_TRUE(make_live_tool({}, scene).value().followed->tool().damping().is_on());
 }
 
 TEST(HeldToolOfAScene, IsAbsentIfTheSceneNamesNone) {

@@ -66,7 +66,7 @@ TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     const double distance = 0.03 * std::abs(uniform(random));
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
     ASSERT_TRUE(
-        front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+        front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::VisitId, std::uint32_t t, std::uint32_t id, std::uint16_t) {
           pairs.insert({t, id});
           const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
           return ObbFront::Visited{gap, gap, true};
@@ -98,7 +98,7 @@ TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
     const auto walk = [&](const RigidMotion& motion, double distance) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
       EXPECT_TRUE(
-          front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+          front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::VisitId, std::uint32_t t, std::uint32_t id, std::uint16_t) {
             pairs.insert({t, id});
             const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
             return ObbFront::Visited{gap, gap, true};
@@ -137,7 +137,7 @@ TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
       const double distance = 0.3 * step * std::abs(uniform(random));
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
       ASSERT_TRUE(
-          front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+          front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::VisitId, std::uint32_t t, std::uint32_t id, std::uint16_t) {
             pairs.insert({t, id});
             const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
             return ObbFront::Visited{gap, gap, true};
@@ -161,7 +161,7 @@ TEST_F(ObbFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const auto walk = [&](std::size_t most) {
     std::size_t visits = 0;
     const bool complete =
-        front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+        front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::VisitId, std::uint32_t, std::uint32_t, std::uint16_t) {
           return ObbFront::Visited{0.0, 0.0, ++visits != most};
         });
     EXPECT_EQ(complete, visits < most);
@@ -179,7 +179,7 @@ TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&] {
     std::size_t visits = 0;
-    EXPECT_TRUE(front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+    EXPECT_TRUE(front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::VisitId, std::uint32_t, std::uint32_t, std::uint16_t) {
       ++visits;
       return ObbFront::Visited{0.0, 1.0, true};
     }));
@@ -194,7 +194,7 @@ TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   EXPECT_LE(again, all);
 }
 
-// Any number of workers visits the same pairs at the same places (ObbFront::Turn), also after walks that a visitor has ended.
+// Any number of workers visits the same pairs at the same places (ObbFront::VisitId), also after walks that a visitor has ended.
 TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   using Visits = std::vector<std::array<std::uint32_t, 3>>;
@@ -202,7 +202,7 @@ TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
     std::vector<Visits> by_worker(static_cast<std::size_t>(workers));
     std::atomic<std::size_t> count = 0;
     const bool is_whole = shared.for_each_near(LinearizedMotion(motion), distance,
-                                               [&](ObbFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+                                               [&](ObbFront::VisitId turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
                                                  by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
                                                  const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
                                                  return ObbFront::Visited{gap, gap, ++count <= most};
@@ -245,7 +245,7 @@ TEST_F(ObbFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
   ObbFront sliding(box_tree, plane_tree, 0.1 / plane.unit_m());
   const Placement above{plane.to_local({0.0, 0.0, 0.06}), Quat::Identity()};
   std::size_t visits = 0;
-  const auto count = [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+  const auto count = [&](ObbFront::VisitId, std::uint32_t, std::uint32_t, std::uint16_t) {
     ++visits;
     return ObbFront::Visited{0.0, 0.0, true};
   };

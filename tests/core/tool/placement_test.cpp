@@ -32,11 +32,11 @@ TEST(Placement, ComposesAndInverts) {
     const Vec3 r = draw();
     ASSERT_LE(((a * b).at(r) - a.at(b.at(r))).norm(), 1e-13);
     ASSERT_LE((a.inverse().at(a.at(r)) - r).norm(), 1e-13);
-    // When a body moves past a tool at rest, no point of the tool moves farther relative to the body than motion_past().
+    // When a body moves past a tool at rest, no point of the tool moves farther relative to the body than relative_travel_bound().
     const Placement tool{draw(), turn_by(draw())};
     const Vec3 before = (a.inverse() * tool).at(r);
     const Vec3 after = (b.inverse() * tool).at(r);
-    ASSERT_LE((after - before).norm(), motion_past(tool, r.norm(), a, b) * (1.0 + 1e-12));
+    ASSERT_LE((after - before).norm(), relative_travel_bound(tool, r.norm(), a, b) * (1.0 + 1e-12));
   }
 }
 

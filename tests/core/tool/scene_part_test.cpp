@@ -34,8 +34,8 @@ class ScenePartTest : public testing::Test {
 
 TEST_F(ScenePartTest, WhatStandsStillIsItsOwnFrame) {
   const RigidMotion motion{draw_placement(), draw(), draw()};
-  EXPECT_EQ(still.own(motion.from), motion.from);
-  EXPECT_EQ(still.own(motion).shift, motion.shift);
+  EXPECT_EQ(still.in_part_frame(motion.from), motion.from);
+  EXPECT_EQ(still.in_part_frame(motion).shift, motion.shift);
   EXPECT_TRUE(still.is_arrived());
   EXPECT_FALSE(still.moves());
 }
@@ -46,7 +46,7 @@ TEST_F(ScenePartTest, APartThatRestsElsewhereSeesTheMotionTurned) {
   part.put_at_target();
   EXPECT_TRUE(part.is_arrived());
   const RigidMotion motion{draw_placement(), draw(), 0.3 * draw()};
-  const RigidMotion own = part.own(motion);
+  const RigidMotion own = part.in_part_frame(motion);
   for (const double time : {0.0, 0.3, 1.0}) expect_same(part.at() * own.at(time), motion.at(time));
   const Vec3 p = draw();
   EXPECT_LT((part.point(part.at().inverse().at(p)) - p).norm(), 1e-14);
@@ -60,15 +60,15 @@ TEST_F(ScenePartTest, WhereBothMoveItsFrameSeesAStraightMotionBetweenBothEnds) {
   part.aim(1.0);
   ASSERT_TRUE(part.is_moving());
   const RigidMotion motion{draw_placement(), 0.1 * draw(), 0.1 * draw()};
-  const RigidMotion own = part.own(motion);
+  const RigidMotion own = part.in_part_frame(motion);
   expect_same(before * own.at(0.0), motion.from);
   expect_same(target * own.at(1.0), motion.at(1.0));
-  expect_same(part.own_end(motion), own.at(1.0));
+  expect_same(part.end_in_part_frame(motion), own.at(1.0));
   // After a share of the motion the part is where, in the part's frame, the tool has made that share of its motion.
   part.advance(motion, 0.4, motion.at(0.4));
   EXPECT_FALSE(part.is_moving());
   EXPECT_FALSE(part.is_arrived());
-  expect_same(part.own(motion.at(0.4)), own.at(0.4));
+  expect_same(part.in_part_frame(motion.at(0.4)), own.at(0.4));
   part.aim(1.0);
   part.advance(RigidMotion{motion.at(0.4)}, 1.0, motion.at(0.4));
   EXPECT_EQ(part.at(), target) << "to the bit";
@@ -95,7 +95,7 @@ TEST_F(ScenePartTest, ACurvatureTurnsWithThePart) {
     y << of.shift, of.turn;
     return y.dot(curvature * y);
   };
-  EXPECT_NEAR(form(turned, motion), form(own, part.own(motion)), 1e-11);
+  EXPECT_NEAR(form(turned, motion), form(own, part.in_part_frame(motion)), 1e-11);
 }
 
 TEST_F(ScenePartTest, HasTheFrictionOfItsObjects) {
