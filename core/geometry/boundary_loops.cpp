@@ -65,8 +65,8 @@ BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>&
   Vec3 sum = Vec3::Zero();
   double longest = -1.0;
   for (const HalfEdge& edge : edges) {
-    const Vec3 from = mesh.vertices[edge.is_upward ? edge.low : edge.high] - origin;
-    const Vec3 to = mesh.vertices[edge.is_upward ? edge.high : edge.low] - origin;
+    const Vec3 from = mesh.vertices[edge.upward ? edge.low : edge.high] - origin;
+    const Vec3 to = mesh.vertices[edge.upward ? edge.high : edge.low] - origin;
     const double length = (to - from).norm();
     loop.length += length;
     area += 0.5 * from.cross(to);
@@ -110,7 +110,7 @@ std::vector<Vec3> find_inconsistent_edges(const TriangleMesh& mesh) {
   std::vector<Vec3> middles;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto sides = edges[e];
-    if (sides.size() != 2 || sides[0].is_upward != sides[1].is_upward) continue;
+    if (sides.size() != 2 || sides[0].upward != sides[1].upward) continue;
     middles.push_back(0.5 * (mesh.vertices[sides[0].low] + mesh.vertices[sides[0].high]));
   }
   return middles;

@@ -76,7 +76,7 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
       const bool is_upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
       const bool is_flat = faces[t].isZero(0.0) || faces[u].isZero(0.0);
       // Inconsistently oriented: the two faces have no common outside.
-      const bool is_sharp = is_upward == other->is_upward || (!is_flat && faces[t].dot(faces[u]) < least_cosine);
+      const bool is_sharp = is_upward == other->upward || (!is_flat && faces[t].dot(faces[u]) < least_cosine);
       report.sharp_edges += is_sharp ? 1 : 0;
       if (is_sharp) continue;
       const std::uint32_t start = 3 * t + static_cast<std::uint32_t>(k);

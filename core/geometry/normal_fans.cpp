@@ -96,7 +96,7 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
       if (other == nullptr || other->triangle < t) continue;
       const std::uint32_t v0 = mesh.triangles[t][k];
       const std::uint32_t v1 = mesh.triangles[t][(k + 1) % 3];
-      if ((v0 < v1) == other->is_upward) continue;  // inconsistently oriented: the normals do not turn, they flip
+      if ((v0 < v1) == other->upward) continue;  // inconsistently oriented: the normals do not turn, they flip
       const std::uint32_t a0 = mesh.corner_normals[t][k];
       const std::uint32_t a1 = mesh.corner_normals[t][(k + 1) % 3];
       const std::uint32_t b1 = mesh.corner_normals[other->triangle][other->corner];

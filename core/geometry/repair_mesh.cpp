@@ -96,7 +96,7 @@ void orient_pieces(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& r
         if (other == nullptr) continue;
         const bool is_upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
         const bool is_same_direction =
-            is_upward == other->is_upward;  // consistently oriented triangles traverse their common edge in opposite directions
+            is_upward == other->upward;  // consistently oriented triangles traverse their common edge in opposite directions
         const std::uint8_t required = (state[t] == flipped) != is_same_direction ? flipped : unchanged;
         if (state[other->triangle] == unvisited) {
           state[other->triangle] = required;

@@ -15,7 +15,7 @@ struct HalfEdge {
   std::uint32_t high = 0;
   std::uint32_t triangle = 0;
   std::uint8_t corner = 0;
-  bool is_upward = false;  // runs from low to high
+  bool upward = false;  // runs from low to high
 };
 
 // All sides of all triangles, grouped by their two vertices (FDH paper, 4.1: "find common edges"). Vertices must be welded. RT:

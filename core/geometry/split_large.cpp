@@ -133,7 +133,7 @@ SplitReport split_large(ShadedMesh& mesh, double longest_edge, std::size_t max_t
     Round round(mesh, longest_edge);
     if (round.marked_edges() == 0) break;
     if (mesh.triangles.size() + round.added_triangles() > max_triangles) {
-      report.is_complete = false;
+      report.complete = false;
       break;
     }
     round.apply();
@@ -145,7 +145,7 @@ SplitReport split_large(ShadedMesh& mesh, double longest_edge, std::size_t max_t
 
 std::string SplitReport::describe() const {
   return fmt::format("split: {} edges longer than {:g} m halved, {} triangles added{}", edges, longest_edge, triangles,
-                     is_complete ? "" : "; some stay long: the limit on triangles was reached");
+                     complete ? "" : "; some stay long: the limit on triangles was reached");
 }
 
 }  // namespace hapton

@@ -11,7 +11,7 @@ struct SplitReport {
   double longest_edge = 0.0;  // the requested one, metres
   std::size_t edges = 0;      // edges halved, including halves from earlier rounds
   std::size_t triangles = 0;  // triangles added
-  bool is_complete = true;    // false: the limit on triangles was reached first
+  bool complete = true;       // false: the limit on triangles was reached first
   std::string describe() const;
 };
 

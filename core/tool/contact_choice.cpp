@@ -35,7 +35,7 @@ class ChosenBounds {
       for (int cut = 0; cut <= most_cuts; ++cut) {
         const Vec6 pull = roots_[metric].transpose() * metric_.stiffness.cwiseProduct(goal);
         least = find_least_motion(pull, {bounds_[metric].data(), count_}, metric_.tolerance);
-        if (!least.is_solved) return !relax();
+        if (!least.solved) return !relax();
         if (cut == most_cuts || !add_violated(roots_[metric] * least.y)) break;
       }
       if (least.active_count > 0) break;

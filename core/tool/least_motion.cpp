@@ -110,7 +110,7 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
     double multiplier = 0.0;
     for (bool is_added = false; !is_added;) {
       if (++round > kMaxRounds) {
-        found.is_solved = false;
+        found.solved = false;
         return found;
       }
       Vec6 along;
@@ -127,7 +127,7 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
         step = full_step;
       }
       if (!std::isfinite(step)) {
-        found.is_solved = false;
+        found.solved = false;
         return found;
       }
       if (!is_dependent) found.y += step * residual;

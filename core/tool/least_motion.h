@@ -19,7 +19,7 @@ struct LeastMotion {
   std::array<int, 6> active = {-1, -1, -1, -1, -1, -1};  // indices of the active bounds
   Vec6 multipliers = Vec6::Zero();                       // y - goal = sum of multiplier * row over the active bounds; none is negative
   int active_count = 0;
-  bool is_solved = true;  // false: within rounding no motion meets all bounds, or the limit of rounds was reached; y is then not usable
+  bool solved = true;  // false: within rounding no motion meets all bounds, or the limit of rounds was reached; y is then not usable
 };
 
 // Returns the y nearest to `goal` with row_i . y >= least_i - tolerance for all bounds. If the coordinates are scaled by the square root of

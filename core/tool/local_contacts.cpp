@@ -15,7 +15,7 @@ bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inv
   }
   const Vec6 goal = inverse_root.transpose() * local.stiffness.cwiseProduct(wanted);
   LeastMotion least = find_least_motion(goal, bounds, local.tolerance);
-  if (!least.is_solved) {
+  if (!least.solved) {
     // A pair below its offset may require a motion that the others forbid: then all bounds are relaxed so that zero motion satisfies them.
     for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
     least = find_least_motion(goal, bounds, local.tolerance);
@@ -24,7 +24,7 @@ bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inv
   solution.active = least.active;
   solution.multipliers = least.multipliers;
   solution.active_count = least.active_count;
-  return least.is_solved;
+  return least.solved;
 }
 
 }  // namespace

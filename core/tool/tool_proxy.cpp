@@ -186,11 +186,11 @@ RigidMotion ToolProxy::cut_to(double reach, const RigidMotion& motion) const noe
 bool ToolProxy::solve(const Vec6& goal, LeastMotion& least) noexcept {
   const std::span<MotionBound> bounds(bounds_.data(), bound_count_);
   least = find_least_motion(goal, bounds, kTolerance);
-  if (least.is_solved) return true;
+  if (least.solved) return true;
   // A pair below the offset may ask for more than the others leave: then zero motion is always allowed, if no part moves.
   for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].least = std::min(bounds_[i].least, part_motions_[i]);
   least = find_least_motion(goal, bounds, kTolerance);
-  return least.is_solved;
+  return least.solved;
 }
 
 RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexcept {
@@ -208,7 +208,7 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
 }
 
 bool ToolProxy::is_at_rest() const noexcept {
-  return least_.is_solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(rest_radius()) <= kConverged * kOffset;
+  return least_.solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(rest_radius()) <= kConverged * kOffset;
 }
 
 void ToolProxy::count_known() noexcept {
@@ -248,7 +248,7 @@ double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
 }
 
 void ToolProxy::note_contacts(ToolProxyStep& report) noexcept {
-  contacts_.count = least_.is_solved ? least_.active_count : 0;
+  contacts_.count = least_.solved ? least_.active_count : 0;
   for (int k = 0; k < contacts_.count; ++k) {
     const BoundPair& pair = bound_pairs_[least_.active[k]];
     const NearFeature& near = near_of(pair);
@@ -323,7 +323,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   note_contacts(report);
   if (is_at_rest()) return false;
   const double length = motion.length(radius);
-  if (least_.is_solved) update_curvature();
+  if (least_.solved) update_curvature();
   report.converged = false;
   if (motion.length(rest_radius()) <= kConverged * kOffset) {
     // The bounds for a long motion allow hardly any motion; those for a shorter one are better.

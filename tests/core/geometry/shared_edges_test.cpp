@@ -14,7 +14,7 @@ TEST(SharedEdges, OnAClosedSurfaceTwoTrianglesShareEachEdge) {
   EXPECT_EQ(edges.size(), mesh.triangles.size() * 3 / 2);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     ASSERT_EQ(edges[e].size(), 2U);
-    EXPECT_NE(edges[e][0].is_upward, edges[e][1].is_upward);
+    EXPECT_NE(edges[e][0].upward, edges[e][1].upward);
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {

@@ -19,7 +19,7 @@ TEST(SplitLarge, SplittingKeepsTheSurfaceAndClosesNoCrack) {
     ASSERT_TRUE(surface);
     const TriangleMesh split = faces_of(*surface);
     EXPECT_GT(report.split.triangles, 0U);
-    EXPECT_TRUE(report.split.is_complete);
+    EXPECT_TRUE(report.split.complete);
     EXPECT_TRUE(count_edges(split).closed());
     EXPECT_NEAR(compute_volume(split), compute_volume(mesh), 1e-9 * std::fabs(compute_volume(mesh)));
     EXPECT_NEAR(compute_area(split), compute_area(mesh), 1e-9 * compute_area(mesh));
@@ -34,7 +34,7 @@ TEST(SplitLarge, SplittingStopsAtItsLimitAndSaysSo) {
   SmoothSurfaceReport report;
   const auto surface = make_smooth_surface(make_icosphere(1.0, 6), {.longest_edge = 1e-4, .growth = 1.0}, report);
   ASSERT_TRUE(surface);
-  EXPECT_FALSE(report.split.is_complete);
+  EXPECT_FALSE(report.split.complete);
   EXPECT_LE(surface->face_count, 81920U + 100000U);
   EXPECT_NE(report.split.describe().find("limit"), std::string::npos);
 }

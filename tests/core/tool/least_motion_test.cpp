@@ -89,7 +89,7 @@ TEST_F(LeastMotionTest, AgreesWithEnumerationOfAllActiveSets) {
     const Vec6 goal = draw();
     const std::vector<MotionBound> bounds = draw_bounds(goal, 1 + random() % 9);
     const LeastMotion found = find_least_motion(goal, bounds, 1e-12);
-    ASSERT_TRUE(found.is_solved) << "case " << n;
+    ASSERT_TRUE(found.solved) << "case " << n;
     ASSERT_LE((found.y - Enumeration(goal, bounds).best()).norm(), 1e-7) << "case " << n;
     ++cases_with[found.active_count];
   }
@@ -104,7 +104,7 @@ TEST_F(LeastMotionTest, MultipliersBalanceTheMotion) {
     const auto copies = bounds;  // duplicates are linearly dependent
     bounds.insert(bounds.end(), copies.begin(), copies.end());
     const LeastMotion found = find_least_motion(goal, bounds, 1e-10);
-    ASSERT_TRUE(found.is_solved) << "case " << n;
+    ASSERT_TRUE(found.solved) << "case " << n;
     Vec6 sum = goal;
     for (int k = 0; k < found.active_count; ++k) {
       ASSERT_GE(found.multipliers[k], -1e-12);
@@ -119,8 +119,8 @@ TEST_F(LeastMotionTest, SaysThatNothingMeetsOpposedBounds) {
   Vec6 up = Vec6::Zero();
   up[2] = 1.0;
   const std::vector<MotionBound> bounds = {{up, 0.1}, {-up, 0.1}};
-  EXPECT_FALSE(find_least_motion(Vec6::Ones(), bounds, 1e-12).is_solved);
-  EXPECT_TRUE(find_least_motion(Vec6::Ones(), {}, 1e-12).is_solved);
+  EXPECT_FALSE(find_least_motion(Vec6::Ones(), bounds, 1e-12).solved);
+  EXPECT_TRUE(find_least_motion(Vec6::Ones(), {}, 1e-12).solved);
 }
 
 TEST_F(LeastMotionTest, UsesNoHeap) {
@@ -129,7 +129,7 @@ TEST_F(LeastMotionTest, UsesNoHeap) {
   const AllocationGuard guard;
   const LeastMotion found = find_least_motion(goal, bounds, 1e-12);
   EXPECT_EQ(guard.count(), 0U);
-  EXPECT_TRUE(found.is_solved);
+  EXPECT_TRUE(found.solved);
 }
 
 }  // namespace
