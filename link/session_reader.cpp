@@ -20,7 +20,7 @@ bool SessionReader::refill() {
   file_->read(buffer_.data() + before, kRefillBytes);
   // If a disk or a network share fails, this is not the end of the file: it is reported.
   if (file_->bad()) {
-    problem_ = fmt::format("{}: cannot be read after {} entries, at byte {}: {}", path_.string(), entries_, buffer_offset_ + before,
+    problem_ = fmt::format("{}: cannot be read after {}, at byte {}: {}", path_.string(), describe_count(), buffer_offset_ + before,
                            std::strerror(errno));
   }
   buffer_.resize(before + static_cast<std::size_t>(file_->gcount()));
@@ -64,6 +64,13 @@ void SessionReader::seek(std::uint64_t position) {
   begin_ = 0;
   problem_.clear();
   has_ended_ = false;
+  entries_ = 0;
+  sought_ = position;
+}
+
+// How many entries lie before that position is not known after a seek, so their count has to say where it begins.
+std::string SessionReader::describe_count() const {
+  return sought_ ? fmt::format("{} entries from byte {}", entries_, *sought_) : fmt::format("{} entries", entries_);
 }
 
 bool SessionReader::next(SessionEntry& entry) {
@@ -72,14 +79,14 @@ bool SessionReader::next(SessionEntry& entry) {
     if (read.status == SessionCodec::Status::cut && (refill() || !problem_.empty())) continue;
     if (read.status == SessionCodec::Status::cut && begin_ == buffer_.size()) {
       if (!header_.has_end || has_ended_) return false;
-      problem_ =
-          fmt::format("{}: has no end after {} entries: io_node still records, was killed, or its disk was full; all of them were read",
-                      path_.string(), entries_);
+      problem_ = fmt::format("{}: has no end after {}: io_node still records, was killed, or its disk was full; all of them were read",
+                             path_.string(), describe_count());
       return false;
     }
     if (read.status == SessionCodec::Status::cut || read.status == SessionCodec::Status::damaged) {
-      problem_ = fmt::format("{}: {} after {} entries, at byte {}; the entries before it were read", path_.string(),
-                             read.status == SessionCodec::Status::cut ? "is cut short" : "is damaged", entries_, buffer_offset_ + begin_);
+      problem_ =
+          fmt::format("{}: {} after {}, at byte {}; the entries before it were read", path_.string(),
+                      read.status == SessionCodec::Status::cut ? "is cut short" : "is damaged", describe_count(), buffer_offset_ + begin_);
       return false;
     }
     begin_ += read.bytes;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/base/result.h"
@@ -30,21 +31,24 @@ class SessionReader {
   void seek(std::uint64_t position);
 
   // After next returned false: empty if the file is complete, else one line that says where and how it is truncated, or why it cannot be
-  // read further. A file that ends between two entries is complete if the last entry read is an end, or if its header promises none.
+  // read further; the line counts the entries since the last seek. A file that ends between two entries is complete if the last entry read
+  // is an end, or if its header promises none.
   const std::string& problem() const { return problem_; }
 
  private:
   SessionReader() = default;
   bool refill();
+  std::string describe_count() const;
 
   std::filesystem::path path_;
   std::unique_ptr<std::ifstream> file_;
   SessionCodec codec_;
   SessionHeader header_;
   std::string buffer_;
-  std::size_t begin_ = 0;            // first unread byte in the buffer
-  std::uint64_t buffer_offset_ = 0;  // position of the buffer's front in the file
-  std::uint64_t entries_ = 0;
+  std::size_t begin_ = 0;                // first unread byte in the buffer
+  std::uint64_t buffer_offset_ = 0;      // position of the buffer's front in the file
+  std::uint64_t entries_ = 0;            // that next() returned since the file was opened, or since the last seek
+  std::optional<std::uint64_t> sought_;  // the position of the last seek
   bool has_ended_ = false;
   std::string problem_;
 };

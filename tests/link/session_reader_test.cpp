@@ -77,6 +77,20 @@ TEST_F(SessionReaders, GoOnReadingWhereTheyAreSent) {
   }
 }
 
+// A count from the beginning of the file plus what is read after it would be of no place in the file.
+TEST_F(SessionReaders, CountFromWhereTheyAreSent) {
+  const std::string whole = make_file(10);
+  auto reader = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - 1)));
+  ASSERT_TRUE(reader) << reader.error().what;
+  SessionEntry entry;
+  for (int n = 0; n < 6; ++n) ASSERT_TRUE(reader->next(entry));
+  const std::uint64_t sixth = reader->position();
+  while (reader->next(entry)) continue;
+  reader->seek(sixth);
+  while (reader->next(entry)) continue;
+  EXPECT_NE(reader->problem().find("cut short after 3 entries from byte " + std::to_string(sixth)), std::string::npos) << reader->problem();
+}
+
 TEST_F(SessionReaders, RejectAPipeWithoutWaiting) {
   const auto pipe = scratch.path() / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
