@@ -110,8 +110,12 @@ bool ClientHandshake::read_retry(std::span<const std::byte> retry) noexcept {
 
 bool ClientHandshake::read_reply(std::span<const std::byte> reply) noexcept {
   const std::uint8_t* const in = bytes_of(reply);
-  Attempt* const attempt = find_attempt(load<std::int64_t>(in + kTimestampAt));
-  if (!is_pending_ || attempt == nullptr || !is_signed(handshake_key_, in, kReplyTagAt)) return false;
+  const auto timestamp_ns = load<std::int64_t>(in + kTimestampAt);
+  Attempt* const attempt = find_attempt(timestamp_ns);
+  // The network may deliver a reply twice before the worker has finished with it.
+  const bool is_again = attempt == nullptr && timestamp_ns == replied_request_ns_;
+  if (!is_pending_ || (attempt == nullptr && !is_again) || !is_signed(handshake_key_, in, kReplyTagAt)) return false;
+  if (is_again) return true;
   AgreementTask task;
   task.kind = AgreementTask::Kind::read_reply;
   task.number = round_;

@@ -61,7 +61,8 @@ class ClientHandshake {
   // Takes the next result of the worker; call it until there is none. Pre: into holds seal::kRequestBytes.
   Finished poll(std::span<std::byte> into) noexcept;
 
-  // True if it was valid and, for a reply, the worker had room for it. Pre: its kind and length are those of a retry, or of a reply.
+  // True if it was valid and, for a reply, the worker had room for it; also for the same reply again, which is ignored. Pre: its kind and
+  // length are those of a retry, or of a reply.
   bool read_retry(std::span<const std::byte> retry) noexcept;
   bool read_reply(std::span<const std::byte> reply) noexcept;
 

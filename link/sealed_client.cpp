@@ -29,11 +29,13 @@ bool SealedClient::send(const Address& to, std::span<const std::byte> datagram) 
   if (handshake_.is_pending() || !channel_.is_open()) {
     const std::int64_t now_ns = clock_.now_ns();
     request_if_due(now_ns);
-    if (!channel_.is_open() || is_hub_silent(now_ns)) {
+    const bool is_held = !channel_.is_open() || is_hub_silent(now_ns);
+    if (is_held) {
       std::copy(datagram.begin(), datagram.end(), held_.begin());
       held_bytes_ = datagram.size();
     }
     take_finished();
+    if (is_held && held_bytes_ == 0) return true;  // sent in the session that was just agreed on
   }
   return !channel_.is_open() || transmit(datagram);
 }

@@ -22,7 +22,7 @@ namespace hapton {
 //   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. Datagrams in the old one stay valid for
 //             kOverlapNs after the hub has changed to the new one, so that the change neither loses nor delays any.
 // While there is no session, only the newest datagram is kept, and sent once there is one. While the hub is silent and a new session is
-// requested, each datagram is sent in the old one, and the newest of them again in the new one. In both cases the newest may arrive twice.
+// requested, each datagram is sent in the old one, and the newest of them again in the new one, so that it may arrive twice.
 // Pre: the user calls send or receive at least every 100 ms, and sends, ten times a second, a message to which the hub replies.
 // RT: yes with a worker thread; without one, X25519 runs in the caller (0.1 ms for each request and each session); construction and
 // destruction set-up only. Threads: one.

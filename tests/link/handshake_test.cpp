@@ -267,6 +267,17 @@ TEST_F(HandshakeTest, TwoRepliesToARequestAreTwoSessions) {
   EXPECT_FALSE(leads_to_session(second));
 }
 
+// The second copy comes before the worker has finished with the first: it is neither an error nor another session.
+TEST_F(HandshakeTest, AReplyThatTheNetworkDeliversTwiceLeadsToOneSession) {
+  const Bytes replied = reply(request_with_cookie());
+  EXPECT_TRUE(client_.read_reply(replied));
+  EXPECT_TRUE(client_.read_reply(replied));
+  EXPECT_FALSE(client_.read_reply(flip(replied, 8 * seal::kSecondAt))) << "forged";
+  Bytes none(seal::kRequestBytes);
+  EXPECT_EQ(client_.poll(none), Finished::agreement);
+  EXPECT_EQ(client_.poll(none), Finished::nothing);
+}
+
 TEST_F(HandshakeTest, AReplyMayComeLateButNotToAnEarlierHandshake) {
   const Bytes with_cookie = request_with_cookie();
   const Bytes late = reply(with_cookie);

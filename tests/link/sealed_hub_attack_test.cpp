@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "link/key_schedule.h"
@@ -378,6 +380,30 @@ TEST(SealedThreadsTest, ANodeThatHasAgreedRequestsNothingMore) {
   const std::size_t sent = node_end.sent();
   for (int turn = 0; turn < 20; ++turn) node.receive(into, clock.now_ns() + kMs);
   EXPECT_EQ(node_end.sent(), sent);
+}
+
+// The worker thread finishes a session at any time, so also within the call that sends.
+TEST_F(SealedHubTest, WhatIsSentAsASessionBeginsIsSentOnce) {
+  int begun_by_send = 0;
+  for (std::uint8_t host = 2; host < 22; ++host) {
+    TappedEndpoint end(*network_.open(memory_address(host, 9)));
+    SealedClient node(end, clock_, RoleKey(key_of(1), KeyRole::vision), hub_at_,
+                      {.host = host, .worker = AgreementWorker::Where::own_thread});
+    std::multimap<std::string, Address> arrived;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    std::size_t replied = hub_endpoint_.sent();
+    for (int n = 0; node.seal_counts().handshakes == 0; ++n) {
+      EXPECT_TRUE(node.send(hub_at_, text(std::to_string(n))));
+      begun_by_send += node.seal_counts().handshakes == 1 ? 1 : 0;
+      arrived.merge(hub_receives());
+      if (hub_endpoint_.sent() != std::exchange(replied, hub_endpoint_.sent())) (void)node.receive(into, 0);
+      std::this_thread::yield();
+    }
+    arrived.merge(hub_receives());
+    EXPECT_EQ(arrived.size(), 1U) << "the newest datagram, once";
+    clock_.advance_ns(20 * kMs);  // lets the handshake rates recover
+  }
+  EXPECT_GT(begun_by_send, 0);
 }
 
 TEST(SealedThreadsTest, NodesJoinAndChangeKeysWithoutTheCallerWaiting) {
