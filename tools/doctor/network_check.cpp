@@ -118,11 +118,35 @@ bool has_number(std::string_view text, std::string_view number) {
   return false;
 }
 
+// In XML a comment is from <!-- to -->, otherwise from a # outside quotation marks to the end of the line.
+std::string without_comments(std::string_view rules, bool is_xml) {
+  std::string kept;
+  if (is_xml) {
+    for (std::size_t begin = rules.find("<!--"); begin != rules.npos; begin = rules.find("<!--")) {
+      kept += rules.substr(0, begin);
+      kept += ' ';
+      rules.remove_prefix(std::min(rules.find("-->", begin), rules.size()));
+    }
+    return kept.append(rules);
+  }
+  for (const std::string_view line : split_lines(rules)) {
+    bool is_quoted = false;
+    const auto end = std::find_if(line.begin(), line.end(), [&](char c) {
+      is_quoted = is_quoted != (c == '"');
+      return c == '#' && !is_quoted;
+    });
+    kept.append(line.begin(), end);
+    kept += '\n';
+  }
+  return kept;
+}
+
 Finding check_rules(const Machine& machine, const std::string& name, const std::string& rules_file, const std::string& remedy) {
   const auto rules = machine.read(rules_file);
   const std::string port = std::to_string(machine.settings().hub_port);
   if (!rules) return note(name, fmt::format("is on; only root can read its rules. Other hosts need UDP port {}", port), remedy);
-  if (has_number(*rules, port)) return good(name, fmt::format("is on and lets port {} through", port));
+  if (has_number(without_comments(*rules, rules_file.ends_with(".xml")), port))
+    return good(name, fmt::format("is on and lets port {} through", port));
   return warning(name, fmt::format("is on and has no rule for port {}: other hosts cannot reach the hub (this host can)", port), remedy);
 }
 
@@ -147,7 +171,7 @@ Findings check_firewall(const Machine& machine) {
     return {check_rules(machine, "firewalld", "/etc/firewalld/zones/public.xml",
                         fmt::format("sudo firewall-cmd --permanent --add-port={}/udp && sudo firewall-cmd --reload", port))};
   }
-  const std::string nft = machine.read("/etc/nftables.conf").value_or("");
+  const std::string nft = without_comments(machine.read("/etc/nftables.conf").value_or(""), false);
   if (nft.find("policy drop") != nft.npos) {
     return {
         check_rules(machine, "nftables", "/etc/nftables.conf",

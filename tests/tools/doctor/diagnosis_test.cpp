@@ -253,6 +253,19 @@ const std::vector<Fault> kFaults = {
                "-A ufw-user-input -p udp --dport 49500 -j ACCEPT\n-A ufw-user-input -p udp --dport 14950 -j ACCEPT\n");
      },
      Verdict::warning, "has no rule for port 4950", "sudo ufw allow from"},
+    {"FirewallWithThePortInAComment",
+     [](FakeMachine& m) {
+       m.write("/etc/ufw/ufw.conf", "ENABLED=yes\n");
+       m.write("/etc/ufw/user.rules", "*filter\n# -A ufw-user-input -p udp --dport 4950 -j ACCEPT\nCOMMIT\n");
+     },
+     Verdict::warning, "has no rule for port 4950", "sudo ufw allow from"},
+    {"NftablesWithThePortInAComment",
+     [](FakeMachine& m) {
+       m.write("/etc/nftables.conf",
+               "chain input {\n  type filter hook input priority 0; policy drop;\n"
+               "  log prefix \"#1 \" tcp dport 22 accept  # not 4950\n}\n");
+     },
+     Verdict::warning, "has no rule for port 4950", "sudo nft add rule"},
     {"NoDisplay", [](FakeMachine& m) { m.set_environment(std::string("HOME=/home/ada\0", 15)); }, Verdict::warning, "DISPLAY is not set",
      "xvfb-run -a"},
     {"DisplayRefuses",
@@ -314,6 +327,24 @@ TEST(Diagnosis, AFirewallThatLetsThePortThroughIsGood) {
   const Diagnosis diagnosis = diagnose(machine.make());
   EXPECT_THAT(complaints_of(diagnosis), IsEmpty()) << to_text(diagnosis, false);
   EXPECT_THAT(to_text(diagnosis, false), HasSubstr("lets port 4950 through"));
+}
+
+TEST(Diagnosis, ARuleOfNftablesAfterAQuotedNumberSignCounts) {
+  FakeMachine machine;
+  machine.write("/etc/nftables.conf", "# policy drop\n");
+  EXPECT_THAT(to_text(diagnose(machine.make()), false), HasSubstr("none found in ufw, firewalld or /etc/nftables.conf"));
+  machine.write("/etc/nftables.conf", "type filter hook input priority 0; policy drop;\nlog prefix \"#1 \" udp dport 4950 accept\n");
+  EXPECT_THAT(to_text(diagnose(machine.make()), false), HasSubstr("lets port 4950 through"));
+}
+
+TEST(Diagnosis, APortOfFirewalldWithinACommentDoesNotCount) {
+  FakeMachine machine;
+  machine.run_program("88", "firewalld");
+  const std::string commented = "<zone>\n<!-- <port port=\"4950\" protocol=\"udp\"/>\n-->\n<service name=\"ssh\"/>\n";
+  machine.write("/etc/firewalld/zones/public.xml", commented + "</zone>\n");
+  EXPECT_THAT(to_text(diagnose(machine.make()), false), HasSubstr("has no rule for port 4950"));
+  machine.write("/etc/firewalld/zones/public.xml", commented + "<port port=\"4950\" protocol=\"udp\"/> <!-- hub --></zone>\n");
+  EXPECT_THAT(to_text(diagnose(machine.make()), false), HasSubstr("lets port 4950 through"));
 }
 
 TEST(Diagnosis, ChecksOnlyWhatIsRequested) {
