@@ -319,10 +319,10 @@ PatchSource::MoveItem* PatchSource::find_due_move(std::int64_t now_ns) noexcept 
 
 std::optional<Message> PatchSource::take_move(MoveItem& item, std::int64_t now_ns) {
   if (!pay(item.move, now_ns)) return std::nullopt;
+  counts_.moves_repeated += item.sent_ns >= 0 ? 1 : 0;
   item.sent_ns = now_ns;
   // The hub confirms only the last 64 moves of all objects: an older move would be repeated without end.
   item.is_held = ++item.repeats >= kMaxMoveRepeats;
-  ++counts_.moves_repeated;
   return item.move;
 }
 

@@ -352,7 +352,9 @@ TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
   confirm(6, 0b111);
   EXPECT_TRUE(moves_at(2600).empty());
   confirm(0, 0);
+  EXPECT_EQ(source->counts().moves_repeated, 3U);
   EXPECT_EQ(moves_at(2601), (std::vector<std::int32_t>{2, 3})) << "the hub has started again";
+  EXPECT_EQ(source->counts().moves_repeated, 3U) << "it was not sent them before";
   std::size_t sent = 2;
   for (std::int64_t ms = 2800; ms < 6000; ms += 200) sent += moves_at(ms).size();
   EXPECT_EQ(sent, 2U * 8U);
@@ -373,6 +375,7 @@ TEST_F(PatchSourceTest, AMoveThatIsDueGoesBeforeSmallerParts) {
   ASSERT_EQ(next.size(), 2U) << "550 bytes";
   EXPECT_TRUE(std::holds_alternative<ObjectMove>(next[0]));
   EXPECT_TRUE(std::holds_alternative<PatchMaterial>(next[1]));
+  EXPECT_EQ(source->counts().moves_repeated, 0U) << "the caller has not sent it";
 }
 
 TEST_F(PatchSourceTest, SaysWhatItRepliesTo) {
