@@ -32,9 +32,9 @@ struct Extent {
   bool holds(const Extent& other) const { return holds(other.low) && holds(other.high); }
 };
 
-// True for two objects of the same shape in the same place: from two files, or from one file that is used twice.
+// True for two objects of the same shape in the same place: from two files, or from one file that is used twice. Empty ones have no place.
 bool coincide(const TriangleMesh& a, const TriangleMesh& b) {
-  if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
+  if (a.vertices.empty() || a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
   const Extent extent(a);
   const double near_m = 1e-9 * (extent.high - extent.low).maxCoeff();  // rounding of poses
   return std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(),

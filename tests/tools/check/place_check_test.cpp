@@ -29,6 +29,13 @@ TEST(PlaceCheck, TheSecondOfTwoObjectsInOnePlaceIsNamed) {
   EXPECT_TRUE(check_places(scene).empty());
 }
 
+TEST(PlaceCheck, ObjectsWithoutTrianglesAreNowhere) {
+  Scene scene;
+  scene.objects = {standing_object("a", {}), standing_object("b", {}), standing_object("ball", ball_around(0.03, Vec3::Zero()))};
+  scene.view.camera = SceneCamera{.p_WE = Vec3(0, 0, 0.2), .p_WC = Vec3::Zero()};
+  EXPECT_TRUE(check_places(scene).empty());
+}
+
 TEST(PlaceCheck, WhatIsAltogetherInsideAClosedBodyIsNamed) {
   Scene scene;
   scene.objects = {standing_object("kernel", ball_around(0.01, Vec3::Zero())), standing_object("shell", ball_around(0.03, Vec3::Zero()))};
