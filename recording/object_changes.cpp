@@ -56,6 +56,7 @@ std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return k
 
 void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
+  processes_.add(datagram->message);
   const double t_s = seconds_between(start_ns_, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) add_setup(*setup, datagram->header.sender, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) add_move(*move, datagram->header.sender, t_s);
@@ -74,9 +75,8 @@ void ObjectChanges::add_setup(const HapticsSetup& setup, std::uint64_t sender, d
 
 // The haptics node repeats the newest move of each object; a repetition is not added.
 void ObjectChanges::add_move(const ObjectMove& move, std::uint64_t sender, double t_s) {
-  if (move.source != move_source_) {
-    move_process_ += move_source_ != 0 ? 1 : 0;
-    move_source_ = move.source;
+  if (move_process_ != processes_.number()) {
+    move_process_ = processes_.number();
     move_serials_.clear();
   }
   std::uint32_t& newest = move_serials_[move.object];
@@ -86,13 +86,11 @@ void ObjectChanges::add_move(const ObjectMove& move, std::uint64_t sender, doubl
 }
 
 void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, double t_s) {
-  if (carves.source != carve_source_) {
-    const bool is_first = carve_source_ == 0;
-    carve_process_ += is_first ? 0 : 1;
-    carve_source_ = carves.source;
+  if (carve_process_ != processes_.number()) {
+    carve_process_ = processes_.number();
     has_carve_.clear();
     made_before_ = 0;
-    if (is_first) made_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
+    if (carve_process_ == 0) made_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
   }
   for (std::uint32_t n = 0; n < carves.count; ++n) {
     const std::uint32_t serial = carves.first + n;
@@ -102,7 +100,7 @@ void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, doubl
     has_carve_[serial] = true;
     carves_.push_back({.t_s = serial <= made_before_ ? std::numeric_limits<double>::quiet_NaN() : t_s,
                        .sender = sender,
-                       .process = carve_process_,
+                       .process = *carve_process_,
                        .serial = serial,
                        .carve = carves.carves[n]});
   }

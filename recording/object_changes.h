@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "link/codec.h"
 #include "link/session_entry.h"
+#include "recording/haptics_process_count.h"
 
 namespace hapton {
 
@@ -16,7 +18,7 @@ namespace hapton {
 struct RecordedMove {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // counts the haptics processes with recorded moves, from 0; each begins with its objects at rest
+  std::uint32_t process = 0;  // HapticsProcessCount::number
   ObjectMove move;
 };
 
@@ -24,7 +26,7 @@ struct RecordedMove {
 struct RecordedCarve {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // counts those with recorded carves, from 0; each begins with whole bodies
+  std::uint32_t process = 0;  // HapticsProcessCount::number
   std::uint32_t serial = 0;
   Carves::One carve;
 };
@@ -69,15 +71,14 @@ class ObjectChanges {
   static constexpr std::uint32_t kMaxSerial = std::uint32_t{1} << 24;
 
   std::int64_t start_ns_;
+  HapticsProcessCount processes_;
   std::vector<RecordedSetup> setups_;
-  std::uint32_t move_source_ = 0;
-  std::uint32_t move_process_ = 0;
+  std::uint32_t move_process_ = 0;                      // of the newest move
   std::map<std::int32_t, std::uint32_t> move_serials_;  // the newest, by object
   std::vector<RecordedMove> moves_;
-  std::uint32_t carve_source_ = 0;
-  std::uint32_t carve_process_ = 0;
-  std::uint32_t made_before_ = 0;  // carves of this process up to this serial were made before the recording
-  std::vector<bool> has_carve_;    // by serial, of this process
+  std::optional<std::uint32_t> carve_process_;  // of the newest Carves
+  std::uint32_t made_before_ = 0;               // carves of this process up to this serial were made before the recording
+  std::vector<bool> has_carve_;                 // by serial, of this process
   std::vector<RecordedCarve> carves_;
 };
 

@@ -27,12 +27,12 @@ std::span<const ChangeColumn<RecordedShape>> shape_columns() noexcept { return k
 
 void RecordingShapeCollector::add(const SessionEntry& entry, const Datagram* datagram, const Take& take) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
+  processes_.add(datagram->message);
+  if (processes_.number() != process_) begin_process(take);
   if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) {
-    begin_process(part->source, take);
     if (part->serial <= closed_[part->object]) return;  // sent again at the request of a vision node
     open(part->object, part->serial, part->part.total, take).parts.add(part->part);
   } else if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) {
-    begin_process(start->source, take);
     // The haptics node repeats the newest ShapeStart of each object.
     if (start->serial <= started_[start->object]) return;
     started_[start->object] = start->serial;
@@ -49,11 +49,9 @@ void RecordingShapeCollector::add(const SessionEntry& entry, const Datagram* dat
   hand_on_whole(take);
 }
 
-void RecordingShapeCollector::begin_process(std::uint32_t source, const Take& take) {
-  if (source == source_) return;
+void RecordingShapeCollector::begin_process(const Take& take) {
   finish(take);
-  process_ += source_ != 0 ? 1 : 0;
-  source_ = source;
+  process_ = processes_.number();
   started_.clear();
   closed_.clear();
   rows_.clear();

@@ -10,11 +10,12 @@
 #include "link/codec.h"
 #include "link/session_entry.h"
 #include "link/shape_parts.h"
+#include "recording/haptics_process_count.h"
 #include "recording/object_changes.h"
 
 namespace hapton {
 
-// A shape that a program gave to an object, and when the object moves to it. t_s: as in RecordedMove; process: the same for shapes.
+// A shape that a program gave to an object, and when the object moves to it. t_s and process: as in RecordedMove.
 struct RecordedShape {
   double t_s = 0.0;
   std::int64_t time_ns = 0;  // the same instant by the hub's clock
@@ -52,15 +53,15 @@ class RecordingShapeCollector {
     bool is_started = false;
     RecordedShape shape = {};
   };
-  void begin_process(std::uint32_t source, const Take& take);
+  void begin_process(const Take& take);
   Open& open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take);
   void close_first(const Take& take);
   std::optional<std::uint64_t> take_row(const RecordedShape& shape);
   void hand_on_whole(const Take& take);
 
   std::int64_t start_ns_;
-  std::uint32_t source_ = 0;
-  std::uint32_t process_ = 0;
+  HapticsProcessCount processes_;
+  std::uint32_t process_ = 0;  // of the shapes below
   std::deque<Open> open_;
   std::map<std::int32_t, std::uint32_t> started_;  // by object, the serial of the newest ShapeStart
   std::map<std::int32_t, std::uint32_t> closed_;   // by object, the newest serial that `take` got

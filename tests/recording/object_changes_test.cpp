@@ -108,6 +108,24 @@ TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
   EXPECT_EQ(value_of(carve_columns(), "radius_m", changes.carves()[5]), 1.0);
 }
 
+// Whoever joins the tables by the number of the process finds what one process did.
+TEST(ObjectChanges, AProcessHasOneNumberInAllTables) {
+  ObjectChanges changes(kCyclesStartNs);
+  receive(changes, moved(7, 1, 2), 0.1);
+  receive(changes, ShapeStart{.source = 8, .serial = 1, .object = 1, .total = 2}, 0.2);
+  receive(changes, carved(9, 2, 2, 1), 0.3);
+  receive(changes, moved(9, 1, 2), 0.4);
+  receive(changes, CarveStatus{.source = 11}, 0.5);
+  receive(changes, carved(9, 2, 1, 1), 0.6);
+  changes.finish();
+  ASSERT_EQ(changes.moves().size(), 2U);
+  EXPECT_EQ(changes.moves()[0].process, 0U);
+  EXPECT_EQ(changes.moves()[1].process, 2U);
+  ASSERT_EQ(changes.carves().size(), 2U);
+  EXPECT_EQ(changes.carves()[0].process, 2U);
+  EXPECT_NEAR(changes.carves()[0].t_s, 0.6, 1e-9) << "its process began within the recording";
+}
+
 // Memory is bounded: a serial far above those of any session is ignored.
 TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
   ObjectChanges changes(kCyclesStartNs);

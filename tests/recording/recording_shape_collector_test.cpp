@@ -99,6 +99,20 @@ TEST_F(ShapeCollectorTest, AnotherProcessBeginsWithItsObjectsAtRest) {
   EXPECT_EQ(taken, std::vector<std::string>({"0.7", "1.1"}));
 }
 
+// The tables of moves and carves have the same numbers.
+TEST_F(ShapeCollectorTest, AProcessOfWhichOnlyMovesAreRecordedCountsToo) {
+  receive(ObjectMove{.source = 4, .serial = 1});
+  part(1, 0);
+  part(1, 64);
+  start(1);
+  receive(Carves{.source = 6, .newest = 1, .first = 1, .count = 1});
+  start(0, 7);
+  part(1, 0, 7);
+  part(1, 64, 7);
+  start(1, 7);
+  EXPECT_EQ(taken, std::vector<std::string>({"1.1", "3.1"}));
+}
+
 TEST_F(ShapeCollectorTest, AFileWithAnyNumberOfPartsTakesLittleMemory) {
   for (std::uint32_t serial = 1; serial <= 1000; ++serial) part(serial, 0, 5, static_cast<std::int32_t>(serial % 8));
   start(1000, 5, 0);
