@@ -59,7 +59,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
   if (auto shown = show_moment(); !shown) return shown;
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
-  if (options_.at_s && !options_.screenshot.empty()) return take_moment();
+  if (options_.at_s && !options_.screenshot.empty()) return take_moment(stop);
   if (!options_.frames.empty()) return write_frames(stop);
   view_.prepare_shaders();
   window_.step().request_redraw();  // draw again: prepare_shaders() hides the probe
@@ -81,19 +81,21 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
 }
 
 // Takes the screenshot of --at.
-Result<void> RecordedSession::take_moment() {
-  if (auto completed = complete_moment(); !completed) return completed;
+Result<void> RecordedSession::take_moment(const StopSignal& stop) {
+  if (auto completed = complete_moment(stop); !completed || stop.stop_requested()) return completed;
   return window_.take_screenshot(options_.screenshot);
 }
 
-// Draws the moment, after waiting for the teaching view and for carved objects, which other threads compute.
-Result<void> RecordedSession::complete_moment() {
+// Draws the moment, after waiting for the teaching view and for carved objects, which other threads compute. If a stop is
+// requested, it draws nothing.
+Result<void> RecordedSession::complete_moment(const StopSignal& stop) {
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other threads; a free choice
-  window_.finish_teaching();
-  while (carved_ != nullptr && !carved_->is_up_to_date()) {
+  window_.finish_teaching(stop);
+  while (!stop.stop_requested() && carved_ != nullptr && !carved_->is_up_to_date()) {
     show_carved();
     clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   }
+  if (stop.stop_requested()) return {};
   if (auto shown = show_moment(); !shown) return shown;
   window_.step().request_redraw();  // so that the texts in the picture are those of this moment
   draw();
@@ -112,7 +114,8 @@ Result<void> RecordedSession::write_frames(const StopSignal& stop) {
     if (t_s > end_s) break;
     player_.seek(t_s);
     if (auto shown = show_moment(); !shown) return shown;
-    if (auto completed = complete_moment(); !completed) return completed;
+    if (auto completed = complete_moment(stop); !completed) return completed;
+    if (stop.stop_requested()) break;
     if (auto saved = view_.save_png(folder->next()); !saved) return saved;
   }
   print_text("{}\n", folder->describe(options_.frame_rate_hz));

@@ -43,7 +43,8 @@ class RecordedSession {
   void set_marks(const Scene& scene, RecordedMarks* marks);
 
   // Runs until the window is closed, --seconds are over, the screenshot of --at or the pictures of --frames are written, or a signal
-  // requests a stop. Error: a picture of --screenshot or --frames could not be written, or the file has changed.
+  // requests a stop; then the picture that is not complete yet is not written. Error: a picture of --screenshot or --frames could not be
+  // written, or the file has changed.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return window_.step(); }
@@ -59,8 +60,8 @@ class RecordedSession {
   bool wants_picture(std::int64_t now_ns);
   Result<void> draw_if_wanted();
   void draw();
-  Result<void> take_moment();
-  Result<void> complete_moment();
+  Result<void> take_moment(const StopSignal& stop);
+  Result<void> complete_moment(const StopSignal& stop);
   Result<void> write_frames(const StopSignal& stop);
   double moment_share() const { return find_time_line_share(index_, player_.moment_s()); }
 

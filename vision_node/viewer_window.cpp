@@ -128,11 +128,11 @@ void ViewerWindow::teach() {
   teacher_->request(teach_, probe);
 }
 
-void ViewerWindow::finish_teaching() {
+void ViewerWindow::finish_teaching(const StopSignal& stop) {
   if (teacher_ == nullptr || teach_.view == TeachView::off) return;
   teach();
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other thread; a free choice
-  while (teacher_->is_busy()) clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
+  while (teacher_->is_busy() && !stop.stop_requested()) clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   teach();
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/result.h"
 #include "runtime/clock.h"
+#include "runtime/stop_signal.h"
 #include "vision_node/head_tracker.h"
 #include "vision_node/space_head.h"
 #include "vision_node/stereo_view.h"
@@ -45,7 +46,8 @@ class ViewerWindow {
   // Handles all events of the window since the last call. Returns the user's requests; window and step() have carried out theirs already.
   UserRequests poll_events(const TakeEvent& take, const FindSurface& find_surface);
   // Before a screenshot: waits for the teaching view that is being made, or if none is, for that of the present probe, and shows it.
-  void finish_teaching();
+  // Returns early if a stop is requested.
+  void finish_teaching(const StopSignal& stop);
   // Gives the view all of `shown` except the probe.
   void show(const VisionStep::Shown& shown);
   // If the scene is at rest, draws one more part of it in full detail: a short one, so that a probe that begins to move is drawn at once.

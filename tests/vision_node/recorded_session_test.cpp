@@ -372,6 +372,38 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
   EXPECT_EQ(volume_at(3.5), 0.0) << "another haptics process";
 }
 
+// Whoever ends the program while a picture waits for carved objects does not wait for them.
+TEST(RecordedSession, AStopEndsTheWaitForCarvedObjects) {
+  struct StoppingClock final : Clock {
+    explicit StoppingClock(StopSignal& to_request) : stop(to_request) {}
+    std::int64_t now_ns() const noexcept override { return SteadyClock().now_ns(); }
+    void sleep_until_ns(std::int64_t) noexcept override {
+      stop.request_stop();
+      ++sleeps;
+    }
+    StopSignal& stop;
+    int sleeps = 0;
+  };
+  for (const bool is_video : {false, true}) {
+    SCOPED_TRACE(is_video);
+    const ScratchFolder scratch;
+    VisionOptions options;
+    options.at_s = 2.5;
+    options.view.offscreen = true;
+    (is_video ? options.frames : options.screenshot) = scratch.path() / "picture";
+    RecordedWindow window(options);
+    window.scene.objects[0].mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.015, 3));
+    window.scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.006};
+    CarvedObjects carved(*window.view, window.scene);
+    StoppingClock clock(window.stop);
+    RecordedSession session(*window.view, clock, window.options, window.index, *window.rows);
+    session.set_carved_objects(&carved);
+    ASSERT_TRUE(session.run(window.stop));
+    EXPECT_EQ(clock.sleeps, 1);
+    EXPECT_FALSE(std::filesystem::exists(is_video ? options.frames / "frame_000001.png" : options.screenshot)) << "not complete";
+  }
+}
+
 // One picture for each half second of the recording, however long it takes to draw.
 TEST(RecordedSession, WritesAPictureForEachMomentOfAVideo) {
   const ScratchFolder scratch;

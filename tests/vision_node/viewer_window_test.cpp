@@ -30,15 +30,16 @@ TEST(ViewerWindow, ALevelThatStaysTheSameKeepsItsTeachingView) {
   SteadyClock clock;
   ViewerWindow window(*view, clock, options);
   TeachBuilder teacher(scene.touch_scene());
+  const StopSignal stop;
   window.set_teacher(&teacher);
-  window.finish_teaching();
+  window.finish_teaching(stop);
   ASSERT_NE(window.step().compose(0).hud.find("cells occupied"), std::string::npos) << window.step().compose(0).hud;
   Person person;
   ASSERT_TRUE(person.found());
   person.press_key(XK_v, ShiftMask);
   person.press_key(XK_q);  // when it arrives, V has arrived too
   ASSERT_TRUE(wait_until([&] { return window.poll_events({}, {}).quit; }));
-  window.finish_teaching();
+  window.finish_teaching(stop);
   const std::string hud = window.step().compose(1).hud;
   EXPECT_NE(hud.find("cells occupied"), std::string::npos) << hud;
 }
