@@ -149,6 +149,20 @@ TEST_F(GraspWithdrawalTest, AButtonPressedAsTheProbeBeginsAnewCounts) {
   EXPECT_TRUE(step->holds_tool()) << "released and pressed again";
 }
 
+TEST_F(GraspWithdrawalTest, AButtonHeldSinceBeforeTheProbeBeginsAnewPicksNothingUp) {
+  const Vec3 pressed = at;
+  go({0.0, 0.0, 0.05}, 0);
+  rest(1, 5);
+  ASSERT_EQ(go(pressed, 1).object, kCube) << "pressed in free space";
+  resume_at({0.0, 0.0, 0.021}, 1);
+  rest(1, 200);
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_FALSE(step->holds_tool());
+  rest(0, 5);
+  rest(1, 200);
+  EXPECT_TRUE(step->holds_tool()) << "released and pressed again";
+}
+
 // A new session of the hub begins. The scene with the object put down is ready before the first sample of that session has a reply.
 TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContact) {
   rest(1, 200);

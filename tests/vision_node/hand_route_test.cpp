@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -119,8 +120,9 @@ class LedThroughAMethod : public HandRoute {
     });
   }
 
-  // Three seconds of a hand at 0.3 m/s that receives a new goal every 4 ms.
-  MethodOutput lead(const Vec3& from, const Vec3& goal, bool by_route) const {
+  // Three seconds of a hand at 0.3 m/s that receives a new goal every 4 ms. pressed: where the device has moved at the beginning, through
+  // the back of the sheet.
+  MethodOutput lead(const Vec3& from, const Vec3& goal, bool by_route, const std::optional<Vec3>& pressed = {}) const {
     const auto method = make_method({}, scene_);
     if (!method) throw std::runtime_error(method.error().what);
     const VisibleDepth seen = see_sheet();
@@ -128,6 +130,11 @@ class LedThroughAMethod : public HandRoute {
     Vec3 target = goal;
     (*method)->reset(p_WD);
     MethodOutput output{.p_SP = p_WD};
+    if (pressed) {
+      p_WD = *pressed;
+      output = (*method)->step({.p_SD = p_WD});
+      EXPECT_LT(output.force_n.z(), -0.1) << "it touches the back";
+    }
     for (int ms = 0; ms < 3000; ++ms) {
       if (by_route && ms % 4 == 0)
         target = route_hand(seen, {output.p_SP, output.contact ? Vec3(output.p_SP - p_WD) : Vec3(Vec3::Zero())}, goal);
@@ -155,9 +162,10 @@ TEST_F(LedThroughAMethod, FromBehindItComesToTheFrontAndPressesThere) {
 }
 
 TEST_F(LedThroughAMethod, InTouchWithTheBackItComesToTheFront) {
-  // The device starts half a millimetre behind the sheet.
-  const MethodOutput led = lead({0.0, 0.01, -0.0005}, {0.01, 0.0, -0.003}, true);
+  const Vec3 goal(0.01, 0.0, -0.003), pressed(0.0, 0.01, 0.0005);
+  const MethodOutput led = lead({0.0, 0.01, -0.0005}, goal, true, pressed);
   EXPECT_GT(led.force_n.z(), 0.0);
+  EXPECT_LT((led.p_SP - Vec3(0.01, 0.0, 0.0)).norm(), 0.001);
 }
 
 TEST_F(HandRoute, TakesTheNearestWayOut) {
