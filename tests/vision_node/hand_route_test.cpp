@@ -163,6 +163,7 @@ TEST_F(LedThroughAMethod, FromBehindItComesToTheFrontAndPressesThere) {
 
 TEST_F(LedThroughAMethod, InTouchWithTheBackItComesToTheFront) {
   const Vec3 goal(0.01, 0.0, -0.003), pressed(0.0, 0.01, 0.0005);
+  ASSERT_LE(lead({0.0, 0.01, -0.0005}, goal, false, pressed).force_n.z(), 0.0) << "straight it stays behind";
   const MethodOutput led = lead({0.0, 0.01, -0.0005}, goal, true, pressed);
   EXPECT_GT(led.force_n.z(), 0.0);
   EXPECT_LT((led.p_SP - Vec3(0.01, 0.0, 0.0)).norm(), 0.001);
