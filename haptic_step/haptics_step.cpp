@@ -90,7 +90,7 @@ ForceCommand HapticsStep::reply() noexcept {
   advance_scene(step_ns);
   ForceCommand reply;
   const bool begins = !running_;
-  reply.carve_serial = touch_->count_carves();
+  reply.carve_serial = touch_->newest_carve_serial();
   if (tool_ != nullptr || grasp_ != nullptr) reply.haptons = 0;
   if (grasp_ != nullptr) update_grasp();
   if (tool_ != nullptr) {

@@ -36,7 +36,7 @@ void CarveUndoTask::note(const MadeCarve& made) noexcept {
 
 std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
   if (stage_.load(std::memory_order_acquire) != Stage::ready) return std::nullopt;
-  const std::uint32_t newest = step.touch().count_carves();
+  const std::uint32_t newest = step.touch().newest_carve_serial();
   if (newest < copied_serial_) {  // the bodies were replaced
     has_lost_entries_ = true;
     stage_.store(Stage::idle, std::memory_order_release);

@@ -84,7 +84,7 @@ std::vector<MadeCarve> apply_saved_carves(const std::vector<CarvedPress>& carved
     bool begins = true;
     for (const Carve& carve : press.carves) {
       if (!step.repeat_carve(press.object, carve)) continue;
-      made.push_back({.object = press.object, .serial = step.touch().count_carves(), .carve = rounded(carve), .begins = begins});
+      made.push_back({.object = press.object, .serial = step.touch().newest_carve_serial(), .carve = rounded(carve), .begins = begins});
       begins = false;
     }
   }

@@ -40,22 +40,22 @@ class CarriedProxy {
 
   MethodOutput step(const MethodInput& input) noexcept {
     if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-    if (!has_begun_ || start_) begin(input);
+    if (!has_begun_ || pending_start_) begin(input);
     if (!input.is_correction) {
-      before_s_ = last_time_s_;
-      before_p_SD_ = last_p_SD_;
+      time_before_last_s_ = last_time_s_;
+      p_SD_before_last_ = last_p_SD_;
     }
     double reach_m = surface_.travel_to(input.time_s);
     MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-    if ((input.p_SD - clear_from_).norm() + reach_m < clear_m_) {
+    if ((input.p_SD - clear_centre_).norm() + reach_m < clear_radius_m_) {
       surface_.skip_to(input.time_s);
       last_p_SD_ = input.p_SD;
       last_time_s_ = input.time_s;
       return output;
     }
-    if (clear_m_ > 0.0) {
-      come_near();
-      if (input.is_correction) proxy_.note_sample_before(before_p_SD_);
+    if (clear_radius_m_ > 0.0) {
+      resume_at_last_step();
+      if (input.is_correction) proxy_.note_sample_before(p_SD_before_last_);
       reach_m = surface_.travel_to(input.time_s);
     }
     if (reach_m > 0.0 || surface_.is_due(input.time_s)) deform(input.time_s, reach_m);
@@ -67,17 +67,17 @@ class CarriedProxy {
   }
 
   void reset(const Vec3& p_SD) noexcept {
-    start_ = p_SD;
+    pending_start_ = p_SD;
     resumes_ = false;
   }
   // As ForceMethod::resume: the surface has the shape that it has at the time of the next step.
   void resume(const Vec3& p_SP) noexcept {
-    start_ = p_SP;
+    pending_start_ = p_SP;
     resumes_ = true;
   }
 
   // As ForceMethod::held_at.
-  std::optional<Vec3> held_at() const noexcept { return start_ || clear_m_ > 0.0 ? std::nullopt : proxy_.held_at(); }
+  std::optional<Vec3> held_at() const noexcept { return pending_start_ || clear_radius_m_ > 0.0 ? std::nullopt : proxy_.held_at(); }
 
   // As ForceMethod::find_place.
   std::optional<SurfacePlace> find_place() const noexcept {
@@ -92,7 +92,7 @@ class CarriedProxy {
       const std::uint32_t vertex = vertices[static_cast<std::size_t>(k)];
       rest.col(k) = surface_.rest_of(vertex);
       now.col(k) = geometry.corner(held->triangle, k);
-      moved.col(k) = surface_.displacement_between(vertex, before_s_, last_time_s_);
+      moved.col(k) = surface_.displacement_between(vertex, time_before_last_s_, last_time_s_);
     }
     return SurfacePlace{.p_rest = geometry.to_scene(rest * held->weights),
                         .moved = geometry.unit_m() * (moved * held->weights),
@@ -109,23 +109,23 @@ class CarriedProxy {
   static constexpr double kSearchSteps = 64.0;  // a search reaches as far as this many steps like the last one
 
   // Goes back to the last step, in which hand and surface had not met.
-  void come_near() noexcept {
-    clear_m_ = 0.0;
-    to_travel_m_ = 0.0;
+  void resume_at_last_step() noexcept {
+    clear_radius_m_ = 0.0;
+    travel_until_search_m_ = 0.0;
     surface_.shape(last_time_s_);
     method_->resume(last_p_SD_);
   }
 
   void begin(const MethodInput& input) noexcept {
     surface_.shape(input.time_s);
-    last_p_SD_ = start_.value_or(input.p_SD);
+    last_p_SD_ = pending_start_.value_or(input.p_SD);
     resumes_ ? method_->resume(last_p_SD_) : method_->reset(last_p_SD_);
     last_time_s_ = input.time_s;
-    start_.reset();
+    pending_start_.reset();
     resumes_ = false;
     has_begun_ = true;
-    clear_m_ = 0.0;
-    to_travel_m_ = 0.0;
+    clear_radius_m_ = 0.0;
+    travel_until_search_m_ = 0.0;
   }
 
   void deform(double time_s, double reach_m) noexcept {
@@ -136,31 +136,31 @@ class CarriedProxy {
 
   // Pre: the probe is free, at the device.
   void search_around(const Vec3& p_SD, double moved_m) noexcept {
-    to_travel_m_ -= moved_m;
-    if (to_travel_m_ > 0.0) return;
+    travel_until_search_m_ -= moved_m;
+    if (travel_until_search_m_ > 0.0) return;
     const double reach_m = kSearchSteps * moved_m;
     const double unit_m = proxy_.geometry().unit_m();
     // Less the rounding of the conversion to local units.
-    const double clear_m = proxy_.anchor(reach_m).distance * unit_m * (1.0 - 0x1p-40) - 0x1p-48 * (unit_m + p_SD.norm());
-    to_travel_m_ = 0.25 * clear_m;
-    if (clear_m < 4.0 * moved_m || !(clear_m > 0.0)) return;
-    clear_from_ = p_SD;
-    clear_m_ = clear_m;
+    const double clear_radius_m = proxy_.anchor(reach_m).distance * unit_m * (1.0 - 0x1p-40) - 0x1p-48 * (unit_m + p_SD.norm());
+    travel_until_search_m_ = 0.25 * clear_radius_m;
+    if (clear_radius_m < 4.0 * moved_m || !(clear_radius_m > 0.0)) return;
+    clear_centre_ = p_SD;
+    clear_radius_m_ = clear_radius_m;
   }
 
   std::unique_ptr<ForceMethod> method_;
   ProxyMethod& proxy_;  // *method_
   Surface surface_;
-  std::optional<Vec3> start_;  // where the next step begins after reset() or resume()
-  bool resumes_ = false;       // start_ comes from resume()
+  std::optional<Vec3> pending_start_;  // where the next step begins after reset() or resume()
+  bool resumes_ = false;               // pending_start_ comes from resume()
   bool has_begun_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
   double last_time_s_ = 0.0;
-  double before_s_ = 0.0;            // time of the sample before the last
-  Vec3 before_p_SD_ = Vec3::Zero();  // device point of that sample
-  Vec3 clear_from_ = Vec3::Zero();
-  double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
-  double to_travel_m_ = 0.0;  // distances of hand and surface that may add up before the next search
+  double time_before_last_s_ = 0.0;       // time of the sample before the last
+  Vec3 p_SD_before_last_ = Vec3::Zero();  // device point of that sample
+  Vec3 clear_centre_ = Vec3::Zero();
+  double clear_radius_m_ = 0.0;         // radius around clear_centre_ without any surface; 0: not known
+  double travel_until_search_m_ = 0.0;  // distances of hand and surface that may add up before the next search
 };
 
 }  // namespace hapton

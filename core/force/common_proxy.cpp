@@ -15,11 +15,11 @@ constexpr int kRounds = 6;
 // edge, changes the planes: then the program is solved again in every second round. With friction a part does not hold the proxy like a
 // plane, and more rounds make the force less steady.
 constexpr int kFrictionlessRounds = 12;
-// A part is not felt again if its device point has moved by at most the larger of two distances: kAgree times the longest share plus
-// kRounding times the coordinates (whose rounding is 2^-53), and kAgreeLifts times the lift.
-constexpr double kAgree = 0x1p-26;
+// A part is not felt again if its device point has moved by at most the larger of two distances: kToleranceInShares times the longest share
+// plus kRounding times the coordinates (whose rounding is 2^-53), and kToleranceInLifts times the lift.
+constexpr double kToleranceInShares = 0x1p-26;
 constexpr double kRounding = 0x1p-46;
-constexpr double kAgreeLifts = 0.25;
+constexpr double kToleranceInLifts = 0.25;
 // A share longer than kMaxShare times the whole (device minus proxy) plus kMaxLifts lifts: two parts hold the proxy against each other
 // without end. Between two planes at 14 degrees, a share is eight times as long as the whole.
 constexpr double kMaxShare = 8.0;
@@ -27,28 +27,33 @@ constexpr double kMaxLifts = 64.0;
 
 }  // namespace
 
-CommonProxy::CommonProxy(std::size_t most, double extent_m, bool in_series)
-    : parts_(most), planes_(most), plane_of_(most), held_(most), in_series_(in_series), lift_m_(kLift * extent_m) {}
+CommonProxy::CommonProxy(std::size_t max_parts, double extent_m, bool in_series)
+    : parts_(max_parts),
+      planes_(max_parts),
+      part_of_plane_(max_parts),
+      with_share_(max_parts),
+      in_series_(in_series),
+      lift_m_(kLift * extent_m) {}
 
 void CommonProxy::go_on_from(const Vec3& p_S) noexcept {
-  place_ = p_S;
-  start_.reset();
+  continue_from_ = p_S;
+  reset_to_.reset();
 }
 
 void CommonProxy::forget() noexcept {
   for (Part& part : parts_) part = {};
-  start_.reset();
-  place_.reset();
+  reset_to_.reset();
+  continue_from_.reset();
   has_sample_ = false;
 }
 
 void CommonProxy::begin_sample(FeltParts& felt) noexcept {
-  const std::optional<Vec3> start = std::exchange(start_, std::nullopt);
-  const std::optional<Vec3> place = start ? start : place_;
-  place_.reset();
+  const std::optional<Vec3> start = std::exchange(reset_to_, std::nullopt);
+  const std::optional<Vec3> place = start ? start : continue_from_;
+  continue_from_.reset();
   if (place) p_SD_before_.reset();
-  holding_ = 0;
-  const bool any_gives = !in_series_ && felt.may_give_way();
+  holding_count_ = 0;
+  const bool any_gives_way = !in_series_ && felt.may_give_way();
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
     part.X_before = part.X_SO;
@@ -61,36 +66,36 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
     if (place) {
       part.X_before = part.X_SO;
       part.p_before = *place;
-      part.held = part.lift = part.lift_before = Vec3::Zero();
+      part.share = part.lift = part.lift_before = Vec3::Zero();
       part.is_limited = false;
     }
     if (start) felt.reset(i, part.X_SO, *start);
-    part.gives_way = any_gives && felt.gives_way(i);
+    part.gives_way = any_gives_way && felt.gives_way(i);
     if (part.gives_way) {
-      part.held.setZero();
+      part.share.setZero();
       part.is_limited = false;
     }
     part.was_held = part.holds();
     if (!part.was_held) continue;
-    ++holding_;
-    part.held = part.X_SO.linear() * (part.X_before.linear().transpose() * part.held);
+    ++holding_count_;
+    part.share = part.X_SO.linear() * (part.X_before.linear().transpose() * part.share);
     part.p_SP = part.start();
   }
   goal_ = p_SD_;
-  is_led_ = false;
-  if (any_gives) lead(felt);
-  if (holding_ > 1) share_out();
+  is_goal_displaced_ = false;
+  if (any_gives_way) feel_parts_giving_way(felt);
+  if (holding_count_ > 1) share_out();
 }
 
 // Each of several parts that give way follows the one before it.
-void CommonProxy::lead(FeltParts& felt) noexcept {
+void CommonProxy::feel_parts_giving_way(FeltParts& felt) noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
     if (!part.gives_way) continue;
     part.output = felt.feel(i, part.X_SO, goal_, {});
     part.is_felt = true;
-    part.held = goal_ - part.output.p_SP;
-    is_led_ = is_led_ || !part.held.isZero(0.0);
+    part.share = goal_ - part.output.p_SP;
+    is_goal_displaced_ = is_goal_displaced_ || !part.share.isZero(0.0);
     goal_ = part.output.p_SP;
   }
 }
@@ -101,60 +106,62 @@ double CommonProxy::limit_m(double whole_m) const noexcept { return kMaxShare * 
 // Replaces the shares by those that the planes holding the proxy have in the quadratic program, if none of these is too long.
 void CommonProxy::share_out() noexcept {
   std::size_t planes = 0;
-  const Vec3 origin = common_;
+  const Vec3 origin = p_SP_;
   for (std::size_t i = 0; i < count_; ++i) {
     const Part& part = parts_[i];
-    const double length = part.held.norm();
+    const double length = part.share.norm();
     if (part.gives_way || !(length > 0.0)) continue;
-    const Vec3 normal = -part.held / length;
+    const Vec3 normal = -part.share / length;
     planes_[planes] = {normal, normal.dot(part.p_SP - part.lift - origin)};
-    plane_of_[planes++] = i;
+    part_of_plane_[planes++] = i;
   }
-  const ConstrainedMotion held = constrain_motion(goal_ - origin, std::span(planes_).first(planes));
-  if (!held.solved) return;
-  const double most_m = limit_m((held.motion - (goal_ - origin)).norm());
+  const ConstrainedMotion constrained = constrain_motion(goal_ - origin, std::span(planes_).first(planes));
+  if (!constrained.solved) return;
+  const double most_m = limit_m((constrained.motion - (goal_ - origin)).norm());
   for (std::size_t k = 0; k < 3; ++k) {
-    if (held.active[k] > 0 && held.multipliers[k] > most_m) return;
+    if (constrained.active[k] > 0 && constrained.multipliers[k] > most_m) return;
   }
-  for (std::size_t n = 0; n < planes; ++n) parts_[plane_of_[n]].held.setZero();
-  for (int k = 0; k < held.active_count; ++k) {
-    const auto n = static_cast<std::size_t>(held.active[static_cast<std::size_t>(k)]);
-    parts_[plane_of_[n]].held = -held.multipliers[static_cast<std::size_t>(k)] * planes_[n].normal;
+  for (std::size_t n = 0; n < planes; ++n) parts_[part_of_plane_[n]].share.setZero();
+  for (int k = 0; k < constrained.active_count; ++k) {
+    const auto n = static_cast<std::size_t>(constrained.active[static_cast<std::size_t>(k)]);
+    parts_[part_of_plane_[n]].share = -constrained.multipliers[static_cast<std::size_t>(k)] * planes_[n].normal;
   }
 }
 
 // The lift of part i, away from every other part that holds the proxy: these are few, however many parts there are.
 Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
   Vec3 lift = Vec3::Zero();
-  for (std::size_t n = 0; n < held_count_; ++n) {
-    const std::size_t j = held_[n];
-    const double length = j != i ? parts_[j].held.norm() : 0.0;
-    if (length > 0.0) lift -= (lift_m_ / length) * parts_[j].held;
+  for (std::size_t n = 0; n < with_share_count_; ++n) {
+    const std::size_t j = with_share_[n];
+    const double length = j != i ? parts_[j].share.norm() : 0.0;
+    if (length > 0.0) lift -= (lift_m_ / length) * parts_[j].share;
   }
   return lift;
 }
 
 // Notes a part that has got a share since the round began. The list is in order: the last bit of the sum in lift_of depends on it.
-void CommonProxy::note_held(std::size_t i) noexcept {
-  std::size_t n = held_count_;
-  while (n > 0 && held_[n - 1] > i) --n;
-  if (n > 0 && held_[n - 1] == i) return;
-  std::move_backward(held_.begin() + static_cast<std::ptrdiff_t>(n), held_.begin() + static_cast<std::ptrdiff_t>(held_count_),
-                     held_.begin() + static_cast<std::ptrdiff_t>(held_count_ + 1));
-  held_[n] = i;
-  ++held_count_;
+void CommonProxy::note_share(std::size_t i) noexcept {
+  std::size_t n = with_share_count_;
+  while (n > 0 && with_share_[n - 1] > i) --n;
+  if (n > 0 && with_share_[n - 1] == i) return;
+  std::move_backward(with_share_.begin() + static_cast<std::ptrdiff_t>(n),
+                     with_share_.begin() + static_cast<std::ptrdiff_t>(with_share_count_),
+                     with_share_.begin() + static_cast<std::ptrdiff_t>(with_share_count_ + 1));
+  with_share_[n] = i;
+  ++with_share_count_;
 }
 
 // Feels the part, unless its device point is the same as when the part was last felt in this sample. Returns whether that may matter to
 // others: the part holds the proxy, or did before.
 bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   Part& part = parts_[i];
-  const Vec3 lift = holding_ > 0 ? lift_of(i) : Vec3(Vec3::Zero());
-  const Vec3 follow = common_ + part.held + lift;
+  const Vec3 lift = holding_count_ > 0 ? lift_of(i) : Vec3(Vec3::Zero());
+  const Vec3 follow = p_SP_ + part.share + lift;
   if (part.is_felt && !part.begins_again) {
     if (part.turns >= felt.most_turns(i)) return false;
-    const double agree = std::max(kAgree * largest_m_ + kRounding * follow.cwiseAbs().maxCoeff(), kAgreeLifts * lift_m_);
-    if ((follow - part.followed).norm() <= agree) return false;
+    const double tolerance =
+        std::max(kToleranceInShares * longest_share_m_ + kRounding * follow.cwiseAbs().maxCoeff(), kToleranceInLifts * lift_m_);
+    if ((follow - part.followed_point).norm() <= tolerance) return false;
   }
   const bool held_before = part.holds();
   // If others held the proxy only in the last sample, the change of their shares would look like motion of the device as well.
@@ -164,52 +171,52 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   part.is_felt = true;
   ++part.turns;
   part.begins_again = false;
-  part.followed = follow;
+  part.followed_point = follow;
   part.lift = lift;
   part.p_SP = part.output.p_SP;
-  part.held = follow - part.p_SP;
-  if (!part.held.isZero(0.0)) note_held(i);
+  part.share = follow - part.p_SP;
+  if (!part.share.isZero(0.0)) note_share(i);
   part.is_limited = false;
-  holding_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
-  const Vec3 before = common_;
-  common_ = part.p_SP - lift;
-  if (holding_ > 1 && first_held() < i) limit_share(part, std::max((goal_ - before).norm(), (goal_ - common_).norm()));
+  holding_count_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
+  const Vec3 before = p_SP_;
+  p_SP_ = part.p_SP - lift;
+  if (holding_count_ > 1 && first_holding() < i) limit_share(part, std::max((goal_ - before).norm(), (goal_ - p_SP_).norm()));
   return held_before || part.holds();
 }
 
-std::size_t CommonProxy::first_held() const noexcept {
+std::size_t CommonProxy::first_holding() const noexcept {
   std::size_t n = 0;
-  while (n < held_count_ && !parts_[held_[n]].holds()) ++n;
-  return n < held_count_ ? held_[n] : count_;
+  while (n < with_share_count_ && !parts_[with_share_[n]].holds()) ++n;
+  return n < with_share_count_ ? with_share_[n] : count_;
 }
 
 void CommonProxy::limit_share(Part& part, double whole_m) noexcept {
   const double most_m = limit_m(whole_m);
-  const double length_m = part.held.norm();
+  const double length_m = part.share.norm();
   if (!(length_m > most_m)) return;
-  part.held *= most_m / length_m;
+  part.share *= most_m / length_m;
   part.output.force_n *= most_m / length_m;
-  common_ = part.followed - part.lift - part.held;
+  p_SP_ = part.followed_point - part.lift - part.share;
   part.is_limited = true;
 }
 
 void CommonProxy::begin_round() noexcept {
-  common_ = goal_;
-  largest_m_ = 0.0;
-  holding_ = 0;
-  held_count_ = 0;
+  p_SP_ = goal_;
+  longest_share_m_ = 0.0;
+  holding_count_ = 0;
+  with_share_count_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (!parts_[i].held.isZero(0.0)) held_[held_count_++] = i;
+    if (!parts_[i].share.isZero(0.0)) with_share_[with_share_count_++] = i;
     if (!parts_[i].holds()) continue;
-    ++holding_;
-    common_ -= parts_[i].held;
-    largest_m_ = std::max(largest_m_, parts_[i].held.norm());
+    ++holding_count_;
+    p_SP_ -= parts_[i].share;
+    longest_share_m_ = std::max(longest_share_m_, parts_[i].share.norm());
   }
-  is_shared_ = holding_ > 1 || (holding_ > 0 && is_led_);
+  is_shared_ = holding_count_ > 1 || (holding_count_ > 0 && is_goal_displaced_);
 }
 
 // Whether a part has come into contact in this sample, and another part is in contact now or was before the sample.
-bool CommonProxy::has_met_another() const noexcept {
+bool CommonProxy::has_second_contact() const noexcept {
   bool is_new = false;
   int touched = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -235,7 +242,7 @@ void CommonProxy::begin_again(FeltParts& felt) noexcept {
 }
 
 // Whether each part that holds the proxy has no friction and may have another turn in this sample.
-bool CommonProxy::is_exact(const FeltParts& felt) const noexcept {
+bool CommonProxy::allows_more_rounds(const FeltParts& felt) const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     if (parts_[i].holds() && (!felt.is_frictionless(i) || parts_[i].turns >= felt.most_turns(i))) return false;
   }
@@ -243,56 +250,56 @@ bool CommonProxy::is_exact(const FeltParts& felt) const noexcept {
 }
 
 void CommonProxy::follow(FeltParts& felt) noexcept {
-  bool any = true;
-  const auto goes_on = [&](int round) { return round < kRounds || (round < kFrictionlessRounds && is_exact(felt)); };
-  for (int round = 0; any && goes_on(round); ++round) {
+  bool any_changed = true;
+  const auto goes_on = [&](int round) { return round < kRounds || (round < kFrictionlessRounds && allows_more_rounds(felt)); };
+  for (int round = 0; any_changed && goes_on(round); ++round) {
     begin_round();
-    any = false;
-    for (std::size_t i = 0; i < count_; ++i) any = (!parts_[i].gives_way && visit(felt, i)) || any;
-    if (!any) break;
-    const bool has_met = has_met_another();
-    if (has_met) begin_again(felt);
-    if (holding_ > 1 && (has_met || round == 0 || (round % 2 == 0 && is_exact(felt)))) share_out();
+    any_changed = false;
+    for (std::size_t i = 0; i < count_; ++i) any_changed = (!parts_[i].gives_way && visit(felt, i)) || any_changed;
+    if (!any_changed) break;
+    const bool has_second = has_second_contact();
+    if (has_second) begin_again(felt);
+    if (holding_count_ > 1 && (has_second || round == 0 || (round % 2 == 0 && allows_more_rounds(felt)))) share_out();
   }
   is_squeezed_ = std::ranges::any_of(std::span(parts_).first(count_), &Part::is_limited);
-  const std::size_t first = has_still_ ? 0 : first_held();
-  if (any && first < count_ && !parts_[first].gives_way && (has_still_ || is_squeezed_)) (void)visit(felt, first);
+  const std::size_t first = has_still_ ? 0 : first_holding();
+  if (any_changed && first < count_ && !parts_[first].gives_way && (has_still_ || is_squeezed_)) (void)visit(felt, first);
 }
 
 void CommonProxy::follow_in_series(FeltParts& felt) noexcept {
-  for (std::size_t i = 0; i < count_; ++i) parts_[i].held.setZero();
+  for (std::size_t i = 0; i < count_; ++i) parts_[i].share.setZero();
   begin_round();
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    part.output = felt.feel(i, part.X_SO, common_, {});
-    part.held = common_ - part.output.p_SP;
-    common_ = part.p_SP = part.output.p_SP;
-    holding_ += part.holds() ? 1 : 0;
+    part.output = felt.feel(i, part.X_SO, p_SP_, {});
+    part.share = p_SP_ - part.output.p_SP;
+    p_SP_ = part.p_SP = part.output.p_SP;
+    holding_count_ += part.holds() ? 1 : 0;
   }
 }
 
 // Divides the shares as between surfaces: parts that do not give way have had only a small part of their share against a surface.
-void CommonProxy::share_with_giving(const FeltParts& felt) noexcept {
-  const Vec3 whole = p_SD_ - common_;
-  const Vec3 held = goal_ - common_;
-  const double squared = held.squaredNorm();
-  const double factor = squared > 0.0 ? std::max(1.0, whole.dot(held) / squared) : 1.0;
-  double given_m = 0.0;
+void CommonProxy::share_with_parts_giving_way(const FeltParts& felt) noexcept {
+  const Vec3 whole = p_SD_ - p_SP_;
+  const Vec3 sum_of_shares = goal_ - p_SP_;
+  const double squared = sum_of_shares.squaredNorm();
+  const double factor = squared > 0.0 ? std::max(1.0, whole.dot(sum_of_shares) / squared) : 1.0;
+  double giving_way_m = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
     if (part.gives_way) {
-      given_m += part.held.norm();
+      giving_way_m += part.share.norm();
     } else {
-      part.held *= factor;
+      part.share *= factor;
       part.output.force_n *= factor;
     }
   }
-  const Vec3 rest = whole - factor * held;
+  const Vec3 remainder = whole - factor * sum_of_shares;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    if (!part.gives_way || !(given_m > 0.0)) continue;
-    part.held = (part.held.norm() / given_m) * rest;
-    part.output.force_n = -felt.stiffness(i).least * part.held;
+    if (!part.gives_way || !(giving_way_m > 0.0)) continue;
+    part.share = (part.share.norm() / giving_way_m) * remainder;
+    part.output.force_n = -felt.stiffness(i).least * part.share;
     part.is_shared = true;
   }
 }
@@ -303,7 +310,7 @@ double CommonProxy::find_mean_stiffness(const FeltParts& felt) noexcept {
   double shares_m = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    const double share_m = part.held.norm();
+    const double share_m = part.share.norm();
     if (!(share_m > 0.0) || !part.output.contact) continue;
     const StiffnessRange range = felt.stiffness(i);
     part.stiffness = std::clamp(part.output.force_n.norm() / share_m, range.least, range.most);
@@ -314,7 +321,7 @@ double CommonProxy::find_mean_stiffness(const FeltParts& felt) noexcept {
 }
 
 // The velocity of the device relative to the part.
-Vec3 CommonProxy::velocity_past(const Part& part) const noexcept {
+Vec3 CommonProxy::velocity_relative_to(const Part& part) const noexcept {
   if (!p_SD_before_ || !(dt_s_ > 0.0)) return Vec3::Zero();
   return (p_SD_ - part.X_SO * (part.X_before.inverse(Eigen::Isometry) * *p_SD_before_)) / dt_s_;
 }
@@ -322,12 +329,12 @@ Vec3 CommonProxy::velocity_past(const Part& part) const noexcept {
 // The force of a part, with the mean stiffness in place of its own. Damping never makes it attractive.
 Vec3 CommonProxy::force_with(const Part& part, double stiffness, double damping) const noexcept {
   const double force_n = part.output.force_n.norm();
-  const double share_m = part.held.norm();
+  const double share_m = part.share.norm();
   if (!(share_m > 0.0)) return part.output.force_n;
-  const double drag_n = damping > 0.0 ? damping * velocity_past(part).dot(part.held) / share_m : 0.0;
+  const double drag_n = damping > 0.0 ? damping * velocity_relative_to(part).dot(part.share) / share_m : 0.0;
   const double more_n = (stiffness - part.stiffness) * share_m + drag_n;
   if (more_n == 0.0) return part.output.force_n;
-  const Vec3 direction = force_n > 0.0 ? Vec3(part.output.force_n / force_n) : Vec3(-part.held / share_m);
+  const Vec3 direction = force_n > 0.0 ? Vec3(part.output.force_n / force_n) : Vec3(-part.share / share_m);
   return std::max(0.0, force_n + more_n) * direction;
 }
 
@@ -339,7 +346,7 @@ MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
     Part& part = parts_[i];
     if (!part.output.contact) continue;
     output.contact = true;
-    output.p_SP = common_;
+    output.p_SP = p_SP_;
     const double damping = part.is_shared && part.output.object >= 0 ? felt.damping(i, part.output.object) : 0.0;
     part.force_n = is_shared_ || damping > 0.0 ? force_with(part, is_shared_ ? stiffness : part.stiffness, damping) : part.output.force_n;
     output.force_n += part.force_n;
@@ -353,15 +360,15 @@ MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
 
 MethodOutput CommonProxy::conclude(FeltParts& felt) noexcept {
   begin_round();
-  if (is_led_) {
+  if (is_goal_displaced_) {
     for (std::size_t i = 0; i < count_; ++i) {
       Part& part = parts_[i];
       part.is_shared = part.is_shared && !part.gives_way;
       if (!part.gives_way) continue;
-      felt.settle(i, common_);
-      part.p_SP = common_;
+      felt.settle(i, p_SP_);
+      part.p_SP = p_SP_;
     }
-    if (holding_ > 0) share_with_giving(felt);
+    if (holding_count_ > 0) share_with_parts_giving_way(felt);
   }
   return sum(felt);
 }
@@ -379,7 +386,7 @@ MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_stil
     return sum(felt);
   }
   follow(felt);
-  if (holding_ == 0 && !is_led_) return {.force_n = Vec3::Zero(), .p_SP = p_SD};
+  if (holding_count_ == 0 && !is_goal_displaced_) return {.force_n = Vec3::Zero(), .p_SP = p_SD};
   return conclude(felt);
 }
 

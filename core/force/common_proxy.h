@@ -90,14 +90,14 @@ class CommonProxy {
   // 0x1p-24 of the scene's extent: 64 contact offsets, 6 nm in a scene of 100 mm.
   static constexpr double kLift = 0x1p-24;
 
-  // most: largest number of parts. extent_m: of the scene. in_series: for parts that cannot be felt twice in a sample. Each is then felt
-  // once and follows the proxy of the part before it. All have one proxy only where one part is touched, or two at right angles.
-  CommonProxy(std::size_t most, double extent_m, bool in_series = false);
+  // max_parts: largest number of parts. extent_m: of the scene. in_series: for parts that cannot be felt twice in a sample. Each is then
+  // felt once and follows the proxy of the part before it. All have one proxy only where one part is touched, or two at right angles.
+  CommonProxy(std::size_t max_parts, double extent_m, bool in_series = false);
   // For another scene. Call reset, go_on_from or forget next.
   void set_extent(double extent_m) noexcept { lift_m_ = kLift * extent_m; }
 
   // The next step begins at p_S: it resets each part there.
-  void reset(const Vec3& p_S) noexcept { start_ = p_S; }
+  void reset(const Vec3& p_S) noexcept { reset_to_ = p_S; }
   // The proxy is at p_S, and so are those of the parts already: nothing holds it yet.
   void go_on_from(const Vec3& p_S) noexcept;
   // The parts have been replaced, or start again by themselves: nothing holds the proxy.
@@ -112,17 +112,17 @@ class CommonProxy {
   bool is_squeezed() const noexcept { return is_squeezed_; }
   // Of the last step: a part's force, N, and its share, m. Zero: it does not hold the proxy.
   Vec3 force_of(std::size_t part) const noexcept { return parts_[part].output.contact ? parts_[part].force_n : Vec3(Vec3::Zero()); }
-  const Vec3& share_of(std::size_t part) const noexcept { return parts_[part].held; }
+  const Vec3& share_of(std::size_t part) const noexcept { return parts_[part].share; }
 
  private:
   struct Part {
     Pose X_SO = Pose::Identity();
-    Pose X_before = Pose::Identity();  // X_SO in the sample before
-    Vec3 held = Vec3::Zero();          // from its proxy to the device point that it followed; zero: it holds nothing
-    Vec3 followed = Vec3::Zero();      // the device point that it followed last
-    Vec3 p_SP = Vec3::Zero();          // its proxy
-    Vec3 lift = Vec3::Zero();          // its proxy minus the common proxy (kLift)
-    Vec3 p_before = Vec3::Zero();      // its proxy after the sample before, with the part at X_before
+    Pose X_before = Pose::Identity();    // X_SO in the sample before
+    Vec3 share = Vec3::Zero();           // from its proxy to the device point that it followed; zero: it holds nothing
+    Vec3 followed_point = Vec3::Zero();  // the device point that it followed last
+    Vec3 p_SP = Vec3::Zero();            // its proxy
+    Vec3 lift = Vec3::Zero();            // its proxy minus the common proxy (kLift)
+    Vec3 p_before = Vec3::Zero();        // its proxy after the sample before, with the part at X_before
     Vec3 lift_before = Vec3::Zero();
     bool is_shared = false;        // it was felt as one of several that hold the proxy
     bool with_others = false;      // other parts held the proxy when it was felt last
@@ -137,7 +137,7 @@ class CommonProxy {
     MethodOutput output = {};
     Vec3 force_n = Vec3::Zero();  // what it adds to the force of this sample, if it is in contact
 
-    bool holds() const noexcept { return !gives_way && !held.isZero(0.0); }
+    bool holds() const noexcept { return !gives_way && !share.isZero(0.0); }
     // Its proxy after the sample before, moved along with the part to its present pose.
     Vec3 start() const noexcept { return X_SO * (X_before.inverse(Eigen::Isometry) * p_before); }
   };
@@ -145,47 +145,47 @@ class CommonProxy {
   void begin_sample(FeltParts& felt) noexcept;
   void follow(FeltParts& felt) noexcept;
   void follow_in_series(FeltParts& felt) noexcept;
-  void lead(FeltParts& felt) noexcept;
-  void share_with_giving(const FeltParts& felt) noexcept;
+  void feel_parts_giving_way(FeltParts& felt) noexcept;
+  void share_with_parts_giving_way(const FeltParts& felt) noexcept;
   MethodOutput conclude(FeltParts& felt) noexcept;
   void begin_round() noexcept;
   bool visit(FeltParts& felt, std::size_t i) noexcept;
   void limit_share(Part& part, double whole_m) noexcept;
   double limit_m(double whole_m) const noexcept;
-  bool is_exact(const FeltParts& felt) const noexcept;
-  std::size_t first_held() const noexcept;
-  void note_held(std::size_t i) noexcept;
+  bool allows_more_rounds(const FeltParts& felt) const noexcept;
+  std::size_t first_holding() const noexcept;
+  void note_share(std::size_t i) noexcept;
   Vec3 lift_of(std::size_t i) const noexcept;
   void share_out() noexcept;
-  bool has_met_another() const noexcept;
+  bool has_second_contact() const noexcept;
   void begin_again(FeltParts& felt) noexcept;
   double find_mean_stiffness(const FeltParts& felt) noexcept;
-  Vec3 velocity_past(const Part& part) const noexcept;
+  Vec3 velocity_relative_to(const Part& part) const noexcept;
   Vec3 force_with(const Part& part, double stiffness, double damping) const noexcept;
   MethodOutput sum(const FeltParts& felt) noexcept;
 
   std::vector<Part> parts_;
   std::vector<ContactPlane> planes_;
-  std::vector<std::size_t> plane_of_;  // the part of each plane
-  std::vector<std::size_t> held_;      // the first held_count_ of these: all parts that may have a share in this round, ascending
-  std::size_t held_count_ = 0;
+  std::vector<std::size_t> part_of_plane_;  // the part of each plane
+  std::vector<std::size_t> with_share_;  // the first with_share_count_ of these: all parts that may have a share in this round, ascending
+  std::size_t with_share_count_ = 0;
   std::size_t count_ = 0;
   bool has_still_ = false;
   bool in_series_;
   double lift_m_;
   Vec3 p_SD_ = Vec3::Zero();
   Vec3 goal_ = Vec3::Zero();         // what the proxy follows: the device point, or the proxy of what gives way
-  bool is_led_ = false;              // goal_ is the proxy of a part that gives way
+  bool is_goal_displaced_ = false;   // goal_ is the proxy of a part that gives way
   std::optional<Vec3> p_SD_before_;  // the device in the sample before
   double dt_s_ = 0.0;
-  bool has_sample_ = false;     // there was a step
-  int holding_ = 0;             // parts that hold the proxy
-  bool is_shared_ = false;      // at the beginning of this round: several hold it, or one does while another gives way
-  double largest_m_ = 0.0;      // length of the longest share at the beginning of the round
-  Vec3 common_ = Vec3::Zero();  // the common proxy
-  bool is_squeezed_ = false;    // a share is limited
-  std::optional<Vec3> start_;   // reset() was called
-  std::optional<Vec3> place_;   // go_on_from() was called
+  bool has_sample_ = false;            // there was a step
+  int holding_count_ = 0;              // parts that hold the proxy
+  bool is_shared_ = false;             // at the beginning of this round: several hold it, or one does while another gives way
+  double longest_share_m_ = 0.0;       // length of the longest share at the beginning of the round
+  Vec3 p_SP_ = Vec3::Zero();           // the common proxy
+  bool is_squeezed_ = false;           // a share is limited
+  std::optional<Vec3> reset_to_;       // reset() was called
+  std::optional<Vec3> continue_from_;  // go_on_from() was called
 };
 
 }  // namespace hapton

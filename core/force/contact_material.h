@@ -14,12 +14,12 @@ class ContactMaterial {
  public:
   // multiplier: >= 0; any unit, the same for all constraints.
   void add(const Material& material, double multiplier) noexcept {
-    if (!any_) mean_ = material;
-    any_ = true;
+    if (!has_material_) mean_ = material;
+    has_material_ = true;
     if (!(multiplier > 0.0)) return;
-    sum_ += multiplier;
+    multiplier_sum_ += multiplier;
     // The mean is updated by differences, so equal values are kept exactly: their difference is zero.
-    const double share = multiplier / sum_;
+    const double share = multiplier / multiplier_sum_;
     if (share == 1.0) {  // the first constraint with a weight
       const bool two_sided = mean_.two_sided;
       mean_ = material;
@@ -36,8 +36,8 @@ class ContactMaterial {
 
  private:
   Material mean_;
-  double sum_ = 0.0;
-  bool any_ = false;
+  double multiplier_sum_ = 0.0;
+  bool has_material_ = false;
 };
 
 }  // namespace hapton

@@ -12,8 +12,8 @@ EffectFrames::EffectFrames(const TouchScene& scene) {
   const auto has_effects = [&](int object) { return scene.objects[static_cast<std::size_t>(object)].effects.any(); };
   for (MotionGroup& group : group_by_motion(scene)) {
     if (!group.moves() || !std::any_of(group.objects.begin(), group.objects.end(), has_effects)) continue;
-    of_objects_.resize(scene.objects.size(), EffectStep::kStill);
-    for (const int object : group.objects) of_objects_[static_cast<std::size_t>(object)] = static_cast<int>(groups_.size());
+    frame_of_object_.resize(scene.objects.size(), EffectStep::kStill);
+    for (const int object : group.objects) frame_of_object_[static_cast<std::size_t>(object)] = static_cast<int>(groups_.size());
     groups_.push_back(std::move(group));
   }
   X_SF_.resize(groups_.size(), Pose::Identity());
@@ -25,7 +25,7 @@ std::span<const Pose> EffectFrames::place(const MethodInput& input) noexcept {
 }
 
 Vec3 EffectFrames::at_rest(int object, const Vec3& p_S) const noexcept {
-  const int frame = of_objects_[static_cast<std::size_t>(object)];
+  const int frame = frame_of_object_[static_cast<std::size_t>(object)];
   return frame == EffectStep::kStill ? p_S : to_frame(X_SF_[static_cast<std::size_t>(frame)], p_S);
 }
 

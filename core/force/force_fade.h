@@ -32,25 +32,25 @@ class ForceFade {
     const Vec3 known_n = std::exchange(given_difference_n_, Vec3::Zero());
     if (std::exchange(is_due_, false)) {
       difference_n_ = last_force_n_ - force_n;
-      share_ = difference_n_.allFinite() ? 1.0 : 0.0;
+      remaining_share_ = difference_n_.allFinite() ? 1.0 : 0.0;
     } else if (!known_n.isZero(0.0) && known_n.allFinite()) {
-      difference_n_ = known_n + (share_ > 0.0 ? Vec3(share_ * difference_n_) : Vec3(Vec3::Zero()));
-      share_ = 1.0;
+      difference_n_ = known_n + (remaining_share_ > 0.0 ? Vec3(remaining_share_ * difference_n_) : Vec3(Vec3::Zero()));
+      remaining_share_ = 1.0;
     }
-    if (share_ > 0.0) share_ -= std::min(dt_s, kMaxStepS) / (contact ? kInContactS : kInAirS);
+    if (remaining_share_ > 0.0) remaining_share_ -= std::min(dt_s, kMaxStepS) / (contact ? kInContactS : kInAirS);
     // Once the fade is over, the forces of the method are passed on unchanged, to the last bit.
-    last_force_n_ = share_ > 0.0 ? Vec3(force_n + share_ * difference_n_) : force_n;
+    last_force_n_ = remaining_share_ > 0.0 ? Vec3(force_n + remaining_share_ * difference_n_) : force_n;
     return last_force_n_;
   }
 
   // The last step's force contained a part of the difference.
-  bool is_active() const noexcept { return share_ > 0.0 && !difference_n_.isZero(0.0); }
+  bool is_active() const noexcept { return remaining_share_ > 0.0 && !difference_n_.isZero(0.0); }
 
  private:
   Vec3 last_force_n_ = Vec3::Zero();  // returned by the last step
   Vec3 difference_n_ = Vec3::Zero();
   Vec3 given_difference_n_ = Vec3::Zero();  // from begin_from(), for the next step
-  double share_ = 0.0;                      // part of difference_n_ that has not faded yet, at most 1; 0 or less: the fade is over
+  double remaining_share_ = 0.0;            // part of difference_n_ that has not faded yet, at most 1; 0 or less: the fade is over
   bool is_due_ = false;
 };
 

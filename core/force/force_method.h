@@ -89,9 +89,9 @@ class ForceMethod {
   // those of `other`, if both had the same ones before any carve; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }
   virtual void exchange_sculpture(ForceMethod& /*other*/) noexcept {}
-  // Exchanges the shapes with `other`, in which carves were undone. newest: the serial of that undo. A probe that is then inside
+  // Exchanges the shapes with `other`, in which carves were undone. undo_serial: that of this undo. A probe that is then inside
   // the material has no force until it has left it. False: `other` is of other objects, and nothing has changed.
-  virtual bool restore_sculpture(Sculpture& /*other*/, std::uint32_t /*newest*/) noexcept { return false; }
+  virtual bool restore_sculpture(Sculpture& /*other*/, std::uint32_t /*undo_serial*/) noexcept { return false; }
   // Repeats a carve that the steps of another instance made, as the next one in their order. object: its index in the scene. False: nothing
   // was removed: it cannot be carved, no further carve is possible, or the carve removes nothing from its present shape.
   virtual bool repeat_carve(int /*object*/, const Carve& /*carve*/) noexcept { return false; }

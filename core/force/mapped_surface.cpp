@@ -18,7 +18,7 @@ MappedSurface::MappedSurface(std::shared_ptr<const std::vector<MappedTriangle>> 
   }
   if (box.isEmpty()) return;
   origin_ = box.center();
-  on_surface_m_ = kOnSurface * box.sizes().norm();
+  on_surface_tolerance_m_ = kOnSurface * box.sizes().norm();
   for (const MappedTriangle& triangle : *triangles_) {
     Face face;
     face.shape = PreparedTriangle(triangle.corner[0] - origin_, triangle.corner[1] - origin_, triangle.corner[2] - origin_);
@@ -32,22 +32,22 @@ MappedSurface::MappedSurface(std::shared_ptr<const std::vector<MappedTriangle>> 
   });
 }
 
-MapPlace MappedSurface::find(const Vec3& p, std::size_t& last) const noexcept {
+MapPlace MappedSurface::find(const Vec3& p, std::size_t& last_triangle) const noexcept {
   const Vec3 local = p - origin_;
-  ClosestPoint nearest = closest_point(faces_[last].shape, local);
-  const bool is_still_there = nearest.feature == TriangleFeature::face && nearest.distance <= on_surface_m_;
+  ClosestPoint nearest = closest_point(faces_[last_triangle].shape, local);
+  const bool is_still_there = nearest.feature == TriangleFeature::face && nearest.distance <= on_surface_tolerance_m_;
   if (!is_still_there) {
     tree_.visit_nearest(local, nearest.distance * nearest.distance, [&](std::uint32_t item, double bound_squared) {
       const ClosestPoint found = closest_point(faces_[item].shape, local);
       if (found.distance < nearest.distance) {
         nearest = found;
-        last = item;
+        last_triangle = item;
       }
       return std::min(bound_squared, nearest.distance * nearest.distance);
     });
   }
-  MapPlace place = faces_[last].place;
-  const Vec3 off = nearest.point - faces_[last].shape.corner[0];
+  MapPlace place = faces_[last_triangle].place;
+  const Vec3 off = nearest.point - faces_[last_triangle].shape.corner[0];
   place.texcoord += Eigen::Vector2d(place.du.dot(off), place.dv.dot(off));
   return place;
 }

@@ -32,7 +32,7 @@ class MappedSurface {
 
   std::shared_ptr<const std::vector<MappedTriangle>> triangles_;
   Vec3 origin_ = Vec3::Zero();
-  double on_surface_m_ = 0.0;  // a point that is nearer to the inside of a triangle is on it: far below what can be felt
+  double on_surface_tolerance_m_ = 0.0;  // a point that is nearer to the inside of a triangle is on it: far below what can be felt
   std::vector<Face> faces_;
   WideBvh tree_{std::span<const Box>{}};
 };
@@ -47,13 +47,13 @@ class MapFinder {
 
   // What the images say at the point of the surface nearest to p.
   MapSample find(const Vec3& p) noexcept {
-    return surface_->is_empty() || !p.allFinite() ? MapSample() : maps_.sample(surface_->find(p, last_));
+    return surface_->is_empty() || !p.allFinite() ? MapSample() : maps_.sample(surface_->find(p, last_triangle_));
   }
 
  private:
   SurfaceMaps maps_;
   std::shared_ptr<const MappedSurface> surface_;
-  std::size_t last_ = 0;
+  std::size_t last_triangle_ = 0;
 };
 
 }  // namespace hapton

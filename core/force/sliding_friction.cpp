@@ -22,13 +22,13 @@ double time_of_zero_of(double a, double b, double c) {
 }
 
 // The time at which the pull on a sticking proxy leaves the cone; infinite: never. Root of |pull + t motion|^2 - (radius + t growth)^2.
-double find_slip(const Vec3& pull, const Vec3& motion, double radius, double growth) {
+double find_slip_time(const Vec3& pull, const Vec3& motion, double radius, double growth) {
   return time_of_zero_of(motion.squaredNorm() - growth * growth, pull.dot(motion) - radius * growth,
                          std::min(0.0, pull.squaredNorm() - radius * radius));
 }
 
 // The time at which the pull on a stopped proxy has become shorter than the cone's radius; infinite: never.
-double find_restick(const Vec3& pull, const Vec3& motion, double radius, double growth) {
+double find_restick_time(const Vec3& pull, const Vec3& motion, double radius, double growth) {
   const double c = radius * radius - pull.squaredNorm();
   if (c >= 0.0) return 0.0;
   return time_of_zero_of(growth * growth - motion.squaredNorm(), radius * growth - pull.dot(motion), c);
@@ -63,8 +63,8 @@ SlidingPull::SlidingPull(const Vec3& pull, const Vec3& motion, double radius, do
 double SlidingPull::tangent_at(double time) const noexcept {
   const double relative = time * growth_ / radius_;
   if (!(relative > -1.0)) return 0.0;
-  const double turns = time * distance_ / radius_ * (std::fabs(relative) > 1e-12 ? std::log1p(relative) / relative : 1.0);
-  return tangent_ * std::exp(-turns);
+  const double exponent = time * distance_ / radius_ * (std::fabs(relative) > 1e-12 ? std::log1p(relative) / relative : 1.0);
+  return tangent_ * std::exp(-exponent);
 }
 
 Vec3 SlidingPull::at(double time) const noexcept {
@@ -89,49 +89,50 @@ double SlidingPull::time_across(const Vec3& normal) const noexcept {
   const double size = std::hypot(along, beside);
   const double sine = std::fabs(along);
   const double cosine = along > 0.0 ? -beside : beside;
-  const double wanted = cosine >= 0.0 ? sine / (size + cosine) : (size - cosine) / sine;
-  if (!(wanted < tangent_) || !(wanted > 0.0)) return kNever;
-  const double turns = std::log(tangent_ / wanted);
-  const double relative = growth_ * turns / distance_;
-  const double time = std::fabs(relative) > 1e-12 ? radius_ / growth_ * std::expm1(relative) : radius_ * turns / distance_;
+  const double target_tangent = cosine >= 0.0 ? sine / (size + cosine) : (size - cosine) / sine;
+  if (!(target_tangent < tangent_) || !(target_tangent > 0.0)) return kNever;
+  const double exponent = std::log(tangent_ / target_tangent);
+  const double relative = growth_ * exponent / distance_;
+  const double time = std::fabs(relative) > 1e-12 ? radius_ / growth_ * std::expm1(relative) : radius_ * exponent / distance_;
   return time >= 0.0 ? time : kNever;
 }
 
 FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept {
   const double growth = input.pressure_end - input.pressure_start;
-  FrictionDrag now{input.pull, input.sliding};
+  FrictionDrag state{input.pull, input.sliding};
   double t = 0.0;
   for (int phase = 0; phase < kMaxPhases; ++phase) {
     const double pressure = input.pressure_start + t * growth;
     const double radius = input.friction_dynamic * pressure;
     const double widening = input.friction_dynamic * growth;
-    if (now.sliding) {
-      const double length = now.pull.norm();
+    if (state.sliding) {
+      const double length = state.pull.norm();
       if (!(radius > 0.0) || !(length > 0.0)) return {Vec3::Zero(), true};
-      if (length > radius) now.pull *= radius / length;
+      if (length > radius) state.pull *= radius / length;
       // The proxy slides on only if the device moves faster than the cone grows. The angle between pull and motion only decreases, so the
       // proxy then does not stop again.
-      const bool outruns = now.pull.dot(input.motion) >= now.pull.norm() * widening;
-      if (outruns && !(now.pull.norm() < radius * (1.0 - kOnCone))) {
-        now.pull = SlidingPull(now.pull, (1.0 - t) * input.motion, radius, (1.0 - t) * widening).at(1.0);
-        return now;
+      const bool outruns = state.pull.dot(input.motion) >= state.pull.norm() * widening;
+      if (outruns && !(state.pull.norm() < radius * (1.0 - kOnCone))) {
+        state.pull = SlidingPull(state.pull, (1.0 - t) * input.motion, radius, (1.0 - t) * widening).at(1.0);
+        return state;
       }
     }
-    const double coefficient = now.sliding ? input.friction_dynamic : input.friction_static;
-    const double slip = find_slip(now.pull, input.motion, coefficient * pressure, coefficient * growth);
-    const double restick =
-        now.sliding ? find_restick(now.pull, input.motion, FrictionMotion::kRestick * radius, FrictionMotion::kRestick * widening) : slip;
-    const double next = std::min(slip, restick);
-    if (!(next < 1.0 - t)) {
-      now.pull += (1.0 - t) * input.motion;
-      return now;
+    const double coefficient = state.sliding ? input.friction_dynamic : input.friction_static;
+    const double slip_time = find_slip_time(state.pull, input.motion, coefficient * pressure, coefficient * growth);
+    const double restick_time =
+        state.sliding ? find_restick_time(state.pull, input.motion, FrictionMotion::kRestick * radius, FrictionMotion::kRestick * widening)
+                      : slip_time;
+    const double time_to_next = std::min(slip_time, restick_time);
+    if (!(time_to_next < 1.0 - t)) {
+      state.pull += (1.0 - t) * input.motion;
+      return state;
     }
-    t += next;
-    now.pull += next * input.motion;
-    now.sliding = slip <= restick;
+    t += time_to_next;
+    state.pull += time_to_next * input.motion;
+    state.sliding = slip_time <= restick_time;
   }
-  now.pull += (1.0 - t) * input.motion;
-  return now;
+  state.pull += (1.0 - t) * input.motion;
+  return state;
 }
 
 }  // namespace hapton

@@ -19,10 +19,10 @@ Result<std::unique_ptr<StreamedMethod>> StreamedMethod::make(const MethodSetting
   }
   if (mesh == nullptr || mesh->triangles.empty()) return fail("the mesh has no triangles; give it a surface to touch");
   // A deformation in which nothing moves makes the proxy ready for vertices that move.
-  auto nothing = std::make_shared<const MeshDeformation>(std::vector{MorphTarget{.vertices = {0}, .displacements = {Vec3::Zero()}}},
-                                                         std::vector{MorphKey{.time_s = 0.0, .weights = {0.0}}}, false);
+  auto no_motion = std::make_shared<const MeshDeformation>(std::vector{MorphTarget{.vertices = {0}, .displacements = {Vec3::Zero()}}},
+                                                           std::vector{MorphKey{.time_s = 0.0, .weights = {0.0}}}, false);
   TouchScene scene;
-  scene.objects.push_back({.mesh = mesh, .material = material, .deformation = std::move(nothing)});
+  scene.objects.push_back({.mesh = mesh, .material = material, .deformation = std::move(no_motion)});
   auto method = make_proxy_of_deforming(settings, scene, bounds_with_reach(*mesh, reach_m));
   if (!method) return tl::unexpected(method.error());
   auto stager = std::make_shared<const ShapeStager>(static_cast<const ProxyMethod&>(**method).geometry(), std::move(mesh), reach_m);

@@ -104,9 +104,9 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
 // not finite is left out: the effects continue from the sample before it.
 void TouchStep::compensate_scene_motion(const TouchInput& input) noexcept {
   if (!input.p_WD.allFinite()) return;
-  if (last_.X_WS.matrix() != input.X_WS.matrix())
-    effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
-  last_ = input;
+  if (last_input_.X_WS.matrix() != input.X_WS.matrix())
+    effects_->note_scene_moved(to_static_scene({.p_WD = last_input_.p_WD, .X_WS = input.X_WS}).p_SD);
+  last_input_ = input;
 }
 
 Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
@@ -135,23 +135,24 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
   if (has_new_effects_) reset_effects(input);
   if (!has_set_drag_) update_drag();
   compensate_scene_motion(input);
-  MethodOutput own = result;
+  MethodOutput without_body = result;
   const BodyPush body = method_->body_push();
   const bool has_body = !body.force_n.isZero(0.0) || !body.extension_m.isZero(0.0);
   if (has_body) [[unlikely]] {
-    own.force_n -= body.force_n;
-    own.p_SP -= body.extension_m;
+    without_body.force_n -= body.force_n;
+    without_body.p_SP -= body.extension_m;
   }
-  SurfaceContact contact = {.force_n = own.force_n, .p_SP = own.p_SP, .object = own.object, .contact = own.contact};
+  SurfaceContact contact = {
+      .force_n = without_body.force_n, .p_SP = without_body.p_SP, .object = without_body.object, .contact = without_body.contact};
   std::optional<SurfacePlace> place;
   if (frames_ != nullptr) [[unlikely]] {
-    place = place_frames(sample, own);
+    place = place_frames(sample, without_body);
     if (place) contact.place = &*place;
   }
   std::optional<MapSample> map;
-  if (own.contact && own.object >= 0 && own.object < static_cast<int>(maps_.size())) {
-    if (MapFinder* finder = maps_[static_cast<std::size_t>(own.object)].get()) {
-      contact.map = &map.emplace(finder->find(find_at_rest(own, place)));
+  if (without_body.contact && without_body.object >= 0 && without_body.object < static_cast<int>(maps_.size())) {
+    if (MapFinder* finder = maps_[static_cast<std::size_t>(without_body.object)].get()) {
+      contact.map = &map.emplace(finder->find(find_at_rest(without_body, place)));
     }
   }
   EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
@@ -200,7 +201,7 @@ std::vector<int> TouchStep::commanded_objects() const {
 void TouchStep::continue_hand_motion(const TouchStep& other) noexcept {
   if (!uses_effects_ || !other.uses_effects_ || other.has_new_effects_) return;
   effects_->continue_hand_motion(*other.effects_);
-  last_ = other.last_;
+  last_input_ = other.last_input_;
 }
 
 void TouchStep::copy_commands(const TouchStep& other) noexcept {
@@ -225,7 +226,7 @@ void TouchStep::reset_effects(const TouchInput& input) noexcept {
   held_offset_m_.reset();
   if (effects_ == nullptr) return;
   effects_->reset();
-  last_ = input;
+  last_input_ = input;
 }
 
 }  // namespace hapton

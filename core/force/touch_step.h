@@ -85,9 +85,9 @@ class TouchStep {
     if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
   }
   // See ForceMethod::restore_sculpture.
-  bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept { return method_->restore_sculpture(other, newest); }
+  bool restore_carves(Sculpture& other, std::uint32_t undo_serial) noexcept { return method_->restore_sculpture(other, undo_serial); }
   // Serial number of the newest carve or undo; 0: none.
-  std::uint32_t count_carves() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
+  std::uint32_t newest_carve_serial() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
   // See ForceMethod::repeat_carve.
   bool repeat_carve(int object, const Carve& carve) noexcept { return method_->repeat_carve(object, carve); }
   // See ForceMethod::find_streamed.
@@ -116,7 +116,7 @@ class TouchStep {
   bool has_set_drag_ = false;     // update_drag() was called, in the first step: before it another thread may use the method
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has no images; used with effects only
   std::unique_ptr<EffectFrames> frames_;          // null: no object with effects moves
-  TouchInput last_;                               // input of the last step; used with effects only
+  TouchInput last_input_;                         // input of the last step; used with effects only
   std::optional<Vec3> held_offset_m_;             // as held_offset() returns it
   bool has_motion_ = false;
   std::vector<Commanded> commanded_;  // in the order of the scene

@@ -85,10 +85,10 @@ TEST(CarvingStep, EachCarveOfASessionThatGoesOnInContactIsReported) {
       in_contact += step.has_contact() ? 1 : 0;
       step.resume();
     }
-    const std::uint32_t before = step.touch().count_carves();
+    const std::uint32_t before = step.touch().newest_carve_serial();
     step.offer(carving_state(sample));
     step.reply();
-    const std::uint32_t made = step.touch().count_carves() - before;
+    const std::uint32_t made = step.touch().newest_carve_serial() - before;
     ASSERT_LE(made, 1U) << sample;
     ASSERT_EQ(step.made_carve() != nullptr, made == 1U) << sample;
   }
@@ -125,9 +125,9 @@ TEST(CarvingStep, AnUndoFadesTheForce) {
       const MadeCarve* made = step.made_carve();
       if (made != nullptr && (!is_all && made->serial < 20)) copy.field(0).carve(made->carve);
       if (sample != kUndone) continue;
-      const std::uint32_t newest = step.touch().count_carves();
+      const std::uint32_t newest = step.touch().newest_carve_serial();
       ASSERT_TRUE(step.restore_carves(copy, newest + 1));
-      EXPECT_EQ(step.touch().count_carves(), newest + 1);
+      EXPECT_EQ(step.touch().newest_carve_serial(), newest + 1);
     }
     ASSERT_GT(forces[kUndone - 1].force_n.norm(), 0.2);
     const double most = 1.01 * forces[kUndone - 1].force_n.norm() / 10.0;  // ForceFade::kInAirS in samples of 1 ms

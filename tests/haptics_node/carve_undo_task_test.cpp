@@ -74,7 +74,7 @@ struct CarveUndoTaskTest : testing::Test {
     list.for_each_active({}, [&](const MadeCarve& made) { twin.carve(made.carve); });
     const CarvedField& felt = step.touch().method().sculpture()->bodies()[0].field;
     EXPECT_TRUE(std::equal(felt.values().begin(), felt.values().end(), twin.values().begin()));
-    EXPECT_EQ(step.touch().count_carves(), list.newest());
+    EXPECT_EQ(step.touch().newest_carve_serial(), list.newest());
   }
 };
 
@@ -146,7 +146,7 @@ TEST_F(CarveUndoTaskTest, NothingIsUndoneOnceThereWereTooManyCarvesAtOnce) {
     ++next;
     const Carve small{.from_m = at, .to_m = at, .radius_m = 0.001};
     EXPECT_TRUE(step.repeat_carve(0, small));
-    return MadeCarve{.object = 0, .serial = step.touch().count_carves(), .carve = rounded(small), .begins = true};
+    return MadeCarve{.object = 0, .serial = step.touch().newest_carve_serial(), .carve = rounded(small), .begins = true};
   };
   std::vector<MadeCarve> all;
   for (int n = 0; n < 7'900; ++n) all.push_back(repeat());
@@ -208,7 +208,7 @@ TEST(CarveUndoTaskOfAFile, UndoesWhatWasThereAtTheStart) {
   for (const double x : {0.03, -0.03}) {
     const Carve carve{.from_m = {x, 0, 0}, .to_m = {x, 0.01, 0}, .radius_m = 0.004};
     ASSERT_TRUE(step.repeat_carve(0, carve));
-    made.push_back({.object = 0, .serial = step.touch().count_carves(), .carve = rounded(carve), .begins = true});
+    made.push_back({.object = 0, .serial = step.touch().newest_carve_serial(), .carve = rounded(carve), .begins = true});
   }
   CarveUndoTask task(whole, made);
   task.request(1);

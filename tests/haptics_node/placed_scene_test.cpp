@@ -175,7 +175,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasCarvedIsCarvedAgain) {
     EXPECT_EQ(made[n].object, 1);
   }
   EXPECT_EQ(made[2].carve, press(1, 0.05).carves[0]);
-  EXPECT_EQ(step.touch().count_carves(), 4U);
+  EXPECT_EQ(step.touch().newest_carve_serial(), 4U);
   EXPECT_GT(step.touch().method().sculpture()->bodies()[0].field.value({0, 0, 0.1}), 0.0) << "gone";
 }
 

@@ -80,26 +80,26 @@ TEST_F(ReplyLoopUndo, IsInTheListAndInTheForce) {
   EXPECT_EQ(list_.newest_active(), press.first - 1);
   cycle(false);
   EXPECT_EQ(carve_serial_, newest + 1) << "the force says so";
-  EXPECT_EQ(step_.touch().count_carves(), newest + 1);
+  EXPECT_EQ(step_.touch().newest_carve_serial(), newest + 1);
   // The request is sent again, as a datagram may come twice: nothing more is undone.
   send(CarveUndo{.source = kUndoSource, .serial = newest});
   for (int n = 0; n < 60; ++n) {
     cycle(false);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  EXPECT_EQ(step_.touch().count_carves(), newest + 1);
+  EXPECT_EQ(step_.touch().newest_carve_serial(), newest + 1);
 }
 
 TEST_F(ReplyLoopUndo, ForAnotherProcessIsLeftOut) {
   for (int n = 0; n < 300; ++n) cycle(true);
-  const std::uint32_t newest = step_.touch().count_carves();
+  const std::uint32_t newest = step_.touch().newest_carve_serial();
   ASSERT_GT(newest, 10U);
   send(CarveUndo{.source = kUndoSource + 2, .serial = 1});
   for (int n = 0; n < 60; ++n) {
     cycle(false);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  EXPECT_EQ(step_.touch().count_carves(), newest);
+  EXPECT_EQ(step_.touch().newest_carve_serial(), newest);
 }
 
 }  // namespace

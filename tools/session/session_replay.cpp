@@ -205,8 +205,8 @@ void SessionReplay::repeat_carves(std::uint32_t serial) {
 
 // The steps carve by themselves. But an undo between two samples has a serial of its own, which no step makes: this repeats it.
 void SessionReplay::undo_carves(std::uint32_t serial, bool is_after_lost) {
-  while (whole_ && is_certain_ && step_->touch().count_carves() < serial) {
-    const std::uint32_t next = step_->touch().count_carves() + 1;
+  while (whole_ && is_certain_ && step_->touch().newest_carve_serial() < serial) {
+    const std::uint32_t next = step_->touch().newest_carve_serial() + 1;
     const Carves::One* one = carves_.find(sender_, next);
     if (one != nullptr && !one->is_undo()) return;  // the steps differ from the recorded ones, which their comparison shows
     // If replies were lost, it is unknown before which of their samples the undo was made.

@@ -185,9 +185,9 @@ void SculptMethod::exchange_sculpture(ForceMethod& other) noexcept {
   if (same != nullptr && sculpture_->is_alike(*same->sculpture_)) std::swap(sculpture_, same->sculpture_);
 }
 
-bool SculptMethod::restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept {
+bool SculptMethod::restore_sculpture(Sculpture& other, std::uint32_t undo_serial) noexcept {
   if (!sculpture_->is_alike(other)) return false;
-  sculpture_->exchange_shapes(other, newest);
+  sculpture_->exchange_shapes(other, undo_serial);
   for (std::size_t body = 0; body < bodies_.size(); ++body) bodies_[body].ball.meet_restored(sculpture_->bodies()[body].field);
   return true;
 }

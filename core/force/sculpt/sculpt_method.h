@@ -40,7 +40,7 @@ class SculptMethod final : public ForceMethod {
   BodyPush body_push() const noexcept override { return body_push_; }
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;
-  bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept override;
+  bool restore_sculpture(Sculpture& other, std::uint32_t undo_serial) noexcept override;
   bool repeat_carve(int object, const Carve& carve) noexcept override;
   StreamedMethod* find_streamed(int object) noexcept override { return others_.find_streamed(object); }
   std::optional<SurfacePlace> find_place(int object) const noexcept override { return others_.find_place(object); }

@@ -74,25 +74,25 @@ Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
 }
 
 void SweepMethod::reset(const Vec3& p_SD) noexcept {
-  started_ = p_SD.allFinite();
-  p_last_ = started_ ? within_limits(p_SD) : Vec3::Zero();
+  has_started_ = p_SD.allFinite();
+  line_start_ = has_started_ ? within_limits(p_SD) : Vec3::Zero();
 }
 
 MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
-  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = p_last_, .contact = false};
-  if (!started_) reset(input.p_SD);
+  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = line_start_, .contact = false};
+  if (!has_started_) reset(input.p_SD);
   const Vec3 p_SD = within_limits(input.p_SD);
-  const Deepest deepest = find_deepest({.last = p_last_, .current = p_SD});
+  const Deepest deepest = find_deepest({.last = line_start_, .current = p_SD});
   ++steps_;
   if (!deepest.found) {
-    p_last_ = p_SD;
+    line_start_ = p_SD;
     return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
   }
 
   // The probe is below the surface. The memo's figure 4: the offset vector puts the start of the next line slightly above the collision
   // point, on the side that the probe came from, so that the next line crosses the surface again as long as the probe stays below.
   const SweepCollision& hit = deepest.collision;
-  p_last_ = hit.point + offset_m_ * hit.normal;
+  line_start_ = hit.point + offset_m_ * hit.normal;
   const std::uint32_t object = triangles_.object_of[deepest.triangle];
   const Vec3 force_n = triangles_.materials[object].stiffness_n_per_m * hit.depth * hit.normal;
   const bool pushes = force_n != Vec3::Zero();
@@ -162,7 +162,7 @@ void SweepMethod::test_triangle(const SweepLine& line, std::uint32_t triangle, D
 }
 
 std::string SweepMethod::describe() const {
-  const GridOccupancy& full = grid_.occupancy();
+  const GridOccupancy& occupancy = grid_.occupancy();
   std::string text = fmt::format(
       "sweep: {} triangles of {} object{}, {} degenerate left out, offset {:.4g} m\n"
       "grid: {} x {} x {} cells of {:.4g} x {:.4g} x {:.4g} m, {:.2f} % occupied, {:.2f} triangles an occupied cell on average, {} at "
@@ -170,7 +170,7 @@ std::string SweepMethod::describe() const {
       triangles_.planes.size(), triangles_.materials.size(), triangles_.materials.size() == 1 ? "" : "s", triangles_.degenerate, offset_m_,
       grid_.division()[0], grid_.division()[1], grid_.division()[2], (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0],
       (grid_.high()[1] - grid_.low()[1]) / grid_.division()[1], (grid_.high()[2] - grid_.low()[2]) / grid_.division()[2],
-      100.0 * full.occupied_share(), full.mean_triangles_a_cell(), full.max_triangles_a_cell);
+      100.0 * occupancy.occupied_share(), occupancy.mean_triangles_a_cell(), occupancy.max_triangles_a_cell);
   if (steps_ > 0) {
     const double n = static_cast<double>(steps_);
     text += fmt::format("steps: {}, {:.2f} cells and {:.2f} triangles tested a step\n", steps_,

@@ -75,8 +75,8 @@ class SweepMethod final : public ForceMethod {
   Triangles triangles_;
   double offset_m_;
   VisitStamps stamps_;
-  bool started_ = false;
-  Vec3 p_last_ = Vec3::Zero();  // start of the next sweep line, frame S
+  bool has_started_ = false;
+  Vec3 line_start_ = Vec3::Zero();  // start of the next sweep line, frame S
   SweepCounters counters_;
   std::uint64_t steps_ = 0;
 };
