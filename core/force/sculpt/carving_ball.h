@@ -44,15 +44,15 @@ class CarvingBall {
   Felt step(const Input& input, const Material& material, Sculpture& sculpture, std::size_t body) noexcept;
 
   // Whether the ball will cut in the next step, with its button down or not: it then gives way to the device.
-  bool cuts(bool is_down, const Sculpture& sculpture) const noexcept { return is_down && !now_.is_inside && !sculpture.is_full(); }
+  bool cuts(bool is_down, const Sculpture& sculpture) const noexcept { return is_down && !state_.is_inside && !sculpture.is_full(); }
   // After a step in which the ball cut: p_S is where the other parts of the scene let the proxy be. The ball is moved to p_S, unless it
   // would overlap the material there by more than a fifth of a voxel. goal: the device point.
   void settle(const CarvedField& field, const Vec3& p_S, const Vec3& goal) noexcept;
   // The next correction starts from the state of the ball before the sample.
-  void restart_sample() noexcept { now_ = before_; }
+  void restart_sample() noexcept { state_ = state_before_; }
 
   // Material came back (SculptMethod::restore_sculpture). A ball that is now inside it has no force and no carve until it has left it.
-  void meet_restored(const CarvedField& field) noexcept;
+  void note_restored_material(const CarvedField& field) noexcept;
 
   // Puts the ball at this position, without contact and without earlier samples.
   void reset(const Vec3& p_S) noexcept;
@@ -60,26 +60,26 @@ class CarvingBall {
  private:
   void begin_sample(bool is_correction) noexcept;
   Vec3 touch(const CarvedField& field, const Input& input, const Material& material) noexcept;
-  Vec3 catch_up(const Input& input, const Vec3& free) const noexcept;
+  Vec3 catch_up(const Input& input, const Vec3& free_centre) const noexcept;
   Vec3 cut(const Input& input, Sculpture& sculpture, std::size_t body) noexcept;
   Vec3 find_friction_goal(const Vec3& goal, const Vec3& normal, const Material& material) noexcept;
 
   struct State {
     Vec3 centre = Vec3::Zero();
-    Vec3 normal = Vec3::Zero();     // of the contact of the last step, unit; zero: none
-    Vec3 ease = Vec3::Zero();       // shown proxy minus centre; decays after the button was released
-    std::optional<Vec3> carved_to;  // end of the last carve; none: the next carve begins at the centre
-    double lag_m = 0.0;             // distance to the goal after the last step
-    bool has_begun = false;         // it has had a step since reset()
-    bool is_inside = false;         // the ball began inside the material, or material came back around it, and it has not left the material
-    bool is_cutting = false;        // the button was down in the last step
-    bool is_sliding = false;        // friction: the ball slides, it does not stick
+    Vec3 normal = Vec3::Zero();        // of the contact of the last step, unit; zero: none
+    Vec3 shown_offset = Vec3::Zero();  // shown proxy minus centre; decays after the button was released
+    std::optional<Vec3> carved_to;     // end of the last carve; none: the next carve begins at the centre
+    double lag_m = 0.0;                // distance to the goal after the last step
+    bool has_begun = false;            // it has had a step since reset()
+    bool is_inside = false;   // the ball began inside the material, or material came back around it, and it has not left the material
+    bool is_cutting = false;  // the button was down in the last step
+    bool is_sliding = false;  // friction: the ball slides, it does not stick
   };
 
   SculptSettings settings_;
   FieldBall ball_;
-  State now_;
-  State before_;  // before the sample of the last step
+  State state_;
+  State state_before_;  // before the sample of the last step
 };
 
 }  // namespace hapton

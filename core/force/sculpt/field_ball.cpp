@@ -13,16 +13,16 @@ namespace {
 
 constexpr double kMinPoints = 40.0;  // points of the smallest ball: about 30 degrees apart
 // In spacings of the field:
-constexpr double kGap = 0.05;           // rest offset of the ball: more than rounding and the curvature of a step take from it
-constexpr double kNear = 0.5;           // points with a smaller clearance bound a step along the surface
-constexpr double kSlideStep = 0.35;     // longest step along the surface; a step into the material is shortened
-constexpr double kPushStep = 0.25;      // longest step out of the material
-constexpr double kSettled = 1e-5;       // a shorter step ends the search
-constexpr double kCandidateRoom = 1.0;  // motion of the centre for which the chosen candidates stay valid
+constexpr double kRestOffset = 0.05;      // rest offset of the ball: more than rounding and the curvature of a step take from it
+constexpr double kNearClearance = 0.5;    // points with a smaller clearance bound a step along the surface
+constexpr double kSlideStep = 0.35;       // longest step along the surface; a step into the material is shortened
+constexpr double kPushStep = 0.25;        // longest step out of the material
+constexpr double kMinMove = 1e-5;         // a shorter step ends the search
+constexpr double kCandidateRadius = 1.0;  // motion of the centre for which the chosen candidates stay valid
 // Bounds of the work, for real time (decision 160 has the times):
-constexpr double kShorter = 0.35;    // share that is kept of a step that would end in the material
-constexpr int kMaxEvaluations = 28;  // evaluations of the field at the points, in one move
-constexpr int kMaxAdvances = 32;     // steps of one advance
+constexpr double kShortenedShare = 0.35;  // share that is kept of a step that would end in the material
+constexpr int kMaxEvaluations = 28;       // evaluations of the field at the points, in one move
+constexpr int kMaxAdvanceSteps = 32;      // steps of one advance
 
 }  // namespace
 
@@ -47,42 +47,43 @@ double FieldBall::clearance_m(const CarvedField& field, const Vec3& centre) cons
 }
 
 FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3& centre, Candidates& candidates) const noexcept {
-  const double near = kNear * field.spacing_m();
+  const double near_clearance = kNearClearance * field.spacing_m();
   Nearest nearest;
   nearest.clearance_m = std::numeric_limits<double>::infinity();
   const auto evaluate = [&](std::size_t i) {
     const double value = field.value(centre + points_[i]);
     nearest.clearance_m = std::min(nearest.clearance_m, value);
-    if (value < near) insert(nearest, {i, value});
+    if (value < near_clearance) insert(nearest, {i, value});
     return value;
   };
-  if ((centre - candidates.centre).norm() <= candidates.room_m) {
+  if ((centre - candidates.centre).norm() <= candidates.valid_radius_m) {
     for (std::size_t k = 0; k < candidates.count; ++k) evaluate(candidates.points[k]);
-    // The points that were left out have a clearance above `near`.
-    nearest.clearance_m = std::min(nearest.clearance_m, near);
+    // The points that were left out have a clearance above `near_clearance`.
+    nearest.clearance_m = std::min(nearest.clearance_m, near_clearance);
     return nearest;
   }
   candidates.count = 0;
   candidates.centre = centre;
-  candidates.room_m = kCandidateRoom * field.spacing_m();
-  const double reach = near + kSteepest * candidates.room_m;
+  candidates.valid_radius_m = kCandidateRadius * field.spacing_m();
+  const double reach = near_clearance + kSteepest * candidates.valid_radius_m;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (evaluate(i) < reach) candidates.points[candidates.count++] = static_cast<std::uint8_t>(i);
   }
-  if (nearest.clearance_m >= near) candidates.room_m = -1.0;  // in free space the next step needs the clearance of all points
+  if (nearest.clearance_m >= near_clearance)
+    candidates.valid_radius_m = -1.0;  // in free space the next step needs the clearance of all points
   return nearest;
 }
 
-void FieldBall::insert(Nearest& nearest, const Near& one) noexcept {
-  std::size_t place = nearest.count;
-  if (place == kMaxPlanes) {
-    if (one.value >= nearest.points[place - 1].value) return;
-    --place;
+void FieldBall::insert(Nearest& nearest, const NearPoint& one) noexcept {
+  std::size_t slot = nearest.count;
+  if (slot == kMaxPlanes) {
+    if (one.value >= nearest.points[slot - 1].value) return;
+    --slot;
   } else {
     ++nearest.count;
   }
-  for (; place > 0 && nearest.points[place - 1].value > one.value; --place) nearest.points[place] = nearest.points[place - 1];
-  nearest.points[place] = one;
+  for (; slot > 0 && nearest.points[slot - 1].value > one.value; --slot) nearest.points[slot] = nearest.points[slot - 1];
+  nearest.points[slot] = one;
 }
 
 // The longest step towards the goal that the tangent planes at the nearest points allow.
@@ -93,12 +94,13 @@ Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& 
   std::size_t count = 0;
   for (std::size_t i = 0; i < nearest.count; ++i) {
     const Vec3 gradient = field.gradient(centre + points_[nearest.points[i].point]);
-    const double steep = gradient.norm();
-    if (!(steep > 0.0)) continue;
+    const double slope = gradient.norm();
+    if (!(slope > 0.0)) continue;
     // A point below the rest offset keeps its height; one in the material is pushed out.
     const double value = nearest.points[i].value;
-    const double height = value < 0.0 ? std::min(-value / steep, kPushStep * spacing) : std::min(0.0, kGap * spacing - value) / steep;
-    planes[count++] = {.normal = gradient / steep, .height = height};
+    const double height =
+        value < 0.0 ? std::min(-value / slope, kPushStep * spacing) : std::min(0.0, kRestOffset * spacing - value) / slope;
+    planes[count++] = {.normal = gradient / slope, .height = height};
   }
   const ConstrainedMotion allowed = constrain_motion(to_goal, std::span(planes.data(), count));
   Vec3 normal = Vec3::Zero();
@@ -122,15 +124,15 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
     if (!(distance > 0.0)) return {.centre = goal};
     moved.touches = true;
     if (nearest.count == 0) {
-      candidates.room_m = -1.0;
-      if (nearest.clearance_m <= kNear * spacing) {  // only a lower bound so far: find the clearance itself
+      candidates.valid_radius_m = -1.0;
+      if (nearest.clearance_m <= kNearClearance * spacing) {  // only a lower bound so far: find the clearance itself
         nearest = find_nearest(field, moved.centre, candidates);
         ++evaluations;
       }
-      const double free = (nearest.clearance_m - 0.5 * kNear * spacing) / kSteepest;
-      if (free >= distance) return {.centre = goal};
+      const double free_distance = (nearest.clearance_m - 0.5 * kNearClearance * spacing) / kSteepest;
+      if (free_distance >= distance) return {.centre = goal};
       moved.normal = Vec3::Zero();
-      moved.centre += to_goal * (free / distance);
+      moved.centre += to_goal * (free_distance / distance);
       nearest = find_nearest(field, moved.centre, candidates);
       ++evaluations;
       continue;
@@ -144,13 +146,13 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
       return next.clearance_m >= least && (nearest.clearance_m < 0.0 || (to_goal - step).squaredNorm() < distance * distance);
     };
     for (; !is_good(); ++evaluations) {
-      if (evaluations >= kMaxEvaluations || step.norm() < kSettled * spacing) return moved;
-      step *= kShorter;
+      if (evaluations >= kMaxEvaluations || step.norm() < kMinMove * spacing) return moved;
+      step *= kShortenedShare;
       next = find_nearest(field, moved.centre + step, candidates);
     }
     moved.centre += step;
     nearest = next;
-    if (step.norm() < kSettled * spacing) return moved;
+    if (step.norm() < kMinMove * spacing) return moved;
   }
   return moved;
 }
@@ -160,18 +162,18 @@ Vec3 FieldBall::advance(const CarvedField& field, const Vec3& from, const Vec3& 
   const double distance = (goal - from).norm();
   if (!(distance > 0.0)) return goal;
   const Vec3 direction = (goal - from) / distance;
-  double done = 0.0;
+  double travelled = 0.0;
   double clearance = clearance_m(field, from);
-  for (int i = 0; i < kMaxAdvances; ++i) {
+  for (int i = 0; i < kMaxAdvanceSteps; ++i) {
     const double step = std::max((clearance - least_m) / kSteepest, shortest);
-    const double next = std::min(done + step, distance);
-    const double there = clearance_m(field, from + next * direction);
-    if (there < least_m && there < clearance) break;
-    if (next >= distance) return goal;
-    done = next;
-    clearance = there;
+    const double next_travelled = std::min(travelled + step, distance);
+    const double next_clearance = clearance_m(field, from + next_travelled * direction);
+    if (next_clearance < least_m && next_clearance < clearance) break;
+    if (next_travelled >= distance) return goal;
+    travelled = next_travelled;
+    clearance = next_clearance;
   }
-  return from + done * direction;
+  return from + travelled * direction;
 }
 
 }  // namespace hapton

@@ -43,25 +43,25 @@ class FieldBall {
 
  private:
   static constexpr std::size_t kMaxPlanes = 12;  // most planes that constrain a step; three of them can be active
-  // The points that can be near the surface while the centre is within room_m of `centre`; room_m < 0: none were chosen.
+  // The points that can be near the surface while the centre is within valid_radius_m of `centre`; valid_radius_m < 0: none were chosen.
   struct Candidates {
     std::array<std::uint8_t, kMaxPoints + 1> points;
     std::size_t count = 0;
     Vec3 centre = Vec3::Zero();
-    double room_m = -1.0;
+    double valid_radius_m = -1.0;
   };
-  struct Near {
+  struct NearPoint {
     std::size_t point = 0;
     double value = 0.0;
   };
   // The points with the smallest values, in ascending order: those with less than half a spacing, at most kMaxPlanes.
   struct Nearest {
-    std::array<Near, kMaxPlanes> points;
+    std::array<NearPoint, kMaxPlanes> points;
     std::size_t count = 0;
     double clearance_m = 0.0;  // of the ball, or a lower bound
   };
   Nearest find_nearest(const CarvedField& field, const Vec3& centre, Candidates& candidates) const noexcept;
-  static void insert(Nearest& nearest, const Near& one) noexcept;
+  static void insert(Nearest& nearest, const NearPoint& one) noexcept;
   Vec3 slide(const CarvedField& field, const Vec3& centre, const Vec3& to_goal, const Nearest& nearest, Moved& moved) const noexcept;
 
   std::vector<Vec3> points_;  // relative to the centre; the last one is the centre itself

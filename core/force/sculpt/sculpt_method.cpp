@@ -34,28 +34,28 @@ Result<std::unique_ptr<ForceMethod>> SculptMethod::make(SceneParts::Make make, b
   auto others = SceneParts::make(make, settings, scene);
   if (!others) return tl::unexpected(others.error());
   const auto bodies = std::ranges::count_if(scene.objects, [](const TouchObject& object) { return object.sculpt.has_value(); });
-  std::unique_ptr<SculptMethod> made(new SculptMethod(std::move(*others), static_cast<std::size_t>(bodies), has_proxy));
+  std::unique_ptr<SculptMethod> method(new SculptMethod(std::move(*others), static_cast<std::size_t>(bodies), has_proxy));
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const TouchObject& object = scene.objects[o];
     if (!object.sculpt) continue;
-    if (auto added = made->sculpture_->add(static_cast<int>(o), *object.sculpt, *object.mesh); !added) {
+    if (auto added = method->sculpture_->add(static_cast<int>(o), *object.sculpt, *object.mesh); !added) {
       return fail("object {} cannot be carved: {}", o, added.error().what);
     }
-    made->carve_buttons_ |= object.sculpt->button;
-    made->bodies_.push_back({.ball = CarvingBall(*object.sculpt), .material = object.material});
+    method->carve_buttons_ |= object.sculpt->button;
+    method->bodies_.push_back({.ball = CarvingBall(*object.sculpt), .material = object.material});
   }
-  for (std::size_t part = 0; part < made->others_.size(); ++part) {
-    if (!made->others_.method(part).unrendered_drag().empty()) made->left_out_.resize(scene.objects.size());
+  for (std::size_t part = 0; part < method->others_.size(); ++part) {
+    if (!method->others_.method(part).unrendered_drag().empty()) method->unrendered_drag_.resize(scene.objects.size());
   }
-  made->note_left_out();
-  return std::unique_ptr<ForceMethod>(std::move(made));
+  method->update_unrendered_drag();
+  return std::unique_ptr<ForceMethod>(std::move(method));
 }
 
-void SculptMethod::note_left_out() noexcept {
-  if (left_out_.empty()) return;
+void SculptMethod::update_unrendered_drag() noexcept {
+  if (unrendered_drag_.empty()) return;
   for (std::size_t part = 0; part < others_.size(); ++part) {
-    const std::span<const Material> own = others_.method(part).unrendered_drag();
-    for (std::size_t i = 0; i < own.size(); ++i) left_out_[others_.objects(part)[i]] = own[i];
+    const std::span<const Material> part_drag = others_.method(part).unrendered_drag();
+    for (std::size_t i = 0; i < part_drag.size(); ++i) unrendered_drag_[others_.objects(part)[i]] = part_drag[i];
   }
 }
 
@@ -112,14 +112,14 @@ bool SculptMethod::cuts(std::size_t body, const MethodInput& input) const noexce
 }
 
 MethodOutput SculptMethod::feel(std::size_t body, const MethodInput& input, const Vec3& goal, const FeltParts::Turn& turn) noexcept {
-  Body& own = bodies_[body];
+  Body& felt_body = bodies_[body];
   const bool is_down = (input.buttons & sculpture_->bodies()[body].settings.button) != 0;
-  const Material material = turn.is_shared ? shared_material(own.material) : own.material;
-  const CarvingBall::Felt felt = own.ball.step({.goal = goal, .dt_s = input.dt_s, .is_down = is_down, .is_correction = turn.is_correction},
-                                               material, *sculpture_, body);
-  if (!turn.is_correction) own.extension_before_m = own.extension_m;
-  own.extension_m = felt.p_SP - goal;
-  const Vec3 force = force_of(material, own.extension_m, own.extension_m - own.extension_before_m, input.dt_s);
+  const Material material = turn.is_shared ? shared_material(felt_body.material) : felt_body.material;
+  const CarvingBall::Felt felt = felt_body.ball.step(
+      {.goal = goal, .dt_s = input.dt_s, .is_down = is_down, .is_correction = turn.is_correction}, material, *sculpture_, body);
+  if (!turn.is_correction) felt_body.extension_before_m = felt_body.extension_m;
+  felt_body.extension_m = felt.p_SP - goal;
+  const Vec3 force = force_of(material, felt_body.extension_m, felt_body.extension_m - felt_body.extension_before_m, input.dt_s);
   if (!felt.contact) return {.force_n = Vec3::Zero(), .p_SP = goal};
   return {.force_n = force, .p_SP = felt.p_SP, .contact = true, .object = sculpture_->bodies()[body].object};
 }
@@ -173,7 +173,7 @@ void SculptMethod::resume(const Vec3& p_SP) noexcept {
 
 void SculptMethod::set_materials(std::span<const Material> materials) noexcept {
   others_.set_materials(materials);
-  note_left_out();
+  update_unrendered_drag();
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
     const auto object = static_cast<std::size_t>(sculpture_->bodies()[body].object);
     if (object < materials.size()) bodies_[body].material = materials[object];
@@ -188,7 +188,7 @@ void SculptMethod::exchange_sculpture(ForceMethod& other) noexcept {
 bool SculptMethod::restore_sculpture(Sculpture& other, std::uint32_t undo_serial) noexcept {
   if (!sculpture_->is_alike(other)) return false;
   sculpture_->exchange_shapes(other, undo_serial);
-  for (std::size_t body = 0; body < bodies_.size(); ++body) bodies_[body].ball.meet_restored(sculpture_->bodies()[body].field);
+  for (std::size_t body = 0; body < bodies_.size(); ++body) bodies_[body].ball.note_restored_material(sculpture_->bodies()[body].field);
   return true;
 }
 

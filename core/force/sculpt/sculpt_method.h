@@ -36,7 +36,7 @@ class SculptMethod final : public ForceMethod {
   std::optional<Vec3> held_at() const noexcept override { return held_at_; }
   void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
-  std::span<const Material> unrendered_drag() const noexcept override { return left_out_; }
+  std::span<const Material> unrendered_drag() const noexcept override { return unrendered_drag_; }
   BodyPush body_push() const noexcept override { return body_push_; }
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;
@@ -59,14 +59,15 @@ class SculptMethod final : public ForceMethod {
   class Parts;  // the parts for the common proxy in one sample: the other objects, then the bodies
 
   SculptMethod(SceneParts others, std::size_t bodies, bool has_proxy);
-  void note_left_out() noexcept;
+  void update_unrendered_drag() noexcept;
   bool is_body(int object) const noexcept;
   bool cuts(std::size_t body, const MethodInput& input) const noexcept;
   MethodOutput feel(std::size_t body, const MethodInput& input, const Vec3& goal, const FeltParts::Turn& turn) noexcept;
 
   SceneParts others_;
-  std::vector<Material> left_out_;  // unrendered_drag(): by object of the scene, without drag for the bodies; empty: the methods render all
-  std::vector<Body> bodies_;        // in the order of Sculpture::bodies()
+  std::vector<Material>
+      unrendered_drag_;       // unrendered_drag(): by object of the scene, without drag for the bodies; empty: the methods render all
+  std::vector<Body> bodies_;  // in the order of Sculpture::bodies()
   CommonProxy proxy_;
   std::uint32_t carve_buttons_ = 0;  // the carving buttons of all bodies
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();
