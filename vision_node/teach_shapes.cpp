@@ -70,7 +70,7 @@ std::vector<Contact> find_contacts(const SmoothScene& scene, const TeachProbe& p
 // The normal of the face, on the side to which the force points; without a force, the penetration vector takes its place.
 Vec3 normal_of(const Contact& contact, const TeachProbe& probe) {
   const Vec3 away = probe.force_S_n.squaredNorm() > 0.0 ? probe.force_S_n : Vec3(probe.p_SP - probe.p_SD);
-  return away.dot(contact.triangle.face) < 0.0 ? Vec3(-contact.triangle.face) : contact.triangle.face;
+  return away.dot(contact.triangle.face_normal) < 0.0 ? Vec3(-contact.triangle.face_normal) : contact.triangle.face_normal;
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace hapton {
 // One triangle with everything the fast task needs. Frame S, metres.
 struct SetTriangle {
   std::array<Vec3, 3> corner;
-  std::array<Vec3, 3> normal;  // unit, at the corners
-  Vec3 face = Vec3::Zero();    // unit normal of the triangle; zero for degenerate triangles
+  std::array<Vec3, 3> normal;       // unit, at the corners
+  Vec3 face_normal = Vec3::Zero();  // unit normal of the triangle; zero for degenerate triangles
   std::uint32_t object = 0;
   std::uint32_t triangle = 0;  // number in the object's prepared surface (SmoothSurface)
   SurfaceKind kind = SurfaceKind::face;
@@ -60,6 +60,6 @@ struct LocalSet {
 };
 
 // Whether the triangle is a face of the prepared surface, not of a fan, and has an area. RT: yes.
-inline bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::face && !triangle.face.isZero(0.0); }
+inline bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::face && !triangle.face_normal.isZero(0.0); }
 
 }  // namespace hapton

@@ -12,12 +12,12 @@ namespace {
 struct Sided {
   std::array<Vec3, 3> corner;
   std::array<Vec3, 3> normal;
-  Vec3 face;
+  Vec3 face_normal;
 };
 
-Sided from_front(const SetTriangle& t) { return {t.corner, t.normal, t.face}; }
+Sided from_front(const SetTriangle& t) { return {t.corner, t.normal, t.face_normal}; }
 Sided from_behind(const SetTriangle& t) {
-  return {{t.corner[0], t.corner[2], t.corner[1]}, {-t.normal[0], -t.normal[2], -t.normal[1]}, -t.face};
+  return {{t.corner[0], t.corner[2], t.corner[1]}, {-t.normal[0], -t.normal[2], -t.normal[1]}, -t.face_normal};
 }
 
 // For one edge, in the terms of the FDH paper: B is the edge's point nearest to P, R the plane through B that contains the edge and n.
@@ -87,14 +87,14 @@ bool make_planes(const Sided& t, const Vec3& P, std::array<EdgePlane, 3>& plane)
 }
 
 bool find_face_vcp(const Sided& t, const Vec3& P, double radius, SmoothVcp& vcp) {
-  const double height = t.face.dot(P - t.corner[0]);
+  const double height = t.face_normal.dot(P - t.corner[0]);
   if (!(height > 0.0 && height < radius)) return false;
   if (!(triangle_distance_squared(P, t.corner[0], t.corner[1], t.corner[2]) < radius * radius)) return false;
   std::array<EdgePlane, 3> plane;
   if (!make_planes(t, P, plane)) return false;
   if (!(plane[0].d >= 0.0 && plane[1].d >= 0.0 && plane[2].d >= 0.0)) return false;
   const Vec3 n = blend(plane);
-  const double slope = n.dot(t.face);
+  const double slope = n.dot(t.face_normal);
   if (!(slope > 0.0)) return false;
   vcp.distance = height / slope;
   vcp.away = n;
@@ -113,9 +113,9 @@ bool is_near_fan(const SetTriangle& t, const Vec3& P, double radius) {
 bool find_fan_vcp(const Sided& t, SurfaceKind kind, const Vec3& P, double radius, SmoothVcp& vcp) {
   std::array<EdgePlane, 3> plane;
   if (!make_planes(t, P, plane)) return false;
-  const bool over = plane[0].d >= 0.0 && plane[1].d >= 0.0 && plane[2].d >= 0.0;
-  const bool turned = plane[0].d <= 0.0 && plane[1].d <= 0.0 && plane[2].d <= 0.0;
-  if (!over && !turned) return false;
+  const bool is_inside_all = plane[0].d >= 0.0 && plane[1].d >= 0.0 && plane[2].d >= 0.0;
+  const bool is_outside_all = plane[0].d <= 0.0 && plane[1].d <= 0.0 && plane[2].d <= 0.0;
+  if (!is_inside_all && !is_outside_all) return false;
   const Vec3 n = blend(plane);
   if (kind == SurfaceKind::corner_fan) {
     vcp.D = t.corner[0];
@@ -133,7 +133,7 @@ bool find_fan_vcp(const Sided& t, SurfaceKind kind, const Vec3& P, double radius
   vcp.distance = DP.norm();
   if (!(vcp.distance > 0.0 && vcp.distance < radius) || !(n.dot(DP) > 0.0)) return false;
   vcp.away = DP / vcp.distance;
-  vcp.sign = over ? 1 : -1;
+  vcp.sign = is_inside_all ? 1 : -1;
   return true;
 }
 
@@ -144,7 +144,7 @@ bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothV
   vcp.triangle = triangle.triangle;
   vcp.is_face = triangle.kind == SurfaceKind::face;
   if (vcp.is_face) {
-    const double height = triangle.face.dot(P - triangle.corner[0]);
+    const double height = triangle.face_normal.dot(P - triangle.corner[0]);
     if (height > 0.0) return find_face_vcp(from_front(triangle), P, radius, vcp);
     return triangle.two_sided && height < 0.0 && find_face_vcp(from_behind(triangle), P, radius, vcp);
   }
@@ -155,11 +155,11 @@ bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothV
 
 Vec3 smooth_normal_at(const SetTriangle& face, const Vec3& X) noexcept {
   std::array<EdgePlane, 3> plane;
-  if (!make_planes(from_front(face), X, plane)) return face.face;
+  if (!make_planes(from_front(face), X, plane)) return face.face_normal;
   // Rounding may put X slightly outside a plane that it lies on.
   for (EdgePlane& one : plane) one.d = std::fmax(0.0, one.d);
   const Vec3 n = blend(plane);
-  return n.allFinite() && n.dot(face.face) > 0.0 ? n : face.face;
+  return n.allFinite() && n.dot(face.face_normal) > 0.0 ? n : face.face_normal;
 }
 
 StraightLine::StraightLine(const Vec3& from, const Vec3& to) noexcept : from_(from) {
@@ -168,38 +168,38 @@ StraightLine::StraightLine(const Vec3& from, const Vec3& to) noexcept : from_(fr
   if (std::fabs(d.z()) > std::fabs(d[z_])) z_ = 2;
   x_ = (z_ + 1) % 3;
   y_ = (z_ + 2) % 3;
-  along_ = d[z_];
-  if (along_ != 0.0) {
-    shear_x_ = d[x_] / along_;
-    shear_y_ = d[y_] / along_;
+  extent_z_ = d[z_];
+  if (extent_z_ != 0.0) {
+    shear_x_ = d[x_] / extent_z_;
+    shear_y_ = d[y_] / extent_z_;
   }
 }
 
 void SmoothForceSum::add(const SetTriangle& triangle) noexcept {
   SmoothVcp vcp;
   if (!find_vcp(triangle, P_, radius_, vcp)) return;
-  std::size_t at = count_;
+  std::size_t slot = count_;
   if (count_ == kCapacity) {
     ++over_capacity_;
-    const auto farthest =
-        std::max_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.vcp.distance < b.vcp.distance; });
+    const auto farthest = std::max_element(collected_.begin(), collected_.end(),
+                                           [](const CollectedVcp& a, const CollectedVcp& b) { return a.vcp.distance < b.vcp.distance; });
     if (farthest->vcp.distance <= vcp.distance) return;
-    at = static_cast<std::size_t>(farthest - kept_.begin());
+    slot = static_cast<std::size_t>(farthest - collected_.begin());
   } else {
     ++count_;
   }
-  kept_[at] = {vcp, triangle.corner};
+  collected_[slot] = {vcp, triangle.corner};
 }
 
 // Fig. 3 (FDH): whether the line from the VCP to P passes through another triangle that has a VCP itself. The start of the line, on an
 // edge that both share, does not count.
 bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
   constexpr double kClear = 1e-6;  // share of |DP|
-  const StraightLine line(kept_[i].vcp.D, P_);
+  const StraightLine line(collected_[i].vcp.D, P_);
   for (std::size_t j = 0; j < count_; ++j) {
-    if (j == i || !kept_[j].vcp.is_face) continue;
+    if (j == i || !collected_[j].vcp.is_face) continue;
     double at = 0.0;
-    if (line.meets(kept_[j].corner, at) && at > kClear && at < 1.0 - kClear) return true;
+    if (line.meets(collected_[j].corner, at) && at > kClear && at < 1.0 - kClear) return true;
   }
   return false;
 }
@@ -208,7 +208,7 @@ SmoothForce SmoothForceSum::combine(double layer, std::span<const Material> mate
   SmoothForce result;
   result.vcps = static_cast<std::uint32_t>(count_);
   result.over_capacity = over_capacity_;
-  std::sort(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_), [](const Kept& a, const Kept& b) {
+  std::sort(collected_.begin(), collected_.begin() + static_cast<std::ptrdiff_t>(count_), [](const CollectedVcp& a, const CollectedVcp& b) {
     return a.vcp.object != b.vcp.object ? a.vcp.object < b.vcp.object : a.vcp.triangle < b.vcp.triangle;
   });
   Vec3 force = Vec3::Zero();
@@ -219,7 +219,7 @@ SmoothForce SmoothForceSum::combine(double layer, std::span<const Material> mate
       ++result.hidden;
       continue;
     }
-    const SmoothVcp& vcp = kept_[i].vcp;
+    const SmoothVcp& vcp = collected_[i].vcp;
     const double s = smooth_f(materials[vcp.object].stiffness_n_per_m, layer, vcp.distance);
     force += (vcp.sign * s) * vcp.away;
     if (vcp.sign < 0) continue;

@@ -67,7 +67,7 @@ class SmoothForceSum {
   SmoothForce combine(double layer, std::span<const Material> materials) noexcept;
 
  private:
-  struct Kept {
+  struct CollectedVcp {
     SmoothVcp vcp;
     std::array<Vec3, 3> corner;
   };
@@ -77,7 +77,7 @@ class SmoothForceSum {
   double radius_;
   std::size_t count_ = 0;
   std::uint32_t over_capacity_ = 0;
-  std::array<Kept, kCapacity> kept_;  // the first count_ are valid
+  std::array<CollectedVcp, kCapacity> collected_;  // the first count_ are valid
 };
 
 // A straight line and its intersection with triangles. Vertices, edges and interiors all count, and no line passes between triangles that
@@ -90,7 +90,7 @@ class StraightLine {
   // Sets `at` to the position along the line: 0 at `from`, 1 at `to`, unbounded. False: there is no intersection, the line is in the
   // triangle's plane, or `from` equals `to`.
   bool meets(const std::array<Vec3, 3>& corner, double& at) const noexcept {
-    if (!(along_ != 0.0)) return false;
+    if (!(extent_z_ != 0.0)) return false;
     std::array<double, 3> px;
     std::array<double, 3> py;
     std::array<double, 3> pz;
@@ -106,7 +106,7 @@ class StraightLine {
     if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return false;
     const double sum = u + v + w;
     if (sum == 0.0) return false;
-    at = ((u * pz[0] + v * pz[1] + w * pz[2]) / sum) / along_;
+    at = ((u * pz[0] + v * pz[1] + w * pz[2]) / sum) / extent_z_;
     return true;
   }
 
@@ -115,7 +115,7 @@ class StraightLine {
   int x_ = 1;
   int y_ = 2;
   int z_ = 0;  // the line's longest axis
-  double along_ = 0.0;
+  double extent_z_ = 0.0;
   double shear_x_ = 0.0;
   double shear_y_ = 0.0;
 };

@@ -25,7 +25,7 @@ struct SmoothCounters {
   std::uint64_t overflows = 0;      // queries that even a fresh set could not cover; left to the tree
   std::uint64_t entries = 0;        // the probe passed through the surface
   std::uint64_t releases = 0;       // the probe came out again
-  std::uint64_t astray = 0;         // the outward line met no face: the VCP moved over the surface from where it was
+  std::uint64_t missed_lines = 0;   // the outward line met no face: the VCP moved over the surface from where it was
   std::uint64_t hidden = 0;         // VCPs removed as hidden, fig. 3 of the paper
   std::uint64_t over_capacity = 0;  // VCPs beyond the capacity of one step
 };
@@ -67,7 +67,7 @@ class SmoothMethod final : public ForceMethod {
   const SmoothCounters& counters() const { return counters_; }
   double radius_m() const { return radius_; }
   double layer_m() const { return layer_; }  // distance from the surface at which f begins
-  bool is_inside() const { return inside_; }
+  bool is_inside() const { return is_inside_; }
   const LocalSet& local_set() const { return set_; }
 
   // Every query uses all triangles of the scene: the brute-force twin for tests. RT: set-up only.
@@ -90,11 +90,11 @@ class SmoothMethod final : public ForceMethod {
   };
 
   // The triangles that a query visits: those of the set, or all.
-  std::span<const SetTriangle> known() const {
+  std::span<const SetTriangle> query_triangles() const {
     return all_triangles_ ? std::span<const SetTriangle>(all_) : std::span(set_.triangles).first(set_.count);
   }
   bool is_fresh() const { return set_.version == scene_->version(); }
-  bool would_help(const Vec3& p, double radius) const;
+  bool new_set_could_cover(const Vec3& p, double radius) const;
   void select_at(const Vec3& p) noexcept;
   template <class Visit>
   void visit_near(const Vec3& centre, double radius, Visit&& visit) noexcept;
@@ -102,7 +102,7 @@ class SmoothMethod final : public ForceMethod {
   void visit_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept;
 
   Hit find_entry(const Vec3& from, const Vec3& to) noexcept;
-  Hit seen_from(const Vec3& from, const Hit& grazed) noexcept;
+  Hit resolve_side(const Vec3& from, const Hit& grazed) noexcept;
   Hit find_block(const Vec3& from, const Vec3& to) noexcept;
   Hit find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double radius) noexcept;
   Hit find_nearest_face(const Vec3& p, double radius) noexcept;
@@ -130,7 +130,7 @@ class SmoothMethod final : public ForceMethod {
   bool all_triangles_ = false;
   std::vector<SetTriangle> all_;  // filled only if all_triangles_
   bool has_slow_task_ = false;
-  std::string left_out_;  // what of the scene is not rendered: lines for describe()
+  std::string unrendered_notes_;  // what of the scene is not rendered: lines for describe()
 
   void request_ahead() noexcept;
 
@@ -140,8 +140,8 @@ class SmoothMethod final : public ForceMethod {
   LocalSet set_;
   Vec3 P_ = Vec3::Zero();         // the last sample
   Vec3 velocity_ = Vec3::Zero();  // m/s
-  bool started_ = false;
-  bool inside_ = false;
+  bool has_started_ = false;
+  bool is_inside_ = false;
   // While inside: the VCP, the face it lies on, and the side the probe came from (1: the side the normal points to).
   Vec3 V_ = Vec3::Zero();
   SetTriangle T_;

@@ -89,23 +89,23 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
     const Vec3 ac = out.corner[2] - out.corner[0];
     const Vec3 n = ab.cross(ac);
     const double length = n.norm();
-    if (length > 1e-12 * std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()})) out.face = n / length;
+    if (length > 1e-12 * std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()})) out.face_normal = n / length;
   }
   return out;
 }
 
 // An upper bound on the search radius: the farthest triangle of an earlier set of that size. Rounding may make the set smaller, but
 // never incomplete.
-double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept {
+double SmoothScene::bound_search_radius(const LocalSetRequest& request, std::uint32_t count, const LocalSet& old_set) const noexcept {
   using Three = detail::Of3<Lanes4>;
-  constexpr double kRoom = 1.0 + 0x1p-20;  // far above the rounding of a distance
-  if (before.version != version_ || before.count < count) return std::numeric_limits<double>::infinity();
+  constexpr double kRoundingFactor = 1.0 + 0x1p-20;  // far above the rounding of a distance
+  if (old_set.version != version_ || old_set.count < count) return std::numeric_limits<double>::infinity();
   const Three p = detail::lanes_of(request.from);
-  const std::uint32_t last = before.count - 1;
+  const std::uint32_t last = old_set.count - 1;
   Lanes4 farthest = {};
-  for (std::uint32_t i = 0; i < before.count; i += 4) {
-    const std::array<const SetTriangle*, 4> t = {&before.triangles[i], &before.triangles[std::min(i + 1, last)],
-                                                 &before.triangles[std::min(i + 2, last)], &before.triangles[std::min(i + 3, last)]};
+  for (std::uint32_t i = 0; i < old_set.count; i += 4) {
+    const std::array<const SetTriangle*, 4> t = {&old_set.triangles[i], &old_set.triangles[std::min(i + 1, last)],
+                                                 &old_set.triangles[std::min(i + 2, last)], &old_set.triangles[std::min(i + 3, last)]};
     const auto corner = [&t](std::size_t k) {
       const auto lanes = [&](int axis) {
         return Lanes4{t[0]->corner[k][axis], t[1]->corner[k][axis], t[2]->corner[k][axis], t[3]->corner[k][axis]};
@@ -115,11 +115,11 @@ double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_
     farthest = detail::lane_max(farthest, triangle_distance_squared<Lanes4>(p, corner(0), corner(1), corner(2)));
   }
   const double most = std::max(std::max(farthest[0], farthest[1]), std::max(farthest[2], farthest[3]));
-  return std::sqrt(most) * kRoom + tolerance_;
+  return std::sqrt(most) * kRoundingFactor + tolerance_;
 }
 
 FdhVisits SmoothScene::select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept {
-  FdhNearest nearest(count, farthest_wanted(request, count, set));
+  FdhNearest nearest(count, bound_search_radius(request, count, set));
   const auto search = [&] {
     return std::visit([&](const auto& tree) { return tree.collect_nearest(request.from, request.to, nearest); }, tree_);
   };

@@ -89,7 +89,7 @@ class SmoothScene {
   std::string describe() const;
 
  private:
-  double farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept;
+  double bound_search_radius(const LocalSetRequest& request, std::uint32_t count, const LocalSet& old_set) const noexcept;
 
   struct Object {
     SmoothSurface surface;

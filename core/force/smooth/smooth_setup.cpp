@@ -51,15 +51,15 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
   }
   if (!(settings.smooth_layer >= 0.0 && settings.smooth_layer <= 1.0))
     return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.smooth_layer);
-  SmoothSceneSettings own{.surface = {}, .directions = settings.hull_directions};
-  own.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
-  own.surface.simplify_error_m = settings.simplify_m;
-  auto prepared = SmoothScene::build(scene, own);
+  SmoothSceneSettings scene_settings{.surface = {}, .directions = settings.hull_directions};
+  scene_settings.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
+  scene_settings.surface.simplify_error_m = settings.simplify_m;
+  auto prepared = SmoothScene::build(scene, scene_settings);
   if (!prepared) return fail("smooth: {}", prepared.error().what);
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
   for (const TouchObject& object : scene.objects) method->materials_.push_back(object.material);
-  if (settings.smooth_layer > 0.0) method->left_out_ = note_bare_layer(scene);
+  if (settings.smooth_layer > 0.0) method->unrendered_notes_ = note_bare_layer(scene);
   method->set_size_ = static_cast<std::uint32_t>(settings.set_size);
   method->radius_ = settings.smooth_radius_m > 0.0 ? settings.smooth_radius_m : make_radius(*method->scene_, method->set_size_);
   method->layer_ = settings.smooth_layer * method->radius_;
@@ -74,12 +74,12 @@ void SmoothMethod::set_materials(std::span<const Material> materials) noexcept {
 // ---- sets ------------------------------------------------------------------------------------------------------------
 
 LocalSetRequest SmoothMethod::request() const noexcept {
-  const Vec3& from = inside_ ? V_ : P_;
+  const Vec3& from = is_inside_ ? V_ : P_;
   Vec3 path = kPredictionSeconds * velocity_;
   // Around a path longer than the set's radius, the set's triangles would be used up along its length.
   const double length = path.norm();
-  const double most = 0.5 * std::max(set_.radius, 0.0);
-  if (length > most) path = most > 0.0 ? Vec3(path * (most / length)) : Vec3(Vec3::Zero());
+  const double longest = 0.5 * std::max(set_.radius, 0.0);
+  if (length > longest) path = longest > 0.0 ? Vec3(path * (longest / length)) : Vec3(Vec3::Zero());
   return {from, from + path};
 }
 
@@ -94,21 +94,21 @@ bool SmoothMethod::prepare() {
 void SmoothMethod::request_ahead() noexcept {
   const LocalSetRequest ahead = request();
   const double radius = (1.0 + kMargin) * radius_;
-  const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > radius && set_.clearance_at(ahead.to) > radius;
+  const bool is_clear = !is_inside_ && set_.clearance_at(ahead.from) > radius && set_.clearance_at(ahead.to) > radius;
   if (is_fresh() && (is_clear || (set_.radius_at(ahead.from) > radius && set_.radius_at(ahead.to) > radius))) return;
   requests_.publish(ahead);
 }
 
 void SmoothMethod::offer(const LocalSet& set) noexcept {
   has_slow_task_ = true;
-  const Vec3& at = inside_ ? V_ : P_;
+  const Vec3& at = is_inside_ ? V_ : P_;
   if (set.version != scene_->version() || (is_fresh() && set.radius_at(at) <= set_.radius_at(at))) return;
   set_ = set;
   ++counters_.offered;
 }
 
 // Whether a set about p could cover more than `radius`: not if the current set was taken near p and covers no more at its own centre.
-bool SmoothMethod::would_help(const Vec3& p, double radius) const {
+bool SmoothMethod::new_set_could_cover(const Vec3& p, double radius) const {
   return set_.radius > radius || set_.distance_to_path(p) > 0.5 * radius;
 }
 
@@ -122,14 +122,14 @@ void SmoothMethod::select_at(const Vec3& p) noexcept {
 Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const Vec3> vertices) {
   if (object >= scene_->object_count()) return scene_->move_vertices(object, vertices);
   const SmoothSurface& surface = scene_->surface(object);
-  const bool is_moved = inside_ && T_.object == object;
+  const bool is_moved = is_inside_ && T_.object == object;
   const Vec3 weights = is_moved ? closest_point(T_.corner[0], T_.corner[1], T_.corner[2], V_).barycentric : Vec3(Vec3::Zero());
-  std::vector<std::array<Vec3, 3>> before(started_ && !inside_ ? surface.face_count : 0);
-  for (std::size_t t = 0; t < before.size(); ++t)
-    before[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
+  std::vector<std::array<Vec3, 3>> old_corners(has_started_ && !is_inside_ ? surface.face_count : 0);
+  for (std::size_t t = 0; t < old_corners.size(); ++t)
+    old_corners[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
 
-  const auto moved = scene_->move_vertices(object, vertices);
-  if (!moved) return moved;
+  const auto refitted = scene_->move_vertices(object, vertices);
+  if (!refitted) return refitted;
   if (all_triangles_) use_all_triangles();
   if (is_moved) {
     T_ = scene_->triangle_at(object, T_.triangle);
@@ -137,23 +137,25 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
   }
   // In the frame of a triangle that has moved, a free probe has moved the opposite way, by the motion of its closest point on the triangle.
   Hit best;
-  for (std::uint32_t t = 0; t < before.size(); ++t) {
-    const SetTriangle now = scene_->triangle_at(object, t);
-    if (!is_face(now)) continue;
-    const ClosestPoint was = closest_point(before[t][0], before[t][1], before[t][2], P_);
-    const Vec3 there = was.barycentric[0] * now.corner[0] + was.barycentric[1] * now.corner[1] + was.barycentric[2] * now.corner[2];
-    const Vec3 from = P_ + (there - was.point);
-    const Vec3 old_normal = (before[t][1] - before[t][0]).cross(before[t][2] - before[t][0]);
-    const double side = old_normal.dot(P_ - before[t][0]) < 0.0 ? -1.0 : 1.0;
-    if (side < 0.0 && !now.two_sided) continue;
-    if (side * now.face.dot(P_ - now.corner[0]) > 0.0) continue;
+  for (std::uint32_t t = 0; t < old_corners.size(); ++t) {
+    const SetTriangle moved_triangle = scene_->triangle_at(object, t);
+    if (!is_face(moved_triangle)) continue;
+    const ClosestPoint old_closest = closest_point(old_corners[t][0], old_corners[t][1], old_corners[t][2], P_);
+    const Vec3 moved_closest = old_closest.barycentric[0] * moved_triangle.corner[0] +
+                               old_closest.barycentric[1] * moved_triangle.corner[1] +
+                               old_closest.barycentric[2] * moved_triangle.corner[2];
+    const Vec3 from = P_ + (moved_closest - old_closest.point);
+    const Vec3 old_normal = (old_corners[t][1] - old_corners[t][0]).cross(old_corners[t][2] - old_corners[t][0]);
+    const double side = old_normal.dot(P_ - old_corners[t][0]) < 0.0 ? -1.0 : 1.0;
+    if (side < 0.0 && !moved_triangle.two_sided) continue;
+    if (side * moved_triangle.face_normal.dot(P_ - moved_triangle.corner[0]) > 0.0) continue;
     const double tolerance = scene_->tolerance();
-    if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(now.corner[0]), of3(now.corner[1]), of3(now.corner[2])) <=
-          tolerance * tolerance)) {
+    if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(moved_triangle.corner[0]), of3(moved_triangle.corner[1]),
+                                                    of3(moved_triangle.corner[2])) <= tolerance * tolerance)) {
       continue;
     }
-    const ClosestPoint at = closest_point(now.corner[0], now.corner[1], now.corner[2], P_);
-    if (best.is_worse_than(at.distance, now)) best = {now, at.point, at.distance, side, true};
+    const ClosestPoint at = closest_point(moved_triangle.corner[0], moved_triangle.corner[1], moved_triangle.corner[2], P_);
+    if (best.is_worse_than(at.distance, moved_triangle)) best = {moved_triangle, at.point, at.distance, side, true};
   }
   if (best.found) {
     ++counters_.entries;
@@ -171,12 +173,12 @@ void SmoothMethod::use_all_triangles() {
 std::string SmoothMethod::describe() const {
   const SmoothCounters& c = counters_;
   std::string text = fmt::format("smooth: RADIUS {:g} m, layer {:g} m, sets of {} triangles\n", radius_, layer_, set_size_);
-  text += left_out_;
+  text += unrendered_notes_;
   text += scene_->describe();
   text += fmt::format(
       "steps {}: {} skipped in free space, {} entries, {} releases, {} without a point on the line; {} hidden VCPs\n"
       "sets: {} selected here ({} late), {} offered by the slow task, {} queries larger than a set, answered by the tree\n",
-      c.steps, c.skipped, c.entries, c.releases, c.astray, c.hidden, c.selections, c.late, c.offered, c.overflows);
+      c.steps, c.skipped, c.entries, c.releases, c.missed_lines, c.hidden, c.selections, c.late, c.offered, c.overflows);
   return text;
 }
 

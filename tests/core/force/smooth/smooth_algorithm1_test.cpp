@@ -130,7 +130,7 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
     const double u = unit(random);
     const double v = (1.0 - u) * unit(random);
     const Vec3 X = T.corner[0] + u * (T.corner[1] - T.corner[0]) + v * (T.corner[2] - T.corner[0]);
-    const Vec3 P = X + RADIUS * (0.02 + 0.95 * unit(random)) * T.face;
+    const Vec3 P = X + RADIUS * (0.02 + 0.95 * unit(random)) * T.face_normal;
     const Transcribed expected = algorithm1(triangles, P, RADIUS, layer);
     SmoothForceSum sum(P, RADIUS);
     for (const SetTriangle& t : triangles) sum.add(t);

@@ -54,7 +54,7 @@ TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   constexpr double kRadius = 0.05;
   const auto triangles = set_of(make_icosphere(kRadius, 3));
   double facet_error = 0.0;
-  for (const SetTriangle& t : triangles) facet_error = std::max(facet_error, angle_between(t.face, t.corner[0]));
+  for (const SetTriangle& t : triangles) facet_error = std::max(facet_error, angle_between(t.face_normal, t.corner[0]));
   Vec3 last = Vec3::Zero();
   Vec3 last_P = Vec3::Zero();
   double worst = 0.0;

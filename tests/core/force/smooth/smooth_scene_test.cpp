@@ -89,10 +89,10 @@ TEST(SmoothScene, GivesEachTriangleItsObjectsMaterialAndNormals) {
     for (const Vec3& n : t.normal) EXPECT_NEAR(n.norm(), 1.0, 1e-9);
     if (t.kind == SurfaceKind::face) {
       ++faces[t.object];
-      EXPECT_NEAR(t.face.norm(), 1.0, 1e-12);
-      for (const Vec3& n : t.normal) EXPECT_GT(n.dot(t.face), 0.0);
+      EXPECT_NEAR(t.face_normal.norm(), 1.0, 1e-12);
+      for (const Vec3& n : t.normal) EXPECT_GT(n.dot(t.face_normal), 0.0);
     } else {
-      EXPECT_TRUE(t.face.isZero(0.0));
+      EXPECT_TRUE(t.face_normal.isZero(0.0));
     }
   });
   EXPECT_EQ(faces[0], scene->surface(0).face_count);
