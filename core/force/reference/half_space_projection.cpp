@@ -52,22 +52,23 @@ bool meet_planes(const Wide& goal, std::span<const HalfSpace> all, Basis& basis)
   return true;
 }
 
-bool holds(const Basis& basis, std::span<const HalfSpace> all, const std::array<std::size_t, 4>& among, int count, long double tolerance) {
+bool is_optimal(const Basis& basis, std::span<const HalfSpace> all, const std::array<std::size_t, 4>& candidates, int count,
+                long double tolerance) {
   for (int i = 0; i < basis.count; ++i) {
     if (!(basis.multiplier[i] >= -tolerance)) return false;
   }
   for (int i = 0; i < count; ++i) {
-    if (!(normal_of(all[among[i]]).dot(basis.point) - all[among[i]].gap >= -tolerance)) return false;
+    if (!(normal_of(all[candidates[i]]).dot(basis.point) - all[candidates[i]].gap >= -tolerance)) return false;
   }
   return true;
 }
 
 // The best basis from the old one's planes and the newcomer. The newcomer is always in it, because the old optimum violates it.
 bool exchange(const Wide& goal, std::span<const HalfSpace> all, std::size_t newcomer, long double tolerance, Basis& basis) {
-  std::array<std::size_t, 4> among{};
+  std::array<std::size_t, 4> candidates{};
   const int old = basis.count;
-  for (int i = 0; i < old; ++i) among[i] = basis.planes[i];
-  among[old] = newcomer;
+  for (int i = 0; i < old; ++i) candidates[i] = basis.planes[i];
+  candidates[old] = newcomer;
   Basis best;
   long double best2 = std::numeric_limits<long double>::infinity();
   for (int subset = 0; subset < (1 << old); ++subset) {
@@ -75,9 +76,9 @@ bool exchange(const Wide& goal, std::span<const HalfSpace> all, std::size_t newc
     Basis trial;
     trial.planes[trial.count++] = newcomer;
     for (int i = 0; i < old; ++i) {
-      if ((subset >> i & 1) != 0) trial.planes[trial.count++] = among[i];
+      if ((subset >> i & 1) != 0) trial.planes[trial.count++] = candidates[i];
     }
-    if (!meet_planes(goal, all, trial) || !holds(trial, all, among, old + 1, tolerance)) continue;
+    if (!meet_planes(goal, all, trial) || !is_optimal(trial, all, candidates, old + 1, tolerance)) continue;
     const long double distance2 = (trial.point - goal).squaredNorm();
     if (distance2 < best2) {
       best2 = distance2;

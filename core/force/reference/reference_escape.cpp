@@ -7,12 +7,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kEscapeGain = 4.0;      // rest offsets: height of a step that a point would not feel
-constexpr double kOpenFace = 16.0;       // rest offsets: farther than this from its boundary, a face alone holds a point
-constexpr double kAtVertex = 32.0;       // rest offsets: this near to a vertex, a point is at the vertex
-constexpr double kMinSlope = 0x1p-30;    // share of the distance to the device: a smaller slope does not lead away from a vertex
-constexpr double kFarthestHeld = 64.0;   // rest offsets: farthest that another method's proxy may be off the surface
-constexpr double kSameHeight = 0x1p-10;  // relative: heights that differ by less count as equal
+constexpr double kEscapeGain = 4.0;       // rest offsets: height of a step that a point would not feel
+constexpr double kOpenFaceMargin = 16.0;  // rest offsets: farther than this from its boundary, a face alone holds a point
+constexpr double kVertexRadius = 32.0;    // rest offsets: this near to a vertex, a point is at the vertex
+constexpr double kMinSlope = 0x1p-30;     // share of the distance to the device: a smaller slope does not lead away from a vertex
+constexpr double kFarthestHeld = 64.0;    // rest offsets: farthest that another method's proxy may be off the surface
+constexpr double kSameHeight = 0x1p-10;   // relative: heights that differ by less count as equal
 
 }  // namespace
 
@@ -59,29 +59,29 @@ bool ReferenceProxy::is_on_open_face() const noexcept {
   if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::face) return false;
   const PreparedTriangle& shape = state_.contacts[0].face.shape;
   for (int k = 0; k < 3; ++k) {
-    if (shape.inward[k].dot(state_.position - shape.corner[k]) <= kOpenFace * rest_offset_ * shape.edge[k].norm()) return false;
+    if (shape.inward[k].dot(state_.position - shape.corner[k]) <= kOpenFaceMargin * rest_offset_ * shape.edge[k].norm()) return false;
   }
   return true;
 }
 
 void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
-  near_.clear();
+  near_contacts_.clear();
   list_local_faces();
   const bool local = is_local(p, local_half_side_ - within);
-  const std::size_t count = local ? local_.size() : faces_.size();
-  for (std::size_t k = 0; k < count && near_.size() < kMaxNear; ++k) {
-    const std::size_t i = local ? local_[k] : k;
+  const std::size_t count = local ? local_faces_.size() : faces_.size();
+  for (std::size_t k = 0; k < count && near_contacts_.size() < kMaxNear; ++k) {
+    const std::size_t i = local ? local_faces_[k] : k;
     const Box& box = boxes_[i];
-    if (((p - box.high).cwiseMax(box.low - p).array() > within).any() || !can_meet(faces_[i])) continue;
+    if (((p - box.high).cwiseMax(box.low - p).array() > within).any() || !can_touch(faces_[i])) continue;
     const ClosestPoint near = closest_point(faces_[i].shape, p);
-    if (near.distance <= within && !near.direction.isZero(0.0)) near_.push_back({faces_[i], near});
+    if (near.distance <= within && !near.direction.isZero(0.0)) near_contacts_.push_back({faces_[i], near});
   }
 }
 
 // The motion nearest to `goal` after which the proxy is at least `height` above the planes of all nearby faces.
 HalfSpaceProjection ReferenceProxy::project_above_near(const Vec3& goal, double height) noexcept {
   half_spaces_.clear();
-  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
+  for (const Contact& contact : near_contacts_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
   return project_onto_half_spaces(goal, half_spaces_, kFeasible);
 }
 
@@ -100,7 +100,7 @@ void ReferenceProxy::place_clear(const Vec3& p) noexcept {
   if (rest_offset_ != kPointRadius) return;
   collect_near(p, 2.0 * rest_offset_);
   const auto overlaps = [&](const Contact& contact) { return rest_offset_ - contact.near.distance > 2.0 * kTolerance; };
-  if (std::none_of(near_.begin(), near_.end(), overlaps)) return;
+  if (std::none_of(near_contacts_.begin(), near_contacts_.end(), overlaps)) return;
   const HalfSpaceProjection out = project_above_near(Vec3::Zero(), rest_offset_);
   if (out.feasible && out.point.norm() <= rest_offset_) state_.position += out.point;
 }
@@ -108,20 +108,20 @@ void ReferenceProxy::place_clear(const Vec3& p) noexcept {
 // Puts the proxy into contact with all faces that are as near to p as the nearest one: those on which p lies. It then continues as if it
 // had moved there itself. From a position only slightly beside an edge, friction would release it differently.
 bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
-  if (rest_offset_ != kPointRadius || frictionless_) return false;
+  if (rest_offset_ != kPointRadius || is_frictionless_) return false;
   place_held(p, sliding);
   collect_near(p, kFarthestHeld * rest_offset_);
   double least = kFarthestHeld * rest_offset_;
-  for (const Contact& contact : near_) least = std::min(least, contact.near.distance);
+  for (const Contact& contact : near_contacts_) least = std::min(least, contact.near.distance);
   Vec3 sum = Vec3::Zero();
-  for (const Contact& contact : near_) {
+  for (const Contact& contact : near_contacts_) {
     if (contact.near.distance <= least * (1.0 + kSameHeight)) sum += contact.near.direction;
   }
   if (!(least > 0.5 * rest_offset_) || !(sum.norm() > 0.5)) return false;
   const HalfSpaceProjection down = project_above_near(-4.0 * least * sum.normalized(), rest_offset_);
   if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_offset_) return false;
   state_.position = p + down.point;
-  for (const Contact& contact : near_) meet(contact.face);
+  for (const Contact& contact : near_contacts_) add_contact(contact.face);
   update_contacts();
   return !state_.contacts.empty();
 }
@@ -129,7 +129,7 @@ bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
 bool ReferenceProxy::has_room(const Vec3& p) noexcept {
   const double least = rest_offset_ - 0.25 * kPointRadius;
   collect_near(p, rest_offset_);
-  return std::none_of(near_.begin(), near_.end(), [&](const Contact& contact) { return contact.near.distance < least; });
+  return std::none_of(near_contacts_.begin(), near_contacts_.end(), [&](const Contact& contact) { return contact.near.distance < least; });
 }
 
 const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {
@@ -139,7 +139,7 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
     if (length2 > 0.0) directions_.push_back((line.dot(pull) / length2) * line);
   };
   directions_.push_back(pull);
-  for (const Contact& contact : near_) {
+  for (const Contact& contact : near_contacts_) {
     const PreparedTriangle& shape = contact.face.shape;
     if (shape.has_face) directions_.push_back(pull - pull.dot(shape.normal) * shape.normal);
     for (int k = 0; k < 3; ++k) {
@@ -148,9 +148,9 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
     }
   }
   // Lines where faces meet that do not share an edge.
-  for (std::size_t i = 0; i < near_.size(); ++i) {
-    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMaxDirections; ++j) {
-      const Vec3 line = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
+  for (std::size_t i = 0; i < near_contacts_.size(); ++i) {
+    for (std::size_t j = i + 1; j < near_contacts_.size() && directions_.size() < kMaxDirections; ++j) {
+      const Vec3 line = near_contacts_[i].face.shape.normal.cross(near_contacts_[j].face.shape.normal);
       if (line.squaredNorm() > 1e-12) add_line(line);
     }
   }
@@ -162,7 +162,7 @@ const Vec3* ReferenceProxy::find_vertex(const Pull& pull) const noexcept {
   if (rest_offset_ != kPointRadius || pull.strongest == nullptr) return nullptr;
   const Vec3* found = nullptr;
   for (const Vec3& corner : pull.strongest->face.shape.corner) {
-    if ((corner - state_.position).norm() <= kAtVertex * rest_offset_) found = &corner;
+    if ((corner - state_.position).norm() <= kVertexRadius * rest_offset_) found = &corner;
   }
   return found;
 }
@@ -181,11 +181,11 @@ bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept
 
 // Finds the point of a concave edge, formed by two faces, at which a point proxy is. Friction acts through the faces that lead away from
 // the edge. The proxy's sphere may have moved slightly up the opposite face and would slip from that face too early.
-bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
+bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<EdgeFace, 2>& sides) noexcept {
   if (rest_offset_ != kPointRadius || pull.strongest == nullptr) return false;
   const PreparedTriangle& shape = pull.strongest->face.shape;
   if (!shape.has_face) return false;
-  const double bound = kAtVertex * rest_offset_;
+  const double bound = kVertexRadius * rest_offset_;
   int at = -1;
   for (int k = 0; k < 3; ++k) {
     const double along = std::clamp(shape.edge[k].dot(state_.position - shape.corner[k]) / shape.edge[k].squaredNorm(), 0.0, 1.0);
@@ -201,7 +201,7 @@ bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::arr
   list_local_faces();
   int count = 0;
   const Vec3* opposite = nullptr;
-  for (const std::uint32_t i : local_) {
+  for (const std::uint32_t i : local_faces_) {
     const PreparedTriangle& other = faces_[i].shape;
     for (int e = 0; e < 3; ++e) {
       const Vec3& from = other.corner[e];
@@ -219,13 +219,13 @@ bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::arr
 
 // Whether friction holds a point at a concave edge.
 bool ReferenceProxy::is_held_at_edge(const Vec3& device, const Pull& pull) noexcept {
-  std::array<Side, 2> sides;
+  std::array<EdgeFace, 2> sides;
   Vec3 on_edge;
   if (!has_friction() || !find_concave_edge(pull, on_edge, sides)) return false;
   const Vec3 to_device = device - on_edge;
   const Vec3 along = sides[0].normal.cross(sides[0].inward).normalized();
   Vec3 descent = along.dot(to_device) * along;
-  for (const Side& side : sides) {
+  for (const EdgeFace& side : sides) {
     const Vec3 over = to_device - side.normal.dot(to_device) * side.normal;
     if (side.inward.dot(to_device) > 0.0 && over.squaredNorm() > descent.squaredNorm()) descent = over;
   }
@@ -254,7 +254,7 @@ bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& descent, const 
   for (const double height : {8.0 * rest_offset_, 24.0 * rest_offset_}) {
     // Long enough to bring the proxy nearer to the device in spite of the lift.
     const double share = std::max(8.0, 4.0 * distance / slope) * height / slope;
-    collect_near(start, 2.0 * kAtVertex * rest_offset_);
+    collect_near(start, 2.0 * kVertexRadius * rest_offset_);
     for (const bool goes_to_vertex : {true, false}) {
       if (share >= 1.0 || !lift(start, height)) continue;
       state_.contacts.clear();
@@ -276,10 +276,10 @@ void ReferenceProxy::list_faces_at(const Vec3& vertex) noexcept {
   if (has_vertex_ && vertex == vertex_) return;
   has_vertex_ = true;
   vertex_ = vertex;
-  at_vertex_.clear();
+  faces_at_vertex_.clear();
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     const auto& [a, b, c] = faces_[i].shape.corner;
-    if (a == vertex || b == vertex || c == vertex) at_vertex_.push_back(static_cast<std::uint32_t>(i));
+    if (a == vertex || b == vertex || c == vertex) faces_at_vertex_.push_back(static_cast<std::uint32_t>(i));
   }
 }
 
@@ -290,7 +290,7 @@ Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) no
     if (descent.squaredNorm() > best.squaredNorm()) best = descent;
   };
   list_faces_at(vertex);
-  for (const std::uint32_t i : at_vertex_) {
+  for (const std::uint32_t i : faces_at_vertex_) {
     const PreparedTriangle& shape = faces_[i].shape;
     for (int k = 0; k < 3; ++k) {
       if (shape.corner[k] != vertex) continue;

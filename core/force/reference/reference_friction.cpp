@@ -50,7 +50,7 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   const Pull before = project_pull(device_from - state_.position);
   if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::face) return;
   Vec3 on_edge;
-  std::array<Side, 2> sides;
+  std::array<EdgeFace, 2> sides;
   if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
   const Vec3 normal = before.strongest->near.direction;
   const Pull after = project_pull(device_to - state_.position);

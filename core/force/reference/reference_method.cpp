@@ -10,10 +10,10 @@ namespace {
 constexpr double kFarthest = 1e12;         // local units: a device farther out is clamped to this, so that its square stays finite
 constexpr int kMaxSubsteps = 1 << 20;      // a free choice
 constexpr double kLargestRadius = 1024.0;  // in diagonals of the box; the centre of a larger sphere is so far away that digits are lost
-constexpr double kJump = 8.0;         // times the device's motion: a longer motion of the proxy is a jump; no slide is that fast for long
-constexpr double kMinPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
-constexpr std::size_t kLevels = 48;   // levels of halving: down to kMinPart for motions up to 2^9
-constexpr int kMaxHalvings = 1024;    // most halvings in one pass over a step
+constexpr double kJumpRatio = 8.0;  // times the device's motion: a longer motion of the proxy is a jump; no slide is that fast for long
+constexpr double kMinHalvedSubstep = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
+constexpr std::size_t kLevels = 48;            // levels of halving: down to kMinHalvedSubstep for motions up to 2^9
+constexpr int kMaxHalvings = 1024;             // most halvings in one pass over a step
 constexpr std::size_t kMaxPrepared = std::size_t{1} << 17;  // 40 MB; triangles of larger scenes are prepared when they are gathered
 
 // The box around those vertices that triangles use.
@@ -94,8 +94,8 @@ ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScen
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) prepared_.push_back(prepare_triangle(i));
   }
   proxy_ = std::make_unique<ReferenceProxy>(settings.probe_radius_m / unit_m_, std::move(materials), triangles_.size());
-  start_ = proxy_->make_state();
-  for (std::size_t i = 0; i < kLevels; ++i) levels_.push_back(proxy_->make_state());
+  start_state_ = proxy_->make_state();
+  for (std::size_t i = 0; i < kLevels; ++i) level_states_.push_back(proxy_->make_state());
 }
 
 // A distant device keeps its direction; its distance is clamped before anything can overflow.
@@ -134,20 +134,20 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
   const Vec3 from = device_;
   const Vec3 to = device_to_local(input.p_SD);
   const Vec3 path = to - from;
-  if (!input.is_correction) sample_from_ = from;
+  if (!input.is_correction) sample_before_ = from;
   gather(to, (proxy_->state().position - from).norm() + path.norm() + 4.0 * proxy_->rest_offset());
-  last_ = {};
+  last_step_ = {};
   if (proxy_->faces() == 0 && proxy_->state().free) {
     proxy_->place_free(to);
   } else {
     follow_to_the_limit(from, to);
   }
   device_ = to;
-  counters_.unsettled_steps += last_.settled ? 0 : 1;
-  if (last_.settled) counters_.most_substeps = std::max<std::uint64_t>(counters_.most_substeps, last_.substeps);
+  counters_.unsettled_steps += last_step_.settled ? 0 : 1;
+  if (last_step_.settled) counters_.most_substeps = std::max<std::uint64_t>(counters_.most_substeps, last_step_.substeps);
   counters_.proxy = proxy_->counters();
   const Vec3 velocity =
-      input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3((to - sample_from_) * (unit_m_ / input.dt_s)) : Vec3(Vec3::Zero());
+      input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3((to - sample_before_) * (unit_m_ / input.dt_s)) : Vec3(Vec3::Zero());
   MethodOutput output = compute_output(input.p_SD, proxy_->surface_position(to), velocity);
   if (output.contact) output.p_SP = to_scene(proxy_->state().position);
   return output;
@@ -167,12 +167,12 @@ void ReferenceMethod::follow(const Vec3& from, const Vec3& to, int substeps) noe
 // is known. Sub-steps of equal length would find it only within their length, and twice as many would often find the same wrong moment.
 void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size_t level) noexcept {
   if (!proxy_->has_memory()) return proxy_->follow(from, to, {});
-  ReferenceProxy::State& before = levels_[level];
+  ReferenceProxy::State& before = level_states_[level];
   proxy_->save(before);
   proxy_->follow(from, to, {});
-  const double part = (to - from).norm();
-  const bool jumps = part > kMinPart && (proxy_->state().position - before.position).norm() > kJump * part;
-  if (!jumps || level + 1 == levels_.size() || halvings_left_ == 0) return;
+  const double length = (to - from).norm();
+  const bool jumps = length > kMinHalvedSubstep && (proxy_->state().position - before.position).norm() > kJumpRatio * length;
+  if (!jumps || level + 1 == level_states_.size() || halvings_left_ == 0) return;
   --halvings_left_;
   proxy_->restore(before);
   const Vec3 middle = 0.5 * (from + to);
@@ -182,29 +182,29 @@ void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size
 
 void ReferenceMethod::follow_to_the_limit(const Vec3& from, const Vec3& to) noexcept {
   if (from == to) return follow(from, to, 1);  // nothing to divide
-  proxy_->save(start_);
-  last_.substeps = substeps_;
+  proxy_->save(start_state_);
+  last_step_.substeps = substeps_;
   follow(from, to, substeps_);
-  for (last_.settled = false; !last_.settled && last_.substeps <= substep_limit_ / 2;) {
+  for (last_step_.settled = false; !last_step_.settled && last_step_.substeps <= substep_limit_ / 2;) {
     const Vec3 coarse = proxy_->surface_position(to) - to;
     const double coarse_stiffness = proxy_->state().material.stiffness_n_per_m;
     const bool coarse_sliding = proxy_->state().sliding;
-    proxy_->restore(start_);
-    last_.substeps *= 2;
-    follow(from, to, last_.substeps);
+    proxy_->restore(start_state_);
+    last_step_.substeps *= 2;
+    follow(from, to, last_step_.substeps);
     const Vec3 fine = proxy_->surface_position(to) - to;
     const double length = std::max(coarse.norm(), fine.norm());
     const double change = (fine - coarse).norm();
-    last_.change = length > 0.0 ? change / length : 0.0;
-    last_.settled = change <= std::max(kAgreement * length, kResolution) && proxy_->state().sliding == coarse_sliding &&
-                    (length == 0.0 || proxy_->state().material.stiffness_n_per_m == coarse_stiffness);
+    last_step_.change = length > 0.0 ? change / length : 0.0;
+    last_step_.settled = change <= std::max(kAgreement * length, kResolution) && proxy_->state().sliding == coarse_sliding &&
+                         (length == 0.0 || proxy_->state().material.stiffness_n_per_m == coarse_stiffness);
   }
 }
 
 void ReferenceMethod::reset(const Vec3& p_SD) noexcept {
   counters_ = {};
   proxy_->clear_counters();
-  last_ = {};
+  last_step_ = {};
   has_sample_ = p_SD.allFinite();
   if (has_sample_) device_ = device_to_local(p_SD);
   proxy_->place_free(device_);
@@ -231,8 +231,8 @@ void ReferenceMethod::continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sli
   gather(device_, length + 128.0 * proxy_->rest_offset());
   const Vec3 position = device_ + penetration;
   if (proxy_->place_on_surface(position, sliding)) return;
-  const double lift = proxy_->has_room(position) ? 0.0 : 2.0 * ReferenceProxy::kPointRadius / length;
-  proxy_->place_held(position + lift * penetration, sliding);
+  const double lift_share = proxy_->has_room(position) ? 0.0 : 2.0 * ReferenceProxy::kPointRadius / length;
+  proxy_->place_held(position + lift_share * penetration, sliding);
   proxy_->follow(device_, device_, {});
   if (!proxy_->state().free) proxy_->set_sliding(sliding);
 }

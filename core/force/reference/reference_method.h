@@ -76,7 +76,7 @@ class ReferenceMethod final : public ForceMethod {
   void continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }
-  const ReferenceStep& last_step() const { return last_; }
+  const ReferenceStep& last_step() const { return last_step_; }
 
  private:
   ReferenceMethod(const MethodSettings& settings, const TouchScene& scene, bool prefilter);
@@ -103,13 +103,13 @@ class ReferenceMethod final : public ForceMethod {
   std::vector<PreparedTriangle> prepared_;  // triangles_; empty if they are many
 
   std::unique_ptr<ReferenceProxy> proxy_;
-  ReferenceProxy::State start_;                // at the start of the step
-  std::vector<ReferenceProxy::State> levels_;  // before a sub-step and before each of its halves, by level of halving
+  ReferenceProxy::State start_state_;                // at the start of the step
+  std::vector<ReferenceProxy::State> level_states_;  // before a sub-step and before each of its halves, by level of halving
   int halvings_left_ = 0;
   Vec3 device_ = Vec3::Zero();
-  Vec3 sample_from_ = Vec3::Zero();  // the device position in the sample before, for damping
+  Vec3 sample_before_ = Vec3::Zero();  // the device position in the sample before, for damping
   bool has_sample_ = false;
-  ReferenceStep last_;
+  ReferenceStep last_step_;
   ReferenceCounters counters_;
 };
 

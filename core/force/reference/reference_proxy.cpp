@@ -11,15 +11,15 @@ namespace hapton {
 namespace {
 
 // In the unit of the reference: the scene's diagonal lies in [1/2, 1).
-constexpr double kRounding = 0x1p-48;      // bound on the error of a distance between points within the scene
-constexpr double kErosion = 0x1p-47;       // most that one motion takes from a distance already at its minimum: twice the rounding error
-constexpr double kIdleGain = 0x1p-50;      // a motion that comes nearer to the device by less counts as idle
-constexpr int kIdleMotions = 8;            // a descent ends after this many idle motions in succession
-constexpr int kMaxMotions = 16000;         // most motions of one descent; Counters::unconverged counts the descents that need more
-constexpr int kMaxEscapes = 64;            // most escapes in one sub-step
-constexpr double kLocal = 0x1p-7;          // half side of the cube whose faces are listed: a few hundred faces of a million
-constexpr std::size_t kMaxContacts = 256;  // one more replaces the oldest
-constexpr double kSteepest = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
+constexpr double kRounding = 0x1p-48;         // bound on the error of a distance between points within the scene
+constexpr double kMaxDistanceLoss = 0x1p-47;  // most that one motion takes from a distance already at its minimum: twice the rounding error
+constexpr double kIdleGain = 0x1p-50;         // a motion that comes nearer to the device by less counts as idle
+constexpr int kIdleMotions = 8;               // a descent ends after this many idle motions in succession
+constexpr int kMaxMotions = 16000;            // most motions of one descent; Counters::unconverged counts the descents that need more
+constexpr int kMaxEscapes = 64;               // most escapes in one sub-step
+constexpr double kLocalHalfSide = 0x1p-7;     // half side of the cube whose faces are listed: a few hundred faces of a million
+constexpr std::size_t kMaxContacts = 256;     // one more replaces the oldest
+constexpr double kMaxLowering = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
   return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
@@ -49,18 +49,18 @@ bool stays_beside(const PreparedTriangle& triangle, const Vec3& from, const Vec3
 
 ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces)
     : rest_offset_(std::max(probe_radius, kPointRadius)),
-      local_half_side_(kLocal + 2.0 * rest_offset_),
+      local_half_side_(kLocalHalfSide + 2.0 * rest_offset_),
       materials_(std::move(materials)),
       state_(make_state()) {
   note_friction();
   faces_.reserve(most_faces);
   boxes_.reserve(most_faces);
-  local_.reserve(most_faces);
-  at_vertex_.reserve(most_faces);
+  local_faces_.reserve(most_faces);
+  faces_at_vertex_.reserve(most_faces);
   contacts_before_.reserve(kMaxContacts);
   vertex_contacts_.reserve(kMaxContacts);
-  stays_.reserve(most_faces);
-  near_.reserve(kMaxNear);
+  intervals_.reserve(most_faces);
+  near_contacts_.reserve(kMaxNear);
   directions_.reserve(kMaxDirections);
   half_spaces_.reserve(kMaxContacts);
 }
@@ -72,14 +72,14 @@ ReferenceProxy::State ReferenceProxy::make_state() const {
 }
 
 void ReferenceProxy::clear_faces() noexcept {
-  has_local_ = has_vertex_ = false;
+  has_local_faces_ = has_vertex_ = false;
   faces_.clear();
   boxes_.clear();
 }
 
 void ReferenceProxy::add_face(const Face& face) noexcept {
   const auto& [a, b, c] = face.shape.corner;
-  has_local_ = has_vertex_ = false;
+  has_local_faces_ = has_vertex_ = false;
   faces_.push_back(face);
   boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
 }
@@ -113,14 +113,14 @@ Vec3 ReferenceProxy::surface_position(const Vec3& device) noexcept {
   const Vec3 position = state_.position;
   if (rest_offset_ != kPointRadius || position == device) return position;
   update_contacts();
-  const Pull held = project_pull(device - position);
-  const int n = held.motion.count;
-  if (n == 0 || !held.motion.feasible) return position;
+  const Pull pull = project_pull(device - position);
+  const int n = pull.motion.count;
+  if (n == 0 || !pull.motion.feasible) return position;
   // The shortest motion that brings the proxy to zero distance from all active contacts: N (N^T N)^-1 (-distances).
   Mat3 normals = Mat3::Zero();
   Vec3 distances = Vec3::Zero();
   for (int i = 0; i < n; ++i) {
-    const Contact& contact = state_.contacts[held.motion.active[i]];
+    const Contact& contact = state_.contacts[pull.motion.active[i]];
     normals.col(i) = contact.near.direction;
     distances[i] = contact.near.distance;
   }
@@ -128,7 +128,7 @@ Vec3 ReferenceProxy::surface_position(const Vec3& device) noexcept {
   for (int i = n; i < 3; ++i) gram(i, i) = 1.0;
   const Vec3 down = -normals * gram.fullPivLu().solve(distances);
   const bool is_sound =
-      down.allFinite() && (normals.transpose() * down + distances).norm() <= kTolerance && down.norm() <= kSteepest * rest_offset_;
+      down.allFinite() && (normals.transpose() * down + distances).norm() <= kTolerance && down.norm() <= kMaxLowering * rest_offset_;
   const Vec3 onto = is_sound ? Vec3(position + down) : position;
   return (onto - device).dot(position - device) > 0.0 ? onto : device;
 }
@@ -136,14 +136,14 @@ Vec3 ReferenceProxy::surface_position(const Vec3& device) noexcept {
 // Moves the proxy until no straight motion brings it nearer to the device.
 void ReferenceProxy::descend(const Vec3& device) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
-  int idle = 0;
+  int idle_motions = 0;
   int motions = 0;
-  for (; motions < kMaxMotions && idle < kIdleMotions; ++motions) {
+  for (; motions < kMaxMotions && idle_motions < kIdleMotions; ++motions) {
     update_contacts();
     if (state_.contacts.empty() && cross_free_space(device)) break;
     const double distance = (device - state_.position).norm();
     if (distance < rules_.near_enough) break;
-    idle = distance < nearest - kIdleGain ? 0 : idle + 1;
+    idle_motions = distance < nearest - kIdleGain ? 0 : idle_motions + 1;
     nearest = std::min(nearest, distance);
     const Pull pull = project_pull(device - state_.position);
     if (pull.strongest != nullptr) {
@@ -210,7 +210,7 @@ void ReferenceProxy::update_contacts() noexcept {
 // against the motion. At the edge between two coplanar triangles it would hold a proxy whose pull along the plane is smaller than that
 // lean, and friction would stop there.
 void ReferenceProxy::forget_boundaries_of_faces() noexcept {
-  meet_face_below();
+  add_face_below();
   const auto is_of_face = [&](const Contact& contact) {
     if (contact.near.feature == TriangleFeature::face) return false;
     return std::any_of(state_.contacts.begin(), state_.contacts.end(), [&](const Contact& other) {
@@ -224,16 +224,16 @@ void ReferenceProxy::forget_boundaries_of_faces() noexcept {
 
 // Adds the face that lies below a point, within its radius. If that face has stopped no motion, as in a row of coplanar slivers, only the
 // boundary of the next face is in contact.
-void ReferenceProxy::meet_face_below() noexcept {
+void ReferenceProxy::add_face_below() noexcept {
   const auto is_boundary = [](const Contact& contact) { return contact.near.feature != TriangleFeature::face; };
   if (rest_offset_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_boundary)) return;
   list_local_faces();
-  for (const std::uint32_t i : local_) {
+  for (const std::uint32_t i : local_faces_) {
     const Box& box = boxes_[i];
     const double bound = rest_offset_ + kTolerance;
-    if (((state_.position - box.high).cwiseMax(box.low - state_.position).array() > bound).any() || !can_meet(faces_[i])) continue;
+    if (((state_.position - box.high).cwiseMax(box.low - state_.position).array() > bound).any() || !can_touch(faces_[i])) continue;
     const ClosestPoint near = closest_point(faces_[i].shape, state_.position);
-    if (near.feature == TriangleFeature::face && near.distance <= bound && !near.direction.isZero(0.0)) meet(faces_[i]);
+    if (near.feature == TriangleFeature::face && near.distance <= bound && !near.direction.isZero(0.0)) add_contact(faces_[i]);
   }
 }
 
@@ -271,11 +271,11 @@ ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
 // point passes the boundary by its radius. A sphere under friction passes it by so little that its path over the edge is that of slip().
 Vec3 ReferenceProxy::cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
-  const double past = has_friction() && is_sphere() ? kShortestSlip * rest_offset_ : rest_offset_;
-  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > past)) return motion;
+  const double overshoot = has_friction() && is_sphere() ? kShortestSlip * rest_offset_ : rest_offset_;
+  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > overshoot)) return motion;
   double until = 1.0;
   for (int i = 0; i < pull.motion.count; ++i) until = std::min(until, share_on_feature(state_.contacts[pull.motion.active[i]], motion));
-  return std::min(1.0, until + past / length) * motion;
+  return std::min(1.0, until + overshoot / length) * motion;
 }
 
 // The share of a motion that stays on the feature in contact.
@@ -294,31 +294,31 @@ double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& moti
 
 // The share of a motion over coplanar nearby faces.
 double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion) noexcept {
-  const auto stay_over = [&](const PreparedTriangle& shape) {
-    Stay stay{0.0, 1.0};
+  const auto interval_over = [&](const PreparedTriangle& shape) {
+    FaceInterval interval{0.0, 1.0};
     for (int k = 0; k < 3; ++k) {
       const double inside = shape.inward[k].dot(state_.position - shape.corner[k]);
       const double rate = shape.inward[k].dot(motion);
-      if (rate < 0.0) stay.until = std::min(stay.until, std::max(inside, 0.0) / -rate);
-      if (inside < 0.0) stay.from = rate > 0.0 ? std::max(stay.from, -inside / rate) : 2.0;
+      if (rate < 0.0) interval.until = std::min(interval.until, std::max(inside, 0.0) / -rate);
+      if (inside < 0.0) interval.from = rate > 0.0 ? std::max(interval.from, -inside / rate) : 2.0;
     }
-    return stay;
+    return interval;
   };
-  stays_.clear();
+  intervals_.clear();
   list_local_faces();
-  for (const std::uint32_t i : local_) {
+  for (const std::uint32_t i : local_faces_) {
     const PreparedTriangle& shape = faces_[i].shape;
     if (!shape.has_face || std::abs(shape.normal.dot(contact.near.direction)) < 1.0 - kSamePlane) continue;
     if (std::abs(std::abs(shape.normal.dot(state_.position - shape.corner[shape.base])) - contact.near.distance) > kTolerance) continue;
-    const Stay stay = stay_over(shape);
-    if (stay.from < stay.until) stays_.push_back(stay);
+    const FaceInterval interval = interval_over(shape);
+    if (interval.from < interval.until) intervals_.push_back(interval);
   }
-  std::sort(stays_.begin(), stays_.end(), [](const Stay& a, const Stay& b) { return a.from < b.from; });
-  double until = stay_over(contact.face.shape).until;
+  std::sort(intervals_.begin(), intervals_.end(), [](const FaceInterval& a, const FaceInterval& b) { return a.from < b.from; });
+  double until = interval_over(contact.face.shape).until;
   const double gap = rest_offset_ / motion.norm();
-  for (const Stay& stay : stays_) {
-    if (stay.from > until + gap) break;
-    until = std::max(until, stay.until);
+  for (const FaceInterval& interval : intervals_) {
+    if (interval.from > until + gap) break;
+    until = std::max(until, interval.until);
   }
   return until;
 }
@@ -327,18 +327,18 @@ double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion
 // proxy has left the middle of the cube.
 void ReferenceProxy::list_local_faces() noexcept {
   if (is_local(state_.position, 0.5 * local_half_side_)) return;
-  local_.clear();
+  local_faces_.clear();
   local_centre_ = state_.position;
   const Vec3 low = local_centre_.array() - local_half_side_;
   const Vec3 high = local_centre_.array() + local_half_side_;
   for (std::size_t i = 0; i < faces_.size(); ++i) {
-    if (boxes_meet(boxes_[i].low, boxes_[i].high, low, high)) local_.push_back(static_cast<std::uint32_t>(i));
+    if (boxes_meet(boxes_[i].low, boxes_[i].high, low, high)) local_faces_.push_back(static_cast<std::uint32_t>(i));
   }
-  has_local_ = true;
+  has_local_faces_ = true;
 }
 
 bool ReferenceProxy::is_local(const Vec3& p, double bound) const noexcept {
-  return has_local_ && ((p - local_centre_).cwiseAbs().array() <= bound).all();
+  return has_local_faces_ && ((p - local_centre_).cwiseAbs().array() <= bound).all();
 }
 
 // The first of `count` faces on the path, and its time.
@@ -353,14 +353,14 @@ ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::siz
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = face_at(k);
     const Face& face = faces_[i];
-    if (!comes_near(middle, half, boxes_[i].low, boxes_[i].high, reach) || !can_meet(face)) continue;
+    if (!comes_near(middle, half, boxes_[i].low, boxes_[i].high, reach) || !can_touch(face)) continue;
     if (stays_beside(face.shape, state_.position, motion, reach)) continue;
     const double distance = closest_point(face.shape, state_.position).distance;
-    // A motion ends at the rest offset less the tolerance. Where the distance is already smaller, a motion may reduce it by one kErosion
-    // more, but never below half, so any number of motions stays on the proxy's side.
-    double limit = std::min(rest_offset_ - kTolerance, distance - kErosion);
+    // A motion ends at the rest offset less the tolerance. Where the distance is already smaller, a motion may reduce it by one
+    // kMaxDistanceLoss more, but never below half, so any number of motions stays on the proxy's side.
+    double limit = std::min(rest_offset_ - kTolerance, distance - kMaxDistanceLoss);
     if (distance < 0.5 * rest_offset_) limit = distance;
-    const SweepHit found = sweep_point(face.shape, state_.position, motion, first.until, limit, 0.5 * kErosion, kRounding);
+    const SweepHit found = sweep_point(face.shape, state_.position, motion, first.until, limit, 0.5 * kMaxDistanceLoss, kRounding);
     if (found.hit) first = {found.t, &face};
   }
   return first;
@@ -370,15 +370,15 @@ ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::siz
 // the cube of listed faces is the first hit among all faces.
 bool ReferenceProxy::advance(const Vec3& motion) noexcept {
   list_local_faces();
-  FirstHit first = find_first(motion, local_.size(), [&](std::size_t k) { return std::size_t{local_[k]}; });
+  FirstHit first = find_first(motion, local_faces_.size(), [&](std::size_t k) { return std::size_t{local_faces_[k]}; });
   const double inner = local_half_side_ - (rest_offset_ + 2.0 * kTolerance);
   if (!is_local(state_.position + first.until * motion, inner)) first = find_first(motion, faces_.size(), [](std::size_t k) { return k; });
   state_.position += first.face == nullptr ? motion : Vec3(first.until * motion);
-  if (first.face != nullptr) meet(*first.face);
+  if (first.face != nullptr) add_contact(*first.face);
   return first.face == nullptr;
 }
 
-void ReferenceProxy::meet(const Face& face) noexcept {
+void ReferenceProxy::add_contact(const Face& face) noexcept {
   for (const Contact& known : state_.contacts) {
     if (known.face.triangle == face.triangle) return;
   }
@@ -387,7 +387,7 @@ void ReferenceProxy::meet(const Face& face) noexcept {
 }
 
 // One-sided surfaces block only from the side that their normals point to.
-bool ReferenceProxy::can_meet(const Face& face) const noexcept {
+bool ReferenceProxy::can_touch(const Face& face) const noexcept {
   if (materials_[face.object].two_sided) return true;
   return face.shape.has_face && face.shape.normal.dot(state_.position - face.shape.corner[face.shape.base]) > 0.0;
 }

@@ -86,7 +86,7 @@ class ReferenceProxy {
   bool has_room(const Vec3& p) noexcept;
 
   // Whether the position depends on the device's path, not only on the path's end: there is friction.
-  bool has_memory() const { return !frictionless_; }
+  bool has_memory() const { return !is_frictionless_; }
   void set_sliding(bool sliding) noexcept { state_.sliding = sliding; }
 
   // One sub-step: the device has moved straight from the first position to the second; moves the proxy to its equilibrium for the second.
@@ -116,7 +116,7 @@ class ReferenceProxy {
   };
 
   // The part of a motion in which the proxy is over a face: shares of the motion at entry and exit.
-  struct Stay {
+  struct FaceInterval {
     double from, until;
   };
   struct FirstHit {
@@ -148,7 +148,7 @@ class ReferenceProxy {
   static constexpr std::size_t kMaxDirections = 1536;  // above 1 + 4 * 48 of the pull, faces and edges, and 1,128 of pairs of faces
 
   // A face at a concave edge.
-  struct Side {
+  struct EdgeFace {
     Vec3 normal = Vec3::Zero();
     Vec3 inward = Vec3::Zero();
   };
@@ -169,7 +169,7 @@ class ReferenceProxy {
   bool cross_free_space(const Vec3& device) noexcept;
   void update_contacts() noexcept;
   void forget_boundaries_of_faces() noexcept;
-  void meet_face_below() noexcept;
+  void add_face_below() noexcept;
   Pull project_pull(const Vec3& pull) noexcept;
   double pressure_of(double depth) const noexcept;
   Material material_of(const Pull& pull) const noexcept;
@@ -178,14 +178,14 @@ class ReferenceProxy {
   double share_on_feature(const Contact& contact, const Vec3& motion) noexcept;
   double share_on_plane(const Contact& contact, const Vec3& motion) noexcept;
   void note_friction() noexcept {
-    frictionless_ = std::none_of(materials_.begin(), materials_.end(), [](const Material& one) { return one.friction_static > 0.0; });
+    is_frictionless_ = std::none_of(materials_.begin(), materials_.end(), [](const Material& one) { return one.friction_static > 0.0; });
   }
   bool is_sphere() const { return rest_offset_ > 16.0 * kPointRadius; }
-  bool has_friction() const { return !frictionless_ && rules_.friction; }
+  bool has_friction() const { return !is_frictionless_ && rules_.friction; }
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
   const Vec3* find_vertex(const Pull& pull) const noexcept;
   bool leave_vertex(const Vec3& device, const Pull& pull) noexcept;
-  bool find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept;
+  bool find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<EdgeFace, 2>& sides) noexcept;
   bool is_held_at_edge(const Vec3& device, const Pull& pull) noexcept;
   AtVertex slip_from_vertex(const Vec3& device, const Pull& pull) noexcept;
   bool leave_along(const Vec3& vertex, const Vec3& descent, const Vec3& device) noexcept;
@@ -199,27 +199,27 @@ class ReferenceProxy {
   Vec3 pivot_of(const Contact& contact) const noexcept;
   bool go_round(const Contact& contact, const Vec3& tangent, double angle) noexcept;
   bool advance(const Vec3& motion) noexcept;
-  void meet(const Face& face) noexcept;
-  bool can_meet(const Face& face) const noexcept;
+  void add_contact(const Face& face) noexcept;
+  bool can_touch(const Face& face) const noexcept;
 
   double rest_offset_;
   double local_half_side_;
   std::vector<Material> materials_;  // by object
-  bool frictionless_ = true;
+  bool is_frictionless_ = true;
   Rules rules_;
   State state_;
   std::vector<Face> faces_;
-  std::vector<Box> boxes_;            // of faces_
-  std::vector<std::uint32_t> local_;  // indices into faces_ of those that reach into a cube around local_centre_, ascending
+  std::vector<Box> boxes_;                  // of faces_
+  std::vector<std::uint32_t> local_faces_;  // indices into faces_ of those that reach into a cube around local_centre_, ascending
   Vec3 local_centre_ = Vec3::Zero();
-  bool has_local_ = false;
-  std::vector<std::uint32_t> at_vertex_;  // indices into faces_ of those at vertex_, ascending
+  bool has_local_faces_ = false;
+  std::vector<std::uint32_t> faces_at_vertex_;  // indices into faces_ of those at vertex_, ascending
   Vec3 vertex_ = Vec3::Zero();
   bool has_vertex_ = false;
   std::vector<Contact> contacts_before_;
   std::vector<Contact> vertex_contacts_;
-  std::vector<Stay> stays_;
-  std::vector<Contact> near_;
+  std::vector<FaceInterval> intervals_;
+  std::vector<Contact> near_contacts_;
   std::vector<Vec3> directions_;
   std::vector<HalfSpace> half_spaces_;
   Counters counters_;

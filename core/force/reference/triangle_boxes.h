@@ -27,8 +27,8 @@ class TriangleBoxes {
   };
   std::vector<Boxes8> boxes_;
   std::uint32_t count_ = 0;
-  std::vector<std::uint32_t> near_;
-  double most_ = 0.0;  // largest absolute coordinate
+  std::vector<std::uint32_t> near_triangles_;
+  double largest_coordinate_ = 0.0;  // largest absolute coordinate
 };
 
 }  // namespace hapton
