@@ -20,12 +20,12 @@ class EmptyBall {
   const Vec3& sample_before() const noexcept { return before_S_; }  // the sample before it, maybe outside the ball; frame S
 
   // Counts the distance that the device moves while there is no ball.
-  void note_motion(double distance) noexcept { to_travel_ -= distance; }
-  bool is_due() const noexcept { return to_travel_ <= 0.0; }  // the device has moved so far that a search may have another result
+  void note_motion(double distance) noexcept { travel_until_search_ -= distance; }
+  bool is_due() const noexcept { return travel_until_search_ <= 0.0; }  // the device has moved so far that a search may have another result
 
-  // The radius of an empty ball around the device for a probe that keeps the distance `rest` from triangles, at most may_go; 0: none found.
-  // displacement: length of the device's motion in this step; the search reaches about 64 times as far.
-  double find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept;
+  // The radius of an empty ball around the device for a probe that keeps the distance `offset` from triangles, at most max_radius; 0: none
+  // found. displacement: length of the device's motion in this step; the search reaches about 64 times as far.
+  double find(const TouchGeometry& geometry, const Vec3& device, double displacement, double offset, double max_radius) noexcept;
   int work() const noexcept { return work_; }  // of the last find(), in units (step_work.h)
   // Begins a ball of that radius around the device at p_SD. before_S: the device in the sample before.
   void enter(const TouchGeometry& geometry, const Vec3& p_SD, const Vec3& before_S, double radius) noexcept;
@@ -33,11 +33,11 @@ class EmptyBall {
   void reset() noexcept { *this = EmptyBall(); }
 
  private:
-  Vec3 centre_S_ = Vec3::Zero();    // m
-  double radius_squared_m2_ = 0.0;  // 0: no ball known
-  Vec3 last_S_ = Vec3::Zero();      // m
-  Vec3 before_S_ = Vec3::Zero();    // m
-  double to_travel_ = 0.0;          // distance before the next search
+  Vec3 centre_S_ = Vec3::Zero();      // m
+  double radius_squared_m2_ = 0.0;    // 0: no ball known
+  Vec3 last_S_ = Vec3::Zero();        // m
+  Vec3 before_S_ = Vec3::Zero();      // m
+  double travel_until_search_ = 0.0;  // distance before the next search
   int work_ = 0;
 };
 

@@ -73,13 +73,13 @@ bool FreeFlight::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, b
 // segment first meets the side that it crosses once more than the other.
 bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept {
   if (!vertex_.land(id, back, hit) || !vertex_.reach_vertex(k)) return true;
-  int more = 0;
+  int crossing_balance = 0;
   tests_ += static_cast<int>(vertex_.fan().size());
   for (const SurfacePoint::FanFacet& facet : vertex_.fan()) {
     const TouchGeometry::Hit at = surfaces_.geometry().pierce(facet.id, p, to);
-    if (at.time <= 1.0) more += at.from_back == facet.back ? 1 : -1;
+    if (at.time <= 1.0) crossing_balance += at.from_back == facet.back ? 1 : -1;
   }
-  return more != 0 ? more > 0 : vertex_.is_before_fan(p);
+  return crossing_balance != 0 ? crossing_balance > 0 : vertex_.is_before_fan(p);
 }
 
 Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {

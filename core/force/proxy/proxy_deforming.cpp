@@ -51,8 +51,8 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
   Anchor anchor{.distance = reach_m / geometry_.unit_m()};
   if (!has_sample_) return anchor;
   // A probe that ran out of work on its way through free space has no contact either.
-  const bool floats = proxy_.is_free || (!surface_.is_on_surface() && proxy_.contact_count == 0);
-  const double reach = floats ? anchor.distance : kBeside * kContactOffset;
+  const bool is_floating = proxy_.is_free || (!surface_.is_on_surface() && proxy_.contact_count == 0);
+  const double reach = is_floating ? anchor.distance : kEdgeReach * kContactOffset;
   if (!proxy_.is_free) anchor.distance = 0.0;
   if (!surface_.is_on_surface()) {
     const Vec3 p = proxy_.position;
@@ -81,7 +81,7 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
   anchor.back = surface_.at().a().is_back();
   anchor.point = surface_.point();
   anchor.weights = weights_on(surface_.at().a().shape, anchor.point);
-  if (floats) surface_.leave();
+  if (is_floating) surface_.leave();
   return anchor;
 }
 
@@ -115,7 +115,7 @@ void ProxyMethod::move_with_surface(const Anchor& anchor) noexcept {
   proxy_.slides = slides;
   last_device_ += moved;
   if (carried_from_) *carried_from_ += moved;
-  unconverged_ = true;
+  is_unconverged_ = true;
 }
 
 }  // namespace hapton

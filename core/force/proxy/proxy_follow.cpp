@@ -7,10 +7,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarFromScene = 4.0;                 // local units: positions farther out are too coarse to be exact on the surface
-constexpr double kLift = 0.5 * SurfacePoint::kClear;  // distance from the surface at which a flight starts
-constexpr double kNarrow = 8.0;                       // contact offsets: a triangle whose middle is nearer to an edge than this has no room
-constexpr int kMaxLegs = 64;                          // flights in one step
+constexpr double kFarFromScene = 4.0;  // local units: positions farther out are too coarse to be exact on the surface
+constexpr double kFlightStartHeight = 0.5 * SurfacePoint::kClear;  // distance from the surface at which a flight starts
+constexpr double kNarrow = 8.0;  // contact offsets: a triangle whose middle is nearer to an edge than this has no room
+constexpr int kMaxLegs = 64;     // flights in one step
 
 bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
 
@@ -38,7 +38,7 @@ NearSpan find_near_span(const Vec3& from, const Vec3& to) {
   return span;
 }
 
-Vec3 not_far(const Vec3& p) { return p.cwiseMax(-kFarFromScene).cwiseMin(kFarFromScene); }
+Vec3 clamped_near_scene(const Vec3& p) { return p.cwiseMax(-kFarFromScene).cwiseMin(kFarFromScene); }
 
 }  // namespace
 
@@ -47,18 +47,18 @@ Vec3 not_far(const Vec3& p) { return p.cwiseMax(-kFarFromScene).cwiseMin(kFarFro
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   const NearSpan near = find_near_span(last, device);
   if (!is_point_ || near.begin > near.end || (near.begin == 0.0 && near.end == 1.0)) return follow_piece(last, device);
-  const Vec3 enter = near.begin > 0.0 ? not_far(on_path(last, device, near.begin)) : last;
-  const Vec3 exit = near.end < 1.0 ? not_far(on_path(last, device, near.end)) : device;
-  if (near.begin > 0.0) come_near(enter);
+  const Vec3 enter = near.begin > 0.0 ? clamped_near_scene(on_path(last, device, near.begin)) : last;
+  const Vec3 exit = near.end < 1.0 ? clamped_near_scene(on_path(last, device, near.end)) : device;
+  if (near.begin > 0.0) arrive_from_far(enter);
   follow_piece(enter, exit);
   if (near.end < 1.0 && !carried_from_) follow_piece(exit, device);
 }
 
 // The device has come from far away to this position near the scene.
-void ProxyMethod::come_near(const Vec3& device) noexcept {
+void ProxyMethod::arrive_from_far(const Vec3& device) noexcept {
   if (proxy_.is_free) return proxy_.settle_at(device);
   if (!surface_.is_on_surface()) sphere_.stop_tracking();
-  unconverged_ = true;
+  is_unconverged_ = true;
 }
 
 void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
@@ -67,12 +67,13 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  const bool may_follow = !swept_.must_go_on() && !(tries_.sweeps_finish && proxy_.contact_count == 0) && tries_.failures < kMaxFailures;
+  const bool may_follow =
+      !swept_.must_go_on() && !(tries_.is_left_to_sweeps && proxy_.contact_count == 0) && tries_.failures < kMaxFailures;
   if (may_follow && follow_offset(last, device, time)) return;
   ++counters_.swept;
   if (may_follow && sphere_.is_in_slit()) return sweep_from_slit(last, device);
   active_offset_ = kContactOffset;
-  if (proxy_.is_free && is_point_) clear_start();
+  if (proxy_.is_free && is_point_) move_start_off_surfaces();
   const Vec3 there = on_path(last, device, time);
   if (!proxy_.is_free && time > 0.0 && !sweep_to(there)) return carry(there);
   if (!sweep_to(device)) return carry(device);
@@ -81,7 +82,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
 
 // The proxy stays in the slit if sweeps get it no nearer to the device.
 void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept {
-  is_close_ = true;
+  is_at_sphere_offset_ = true;
   const bool has_settled = sweep_to(device);
   if (has_settled && !is_nearer_than_sphere(device) && !sweep_past_slit(device)) return copy_sphere_state(device);
   sphere_.stop_tracking();
@@ -105,7 +106,7 @@ bool ProxyMethod::sweep_past_slit(const Vec3& device) noexcept {
   work_left_ -= swept_.work();
   if (!has_settled) swept_.forget();
   if (!has_settled || proxy_.is_free) return has_settled;
-  clear_start();  // without room, a sweep of the larger sphere would push the proxy far aside
+  move_start_off_surfaces();  // without room, a sweep of the larger sphere would push the proxy far aside
   return is_nearer_than_sphere(device) && !is_nearer_to_surface(proxy_.position, kRoom * sphere_.offset());
 }
 
@@ -122,7 +123,7 @@ void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexc
 
 // A sweep that begins nearer to a face than its clearance could pass through it: then it keeps only the sphere follower's distance.
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
-  if (is_close_ && !proxy_.is_free) swept_.keep_only(sphere_.offset());
+  if (is_at_sphere_offset_ && !proxy_.is_free) swept_.keep_only(sphere_.offset());
   const bool has_settled = swept_.descend(proxy_, device, std::max(work_left_, kMinSweptWork));
   work_left_ -= swept_.work();
   return has_settled;
@@ -135,8 +136,8 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   using Met = FreeFlight::Met;
   if (is_far(last) || is_far(device)) return false;
   Outcome outcome = Outcome::settled;
-  bool has_settled = !unconverged_;
-  unconverged_ = false;
+  bool has_settled = !is_unconverged_;
+  is_unconverged_ = false;
   for (int leg = 0; leg < kMaxLegs && work_left_ > 0; ++leg) {
     const Vec3 here = on_path(last, device, time);
     if (!surface_.is_on_surface()) {
@@ -152,7 +153,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     if (outcome == Outcome::unwalkable) return false;
     if (outcome == Outcome::exhausted) {
       carry(on_path(last, device, time));
-      unconverged_ = true;
+      is_unconverged_ = true;
     }
     if (outcome == Outcome::exhausted || (outcome == Outcome::settled && time >= 1.0)) {
       hold_by_surface(device);
@@ -162,7 +163,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     if (outcome == Outcome::settled) continue;
     ++counters_.flights;
     if (outcome == Outcome::released) {
-      const Met met = fly_to_device(surface_.at().lifted_towards(device, kLift), device, time);
+      const Met met = fly_to_device(surface_.at().lifted_towards(device, kFlightStartHeight), device, time);
       if (met == Met::walkable) continue;
       if (met == Met::other) return false;
       surface_.leave();
@@ -171,7 +172,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     double until = 1.0;
     const Vec3 at = on_path(last, device, time);
-    const Met met = flight_.fly(surface_.at().lifted_towards(at, kLift), at, surface_.slides(), surface_, until);
+    const Met met = flight_.fly(surface_.at().lifted_towards(at, kFlightStartHeight), at, surface_.slides(), surface_, until);
     work_left_ -= flight_.work();
     if (met == Met::other) return false;
     if (met == Met::nothing) {
@@ -180,8 +181,8 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     has_settled = met == Met::nothing;
   }
-  unconverged_ = surface_.is_on_surface();
-  if (!unconverged_) return false;
+  is_unconverged_ = surface_.is_on_surface();
+  if (!is_unconverged_) return false;
   carry(on_path(last, device, time));
   hold_by_surface(device);
   return true;
@@ -202,12 +203,14 @@ void ProxyMethod::carry(const Vec3& device) noexcept {
   carried_from_ = device;
 }
 
-void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_surfaces(proxy_.position, kBeside * kContactOffset); }
+void ProxyMethod::move_start_off_surfaces() noexcept {
+  proxy_.position = flight_.clear_of_surfaces(proxy_.position, kEdgeReach * kContactOffset);
+}
 
 // Sets the state at the end of a step in which the surface holds the proxy.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   proxy_.position = surface_.lifted(kContactOffset);
-  is_close_ = false;
+  is_at_sphere_offset_ = false;
   active_offset_ = kContactOffset;
   proxy_.is_free = false;
   proxy_.slides = surface_.slides();
@@ -236,7 +239,7 @@ bool ProxyMethod::is_nearer_to_surface(const Vec3& p, double distance) const noe
 // too narrow for that and the faces beside it are nearer, lifts above these as well. In the wedge between two faces, lifts at a place
 // farther from the tip of the wedge, where the other face is not in the way.
 void ProxyMethod::lift_off_surface() noexcept {
-  // From 512 contact offsets (kBeside) in five tries to 2^21 of them, 2^-9 of the scene.
+  // From 512 contact offsets (kEdgeReach) in five tries to 2^21 of them, 2^-9 of the scene.
   constexpr double kFarther = 8.0;
   constexpr int kMaxTries = 5;
   const SurfacePoint::Facet face = surface_.at().a();
@@ -248,7 +251,7 @@ void ProxyMethod::lift_off_surface() noexcept {
     });
     return any;
   };
-  double beside = kBeside * kContactOffset;
+  double beside = kEdgeReach * kContactOffset;
   Vec3 from;
   Vec3 lifted;
   for (int i = 0; i < kMaxTries; ++i, beside *= kFarther) {
@@ -260,7 +263,7 @@ void ProxyMethod::lift_off_surface() noexcept {
       lifted = surface_.at().lifted(clearance_.offset);
     if (!is_in_the_way(from, lifted)) break;
   }
-  is_close_ = false;
+  is_at_sphere_offset_ = false;
   const bool slides = surface_.slides();
   tries_.lifted = {surface_.point(), (lifted - surface_.point()).norm()};
   surface_.leave();
@@ -276,7 +279,7 @@ void ProxyMethod::lift_off_surface() noexcept {
 // Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where it was lifted off before this motion ran
 // out of work: it would be lifted off again, and that may leave no work to get farther.
 bool ProxyMethod::land_on_surface() noexcept {
-  if (tries_.lifted && (proxy_.position - tries_.lifted->from).norm() <= 2.0 * tries_.lifted->by) return false;
+  if (tries_.lifted && (proxy_.position - tries_.lifted->from).norm() <= 2.0 * tries_.lifted->distance) return false;
   const auto active = proxy_.active();
   if (active.empty() || active.size() > 2) return false;
   for (const ProxyContact& contact : active) {
@@ -290,17 +293,17 @@ bool ProxyMethod::land_on_surface() noexcept {
     for (int k = 0; k < 3; ++k) {
       if (!(shape.inside(k, p) > 0.0)) return false;
     }
-    unconverged_ = surface_.land(triangle, back, p, proxy_.slides);
-    return unconverged_;
+    is_unconverged_ = surface_.land(triangle, back, p, proxy_.slides);
+    return is_unconverged_;
   }
   for (int k = 0; k < 3; ++k) {
     const TouchGeometry::Adjacent adjacent = geometry_.adjacent(triangle, k);
     if (!adjacent.exists || adjacent.id != active[1].triangle) continue;
     const double along = shape.along(k, p);
     const Vec3 on_edge = shape.corner(k) + along * shape.edge(k);
-    if (!(along > 0.0 && along < 1.0) || (on_edge - p).norm() > kBeside * kContactOffset) return false;
-    unconverged_ = surface_.land_on_edge(triangle, back, k, on_edge, proxy_.slides);
-    return unconverged_;
+    if (!(along > 0.0 && along < 1.0) || (on_edge - p).norm() > kEdgeReach * kContactOffset) return false;
+    is_unconverged_ = surface_.land_on_edge(triangle, back, k, on_edge, proxy_.slides);
+    return is_unconverged_;
   }
   return false;
 }

@@ -110,8 +110,8 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   leave_ball();
   ball_.reset();
   carried_from_.reset();
-  unconverged_ = false;
-  is_close_ = false;
+  is_unconverged_ = false;
+  is_at_sphere_offset_ = false;
   touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
@@ -123,18 +123,18 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
 
 // If friction has changed, the proxy settles again at the beginning of the next step: what held the proxy may hold it no longer.
 void ProxyMethod::set_materials(std::span<const Material> materials) noexcept {
-  bool is_friction_other = false;
+  bool has_friction_changed = false;
   for (std::size_t i = 0; i < std::min(materials.size(), materials_.size()); ++i) {
-    is_friction_other |= materials[i].friction_static != materials_[i].friction_static;
-    is_friction_other |= materials[i].friction_dynamic != materials_[i].friction_dynamic;
+    has_friction_changed |= materials[i].friction_static != materials_[i].friction_static;
+    has_friction_changed |= materials[i].friction_dynamic != materials_[i].friction_dynamic;
     materials_[i] = materials[i];
   }
-  if (!is_friction_other) return;
+  if (!has_friction_changed) return;
   surfaces_.note_friction();
   sphere_.note_friction();
   if (!surface_.is_on_surface()) return;
   surface_.note_friction();
-  unconverged_ = true;
+  is_unconverged_ = true;
 }
 
 // Within a known empty ball the proxy is free and the step is this one comparison, which fails for samples that are not finite.
@@ -154,10 +154,10 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (!has_sample_) reset(input.p_SD);
   const Vec3 last = std::exchange(last_device_, device);
   const Vec3 from = begin_motion(input, last);
-  const double clear = find_clear(device, (device - last).norm());
-  if ((device - proxy_.position).norm() < clear) {
+  const double empty_radius = find_empty_radius(device, (device - last).norm());
+  if ((device - proxy_.position).norm() < empty_radius) {
     proxy_.settle_at(device);
-    ball_.enter(geometry_, input.p_SD, geometry_.to_scene(sample_from_), clear);
+    ball_.enter(geometry_, input.p_SD, geometry_.to_scene(sample_before_), empty_radius);
   } else {
     const std::uint64_t events = surface_.events();
     follow(from, device);
@@ -170,28 +170,28 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
 }
 
 Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexcept {
-  if (!input.is_correction) sample_from_ = last;
+  if (!input.is_correction) sample_before_ = last;
   if (!carried_from_) tries_.forget();
   work_left_ = StepWork::kMax;
   return std::exchange(carried_from_, std::nullopt).value_or(last);
 }
 
-void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept { sample_from_ = within_limits(geometry_.to_local(p_SD)); }
+void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept { sample_before_ = within_limits(geometry_.to_local(p_SD)); }
 
-double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept {
+double ProxyMethod::find_empty_radius(const Vec3& device, double displacement) noexcept {
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
   if (geometry_.waiting_count() != waiting) {  // what the followers have found does not contain new objects
     sphere_.forget_near();
     swept_.drop_motion();
   }
-  double clear = 0.0;
+  double empty_radius = 0.0;
   if (proxy_.is_free && ball_.is_due()) {
-    clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - (device - proxy_.position).norm());
+    empty_radius = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - (device - proxy_.position).norm());
     work_left_ -= ball_.work();
   }
   ball_.note_motion(displacement);
-  return clear;
+  return empty_radius;
 }
 
 MethodOutput ProxyMethod::render_contact(const MethodInput& input, const Vec3& device) noexcept {
@@ -204,7 +204,7 @@ MethodOutput ProxyMethod::render_contact(const MethodInput& input, const Vec3& d
   const Vec3 turned = shading_ > 0.0 ? shaded(extension) : extension;
   const bool is_contact = length > active_offset_;
   const Vec3 extension_m = is_contact ? Vec3(turned * ((length - active_offset_) / length * geometry_.unit_m())) : Vec3::Zero();
-  return {.force_n = force_of(extension_m, (device - sample_from_) * speed_m_per_s),
+  return {.force_n = force_of(extension_m, (device - sample_before_) * speed_m_per_s),
           .p_SP = geometry_.to_scene(proxy_.position),
           .contact = is_contact,
           .object = is_contact ? touched_object_ : -1};

@@ -102,7 +102,7 @@ class ProxyMethod final : public ForceMethod {
   // How often the sphere follower may fail in one motion; after that sweeps finish it, as the two could undo each other's work without end.
   // Also how often the motion may be carried on after a sweep. A choice.
   static constexpr int kMaxFailures = 4;
-  static constexpr double kBeside = 512.0;          // contact offsets: distance within which an edge or vertex affects the proxy
+  static constexpr double kEdgeReach = 512.0;       // contact offsets: distance within which an edge or vertex affects the proxy
   static constexpr double kLookAheadSteps = 500.0;  // steps: 0.5 s at 1 kHz; an object is requested this long before the probe can reach it
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
@@ -118,14 +118,14 @@ class ProxyMethod final : public ForceMethod {
   // Returns where the device's motion to this sample begins: at the last sample, or where the last step ran out of work.
   Vec3 begin_motion(const MethodInput& input, const Vec3& last) noexcept;
   // Requests the objects ahead of the probe. Returns the radius of the empty ball around the device, local; 0: none found or not searched.
-  double find_clear(const Vec3& device, double displacement) noexcept;
+  double find_empty_radius(const Vec3& device, double displacement) noexcept;
   MethodOutput render_contact(const MethodInput& input, const Vec3& device) noexcept;
   void leave_ball() noexcept;
   Vec3 shaded(const Vec3& extension) noexcept;
   Material felt_material() const noexcept;
   Vec3 force_of(const Vec3& extension_m, const Vec3& velocity_m_per_s) const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
-  void come_near(const Vec3& device) noexcept;
+  void arrive_from_far(const Vec3& device) noexcept;
   void follow_piece(const Vec3& last, const Vec3& device) noexcept;
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   FreeFlight::Met fly_to_device(const Vec3& from, const Vec3& device, double& time) noexcept;
@@ -137,7 +137,7 @@ class ProxyMethod final : public ForceMethod {
   void follow_after_sweep(const Vec3& last, const Vec3& device) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
   void carry(const Vec3& device) noexcept;
-  void clear_start() noexcept;
+  void move_start_off_surfaces() noexcept;
   std::optional<std::uint32_t> find_nearest(const Vec3& p, double reach, Separation& at) const noexcept;
   bool is_nearer_to_surface(const Vec3& p, double distance) const noexcept;
   void lift_off_surface() noexcept;
@@ -146,18 +146,18 @@ class ProxyMethod final : public ForceMethod {
 
   struct Lifted {
     Vec3 from = Vec3::Zero();
-    double by = 0.0;
+    double distance = 0.0;
   };
   // In the motion to one sample, over all steps that this motion takes.
   struct Tries {
-    int failures = 0;              // of the sphere follower
-    int sweep_carries = 0;         // carries after a sweep that left no work, when the device had already reached the sample
-    bool sweeps_finish = false;    // a flight among too many triangles has given up: no other one while the sphere touches nothing
-    std::optional<Lifted> lifted;  // where the proxy was last lifted off the surface, and how far
+    int failures = 0;                // of the sphere follower
+    int sweep_carries = 0;           // carries after a sweep that left no work, when the device had already reached the sample
+    bool is_left_to_sweeps = false;  // a flight among too many triangles has given up: no other one while the sphere touches nothing
+    std::optional<Lifted> lifted;    // where the proxy was last lifted off the surface, and how far
 
     void forget() noexcept {
       failures = sweep_carries = 0;
-      sweeps_finish = false;
+      is_left_to_sweeps = false;
       lifted.reset();
     }
   };
@@ -173,18 +173,18 @@ class ProxyMethod final : public ForceMethod {
   SphereFollower sphere_;    // follows a probe with a radius, and a point on triangles that are not walkable
   FreeFlight flight_;
   SweptMotion swept_;
-  EmptyBall ball_;  // while a ball is known, proxy_, last_device_ and sample_from_ are not updated
+  EmptyBall ball_;  // while a ball is known, proxy_, last_device_ and sample_before_ are not updated
 
   ProxyState proxy_;
-  Vec3 last_device_ = Vec3::Zero();   // local
-  Vec3 sample_from_ = Vec3::Zero();   // local: the device in the sample before this one; damping acts on the motion from there
-  std::optional<Vec3> carried_from_;  // after a step without enough work: where on the device's path the next step goes on; local
-  int work_left_ = 0;                 // of this step
-  bool has_sample_ = false;           // a first sample has arrived
-  bool unconverged_ = false;          // the proxy on the surface must first descend to its local minimum
+  Vec3 last_device_ = Vec3::Zero();    // local
+  Vec3 sample_before_ = Vec3::Zero();  // local: the device in the sample before this one; damping acts on the motion from there
+  std::optional<Vec3> carried_from_;   // after a step without enough work: where on the device's path the next step goes on; local
+  int work_left_ = 0;                  // of this step
+  bool has_sample_ = false;            // a first sample has arrived
+  bool is_unconverged_ = false;        // the proxy on the surface must first descend to its local minimum
   Tries tries_;
-  bool is_close_ = false;    // in a slit, a sweep has left a point only as far from surfaces as the sphere follower keeps it
-  int touched_object_ = -1;  // the object of the last contact, until the proxy is free; -1: none
+  bool is_at_sphere_offset_ = false;  // in a slit, a sweep has left a point only as far from surfaces as the sphere follower keeps it
+  int touched_object_ = -1;           // the object of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;
 };
 

@@ -8,7 +8,7 @@ namespace hapton {
 // True if this finished the step. Otherwise the proxy is where the sphere follower stopped, for the device position at `time`.
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
   if (proxy_.is_free) {
-    if (is_point_) clear_start();
+    if (is_point_) move_start_off_surfaces();
     sphere_.start_free(proxy_.position);
   } else if (!sphere_.is_tracking()) {
     const bool has_started = sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides);
@@ -19,12 +19,12 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   const SphereFollower::Outcome outcome = sphere_.follow(last, device, time, work_left_);
   work_left_ -= sphere_.work();
   if (outcome == SphereFollower::Outcome::failed) {
-    tries_.sweeps_finish |= sphere_.has_given_up_flight();
+    tries_.is_left_to_sweeps |= sphere_.has_given_up_flight();
     tries_.failures += sphere_.is_in_slit() ? 0 : 1;
     copy_sphere_state(on_path(last, device, time));
     if (!sphere_.is_in_slit()) sphere_.stop_tracking();
     active_offset_ = kContactOffset;
-    if (is_point_) clear_start();
+    if (is_point_) move_start_off_surfaces();
     return false;
   }
   if (outcome == SphereFollower::Outcome::exhausted) carry(on_path(last, device, time));
@@ -34,7 +34,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
 
 void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
   proxy_.settle_at(sphere_.centre());
-  is_close_ = false;
+  is_at_sphere_offset_ = false;
   active_offset_ = is_point_ ? sphere_.offset() : kContactOffset;
   proxy_.is_free = sphere_.is_free() && proxy_.position == device;
   proxy_.slides = sphere_.slides();

@@ -13,8 +13,8 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 // A pull within this share of the cone's radius is on the cone: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
-constexpr double kMin = SurfacePoint::kMinPull;  // a shorter pull is mostly rounding
-constexpr int kMaxHalvings = 96;                 // limits the rounds; Newton's method needs only a few
+constexpr double kMinPull = SurfacePoint::kMinPull;  // a shorter pull is mostly rounding
+constexpr int kMaxHalvings = 96;                     // limits the rounds; Newton's method needs only a few
 
 constexpr auto kOnEdge = SurfacePoint::kOnEdge;
 constexpr auto kClear = SurfacePoint::kClear;
@@ -63,18 +63,18 @@ double find_fall(double low, double high, Value&& value) {
 // Searches for the first moment, as a share of the remaining step, at which the pull on a point at rest exceeds its cone.
 struct SlipSearch {
   MovingPull pull;
-  double held;   // the coefficient of friction that holds the point
-  double bound;  // square of the shortest pull that counts
+  double mu;                // the coefficient of friction that holds the point
+  double min_pull_squared;  // square of the shortest pull that counts
   double soonest = kNever;
 
   // Considers a slip over a face. It counts only if the pull at that moment leads onto the face: is_over(pull).
   template <class IsOver>
   void consider_face(const Vec3& normal, IsOver&& is_over) {
-    const double t = pull.time_of_rise(1.0, normal, -(1.0 + held * held), bound);
+    const double t = pull.time_of_rise(1.0, normal, -(1.0 + mu * mu), min_pull_squared);
     if (t < soonest && is_over(pull.at(t))) soonest = t;
   }
   void consider_line(const Vec3& direction, bool both_ways) {
-    const double t = pull.time_of_rise(-held * held, direction, 1.0 + held * held, bound);
+    const double t = pull.time_of_rise(-mu * mu, direction, 1.0 + mu * mu, min_pull_squared);
     if (t < soonest && (both_ways || direction.dot(pull.at(t)) > 0.0)) soonest = t;
   }
 };
@@ -105,18 +105,18 @@ struct CrossedEdge {
   double time = kNever;
 };
 
-// `point` gives the position of the point at a share of the remaining step; `leave` is the share at which the search ends.
+// `point` gives the position of the point at a share of the remaining step; `leave_time` is the share at which the search ends.
 template <class Point>
-CrossedEdge find_crossed_edge(const SurfacePoint::Facet& facet, const SlidingPull& sliding, double leave, Point&& point) {
+CrossedEdge find_crossed_edge(const SurfacePoint::Facet& facet, const SlidingPull& sliding, double leave_time, Point&& point) {
   CrossedEdge first;
   const Vec3 normal = facet.normal();
   for (int k = 0; k < 3; ++k) {
     const Vec3 inward = normal.cross(facet.shape.edge(k)) * facet.side;
     // The point crosses an edge at most once: its speed across the edge changes sign at most once, where inward . pull does.
-    const double turn = std::min(leave, sliding.time_across(inward));
+    const double turn = std::min(leave_time, sliding.time_across(inward));
     const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
     double low = falls ? 0.0 : turn;
-    const double high = falls ? turn : leave;
+    const double high = falls ? turn : leave_time;
     const auto inside = [&](double t) { return SurfacePoint::inside_by(-kOnEdge, facet, k, point(t)); };
     if (!(inside(high) <= 0.0)) continue;
     if (inside(low) > 0.0) {
@@ -134,31 +134,31 @@ CrossedEdge find_crossed_edge(const SurfacePoint::Facet& facet, const SlidingPul
 
 // A point that slides along an edge behind a device that moves straight, at x = device - sign mu_d depth. t: share of the remaining step.
 struct EdgeSlide {
-  EdgeSlide(const SurfacePoint& at, const Vec3& from, const Vec3& to, double time, double of_sliding) : dynamic(of_sliding) {
+  EdgeSlide(const SurfacePoint& at, const Vec3& from, const Vec3& to, double time, double mu) : dynamic(mu) {
     const ContactTriangle& face = at.a().shape;
     const int edge = at.edge();
     direction = face.edge(edge) / face.length(edge);
     here = on_path(from, to, time) - face.corner(edge);
     motion = (1.0 - time) * (to - from);
     const double pull = direction.dot(here - (at.point() - face.corner(edge)));
-    sign = (std::fabs(pull) > kMin ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
+    sign = (std::fabs(pull) > kMinPull ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
     sideways = here - direction.dot(here) * direction;
     sideways_motion = motion - direction.dot(motion) * direction;
-    drawn = sign * direction.dot(motion);
+    device_travel = sign * direction.dot(motion);
   }
 
   Vec3 direction;                  // of the edge, a unit vector
   Vec3 here, motion;               // the device's position from the edge's first corner, and its motion in the remaining step
   Vec3 sideways, sideways_motion;  // the parts of these perpendicular to the edge
   double sign;                     // 1: along `direction`; -1: against it
-  double drawn;                    // motion of the device along the edge, in the direction of the slide
+  double device_travel;            // motion of the device along the edge, in the direction of the slide
   double dynamic;                  // mu_d
 
   double depth(double t) const { return (sideways + t * sideways_motion).norm(); }
   // Speed along the edge. It falls with time because the depth is convex.
   double speed(double t) const {
     const double d = depth(t);
-    return drawn - dynamic * (d > 0.0 ? (sideways + t * sideways_motion).dot(sideways_motion) / d : 0.0);
+    return device_travel - dynamic * (d > 0.0 ? (sideways + t * sideways_motion).dot(sideways_motion) / d : 0.0);
   }
   double x(double t) const { return direction.dot(here) + t * direction.dot(motion) - sign * dynamic * depth(t); }
 };
@@ -166,8 +166,8 @@ struct EdgeSlide {
 }  // namespace
 
 void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
-  static_ = material.friction_static;
-  dynamic_ = std::min(material.friction_dynamic, material.friction_static);
+  static_mu_ = material.friction_static;
+  dynamic_mu_ = std::min(material.friction_dynamic, material.friction_static);
   slides_ = slides && acts();
   drags_ = false;
   slips_ = false;
@@ -176,23 +176,23 @@ void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
 // Whether a pull moves the point: the pull exceeds the cone, or the current event is that it leaves the cone.
 bool SurfaceFriction::moves(double pull_length, double depth) const noexcept {
   if (slips_) return true;
-  const double cone = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
-  return pull_length * pull_length > cone * cone + kMin * kMin;
+  const double cone = (slides_ ? dynamic_mu_ : static_mu_) * (1.0 + kOnCone) * depth;
+  return pull_length * pull_length > cone * cone + kMinPull * kMinPull;
 }
 
 // The pull is within the cone and the point stays. If the pull is on the cone, a moving device drags the point.
 SurfaceNext SurfaceFriction::hold(double pull_length, double depth) noexcept {
-  drags_ = slides_ && pull_length >= dynamic_ * (1.0 - kOnCone) * depth - kMin;
-  slides_ = slides_ && pull_length >= FrictionMotion::kRestick * dynamic_ * depth;
+  drags_ = slides_ && pull_length >= dynamic_mu_ * (1.0 - kOnCone) * depth - kMinPull;
+  slides_ = slides_ && pull_length >= FrictionMotion::kRestick * dynamic_mu_ * depth;
   return SurfaceNext::settled;
 }
 
 // The share of the pull by which the point moves until the pull is on the dynamic cone.
-double SurfaceFriction::share_of_pull(double pull_length, double depth) noexcept {
+double SurfaceFriction::begin_slide(double pull_length, double depth) noexcept {
   slides_ = true;
   drags_ = true;
   slips_ = false;
-  return pull_length > 0.0 ? std::clamp(1.0 - dynamic_ * depth / pull_length, 0.0, 1.0) : 0.0;
+  return pull_length > 0.0 ? std::clamp(1.0 - dynamic_mu_ * depth / pull_length, 0.0, 1.0) : 0.0;
 }
 
 SurfaceNext SurfaceFriction::descend(SurfacePoint& at, const Vec3& device) noexcept {
@@ -210,7 +210,7 @@ SurfaceNext SurfaceFriction::descend_on_face(SurfacePoint& at, const Vec3& devic
   const double pull_length = pull.norm();
   const double depth = std::max(0.0, -height);
   if (!moves(pull_length, depth)) return hold(pull_length, depth);
-  const Vec3 goal = at.point() + share_of_pull(pull_length, depth) * pull;
+  const Vec3 goal = at.point() + begin_slide(pull_length, depth) * pull;
   const SurfacePoint::Exit exit = at.find_exit(goal);
   if (exit.edge >= 0) return again_if(at.reach_edge(exit.edge, at.point() + exit.time * (goal - at.point())));
   at.move_on_face(goal);
@@ -242,7 +242,7 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
     at.balance_on_edge();
     return hold(std::fabs(pull_along), depth);
   }
-  const double goal = face.along(edge, at.point()) + share_of_pull(std::fabs(pull_along), depth) * pull_along / length;
+  const double goal = face.along(edge, at.point()) + begin_slide(std::fabs(pull_along), depth) * pull_along / length;
   if (pull_along < 0.0 && goal * length <= kSnap) return again_if(at.reach_vertex(edge));
   if (pull_along > 0.0 && (1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
   at.move_on_edge(std::clamp(goal, 0.0, 1.0));
@@ -274,13 +274,13 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
   drags_ = false;
   const MovingPull pull{on_path(from, to, time) - at.point(), (1.0 - time) * (to - from)};
   // At a vertex, twice the least descent, so that the descent accepts what is found here.
-  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kMin;
-  SlipSearch slip{.pull = pull, .held = slides_ ? dynamic_ : static_, .bound = least * least};
+  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kMinPull;
+  SlipSearch slip{.pull = pull, .mu = slides_ ? dynamic_mu_ : static_mu_, .min_pull_squared = least * least};
   if (at.on() == On::face) {
     slip.consider_face(at.a().normal(), [](const Vec3&) { return true; });
     if (slides_) {
-      const double rest = FrictionMotion::kRestick * dynamic_;
-      const double t = pull.time_of_rise(-1.0, at.a().normal(), 1.0 + rest * rest);
+      const double restick_mu = FrictionMotion::kRestick * dynamic_mu_;
+      const double t = pull.time_of_rise(-1.0, at.a().normal(), 1.0 + restick_mu * restick_mu);
       if (t < slip.soonest && t < 1.0) {
         slides_ = false;
         time = std::min(1.0, time + t * (1.0 - time));
@@ -290,9 +290,9 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
     // The device may also come to the front of the face, exactly through the point.
     const double height = at.a().normal().dot(pull.start) - kClear;
     const double there = at.a().normal().dot(pull.at(1.0)) - kClear;
-    const double leaves = there > 0.0 ? time_of_zero(std::min(height, 0.0), there, 0.0) : kNever;
-    if (leaves <= std::min(slip.soonest, 1.0)) {
-      time = std::min(1.0, time + leaves * (1.0 - time));
+    const double release_time = there > 0.0 ? time_of_zero(std::min(height, 0.0), there, 0.0) : kNever;
+    if (release_time <= std::min(slip.soonest, 1.0)) {
+      time = std::min(1.0, time + release_time * (1.0 - time));
       return at.release(on_path(from, to, time), to);
     }
   } else if (at.on() == On::edge) {
@@ -324,9 +324,9 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   const auto in_plane = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
   const Vec3 motion = in_plane(projection(1.0) - projection(0.0));
   const Vec3 pull = in_plane(projection(0.0) - at.point());
-  const double radius = -dynamic_ * start_height;
-  const double growth = -dynamic_ * (end_height - start_height);
-  const bool has_pull = radius > 0.0 && pull.norm() > kMin;  // a shorter pull has no direction
+  const double radius = -dynamic_mu_ * start_height;
+  const double growth = -dynamic_mu_ * (end_height - start_height);
+  const bool has_pull = radius > 0.0 && pull.norm() > kMinPull;  // a shorter pull has no direction
   // A device at rest, or a cone that grows faster than the pull, stops the point.
   if (has_pull ? !(pull.dot(motion) > pull.norm() * growth) : motion.isZero(0.0)) {
     drags_ = false;
@@ -334,10 +334,10 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   }
   const SlidingPull sliding(has_pull ? pull : motion, motion, has_pull ? radius : std::numeric_limits<double>::min(), growth);
   const auto point = [&](double t) { return Vec3(projection(t) - sliding.at(t)); };
-  const double leave = end_height > kClear ? time_of_zero(start_height - kClear, end_height - kClear, 0.0) : 1.0;
-  const CrossedEdge crossed = find_crossed_edge(at.a(), sliding, leave, point);
-  if (crossed.edge < 0 || crossed.time > leave) {
-    time = std::min(1.0, time + leave * (1.0 - time));
+  const double leave_time = end_height > kClear ? time_of_zero(start_height - kClear, end_height - kClear, 0.0) : 1.0;
+  const CrossedEdge crossed = find_crossed_edge(at.a(), sliding, leave_time, point);
+  if (crossed.edge < 0 || crossed.time > leave_time) {
+    time = std::min(1.0, time + leave_time * (1.0 - time));
     if (end_height > kClear) return at.release(on_path(from, to, time), to);
     at.move_on_face(point(1.0));
     return SurfaceNext::settled;
@@ -359,7 +359,7 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
 SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
   const int edge = at.edge();
   const double length = at.a().shape.length(edge);
-  const EdgeSlide slide(at, from, to, time, dynamic_);
+  const EdgeSlide slide(at, from, to, time, dynamic_mu_);
   if (!(slide.speed(0.0) > 0.0)) {
     drags_ = false;
     return SurfaceNext::again;

@@ -21,7 +21,7 @@ class SurfaceFriction {
   // Call when the point comes onto a surface of this material.
   void begin(const Material& material, bool slides) noexcept;
 
-  bool acts() const { return static_ > 0.0; }
+  bool acts() const { return static_mu_ > 0.0; }
   bool slides() const { return slides_; }  // the dynamic coefficient applies
 
   // Handles one event of the descent with the device held still; returns `again` while there is more to do.
@@ -32,7 +32,7 @@ class SurfaceFriction {
  private:
   bool moves(double pull_length, double depth) const noexcept;
   SurfaceNext hold(double pull_length, double depth) noexcept;
-  double share_of_pull(double pull_length, double depth) noexcept;
+  double begin_slide(double pull_length, double depth) noexcept;
   SurfaceNext descend_on_face(SurfacePoint& at, const Vec3& device) noexcept;
   SurfaceNext descend_on_edge(SurfacePoint& at, const Vec3& device) noexcept;
   SurfaceNext descend_at_vertex(SurfacePoint& at, const Vec3& device) noexcept;
@@ -40,8 +40,8 @@ class SurfaceFriction {
   SurfaceNext slide_on_face(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept;
   SurfaceNext slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept;
 
-  double static_ = 0.0;
-  double dynamic_ = 0.0;
+  double static_mu_ = 0.0;
+  double dynamic_mu_ = 0.0;
   bool slides_ = false;  // the dynamic coefficient applies
   bool slips_ = false;   // the pull has just left the cone
   bool drags_ = false;   // the point is on its cone and follows a moving device

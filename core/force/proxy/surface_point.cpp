@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-bool SurfacePoint::holds(std::uint32_t triangle, bool back) const noexcept {
+bool SurfacePoint::can_hold(std::uint32_t triangle, bool back) const noexcept {
   return geometry_.is_walkable(triangle) && !(back && !materials_[geometry_.mesh_of(triangle)].two_sided);
 }
 
@@ -24,7 +24,7 @@ bool SurfacePoint::load_adjacent(int k) noexcept {
   edge_ = k;
   const TouchGeometry::Adjacent adjacent = geometry_.adjacent(a().id, k);
   const bool back = a().is_back() != adjacent.flips;
-  if (!adjacent.exists || !holds(adjacent.id, back)) return false;
+  if (!adjacent.exists || !can_hold(adjacent.id, back)) return false;
   for (const int onward : {(adjacent.edge + 1) % 3, (adjacent.edge + 2) % 3}) geometry_.prefetch_across(adjacent.id, onward);
   load(adjacent.id, back, facets_[1 - first_]);
   other_edge_ = adjacent.edge;
@@ -32,7 +32,7 @@ bool SurfacePoint::load_adjacent(int k) noexcept {
 }
 
 bool SurfacePoint::land(std::uint32_t triangle, bool back, const Vec3& p) noexcept {
-  if (!holds(triangle, back)) return false;
+  if (!can_hold(triangle, back)) return false;
   load(triangle, back, face_a());
   is_on_surface_ = true;
   move_on_face(p);
@@ -41,7 +41,7 @@ bool SurfacePoint::land(std::uint32_t triangle, bool back, const Vec3& p) noexce
 
 bool SurfacePoint::land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept {
   const TouchGeometry::Adjacent adjacent = geometry_.adjacent(triangle, k);
-  if (!adjacent.exists || !holds(adjacent.id, back != adjacent.flips) || !land(triangle, back, p)) return false;
+  if (!adjacent.exists || !can_hold(adjacent.id, back != adjacent.flips) || !land(triangle, back, p)) return false;
   load_adjacent(k);
   on_ = On::edge;
   has_left_a_ = false;
@@ -132,7 +132,7 @@ bool SurfacePoint::collect_fan() noexcept {
   int corner = corner_;
   int next = corner_;
   do {
-    if (fan_count_ == kMaxFan || !holds(id, back)) return false;
+    if (fan_count_ == kMaxFan || !can_hold(id, back)) return false;
     const ObjectGeometry::Corners corners = geometry_.corners(id);
     const std::array<const Vec3*, 3> at = {&corners.a, &corners.b, &corners.c};
     const Vec3& vertex = *at[corner];
@@ -304,8 +304,8 @@ Vec3 SurfacePoint::inside(double off_edges) const noexcept {
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {
   if (on_ == On::vertex && fan_count_ > kMaxPlanes) return lifted_over_fan(height);
-  if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
-  return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+  if (on_ == On::vertex || is_near_edges(kMaxLift * height)) return lifted_over_all(height);
+  return p_ + (on_ == On::edge ? lift_between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
 }
 
 Vec3 SurfacePoint::lifted_again(double height) noexcept {
@@ -337,13 +337,13 @@ Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
     for (int i = 0; i < fan_count_; ++i) add(fan_[i].normal, 0.0);
   } else {
     add_near_planes(height, add);
-    if (count == 0) return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+    if (count == 0) return p_ + (on_ == On::edge ? lift_between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
     add(a().normal(), 0.0);
     if (on_ == On::edge) add(b().normal(), 0.0);
   }
   const ConstrainedMotion up = constrain_motion(Vec3::Zero(), std::span(planes).first(static_cast<std::size_t>(count)));
-  if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
-  if (on_ == On::edge) return p_ + between(a().normal(), b().normal(), height);
+  if (up.solved && up.motion.norm() <= kMaxLift * height) return p_ + up.motion;
+  if (on_ == On::edge) return p_ + lift_between(a().normal(), b().normal(), height);
   if (on_ == On::vertex) return p_ + over_widest_face(height);
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
 }
@@ -354,11 +354,11 @@ Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexc
   if (on_ == On::vertex) {
     const Vec3 to_device = device - p_;
     const double length = to_device.norm();
-    double clear = 1.0;
-    for (int i = 0; i < fan_count_ && length > 0.0; ++i) clear = std::min(clear, distance_from_facet(i, to_device / length));
-    if (clear * kSteepest > 1.0 && clear * length > 2.0 * height) return p_ + (height / (clear * length)) * to_device;
+    double clearance = 1.0;
+    for (int i = 0; i < fan_count_ && length > 0.0; ++i) clearance = std::min(clearance, distance_from_facet(i, to_device / length));
+    if (clearance * kMaxLift > 1.0 && clearance * length > 2.0 * height) return p_ + (height / (clearance * length)) * to_device;
   }
-  if (on_ == On::edge && (a().normal() + b().normal()).squaredNorm() * kSteepest * kSteepest <= 4.0 && is_convex()) {
+  if (on_ == On::edge && (a().normal() + b().normal()).squaredNorm() * kMaxLift * kMaxLift <= 4.0 && is_convex()) {
     return p_ - height * a().shape.normal().cross(a().shape.edge(edge_)).normalized();
   }
   return lifted(height);
@@ -376,17 +376,17 @@ double SurfacePoint::distance_from_facet(int i, const Vec3& p) const noexcept {
 // At a vertex where no direction leads away from all faces: over the middle of the face that is farthest from the others. A ball about that
 // middle which no other face enters is cut by this face alone, so half of it is free.
 Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
-  double widest = 1.0 / kSteepest;
+  double widest = 1.0 / kMaxLift;
   Vec3 up = 0.5 * widest * a().normal();
-  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMaxTried) {
+  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMaxTriedFacets) {
     const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
-    double clear = 1.0;
+    double clearance = 1.0;
     for (int k = 0; k < fan_count_; ++k) {
-      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_from_facet(k, middle));
+      if (fan_[k].id != fan_[i].id) clearance = std::min(clearance, distance_from_facet(k, middle));
     }
-    if (clear <= widest) continue;
-    widest = clear;
-    up = middle + 0.5 * clear * fan_[i].normal;
+    if (clearance <= widest) continue;
+    widest = clearance;
+    up = middle + 0.5 * clearance * fan_[i].normal;
   }
   return (2.0 * height / widest) * up;
 }
@@ -396,14 +396,14 @@ Vec3 SurfacePoint::lifted_over_fan(double height) const noexcept {
   const Vec3 up = vertex_normal().normalized();
   double least = 1.0;
   for (const FanFacet& facet : fan()) least = std::min(least, facet.normal.dot(up));
-  return least * kSteepest > 1.0 ? Vec3(p_ + (height / least) * up) : Vec3(p_ + over_widest_face(height));
+  return least * kMaxLift > 1.0 ? Vec3(p_ + (height / least) * up) : Vec3(p_ + over_widest_face(height));
 }
 
 // The shortest vector that ends `height` above two planes through zero.
-Vec3 SurfacePoint::between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
+Vec3 SurfacePoint::lift_between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
   const Vec3 sum = normal_a + normal_b;
   const double squared = sum.squaredNorm();
-  return squared * kSteepest * kSteepest > 4.0 ? Vec3(sum * (2.0 * height / squared)) : Vec3(height * normal_a);
+  return squared * kMaxLift * kMaxLift > 4.0 ? Vec3(sum * (2.0 * height / squared)) : Vec3(height * normal_a);
 }
 
 bool SurfacePoint::is_near_edge(const Facet& facet, int k, double within) const noexcept {
@@ -429,7 +429,7 @@ void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
     const Facet& at = i == 0 ? a() : is_own ? b() : loaded;
     for (int k = 0; k < 3; ++k) {
       if (on_ == On::edge && is_own && k == (i == 0 ? edge_ : other_edge_)) continue;
-      if (!is_near_edge(at, k, kSteepest * height)) continue;
+      if (!is_near_edge(at, k, kMaxLift * height)) continue;
       const TouchGeometry::Adjacent adjacent = geometry_.adjacent(at.id, k);
       if (!adjacent.exists || adjacent.id == at.id) continue;
       const std::pair<std::uint32_t, bool> next{adjacent.id, at.is_back() != adjacent.flips};

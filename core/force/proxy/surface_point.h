@@ -168,13 +168,13 @@ class SurfacePoint {
  private:
   static constexpr int kMaxFan = 2 * SurfaceAdjacency::kMaxValence;
   static constexpr int kMaxPlanes = 256;                // a larger fan is handled facet by facet
-  static constexpr double kSteepest = 4096.0;           // largest length of a lift, in heights
-  static constexpr int kMaxTried = 16;                  // facets of a fan that a lift may be based on
+  static constexpr double kMaxLift = 4096.0;            // largest length of a lift, in heights
+  static constexpr int kMaxTriedFacets = 16;            // facets of a fan that a lift may be based on
   static constexpr int kMaxNear = 64;                   // faces examined for a lift
   static constexpr double kAllButFlat = 1.0 - 0x1p-21;  // cosine of a milliradian
 
   Facet& face_a() { return facets_[first_]; }
-  bool holds(std::uint32_t triangle, bool back) const noexcept;
+  bool can_hold(std::uint32_t triangle, bool back) const noexcept;
   void load(std::uint32_t id, bool back, Facet& facet) const noexcept;
   bool collect_fan() noexcept;
   void turn_to(const FanFacet& facet) noexcept;
@@ -182,7 +182,7 @@ class SurfacePoint {
   Vec3 vertex_normal() const noexcept;
   bool is_at_boundary() const noexcept;  // at a vertex: the fan contains both sides of an open sheet
   bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
-  static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
+  static Vec3 lift_between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
   [[gnu::noinline]] Vec3 lifted_over_all(double height) const noexcept;
   bool is_near_edges(double within) const noexcept;
   const Vec3& edge_before(int i) const noexcept;

@@ -41,7 +41,7 @@ class SweptMotion {
   };
 
   SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
-      : surfaces_(surfaces), clearance_(clearance), keep_(clearance), is_point_(is_point), sweep_(surfaces, is_point) {}
+      : surfaces_(surfaces), clearance_(clearance), present_clearance_(clearance), is_point_(is_point), sweep_(surfaces, is_point) {}
 
   // Moves the proxy to its local minimum. False: it used up the motions, or most_work units of work (step_work.h), before that.
   // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch, or was put nearer (see above).
@@ -51,46 +51,46 @@ class SweptMotion {
   // Whether the probe is smaller than its full size, or in the middle of a motion. Then only descend() may move the proxy, unless it is put
   // at a new place: then call forget().
   bool must_go_on() const { return is_shrunk() || sweep_.is_interrupted(); }
-  bool is_shrunk() const { return keep_.offset < clearance_.offset; }
+  bool is_shrunk() const { return present_clearance_.offset < clearance_.offset; }
   // For a point that something else has put into a slit: the next call, and those that continue a motion interrupted in it, keep it only
   // `offset` away from surfaces. The clearance of sweeps would push it out of the slit, in a narrow wedge far away.
   void keep_only(double offset) noexcept;
   void forget() noexcept {
-    keep_ = clearance_;
+    present_clearance_ = clearance_;
     has_settled_ = true;
     drop_motion();
   }
   // The triangles have changed: an interrupted motion is dropped, and the next call starts a new one.
   void drop_motion() noexcept {
     sweep_.drop();
-    has_looked_ = false;
+    has_searched_overlaps_ = false;
   }
 
   const Counters& counters() const { return counters_; }
 
  private:
-  static constexpr int kMaxIdle = 6;       // motions in succession that come no nearer to the device
-  static constexpr int kWorkOfMotion = 5;  // units of a motion, in addition to the triangles that it queries
+  static constexpr int kMaxIdleMotions = 6;  // motions in succession that come no nearer to the device
+  static constexpr int kWorkOfMotion = 5;    // units of a motion, in addition to the triangles that it queries
 
   bool settle(ProxyState& proxy, const Vec3& device) noexcept;
   // Both return whether the call has settled; nothing: settle() goes on.
   std::optional<bool> finish_interrupted(ProxyState& proxy, const Vec3& device) noexcept;
-  std::optional<bool> end_at_minimum(ProxyState& proxy, ConstrainedMotion& held, bool& has_forgotten) noexcept;
-  bool is_blind(const ProxyState& proxy) const noexcept;
+  std::optional<bool> end_at_minimum(ProxyState& proxy, ConstrainedMotion& constrained, bool& has_forgotten) noexcept;
+  bool may_overlap_more(const ProxyState& proxy) const noexcept;
   void forget_progress() noexcept;
   void note_progress(double distance) noexcept;
-  void fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept;
+  void fix_active(ProxyState& proxy, ConstrainedMotion& constrained, const Vec3& goal) noexcept;
   bool cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept;
   bool is_too_near(const ProxyState& proxy) const noexcept;
   ConstrainedMotion next_motion(const ProxyState& proxy, const Vec3& goal) noexcept;
   double find_room(const Vec3& p, bool& is_certain) noexcept;
   bool shrink_to_room(const Vec3& p) noexcept;
   void grow_to_room(const Vec3& p) noexcept;
-  Vec3 rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& device) const noexcept;
+  Vec3 rolled(const ProxyState& proxy, const ConstrainedMotion& constrained, const Vec3& device) const noexcept;
   Vec3 apply_friction(ProxyState& proxy, const Vec3& goal, const ConstrainedMotion& constrained) const noexcept;
-  Material material_of(const ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
-  bool forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
-  static void bring_active_first(ProxyState& proxy, ConstrainedMotion& held) noexcept;
+  Material material_of(const ProxyState& proxy, const ConstrainedMotion& constrained) const noexcept;
+  bool forget_doubtful(ProxyState& proxy, const ConstrainedMotion& constrained) const noexcept;
+  static void bring_active_first(ProxyState& proxy, ConstrainedMotion& constrained) noexcept;
   using End = StraightSweep::End;
   End advance(ProxyState& proxy, const Vec3& motion) noexcept;
   End go_on(ProxyState& proxy) noexcept;
@@ -98,17 +98,17 @@ class SweptMotion {
 
   const ProxySurfaces& surfaces_;
   Clearance clearance_;
-  Clearance keep_;  // clearance for the probe's present size
+  Clearance present_clearance_;  // clearance for the probe's present size
   bool is_point_;
   std::array<ContactPlane, ProxyState::kMaxContacts> planes_;
-  int fixed_ = 0;  // number of contacts, the first ones, that hold the motion; 0 unless all kMaxContacts are used
+  int fixed_count_ = 0;  // number of contacts, the first ones, that hold the motion; 0 unless all kMaxContacts are used
   StraightSweep sweep_;
   Vec3 device_ = Vec3::Zero();  // position in the last call; progress is counted anew when it changes
   bool has_settled_ = true;
-  bool has_looked_ = false;  // the last motion was zero, to find all triangles that the probe overlaps
-  double nearest_ = 0.0;     // least distance from the device so far
-  double pushed_ = 0.0;      // largest deviation of a motion from its goal by contacts, since the proxy last came nearer
-  int idle_ = 0;             // motions in succession that came no nearer
+  bool has_searched_overlaps_ = false;  // the last motion was zero, to find all triangles that the probe overlaps
+  double least_distance_ = 0.0;         // least distance from the device so far
+  double largest_deviation_ = 0.0;      // largest deviation of a motion from its goal by contacts, since the proxy last came nearer
+  int idle_motions_ = 0;                // motions in succession that came no nearer
   int work_ = 0;
   int most_work_ = 0;
   Counters counters_;
