@@ -53,7 +53,7 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   const Vec3 last = first + kCurveToCubic * 6.0 * path.rate_[2];
   path.bend_ = std::max(first.norm(), last.norm());
   path.bend_across_ = path.bend_;
-  path.bulge_ = path.bend_;
+  path.bulge_bend_ = path.bend_;
   const double length = chord.norm();
   if (!(length > 0.0)) return path;
   const Vec3 along = chord / length;
@@ -70,7 +70,7 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   path.chord_ = along;
   path.bend_across_ = across;
   // The cubic is monotonic along the chord, so it stays between the ends (Fritsch and Carlson 1980).
-  if (std::min(pace[0], pace[1]) > 0.0 && std::max(pace[0], pace[1]) <= 3.0 * length) path.bulge_ = across;
+  if (std::min(pace[0], pace[1]) > 0.0 && std::max(pace[0], pace[1]) <= 3.0 * length) path.bulge_bend_ = across;
   return path;
 }
 
@@ -287,22 +287,23 @@ double CentrePath::time_at_corner(const ContactTriangle& triangle, int corner, c
 }
 
 // How long the distance from a line or point stays above `level`, at least, if it lies beside a line or point that guides the path. `off`:
-// from the nearest point of the former to the centre. `turned`: the sine of the angle between the lines.
+// from the nearest point of the former to the centre. `sine`: that of the angle between the lines.
 //
 // Let P be the projection across the axis of the guide, or the identity for a point, r = P (c - origin) with |r| the guide's offset,
 // n = r / |r|, and P', r' = off, n' and f = |r'| the same for the other. As n . c' = 0 and n . c'' = -|P c'|^2 / |r|, with D = |r' - r|
 //
 //   f'' = n' . c'' + (|P' c'|^2 - (n' . c')^2) / f  >=  -2 D / f |c''| - |c'|^2 / f (|P' - P| + D / |r| + (2 D / f)^2)
-double CentrePath::time_beside(const Guide& guide, const Vec3& off, double turned, const Level& level, const Place& here) const noexcept {
+double CentrePath::time_beside(const Guide& guide, const Vec3& off, double sine, const Level& level, const Place& here) const noexcept {
   constexpr double kRounding = 0x1p-50;  // local units: rounding of a position
   const double distance = off.norm();
   if (!(distance > level.distance)) return 0.0;
   Vec3 normal;
   guide.distance_to(here.point, normal);
   const double speed = here.velocity.norm() + bend_;
-  const double apart = (off - guide.offset * normal).norm() + turned * speed + kRounding;
-  const double share = apart / level.distance;
-  const double bend = 2.0 * share * bend_ + speed * speed / level.distance * (turned + apart / guide.offset + 4.0 * share * share);
+  const double radial_difference = (off - guide.offset * normal).norm() + sine * speed + kRounding;
+  const double share = radial_difference / level.distance;
+  const double bend =
+      2.0 * share * bend_ + speed * speed / level.distance * (sine + radial_difference / guide.offset + 4.0 * share * share);
   const double rate = off.dot(here.velocity) / distance;
   const double doubt = here.separation.normal.dot(here.velocity) - here.approach + kSlopeError * std::fabs(rate);
   return time_above(distance - level.distance, rate - doubt, bend);
@@ -312,10 +313,10 @@ double CentrePath::time_beside(const Guide& guide, const Vec3& off, double turne
 double CentrePath::time_beside_line(const Guide& guide, const ContactTriangle& triangle, const Level& level,
                                     const Place& here) const noexcept {
   const auto by_edge = [&](int k) {
-    const double turned = guide.direction.cross(triangle.edge(k)).norm() / triangle.length(k);
+    const double sine = guide.direction.cross(triangle.edge(k)).norm() / triangle.length(k);
     Vec3 off = here.point - triangle.corner(k);
     off -= triangle.along(k, here.point) * triangle.edge(k);
-    return std::min(time_on_edge(triangle, k, here), time_beside(guide, off, turned, level, here));
+    return std::min(time_on_edge(triangle, k, here), time_beside(guide, off, sine, level, here));
   };
   if (here.separation.feature == Feature::edge) return by_edge(triangle.boundary(here.separation.nearest).edge);
   const int k = nearest_corner(triangle, here.separation.nearest);
@@ -401,9 +402,9 @@ double CentrePath::least_by_ends(const ContactTriangle& triangle, const Separati
   const double crossing =
       (end.distance - recede * until - 0.5 * bend * until * until - start.distance) / (approach - recede - bend * until);
   const double time = crossing > 0.0 ? std::min(crossing, until) : 0.0;
-  const double left = until - time;
+  const double remaining = until - time;
   return std::min({start.distance, start.distance + time * (approach - 0.5 * bend_start * time),
-                   end.distance - left * (recede + 0.5 * bend_end * left), end.distance});
+                   end.distance - remaining * (recede + 0.5 * bend_end * remaining), end.distance});
 }
 
 CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Clearance& clearance, unsigned guiding,
@@ -416,9 +417,9 @@ CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const 
   const double gap = start.distance - clearance.offset;
   const double low = clearance.offset - 0.5 * clearance.slop;
   // The parabola at the start stays above `low`.
-  const double bent = 0.5 * bend_towards(start.normal) * until * until;
-  const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - bent) : gap + approach * until - bent;
-  if (clearance.offset + bottom > low) return {};
+  const double bend_drop = 0.5 * bend_towards(start.normal) * until * until;
+  const double lowest_gap = approach >= 0.0 ? gap + std::min(0.0, approach * until - bend_drop) : gap + approach * until - bend_drop;
+  if (clearance.offset + lowest_gap > low) return {};
   // A centre at the lower bound may be below it by rounding. That alone does not stop it.
   if (start.distance < low + clearance.tolerance) {
     if (approach < 0.0) return {0.0, true};

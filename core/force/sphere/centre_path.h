@@ -35,7 +35,7 @@ class CentrePath {
   // The derivative by time: its direction is exact to rounding, its length within 2^-11 of itself.
   Vec3 slope(double time) const noexcept;
   // Upper bound of the distance between path and chord.
-  double bulge() const { return 0.125 * bulge_; }
+  double bulge() const { return 0.125 * bulge_bend_; }
   bool is_straight() const { return bend_ == 0.0; }
   bool is_guided() const { return guide_count_ > 0; }
 
@@ -95,7 +95,7 @@ class CentrePath {
   };
   double step_beside_guides(const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept;
   double time_beside_line(const Guide& guide, const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept;
-  double time_beside(const Guide& guide, const Vec3& off, double turned, const Level& level, const Place& here) const noexcept;
+  double time_beside(const Guide& guide, const Vec3& off, double sine, const Level& level, const Place& here) const noexcept;
   double time_within(const Vec3& origin, const Vec3& inwards, const Place& here) const noexcept;
   double time_on_edge(const ContactTriangle& triangle, int edge, const Place& here) const noexcept;
   double time_at_corner(const ContactTriangle& triangle, int corner, const Place& here) const noexcept;
@@ -114,7 +114,7 @@ class CentrePath {
   Vec3 chord_ = Vec3::Zero();  // unit
   double bend_along_ = 0.0;    // of its component along the chord (uneven speed),
   double bend_across_ = 0.0;   // and of its component across the chord
-  double bulge_ = 0.0;
+  double bulge_bend_ = 0.0;
   std::array<Guide, 2> guides_;
   int guide_count_ = 0;
 };

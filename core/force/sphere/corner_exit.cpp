@@ -11,24 +11,24 @@
 namespace hapton {
 namespace {
 
-constexpr double kAround = 32.0;   // offsets; a corner within this distance of the centre is taken as the apex
-constexpr double kWedge = 4096.0;  // offsets; so far from its tip a wedge of 0.028 degrees holds the sphere
+constexpr double kApexRadius = 32.0;         // offsets; a corner within this distance of the centre is taken as the apex
+constexpr double kMaxApexDistance = 4096.0;  // offsets; so far from its tip a wedge of 0.028 degrees holds the sphere
 
 // The position nearest to the planes, lines and points of contacts on faces, edges and vertices: the sum of the squared distances from them
 // is least. False: it is not unique within rounding, or farther than `within` from one of them.
 bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, double within, Vec3& meeting) {
   constexpr double kMinVolume = 0x1p-44;  // of unit vectors: below it they count as lying in one plane
   Mat3 sum = Mat3::Zero();
-  Vec3 right = Vec3::Zero();
+  Vec3 right_hand_side = Vec3::Zero();
   for (const OffsetContact& contact : contacts) {
     Mat3 across = Mat3::Identity();
     if (contact.part == Feature::face) across = contact.normal * contact.normal.transpose();
     if (contact.part == Feature::edge) across -= contact.axis * contact.axis.transpose();
     sum += across;
-    right += across * (contact.origin() - near);
+    right_hand_side += across * (contact.origin() - near);
   }
   if (!(sum.determinant() > kMinVolume)) return false;
-  const Vec3 off = sum.inverse() * right;
+  const Vec3 off = sum.inverse() * right_hand_side;
   meeting = near + off;
   return std::ranges::all_of(contacts, [&](const auto& contact) { return std::fabs(contact.proximity(meeting).distance) <= within; });
 }
@@ -38,7 +38,7 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
 // The vertex near the centre, or the point where three faces that hold the centre meet, or the vertex that three contacts have in common:
 // in a narrow corner the centre is far from its apex.
 bool CornerExit::find_apex(Vec3& apex) const noexcept {
-  double nearest = kAround * contacts_.offset();
+  double nearest = kApexRadius * contacts_.offset();
   bool any = false;
   for (int i = 0; i < contacts_.count(); ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -55,11 +55,11 @@ bool CornerExit::find_apex(Vec3& apex) const noexcept {
   if (contacts_.active_count() != 3 || !contacts_.find_frame(centre_, frame)) return false;
   if (!contacts_.is_flat()) {
     return find_common_corner(apex) || (find_meeting(contacts_.active(), centre_, 0.5 * kThrough * contacts_.offset(), apex) &&
-                                        (apex - centre_).norm() <= kWedge * contacts_.offset());
+                                        (apex - centre_).norm() <= kMaxApexDistance * contacts_.offset());
   }
   apex = centre_;
   for (int i = 0; i < 3; ++i) apex -= contacts_.offset() * frame.dual[i];
-  return (apex - centre_).norm() <= kWedge * contacts_.offset();
+  return (apex - centre_).norm() <= kMaxApexDistance * contacts_.offset();
 }
 
 bool CornerExit::find_common_corner(Vec3& apex) const noexcept {
@@ -68,7 +68,7 @@ bool CornerExit::find_common_corner(Vec3& apex) const noexcept {
     const auto has_it = [&](const OffsetContact& contact) {
       return contact.shape.corner(0) == corner || contact.shape.corner(1) == corner || contact.shape.corner(2) == corner;
     };
-    if (!((corner - centre_).norm() <= kWedge * contacts_.offset())) continue;
+    if (!((corner - centre_).norm() <= kMaxApexDistance * contacts_.offset())) continue;
     if (!std::ranges::all_of(contacts_.active(), has_it)) continue;
     apex = corner;
     return true;
@@ -153,18 +153,18 @@ double CornerExit::distance_off_edge(const TangentCone::Steepest& to) const noex
   return kAbove * contacts_.offset() / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
 }
 
-std::optional<Vec3> CornerExit::find_past(const TangentCone::Steepest& to, double wide) const noexcept {
+std::optional<Vec3> CornerExit::find_past(const TangentCone::Steepest& to, double radius) const noexcept {
   const TangentCone::Piece& piece = memory_.cone.boundary()[to.piece];
   const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
   const double off = distance_off_edge(to);
-  if (!(kMaxOff * off < wide)) return std::nullopt;
-  return memory_.cone.apex() + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
+  if (!(kMaxOff * off < radius)) return std::nullopt;
+  return memory_.cone.apex() + radius * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
 }
 
-bool CornerExit::can_pass(const Vec3& target, double wide) noexcept {
+bool CornerExit::can_pass(const Vec3& target, double radius) noexcept {
   const Vec3& apex = memory_.cone.apex();
-  const double within = 1.25 * wide;
-  if (!((centre_ - apex).norm() < wide) || !near_.covers(apex, within) || !memory_.cone.contains((target - apex).normalized()))
+  const double within = 1.25 * radius;
+  if (!((centre_ - apex).norm() < radius) || !near_.covers(apex, within) || !memory_.cone.contains((target - apex).normalized()))
     return false;
   bool is_free = true;
   near_.visit_near(apex, apex, within, [&](int slot) {
@@ -198,9 +198,9 @@ bool CornerExit::is_beyond_surface(const Vec3& target, double within) noexcept {
     for (int k = 0; k < 3; ++k) {
       const TouchGeometry::Adjacent beside = near_.geometry().adjacent(id, k);
       if (beside.exists && !beside.flips) continue;
-      const Part part = part_within(shape, k, apex, within);
-      const Vec3 from = shape.corner(k) - apex + part.begin * shape.edge(k);
-      const Vec3 along = (part.end - part.begin) * shape.edge(k);
+      const EdgeSpan span = edge_span_within(shape, k, apex, within);
+      const Vec3 from = shape.corner(k) - apex + span.begin * shape.edge(k);
+      const Vec3 along = (span.end - span.begin) * shape.edge(k);
       gap += along;
       area += 0.5 * from.cross(along);
     }
@@ -212,7 +212,7 @@ bool CornerExit::is_beyond_surface(const Vec3& target, double within) noexcept {
 }
 
 // The shares of edge k between which the edge is nearer to p than `within`; an empty span if it nowhere is.
-CornerExit::Part CornerExit::part_within(const ContactTriangle& shape, int k, const Vec3& p, double within) {
+CornerExit::EdgeSpan CornerExit::edge_span_within(const ContactTriangle& shape, int k, const Vec3& p, double within) {
   const double middle = shape.along(k, p);
   const double squared = within * within - (shape.corner(k) + middle * shape.edge(k) - p).squaredNorm();
   if (!(squared > 0.0) || !(shape.length(k) > 0.0)) return {0.0, 0.0};

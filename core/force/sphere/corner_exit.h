@@ -43,23 +43,23 @@ class CornerExit {
   // Pre of all below: find_cone() was true. How far off the cone's boundary a position in that direction is placed; at an edge it is placed
   // midway between the two pieces of the boundary.
   double distance_off_edge(const TangentCone::Steepest& to) const noexcept;
-  // A position `wide` from the corner in that direction, and off the boundary. None: the cone is too narrow there.
-  std::optional<Vec3> find_past(const TangentCone::Steepest& to, double wide) const noexcept;
+  // A position at the distance `radius` from the corner in that direction, and off the boundary. None: the cone is too narrow there.
+  std::optional<Vec3> find_past(const TangentCone::Steepest& to, double radius) const noexcept;
   // Whether the centre may be moved past the corner in one step: all triangles near it go through the corner, so the free space there is a
   // cone. The target must be in the part of the cone that the centre is in: beside a narrow slit, a position off one side is beyond the
   // other. If the boundary may be that of another part of the cone, no triangle may be between centre and target. The cone has each face's
   // plane moved through the apex: the target must be on the same side of the face as of the moved plane.
-  bool can_pass(const Vec3& target, double wide) noexcept;
+  bool can_pass(const Vec3& target, double radius) noexcept;
 
  private:
-  struct Part {
+  struct EdgeSpan {
     double begin = 0.0, end = 1.0;  // positions on an edge, 0 to 1
   };
   bool find_apex(Vec3& apex) const noexcept;
   bool find_common_corner(Vec3& apex) const noexcept;
   bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
   bool is_beyond_surface(const Vec3& target, double within) noexcept;
-  static Part part_within(const ContactTriangle& shape, int k, const Vec3& p, double within);
+  static EdgeSpan edge_span_within(const ContactTriangle& shape, int k, const Vec3& p, double within);
 
   const ContactSet& contacts_;
   GatheredTriangles& near_;

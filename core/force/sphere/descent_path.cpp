@@ -11,9 +11,9 @@ namespace {
 Vec3 choose_side(const Vec3& normal, const Vec3& axis, const Vec3& hint) {
   constexpr double kRounding = 0x1p-20;  // share of what the first projection leaves
   const auto project = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal - axis.dot(v) * axis); };
-  const Vec3 left = project(hint);
-  const Vec3 sideways = project(left);
-  if (sideways.norm() > kRounding * left.norm()) return sideways;
+  const Vec3 projected = project(hint);
+  const Vec3 sideways = project(projected);
+  if (sideways.norm() > kRounding * projected.norm()) return sideways;
   return axis.isZero(0.0) ? normal.unitOrthogonal() : axis.cross(normal);
 }
 

@@ -25,8 +25,8 @@ class DragLegs::FlowSearch {
 
  private:
   bool has_one_contact() const noexcept { return legs_.contacts_.active_count() == 1; }
-  double left() const noexcept { return target_ - end_.time; }
-  double stability_there() const noexcept { return drag_.find_stability(there_); }
+  double time_left() const noexcept { return target_time_ - end_.time; }
+  double end_stability() const noexcept { return drag_.find_stability(end_pull_); }
 
   // Begins the leg. Returns the outcome if the centre stops or jumps at once, or if the leg is the last one.
   std::optional<DragOutcome> begin(DragLeg& leg) noexcept {
@@ -39,13 +39,13 @@ class DragLegs::FlowSearch {
     stability_ = drag_.find_stability(pull_);
     if (!(stability_ > LocalMinimum::kMinStability)) return DragOutcome::jumps;
     const double release = has_one_contact() ? drag_.time_of_release(device, to_, pull_) : std::numeric_limits<double>::infinity();
-    comes_out_ = release < 1.0;
-    target_ = comes_out_ ? time_ + release * (1.0 - time_) : 1.0;
+    device_comes_out_ = release < 1.0;
+    target_time_ = device_comes_out_ ? time_ + release * (1.0 - time_) : 1.0;
     leg.released = -1;
     // Almost nothing is left of the pull, and all of it vanishes on this leg.
     const double offset = legs_.contacts_.offset();
-    if (comes_out_ && pull_.length + pull_.depth <= kSmallPull * offset && (target_ - time_) * speed_ <= kShort * offset) {
-      return legs_.make_last_leg(on_path(from_, to_, target_), target_, pull_.normal, leg);
+    if (device_comes_out_ && pull_.length + pull_.depth <= kSmallPull * offset && (target_time_ - time_) * speed_ <= kShort * offset) {
+      return legs_.make_last_leg(on_path(from_, to_, target_time_), target_time_, pull_.normal, leg);
     }
     slope_ = drag_.find_slope(pull_, motion_);
     return std::nullopt;
@@ -65,19 +65,19 @@ class DragLegs::FlowSearch {
   }
 
   // Moves the end of the leg to that length, from the start or from the last end, whichever is nearer. False: the end is at the start
-  // again, and `shrink_` says how far it came.
+  // again, and `next_share_` says how far it came.
   bool go(double length) noexcept {
-    constexpr double kOfFollowed = 0.75;  // the next length, as a share of what could be followed
+    constexpr double kFollowedShare = 0.75;  // the next length, as a share of what could be followed
     if (std::fabs(length - travelled_) >= length || legs_.contacts_.active_count() == 2) go_back();
     const double advance = length - travelled_;
     travelled_ = length;
     if (advance == 0.0 ||
-        (drag_.flow(from_, to_, advance, end_, legs_.work_) && drag_.find_pull(end_.centre, from_ + end_.time * motion_, there_))) {
+        (drag_.flow(from_, to_, advance, end_, legs_.work_) && drag_.find_pull(end_.centre, from_ + end_.time * motion_, end_pull_))) {
       return true;
     }
     travelled_ += end_.followed - advance;
     legs_.step_ = end_.step;
-    shrink_ = std::clamp(kOfFollowed * travelled_ / length_, kMaxShrunk, 0.5);
+    next_share_ = std::clamp(kFollowedShare * travelled_ / length_, kMinNextShare, 0.5);
     end_ = {legs_.centre_, time_};
     travelled_ = 0.0;
     return false;
@@ -99,69 +99,71 @@ class DragLegs::FlowSearch {
     const double most = find_most();
     // Along the curve of two contacts nothing is integrated.
     const double within_reach = has_one_contact() && legs_.step_ > 0.0 ? std::min(most, kStepsOfLeg * legs_.step_) : most;
-    length_ = std::min(within_reach, (target_ - time_) / stability_);
-    for (int i = 0;; ++i, length_ *= shrink_) {
+    length_ = std::min(within_reach, (target_time_ - time_) / stability_);
+    for (int i = 0;; ++i, length_ *= next_share_) {
       if (i == kMaxHalvings) return false;
-      shrink_ = 0.5;
+      next_share_ = 0.5;
       is_at_target_ = false;
       leg.jumps = false;
       go_back();
       if (i == kFewHalvings) {
         if (!go(std::ldexp(length_, kFewHalvings - kMaxHalvings))) return false;  // not even the shortest leg
-        off_ = (end_.centre - legs_.centre_).norm();
+        distance_off_cone_ = (end_.centre - legs_.centre_).norm();
       }
       if (!flow_evenly()) continue;
       if (i == 0) lengthen(most);
       if (!go(length_) || !end_where_it_vanishes(leg) || !end_at_target(leg)) continue;
-      if (!is_at_target_ || !comes_out_ || !(there_.length > kReleased)) return true;
-      comes_out_ = false;  // the device comes out at another point
-      target_ = 1.0;
-      length_ = std::min(most, (target_ - time_) / stability_);
+      if (!is_at_target_ || !device_comes_out_ || !(end_pull_.length > kReleasedPull)) return true;
+      device_comes_out_ = false;  // the device comes out at another point
+      target_time_ = 1.0;
+      length_ = std::min(most, (target_time_ - time_) / stability_);
       i = -1;
-      shrink_ = 1.0;
+      next_share_ = 1.0;
     }
   }
 
-  // Follows the leg to its end. False: it cannot be followed, turns too far, or is not nearly a cubic; `shrink_` is the share to try next.
+  // Follows the leg to its end. False: it cannot be followed, turns too far, or is not nearly a cubic; `next_share_` is the share to try
+  // next.
   bool flow_evenly() noexcept {
     const Vec3& centre = legs_.centre_;
     if (!go(0.5 * length_)) return false;
     middle_ = end_;
-    half_ = 0.5 * length_;
+    middle_length_ = 0.5 * length_;
     if (!go(length_) || legs_.minimum_.find_turn(end_.centre - centre) > 2.0 * LocalMinimum::kTurn) return false;
     legs_.step_ = end_.step;
     const Vec3 guess = 0.5 * (centre + end_.centre) + 0.125 * length_ * (slope_ - end_.slope);
-    const double uneven = (middle_.centre - guess).norm();
-    const double most_off = kUnresolved + off_ + legs_.most_uneven((end_.centre - centre).norm());
-    if (!(uneven > most_off)) return true;
-    shrink_ = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMaxShrunk, 0.5);  // `uneven` is of fourth order in the length
+    const double cubic_error = (middle_.centre - guess).norm();
+    const double error_limit = kUnresolved + distance_off_cone_ + legs_.max_cubic_error((end_.centre - centre).norm());
+    if (!(cubic_error > error_limit)) return true;
+    next_share_ = std::clamp(0.9 * std::sqrt(std::sqrt(error_limit / cubic_error)), kMinNextShare,
+                             0.5);  // the error is of fourth order in the length
     return false;
   }
 
   // Makes the leg a little longer if it then reaches the target.
   void lengthen(double most) noexcept {
     constexpr int kMaxRounds = 8;  // a bound on the work
-    for (int round = 0; round < kMaxRounds && length_ < most && left() > 0.0; ++round) {
-      const double on = left() / std::max(stability_there(), 0x1p-10);
-      is_at_target_ = on * speed_ <= 0x1p-50;
-      if (is_at_target_ || !(length_ + on <= 1.125 * std::min(most, 2.0 * length_))) break;
-      if (!go(length_ + on)) break;
-      length_ += on;
+    for (int round = 0; round < kMaxRounds && length_ < most && time_left() > 0.0; ++round) {
+      const double extension = time_left() / std::max(end_stability(), 0x1p-10);
+      is_at_target_ = extension * speed_ <= 0x1p-50;
+      if (is_at_target_ || !(length_ + extension <= 1.125 * std::min(most, 2.0 * length_))) break;
+      if (!go(length_ + extension)) break;
+      length_ += extension;
     }
   }
 
   bool end_where_it_vanishes(DragLeg& leg) noexcept {
-    if (!(stability_there() < 0.0)) return true;
+    if (!(end_stability() < 0.0)) return true;
     const double rounding = legs_.rounding_of(pull_) / legs_.contacts_.offset();
-    if (!seek(stability_, stability_there(), rounding, [&] { return stability_there(); })) return false;
+    if (!seek(stability_, end_stability(), rounding, [&] { return end_stability(); })) return false;
     is_at_target_ = false;
     leg.jumps = true;
     return true;
   }
 
   bool end_at_target(DragLeg& leg) noexcept {
-    if (!(left() < 0.0)) return true;
-    if (!seek(target_ - time_, left(), 0.0, [&] { return left(); })) return false;
+    if (!(time_left() < 0.0)) return true;
+    if (!seek(target_time_ - time_, time_left(), 0.0, [&] { return time_left(); })) return false;
     is_at_target_ = true;
     leg.jumps = false;
     return true;
@@ -170,9 +172,9 @@ class DragLegs::FlowSearch {
   // One of two contacts whose multiplier turns negative ends the leg earlier.
   bool end_at_release(DragLeg& leg) noexcept {
     for (int i = 0; legs_.contacts_.active_count() == 2 && i < 2; ++i) {
-      if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
+      if (end_pull_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
       const double at_start = std::max(0.0, pull_.multiplier[i]);
-      if (!seek(at_start, there_.multiplier[i], legs_.rounding_of(pull_), [&] { return there_.multiplier[i]; })) return false;
+      if (!seek(at_start, end_pull_.multiplier[i], legs_.rounding_of(pull_), [&] { return end_pull_.multiplier[i]; })) return false;
       leg.released = i;
       leg.jumps = false;
       is_at_target_ = false;
@@ -182,10 +184,10 @@ class DragLegs::FlowSearch {
 
   // False: the centre stops where the leg begins.
   bool end_where_it_stops(DragLeg& leg) noexcept {
-    const double at_end = drag_.find_excess_rate(there_, motion_);
-    if (!(at_end < -kMinExcessRate * speed_) || (is_at_target_ && comes_out_)) return true;
-    const double of_direction = speed_ * kPositionRounding / std::max(there_.length, OffsetDrag::kMinPull);
-    if (!seek(std::max(0.0, excess_rate_), at_end, of_direction, [&] { return drag_.find_excess_rate(there_, motion_); })) return false;
+    const double at_end = drag_.find_excess_rate(end_pull_, motion_);
+    if (!(at_end < -kMinExcessRate * speed_) || (is_at_target_ && device_comes_out_)) return true;
+    const double of_direction = speed_ * kPositionRounding / std::max(end_pull_.length, OffsetDrag::kMinPull);
+    if (!seek(std::max(0.0, excess_rate_), at_end, of_direction, [&] { return drag_.find_excess_rate(end_pull_, motion_); })) return false;
     if (!(length_ > 0.0)) return false;
     is_at_target_ = false;
     leg.jumps = false;
@@ -195,24 +197,24 @@ class DragLegs::FlowSearch {
   }
 
   DragOutcome make_path(DragLeg& leg) noexcept {
-    leg.time = is_at_target_ ? target_ : std::min(end_.time, target_);
-    if (is_at_target_ && comes_out_) {
+    leg.time = is_at_target_ ? target_time_ : std::min(end_.time, target_time_);
+    if (is_at_target_ && device_comes_out_) {
       leg.released = 0;
-      end_.centre = on_path(from_, to_, target_);
+      end_.centre = on_path(from_, to_, target_time_);
       if (!drag_.restore(end_.centre)) return DragOutcome::jumps;
     }
     leg.flow = length_;
     leg.path = CentrePath::curved(legs_.centre_, end_.centre, length_ * slope_, length_ * end_.slope);
     legs_.contacts_.guide(leg.path);
-    leg.pace = {length_ * stability_, length_ * stability_there()};
-    const double share = length_ > 0.0 ? half_ / length_ : 0.0;
+    leg.pace = {length_ * stability_, length_ * end_stability()};
+    const double share = length_ > 0.0 ? middle_length_ / length_ : 0.0;
     leg.is_exact = has_one_contact() && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle_.centre).norm() <= kExact &&
                    std::fabs(leg.time_at(time_, share) - middle_.time) * speed_ <= kExact;
     return DragOutcome::moves;
   }
 
-  static constexpr double kMaxShrunk = 0x1p-10;  // least share of the length that is kept at once
-  static constexpr double kReleased = 0x1p-24;   // a pull so short that the device counts as out of the surface
+  static constexpr double kMinNextShare = 0x1p-10;  // least share of the length that is kept at once
+  static constexpr double kReleasedPull = 0x1p-24;  // a pull so short that the device counts as out of the surface
 
   DragLegs& legs_;
   const OffsetDrag& drag_;
@@ -225,17 +227,18 @@ class DragLegs::FlowSearch {
   double excess_rate_ = 0.0;
   double stability_ = 0.0;
   Vec3 slope_;
-  bool comes_out_ = false;  // the device comes out of the surface at the target
-  double target_ = 1.0;     // time up to which the leg may go
-  double length_ = 0.0;     // of the leg, in the parameter of the flow
-  double shrink_ = 0.5;     // the next length, as a share of this one
-  double off_ = 0.0;        // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
+  bool device_comes_out_ = false;  // the device comes out of the surface at the target
+  double target_time_ = 1.0;       // time up to which the leg may go
+  double length_ = 0.0;            // of the leg, in the parameter of the flow
+  double next_share_ = 0.5;        // the next length, as a share of this one
+  double distance_off_cone_ =
+      0.0;  // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
   bool is_at_target_ = false;
   OffsetDrag::Flow middle_;
-  double half_ = 0.0;  // the length to middle_
+  double middle_length_ = 0.0;  // the length to middle_
   OffsetDrag::Flow end_;
-  double travelled_ = 0.0;  // the length to end_
-  OffsetDrag::Pull there_;  // at end_
+  double travelled_ = 0.0;     // the length to end_
+  OffsetDrag::Pull end_pull_;  // at end_
 };
 
 // On curved parts the equilibrium on the cone may vanish: there the centre jumps.

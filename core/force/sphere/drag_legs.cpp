@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-double DragLegs::most_uneven(double length) const noexcept {
+double DragLegs::max_cubic_error(double length) const noexcept {
   constexpr double kUneven = 0x1p-16;
   constexpr double kUnevenShare = 0x1p-20;
   constexpr double kMaxUneven = 0.125;
@@ -52,7 +52,7 @@ class DragLegs::SlipSearch {
   // Moves end_ to this length along the slip, and finds the pull there. False: one of the two cannot be computed.
   bool go(const Vec3& direction, double length) noexcept {
     end_.centre = legs_.centre_;
-    return drag_.descend(device_, direction, length, end_, legs_.work_) && drag_.find_pull(end_.centre, device_, there_);
+    return drag_.descend(device_, direction, length, end_, legs_.work_) && drag_.find_pull(end_.centre, device_, end_pull_);
   }
 
   // Shortens the slip so that it ends where `value()` reaches zero. False: the slip cannot be computed there.
@@ -71,12 +71,12 @@ class DragLegs::SlipSearch {
     if (reaches_cone_within(most) && !approach_cone(slip, most)) return false;
     if (slip.stops) return true;
     if (!go(slip.direction, length_)) return false;
-    if (!(there_.excess() < 0.0)) return true;
+    if (!(end_pull_.excess() < 0.0)) return true;
     if (has_vanished_) {
       slip.waits = true;
       return true;
     }
-    if (!cut_at(slip, pull_.excess(), there_.excess(), [&] { return there_.excess(); })) return false;
+    if (!cut_at(slip, pull_.excess(), end_pull_.excess(), [&] { return end_pull_.excess(); })) return false;
     slip.stops = true;
     return true;
   }
@@ -86,11 +86,11 @@ class DragLegs::SlipSearch {
     length_ = pull_.excess() / stability_;
     for (int i = 0; i < kMaxRounds; ++i) {
       if (!go(slip.direction, length_)) return false;
-      const double left = there_.excess();
-      slip.stops = std::fabs(left) <= 2.0 * rounding_ || drag_.is_flat();
-      const double slope = drag_.find_stability(there_) * end_.slope.norm();
+      const double excess_left = end_pull_.excess();
+      slip.stops = std::fabs(excess_left) <= 2.0 * rounding_ || drag_.is_flat();
+      const double slope = drag_.find_stability(end_pull_) * end_.slope.norm();
       if (slip.stops || !(slope > LocalMinimum::kMinStability)) break;
-      length_ += left / slope;
+      length_ += excess_left / slope;
       if (!(length_ > 0.0) || !(length_ <= most)) break;
     }
     if (!slip.stops) length_ = most;
@@ -100,8 +100,8 @@ class DragLegs::SlipSearch {
   // A multiplier that turns negative ends the slip earlier.
   bool end_at_release(SlipPath& slip) noexcept {
     for (int i = 0; i < legs_.contacts_.active_count(); ++i) {
-      if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
-      if (!cut_at(slip, std::max(0.0, pull_.multiplier[i]), there_.multiplier[i], [&] { return there_.multiplier[i]; })) return false;
+      if (end_pull_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
+      if (!cut_at(slip, std::max(0.0, pull_.multiplier[i]), end_pull_.multiplier[i], [&] { return end_pull_.multiplier[i]; })) return false;
       slip.released = i;
     }
     return true;
@@ -122,9 +122,9 @@ class DragLegs::SlipSearch {
       slip.path = CentrePath::curved(centre, last.centre, length_ * direction, length_ * last.slope);
       if (!go(direction, 0.5 * length_)) return false;
       const Vec3 guess = 0.5 * (centre + last.centre) + 0.125 * length_ * (direction - last.slope);
-      const double uneven = (end_.centre - guess).norm();
-      slip.is_exact = uneven <= kExact;
-      if (uneven <= legs_.most_uneven(length_)) {
+      const double cubic_error = (end_.centre - guess).norm();
+      slip.is_exact = cubic_error <= kExact;
+      if (cubic_error <= legs_.max_cubic_error(length_)) {
         legs_.contacts_.guide(slip.path);
         return true;
       }
@@ -147,7 +147,7 @@ class DragLegs::SlipSearch {
   double rounding_ = 0.0;   // rounding error of a pull
   double length_ = 0.0;     // length of the slip
   OffsetDrag::Descent end_;
-  OffsetDrag::Pull there_;  // the pull at end_
+  OffsetDrag::Pull end_pull_;  // the pull at end_
 };
 
 bool DragLegs::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
@@ -174,7 +174,7 @@ class DragLegs::FollowSearch {
     find_span();
     if (const auto other = find_end(leg)) return *other;
     if (!end_at_release(leg)) return DragOutcome::jumps;
-    if (may_stop(leg) && drag_.find_excess_rate(there_, motion_) < least_excess_rate()) {
+    if (may_stop(leg) && drag_.find_excess_rate(end_pull_, motion_) < least_excess_rate()) {
       if (!end_where_it_stops(leg)) return DragOutcome::jumps;
       if (leg.time <= time_) return DragOutcome::stops;
     }
@@ -190,8 +190,8 @@ class DragLegs::FollowSearch {
   void find_span() noexcept {
     span_ = 1.0 - time_;
     if (has_one_contact()) {
-      release_ = drag_.time_of_release(device_, to_, pull_);
-      if (release_ < 1.0) span_ *= release_;
+      release_share_ = drag_.time_of_release(device_, to_, pull_);
+      if (release_share_ < 1.0) span_ *= release_share_;
     }
     release_span_ = span_;
     if (!is_flat_) span_ = std::min(span_, LocalMinimum::kTurn / std::max(legs_.minimum_.find_turn(rate_), 0x1p-100));
@@ -215,31 +215,31 @@ class DragLegs::FollowSearch {
 
   // Follows the device to the end of the span. False: the centre cannot follow, or its path turns too far.
   bool follow_span(DragLeg& leg) noexcept {
-    const bool is_out = release_ < 1.0 && span_ >= release_span_;
+    const bool is_out = release_share_ < 1.0 && span_ >= release_span_;
     leg.time = span_ >= 1.0 - time_ ? 1.0 : time_ + span_;
     leg.released = is_out ? 0 : -1;
-    const Vec3 half = device_at(time_ + 0.5 * (leg.time - time_));
-    const Vec3 then = device_at(leg.time);
+    const Vec3 device_middle = device_at(time_ + 0.5 * (leg.time - time_));
+    const Vec3 device_end = device_at(leg.time);
     middle_ = legs_.centre_;
-    if (!drag_.follow(device_, half, middle_, legs_.work_)) return false;
-    end_ = is_out ? then : middle_;  // where the device comes out of the surface, the centre is at the device
-    if (!(is_out ? drag_.restore(end_) : drag_.follow(half, then, end_, legs_.work_))) return false;
-    if (!drag_.find_pull(end_, then, there_)) return false;
+    if (!drag_.follow(device_, device_middle, middle_, legs_.work_)) return false;
+    end_ = is_out ? device_end : middle_;  // where the device comes out of the surface, the centre is at the device
+    if (!(is_out ? drag_.restore(end_) : drag_.follow(device_middle, device_end, end_, legs_.work_))) return false;
+    if (!drag_.find_pull(end_, device_end, end_pull_)) return false;
     return is_flat_ || legs_.minimum_.find_turn(end_ - legs_.centre_) <= 2.0 * LocalMinimum::kTurn;
   }
 
   // Whether the path is a line, is nearly a cubic, or meets nothing.
   bool is_even(DragLeg& leg) noexcept {
     const Vec3& centre = legs_.centre_;
-    const Vec3 rate_there = drag_.find_rate(there_, motion_);
+    const Vec3 rate_there = drag_.find_rate(end_pull_, motion_);
     const Vec3 guess = 0.5 * (centre + end_) + 0.125 * span_ * (rate_ - rate_there);
     is_straight_ = is_flat_ && has_one_contact() && (0.5 * (centre + end_) - middle_).norm() <= 0x1p-50 &&
                    span_ * (rate_ - rate_there).norm() <= 0x1p-48;
-    const double uneven = (middle_ - guess).norm();
-    leg.is_exact = has_one_contact() && uneven <= kExact;
+    const double cubic_error = (middle_ - guess).norm();
+    leg.is_exact = has_one_contact() && cubic_error <= kExact;
     leg.is_line = is_flat_ && legs_.contacts_.active_count() == 2 && (middle_ - centre).dot(end_ - middle_) >= 0.0;
     if (leg.is_line) return true;
-    if (is_straight_ || uneven <= kUnresolved + legs_.most_uneven((end_ - centre).norm())) return true;
+    if (is_straight_ || cubic_error <= kUnresolved + legs_.max_cubic_error((end_ - centre).norm())) return true;
     leg.is_clear =
         is_flat_ && has_one_contact() && legs_.events_.is_clear_over_face(centre, end_, rate_.normalized(), rate_there.normalized());
     return leg.is_clear;
@@ -264,13 +264,13 @@ class DragLegs::FollowSearch {
   // With two contacts: if the multiplier of one turns negative, ends the leg earlier, where it is zero.
   bool end_at_release(DragLeg& leg) noexcept {
     for (int i = 0; legs_.contacts_.active_count() == 2 && i < 2; ++i) {
-      if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
+      if (end_pull_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
       leg.released = i;
-      if (!cut_at(leg, std::max(0.0, pull_.multiplier[i]), there_.multiplier[i],
+      if (!cut_at(leg, std::max(0.0, pull_.multiplier[i]), end_pull_.multiplier[i],
                   [&](const OffsetDrag::Pull& at) { return at.multiplier[i]; })) {
         return false;
       }
-      if (!drag_.find_pull(end_, device_at(leg.time), there_)) return false;
+      if (!drag_.find_pull(end_, device_at(leg.time), end_pull_)) return false;
     }
     return true;
   }
@@ -283,17 +283,17 @@ class DragLegs::FollowSearch {
     leg.stops = true;
     leg.released = -1;
     const auto excess_rate = [&](const OffsetDrag::Pull& at) { return drag_.find_excess_rate(at, motion_); };
-    return cut_at(leg, std::max(0.0, excess_rate(pull_)), excess_rate(there_), excess_rate);
+    return cut_at(leg, std::max(0.0, excess_rate(pull_)), excess_rate(end_pull_), excess_rate);
   }
 
   DragOutcome make_path(DragLeg& leg) noexcept {
-    const double part = leg.time - time_;
-    if (is_straight_ || leg.is_clear || leg.is_line || !(part > 0.0)) {
+    const double duration = leg.time - time_;
+    if (is_straight_ || leg.is_clear || leg.is_line || !(duration > 0.0)) {
       leg.path = CentrePath::straight(legs_.centre_, end_);
       return DragOutcome::moves;
     }
-    if (!drag_.find_pull(end_, device_at(leg.time), there_)) return DragOutcome::jumps;
-    leg.path = CentrePath::curved(legs_.centre_, end_, part * rate_, part * drag_.find_rate(there_, motion_));
+    if (!drag_.find_pull(end_, device_at(leg.time), end_pull_)) return DragOutcome::jumps;
+    leg.path = CentrePath::curved(legs_.centre_, end_, duration * rate_, duration * drag_.find_rate(end_pull_, motion_));
     if (legs_.contacts_.active_count() == 2) legs_.contacts_.guide(leg.path);  // on a face it stays in the plane without a guide
     return DragOutcome::moves;
   }
@@ -308,13 +308,13 @@ class DragLegs::FollowSearch {
   const bool is_flat_ = drag_.is_flat();
   OffsetDrag::Pull pull_;
   Vec3 rate_;
-  double release_ = std::numeric_limits<double>::infinity();  // when the device leaves the surface, as a share of the time left
+  double release_share_ = std::numeric_limits<double>::infinity();  // when the device leaves the surface, as a share of the time left
   double release_span_ = 0.0;
   double span_ = 0.0;  // duration of the leg
   bool is_straight_ = false;
   Vec3 middle_;
   Vec3 end_;
-  OffsetDrag::Pull there_;  // the pull at end_
+  OffsetDrag::Pull end_pull_;  // the pull at end_
 };
 
 // Flattened, so that the search stays in registers: nearly every step under friction comes here.

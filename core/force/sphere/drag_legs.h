@@ -86,7 +86,7 @@ class DragLegs {
   double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
   // How far the middle of a piece may be off its cubic: a share of the offset plus one of the length. Events are found on the cubic and
   // placed on the exact path: triangles are an offset away, so a centre that is off by a small part of the offset meets none of them.
-  double most_uneven(double length) const noexcept;
+  double max_cubic_error(double length) const noexcept;
 
   const ContactSet& contacts_;
   LocalMinimum minimum_;

@@ -19,12 +19,12 @@ bool GatheredTriangles::is_clear_here(const Vec3& c, double short_by, int& work)
 
 bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) noexcept {
   constexpr int kMaxHalvings = 40;  // of the path; after these, it counts as impossible to cover
-  const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
+  const double needed_distance = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
   const Vec3 end = path.at(until);
-  if (covers(path.start(), room) && covers(end, room)) return true;
+  if (covers(path.start(), needed_distance) && covers(end, needed_distance)) return true;
   if (!gather(path.start(), end - path.start(), work)) return false;
   for (int i = 0; i < kMaxHalvings; ++i, until *= 0.5) {
-    if (covers(path.start(), room) && covers(path.at(until), room)) return true;
+    if (covers(path.start(), needed_distance) && covers(path.at(until), needed_distance)) return true;
   }
   return false;
 }
@@ -36,7 +36,7 @@ bool GatheredTriangles::are_slivers(double radius) const noexcept { return share
 // The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
   constexpr double kSamePlace = 0.25;  // offsets
-  if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
+  if ((c - crowded_at_).norm() <= kSamePlace * clearance_.offset) return false;
   constexpr int kMaxGuesses = 2;  // attempts that stop at kMaxFew triangles; after these, one may fill the cache
   // With fewer triangles the next radius is larger, with more than three times as many smaller. This and kMaxFew are free choices.
   constexpr int kFew = 24;
@@ -50,9 +50,9 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
   constexpr int kMaxHalvings = 2;           // of the radius, among slivers; after these, it may fall below the least radius
   const double least = least_radius_;
   if (!(radius_ > 0.0)) radius_ = std::max(least, 0.5 * clearance_.offset);
-  const double given = radius_;
+  const double first_radius = radius_;
   const double length = towards.norm();
-  const double enough = std::max(least, length);
+  const double sufficient_radius = std::max(least, length);
   bool is_guess = false;
   bool has_room = true;
   int overflows = 0;
@@ -61,7 +61,7 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
     is_guess = i < kMaxGuesses && last_count_ <= kMaxFew && radius_ > least;
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * radius_ / length)) : Vec3::Zero();
     int queried = 0;
-    ++gathered_;
+    ++gather_count_;
     const bool fits = NearTriangles::gather(geometry_, c + ahead, clearance_.offset + radius_ + 4.0 * clearance_.slop, queried,
                                             is_guess ? kMaxFew : NearTriangles::kCapacity);
     const int in_fans = queried_in_fans();
@@ -69,8 +69,8 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
     if (!fits) {
       has_room = is_guess || radius_ > least;
       const bool are_narrow = are_slivers(radius_);
-      if (is_guess && radius_ > enough && !are_narrow) {
-        radius_ = std::max(kDenser * radius_, enough);
+      if (is_guess && radius_ > sufficient_radius && !are_narrow) {
+        radius_ = std::max(kDenser * radius_, sufficient_radius);
       } else if (is_guess) {
         i = kMaxGuesses - 1;
       } else {
@@ -83,13 +83,13 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
     const int few = std::max(kFew, std::min(queried / 8, kMaxFew));
     if (count() < few) radius_ = std::min((count() < few / 4 ? kMuchWider : kWider) * radius_, kWidest);
     if (count() > 3 * few) {
-      const double wider = std::max(given, std::min(kWider * radius_, kWidestOfSlivers * clearance_.offset));
-      const double smaller = std::max(kLess * radius_, std::min(radius_, enough));
+      const double wider = std::max(first_radius, std::min(kWider * radius_, kWidestOfSlivers * clearance_.offset));
+      const double smaller = std::max(kLess * radius_, std::min(radius_, sufficient_radius));
       if (overflows == 0) radius_ = are_slivers(radius_) ? wider : smaller;
     }
     return true;
   }
-  crowd_ = c;
+  crowded_at_ = c;
   return false;
 }
 

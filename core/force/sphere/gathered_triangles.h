@@ -50,7 +50,7 @@ class GatheredTriangles : public NearTriangles {
   // The set of triangles has changed: gather them again.
   void clear() {
     NearTriangles::clear();
-    crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+    crowded_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   // As constructed, except for the counter.
   void reset() {
@@ -58,7 +58,7 @@ class GatheredTriangles : public NearTriangles {
     last_count_ = 0;
     radius_ = 0.0;
   }
-  std::uint64_t gathered() const { return gathered_; }  // balls, since construction
+  std::uint64_t gathered() const { return gather_count_; }  // balls, since construction
 
  private:
   bool are_slivers(double radius) const noexcept;
@@ -67,10 +67,10 @@ class GatheredTriangles : public NearTriangles {
   std::span<const Material> materials_;
   Clearance clearance_;
   double least_radius_;
-  Vec3 crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
-  int last_count_ = 0;                                                    // number of triangles gathered the last time
-  double radius_ = 0.0;                                                   // of the next ball, beyond the offset; 0: none yet
-  std::uint64_t gathered_ = 0;
+  Vec3 crowded_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
+  int last_count_ = 0;                                                         // number of triangles gathered the last time
+  double radius_ = 0.0;                                                        // of the next ball, beyond the offset; 0: none yet
+  std::uint64_t gather_count_ = 0;
 };
 
 }  // namespace hapton

@@ -71,9 +71,9 @@ bool LargeFan::touches_one_fan(const SphereOnFan& on) const noexcept {
 
 // The share of a straight motion that certainly stays within room_.
 double LargeFan::share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept {
-  const double left = room_.room - (c - room_.at).norm();
+  const double remaining_room = room_.room - (c - room_.at).norm();
   const double length = motion.norm();
-  return left < length ? std::max(0.0, left / length) : 1.0;
+  return remaining_room < length ? std::max(0.0, remaining_room / length) : 1.0;
 }
 
 LargeFan::Crossing LargeFan::cross(SphereOnFan on, const Vec3& from, const Vec3& to, double& time) noexcept {
@@ -100,7 +100,7 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
     return Vec3(device + (on.contacts.offset() - over.normal.dot(device - over.shape.corner(0))) * over.normal);
   };
   const Vec3 start = on.centre;
-  const double began = time;
+  const double start_time = time;
   Vec3 c = on.centre;
   bool settles = on.is_descending;  // whether the centre moves with the device held
   for (int n = 0; on.work <= on.most_work; ++n) {
@@ -115,8 +115,8 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
     if (share < 1.0) target = c + share * (target - c);
     const CentrePath path = CentrePath::straight(c, target);
     PathEvents::Exit exit;
-    const double leaves = PathEvents::time_off_face(path, face.shape, 0.0, 1.0, exit);
-    if (leaves >= kNever) {
+    const double leave_time = PathEvents::time_off_face(path, face.shape, 0.0, 1.0, exit);
+    if (leave_time >= kNever) {
       c = target;
       if (!settles) time += share * (until - time);
       if (!settles || share < 1.0) break;
@@ -124,8 +124,8 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
       continue;
     }
     until = time + share * (until - time);
-    Vec3 next = path.at(leaves);
-    const double then = settles ? time : time + leaves * (until - time);
+    Vec3 next = path.at(leave_time);
+    const double then = settles ? time : time + leave_time * (until - time);
     if (!cross_fan_edge(on, exit.index, on_path(from, to, then), face, next)) break;
     c = next;
     time = then;
@@ -135,7 +135,7 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
   on.contacts.hold_by({&face, 1});
   on.is_descending = settles;
   const bool has_moved = (on.centre - start).norm() > LocalMinimum::kMinMotion;
-  return has_moved || (time - began) * (to - from).norm() > LocalMinimum::kMinMotion;
+  return has_moved || (time - start_time) * (to - from).norm() > LocalMinimum::kMinMotion;
 }
 
 // Rolls over an edge to the next face of the fan. False, with nothing changed: that face is not in the same convex fan, the device would
@@ -170,11 +170,11 @@ bool LargeFan::cross_fan_edge(const SphereOnFan& on, int edge, const Vec3& devic
 // with the device held, moves to the point nearest to a place on the way to the device.
 bool LargeFan::cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept {
   const Vec3 device = on_path(from, to, time);
-  const Vec3 rest = to - device;
+  const Vec3 remaining_motion = to - device;
   HollowPlace place;
   // The sphere may come free on the way, so only the whole motion of the device tells where the sphere ends.
-  const bool has_room = share_in_fan_room(on.centre, rest) >= 1.0 &&
-                        (!on.is_descending || rest.isZero(0.0) || share_in_fan_room(on.centre, device - on.centre) >= 1.0);
+  const bool has_room = share_in_fan_room(on.centre, remaining_motion) >= 1.0 &&
+                        (!on.is_descending || remaining_motion.isZero(0.0) || share_in_fan_room(on.centre, device - on.centre) >= 1.0);
   if (has_room && find_in_hollow_fan(on, to, place)) {
     move_in_hollow_fan(on, place, false);
     time = 1.0;
@@ -183,7 +183,7 @@ bool LargeFan::cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
     if (!find_in_hollow_fan(on, on.centre + share * (device - on.centre), place)) return false;
     move_in_hollow_fan(on, place, share < 1.0);
   } else {
-    const double share = share_in_fan_room(on.centre, rest);
+    const double share = share_in_fan_room(on.centre, remaining_motion);
     const double then = time + share * (1.0 - time);
     if (!(share > 0.0) || share >= 1.0 || !find_in_hollow_fan(on, on_path(from, to, then), place)) return false;
     move_in_hollow_fan(on, place, false);
@@ -202,32 +202,32 @@ void LargeFan::move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, boo
 bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept {
   constexpr int kMaxRounds = 32;  // a bound on the work; after these, the follower continues with events
   std::array<ContactPlane, 4> planes;
-  std::array<int, 4> of{};
-  ConstrainedMotion held;
+  std::array<int, 4> plane_indices{};
+  ConstrainedMotion constrained;
   const Vec3 goal = device - on.centre;
-  held.motion = goal;
+  constrained.motion = goal;
   const auto height_of = [&](int plane, const Vec3& c) { return planes_[plane].normal.dot(c - room_.tip) - on.contacts.offset(); };
   for (int round = 0;; ++round) {
     if (round == kMaxRounds) return false;
     double height = 0.0;
-    const int lowest = find_lowest_plane(on, on.centre + held.motion, height);
+    const int lowest = find_lowest_plane(on, on.centre + constrained.motion, height);
     if (height >= -0.25 * on.contacts.clearance().slop) break;
-    std::array<int, 4> next{};
-    int kept = 0;
-    for (int i = 0; i < held.active_count; ++i) next[kept++] = of[held.active[i]];
-    if (std::count(next.begin(), next.begin() + kept, lowest) > 0) return false;
-    next[kept++] = lowest;
-    of = next;
-    for (int i = 0; i < kept; ++i) planes[i] = {planes_[of[i]].normal, -height_of(of[i], on.centre)};
-    held = constrain_motion(goal, std::span(planes).first(kept));
-    if (!held.solved) return false;
+    std::array<int, 4> next_indices{};
+    int count = 0;
+    for (int i = 0; i < constrained.active_count; ++i) next_indices[count++] = plane_indices[constrained.active[i]];
+    if (std::count(next_indices.begin(), next_indices.begin() + count, lowest) > 0) return false;
+    next_indices[count++] = lowest;
+    plane_indices = next_indices;
+    for (int i = 0; i < count; ++i) planes[i] = {planes_[plane_indices[i]].normal, -height_of(plane_indices[i], on.centre)};
+    constrained = constrain_motion(goal, std::span(planes).first(count));
+    if (!constrained.solved) return false;
   }
-  if (held.active_count == 0) return false;
-  place.centre = on.centre + held.motion;
-  place.count = held.active_count;
+  if (constrained.active_count == 0) return false;
+  place.centre = on.centre + constrained.motion;
+  place.count = constrained.active_count;
   if ((place.centre - room_.at).norm() > room_.room) return false;
-  for (int i = 0; i < held.active_count; ++i) {
-    const FanPlane& plane = planes_[of[held.active[i]]];
+  for (int i = 0; i < constrained.active_count; ++i) {
+    const FanPlane& plane = planes_[plane_indices[constrained.active[i]]];
     const ObjectGeometry::Corners corners = geometry_.corners(plane.triangle);
     const ContactTriangle shape(corners.a, corners.b, corners.c);
     const Vec3 closest = place.centre - on.contacts.offset() * plane.normal;

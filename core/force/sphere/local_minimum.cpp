@@ -14,12 +14,12 @@ constexpr double kShallow = 0x1p-30;  // a barrier of at most this height does n
 
 // Returns the contact of a frame that a new contact replaces. The normal of the new one is a linear combination of the frame's. As its
 // multiplier grows, theirs change, and that of the replaced contact reaches zero first. `held`: from the device to the centre.
-int find_replaced(const ContactFrame& frame, const Vec3& normal, const Vec3& held) noexcept {
+int find_replaced(const ContactFrame& frame, const Vec3& normal, const Vec3& from_device) noexcept {
   int replaced = frame.count - 1;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < frame.count; ++i) {
     const double share = frame.dual[i].dot(normal);
-    const double grown = std::max(0.0, frame.dual[i].dot(held)) / share;
+    const double grown = std::max(0.0, frame.dual[i].dot(from_device)) / share;
     if (!(share > 0.0) || !(grown < least)) continue;
     least = grown;
     replaced = i;
@@ -134,25 +134,25 @@ double LocalMinimum::time_off_axis(const Vec3& from, const Vec3& to, double time
 // Whether a climb by kShallow leads out of a minimum: over all contacts but one, away from that one, where edges and vertices bend the path
 // down. The path begins with the slope a and bends down with the curvature b: it climbs by a^2 / 2b.
 bool LocalMinimum::is_shallow(const Vec3& c, const Vec3& device, Vec3& direction) const noexcept {
-  ContactFrame all;
-  if (contacts_.count() < 2 || !contacts_.find_frame(c, all)) return false;
+  ContactFrame frame;
+  if (contacts_.count() < 2 || !contacts_.find_frame(c, frame)) return false;
   for (int j = 0; j < contacts_.active_count(); ++j) {
     ContactFrame others;
-    std::array<const OffsetContact*, 2> by{};
+    std::array<const OffsetContact*, 2> other_contacts{};
     for (int i = 0; i < contacts_.active_count(); ++i) {
       if (i == j) continue;
-      by[others.count] = &contacts_[i];
-      others.normal[others.count++] = all.normal[i];
+      other_contacts[others.count] = &contacts_[i];
+      others.normal[others.count++] = frame.normal[i];
     }
     if (!others.prepare()) continue;
-    const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
-    direction = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
+    const Vec3 off = frame.normal[j] - others.normal[0] * others.normal[0].dot(frame.normal[j]);
+    direction = others.count == 1 ? off : Vec3(others.along * (others.along.dot(frame.normal[j]) < 0.0 ? -1.0 : 1.0));
     if (!(direction.norm() > 0.0)) continue;
     direction.normalize();
     const double slope = std::max(0.0, direction.dot(c - device));
     double turn = -1.0;
     for (int i = 0; i < others.count; ++i) {
-      turn += std::max(0.0, others.dual[i].dot(c - device)) * by[i]->curvature(direction, contacts_.offset());
+      turn += std::max(0.0, others.dual[i].dot(c - device)) * other_contacts[i]->curvature(direction, contacts_.offset());
     }
     if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
   }
@@ -162,16 +162,16 @@ bool LocalMinimum::is_shallow(const Vec3& c, const Vec3& device, Vec3& direction
 void activate_opposing(ContactSet& contacts, const Vec3& c, const Vec3& device, const Vec3& motion) noexcept {
   while (contacts.active_count() < 3 && contacts.active_count() < contacts.count()) {
     const Vec3 rate = LocalMinimum(contacts).find_rate(c, device, motion);
-    int against = -1;
+    int opposing = -1;
     double least = 0.0;
     for (int i = contacts.active_count(); i < contacts.count(); ++i) {
-      const double leaves = contacts[i].proximity(c).normal.dot(rate);
-      if (!(leaves < least)) continue;
-      least = leaves;
-      against = i;
+      const double leaving_rate = contacts[i].proximity(c).normal.dot(rate);
+      if (!(leaving_rate < least)) continue;
+      least = leaving_rate;
+      opposing = i;
     }
-    if (against < 0) return;
-    contacts.activate(against);
+    if (opposing < 0) return;
+    contacts.activate(opposing);
     ContactFrame frame;
     if (contacts.find_frame(c, frame)) continue;
     // The new contact depends linearly on the others, and replaces one of them.

@@ -69,12 +69,12 @@ class MinimumLegs::CurveSearch {
   // False: the device moves across the curve, or there is no minimum.
   bool begin() noexcept {
     constexpr double kMinPace = 0x1p-10;  // share of the device's speed that must be along the curve
-    if (!legs_.contacts_.find_frame(legs_.centre_, here_)) return false;
-    const double pace = here_.along.dot(motion_);
+    if (!legs_.contacts_.find_frame(legs_.centre_, start_frame_)) return false;
+    const double pace = start_frame_.along.dot(motion_);
     if (!(std::fabs(pace) > kMinPace * motion_.norm())) return false;
     sense_ = pace < 0.0 ? -1.0 : 1.0;
-    direction_ = sense_ * here_.along;
-    return legs_.minimum_.find_stability(here_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kMinStability;
+    direction_ = sense_ * start_frame_.along;
+    return legs_.minimum_.find_stability(start_frame_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kMinStability;
   }
 
   // Finds the place at the distance `ahead` along the curve. It is the minimum when the device crosses the plane normal to the curve there:
@@ -101,30 +101,31 @@ class MinimumLegs::CurveSearch {
     return [this, value](double ahead) { return go(ahead) ? value(end_) : std::numeric_limits<double>::quiet_NaN(); };
   }
 
-  double left(const Place& place) const noexcept { return (1.0 - place.time) / (1.0 - time_); }
+  double time_left(const Place& place) const noexcept { return (1.0 - place.time) / (1.0 - time_); }
   // Zero where the minimum vanishes or the device arrives.
-  double room(const Place& place) const noexcept { return std::max(-1.0, std::min(place.stability, left(place))); }
+  double vanishing_margin(const Place& place) const noexcept { return std::max(-1.0, std::min(place.stability, time_left(place))); }
 
   // Sets the length: as far as a piece may turn, or less if the curve is not smooth enough. False: the curve is too sharp.
   bool find_length() noexcept {
     constexpr int kMaxHalvings = 8;
-    length_ = legs_.minimum_.longest_on_curve(here_, direction_);
+    length_ = legs_.minimum_.longest_on_curve(start_frame_, direction_);
     for (int i = 0; i < kMaxHalvings; ++i, length_ *= 0.5) {
       Place middle;
       if (!find(0.5 * length_, middle) || !go(length_)) continue;
-      if (!(room(middle) > 0.0)) continue;
-      if (!(room(end_) > 0.0) || (time_ < middle.time && middle.time < end_.time)) return true;
+      if (!(vanishing_margin(middle) > 0.0)) continue;
+      if (!(vanishing_margin(end_) > 0.0) || (time_ < middle.time && middle.time < end_.time)) return true;
     }
     return false;
   }
 
   // If the minimum vanishes or the device arrives within the piece, ends the piece there. False: the curve does not lead there.
   bool end_where_it_vanishes(MinimumLeg& leg) noexcept {
-    constexpr double kNearZero = 0x1p-30;  // rounding error of room()
-    if (room(end_) > 0.0) return true;
-    length_ = find_zero(0.0, 1.0, length_, room(end_), kNearZero, after([this](const Place& place) { return room(place); }));
+    constexpr double kNearZero = 0x1p-30;  // rounding error of vanishing_margin()
+    if (vanishing_margin(end_) > 0.0) return true;
+    length_ = find_zero(0.0, 1.0, length_, vanishing_margin(end_), kNearZero,
+                        after([this](const Place& place) { return vanishing_margin(place); }));
     if (!go(length_)) return false;
-    leg.vanishes = end_.stability < left(end_);
+    leg.vanishes = end_.stability < time_left(end_);
     if (!leg.vanishes && legs_.minimum_.solve(to_, end_.centre, legs_.work_) && legs_.contacts_.find_frame(end_.centre, end_.frame)) {
       end_.time = 1.0;
       end_.along = sense_ * end_.frame.along;
@@ -139,7 +140,7 @@ class MinimumLegs::CurveSearch {
     };
     const double at_end = multiplier(end_);
     if (!(at_end < -LocalMinimum::kAtMinimum)) return true;
-    const double at_begin = std::max(0.0, here_.dual[contact].dot(legs_.centre_ - on_path(from_, to_, time_)));
+    const double at_begin = std::max(0.0, start_frame_.dual[contact].dot(legs_.centre_ - on_path(from_, to_, time_)));
     length_ = find_release(0.0, at_begin, length_, at_end, after(multiplier));
     leg.released = contact;
     leg.vanishes = false;
@@ -168,9 +169,9 @@ class MinimumLegs::CurveSearch {
   const Vec3& to_;
   const double time_;  // the time at which the piece begins
   const Vec3 motion_ = to_ - from_;
-  ContactFrame here_;   // the contact frame at the start
-  Vec3 direction_;      // unit, in the direction of travel at the start
-  double sense_ = 1.0;  // 1: direction_ is that of the frame at the start; -1: the opposite
+  ContactFrame start_frame_;  // the contact frame at the start
+  Vec3 direction_;            // unit, in the direction of travel at the start
+  double sense_ = 1.0;        // 1: direction_ is that of the frame at the start; -1: the opposite
   double length_ = 0.0;
   Place end_;
 };
@@ -189,27 +190,27 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
   const bool is_straight = contacts_.is_flat();
   const Vec3 rate = is_straight ? Vec3::Zero() : minimum_.find_rate(centre_, device, motion);
   // The distance of the centre from the minimum for this device: if contacts meet at a small angle, a small tolerance makes it large.
-  double off = -1.0;
-  const auto find_off = [&] {
+  double centre_error = -1.0;
+  const auto find_centre_error = [&] {
     Vec3 here = centre_;
-    if (off < 0.0) off = minimum_.solve(device, here, work_) ? (here - centre_).norm() : 0.0;
-    return off;
+    if (centre_error < 0.0) centre_error = minimum_.solve(device, here, work_) ? (here - centre_).norm() : 0.0;
+    return centre_error;
   };
   // Whether the piece turns little and a cubic matches it in time: its speed changes by at most a factor of two, or its middle is near that
   // of the cubic. The piece begins at the centre, so its middle may be off by as much as the centre is off the minimum.
   const auto is_even = [&](const Vec3& c, double then) {
     if (minimum_.find_turn(c - centre_) > 2.0 * LocalMinimum::kTurn) return false;
-    const double part = then - time;
+    const double duration = then - time;
     const Vec3 rate_there = minimum_.find_rate(c, on_path(from, to, then), motion);
-    const double slow = rate.norm();
-    const double fast = rate_there.norm();
-    if (std::max(slow, fast) <= 2.0 * std::min(slow, fast)) return true;
-    Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
+    const double start_speed = rate.norm();
+    const double end_speed = rate_there.norm();
+    if (std::max(start_speed, end_speed) <= 2.0 * std::min(start_speed, end_speed)) return true;
+    Vec3 middle = 0.5 * (centre_ + c) + 0.125 * duration * (rate - rate_there);
     const Vec3 guess = middle;
-    if (!minimum_.solve(on_path(from, to, time + 0.5 * part), middle, work_)) return false;
-    const double uneven = (middle - guess).norm();
-    const double most = kUneven * contacts_.offset() + kUnevenShare * (c - centre_).norm();
-    return uneven <= most || uneven <= most + find_off();
+    if (!minimum_.solve(on_path(from, to, time + 0.5 * duration), middle, work_)) return false;
+    const double cubic_error = (middle - guess).norm();
+    const double error_limit = kUneven * contacts_.offset() + kUnevenShare * (c - centre_).norm();
+    return cubic_error <= error_limit || cubic_error <= error_limit + find_centre_error();
   };
   double span = 1.0 - time;
   if (!is_straight) span = std::min(span, LocalMinimum::kTurn / std::max(minimum_.find_turn(rate), 0x1p-100));
@@ -223,13 +224,13 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
     span *= 0.5;
   }
   if (!end_at_release(from, to, time, leg, end)) return false;
-  const double part = leg.time - time;
-  if (is_straight || !(part > 0.0)) {
+  const double duration = leg.time - time;
+  if (is_straight || !(duration > 0.0)) {
     leg.path = CentrePath::straight(centre_, end);
     return true;
   }
   const Vec3 rate_end = minimum_.find_rate(end, on_path(from, to, leg.time), motion);
-  leg.path = CentrePath::curved(centre_, end, part * rate, part * rate_end);
+  leg.path = CentrePath::curved(centre_, end, duration * rate, duration * rate_end);
   contacts_.guide(leg.path);
   return true;
 }

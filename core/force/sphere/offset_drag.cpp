@@ -33,11 +33,11 @@ FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
 }
 
 bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const noexcept {
-  const Vec3 whole = device - c;
+  const Vec3 total_pull = device - c;
   if (contacts_.size() == 1) {
     const Vec3 normal = contacts_[0].proximity(c).normal;
-    const double height = normal.dot(whole);
-    pull.tangential = whole - height * normal;
+    const double height = normal.dot(total_pull);
+    pull.tangential = total_pull - height * normal;
     pull.tangential -= normal.dot(pull.tangential) * normal;  // removes the rounding error of the line before
     pull.length = pull.tangential.norm();
     pull.depth = -height;
@@ -51,11 +51,11 @@ bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const 
   if (!frame.prepare()) return false;
   Vec3 reaction = Vec3::Zero();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    pull.multiplier[i] = -frame.dual[i].dot(whole);
+    pull.multiplier[i] = -frame.dual[i].dot(total_pull);
     reaction += pull.multiplier[i] * frame.normal[i];
   }
   pull.along = frame.along;
-  pull.tangential = contacts_.size() == 2 ? Vec3(frame.along.dot(whole) * frame.along) : Vec3(Vec3::Zero());
+  pull.tangential = contacts_.size() == 2 ? Vec3(frame.along.dot(total_pull) * frame.along) : Vec3(Vec3::Zero());
   pull.length = pull.tangential.norm();
   pull.depth = reaction.norm();
   pull.normal = pull.depth > 0.0 ? Vec3(reaction / pull.depth) : frame.normal[0];
@@ -134,14 +134,14 @@ template <class Rate>
 double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
   using State = Eigen::Vector4d;
   constexpr int kWork = 7;  // units of work of one step
-  double left = length;
+  double remaining = length;
   if (step == 0.0) step = std::fabs(length);
   State k1;
   if (!rate(at, k1)) return 0.0;
   for (int i = 0; i < kMaxSteps; ++i) {
     tests += kWork;
-    const bool is_last = 1.0625 * step >= std::fabs(left);
-    const double h = is_last ? left : std::copysign(step, length);
+    const bool is_last = 1.0625 * step >= std::fabs(remaining);
+    const double h = is_last ? remaining : std::copysign(step, length);
     State k2, k3, k4, k5, k6, k7;
     const auto stage = [&](const State& slope, State& k) { return rate(State(at + h * slope), k); };
     const bool has_stages =
@@ -168,16 +168,16 @@ double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, i
     const double next = std::fabs(h) * std::clamp(0.9 * std::pow(kMaxError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
     step = is_last ? std::max(step, next) : next;
     if (is_last) return length;
-    left -= h;
+    remaining -= h;
     k1 = k7;
   }
-  return length - left;
+  return length - remaining;
 }
 
 // Removes the integration error: projects onto the surface, and onto the cone by a change of position or, where the cone hardly depends on
 // the position, of time.
 void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept {
-  constexpr double kSteep = 0.125;  // below this stability or rate, the cone hardly depends on position or time
+  constexpr double kMinDependence = 0.125;  // below this stability or rate, the cone hardly depends on position or time
   restore(at.centre);
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kMinPull) || !(pull.depth > 0.0)) return;
@@ -185,10 +185,10 @@ void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) 
   if (std::fabs(excess) <= kConverged || std::fabs(excess) > 0.125 * pull.length) return;
   const double stability = find_stability(pull);
   const double excess_rate = find_excess_rate(pull, motion);
-  if (std::fabs(stability) > kSteep) {
+  if (std::fabs(stability) > kMinDependence) {
     at.centre += excess / stability * (pull.tangential / pull.length);
     restore(at.centre);
-  } else if (excess_rate > kSteep * motion.norm()) {
+  } else if (excess_rate > kMinDependence * motion.norm()) {
     at.time -= excess / excess_rate;
   }
 }
@@ -276,10 +276,10 @@ bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double leng
     if (!find_pull(c, from + time * motion, pull) || !(pull.tangential.dot(ahead) > 0.0)) return false;
     const double rate = find_excess_rate(pull, motion);
     if (!(std::fabs(rate) > 0x1p-20 * speed)) return false;
-    const double later = -pull.excess() / rate;
-    time += later;
+    const double time_correction = -pull.excess() / rate;
+    time += time_correction;
     if (!(std::fabs(time) <= 16.0)) return false;
-    if (std::fabs(later) * speed <= kConverged) break;
+    if (std::fabs(time_correction) * speed <= kConverged) break;
   }
   if (!find_pull(c, from + time * motion, pull)) return false;
   const Vec3 direction = direction_of(pull, motion);
@@ -361,29 +361,29 @@ void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) 
   const Vec3 direction = side > 0.0 ? Vec3(sideways / side) : Vec3(Vec3::Zero());
   const double tangent = ahead > 0.0 ? side / (rho + ahead) : (rho - ahead) / std::max(side, kMin);
   const bool is_by_angle = side >= std::fabs(rise);
-  const double fast = std::max(side, std::fabs(rise));
-  const double part = length * fast / pull;
-  double turned = 0.0;  // tan of half the angle from the start
-  double left = 0.0;    // exp(-s)
+  const double faster_component = std::max(side, std::fabs(rise));
+  const double part = length * faster_component / pull;
+  double half_turn_tangent = 0.0;  // tan of half the angle from the start
+  double rise_share = 0.0;         // exp(-s)
   if (is_by_angle) {
-    turned = std::min(std::tan(std::min(0.5 * part / offset_, 1.5)), tangent);
-    const double lost = turned * (1.0 / tangent + tangent) / (1.0 + tangent * turned);  // share of `tangent` that is lost
-    left = lost < 1.0 ? std::exp(offset_ / rho * std::log1p(-lost)) : 0.0;
+    half_turn_tangent = std::min(std::tan(std::min(0.5 * part / offset_, 1.5)), tangent);
+    const double lost_share = half_turn_tangent * (1.0 / tangent + tangent) / (1.0 + tangent * half_turn_tangent);  // of `tangent`
+    rise_share = lost_share < 1.0 ? std::exp(offset_ / rho * std::log1p(-lost_share)) : 0.0;
   } else {
-    left = std::max(0.0, 1.0 - part / std::fabs(rise));
-    const double lost = left > 0.0 ? -std::expm1(rho / offset_ * std::log(left)) : rho > 0.0 ? 1.0 : 0.0;
-    turned = tangent * lost / (1.0 + tangent * tangent * (1.0 - lost));
+    rise_share = std::max(0.0, 1.0 - part / std::fabs(rise));
+    const double lost_share = rise_share > 0.0 ? -std::expm1(rho / offset_ * std::log(rise_share)) : rho > 0.0 ? 1.0 : 0.0;
+    half_turn_tangent = tangent * lost_share / (1.0 + tangent * tangent * (1.0 - lost_share));
   }
-  const double squared = turned * turned;
-  const double sine = 2.0 * turned / (1.0 + squared);
-  const double less = 2.0 * squared / (1.0 + squared);  // 1 - cosine
-  const double climbed = is_by_angle ? rise * (1.0 - left) : std::copysign(std::min(part, std::fabs(rise)), rise);
-  at.centre += offset_ * (sine * direction - less * normal) + climbed * axis;
+  const double squared = half_turn_tangent * half_turn_tangent;
+  const double sine = 2.0 * half_turn_tangent / (1.0 + squared);
+  const double one_minus_cosine = 2.0 * squared / (1.0 + squared);
+  const double climbed = is_by_angle ? rise * (1.0 - rise_share) : std::copysign(std::min(part, std::fabs(rise)), rise);
+  at.centre += offset_ * (sine * direction - one_minus_cosine * normal) + climbed * axis;
   // w at the new position, in units of its faster component.
-  const double side_there = side * (1.0 - less) - ahead * sine;
-  const double rise_there = rise * left;
-  const double scale = fast / pull / std::max(is_by_angle ? side_there : std::fabs(rise_there), kMin);
-  at.slope = scale * (side_there * ((1.0 - less) * direction - sine * normal) + rise_there * axis);
+  const double side_there = side * (1.0 - one_minus_cosine) - ahead * sine;
+  const double rise_there = rise * rise_share;
+  const double scale = faster_component / pull / std::max(is_by_angle ? side_there : std::fabs(rise_there), kMin);
+  at.slope = scale * (side_there * ((1.0 - one_minus_cosine) * direction - sine * normal) + rise_there * axis);
 }
 
 bool OffsetDrag::descend(const Vec3& device, const Vec3& along, double length, Descent& at, int& tests) const noexcept {

@@ -27,10 +27,10 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
   // A path over a face often leaves it long before its end, so triangles are gathered later. Edges and vertices need them for their exits.
   const bool is_curved = !contacts_.is_flat();
   if (is_curved && !near_.cover(path, event.time, work_)) return false;
-  const double near = contacts_.offset() + path.bulge() + contacts_.clearance().slop;
+  const double reach = contacts_.offset() + path.bulge() + contacts_.clearance().slop;
   CentrePath::Prefix prefix = path.prefix(event.time);
   if (is_curved) {
-    if (!find_candidates(path, near, prefix)) return false;
+    if (!find_candidates(path, reach, prefix)) return false;
     event.time = prefix.until;
   }
   for (int i = 0; i < contacts_.active_count(); ++i) {
@@ -51,7 +51,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
     const double exit_time = event.time;
     if (!near_.cover(path, event.time, work_)) return false;
     if (event.time < exit_time) prefix = path.prefix(event.time);
-    if (!find_candidates(path, near, prefix)) return false;
+    if (!find_candidates(path, reach, prefix)) return false;
     event.time = prefix.until;
     if (event.time < exit_time) event.contact = -1;
   }
@@ -60,7 +60,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
   Tangents tangents;
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[i];
-    if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
+    if (near_.distance_bound(slot, path.start()) > reach && near_.distance_bound(slot, prefix.end) > reach) continue;
     if (cannot_stop(slot, path.start(), is_on_plane)) continue;
     const ContactTriangle& shape = near_.shape(slot);
     if (tangents.count < 0) find_tangents(path, tangents);
@@ -218,23 +218,23 @@ bool PathEvents::is_below(const Tangents& tangents, const ContactTriangle& shape
   return false;
 }
 
-// Collects the triangles that may come within `near` of the path, from its start to prefix.end. If they are many because the gathered ball
+// Collects the triangles that may come within `reach` of the path, from its start to prefix.end. If they are many because the gathered ball
 // is not centred on the start, gathers triangles again around the start. False: they cannot be gathered.
-bool PathEvents::find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept {
+bool PathEvents::find_candidates(const CentrePath& path, double reach, CentrePath::Prefix& prefix) noexcept {
   constexpr int kMany = 32;  // triangles; a free choice
-  note_candidates(path.start(), prefix.end, near);
+  note_candidates(path.start(), prefix.end, reach);
   if (space_.count <= kMany || near_.is_central(path.start())) return true;
   double until = prefix.until;
   if (!near_.gather(path.start(), Vec3::Zero(), work_) || !near_.cover(path, until, work_)) return false;
   if (until < prefix.until) prefix = path.prefix(until);
-  note_candidates(path.start(), prefix.end, near);
+  note_candidates(path.start(), prefix.end, reach);
   return true;
 }
 
-// Collects the triangles that may come within `near` of the segment.
-void PathEvents::note_candidates(const Vec3& from, const Vec3& to, double near) noexcept {
+// Collects the triangles that may come within `reach` of the segment.
+void PathEvents::note_candidates(const Vec3& from, const Vec3& to, double reach) noexcept {
   space_.count = 0;
-  near_.visit_near(from, to, near, [&](int slot) { space_.candidates[space_.count++] = slot; });
+  near_.visit_near(from, to, reach, [&](int slot) { space_.candidates[space_.count++] = slot; });
 }
 
 // Calls visit(exit) for the boundaries of the part that a contact is on. Pre: for an edge or a vertex, call note_candidates() before.
@@ -311,9 +311,9 @@ bool PathEvents::is_clear_over_face(const Vec3& c, const Vec3& end, const Vec3& 
     const double height_by_end = over.direction.dot(end - over.origin) + most_from_end(over.direction);
     if (!(std::min(height, height_by_end) <= kOnBoundary)) return false;
   }
-  const double near = contacts_.offset() + 0.5 * chord * direction.cross(direction_there).norm() + contacts_.clearance().slop;
-  if (!near_.covers(c, near) || !near_.covers(end, near)) return false;
-  note_candidates(c, end, near);
+  const double reach = contacts_.offset() + 0.5 * chord * direction.cross(direction_there).norm() + contacts_.clearance().slop;
+  if (!near_.covers(c, reach) || !near_.covers(end, reach)) return false;
+  note_candidates(c, end, reach);
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[i];
     if (cannot_stop(slot, c, true)) continue;

@@ -100,8 +100,8 @@ class PathEvents {
   bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
   void find_tangents(const CentrePath& path, Tangents& tangents) const noexcept;
   bool is_below(const Tangents& tangents, const ContactTriangle& shape) const noexcept;
-  bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
-  void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
+  bool find_candidates(const CentrePath& path, double reach, CentrePath::Prefix& prefix) noexcept;
+  void note_candidates(const Vec3& from, const Vec3& to, double reach) noexcept;
   template <class Visit>
   void visit_exits(const OffsetContact& contact, Visit&& visit) noexcept;
   bool is_past_needle(const ContactTriangle& shape, int edge, const Vec3& c) const noexcept;

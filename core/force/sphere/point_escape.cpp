@@ -47,8 +47,8 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
       if (pass(radius, true)) return true;
     }
     // In a slit that is too narrow for these radii, the sphere fits only farther from the apex.
-    const double room = 1.25 * CornerExit::kMaxOff * corner().distance_off_edge(steepest);
-    if (room > kPathRadii[2] * clearance().offset && pass(room, false)) return true;
+    const double wide_radius = 1.25 * CornerExit::kMaxOff * corner().distance_off_edge(steepest);
+    if (wide_radius > kPathRadii[2] * clearance().offset && pass(wide_radius, false)) return true;
     steepest = corner_.cone.find_steepest(pull, steepest.slope);
   }
   return false;
@@ -70,7 +70,7 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
   if (!is_point_ || contacts_.is_empty()) return false;
   resumes_escapes_ = untried_escapes_at_ == centre_;
   if (!resumes_escapes_ && wedge().holds()) return false;
-  escapes_ = 0;
+  escapes_reached_ = 0;
   // 0: the corner must be that of this very centre, because the path out begins here.
   bool has_left = corner().find_cone(0.0) && leave_corner(device, motion);
   if (!has_left && last_fly_over_ != motion_) {
@@ -94,8 +94,8 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   if (minimum().is_shallow(centre_, device, over) && leads_over(over)) return true;
   // Tries to fly along each face in contact, over the boundary of a crack as narrow as the sphere, or over a ridge beyond which the surface
   // falls away. So even a short way to the projection of the device on the face may gain much.
-  const int touching = contacts_.count();
-  for (int i = 0; i < touching; ++i) {
+  const int contact_count = contacts_.count();
+  for (int i = 0; i < contact_count; ++i) {
     const Vec3& normal = contacts_[i].shape.normal();
     const Vec3 pull = device - centre_;
     const Vec3 along = pull - normal.dot(pull) * normal;
@@ -189,16 +189,16 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMaxEvents = 256;  // events of one escape; bounds its work; a free choice
-  if (has_untried_escapes_ || escapes_++ < failed_escapes_) return false;
+  if (has_untried_escapes_ || escapes_reached_++ < failed_escapes_) return false;
   const int work_before = work_;
   const bool is_last_try = resumes_escapes_;
   resumes_escapes_ = false;
   const Vec3 centre = centre_;
   const auto contacts = contacts_;
   const double distance = (device - centre_).norm();
-  const double nearer = distance - CornerExit::kMinGain * clearance().offset;
+  const double target_distance = distance - CornerExit::kMinGain * clearance().offset;
   const auto end = [&](bool is_better) {
-    idle_ = 0;
+    idle_events_ = 0;
     if (is_better) return true;
     has_untried_escapes_ = work_ > most_work_ && 2 * work_before > most_work_ && !is_last_try;
     failed_escapes_ += has_untried_escapes_ ? 0 : 1;
@@ -210,12 +210,13 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
     return false;
   };
   contacts_.clear();
-  idle_ = 0;
+  idle_events_ = 0;
   if (!go()) return end(false);
-  hint_ = centre_ - centre;
+  direction_hint_ = centre_ - centre;
   is_descending_ = true;
   least_distance_ = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kMaxEvents && idle_ <= kMaxIdle && work_ <= most_work_ && !((device - centre_).norm() < nearer); ++i) {
+  for (int i = 0; i < kMaxEvents && idle_events_ <= kMaxIdleEvents && work_ <= most_work_ && !((device - centre_).norm() < target_distance);
+       ++i) {
     work_ += kWorkOfEvent;
     double until = 1.0;
     if (!contacts_.is_empty() && !is_descending_) break;
@@ -223,7 +224,7 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
     if (next == Next::settled) break;
     if (next != Next::again) return end(false);
   }
-  return end((device - centre_).norm() < nearer);
+  return end((device - centre_).norm() < target_distance);
 }
 
 // The shortest displacement after which the centre is `height` above everything near; zero if none is found.

@@ -17,7 +17,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A pull within this share of the friction cone counts as on it: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
-constexpr double kMin = OffsetDrag::kMinPull;
+constexpr double kMinPull = OffsetDrag::kMinPull;
 constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
 
 }  // namespace
@@ -41,7 +41,7 @@ OffsetDrag SphereFollower::make_drag() noexcept {
 // The pull is within the cone, so the centre sticks. If it is on the cone, the device drags the centre as soon as the device moves.
 SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept {
   const double cone = pull.friction.dynamic_mu * pull.depth;
-  friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kMin;
+  friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kMinPull;
   friction_.slides = friction_.slides && pull.length >= FrictionMotion::kRestick * cone;
   friction_.slips = false;
   is_descending_ = false;
@@ -55,23 +55,23 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   if (contacts_.active_count() == 0) {
     contacts_.clear();
     friction_.slips = false;
-    ++idle_;
+    ++idle_events_;
     return Next::again;
   }
   const OffsetDrag drag = make_drag();
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return Next::failed;
   const double cone = (friction_.slides ? pull.friction.dynamic_mu : pull.friction.static_mu) * (1.0 + kOnCone) * pull.depth;
-  const bool moves = contacts_.active_count() < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kMin * kMin);
+  const bool moves = contacts_.active_count() < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kMinPull * kMinPull);
   if (!moves) return hold(pull);
-  const bool has_vanished = friction_.slips && friction_.vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
+  const bool has_vanished = friction_.slips && friction_.has_vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
   friction_ = {.slides = true, .coefficients = friction_.coefficients};
   SlipPath slip;
   if (!drag_legs().make_slip(drag, pull, device, has_vanished, slip)) return Next::failed;
   if (slip.waits || slip.is_on_cone) {
     friction_.drags = true;
     is_descending_ = false;
-    ++idle_;
+    ++idle_events_;
     return slip.waits ? Next::wait : Next::again;
   }
   ++slips_;
@@ -105,10 +105,10 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   DragLeg leg;
   const DragOutcome outcome = drag_legs().make(drag, from, to, time, leg);
   if (outcome != DragOutcome::moves) {
-    ++idle_;
+    ++idle_events_;
     friction_.drags = false;
     friction_.slips = outcome == DragOutcome::jumps;
-    friction_.vanished = friction_.slips;
+    friction_.has_vanished = friction_.slips;
     is_descending_ = friction_.slips;
     return Next::again;
   }
@@ -135,14 +135,14 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   });
   if (!is_restored) return Next::failed;
   note_move(before);
-  const double gone = (time - time_before) * (to - from).norm();
-  if (gone > least_progress()) note_gain(on_path(from, to, time), true);
-  if (creeps(gone)) return Next::failed;
+  const double device_travel = (time - time_before) * (to - from).norm();
+  if (device_travel > least_progress()) note_gain(on_path(from, to, time), true);
+  if (note_short_drag(device_travel)) return Next::failed;
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.stops) friction_.drags = false;
   if (leg.jumps) {
     friction_.slips = true;
-    friction_.vanished = true;
+    friction_.has_vanished = true;
     is_descending_ = true;
     return Next::again;
   }
@@ -151,10 +151,10 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
 
 // A pull that is and stays much shorter than the motion, as along an edge that the device only just passes, is followed in pieces of a few
 // times the length of the pull. True: there were so many short pieces that sweeps must continue the motion.
-bool SphereFollower::creeps(double gone) noexcept {
+bool SphereFollower::note_short_drag(double device_travel) noexcept {
   constexpr double kShort = 0x1p-24;  // local units: a shorter motion of the device counts as short
   constexpr int kMany = 256;          // drags; a free choice
-  short_drags_ = gone < kShort ? short_drags_ + 1 : 0;
+  short_drags_ = device_travel < kShort ? short_drags_ + 1 : 0;
   return short_drags_ > kMany;
 }
 
@@ -175,21 +175,21 @@ double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, co
 
 // The reaction of all contacts to the pull on a centre that stays where it is.
 SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const noexcept {
-  Reaction now;
+  Reaction reaction;
   std::array<ContactPlane, ContactSet::kMax> planes;
   for (int i = 0; i < contacts_.count(); ++i) planes[i] = {contacts_[i].proximity(centre_).normal, 0.0};
   const ConstrainedMotion constrained = constrain_motion(pull, std::span(planes).first(contacts_.count()));
-  if (!constrained.solved) return now;
+  if (!constrained.solved) return reaction;
   ContactMaterial material;
   for (int i = 0; i < constrained.active_count; ++i) {
     material.add(near_.material(contacts_[constrained.active[i]].triangle), constrained.multipliers[i]);
   }
-  now.is_free = constrained.active_count == 0;
-  now.friction = {material.mean().friction_static, std::min(material.mean().friction_static, material.mean().friction_dynamic)};
-  now.tangential = constrained.active_count == 3 ? 0.0 : constrained.motion.norm();
-  now.depth = (pull - constrained.motion).norm();
-  now.is_known = true;
-  return now;
+  reaction.is_free = constrained.active_count == 0;
+  reaction.friction = {material.mean().friction_static, std::min(material.mean().friction_static, material.mean().friction_dynamic)};
+  reaction.tangential = constrained.active_count == 3 ? 0.0 : constrained.motion.norm();
+  reaction.depth = (pull - constrained.motion).norm();
+  reaction.is_known = true;
+  return reaction;
 }
 
 // Finds the time at which the pull on a sticking centre leaves the friction cone of its active contacts, and that at which it is well
@@ -201,7 +201,7 @@ class SphereFollower::StickSearch {
       : follower_(follower), start_(start), motion_(motion), end_(end), slides_(follower.friction_.slides) {}
 
   void run() noexcept {
-    if (excess_at(0.0) > 4.0 * kOnCone * start_.norm() + 2.0 * kMin) slip_ = 0.0;
+    if (excess_at(0.0) > 4.0 * kOnCone * start_.norm() + 2.0 * kMinPull) slip_time_ = 0.0;
     const ContactSet& contacts = follower_.contacts_;
     for (int i = 0; i < contacts.count(); ++i) {
       ++follower_.work_;
@@ -210,12 +210,12 @@ class SphereFollower::StickSearch {
       consider_contact(normal, friction);
       for (int j = i + 1; j < contacts.count(); ++j) consider_pair(normal, friction, contacts[j]);
     }
-    if (!(slip_ <= 1.0)) find_numerically();
+    if (!(slip_time_ <= 1.0)) find_numerically();
   }
 
   // Times from the start, 0 to 1; infinite: not before the end.
-  double slip() const noexcept { return slip_; }
-  double restick() const noexcept { return restick_; }
+  double slip_time() const noexcept { return slip_time_; }
+  double restick_time() const noexcept { return restick_time_; }
 
  private:
   Vec3 pull_at(double t) const noexcept { return start_ + t * motion_; }
@@ -224,25 +224,27 @@ class SphereFollower::StickSearch {
   // The excess of the pull over the cone: positive outside of the cone.
   double excess_at(double t) const noexcept {
     const Vec3 pull = t < 1.0 ? pull_at(t) : end_;
-    const Reaction now = follower_.find_reaction(pull);
-    if (!now.is_known) return -1.0;
-    if (now.is_free) return pull.norm();
-    return now.tangential - mu_of(now.friction) * now.depth;
+    const Reaction reaction = follower_.find_reaction(pull);
+    if (!reaction.is_known) return -1.0;
+    if (reaction.is_free) return pull.norm();
+    return reaction.tangential - mu_of(reaction.friction) * reaction.depth;
   }
 
   double restick_margin(double t) const noexcept {
-    const Reaction now = follower_.find_reaction(pull_at(t));
-    return now.is_known && !now.is_free ? FrictionMotion::kRestick * now.friction.dynamic_mu * now.depth - now.tangential : -1.0;
+    const Reaction reaction = follower_.find_reaction(pull_at(t));
+    return reaction.is_known && !reaction.is_free
+               ? FrictionMotion::kRestick * reaction.friction.dynamic_mu * reaction.depth - reaction.tangential
+               : -1.0;
   }
 
   void consider_slip(double t) noexcept {
-    if (!(t < slip_) || !(t <= 1.0)) return;
-    if (excess_at(t) >= -(4.0 * kOnCone * pull_at(t).norm() + 2.0 * kMin)) slip_ = t;
+    if (!(t < slip_time_) || !(t <= 1.0)) return;
+    if (excess_at(t) >= -(4.0 * kOnCone * pull_at(t).norm() + 2.0 * kMinPull)) slip_time_ = t;
   }
 
   void consider_restick(double t) noexcept {
-    if (!(t < restick_) || !(t < 1.0)) return;
-    if (restick_margin(t) >= -(4.0 * kOnCone * pull_at(t).norm())) restick_ = t;
+    if (!(t < restick_time_) || !(t < 1.0)) return;
+    if (restick_margin(t) >= -(4.0 * kOnCone * pull_at(t).norm())) restick_time_ = t;
   }
 
   // The time at which of_square |pull|^2 + of_part (direction . pull)^2 - bound rises to zero; infinite: it does not.
@@ -251,7 +253,7 @@ class SphereFollower::StickSearch {
     const double height = direction.dot(start_);
     const double now = of_square * start_squared_ + of_part * height * height - bound;
     // Clearly above zero at the start: so this is not the cone of the contacts that are active now.
-    const bool is_above = now > 8.0 * kOnCone * start_squared_ + 4.0 * kMin * start_.norm();
+    const bool is_above = now > 8.0 * kOnCone * start_squared_ + 4.0 * kMinPull * start_.norm();
     const double t = time_of_rise(of_square * motion_squared_ + of_part * rate * rate,
                                   of_square * start_dot_motion_ + of_part * rate * height, now, 2.0 * kOnCone * start_squared_);
     return is_above && t == 0.0 ? kInfinity : t;
@@ -260,7 +262,7 @@ class SphereFollower::StickSearch {
   // Considers the cone of one contact, and the end of that contact.
   void consider_contact(const Vec3& normal, const FrictionCoefficients& friction) noexcept {
     const double mu = mu_of(friction);
-    consider_slip(rise(1.0, normal, -(1.0 + mu * mu), kMin * kMin));
+    consider_slip(rise(1.0, normal, -(1.0 + mu * mu), kMinPull * kMinPull));
     if (slides_) {
       const double least = FrictionMotion::kRestick * friction.dynamic_mu;
       consider_restick(rise(-1.0, normal, 1.0 + least * least, 0.0));
@@ -277,7 +279,7 @@ class SphereFollower::StickSearch {
     const Vec3 along = line.normalized();
     for (const FrictionCoefficients& each : {friction, follower_.coefficients(other)}) {
       const double mu = mu_of(each);
-      consider_slip(rise(-mu * mu, along, 1.0 + mu * mu, kMin * kMin));
+      consider_slip(rise(-mu * mu, along, 1.0 + mu * mu, kMinPull * kMinPull));
       if (slides_) {
         const double least = FrictionMotion::kRestick * each.dynamic_mu;
         consider_restick(rise(least * least, along, -(1.0 + least * least), 0.0));
@@ -288,9 +290,9 @@ class SphereFollower::StickSearch {
   // With different materials, the cone of a pair is not one of those considered before: searches for the time at which the pull leaves it.
   void find_numerically() noexcept {
     const double end = excess_at(1.0);
-    const double tolerance = 4.0 * kOnCone * (start_.norm() + motion_.norm()) + 2.0 * kMin;
+    const double tolerance = 4.0 * kOnCone * (start_.norm() + motion_.norm()) + 2.0 * kMinPull;
     if (!(end > tolerance)) return;
-    slip_ = find_zero(0.0, std::max(0.0, -excess_at(0.0)), 1.0, -end, kNearZero, [&](double t) { return -excess_at(t); });
+    slip_time_ = find_zero(0.0, std::max(0.0, -excess_at(0.0)), 1.0, -end, kNearZero, [&](double t) { return -excess_at(t); });
   }
 
   SphereFollower& follower_;
@@ -301,8 +303,8 @@ class SphereFollower::StickSearch {
   const double start_dot_motion_ = start_.dot(motion_);
   const double motion_squared_ = motion_.squaredNorm();
   const bool slides_;
-  double slip_ = kInfinity;
-  double restick_ = kInfinity;
+  double slip_time_ = kInfinity;
+  double restick_time_ = kInfinity;
 };
 
 // The centre sticks until the pull leaves the cone of the active contacts. Flattened, so that the search stays in registers.
@@ -312,20 +314,20 @@ class SphereFollower::StickSearch {
   const Vec3 end = to - centre_;
   StickSearch search(*this, start, motion, end);
   search.run();
-  const double slip = search.slip();
-  const double restick = search.restick();
-  const double first = std::min({slip, restick, 1.0});
-  ++idle_;
-  if (first * motion.norm() > LocalMinimum::kMinMotion) idle_ = 0;
+  const double slip_time = search.slip_time();
+  const double restick_time = search.restick_time();
+  const double first = std::min({slip_time, restick_time, 1.0});
+  ++idle_events_;
+  if (first * motion.norm() > LocalMinimum::kMinMotion) idle_events_ = 0;
   least_distance_ = kInfinity;
   time = first >= 1.0 ? 1.0 : time + first * (1.0 - time);
-  if (slip <= 1.0 && slip <= restick) {
+  if (slip_time <= 1.0 && slip_time <= restick_time) {
     friction_.slips = true;
-    friction_.vanished = false;
+    friction_.has_vanished = false;
     is_descending_ = true;
     return Next::again;
   }
-  if (restick < 1.0) {
+  if (restick_time < 1.0) {
     friction_.slides = false;
     return Next::again;
   }

@@ -33,14 +33,15 @@ bool SphereFollower::overlaps(const ContactTriangle& shape) const noexcept {
 bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noexcept {
   if (event.contact >= 0) {
     is_descending_ = true;
-    const bool is_coplanar = idle_ > kMaxIdle / 4;  // treating it as rising made no progress: within rounding the faces are coplanar
+    const bool is_coplanar =
+        idle_events_ > kMaxIdleEvents / 4;  // treating it as rising made no progress: within rounding the faces are coplanar
     const int rising = event.exit.part == Feature::edge && !is_coplanar
                            ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time))
                            : -1;
     if (rising >= 0)
       return contacts_.add(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
     if (const int level = event.exit.part == Feature::edge ? find_coplanar(contacts_[event.contact], event.exit) : -1; level >= 0) {
-      hint_ = path.slope(event.time);
+      direction_hint_ = path.slope(event.time);
       OffsetContact& contact = contacts_[event.contact];
       contact = OffsetContact::on_face(near_.triangle(level), near_.shape(level), contact.normal);
       return true;
@@ -54,11 +55,11 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
     if (!is_point_) return false;
     // No position fits this contact and the others: drops the others. They are hit again if they are in the way.
     contacts_.keep_only(event.contact);
-    ++idle_;
+    ++idle_events_;
     return contacts_.restore(centre_, work_);
   } else if (event.slot >= 0) {
     if (event.time <= 0.0 && overlaps(near_.shape(event.slot))) return false;
-    hint_ = path.slope(event.time);
+    direction_hint_ = path.slope(event.time);
     is_descending_ = true;
     return contacts_.add(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
   }
@@ -106,7 +107,7 @@ int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit
 // Moves contact i to the part (face, edge or vertex) beyond the boundary that it crosses.
 void SphereFollower::move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept {
   OffsetContact& contact = contacts_[i];
-  hint_ = direction;
+  direction_hint_ = direction;
   const Vec3 normal = contact.proximity(centre_).normal;
   const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
   const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
@@ -138,7 +139,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   int in_fan = 0;
   near_.geometry().visit_along(from, to, clearance().offset + clearance().tolerance, [&](std::uint32_t id, double before) {
     const bool is_in_fan = near_.geometry().is_in_large_fan(id);
-    if (is_in_fan ? ++in_fan > NearTriangles::kMaxVisitedInFans : ++tests > kMaxInFlight) return -1.0;
+    if (is_in_fan ? ++in_fan > NearTriangles::kMaxVisitedInFans : ++tests > kMaxFlightTests) return -1.0;
     work_ += is_in_fan ? in_fan % kFanInUnit == 0 : 1;
     const double t = time_to_block(TriangleView{near_.geometry(), id}, from, motion, std::min(before, time), clearance());
     if (!(t < time) || t > 1.0) return before;
@@ -148,7 +149,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
     time = t;
     return std::min(before, t);
   });
-  has_given_up_flight_ = tests > kMaxInFlight || in_fan > NearTriangles::kMaxVisitedInFans;
+  has_given_up_flight_ = tests > kMaxFlightTests || in_fan > NearTriangles::kMaxVisitedInFans;
   if (has_given_up_flight_) return Next::failed;
   if (time > 1.0) {
     centre_ = to;
@@ -157,13 +158,13 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   }
   centre_ = from + time * motion;
   until = time;
-  ++idle_;
-  if (time * motion.norm() > LocalMinimum::kMinMotion) idle_ = 0;
+  ++idle_events_;
+  if (time * motion.norm() > LocalMinimum::kMinMotion) idle_events_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = near_.geometry().corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
   if (overlaps(shape)) return Next::failed;
-  hint_ = motion;
+  direction_hint_ = motion;
   is_descending_ = true;
   return contacts_.add(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::failed;
 }

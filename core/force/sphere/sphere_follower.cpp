@@ -22,7 +22,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   is_descending_ = true;
   is_carried_ = false;
   has_lost_minimum_ = false;
-  hint_ = Vec3::Zero();
+  direction_hint_ = Vec3::Zero();
   if (!near_.reach(centre_, clearance().offset + 2.0 * clearance().tolerance, work_)) return false;
   if (!near_.is_clear(centre_, short_by + clearance().slop, work_)) return false;
   is_tracking_ = true;
@@ -56,11 +56,11 @@ void SphereFollower::forget() noexcept {
   stop_tracking();
   forget_near();
   near_.reset();
-  hint_ = Vec3::Zero();
+  direction_hint_ = Vec3::Zero();
   lingered_at_ = Vec3::Zero();
   slit_at_.reset();
-  lingering_ = 0;
-  idle_ = 0;
+  lingering_events_ = 0;
+  idle_events_ = 0;
   has_lost_minimum_ = false;
   corner_.has_cone = false;
   has_untried_escapes_ = false;
@@ -82,12 +82,12 @@ void SphereFollower::start_free(const Vec3& centre) noexcept {
 SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to) {
   const Vec3 motion = to - from;
   const double length = motion.norm();
-  if (!(from.squaredNorm() > kFar * kFar) && !(to.squaredNorm() > kFar * kFar)) return {0.0, 1.0};
+  if (!(from.squaredNorm() > kFarDistance * kFarDistance) && !(to.squaredNorm() > kFarDistance * kFarDistance)) return {0.0, 1.0};
   const Vec3 direction = length > 0.0 ? Vec3(motion / length) : Vec3::Zero();
   const double closest = -from.dot(direction);
   const double miss = (from + closest * direction).norm();
-  if (!(miss < kFar) || !(length > 0.0)) return {1.0, 0.0};
-  const double half = std::sqrt((kFar - miss) * (kFar + miss));
+  if (!(miss < kFarDistance) || !(length > 0.0)) return {1.0, 0.0};
+  const double half = std::sqrt((kFarDistance - miss) * (kFarDistance + miss));
   return {std::max(0.0, (closest - half) / length), std::min(1.0, (closest + half) / length)};
 }
 
@@ -98,10 +98,10 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   has_given_up_flight_ = false;
   is_in_slit_ = false;
   if (!is_carried_) {
-    idle_ = 0;
+    idle_events_ = 0;
     ++motion_;
     corner_tries_ = 0;
-    skips_ = 0;
+    skip_count_ = 0;
     short_drags_ = 0;
     lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
@@ -112,7 +112,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   has_untried_escapes_ = false;
   const Outcome outcome = from.allFinite() && to.allFinite() ? follow_finite(from, to, time) : Outcome::failed;
   is_carried_ = outcome == Outcome::exhausted;
-  const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
+  const bool is_far = from.squaredNorm() > kFarDistance * kFarDistance || to.squaredNorm() > kFarDistance * kFarDistance;
   is_in_slit_ &= time >= 1.0 && !is_far;
   if (is_carried_ && is_far) {  // positions so far out are too coarse to continue from
     time = 1.0;
@@ -121,7 +121,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   return outcome;
 }
 
-// While the device is farther out than positions are resolved (kFar), only its direction from the centre counts.
+// While the device is farther out than positions are resolved (kFarDistance), only its direction from the centre counts.
 SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
@@ -147,11 +147,11 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
   }
   // Whether a centre is at a minimum depends only on the direction to the device, which turns as the centre moves. Each turn is about the
   // same share of the turn before, so every third turn goes to where the sum of all later ones would lead.
-  std::array<double, 3> moved{};
+  std::array<double, 3> turn_lengths{};
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < kMaxTurns; ++i) {
     const Vec3 before = centre_;
-    const Vec3 target = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
+    const Vec3 target = centre_ + (to - centre_) * (kFarDistance / (to - centre_).norm()) + ahead;
     is_descending_ = true;
     if (target != far_target_) least_distance_ = std::numeric_limits<double>::infinity();  // a distance to another target says nothing
     far_target_ = target;
@@ -159,10 +159,10 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     outcome = follow_near(target, target, part);
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
-    moved[i % 3] = turn.norm();
+    turn_lengths[i % 3] = turn.norm();
     if (contacts_.is_empty() || (i % 3 != 2 && turn.norm() <= LocalMinimum::kAtMinimum)) break;
     if (work_ > most_work_) return Outcome::exhausted;
-    const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
+    const double share = i % 3 == 1 && turn_lengths[1] < turn_lengths[0] ? turn_lengths[1] / turn_lengths[0] : 0.0;
     ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }
   time = 1.0;
@@ -176,19 +176,19 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   constexpr std::uint64_t kManyEvents = 24;  // of the 30 to 60 events for which the work of a step is enough; a free choice
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
-  const bool slid = friction_.slides;
-  const double began = time;
+  const bool slid_at_start = friction_.slides;
+  const double start_time = time;
   const std::uint64_t events_before = events_;
   const bool has_fans = !is_point_ && fan_.exists();
   Next next = Next::again;
   while (next == Next::again && work_ <= most_work_) {
     ++events_;
     work_ += kWorkOfEvent;
-    if (idle_ > kMaxIdle && !(is_point_ && skip_ahead(from, to, time))) break;
+    if (idle_events_ > kMaxIdleEvents && !(is_point_ && skip_ahead(from, to, time))) break;
     next = follow_event(from, to, time, has_fans);
     if (next == Next::wait) next = wait(from, to, time);
-    if (next == Next::again && has_lingered())
-      time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, lingering_ / 4) / (to - from).norm());
+    if (next == Next::again && note_lingering())
+      time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, lingering_events_ / 4) / (to - from).norm());
     if (next == Next::settled && !has_friction_here() && leave_minimum(to, to - from)) next = Next::again;
   }
   queried_ += static_cast<std::uint64_t>(work_);
@@ -197,11 +197,11 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!contacts_.is_empty() && !has_stuck && (is_astray || !near_.is_clear_here(centre_, 2.0 * clearance().slop, work_))) {
     centre_ = start;
     contacts_.clear();
-    friction_ = {.slides = slid, .coefficients = {}};  // a sweep continues from the start with this state
-    time = began;
+    friction_ = {.slides = slid_at_start, .coefficients = {}};  // a sweep continues from the start with this state
+    time = start_time;
     return Outcome::failed;
   }
-  if (next == Next::failed || idle_ > kMaxIdle) return Outcome::failed;
+  if (next == Next::failed || idle_events_ > kMaxIdleEvents) return Outcome::failed;
   contacts_.note_multipliers(centre_, to);
   if (has_untried_escapes_) return Outcome::exhausted;
   if (next == Next::settled) {
@@ -211,8 +211,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     const bool is_shallow = !is_point_ && !has_friction && minimum().is_shallow(centre_, to, direction);
     return is_in_slit_ || is_shallow ? Outcome::failed : Outcome::settled;
   }
-  const double gone = std::max((centre_ - start).norm(), (time - began) * (to - from).norm());
-  const bool has_crept = events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_;
+  const double progress = std::max((centre_ - start).norm(), (time - start_time) * (to - from).norm());
+  const bool has_crept = events_ - events_before > kManyEvents && progress < clearance().offset && is_point_ && !has_friction_;
   if (!has_crept) return Outcome::exhausted;
   if (!is_in_narrow_slit()) return Outcome::failed;
   if (time < 1.0) {
@@ -236,12 +236,12 @@ SphereFollower::Next SphereFollower::follow_event(const Vec3& from, const Vec3& 
 }
 
 // Whether many events had one place and hardly any motion of the device: within rounding, what holds the centre changes each time.
-bool SphereFollower::has_lingered() noexcept {
+bool SphereFollower::note_lingering() noexcept {
   constexpr int kMany = 64;  // events; a free choice
-  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kMinMotion) return ++lingering_ > 0;
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kMinMotion) return ++lingering_events_ > 0;
   if ((centre_ - lingered_at_).norm() > LocalMinimum::kMinMotion) {
     lingered_at_ = centre_;
-    lingering_ = -kMany;
+    lingering_events_ = -kMany;
   }
   return false;
 }
@@ -250,26 +250,26 @@ bool SphereFollower::has_lingered() noexcept {
 // that this is decided or the device has arrived. False: it cannot.
 bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept {
   const double length = (to - from).norm();
-  if (time >= 1.0 || !(length > 0.0) || skips_ > kMaxSkips) return false;
-  time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, skips_) / length);
-  ++skips_;
-  idle_ = 0;
+  if (time >= 1.0 || !(length > 0.0) || skip_count_ > kMaxSkips) return false;
+  time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, skip_count_) / length);
+  ++skip_count_;
+  idle_events_ = 0;
   is_descending_ = !contacts_.is_empty();
   return true;
 }
 
 // After a displacement, contacts that were not active are dropped; they are hit again if they are in the way.
 bool SphereFollower::note_move(const Vec3& from) noexcept {
-  ++idle_;
+  ++idle_events_;
   const bool has_moved = (centre_ - from).norm() > LocalMinimum::kMinMotion;
   if (has_moved) contacts_.keep_active();
   return has_moved;
 }
 
-// Resets idle_ on progress: the device has moved, or the centre is nearer to it than at any time since the device last moved.
+// Resets idle_events_ on progress: the device has moved, or the centre is nearer to it than at any time since the device last moved.
 void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
   const double distance = (device - centre_).norm();
-  if (has_moved || distance < least_distance_ - kMinGain) idle_ = 0;
+  if (has_moved || distance < least_distance_ - kMinGain) idle_events_ = 0;
   if (has_moved || distance < least_distance_) least_distance_ = distance;
 }
 
@@ -290,7 +290,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   if (!contacts_.find_active(centre_, pull, motion, descent)) return is_point_ && is_in_narrow_slit() ? Next::wait : Next::failed;
   if (contacts_.active_count() == 0) {
     contacts_.clear();
-    ++idle_;
+    ++idle_events_;
     return Next::again;
   }
 
@@ -310,7 +310,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   CentrePath path;
   const DescentPath descent_path(contacts_, centre_, work_);
   const bool returns = !is_unstable && descent_path.return_to_crease(path);
-  const bool has_path = returns || descent_path.make(device, hint_, is_unstable, path);
+  const bool has_path = returns || descent_path.make(device, direction_hint_, is_unstable, path);
   return has_path && !opens_within_rounding(path, device - centre_) ? descend_along(path, device, !returns)
                                                                     : descend_no_farther(device, is_unstable);
 }
@@ -333,10 +333,10 @@ SphereFollower::Next SphereFollower::descend_no_farther(const Vec3& device, bool
   const bool may_drop = contacts_.active_count() == 2 && is_point_;
   if (!is_unstable) return drop_weaker(device - centre_);
   // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
-  if (may_drop && (are_one() || minimum().find_stability(centre_, device) <= 0.0)) return drop_weaker(device - centre_);
+  if (may_drop && (are_same_contact() || minimum().find_stability(centre_, device) <= 0.0)) return drop_weaker(device - centre_);
   is_descending_ = false;
   contacts_.keep_active();
-  ++idle_;
+  ++idle_events_;
   return Next::wait;
 }
 
@@ -367,22 +367,22 @@ SphereFollower::Next SphereFollower::descend_along(const CentrePath& path, const
 // Follows the device over the faces of a large fan. False: no fan here can be crossed, or this moves the centre no farther.
 bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Vec3 start = centre_;
-  const double began = time;
+  const double start_time = time;
   const LargeFan::Crossing crossing = fan_.cross({contacts_, near_, centre_, is_descending_, work_, most_work_}, from, to, time);
   if (crossing == LargeFan::Crossing::none) return false;
-  hint_ = centre_ - start;
+  direction_hint_ = centre_ - start;
   if (crossing == LargeFan::Crossing::hollow) {
     has_lost_minimum_ = false;
-    note_gain(on_path(from, to, time), time > began || hint_.norm() > LocalMinimum::kMinMotion);
+    note_gain(on_path(from, to, time), time > start_time || direction_hint_.norm() > LocalMinimum::kMinMotion);
   } else {
-    note_gain(on_path(from, to, time), time > began);
-    idle_ = 0;
+    note_gain(on_path(from, to, time), time > start_time);
+    idle_events_ = 0;
   }
   return true;
 }
 
 // Whether two contacts count as one: either of them alone keeps the centre at the offset from both, within the tolerance.
-bool SphereFollower::are_one() const noexcept {
+bool SphereFollower::are_same_contact() const noexcept {
   const double cosine = contacts_[0].proximity(centre_).normal.dot(contacts_[1].proximity(centre_).normal);
   return clearance().offset * (1.0 - cosine) <= clearance().tolerance;
 }
@@ -394,7 +394,7 @@ SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
   const double second = contacts_[1].proximity(centre_).normal.dot(pull);
   contacts_.remove(first < second ? 1 : 0);
   contacts_.keep_active();
-  ++idle_;
+  ++idle_events_;
   return Next::again;
 }
 
@@ -442,8 +442,9 @@ std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& pa
   if (!apply_event(event, path)) return Next::failed;
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
-  ++idle_;
-  hint_ = contacts_[released].proximity(centre_).normal;  // if the others alone do not hold the centre, it moves away from this contact
+  ++idle_events_;
+  direction_hint_ =
+      contacts_[released].proximity(centre_).normal;  // if the others alone do not hold the centre, it moves away from this contact
   contacts_.remove(released);
   is_descending_ = !contacts_.is_empty();
   if (is_descending_) return Next::again;

@@ -118,15 +118,15 @@ class SphereFollower {
   // The least radius of a gathered ball, in offsets. For a point, the offset is far below the size of triangles.
   static constexpr double kMinOfPoint = 64.0;
   static constexpr double kMinOfSphere = 0x1p-6;
-  static constexpr double kMinGain = 0x1p-44;  // coming nearer by less is no progress: 256 times the rounding of a coordinate
-  static constexpr double kFar = 32.0;         // local units; farther out, the rounding of positions exceeds the tolerance
-  static constexpr int kMaxTurns = 64;         // descents towards a device farther out, each with a new direction to it
-  static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
-  static constexpr int kWorkOfEvent = 5;       // units, in addition to its queries
-  static constexpr int kMaxCornerTries = 2;    // in a motion
-  static constexpr int kMaxIdle = 24;          // events without progress; a choice
-  static constexpr int kMaxSkips = 16;         // in a motion; a choice
-  static constexpr int kMaxInFlight = 512;     // triangles outside of large fans that a flight may test
+  static constexpr double kMinGain = 0x1p-44;   // coming nearer by less is no progress: 256 times the rounding of a coordinate
+  static constexpr double kFarDistance = 32.0;  // local units; farther out, the rounding of positions exceeds the tolerance
+  static constexpr int kMaxTurns = 64;          // descents towards a device farther out, each with a new direction to it
+  static constexpr double kBalance = 0x1p-28;   // distance from the boundary of a face within which the sphere balances on it
+  static constexpr int kWorkOfEvent = 5;        // units, in addition to its queries
+  static constexpr int kMaxCornerTries = 2;     // in a motion
+  static constexpr int kMaxIdleEvents = 24;     // events without progress; a choice
+  static constexpr int kMaxSkips = 16;          // in a motion; a choice
+  static constexpr int kMaxFlightTests = 512;   // triangles outside of large fans that a flight may test
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
   using Exit = PathEvents::Exit;
@@ -134,11 +134,11 @@ class SphereFollower {
 
   // Coulomb friction: stick, slip, or drag.
   struct FrictionState {
-    bool slides = false;    // the dynamic coefficient is in force
-    bool drags = false;     // the pull is on its cone and the device drags the centre
-    bool slips = false;     // the pull has just left the cone
-    bool vanished = false;  // the equilibrium on the cone has vanished
-    double step = 0.0;      // OffsetDrag::Flow::step of the last drag; 0: none yet
+    bool slides = false;        // the dynamic coefficient is in force
+    bool drags = false;         // the pull is on its cone and the device drags the centre
+    bool slips = false;         // the pull has just left the cone
+    bool has_vanished = false;  // the equilibrium on the cone has vanished
+    double step = 0.0;          // OffsetDrag::Flow::step of the last drag; 0: none yet
     std::array<FrictionCoefficients, 3> coefficients;
   };
   struct Reaction {  // of the contacts, to the pull on a centre that sticks
@@ -163,7 +163,7 @@ class SphereFollower {
   Next hold(const OffsetDrag::Pull& pull) noexcept;
   Next descend_with_friction(const Vec3& device, const Vec3& motion) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool creeps(double gone) noexcept;
+  bool note_short_drag(double device_travel) noexcept;
   double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
                       double share) noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
@@ -180,9 +180,9 @@ class SphereFollower {
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next follow_event(const Vec3& from, const Vec3& to, double& time, bool has_fans) noexcept;
   bool is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept;
-  bool has_lingered() noexcept;
+  bool note_lingering() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool are_one() const noexcept;
+  bool are_same_contact() const noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
@@ -211,8 +211,8 @@ class SphereFollower {
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_reentrant_corner(const Vec3& device, const Vec3& motion) noexcept;
-  bool move_past_corner(const Vec3& target, double wide) noexcept;
-  bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
+  bool move_past_corner(const Vec3& target, double radius) noexcept;
+  bool fly_around_corner(const TangentCone::Steepest& to, double radius, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;
   template <class Go>
   bool try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept;
@@ -233,29 +233,29 @@ class SphereFollower {
   bool is_descending_ = false;
   bool is_carried_ = false;  // the last step ran out of work
   bool has_given_up_flight_ = false;
-  Vec3 lingered_at_ = Vec3::Zero();  // the centre where lingering_ began
+  Vec3 lingered_at_ = Vec3::Zero();  // the centre where lingering_events_ began
   std::optional<Vec3> slit_at_;      // the centre, when a slit was last left to sweeps
   bool is_in_slit_ = false;          // the last call left a slit to sweeps
-  int short_drags_ = 0;              // consecutive drags that were short (creeps)
-  int lingering_ = 0;                // events at lingered_at_, above a usual number
-  bool has_lost_minimum_ = false;    // the descent continues along hint_
+  int short_drags_ = 0;              // consecutive drags that were short (note_short_drag)
+  int lingering_events_ = 0;         // events at lingered_at_, above a usual number
+  bool has_lost_minimum_ = false;    // the descent continues along direction_hint_
   Vec3 centre_ = Vec3::Zero();
-  Vec3 hint_ = Vec3::Zero();  // the last direction of motion
+  Vec3 direction_hint_ = Vec3::Zero();  // the last direction of motion
   PathEvents::Space event_space_;
   LargeFan fan_;
   int work_ = 0;  // units, of this call
   int most_work_ = 0;
-  int idle_ = 0;                    // consecutive events without progress
+  int idle_events_ = 0;             // consecutive events without progress
   double least_distance_ = 0.0;     // least of centre to device, since the device moved
-  Vec3 far_target_ = Vec3::Zero();  // the target of the last descent towards a device beyond kFar
+  Vec3 far_target_ = Vec3::Zero();  // the target of the last descent towards a device beyond kFarDistance
   CornerExit::Memory corner_;
   int corner_tries_ = 0;                    // in this motion of the device
-  int skips_ = 0;                           // calls of skip_ahead in this motion
+  int skip_count_ = 0;                      // calls of skip_ahead in this motion
   std::uint64_t motion_ = 1;                // number of this motion; counts up from 1
   bool has_untried_escapes_ = false;        // the last call reached its work limit before it tried them: the next call does
   std::optional<Vec3> untried_escapes_at_;  // the centre in the minimum that they leave; none: nothing is left to try
   bool resumes_escapes_ = false;            // this call continues with untried escapes, and has not yet tried one
-  int escapes_ = 0;                         // number reached at this minimum in this call, tried or skipped
+  int escapes_reached_ = 0;                 // number reached at this minimum in this call, tried or skipped
   int failed_escapes_ = 0;                  // number of them that failed, also in earlier calls: not tried again
   std::uint64_t last_fly_over_ = 0;         // motion_ when a flight over a barrier was last tried; 0: never
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;

@@ -18,7 +18,7 @@ bool SphereFollower::roll_off_face() noexcept {
     const Vec3 outwards = PathEvents::edge_of(face, k).direction;
     if (!(std::fabs(outwards.dot(centre_ - face.corner(k))) <= kBalance)) continue;
     ++corner_tries_;  // the centre may balance at the next place, too
-    hint_ = outwards;
+    direction_hint_ = outwards;
     contacts_[0] = OffsetContact::on_edge(held_by.triangle, face, k);
     is_descending_ = true;
     return true;
@@ -50,9 +50,9 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     released = i;
     soonest = share;
   }
-  const double opens = is_point_ && corner_tries_ < kMaxCornerTries ? corner().time_to_exit(from, to, time) : 2.0;
-  if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
-    time = opens;
+  const double exit_time = is_point_ && corner_tries_ < kMaxCornerTries ? corner().time_to_exit(from, to, time) : 2.0;
+  if (exit_time <= 1.0 && (released < 0 || exit_time < time + soonest * (1.0 - time))) {
+    time = exit_time;
     // Counts the attempts in this motion, except for one that ran out of work.
     ++corner_tries_;
     if (!leave_minimum(on_path(from, to, time), to - from) && has_untried_escapes_) --corner_tries_;
@@ -62,8 +62,8 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     time = 1.0;
     return Next::settled;
   }
-  ++idle_;
-  if (soonest > 0.0) idle_ = 0;
+  ++idle_events_;
+  if (soonest > 0.0) idle_events_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
   time = std::min(1.0, time + soonest * (1.0 - time));
   contacts_.remove(released);
@@ -86,29 +86,29 @@ SphereFollower::Next SphereFollower::stay_within_rounding(const Vec3& to, double
 SphereFollower::Next SphereFollower::lose_minimum(const Vec3& hint) noexcept {
   has_lost_minimum_ = true;
   is_descending_ = true;
-  hint_ = hint;
-  ++idle_;
+  direction_hint_ = hint;
+  ++idle_events_;
   return Next::again;
 }
 
-// Chooses the direction in which the centre leaves a minimum that has vanished: along hint_, or against it where another contact blocks.
-// False: both are blocked.
+// Chooses the direction in which the centre leaves a minimum that has vanished: along direction_hint_, or against it where another contact
+// blocks. False: both are blocked.
 bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
-  if (hint_.isZero(0.0)) hint_ = motion;
+  if (direction_hint_.isZero(0.0)) direction_hint_ = motion;
   ContactFrame frame;
   if (!contacts_.find_frame(centre_, frame)) return true;
-  Vec3 direction = contacts_.active_count() == 2 ? Vec3(frame.along * (frame.along.dot(hint_) < 0.0 ? -1.0 : 1.0))
-                                                 : Vec3(hint_ - frame.normal[0].dot(hint_) * frame.normal[0]);
+  Vec3 direction = contacts_.active_count() == 2 ? Vec3(frame.along * (frame.along.dot(direction_hint_) < 0.0 ? -1.0 : 1.0))
+                                                 : Vec3(direction_hint_ - frame.normal[0].dot(direction_hint_) * frame.normal[0]);
   const auto is_open = [&](const Vec3& w) {
     for (int i = contacts_.active_count(); i < contacts_.count(); ++i) {
       if (contacts_[i].proximity(centre_).normal.dot(w) < 0.0) return false;
     }
     return true;
   };
-  const bool may_turn = idle_ <= kMaxIdle / 4;  // otherwise it could go to and fro between two contacts
+  const bool may_turn = idle_events_ <= kMaxIdleEvents / 4;  // otherwise it could go to and fro between two contacts
   for (const double sign : {1.0, -1.0}) {
     if (!is_open(sign * direction) || (sign < 0.0 && !may_turn)) continue;
-    hint_ = sign * direction;
+    direction_hint_ = sign * direction;
     return true;
   }
   return false;
@@ -136,7 +136,7 @@ bool SphereFollower::straighten_in_slit() noexcept {
     };
     if (std::ranges::any_of(contacts_.all(), is_same)) contacts_.remove(i);
   }
-  if (any) ++idle_;
+  if (any) ++idle_events_;
   return any;
 }
 

@@ -25,7 +25,7 @@ void TangentCone::begin(const Vec3& apex) {
   piece_count_ = 0;
 }
 
-Vec3 TangentCone::at_known_end(const Vec3& direction) const {
+Vec3 TangentCone::snapped_to_end(const Vec3& direction) const {
   constexpr double kSame = 4.0 * kSameDirection * kSameDirection;  // the square of the distance 2 kSameDirection
   for (int i = 0; i < arc_count_; ++i) {
     const Arc& arc = arcs_[i];
@@ -40,7 +40,7 @@ void TangentCone::join_ends() {
   const int count = std::exchange(arc_count_, 0);
   for (int i = 0; i < count; ++i) {
     const Arc arc = arcs_[i];
-    (void)add_arc(at_known_end(arc.a), at_known_end(arc.b));
+    (void)add_arc(snapped_to_end(arc.a), snapped_to_end(arc.b));
   }
 }
 
@@ -107,8 +107,8 @@ Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
 // Goes from one piece to the next at the direction `at`: to the first arc that a rotation about `at`, from `back` through `up`, meets.
 // Sheets that cross at a small angle are one within rounding for a long way, so the slit between them counts as closed. If two sheets meet
 // at the end of one of them, the wedge between them has an exact tip, and counts as open.
-TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
-  Turned first;
+TangentCone::Turn TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
+  Turn first;
   first.opening = std::numeric_limits<double>::infinity();
   for (int j = 0; j < arc_count_; ++j) {
     const Arc& arc = arcs_[j];
@@ -160,7 +160,7 @@ bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
 }
 
 // The piece that began where the walk is now; -1: none.
-int TangentCone::find_again(const Walk& here) const {
+int TangentCone::find_repeated_piece(const Walk& here) const {
   for (int i = 1; i < piece_count_; ++i) {
     const Walk& before = walks_[i];
     if (before.is_along(here) && (before.from - here.from).norm() <= 2.0 * kSameDirection) return i;
@@ -173,10 +173,10 @@ int TangentCone::find_again(const Walk& here) const {
 bool TangentCone::find_boundary(const Vec3& inside) {
   if (walk_boundary(inside) && is_around_start_) return true;
   const int count = arc_count_;
-  std::copy(arcs_.begin(), arcs_.begin() + count, spare_arcs_.begin());
+  std::copy(arcs_.begin(), arcs_.begin() + count, arcs_before_join_.begin());
   join_ends();
   if (walk_boundary(inside) && is_around_start_) return true;
-  std::copy(spare_arcs_.begin(), spare_arcs_.begin() + count, arcs_.begin());
+  std::copy(arcs_before_join_.begin(), arcs_before_join_.begin() + count, arcs_.begin());
   arc_count_ = count;
   return walk_boundary(inside);
 }
@@ -190,9 +190,9 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
   if (!find_start(inside, start)) return false;
   Walk here = start;
   while (piece_count_ < kMaxPieces) {
-    if (const int again = find_again(here); again > 0) {
-      std::copy(pieces_.begin() + again, pieces_.begin() + piece_count_, pieces_.begin());
-      piece_count_ -= again;
+    if (const int repeated = find_repeated_piece(here); repeated > 0) {
+      std::copy(pieces_.begin() + repeated, pieces_.begin() + piece_count_, pieces_.begin());
+      piece_count_ -= repeated;
       is_around_start_ = false;
       return true;
     }
@@ -202,13 +202,13 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
     piece.from = here.from;
     piece.to = find_end(here.arc, here.ahead, here.from);
     piece.normal = here.on_normal ? own.normal : Vec3(-own.normal);
-    const bool is_again = piece_count_ > 1 && here.is_along(start);
-    if (is_again && (here.from - start.from).norm() <= 2.0 * kSameDirection) {  // the loop is closed
+    const bool is_on_start_arc = piece_count_ > 1 && here.is_along(start);
+    if (is_on_start_arc && (here.from - start.from).norm() <= 2.0 * kSameDirection) {  // the loop is closed
       --piece_count_;
       return true;
     }
     const bool is_to_start = (piece.to - start.from).norm() <= 2.0 * kSameDirection || start.from.dot(here.from) >= piece.to.dot(here.from);
-    if (is_again && is_to_start && start.from.dot(tangent(own.normal, here.from, here.ahead)) > 0.0) {
+    if (is_on_start_arc && is_to_start && start.from.dot(tangent(own.normal, here.from, here.ahead)) > 0.0) {
       piece.to = start.from;
       piece.back = tangent(own.normal, start.from, !here.ahead);
       piece.opening = std::numbers::pi;
@@ -216,10 +216,10 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
     }
     piece.back = tangent(own.normal, piece.to, !here.ahead);
     const bool is_end = (piece.to - (here.ahead ? own.b : own.a)).norm() <= 2.0 * kSameDirection;
-    const Turned turned = turn(piece.to, piece.back, piece.normal, is_end);
-    if (turned.walk.arc < 0) return false;
-    piece.opening = turned.opening;
-    here = turned.walk;
+    const Turn next_turn = turn(piece.to, piece.back, piece.normal, is_end);
+    if (next_turn.walk.arc < 0) return false;
+    piece.opening = next_turn.opening;
+    here = next_turn.walk;
   }
   return false;
 }

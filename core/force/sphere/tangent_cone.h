@@ -65,7 +65,7 @@ class TangentCone {
     Vec3 from = Vec3::Zero();
     bool is_along(const Walk& other) const { return arc == other.arc && ahead == other.ahead && on_normal == other.on_normal; }
   };
-  struct Turned {
+  struct Turn {
     Walk walk;
     double opening = 0.0;
   };
@@ -73,18 +73,18 @@ class TangentCone {
   bool add_arc(const Vec3& a, const Vec3& b);
   void join_ends();
   bool walk_boundary(const Vec3& inside);
-  Vec3 at_known_end(const Vec3& direction) const;
+  Vec3 snapped_to_end(const Vec3& direction) const;
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
   Vec3 find_end(int arc, bool ahead, const Vec3& from) const;
-  Turned turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
+  Turn turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
   bool find_start(const Vec3& inside, Walk& start) const;
-  int find_again(const Walk& here) const;
+  int find_repeated_piece(const Walk& here) const;
 
   Vec3 apex_ = Vec3::Zero();
   std::array<Arc, kMaxArcs> arcs_;
   int arc_count_ = 0;
-  std::array<Arc, kMaxArcs> spare_arcs_;  // copy of arcs_ before ends were joined
+  std::array<Arc, kMaxArcs> arcs_before_join_;  // copy of arcs_ before ends were joined
   std::array<Piece, kMaxPieces> pieces_;
   std::array<Walk, kMaxPieces> walks_;  // where each piece began
   int piece_count_ = 0;

@@ -7,25 +7,25 @@
 namespace hapton {
 
 bool Wedge::holds() noexcept {
-  const double far = kFarthest * contacts_.offset();
-  if (contacts_.count() < 2 || contacts_.count() > 3 || !near_.covers(centre_, far)) return false;
+  const double reach = kFarthest * contacts_.offset();
+  if (contacts_.count() < 2 || contacts_.count() > 3 || !near_.covers(centre_, reach)) return false;
   std::array<Wall, 3> held_by;
   for (int i = 0; i < contacts_.count(); ++i) {
     if (!find_wall(contacts_[i], held_by[i])) return false;
   }
   const std::span<const Wall> walls = std::span(held_by).first(contacts_.count());
   constexpr int kMaxNear = 64;  // triangles; with more it is not a wedge
-  std::array<int, kMaxNear> near;
+  std::array<int, kMaxNear> near_slots;
   int count = 0;
   bool is_wedge = true;
-  near_.visit_near(centre_, centre_, far, [&](int slot) {
+  near_.visit_near(centre_, centre_, reach, [&](int slot) {
     ++work_;
     const ContactTriangle& shape = near_.shape(slot);
-    is_wedge = is_wedge && count < kMaxNear && (is_outside_wedge(shape, walls) || shape.separation(centre_).distance > far);
-    if (is_wedge) near[count++] = slot;
+    is_wedge = is_wedge && count < kMaxNear && (is_outside_wedge(shape, walls) || shape.separation(centre_).distance > reach);
+    if (is_wedge) near_slots[count++] = slot;
   });
-  const std::span<const int> slots = std::span(near).first(count);
-  return is_wedge && std::ranges::all_of(walls, [&](const Wall& wall) { return goes_on(wall, walls, slots, far); });
+  const std::span<const int> slots = std::span(near_slots).first(count);
+  return is_wedge && std::ranges::all_of(walls, [&](const Wall& wall) { return is_covered(wall, walls, slots, reach); });
 }
 
 // The plane of the face that a contact is on; for an edge or a vertex, that of a face there which the centre is over, at the offset.
@@ -51,9 +51,9 @@ int Wedge::find_face_there(const OffsetContact& contact) noexcept {
   return found;
 }
 
-// Whether the faces in the plane of a wall cover the wall up to the distance `far` from the centre: at each edge of one of them another one
-// continues, or the edge is below another wall.
-bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept {
+// Whether the faces in the plane of a wall cover the wall up to the distance `reach` from the centre: at each edge of one of them another
+// one continues, or the edge is below another wall.
+bool Wedge::is_covered(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double reach) noexcept {
   const auto is_in_plane = [&](const ContactTriangle& shape) {
     return !shape.normal().isZero(0.0) && std::max({std::fabs(wall.height(shape.corner(0))), std::fabs(wall.height(shape.corner(1))),
                                                     std::fabs(wall.height(shape.corner(2)))}) <= 0.25 * contacts_.clearance().slop;
@@ -83,12 +83,12 @@ bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<con
       const Vec3& p = shape.corner(k);
       const Vec3& q = shape.corner((k + 1) % 3);
       const Vec3 nearest = p + std::clamp(shape.along(k, centre_), 0.0, 1.0) * shape.edge(k);
-      if ((nearest - centre_).norm() > far || is_below_another(p, q)) continue;
-      const auto goes_on_there = [&](int other) {
+      if ((nearest - centre_).norm() > reach || is_below_another(p, q)) continue;
+      const auto continues_there = [&](int other) {
         const ContactTriangle& beside = near_.shape(other);
         return continues(beside, shape, k) && is_in_plane(beside) && near_.can_touch(near_.triangle(other), beside, centre_);
       };
-      if (std::ranges::none_of(slots, goes_on_there)) return false;
+      if (std::ranges::none_of(slots, continues_there)) return false;
     }
   }
   return any;

@@ -36,7 +36,7 @@ class Wedge {
   };
 
   bool find_wall(const OffsetContact& contact, Wall& wall) noexcept;
-  bool goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept;
+  bool is_covered(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double reach) noexcept;
   bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
 
   const ContactSet& contacts_;
