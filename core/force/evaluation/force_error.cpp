@@ -70,16 +70,16 @@ ForceError compare_forces(std::span<const ForceSample> method, std::span<const F
                           std::span<const ForceSample> converged) {
   ForceError error;
   error.steps = std::min(method.size(), reference.size());
-  const double k = settings.stiffness_n_per_m;
-  const double deep = kFallThroughShare * settings.extent_m;
+  const double stiffness = settings.stiffness_n_per_m;
+  const double fall_through_depth = kFallThroughShare * settings.extent_m;
   std::vector<double> shares, directions;
   double worst = -1.0;
-  bool in_switch = false;
+  bool is_in_switch = false;
   for (std::size_t i = 0; i < error.steps; ++i) {
-    if (starts_segment(i, settings)) in_switch = false;
+    if (starts_segment(i, settings)) is_in_switch = false;
     if (!is_finite(method[i])) {
       ++error.not_finite;
-      in_switch = false;
+      is_in_switch = false;
       continue;
     }
     const double actual = method[i].force_n.norm();
@@ -92,26 +92,26 @@ ForceError compare_forces(std::span<const ForceSample> method, std::span<const F
       shares.push_back(share);
       if (actual > 0.0) directions.push_back(angle_between(method[i].force_n, reference[i].force_n));
       is_switched = share > ForceError::kBranchShare;
-      if (is_switched) add_to_switches(error, i, share, in_switch, reference, converged);
+      if (is_switched) add_to_switches(error, i, share, is_in_switch, reference, converged);
       if (share > worst) {
         worst = share;
         error.worst_step = i;
       }
     }
-    in_switch = is_switched;
+    is_in_switch = is_switched;
     const double depth = (reference[i].proxy - reference[i].device).norm();
     const double extension = (method[i].proxy - method[i].device).norm();
-    if (actual == 0.0 && depth > deep) ++error.fall_throughs;
-    if (expected == 0.0 && actual > 0.0 && extension > deep) ++error.false_contacts;
+    if (actual == 0.0 && depth > fall_through_depth) ++error.fall_throughs;
+    if (expected == 0.0 && actual > 0.0 && extension > fall_through_depth) ++error.false_contacts;
     if (extension > depth + kStuckShare * settings.extent_m) ++error.stuck_steps;
     if (starts_segment(i, settings) || !is_finite(method[i - 1])) continue;
-    double own = 0.0;
+    double reference_jump = 0.0;
     for (std::size_t j = i - 1; j <= i + 1 && j < error.steps; ++j) {
-      if (!starts_segment(j, settings)) own = std::max(own, jump(reference, j));
+      if (!starts_segment(j, settings)) reference_jump = std::max(reference_jump, jump(reference, j));
     }
-    const double allowed = 2.0 * k * (method[i].device - method[i - 1].device).norm() + own;
+    const double allowed = 2.0 * stiffness * (method[i].device - method[i - 1].device).norm() + reference_jump;
     const double above = jump(method, i) - allowed;
-    if (above > kJumpRounding * std::max(actual, k * deep)) {
+    if (above > kJumpRounding * std::max(actual, stiffness * fall_through_depth)) {
       ++error.discontinuities;
       error.worst_discontinuity_n = std::max(error.worst_discontinuity_n, above);
     }

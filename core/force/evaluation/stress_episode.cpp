@@ -44,7 +44,7 @@ void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::v
   positions.clear();
   for (int i = 0; i < 32; ++i) {
     choose_position();
-    start_ = at_ + 0.05 * extent_ * up_;
+    start_ = surface_point_ + 0.05 * extent_ * up_;
     if (is_free(start_)) break;
   }
   positions.push_back(start_);
@@ -95,9 +95,9 @@ void StressEpisode::choose_position() {
   double u = uniform(0.0, 1.0), v = uniform(0.0, 1.0);
   if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
   const double quarter = static_cast<double>(1 + random_() % 3) / 4.0;
-  at_ = motion_ == StressMotion::tap_vertex ? a
-        : motion_ == StressMotion::tap_edge ? Vec3(a + quarter * (b - a))
-                                            : Vec3(a + u * (b - a) + v * (c - a));
+  surface_point_ = motion_ == StressMotion::tap_vertex ? a
+                   : motion_ == StressMotion::tap_edge ? Vec3(a + quarter * (b - a))
+                                                       : Vec3(a + u * (b - a) + v * (c - a));
 }
 
 void StressEpisode::go_to(std::vector<Vec3>& positions, const Vec3& to, double step) {
@@ -130,12 +130,12 @@ void StressEpisode::tap(std::vector<Vec3>& positions) {
     from = direction();
     if (from.dot(up_) < 0.0) from = -from;
   }
-  const Vec3 above = at_ + 0.02 * extent_ * from;
+  const Vec3 above = surface_point_ + 0.02 * extent_ * from;
   go_to(positions, above, 0.01 * extent_);
   const double depth = extent_ * log_uniform(-4.0, -1.5);
   for (int i = 0; i < 3; ++i) {
-    go_to(positions, at_, step);
-    go_to(positions, at_ - depth * from, step);
+    go_to(positions, surface_point_, step);
+    go_to(positions, surface_point_ - depth * from, step);
     for (int k = 0; k < 5; ++k) positions.push_back(positions.back());
     go_to(positions, above, step);
   }
@@ -151,7 +151,7 @@ void StressEpisode::coincide(std::vector<Vec3>& positions) {
   };
   const double size = std::max((b - a).norm(), (c - a).norm());
   for (int i = 0; i < 12; ++i) go_to(positions, on_lattice(), std::max(size * log_uniform(-2.0, 0.5), 1e-3 * extent_));
-  go_to(positions, at_ - extent_ * log_uniform(-6.0, -1.5) * up_, 0.003 * extent_);
+  go_to(positions, surface_point_ - extent_ * log_uniform(-6.0, -1.5) * up_, 0.003 * extent_);
   for (int i = 0; i < 6; ++i)
     go_to(positions, on_lattice() - extent_ * log_uniform(-6.0, -2.0) * up_, std::max(0.3 * size, 2e-3 * extent_));
 }
@@ -161,10 +161,10 @@ void StressEpisode::graze(std::vector<Vec3>& positions) {
   along = (along - along.dot(up_) * up_).normalized();
   const double reach = extent_ * log_uniform(-3.0, -0.3);
   const double tilt = log_uniform(-15.0, -1.0);
-  const Vec3 from = at_ - reach * along + reach * tilt * up_;
+  const Vec3 from = surface_point_ - reach * along + reach * tilt * up_;
   go_to(positions, from, 0.02 * extent_);
   for (int i = 0; i < 4; ++i) {
-    go_to(positions, at_ + reach * along - reach * tilt * up_, reach * log_uniform(-1.5, 0.5));
+    go_to(positions, surface_point_ + reach * along - reach * tilt * up_, reach * log_uniform(-1.5, 0.5));
     go_to(positions, from, reach * log_uniform(-1.5, 0.5));
   }
 }
@@ -172,21 +172,21 @@ void StressEpisode::graze(std::vector<Vec3>& positions) {
 void StressEpisode::jump(std::vector<Vec3>& positions) {
   const Vec3 middle = start_;
   for (int i = 0; i < 200; ++i) {
-    positions.push_back(random_() % 8 == 0 ? at_ - extent_ * log_uniform(-4.0, -0.5) * up_
+    positions.push_back(random_() % 8 == 0 ? surface_point_ - extent_ * log_uniform(-4.0, -0.5) * up_
                                            : Vec3(middle + extent_ * log_uniform(-2.0, 0.3) * direction()));
   }
 }
 
 void StressEpisode::creep(std::vector<Vec3>& positions) {
   const double step = extent_ * log_uniform(-12.0, -6.0);
-  positions.push_back(at_ + 2.0 * step * up_);
+  positions.push_back(surface_point_ + 2.0 * step * up_);
   Vec3 drift = direction();
   for (int i = 0; i < 150; ++i) {
     if (i % 50 == 0) drift = direction();
     positions.push_back(positions.back() + step * (0.5 * drift + 0.5 * direction() - 0.2 * up_));
   }
   const double deep = extent_ * log_uniform(-9.0, -2.0);
-  positions.push_back(at_ - deep * up_);
+  positions.push_back(surface_point_ - deep * up_);
   for (int i = 0; i < 100; ++i) positions.push_back(positions.back() + step * direction());
 }
 
@@ -200,10 +200,11 @@ void StressEpisode::walk_over_body(std::vector<Vec3>& positions) {
 void StressEpisode::random_walk(std::vector<Vec3>& positions, int steps) {
   Vec3 velocity = Vec3::Zero();
   const double speed = extent_ * log_uniform(-4.0, -2.0);
-  const double memory = uniform(0.02, 0.3);
+  const double decay = uniform(0.02, 0.3);
   Vec3 at = positions.back();
   for (int i = 0; i < steps; ++i) {
-    velocity += -memory * velocity + speed * std::sqrt(2.0 * memory) * Vec3(normal(), normal(), normal()) - 0.02 * memory * (at - at_);
+    velocity +=
+        -decay * velocity + speed * std::sqrt(2.0 * decay) * Vec3(normal(), normal(), normal()) - 0.02 * decay * (at - surface_point_);
     at += velocity;
     positions.push_back(motion_ == StressMotion::hostile && random_() % 16 == 0 ? hostile(at) : at);
   }

@@ -62,7 +62,7 @@ class StressEpisode {
   void creep(std::vector<Vec3>& positions);
   // One random walk after the other, each near another point of the body and at a speed of its own.
   void walk_over_body(std::vector<Vec3>& positions);
-  // A random walk (Ornstein-Uhlenbeck velocity) at a random speed, attracted gently to at_.
+  // A random walk (Ornstein-Uhlenbeck velocity) at a random speed, attracted gently to surface_point_.
   void random_walk(std::vector<Vec3>& positions, int steps);
   Vec3 hostile(Vec3 at);
 
@@ -76,9 +76,9 @@ class StressEpisode {
   bool is_long_ = false;
   std::uint32_t triangle_ = 0;
   int corner_ = 0;
-  Vec3 at_ = Vec3::Zero();     // a point on the surface
-  Vec3 up_ = Vec3::UnitZ();    // unit normal at at_, towards free space
-  Vec3 start_ = Vec3::Zero();  // first position, in free space
+  Vec3 surface_point_ = Vec3::Zero();  // a point on the surface
+  Vec3 up_ = Vec3::UnitZ();            // unit normal at surface_point_, towards free space
+  Vec3 start_ = Vec3::Zero();          // first position, in free space
 };
 
 }  // namespace hapton

@@ -29,17 +29,17 @@ constexpr double kStuckShare = 0.10;
 constexpr double kStuckGain = 0.01;
 constexpr double kUnconvergedGain = 0.001;
 constexpr double kTieShare = 1e-6;      // a device nearer to the surface than this has two valid proxies
-constexpr double kOutsideShare = 1e-7;  // farther off than a contact offset (kRelative)
+constexpr double kOutsideShare = 1e-7;  // farther off than a contact offset (kContactOffsetShare)
 constexpr double kBesideShare = 1e-6;   // more than the height of a ledge that the reference climbs over
 constexpr double kClearShare = 0.05;    // share of the contact offset that a proxy may keep: above rounding, so the side is certain
 constexpr double kCloseUpShares[] = {0x1p-10, 0x1p-18};
 constexpr double kCrackShare =
     1e-5;  // at a crack that is narrower than the contact offset of the method or the reference, only the other proxy gets in
-constexpr double kProofOffsets = 4.0;    // radius, in contact offsets, of the proof that a position is a minimum
-constexpr double kThroughStep = 0.01;    // a longer step may have led round a boundary edge
-constexpr double kRelative = 4e-9;       // a method may use this share of the extent as contact offset and leave it out of the force
-constexpr int kMaxCarried = 1024;        // largest number of steps of a carried motion
-constexpr std::size_t kMaxFindings = 1;  // findings kept of each fault in each motion
+constexpr double kProofOffsets = 4.0;         // radius, in contact offsets, of the proof that a position is a minimum
+constexpr double kThroughStep = 0.01;         // a longer step may have led round a boundary edge
+constexpr double kContactOffsetShare = 4e-9;  // a method may use this share of the extent as contact offset and leave it out of the force
+constexpr int kMaxCarried = 1024;             // largest number of steps of a carried motion
+constexpr std::size_t kMaxFindings = 1;       // findings kept of each fault in each motion
 
 struct Crossing {
   Vec3 place = Vec3::Zero();
@@ -168,15 +168,15 @@ struct StressRun::Impl {
 
   // Whether the reference, which tests every triangle, also reaches `to`: round an edge or a vertex past which the straight path cuts.
   bool leads_round(const Vec3& from, const Vec3& to) const {
-    if ((reference->settle_from(from, to).p_SP - to).norm() <= kRelative * extent) return true;
+    if ((reference->settle_from(from, to).p_SP - to).norm() <= kContactOffsetShare * extent) return true;
     // A device that moves to its end may take the proxy round a corner. The corner holds the proxy if the device is at the end at once.
     reference->reset(from);
     reference->step({.p_SD = from});
-    return (reference->step({.p_SD = to}).p_SP - to).norm() <= kRelative * extent;
+    return (reference->step({.p_SD = to}).p_SP - to).norm() <= kContactOffsetShare * extent;
   }
 
   // A proxy may keep this contact offset and leave it out of the force.
-  double slop() const { return extent * (kRelative + 1e-15 * settings.offset_extents); }
+  double slop() const { return extent * (kContactOffsetShare + 1e-15 * settings.offset_extents); }
 
   // Whether p is on the side where the proxy must not be. Exact, however near p is to the surface.
   bool is_beyond(const Vec3& p) const { return (std::fabs(compute_winding_number(body.solid, p)) > 0.5) != body.room; }
@@ -268,7 +268,7 @@ struct StressRun::Impl {
     const bool has_force = output.force_n.norm() > 0.0;
     const bool may_damping_take_it = !undamped && length > 0.0;
     if (output.contact != has_force && !(output.contact && may_damping_take_it)) note(StressFault::broken, 0.0);
-    if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop() + kRelative * length + layer))
+    if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop() + kContactOffsetShare * length + layer))
       note(StressFault::broken, (output.force_n / stiffness - extension).norm());
     if (!output.contact && length > slop()) note(StressFault::broken, length);
   }
@@ -399,25 +399,25 @@ Result<StressRun> StressRun::make(const StressBody& body, const StressSettings& 
 }
 
 std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
-  Impl& in = *impl_;
-  const double extent = in.extent;
-  StressEpisode episode(in.walk_mesh, in.walk, extent, !in.body.room, in.settings.seed, in.body.name, number);
-  episode.draw([&](const Vec3& p) { return in.is_free(p); }, in.positions);
+  Impl& impl = *impl_;
+  const double extent = impl.extent;
+  StressEpisode episode(impl.walk_mesh, impl.walk, extent, !impl.body.room, impl.settings.seed, impl.body.name, number);
+  episode.draw([&](const Vec3& p) { return impl.is_free(p); }, impl.positions);
   // If no free position was found, the sides are unknown and the episode is skipped.
   ++count.episodes;
-  if (!in.is_free(in.positions.front())) return 0;
-  in.mark_covered(count);
-  in.method->reset(in.positions.front());
-  Vec3 before = in.positions.front();
+  if (!impl.is_free(impl.positions.front())) return 0;
+  impl.mark_covered(count);
+  impl.method->reset(impl.positions.front());
+  Vec3 before = impl.positions.front();
   MethodOutput output_before;
   output_before.p_SP = before;
-  for (std::size_t i = 0; i < in.positions.size(); ++i) {
-    const Vec3& device = in.positions[i];
-    const MethodOutput first = in.method->step({.p_SD = device});
-    const MethodOutput output = in.finish(first, device, count);
+  for (std::size_t i = 0; i < impl.positions.size(); ++i) {
+    const Vec3& device = impl.positions[i];
+    const MethodOutput first = impl.method->step({.p_SD = device});
+    const MethodOutput output = impl.finish(first, device, count);
     ++count.steps;
     count.contact_steps += output.contact;
-    const auto note = [&](StressFault fault, double size) { in.note(count, fault, episode.motion(), number, i, size / extent); };
+    const auto note = [&](StressFault fault, double size) { impl.note(count, fault, episode.motion(), number, i, size / extent); };
     if (!output.force_n.allFinite() || !output.p_SP.allFinite() || !first.force_n.allFinite()) {
       note(StressFault::not_finite, 0.0);
       continue;
@@ -426,28 +426,28 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       if (output.contact || !output.force_n.isZero(0.0)) note(StressFault::broken, 0.0);
       continue;
     }
-    const double far = (device - in.offset).cwiseAbs().maxCoeff();
-    if (far > 1e3 * extent) {  // at this distance positions have too few digits to compare
+    const double distance = (device - impl.offset).cwiseAbs().maxCoeff();
+    if (distance > 1e3 * extent) {  // at this distance positions have too few digits to compare
       before = device;
       output_before = output;
       continue;
     }
     const double moved = (device - before).norm();
-    in.check_consistency(output, device, note);
-    if (in.solid) {
-      in.check_sides(first, output, device, note);
-    } else if (!in.check_through(output_before, output, moved, note)) {
+    impl.check_consistency(output, device, note);
+    if (impl.solid) {
+      impl.check_sides(first, output, device, note);
+    } else if (!impl.check_through(output_before, output, moved, note)) {
       continue;
     }
-    if (in.is_comparison_due(output, device, i + number)) {
+    if (impl.is_comparison_due(output, device, i + number)) {
       ++count.compared_steps;
-      if (!in.is_proved(output.p_SP, device, in.slop())) in.check_minimum(output.p_SP, device, before, note);
+      if (!impl.is_proved(output.p_SP, device, impl.slop())) impl.check_minimum(output.p_SP, device, before, note);
     }
-    if (in.shows_discontinuities() && i > 0 && before.allFinite()) in.check_discontinuity(output_before, output, moved, note);
+    if (impl.shows_discontinuities() && i > 0 && before.allFinite()) impl.check_discontinuity(output_before, output, moved, note);
     before = device;
     output_before = output;
   }
-  return in.positions.size();
+  return impl.positions.size();
 }
 
 }  // namespace hapton
