@@ -49,6 +49,9 @@ Result<std::uint32_t> ShapeOutbox::give(std::string_view object, std::span<const
   std::erase_if(shapes_, [&](const Shape& one) {
     return is_same_object(one.head, shape.head) && (one.next == 0 || one.next >= one.displacements_m.size());
   });
+  for (Shape& one : shapes_) {
+    if (is_same_object(one.head, shape.head)) one.is_needed = false;
+  }
   shapes_.push_back(std::move(shape));
   return newest_;
 }

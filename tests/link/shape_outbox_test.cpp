@@ -101,6 +101,19 @@ TEST_F(ShapeOutboxTest, WhatIsNeededIsSentUntilItsReplyComes) {
   EXPECT_NE(other.error().what.find("no reply"), std::string::npos);
 }
 
+TEST_F(ShapeOutboxTest, AShapeThatANewerOneReplacesIsSentToItsEndButNotAgain) {
+  const Displacements shape(640);  // ten parts
+  ASSERT_TRUE(outbox_.give("skin", shape, 0.0, true));
+  turn();  // the first shape has begun
+  const auto newer = outbox_.give("skin", shape, 0.0);
+  ASSERT_TRUE(newer);
+  for (int n = 0; n < 1000; ++n) turn();
+  ASSERT_EQ(parts_.size(), 20U);
+  EXPECT_EQ(parts_[9].shape + 1, *newer);
+  EXPECT_EQ(parts_[10].shape, *newer);
+  EXPECT_TRUE(outbox_.is_empty()) << "no reply is awaited";
+}
+
 TEST_F(ShapeOutboxTest, ARejectionIsTheError) {
   const auto number = outbox_.give("skin", Displacements(100), 0.0, true);
   for (int n = 0; n < 5; ++n) turn();
