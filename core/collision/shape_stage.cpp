@@ -116,9 +116,13 @@ StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<Shap
   shape(0.0);
 }
 
-// Takes the oldest stage that is no longer used.
+// Takes the oldest stage that is no longer used. displacement_between() needs the motion of the stage before the present one also after that
+// stage has been returned. It is swapped, because the step may neither copy nor free it.
 std::unique_ptr<ShapeStage> StreamedGeometry::take_retired() noexcept {
-  if (retired_count_ == 0) return std::move(ended_.stage);
+  if (retired_count_ == 0) {
+    if (ended_.stage != nullptr) ended_motion_.swap(ended_.stage->motion_local);
+    return std::move(ended_.stage);
+  }
   auto oldest = std::move(retired_[0]);
   std::move(retired_.begin() + 1, retired_.begin() + static_cast<std::ptrdiff_t>(retired_count_), retired_.begin());
   --retired_count_;
@@ -202,7 +206,7 @@ std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
 }
 
 std::size_t StreamedGeometry::bytes() const noexcept {
-  std::size_t bytes = rest_.capacity() * sizeof(double);
+  std::size_t bytes = (rest_.capacity() + ended_motion_.capacity()) * sizeof(double);
   const auto add = [&](const ShapeStage& stage) {
     bytes += (stage.begin.capacity() + stage.to.capacity()) * sizeof(Vec3) +
              (stage.begin_local.capacity() + stage.motion_local.capacity()) * sizeof(double);

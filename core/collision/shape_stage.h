@@ -62,7 +62,7 @@ Box bounds_with_reach(const TriangleMesh& mesh, double reach_m);
 // one before it has ended, in exactly the shape in which that ended. A few stages can wait, each for its start.
 //
 // Threads: one. RT: yes, shape() linear in the vertices, some ns each; construction, vertices_at() set-up only. Stages that are no longer
-// used are returned to the caller, to be destroyed outside of the step.
+// used are returned to the caller, to be destroyed outside of the step; their contents are not specified.
 class StreamedGeometry {
  public:
   // `rest`: from ShapeStager::make_rest(). Pre: the geometry is the one that the stager was made for, and outlives this object.
@@ -83,12 +83,12 @@ class StreamedGeometry {
   std::unique_ptr<ShapeStage> append(std::unique_ptr<ShapeStage> stage, double over_s, double start_s) noexcept;
 
   // The position of a vertex of the object at rest, and its displacement from one time to another; both local. The displacement is that of
-  // the present stage, and of the one before it until offer() or append() has returned it; motion in other stages is left out.
+  // the present stage and of the one before it; motion in other stages is left out.
   Vec3 rest_of(std::uint32_t vertex) const noexcept { return at(rest_, vertex); }
   Vec3 displacement_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
     Vec3 moved = (present_.share_at(to_s) - present_.share_at(from_s)) * at(present_.stage->motion_local, vertex);
-    if (ended_.stage != nullptr && from_s < present_.start_s)
-      moved += (1.0 - ended_.share_at(from_s)) * at(ended_.stage->motion_local, vertex);
+    const std::vector<double>& ended = ended_.stage != nullptr ? ended_.stage->motion_local : ended_motion_;
+    if (!ended.empty() && from_s < present_.start_s) moved += (1.0 - ended_.share_at(from_s)) * at(ended, vertex);
     return moved;
   }
 
@@ -137,7 +137,8 @@ class StreamedGeometry {
   TouchGeometry& geometry_;
   std::vector<double> rest_;  // laid out as ShapeStage::begin_local
   TimedStage present_;
-  TimedStage ended_;                             // the stage before present_, until it is returned
+  TimedStage ended_;                             // the stage before present_; it is null after it has been returned
+  std::vector<double> ended_motion_;             // then its motion
   std::array<TimedStage, kMaxWaiting> waiting_;  // the next one first
   std::size_t waiting_count_ = 0;
   // Stages that ended before ended_ and have not been returned yet, the oldest first. Each stage that arrives makes one of these or ended_

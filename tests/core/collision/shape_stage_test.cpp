@@ -105,6 +105,26 @@ TEST(StreamedGeometry, KnowsHowFarAVertexMovedAlsoWhereAStageEndsBetween) {
   }
 }
 
+// A sample may be corrected after another stage was appended.
+TEST(StreamedGeometry, KnowsHowFarAVertexMovedAlsoAfterTheStageThatEndedWasReturned) {
+  const Streamed one(made::sheet(0.05, 0.0, 4));
+  const auto higher = [&](double by) { return one.mapped([by](const Vec3& p) { return Vec3(p + Vec3(0, 0, by)); }); };
+  const auto offer = [&](double height_m, double start_s) {
+    auto stage = one.stager->make(one.surface->present().to, higher(height_m));
+    return one.surface->offer(std::move(*stage), 0.1, start_s);
+  };
+  (void)offer(0.005, 0.0);
+  one.surface->shape(0.05);
+  for (int n = 1; n <= 4; ++n) {
+    const double end_s = 0.1 * n;
+    (void)offer(0.005 + 0.005 * n, end_s);
+    one.surface->shape(end_s + 0.03);
+    EXPECT_NE(offer(0.0, 9.0).ended, nullptr);
+    const Vec3 moved = one.geometry->unit_m() * one.surface->displacement_between(0, end_s - 0.01, end_s + 0.03);
+    EXPECT_NEAR(moved.z(), 0.05 * 0.04, 1e-15) << n;
+  }
+}
+
 TEST(StreamedGeometry, TheNewestThatWaitsComesNext) {
   const Streamed one(made::sheet(0.05, 0.0, 4));
   const auto up = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.01)); });
