@@ -37,7 +37,8 @@ double corner_angle(const Mesh& mesh, std::size_t t, int k) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-// Averages face normals, weighted by angles, over the corners that share a normal. Without a face of non-zero area it stays zero.
+// Averages face normals, weighted by angles, over the corners that share a normal. It stays shorter than a unit vector where the face
+// normals cancel, or there is no face of non-zero area.
 void average_normals(ShadedMesh& mesh, std::size_t faces) {
   for (Vec3& n : mesh.normals) n.setZero();
   for (std::size_t t = 0; t < faces; ++t) {
@@ -49,6 +50,20 @@ void average_normals(ShadedMesh& mesh, std::size_t faces) {
     const double length = n.norm();
     if (length > 1e-9) n /= length;
   }
+}
+
+// Where there is no average, the normal becomes that of the first face with an area, or the z axis.
+void replace_missing_normals(ShadedMesh& mesh, std::size_t faces) {
+  const auto is_missing = [](const Vec3& n) { return n.squaredNorm() < 0.5; };
+  if (std::none_of(mesh.normals.begin(), mesh.normals.end(), is_missing)) return;
+  for (std::size_t t = 0; t < faces; ++t) {
+    const Vec3 face = unit_face_normal(mesh, t);
+    if (face.isZero(0.0)) continue;
+    for (const std::uint32_t normal : mesh.corner_normals[t]) {
+      if (is_missing(mesh.normals[normal])) mesh.normals[normal] = face;
+    }
+  }
+  std::replace_if(mesh.normals.begin(), mesh.normals.end(), is_missing, Vec3(Vec3::UnitZ()));
 }
 
 }  // namespace
@@ -112,6 +127,7 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
 
 void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
   average_normals(mesh, faces);
+  replace_missing_normals(mesh, faces);
   for (std::size_t i = 0; i < mesh.middle_normals.size(); ++i)
     mesh.normals[mesh.first_middle_normal + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
 }

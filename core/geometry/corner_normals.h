@@ -27,7 +27,8 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
                                CornerNormalReport& report);
 
 // The same for vertices that have moved: the sharing of normals is kept, the normals are recomputed. faces: number of triangles of the mesh
-// itself; the triangles of fans after them do not contribute. Pre: mesh.vertices are the new ones. RT: no (linear), but no heap.
+// itself; the triangles of fans after them do not contribute. Where the face normals cancel, corners share that of their first face;
+// without a face that has an area, the z axis. Pre: mesh.vertices are the new ones. RT: no (linear), but no heap.
 void update_corner_normals(ShadedMesh& mesh, std::size_t faces);
 
 struct AuthoredNormalReport {

@@ -177,6 +177,21 @@ TEST(CornerNormals, FollowMovedVertices) {
   }
 }
 
+TEST(CornerNormals, OfMovedVerticesHaveLengthOneAlsoWhereFacesAreOppositeOrHaveNoArea) {
+  TriangleMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  CornerNormalReport report;
+  ShadedMesh moved = shade(sheet, 180.0, report);
+  moved.vertices[3] = moved.vertices[1];  // the sheet is folded: its two faces lie on each other
+  update_corner_normals(moved, 2);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(moved.normal(0, k), Vec3(0, 0, 1));
+  EXPECT_EQ(moved.normal(1, 2), Vec3(0, 0, -1));
+  for (Vec3& v : moved.vertices) v = Vec3(1, 2, 3);
+  update_corner_normals(moved, 2);
+  for (const Vec3& n : moved.normals) EXPECT_EQ(n.norm(), 1.0);
+}
+
 TEST(CheckCornerNormals, RepairsWhatPointsAway) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   CornerNormalReport report;
