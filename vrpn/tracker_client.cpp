@@ -100,13 +100,17 @@ void TrackerClient::receive_type(const Message& message) {
 
 void TrackerClient::receive_buttons(const Message& message) {
   if (states_type_ == message.type) {
-    buttons_ = buttons_of(message).value_or(buttons_);
+    const std::optional<std::uint32_t> states = buttons_of(message);
+    if (!states) return;
+    buttons_ = *states;
+    reported_buttons_ = ~std::uint32_t{0};
     return;
   }
   const std::optional<ButtonChange> change = button_of(message);
   if (!change || change->button < 0 || change->button >= 32) return;
   const std::uint32_t bit = std::uint32_t{1} << change->button;
   buttons_ = change->is_down ? buttons_ | bit : buttons_ & ~bit;
+  reported_buttons_ |= bit;
 }
 
 void TrackerClient::receive_position(const Message& message) {

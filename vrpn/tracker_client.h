@@ -36,6 +36,8 @@ class TrackerClient {
   std::optional<TrackerPose> take_newest();
   // Which of the first 32 buttons of the device are down, one bit each (bit 0: button 0); up until the server reports otherwise.
   std::uint32_t buttons() const { return buttons_; }
+  // Which of them the server has reported, in the same way.
+  std::uint32_t reported_buttons() const { return reported_buttons_; }
   // Requests a reply from the tracker (vrpn_Base ping). Pre: is_connected().
   void ping();
   // The devices that the server has named so far, in one line for the log: printable characters only.
@@ -65,6 +67,7 @@ class TrackerClient {
   std::vector<std::string> devices_;
   std::optional<TrackerPose> newest_;
   std::uint32_t buttons_ = 0;
+  std::uint32_t reported_buttons_ = 0;
 };
 
 }  // namespace hapton::vrpn

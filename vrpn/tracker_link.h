@@ -40,6 +40,8 @@ class TrackerLink final : private StreamEndpoint::Listener {
 
   // Buttons of the device that are down, one bit each (TrackerClient::buttons), at the last take_newest(); 0 without a connection.
   std::uint32_t buttons() const { return client_ ? client_->buttons() : 0; }
+  // Which of them the server has reported since the connection was made; 0 without a connection.
+  std::uint32_t reported_buttons() const { return client_ ? client_->reported_buttons() : 0; }
 
   // Whether the server has replied with a valid VRPN cookie.
   bool is_connected() const { return client_ && client_->is_connected(); }

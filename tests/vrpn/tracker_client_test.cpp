@@ -96,10 +96,12 @@ TEST_F(VrpnTrackerClient, ButtonsAreThoseOfTheDeviceAsTheServerLastSaid) {
   append_button_change(bytes, {kMadeSender, kChange, {}, 9}, 3, false);
   ASSERT_TRUE(client.receive(bytes));
   EXPECT_EQ(client.buttons(), 1U << 31);
+  EXPECT_EQ(client.reported_buttons(), 1U << 3 | 1U << 31);
   bytes.clear();
   append_button_states(bytes, {kMadeSender, kStates, {}, 10}, 0b101, 3);
   ASSERT_TRUE(client.receive(bytes));
   EXPECT_EQ(client.buttons(), 0b101U);
+  EXPECT_EQ(client.reported_buttons(), 0xFFFFFFFFU) << "the states are those of all buttons";
   bytes.clear();
   append_button_states(bytes, {kMadeSender, kChange, {}, 11}, 0b11, 2);  // not a change of a button: its length is wrong
   ASSERT_TRUE(client.receive(bytes));

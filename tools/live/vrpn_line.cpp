@@ -18,7 +18,8 @@ class VrpnLine : public DigitalLine {
 
   Result<bool> is_on() override {
     (void)link_->take_newest(clock_.now_ns());
-    return (link_->buttons() >> button_ & 1U) != 0;
+    if ((link_->reported_buttons() >> button_ & 1U) != 0) is_on_ = (link_->buttons() >> button_ & 1U) != 0;
+    return is_on_;
   }
   // Waits until the server accepts the connection. False: it did not do so in time.
   bool replies() {
@@ -33,6 +34,7 @@ class VrpnLine : public DigitalLine {
   SteadyClock clock_;
   std::unique_ptr<vrpn::TrackerLink> link_;
   int button_;
+  bool is_on_ = false;
 };
 
 }  // namespace

@@ -14,8 +14,8 @@ constexpr std::string_view kVrpnLine = "vrpn:";
 // Error, one line: the text does not have that form. RT: no.
 Result<LineInput> parse_vrpn_line(std::string_view text);
 
-// The line is off while the connection is lost; the connection is made again by itself. Waits up to 3 s for the server. Error, one line: no
-// such host, or no VRPN server replies from it. RT: no.
+// If the connection is lost, it is made again by itself; until the server reports the button again, the line keeps its level. Waits up to 3
+// s for the server. Error, one line: no such host, or no VRPN server replies from it. RT: no.
 Result<std::unique_ptr<DigitalLine>> open_vrpn_line(const LineInput& input);
 
 }  // namespace hapton

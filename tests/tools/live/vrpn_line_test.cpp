@@ -53,8 +53,19 @@ TEST(VrpnLines, FollowTheButtonOfTheServer) {
     server.say(bytes);
     EXPECT_TRUE(server.attend_until([&](std::int64_t) { return *(*line)->is_on() == is_down; })) << is_down;
   }
+  // The button is held while the connection is lost, and released later.
+  const int calls = server.calls();
+  const std::size_t heard = server.heard().size();
   server.hang_up();
-  EXPECT_TRUE(server.attend_until([&](std::int64_t) { return !*(*line)->is_on(); })) << "off without a connection";
+  EXPECT_TRUE(server.attend_until([&](std::int64_t) {
+    EXPECT_TRUE(*(*line)->is_on());
+    return server.calls() > calls && server.heard().size() > heard + vrpn::kCookieBytes;  // it has read the first messages
+  }));
+  EXPECT_TRUE(*(*line)->is_on()) << "until the server reports the button";
+  vrpn::Bytes up;
+  vrpn::append_button_change(up, {vrpn::kMadeSender, kChange, {}, 4}, 2, false);
+  server.say(up);
+  EXPECT_TRUE(server.attend_until([&](std::int64_t) { return !*(*line)->is_on(); }));
 }
 
 }  // namespace
