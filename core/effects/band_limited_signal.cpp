@@ -8,9 +8,12 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kWidth = BandLimitedSignal::kHalfWidth;
-// Table entries from one zero of the sinc function to the next, a multiple of every stride. Linear interpolation is exact to 3e-5.
+// Table entries from one zero of the sinc function to the next; divided by each stride, it is a whole number. Linear interpolation is exact
+// to 3e-5.
 constexpr std::size_t kEntriesPerZero = 120;
-constexpr std::array<std::size_t, 8> kStrides = {1, 2, 3, 4, 5, 6, 8, 10};
+constexpr std::array kStrides = {1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0};
+// Several sums side by side, so that an addition does not wait for the one before it.
+constexpr std::size_t kSums = 4;
 // Shape of the Kaiser window: 41 dB, with a transition of 0.1 of the sample rate over 24 samples (Kaiser and Schafer 1980).
 constexpr double kShape = 3.5;
 
@@ -26,7 +29,8 @@ double bessel_i0(double x) noexcept {
 }
 
 struct Kernel {
-  std::array<double, kWidth* kEntriesPerZero + 2> values = {};  // from the kernel's middle to its end, where it is zero
+  // From the kernel's middle to its end, and zeros for as many samples as kSums may need more.
+  std::array<double, (kWidth + kSums)* kEntriesPerZero + 2> values = {};
 
   Kernel() noexcept {
     values[0] = 1.0;
@@ -41,17 +45,15 @@ struct Kernel {
 };
 
 // The weighted sum over one side of the kernel: samples[j * direction] has the weight at the distance j + from. from: 0 to 1.
-double wing(const double* kernel, double from, std::size_t stride, const double* samples, std::ptrdiff_t direction) noexcept {
-  const std::size_t step = kEntriesPerZero / stride;
+double wing(const double* kernel, double from, double stride, const double* samples, std::ptrdiff_t direction) noexcept {
+  const auto step = static_cast<std::size_t>(kEntriesPerZero / stride);
+  const std::size_t count = BandLimitedSignal::find_delay(stride);
   const double place = from * static_cast<double>(step);
   const auto entry = static_cast<std::size_t>(place);
   const double fraction = place - static_cast<double>(entry);
   const double* first_weight = kernel + entry;
-  // Several sums side by side, so that an addition does not wait for the one before it.
-  constexpr std::size_t kSums = 4;
-  static_assert(kWidth % kSums == 0);
   std::array<double, kSums> sums = {};
-  for (std::size_t j = 0; j < kWidth * stride; j += kSums) {
+  for (std::size_t j = 0; j < count; j += kSums) {
     for (std::size_t k = 0; k < kSums; ++k) {
       const double* weight = first_weight + (j + k) * step;
       sums[k] += samples[static_cast<std::ptrdiff_t>(j + k) * direction] * (weight[0] + fraction * (weight[1] - weight[0]));
@@ -77,19 +79,23 @@ void BandLimitedSignal::push(double sample) noexcept {
   next_ = (next_ + 1) % kStored;
 }
 
-std::size_t BandLimitedSignal::stride_for(double samples_per_reading) noexcept {
-  const double nearest = std::round(samples_per_reading);
+double BandLimitedSignal::stride_for(double samples_per_reading) noexcept {
   const auto* found =
-      std::find_if(kStrides.begin(), kStrides.end(), [&](std::size_t stride) { return static_cast<double>(stride) >= nearest; });
+      std::find_if(kStrides.begin(), kStrides.end(), [&](double stride) { return kMostAboveStride * stride >= samples_per_reading; });
   return found == kStrides.end() ? kMaxStride : *found;
 }
 
-double BandLimitedSignal::at(double since_newest, std::size_t stride) const noexcept {
+std::size_t BandLimitedSignal::find_delay(double stride) noexcept {
+  const auto samples = static_cast<std::size_t>(kWidth * stride);  // whole for each stride
+  return (samples + kSums - 1) / kSums * kSums;
+}
+
+double BandLimitedSignal::at(double since_newest, double stride) const noexcept {
   // The newest sample has the index next_ + kStored - 1. The middle of the kernel is at the sample `middle`, or between it and the next
   // one.
-  const double* middle = samples_.data() + next_ + kStored - 1 - kWidth * stride;
+  const double* middle = samples_.data() + next_ + kStored - 1 - find_delay(stride);
   const double sum = wing(kernel_, since_newest, stride, middle, -1) + wing(kernel_, 1.0 - since_newest, stride, middle + 1, 1);
-  return sum / static_cast<double>(stride);
+  return sum / stride;
 }
 
 }  // namespace hapton

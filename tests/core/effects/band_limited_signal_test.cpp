@@ -13,7 +13,7 @@ namespace {
 // The amplitude of a sine of `frequency` cycles per sample that is read every `samples` samples, from `first` samples on.
 double amplitude_read(double frequency, double samples, double first) {
   BandLimitedSignal signal;
-  const std::size_t stride = BandLimitedSignal::stride_for(samples);
+  const double stride = BandLimitedSignal::stride_for(samples);
   const double turn = 2.0 * std::numbers::pi * frequency;
   double since = first;
   double pushed = 0.0;
@@ -31,8 +31,8 @@ double amplitude_read(double frequency, double samples, double first) {
 }
 
 TEST(BandLimitedSignal, KeepsTheBandOfTheLowerRate) {
-  for (const double samples : {0.1, 0.37, 1.0, 1.03, 2.0, 5.0, 10.0}) {
-    const double half_lower = 0.5 / std::max(1.0, static_cast<double>(BandLimitedSignal::stride_for(samples)));
+  for (const double samples : {0.1, 0.37, 1.0, 1.03, 1.2, 1.4, 2.0, 2.6, 5.0, 10.0}) {
+    const double half_lower = 0.5 / BandLimitedSignal::stride_for(samples);
     for (const double share : {0.03, 0.2, 0.41, 0.63, 0.77, 0.9}) {
       EXPECT_NEAR(20.0 * std::log10(amplitude_read(share * half_lower, samples, 0.29)), 0.0, 0.2) << samples << " " << share;
     }
@@ -43,6 +43,17 @@ TEST(BandLimitedSignal, LeavesOutWhatTheLowerRateCannotCarry) {
   for (const double samples : {2.0, 5.0, 10.0}) {
     for (const double share : {1.1, 1.37, 1.9}) {
       EXPECT_LT(amplitude_read(share * 0.5 / samples, samples, 0.29), 0.011) << samples << " " << share;
+    }
+  }
+}
+
+// Ratios between two strides. Readings above a stride by kMostAboveStride carry less than the stride lets through.
+TEST(BandLimitedSignal, LeavesOutWhatTheLowerRateCannotCarryAtAnyRatio) {
+  for (const double samples : {1.1, 1.2, 1.4, 1.6, 2.2, 2.45, 3.4, 4.4, 6.5, 7.5, 8.7}) {
+    for (const double share : {1.21, 1.37, 1.9}) {
+      const double frequency = share * 0.5 / samples;
+      if (frequency >= 0.5) continue;
+      EXPECT_LT(amplitude_read(frequency, samples, 0.29), 0.011) << samples << " " << share;
     }
   }
 }
@@ -59,7 +70,7 @@ TEST(BandLimitedSignal, IsTheSamplesAtTheirTimes) {
 }
 
 TEST(BandLimitedSignal, IsContinuousWhereASampleArrives) {
-  for (const std::size_t stride : {1, 2, 10}) {
+  for (const double stride : {1.0, 1.25, 1.5, 2.0, 2.5, 10.0}) {
     BandLimitedSignal signal;
     for (std::uint64_t n = 0; n < 500; ++n) {
       const double before = signal.at(1.0 - 1e-12, stride);
@@ -70,11 +81,16 @@ TEST(BandLimitedSignal, IsContinuousWhereASampleArrives) {
 }
 
 TEST(BandLimitedSignal, TheStrideIsNearTheRatioOfTheRates) {
-  EXPECT_EQ(BandLimitedSignal::stride_for(0.1), 1U);
-  EXPECT_EQ(BandLimitedSignal::stride_for(1.4), 1U);
-  EXPECT_EQ(BandLimitedSignal::stride_for(2.1), 2U);
-  EXPECT_EQ(BandLimitedSignal::stride_for(7.0), 8U);
-  EXPECT_EQ(BandLimitedSignal::stride_for(1e9), 10U);
+  EXPECT_EQ(BandLimitedSignal::stride_for(0.1), 1.0);
+  EXPECT_EQ(BandLimitedSignal::stride_for(1.4), 1.5);
+  EXPECT_EQ(BandLimitedSignal::stride_for(2.1), 2.0);
+  EXPECT_EQ(BandLimitedSignal::stride_for(7.0), 8.0);
+  EXPECT_EQ(BandLimitedSignal::stride_for(1e9), 10.0);
+  for (double samples = 1.0; samples <= 10.0; samples += 0.01) {
+    const double stride = BandLimitedSignal::stride_for(samples);
+    EXPECT_GE(BandLimitedSignal::kMostAboveStride * stride, samples);
+    EXPECT_LE(stride, 1.25 * samples) << "the band is not much narrower than the readings could carry";
+  }
 }
 
 }  // namespace
