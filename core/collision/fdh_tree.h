@@ -64,15 +64,15 @@ class FdhNearest {
     if (count_ == limit()) keep_nearest();
   }
 
-  // Ends the search and returns the triangles found, in no order: all nearer than complete_radius() (at max_distance: but for rounding).
+  // Ends the search and returns the triangles found, in no order: all nearer than complete_radius().
   std::span<const FdhNear> finish() {
+    double searched = max_distance_;
     if (count_ >= keep_count_) {
       keep_nearest();
-      complete_radius_ = std::fmax(0.0, std::sqrt(candidates_[keep_count_ - 1].distance_squared) * (1.0 - kOutward) - 2.0 * rounding_);
+      searched = std::sqrt(candidates_[keep_count_ - 1].distance_squared);
       count_ = keep_count_ - 1;
-    } else {
-      complete_radius_ = max_distance_;
     }
+    complete_radius_ = std::fmax(0.0, searched * (1.0 - kOutward) - 2.0 * rounding_);
     return {candidates_.data(), count_};
   }
   double complete_radius() const { return complete_radius_; }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <set>
 #include <span>
@@ -195,6 +196,33 @@ TYPED_TEST(FdhTreeOf, NearestSetIsCompleteWithinItsRadius) {
       EXPECT_EQ(found.size(), std::min(count, within)) << name;
     }
   }
+}
+
+// A triangle just within the largest distance may be missed by rounding; then the set is not complete up to that distance.
+TYPED_TEST(FdhTreeOf, NearestSetIsCompleteWithinItsRadiusAlsoAtTheLargestDistance) {
+  using LongVec3 = Eigen::Matrix<long double, 3, 1>;
+  TriangleMesh mesh;
+  mesh.vertices = {Vec3(10.13, 20.29, 30.17), Vec3(11.31, 20.57, 30.71), Vec3(10.41, 21.37, 30.23)};
+  mesh.triangles = {{0, 1, 2}};
+  const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+  ASSERT_TRUE(tree);
+  const auto exact = [&](std::size_t v) { return LongVec3(mesh.vertices[v].template cast<long double>()); };
+  const LongVec3 normal = (exact(1) - exact(0)).cross(exact(2) - exact(0)).normalized();
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.2, 0.4);
+  int missed = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double u = unit(random);
+    const double v = unit(random);
+    const Vec3 p = u * mesh.vertices[0] + v * mesh.vertices[1] + (1.0 - u - v) * mesh.vertices[2] + 1e-3 * normal.template cast<double>();
+    const long double distance = (p.template cast<long double>() - exact(0)).dot(normal);
+    FdhNearest nearest(1, static_cast<double>(distance * (1.0L + 1e-14L)));
+    tree->collect_nearest(p, 0, nearest);
+    if (!nearest.finish().empty()) continue;
+    ++missed;
+    EXPECT_LE(static_cast<long double>(nearest.complete_radius()), distance) << i;
+  }
+  EXPECT_GT(missed, 0);
 }
 
 TYPED_TEST(FdhTreeOf, FollowsMovedVertices) {
