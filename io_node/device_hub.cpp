@@ -273,10 +273,23 @@ Result<void> DeviceHub::run(const StopSignal& stop) {
   if (auto watched = start_watchdog(); !watched) return watched;
   if (const auto started = parts_->recorder.start(); !started) return started;
   const auto ended = parts_->session.run(stop);
+  keep_device_failure();
   const auto recorded = parts_->recorder.stop();
   print_recording(parts_->options, parts_->recorder.counts());
   if (!ended && !recorded) log_error("{}{}", name_prefix(parts_->options), recorded.error().what);
   return ended ? recorded : ended;
+}
+
+// A fault that was latched before stays in the file.
+void DeviceHub::keep_device_failure() {
+  if (!has_device_failed() || parts_->latch_file.read() != SafetyFault::none) return;
+  if (const auto kept = parts_->latch_file.keep(SafetyFault::device); !kept) {
+    log_warning("{}the latched fault could not be saved, so a restart would reset it: {}", name_prefix(parts_->options), kept.error().what);
+  }
+}
+
+void DeviceHub::forget_device_failure() {
+  if (has_device_failed() && parts_->latch_file.read() == SafetyFault::device) parts_->latch_file.forget();
 }
 
 bool DeviceHub::has_device_failed() const { return parts_->network->device_status() == DeviceStatus::fault; }

@@ -32,14 +32,18 @@ class DeviceHub {
 
   // Runs until IoSession::run ends, and prints a summary of the recording. Error: as IoSession::run, or of watchdog or recording.
   Result<void> run(const StopSignal& stop);
-  // After run(): its device stopped replying for good.
+  // After run(): its device stopped replying for good. run() has latched this for the next start, in case a signal ends this process while
+  // other hubs run on: then systemd starts it again.
   bool has_device_failed() const;
+  // At the end of a process whose exit code says that, so that the next start is a person's: the next start has a force again.
+  void forget_device_failure();
 
  private:
   struct Parts;
   explicit DeviceHub(std::unique_ptr<Parts> parts);
   Result<void> start_watchdog();
   void restore_latched_fault();
+  void keep_device_failure();
   std::unique_ptr<Parts> parts_;
 };
 

@@ -311,7 +311,7 @@ void IoSession::print_events() {
   }
 }
 
-// A device fault is not saved: it ends this program, and only a restart ends the fault.
+// A device fault ends this hub, and DeviceHub saves it.
 void IoSession::keep_latch(const ServoEvent& event) {
   if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
   if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;

@@ -72,7 +72,9 @@ int run(const IoOptions& options) {
   }
   for (const auto& hub : *hubs) print_text("{}\n", hub->describe());
   std::fflush(stdout);
-  return run_hubs(*hubs, stop);
+  const int code = run_hubs(*hubs, stop);
+  for (const auto& hub : *hubs) hub->forget_device_failure();
+  return code;
 }
 
 }  // namespace

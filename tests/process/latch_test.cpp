@@ -11,6 +11,7 @@
 
 #include "tests/process/program.h"
 #include "tests/process/system.h"
+#include "tests/standins/paths.h"
 
 namespace hapton::process {
 namespace {
@@ -75,6 +76,31 @@ TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
   Program io = start("rests.csv");
   ASSERT_TRUE(says(io, "info  real time"));
   EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
+}
+
+// The other device runs on when one has failed for good. A process that is killed then is started again by systemd, one that ends by itself
+// with this exit code is not.
+TEST_F(Latched, ADeviceThatFailedForGoodHasNoForceAfterACrashOfTheOthers) {
+  const std::string left = "plugin:" + standin::library("plugins/odd_device.so") + ":does=fault,after=500";
+  std::ofstream(folder.path() / "devices.toml")
+      << "[[device]]\nname = \"left\"\ndevice = \"" << left << "\"\nbind = \"" << hub
+      << "\"\n[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:" << find_free_port() << "\"\n";
+  const std::string kStill = "a fault latched before this start has not been reset: the device stopped replying";
+  for (const bool is_killed : {true, false}) {
+    Program io("io_node", {"--devices", (folder.path() / "devices.toml").string(), "--rt", "off", "--watchdog", "off"}, folder.path());
+    ASSERT_TRUE(says(io, "stopped replying; check its cable")) << io.err();
+    EXPECT_EQ(io.err().find(kStill) == std::string::npos, is_killed) << io.err();
+    ASSERT_TRUE(System::wait_until([&] { return is_kept(); })) << "no fault is kept in " << folder.path();
+    if (is_killed) {
+      io.kill();
+      continue;
+    }
+    io.send_signal(SIGTERM);
+    const auto ended = io.wait(kPatience);
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->exit_code, 3);
+    EXPECT_FALSE(is_kept()) << "the next start is a person's";
+  }
 }
 
 }  // namespace
