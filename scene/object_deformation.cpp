@@ -16,14 +16,14 @@ namespace {
 
 constexpr double kSpeedRoundingShare = 1e-9;
 
-MorphTarget place_target(const MorphSpec& morph, const ObjectSpec& object, const SceneFit& fit, const TriangleMesh& mesh) {
+MorphTarget place_target(const MorphSpec& morph, const ObjectSpec& object, const SceneFit& fit, const std::vector<Vec3>& vertices) {
   const double scale = fit.scale * object.scale;
   const Mat3 R_SM = object.q_SM.toRotationMatrix();
   const Vec3 centre = fit.apply(object.p_SM + R_SM * (object.scale * morph.centre_m));
   const double radius = scale * morph.radius_m.value_or(0.0);
   MorphTarget target;
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Vec3 off = mesh.vertices[v] - centre;
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+    const Vec3 off = vertices[v] - centre;
     double share = 1.0;
     if (morph.radius_m) {
       const double squared = off.squaredNorm() / (radius * radius);
@@ -107,7 +107,7 @@ Result<void> check_speed(const MeshDeformation& deformation, double motion_m_per
 Result<MeshDeformation> place_morphs(const ObjectSpec& object, const std::string& name, const SceneFit& fit, const TriangleMesh& mesh) {
   std::vector<MorphTarget> targets;
   for (const MorphSpec& morph : object.morphs) {
-    targets.push_back(place_target(morph, object, fit, mesh));
+    targets.push_back(place_target(morph, object, fit, mesh.vertices));
     if (!targets.back().vertices.empty()) continue;
     return fail("line {}: this morph moves no vertex of '{}': check its center_m and radius_m", morph.line, name);
   }
@@ -203,6 +203,12 @@ Result<std::shared_ptr<const MeshDeformation>> make_deformation(const ObjectSpec
   if (const auto checked = check_deformation(*placed, shown, mesh, motion); !checked)
     return fail("line {}: {}", line, checked.error().what);
   return std::make_shared<const MeshDeformation>(std::move(*placed));
+}
+
+MeshDeformation deform_others(const ObjectSpec& object, const SceneFit& fit, const std::vector<Vec3>& vertices) {
+  std::vector<MorphTarget> targets;
+  for (const MorphSpec& morph : object.morphs) targets.push_back(place_target(morph, object, fit, vertices));
+  return MeshDeformation(std::move(targets), join_keys(object.morphs), object.motion.loops);
 }
 
 }  // namespace hapton

@@ -22,4 +22,8 @@ Result<std::shared_ptr<const MeshDeformation>> make_deformation(const ObjectSpec
                                                                 const std::vector<Vec3>& in_file, const TriangleMesh& mesh,
                                                                 const KeyframeMotion* motion);
 
+// A deformation by the morphs of a scene file as it would be of other vertices, in S after `fit`. Pre: make_deformation made one of this
+// object by its morphs.
+MeshDeformation deform_others(const ObjectSpec& object, const SceneFit& fit, const std::vector<Vec3>& vertices);
+
 }  // namespace hapton

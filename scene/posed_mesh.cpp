@@ -16,6 +16,9 @@ Result<PosedMesh> make_posed_mesh(const ObjectSpec& object, const std::filesyste
   posed.given_hash = hash_placed((*loaded)->given_hash, object.scale, object.q_SM, object.p_SM);
   for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->unsealed_vertices : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
+  if (!object.morphs.empty()) {
+    for (const Vec3& vertex : (*loaded)->vertices_before) posed.vertices_before.push_back(pose(vertex));
+  }
   posed.map = (*loaded)->map;
   if (posed.map.mesh != nullptr) {
     for (const Vec3& vertex : posed.map.mesh->vertices) posed.map.vertices.push_back(pose(vertex));
@@ -30,6 +33,7 @@ void apply_fit(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
   for (PosedMesh& posed : meshes) {
     fit.apply(posed.mesh, posed.sealed);
     for (Vec3& vertex : posed.map.vertices) vertex = fit.apply(vertex);
+    for (Vec3& vertex : posed.vertices_before) vertex = fit.apply(vertex);
   }
 }
 

@@ -15,15 +15,16 @@
 
 namespace hapton {
 
-// A mesh in the pose that a scene file gives it. Frame: S; apply_fit moves `mesh`, `sealed` and `map`.
+// A mesh in the pose that a scene file gives it. Frame: S; apply_fit moves `mesh`, `sealed`, `map` and `vertices_before`.
 struct PosedMesh {
   TriangleMesh mesh;
   SealReport sealed;
   Eigen::AlignedBox3d box;       // box of the mesh before cracks were sealed, and before the fit
   std::uint64_t given_hash = 0;  // hash of the mesh before sealing, and of its pose
   std::shared_ptr<const MeshAppearance> appearance;
-  MapSource map = {};              // if there are maps
-  std::vector<Vec3> in_file = {};  // if an animation deforms it: the vertices in the file's frame, before the pose
+  MapSource map = {};                      // if there are maps
+  std::vector<Vec3> in_file = {};          // if an animation deforms it: the vertices in the file's frame, before the pose
+  std::vector<Vec3> vertices_before = {};  // if morphs of the scene file deform it, and cracks were sealed: the vertices before that
 };
 
 // folder: that of the scene file. notes: receives lines for the log. Error: as MeshCache::load. RT: set-up only.

@@ -303,7 +303,12 @@ Result<SceneObject> make_object(FeltObject& felt, PosedMesh& posed, const SceneF
   if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));
   auto deformation = make_deformation(object, name_of(object), fitted, posed.in_file, posed.mesh, motion->get());
   if (!deformation) return tl::unexpected(deformation.error());
-  if (*deformation != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_deformation(**deformation));
+  if (*deformation != nullptr) {
+    // The hash is that of the mesh in its file, because vision_node does not seal cracks.
+    const bool is_sealed = !posed.vertices_before.empty();
+    const std::uint64_t hash = hash_deformation(is_sealed ? deform_others(object, fitted, posed.vertices_before) : **deformation);
+    scene.given_hash = combine_hashes(scene.given_hash, hash);
+  }
   std::shared_ptr<const CommandedObject> commanded;
   if (object.motion.by_program) {
     commanded = std::make_shared<const CommandedObject>(object, fitted, posed.mesh);

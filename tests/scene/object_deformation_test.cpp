@@ -142,6 +142,23 @@ TEST_F(ObjectDeformation, IsPartOfTheHashes) {
   EXPECT_NE(one.second, hashes("[[0, 0], [1, 0.9]]").second);
 }
 
+// haptics_node seals cracks, vision_node does not; both must take the scene for the same one.
+TEST_F(ObjectDeformation, TheHashOfTheFilesDoesNotDependOnSealedCracks) {
+  // Two squares with a crack of 1 micrometre between them.
+  folder.write("a.obj",
+               "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0.100001 0 0\nv 0.2 0 0\nv 0.2 0.1 0\nv 0.100001 0.1 0\n"
+               "f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n");
+  for (const char* head : {"", "fit_m = [0.08, 0.08, 0.08]\n"}) {
+    const auto sealed = load("position_m = [0, 0, 0.01]\nscale = 2", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]"), head);
+    ASSERT_TRUE(sealed) << sealed.error().what;
+    EXPECT_TRUE(sealed->objects[0].sealed.has_sealed());
+    const auto seen = load_scene(folder.path() / "a.toml", {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
+    ASSERT_TRUE(seen) << seen.error().what;
+    EXPECT_FALSE(seen->objects[0].sealed.has_sealed());
+    EXPECT_EQ(sealed->given_hash, seen->given_hash) << head;
+  }
+}
+
 TEST_F(ObjectDeformation, IsReported) {
   ASSERT_TRUE(load("", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]")));
   const auto report = make_scene_report(folder.path() / "a.toml");
