@@ -25,8 +25,8 @@ class SpawnActions {
 
   int run_in(const std::filesystem::path& folder) { return posix_spawn_file_actions_addchdir_np(&actions_, folder.c_str()); }
   int write_to(const std::filesystem::path& file) {
-    const int opened = posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    return opened != 0 ? opened : posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO);
+    const int open_error = posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    return open_error != 0 ? open_error : posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO);
   }
   const posix_spawn_file_actions_t* get() const { return &actions_; }
 
@@ -72,7 +72,7 @@ ChildProcess::~ChildProcess() {
 }
 
 std::optional<int> ChildProcess::wait(double seconds) {
-  constexpr std::int64_t kCheckNs = 5 * kNanosecondsPerMillisecond;  // between two checks whether the child has ended; a free choice
+  constexpr std::int64_t kChildPollNs = 5 * kNanosecondsPerMillisecond;  // between two checks whether the child has ended; a free choice
   SteadyClock clock;
   const double end_ns = static_cast<double>(clock.now_ns()) + 1e9 * seconds;
   while (!exit_code_ && pid_ > 0) {
@@ -84,7 +84,7 @@ std::optional<int> ChildProcess::wait(double seconds) {
     } else if (static_cast<double>(clock.now_ns()) >= end_ns) {
       return std::nullopt;
     } else {
-      clock.sleep_until_ns(clock.now_ns() + kCheckNs);
+      clock.sleep_until_ns(clock.now_ns() + kChildPollNs);
     }
   }
   return exit_code_;

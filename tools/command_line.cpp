@@ -84,17 +84,17 @@ CommandOption CommandLine::add_flag(const std::string& name, bool& into, const s
 }
 
 void CommandLine::add_old_option(const std::string& old_name, CommandOption option) const {
-  CLI::Option* const renamed = option.option_;
-  const auto pass_on = [old_name, renamed](const std::string& word) {
-    fmt::print(stderr, "{} is now {}\n", old_name, renamed->get_name());
-    renamed->add_result(word);
-    renamed->run_callback();
+  CLI::Option* const new_option = option.option_;
+  const auto pass_on = [old_name, new_option](const std::string& word) {
+    fmt::print(stderr, "{} is now {}\n", old_name, new_option->get_name());
+    new_option->add_result(word);
+    new_option->run_callback();
   };
   // CLI11's excludes() is not used: it works in both directions, so --help would list the hidden option as an empty name.
-  const auto excludes_new = [old_name, renamed](const std::string&) {
-    return renamed->count() > 0 ? old_name + " excludes " + renamed->get_name() + ", its name now" : std::string();
+  const auto excludes_new = [old_name, new_option](const std::string&) {
+    return new_option->count() > 0 ? old_name + " excludes " + new_option->get_name() + ", its name now" : std::string();
   };
-  app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + renamed->get_name())->check(excludes_new)->group("");
+  app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + new_option->get_name())->check(excludes_new)->group("");
 }
 
 CommandLine CommandLine::require_options(std::size_t least, std::size_t most) const {

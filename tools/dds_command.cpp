@@ -21,7 +21,7 @@ struct DdsOptions {
   std::string realtime = "try";
 };
 
-Result<dds::BridgeSettings> check(const DdsOptions& options) {
+Result<dds::BridgeSettings> make_bridge_settings(const DdsOptions& options) {
   dds::BridgeSettings settings = options.bridge;
   settings.realtime = *parse_realtime_mode(options.realtime);
   const auto domain = dds::choose_domain(options.domain, std::getenv("ROS_DOMAIN_ID"));
@@ -37,7 +37,7 @@ Result<dds::BridgeSettings> check(const DdsOptions& options) {
 }
 
 Result<void> run_dds(const DdsOptions& options) {
-  const auto settings = check(options);
+  const auto settings = make_bridge_settings(options);
   if (!settings) return tl::unexpected(settings.error());
   const StopSignal stop;
   const auto summary = dds::run_bridge(

@@ -27,7 +27,7 @@ struct DoctorOptions {
   std::string key_file;
 };
 
-doctor::HubReply check_hub(const DoctorOptions& options) {
+doctor::HubReply read_hub_reply(const DoctorOptions& options) {
   const auto reader = HubReader::open(fmt::format("127.0.0.1:{}", options.port), options.key_file);
   if (!reader) return {reader.error().what, {}};
   const auto report = (*reader)->read();
@@ -38,7 +38,7 @@ doctor::HubReply check_hub(const DoctorOptions& options) {
 // With another root, the libraries, display and hub of this machine are not asked.
 doctor::Machine::Questions questions_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
-  return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return check_hub(options); }};
+  return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return read_hub_reply(options); }};
 }
 
 int run(const DoctorOptions& options) {
@@ -51,7 +51,7 @@ int run(const DoctorOptions& options) {
   return diagnosis.is_fit() ? 0 : 1;
 }
 
-std::vector<std::string> check_names() {
+std::vector<std::string> names_of_checks() {
   std::vector<std::string> names;
   for (const doctor::Check& check : doctor::all_checks()) names.emplace_back(check.name);
   return names;
@@ -70,7 +70,7 @@ void add_doctor_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
   const CommandLine command =
       app.add_subcommand("doctor", "Check devices, rights, timing, network and display, and print how to fix what is wrong");
-  command.add_option("--only", options->only, describe_checks()).one_of(check_names()).again_for_more();
+  command.add_option("--only", options->only, describe_checks()).one_of(names_of_checks()).again_for_more();
   command.add_flag("--json", options->json, "For programs: schema hapton.doctor/1");
   command.add_option("--port", options->port, "The hub's UDP port").between(1, 65535).shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);

@@ -26,14 +26,14 @@ struct DynamicsOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kJoinS = 5.0;  // how long to wait for the hub; a free choice
+constexpr double kJoinTimeoutS = 5.0;  // how long to wait for the hub; a free choice
 // The longest wait for a datagram. A longer wait would delay a request: the driver has one due every 5 ms.
-constexpr std::int64_t kTurnNs = 1 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kMaxWaitNs = 1 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kWarnEveryNs = kNanosecondsPerSecond;
 // Less is not reported: it occurs when nodes start, or when a machine stands still for a moment.
-constexpr double kMaxLeftOutS = 0.5;
+constexpr double kMinReportedLeftOutS = 0.5;
 
-void say(const std::string& line) {
+void print_and_flush(const std::string& line) {
   fmt::print("{}\n", line);
   std::fflush(stdout);
 }
@@ -48,7 +48,7 @@ std::string describe(const Scene& scene, const DynamicsDriver& driver) {
 }
 
 // Error: the haptics node has another scene.
-Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client, const Datagram& datagram) {
+Result<void> pass_to_driver(DynamicsDriver& driver, const Scene& scene, HubClient& client, const Datagram& datagram) {
   const bool is_overtaken = client.last_arrival() == Arrival::reordered;
   if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
     if (is_overtaken) return {};
@@ -72,9 +72,10 @@ Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client,
 }
 
 void warn(const Scene& scene, DynamicsDriver& driver) {
-  if (const std::string why = driver.take_rejection(); !why.empty()) say("a body does not move: " + why);
+  if (const std::string why = driver.take_rejection(); !why.empty()) print_and_flush("a body does not move: " + why);
   for (const int fallen : driver.take_fallen()) {
-    say(fmt::format("{} fell out of the scene, and is back where it began", scene.objects[static_cast<std::size_t>(fallen)].name));
+    print_and_flush(
+        fmt::format("{} fell out of the scene, and is back where it began", scene.objects[static_cast<std::size_t>(fallen)].name));
   }
 }
 
@@ -87,8 +88,8 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
   if (!driver) return tl::unexpected(driver.error());
   const auto connection = HubConnection::open(NodeRole::vision, options.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kJoinS); !joined) return tl::unexpected(joined.error());
-  say(describe(*scene, *driver));
+  if (const auto joined = (*connection)->wait_until_joined(kJoinTimeoutS); !joined) return tl::unexpected(joined.error());
+  print_and_flush(describe(*scene, *driver));
 
   HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
@@ -98,8 +99,8 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
   std::int64_t next_warning_ns = 0;
   Datagram datagram;
   while (clock.now_ns() < end_ns && !stop.stop_requested()) {
-    if (client.receive(datagram, clock.now_ns() + kTurnNs)) {
-      if (const auto taken = take(*driver, *scene, client, datagram); !taken) return tl::unexpected(taken.error());
+    if (client.receive(datagram, clock.now_ns() + kMaxWaitNs)) {
+      if (const auto taken = pass_to_driver(*driver, *scene, client, datagram); !taken) return tl::unexpected(taken.error());
     }
     if (const auto request = driver->next_request(clock.now_ns())) client.send(*request);
     if (clock.now_ns() < next_warning_ns) continue;
@@ -110,13 +111,13 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
   for (const int object : driver->world().bodies()) {
     const SceneObject& body = scene->objects[static_cast<std::size_t>(object)];
     const double away_m = (driver->world().place(object).p_S - body.commanded->pivot()).norm();
-    say(fmt::format("{} is {:.1f} mm from where it began", body.name, 1e3 * away_m));
+    print_and_flush(fmt::format("{} is {:.1f} mm from where it began", body.name, 1e3 * away_m));
   }
-  say(fmt::format("{} steps, {} moves requested, pressed in {} samples, delay {:.1f} ms", counts.steps, counts.requests, counts.pushes,
-                  1e3 * driver->delay_s()));
+  print_and_flush(fmt::format("{} steps, {} moves requested, pressed in {} samples, delay {:.1f} ms", counts.steps, counts.requests,
+                              counts.pushes, 1e3 * driver->delay_s()));
   const double left_out_s = 1e-9 * static_cast<double>(counts.left_out_ns);
-  if (left_out_s > kMaxLeftOutS)
-    say(fmt::format("slow: bodies stood still for {:.1f} s, as states came late or the machine was busy", left_out_s));
+  if (left_out_s > kMinReportedLeftOutS)
+    print_and_flush(fmt::format("slow: bodies stood still for {:.1f} s, as states came late or the machine was busy", left_out_s));
   if (counts.steps > 0) return {};
   return fail("no scene time has passed: does haptics_node run with this scene, and is the device connected? `hapton top` shows");
 }

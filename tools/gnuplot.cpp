@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kDrawSeconds = 60.0;  // the longest time for a plot; a free choice
-constexpr int kNotFound = 127;         // what posix_spawnp's child exits with when there is no such program
+constexpr double kGnuplotTimeoutS = 60.0;  // the longest time for a plot; a free choice
+constexpr int kProgramNotFound = 127;      // what posix_spawnp's child exits with when there is no such program
 
 }  // namespace
 
@@ -24,9 +24,9 @@ Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& fol
     return fail("{}: cannot be written", (folder / program).string());
   }
   auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {program}, .folder = folder, .output = {}});
-  const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
+  const auto code = gnuplot ? gnuplot->wait(kGnuplotTimeoutS) : std::optional<int>(kProgramNotFound);
   std::filesystem::remove(folder / program, error);
-  if (code == kNotFound) {
+  if (code == kProgramNotFound) {
     return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
   }
   if (code != 0) {

@@ -38,18 +38,18 @@ std::string hint_command(const std::string& word, const std::vector<const CLI::A
 
 // True if a word stands in the position of a command but names none; prints an error then, with a suggestion.
 bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
-  const CLI::App* above = &app;
+  const CLI::App* parent = &app;
   std::string so_far = app.get_name();
   for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
     const std::string word = argv[i];
-    const std::vector<const CLI::App*> commands = commands_of(*above);
+    const std::vector<const CLI::App*> commands = commands_of(*parent);
     if (commands.empty()) return false;
-    const auto below = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* command) { return command->get_name() == word; });
-    if (below == commands.end()) {
+    const auto child = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* command) { return command->get_name() == word; });
+    if (child == commands.end()) {
       fmt::print(stderr, "{}: unknown command '{}'{}\n", so_far, word, hint_command(word, commands));
       return true;
     }
-    above = *below;
+    parent = *child;
     so_far += " " + word;
   }
   return false;
@@ -57,12 +57,12 @@ bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
 
 // Adds each command under the heading of its group. A command that --help does not list stays unlisted.
 void add_commands(CLI::App& app, int& exit_code) {
-  std::size_t named = 0;
+  std::size_t grouped_count = 0;
   for (const ListedCommand& listed : kCommands) {
     listed.add(CommandLine(app), exit_code);
     const std::vector<CLI::App*> all = app.get_subcommands([](CLI::App*) { return true; });
-    for (; named < all.size(); ++named) {
-      if (!all[named]->get_group().empty()) all[named]->group(std::string(listed.group));
+    for (; grouped_count < all.size(); ++grouped_count) {
+      if (!all[grouped_count]->get_group().empty()) all[grouped_count]->group(std::string(listed.group));
     }
   }
 }
@@ -73,8 +73,8 @@ std::string words_so_far(const CLI::App& app) {
   const std::vector<CLI::App*> parsed = app.get_subcommands();
   for (const CLI::App* command = parsed.empty() ? nullptr : parsed.front(); command != nullptr;) {
     words += " " + command->get_name();
-    const std::vector<CLI::App*> below = command->get_subcommands();
-    command = below.empty() ? nullptr : below.front();
+    const std::vector<CLI::App*> children = command->get_subcommands();
+    command = children.empty() ? nullptr : children.front();
   }
   return words;
 }

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kLoadSeconds = 120.0;  // the longest time until a node is ready; the haptics node loads and prepares its scene
+constexpr double kReadyTimeoutS = 120.0;  // the longest time until a node is ready; the haptics node loads and prepares its scene
 
 // The node ends with this program even if this program is killed: then the kernel sends the node SIGTERM, as a stop would.
 // Source: setpriv(1), --pdeathsig; util-linux is on every Debian machine.
@@ -56,19 +56,19 @@ Result<LocalNode> LocalNode::start(const std::filesystem::path& folder, const st
   return LocalNode(name, log, std::move(*process));
 }
 
-template <class Holds>
-Result<void> LocalNode::wait_until(Holds&& holds_of_log) {
+template <class Condition>
+Result<void> LocalNode::wait_until(Condition&& is_met_by_log) {
   constexpr double kPollSeconds = 0.05;  // between two readings of the log; a free choice
-  for (double waited = 0.0; waited < kLoadSeconds; waited += kPollSeconds) {
+  for (double waited = 0.0; waited < kReadyTimeoutS; waited += kPollSeconds) {
     const auto code = process_.wait(kPollSeconds);
-    if (holds_of_log(read_text(log_))) {
+    if (is_met_by_log(read_text(log_))) {
       return {};
     }
     if (code) {
-      return failed(*code);
+      return exit_error(*code);
     }
   }
-  return fail("{} was not ready after {} s; see {}", name_, kLoadSeconds, log_.string());
+  return fail("{} was not ready after {} s; see {}", name_, kReadyTimeoutS, log_.string());
 }
 
 Result<void> LocalNode::wait_for(const std::string& text) {
@@ -93,19 +93,19 @@ Result<void> LocalNode::wait_for_end(double seconds) {
   if (!code) {
     return fail("{} did not end; see {}", name_, log_.string());
   }
-  return *code == 0 ? Result<void>() : failed(*code);
+  return *code == 0 ? Result<void>() : exit_error(*code);
 }
 
 Result<void> LocalNode::check_running() {
   const auto code = process_.wait(0.0);
-  return code ? failed(*code) : Result<void>();
+  return code ? exit_error(*code) : Result<void>();
 }
 
 Result<void> LocalNode::stop() {
   // A vision node with a mesh of a million triangles first finishes its level of detail, which takes seconds on a busy machine.
-  constexpr double kEndS = 30.0;
-  const int code = process_.stop(kEndS);
-  return code == 0 ? Result<void>() : failed(code);
+  constexpr double kStopTimeoutS = 30.0;
+  const int code = process_.stop(kStopTimeoutS);
+  return code == 0 ? Result<void>() : exit_error(code);
 }
 
 std::string LocalNode::last_line() const {
@@ -114,7 +114,7 @@ std::string LocalNode::last_line() const {
   return text.substr(text.rfind('\n') + 1);
 }
 
-Result<void> LocalNode::failed(int code) const { return fail("{} ended with {}: {}", name_, code, last_line()); }
+Result<void> LocalNode::exit_error(int code) const { return fail("{} ended with {}: {}", name_, code, last_line()); }
 
 LocalDisplay::~LocalDisplay() {
   if (server_) ::unsetenv("DISPLAY");
@@ -128,8 +128,8 @@ Result<LocalRelay> start_local_relay(const std::filesystem::path& folder, const 
   if (const auto ready = node->wait_for(", hub "); !ready) return tl::unexpected(ready.error());
   // The line is "relay at ADDRESS, hub ...".
   const std::string line = node->last_line();
-  const std::string before = "relay at ";
-  return LocalRelay{std::move(*node), line.substr(before.size(), line.find(',') - before.size())};
+  const std::string prefix = "relay at ";
+  return LocalRelay{std::move(*node), line.substr(prefix.size(), line.find(',') - prefix.size())};
 }
 
 Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {

@@ -47,9 +47,9 @@ class LocalNode {
  private:
   LocalNode(std::string name, std::filesystem::path log, ChildProcess process);
 
-  template <class Holds>
-  Result<void> wait_until(Holds&& holds_of_log);
-  Result<void> failed(int code) const;
+  template <class Condition>
+  Result<void> wait_until(Condition&& is_met_by_log);
+  Result<void> exit_error(int code) const;
 
   std::string name_;
   std::filesystem::path log_;
