@@ -17,9 +17,9 @@
 namespace hapton {
 namespace {
 
-constexpr const char* kDevice = "model-a";  // the default: the model of the simulated device
-constexpr int kFound = 1;                   // exit code: findings
-constexpr int kCannotCheck = 2;             // exit code: the same as for a command line that cannot be read
+constexpr const char* kDefaultDevice = "model-a";  // the default: the model of the simulated device
+constexpr int kExitFindings = 1;                   // exit code: findings
+constexpr int kExitCannotCheck = 2;                // exit code: the same as for a command line that cannot be read
 
 struct CheckOptions {
   std::string file;
@@ -49,7 +49,7 @@ Result<Scene> load(const CheckOptions& options) {
 }
 
 Result<bool> run(CheckOptions& options) {
-  if (options.loop.device.empty() && !options.loop.mass_kg) options.loop.device = kDevice;
+  if (options.loop.device.empty() && !options.loop.mass_kg) options.loop.device = kDefaultDevice;
   auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
   SceneCheckSettings& settings = options.settings;
@@ -100,7 +100,7 @@ void add_check_command(CommandLine app, int& exit_code) {
   check.on_run([options, &exit_code] {
     const Result<bool> is_clean = run(*options);
     if (!is_clean) std::fprintf(stderr, "hapton check: %s\n", is_clean.error().what.c_str());
-    exit_code = !is_clean ? kCannotCheck : *is_clean ? 0 : kFound;
+    exit_code = !is_clean ? kExitCannotCheck : *is_clean ? 0 : kExitFindings;
   });
 }
 

@@ -18,7 +18,7 @@ namespace hapton {
 namespace {
 
 // Whole N/m, rounded down: a value that the report recommends must not be above the limit.
-std::string at_most(double stiffness_n_per_m) { return fmt::format("{:.0f}", std::floor(stiffness_n_per_m)); }
+std::string text_rounded_down(double stiffness_n_per_m) { return fmt::format("{:.0f}", std::floor(stiffness_n_per_m)); }
 
 std::string shown_name(const SceneEffect& effect) { return fmt::format("effect {}", effect.name); }
 
@@ -35,23 +35,23 @@ void keep_least(const NamedLoop& loop, double value, const NamedLoop*& by, doubl
 
 }  // namespace
 
-HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
-  HeldGains held;
-  held.pressed_n = 0.0;
+SafeGains find_safe_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
+  SafeGains gains;
+  gains.pressed_n = 0.0;
   for (const NamedLoop& loop : loops) {
     const double most_n = loop.limits.max_force_n;
-    held.pressed_n = std::max(held.pressed_n, most_n > 0.0 ? std::min(most_n, kMaxPressedN) : kMaxPressedN);
+    gains.pressed_n = std::max(gains.pressed_n, most_n > 0.0 ? std::min(most_n, kMaxPressedN) : kMaxPressedN);
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, rate_hz, delay_s);
-    keep_least(loop, advice.stable_n_per_m / kGainMargin, held.by_loop, held.safe_n_per_m);
-    keep_least(loop, advice.damping_ns_per_m, held.by_damping, held.damping_ns_per_m);
-    keep_least(loop, advice.viscosity_ns_per_m, held.by_viscosity, held.viscosity_ns_per_m);
-    if (advice.device_n_per_m > 0.0) keep_least(loop, advice.device_n_per_m, held.by_device, held.device_n_per_m);
+    keep_least(loop, advice.stable_n_per_m / kGainMargin, gains.by_loop, gains.safe_n_per_m);
+    keep_least(loop, advice.damping_ns_per_m, gains.by_damping, gains.damping_ns_per_m);
+    keep_least(loop, advice.viscosity_ns_per_m, gains.by_viscosity, gains.viscosity_ns_per_m);
+    if (advice.device_n_per_m > 0.0) keep_least(loop, advice.device_n_per_m, gains.by_device, gains.device_n_per_m);
     const double most_nm = loop.limits.max_torque_nm;
     if (!(most_nm > 0.0)) continue;
-    keep_least(loop, recommend_rotational_stiffness(loop.hand_model, most_nm, rate_hz, delay_s), held.by_turning,
-               held.rotational_nm_per_rad);
+    keep_least(loop, recommend_rotational_stiffness(loop.hand_model, most_nm, rate_hz, delay_s), gains.by_turning,
+               gains.rotational_nm_per_rad);
   }
-  return held;
+  return gains;
 }
 
 namespace {
@@ -63,30 +63,30 @@ struct StiffPart {
   std::function<std::string(double most_n_per_m)> fix;
 };
 
-CheckFinding stiffer_than_loop(const std::string& name, const StiffPart& part, const HeldGains& held, double rate_hz, double delay_s) {
+CheckFinding stiffer_than_loop(const std::string& name, const StiffPart& part, const SafeGains& gains, double rate_hz, double delay_s) {
   return {SceneFault::stiffer_than_loop, name, std::nullopt,
           fmt::format("{:.6g} N/m{}, but {} is safe only up to {} N/m", part.n_per_m, part.where,
-                      describe_loop(*held.by_loop, rate_hz, delay_s), at_most(held.safe_n_per_m)),
-          fmt::format("{}, or shorten the delay (hapton loop recommend)", part.fix(held.safe_n_per_m))};
+                      describe_loop(*gains.by_loop, rate_hz, delay_s), text_rounded_down(gains.safe_n_per_m)),
+          fmt::format("{}, or shorten the delay (hapton loop recommend)", part.fix(gains.safe_n_per_m))};
 }
 
-CheckFindings compare_stiffness(const std::string& name, const StiffPart& part, const HeldGains& held, double rate_hz, double delay_s) {
+CheckFindings compare_stiffness(const std::string& name, const StiffPart& part, const SafeGains& gains, double rate_hz, double delay_s) {
   CheckFindings findings;
-  if (held.by_device != nullptr && part.n_per_m > held.device_n_per_m) {
-    findings.push_back(
-        {SceneFault::stiffer_than_device, name, std::nullopt,
-         fmt::format("{:.6g} N/m, but the stiffness limit of {} is {:.6g} N/m", part.n_per_m, held.by_device->device, held.device_n_per_m),
-         part.fix(held.device_n_per_m)});
+  if (gains.by_device != nullptr && part.n_per_m > gains.device_n_per_m) {
+    findings.push_back({SceneFault::stiffer_than_device, name, std::nullopt,
+                        fmt::format("{:.6g} N/m, but the stiffness limit of {} is {:.6g} N/m", part.n_per_m, gains.by_device->device,
+                                    gains.device_n_per_m),
+                        part.fix(gains.device_n_per_m)});
   }
-  if (held.by_loop != nullptr && part.n_per_m > held.safe_n_per_m)
-    findings.push_back(stiffer_than_loop(name, part, held, rate_hz, delay_s));
+  if (gains.by_loop != nullptr && part.n_per_m > gains.safe_n_per_m)
+    findings.push_back(stiffer_than_loop(name, part, gains, rate_hz, delay_s));
   return findings;
 }
 
 StiffPart spring_part(const Stiffest& stiffest) {
   const std::string key = std::string(scene_key_of(stiffest.cause));
   return {.n_per_m = stiffest.n_per_m,
-          .fix = [key](double most_n_per_m) { return fmt::format("set {} to {} or less", key, at_most(most_n_per_m)); }};
+          .fix = [key](double most_n_per_m) { return fmt::format("set {} to {} or less", key, text_rounded_down(most_n_per_m)); }};
 }
 
 // The effects with the bumps lowered to this share of their height.
@@ -122,10 +122,10 @@ std::string lower_bumps(const SceneObject& object, double most_n_per_m, double p
 
 // The part that is stiff because the normal or the stiffness of the surface changes from place to place.
 StiffPart part_by_place(const SceneObject& object, double n_per_m, double pressed_n, double most_n_per_m) {
-  SurfaceEffects alone = object.effects;
-  alone.maps.stiffness.image = nullptr;
-  const bool is_of_bumps = stiffest_by_place_of(object.material, alone, pressed_n).n_per_m > most_n_per_m;
-  if (!is_of_bumps) {
+  SurfaceEffects without_stiffness_map = object.effects;
+  without_stiffness_map.maps.stiffness.image = nullptr;
+  const bool is_due_to_bumps = stiffest_by_place_of(object.material, without_stiffness_map, pressed_n).n_per_m > most_n_per_m;
+  if (!is_due_to_bumps) {
     return {
         .n_per_m = n_per_m, .where = fmt::format(" where its stiffness_map changes, pressed with {:.2g} N", pressed_n), .fix = [](double) {
           return "set the two numbers of its stiffness_map_n_per_m nearer to each other, or take a smoother image";
@@ -140,29 +140,29 @@ StiffPart part_by_place(const SceneObject& object, double n_per_m, double presse
 
 // If the spring itself is too stiff for the loop, the bumps are not checked, since lower ones would not help. The stiffness limit of a
 // device holds for a wall that is pressed; over the width of a bump only the limit of the loop counts.
-CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s) {
+CheckFindings check_stiffness(const SceneObject& object, const SafeGains& gains, double rate_hz, double delay_s) {
   CheckFindings findings =
-      compare_stiffness(object.name, spring_part(stiffest_spring_of(object.material, object.effects)), held, rate_hz, delay_s);
-  const auto is_of_loop = [](const CheckFinding& found) { return found.fault == SceneFault::stiffer_than_loop; };
-  if (std::any_of(findings.begin(), findings.end(), is_of_loop)) return findings;
-  const Stiffest felt = stiffest_by_place_of(object.material, object.effects, held.pressed_n);
-  if (held.by_loop == nullptr || felt.n_per_m <= held.safe_n_per_m) return findings;
-  const StiffPart part = part_by_place(object, felt.n_per_m, held.pressed_n, held.safe_n_per_m);
-  findings.push_back(stiffer_than_loop(object.name, part, held, rate_hz, delay_s));
+      compare_stiffness(object.name, spring_part(stiffest_spring_of(object.material, object.effects)), gains, rate_hz, delay_s);
+  const auto is_limit_of_loop = [](const CheckFinding& found) { return found.fault == SceneFault::stiffer_than_loop; };
+  if (std::any_of(findings.begin(), findings.end(), is_limit_of_loop)) return findings;
+  const Stiffest felt = stiffest_by_place_of(object.material, object.effects, gains.pressed_n);
+  if (gains.by_loop == nullptr || felt.n_per_m <= gains.safe_n_per_m) return findings;
+  const StiffPart part = part_by_place(object, felt.n_per_m, gains.pressed_n, gains.safe_n_per_m);
+  findings.push_back(stiffer_than_loop(object.name, part, gains, rate_hz, delay_s));
   return findings;
 }
 
-CheckFindings check_turning(const std::string& name, double nm_per_rad, const HeldGains& held, double rate_hz, double delay_s) {
-  if (held.by_turning == nullptr || nm_per_rad <= held.rotational_nm_per_rad) return {};
-  const std::string most = fmt::format("{:.2g}", rounded_down(held.rotational_nm_per_rad));
+CheckFindings check_turning(const std::string& name, double nm_per_rad, const SafeGains& gains, double rate_hz, double delay_s) {
+  if (gains.by_turning == nullptr || nm_per_rad <= gains.rotational_nm_per_rad) return {};
+  const std::string most = fmt::format("{:.2g}", rounded_down(gains.rotational_nm_per_rad));
   return {{SceneFault::tool_stiffer_than_loop, name, std::nullopt,
            fmt::format("up to {:.3g} Nm/rad about its grip, but {} is safe only up to {} Nm/rad", nm_per_rad,
-                       describe_loop(*held.by_turning, rate_hz, delay_s), most),
+                       describe_loop(*gains.by_turning, rate_hz, delay_s), most),
            fmt::format("give haptics_node --rotational-stiffness {}, or shorten the delay (hapton loop recommend)", most)}};
 }
 
-CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s) {
-  return compare_stiffness(shown_name(effect), spring_part(stiffest_of(effect.effect)), held, rate_hz, delay_s);
+CheckFindings check_stiffness(const SceneEffect& effect, const SafeGains& gains, double rate_hz, double delay_s) {
+  return compare_stiffness(shown_name(effect), spring_part(stiffest_of(effect.effect)), gains, rate_hz, delay_s);
 }
 
 namespace {
@@ -180,26 +180,26 @@ void compare_damping(const std::string& name, double damping_ns_per_m, std::stri
 
 }  // namespace
 
-CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool) {
+CheckFindings check_damping(const SceneObject& object, const SafeGains& gains, double rate_hz, double delay_s, bool is_touched_by_tool) {
   CheckFindings findings;
   if (is_touched_by_tool) {
     compare_damping(object.name, object.material.damping_ns_per_m,
-                    "its damping_ns_per_m (at the contacts of a rigid tool or a held object)", held.by_viscosity, held.viscosity_ns_per_m,
+                    "its damping_ns_per_m (at the contacts of a rigid tool or a held object)", gains.by_viscosity, gains.viscosity_ns_per_m,
                     rate_hz, delay_s, findings);
   } else {
-    compare_damping(object.name, object.material.damping_ns_per_m, "its damping_ns_per_m", held.by_damping, held.damping_ns_per_m, rate_hz,
-                    delay_s, findings);
+    compare_damping(object.name, object.material.damping_ns_per_m, "its damping_ns_per_m", gains.by_damping, gains.damping_ns_per_m,
+                    rate_hz, delay_s, findings);
   }
   const std::string_view key = object.effects.maps.viscosity.is_on() ? "its viscosity_map_ns_per_m" : "its viscosity_ns_per_m";
-  compare_damping(object.name, viscosity_of(object.effects), key, held.by_viscosity, held.viscosity_ns_per_m, rate_hz, delay_s, findings);
-  compare_damping(object.name, drag_of(object.effects), "the drag_ns_per_m of its layers", held.by_viscosity, held.viscosity_ns_per_m,
+  compare_damping(object.name, viscosity_of(object.effects), key, gains.by_viscosity, gains.viscosity_ns_per_m, rate_hz, delay_s, findings);
+  compare_damping(object.name, drag_of(object.effects), "the drag_ns_per_m of its layers", gains.by_viscosity, gains.viscosity_ns_per_m,
                   rate_hz, delay_s, findings);
   return findings;
 }
 
-CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s) {
+CheckFindings check_damping(const SceneEffect& effect, const SafeGains& gains, double rate_hz, double delay_s) {
   CheckFindings findings;
-  compare_damping(shown_name(effect), viscosity_of(effect.effect), "its damping_ns_per_m", held.by_viscosity, held.viscosity_ns_per_m,
+  compare_damping(shown_name(effect), viscosity_of(effect.effect), "its damping_ns_per_m", gains.by_viscosity, gains.viscosity_ns_per_m,
                   rate_hz, delay_s, findings);
   return findings;
 }
@@ -207,19 +207,19 @@ CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, do
 CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
   const auto* mass = std::get_if<MassEffect>(&effect.effect);
   if (mass == nullptr) return {};
-  const NamedLoop* least = nullptr;
+  const NamedLoop* limiting_loop = nullptr;
   double safe_kg = mass->mass_kg;
   for (const NamedLoop& loop : loops) {
     const SampledPlant plant(make_axis_plant(loop.device_model, loop.hand_model), 1.0 / rate_hz, delay_s);
-    const double held_kg = find_stable_mass(plant, mass->filter_s).value / kGainMargin;
-    if (held_kg >= safe_kg) continue;
-    safe_kg = held_kg;
-    least = &loop;
+    const double safe_for_loop_kg = find_stable_mass(plant, mass->filter_s).value / kGainMargin;
+    if (safe_for_loop_kg >= safe_kg) continue;
+    safe_kg = safe_for_loop_kg;
+    limiting_loop = &loop;
   }
-  if (least == nullptr) return {};
+  if (limiting_loop == nullptr) return {};
   return {{SceneFault::heavier_than_loop, shown_name(effect), std::nullopt,
            fmt::format("a virtual mass of {:.4g} kg, but {} is safe only up to {:.3g} kg", mass->mass_kg,
-                       describe_loop(*least, rate_hz, delay_s), safe_kg),
+                       describe_loop(*limiting_loop, rate_hz, delay_s), safe_kg),
            "set its mass_kg to that or less, or its filter_s to more (hapton loop zwidth --mass-filter)"}};
 }
 

@@ -10,7 +10,7 @@
 namespace hapton {
 
 // The largest gains safe with every device and hand of one system: half of each limit of stability, as hapton loop recommend says.
-struct HeldGains {
+struct SafeGains {
   const NamedLoop* by_device = nullptr;  // each by_* is the loop with the least of the next value; null: no device states it
   double device_n_per_m = 0.0;           // the stiffness that the device is stated to hold, not halved
   const NamedLoop* by_loop = nullptr;
@@ -24,24 +24,24 @@ struct HeldGains {
   double pressed_n = kMaxPressedN;        // how hard surfaces are pressed: the strongest device's force, at most kMaxPressedN
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, about 0.1 s.
-HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
+SafeGains find_safe_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
-// Finds an object whose spring, bumps or stiffness map is stiffer than `held`. RT: set-up only.
-CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
+// Finds an object whose spring, bumps or stiffness map is stiffer than `gains`. RT: set-up only.
+CheckFindings check_stiffness(const SceneObject& object, const SafeGains& gains, double rate_hz, double delay_s);
 // The same for a spring, a snap or a gravity well in free space. RT: set-up only.
-CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
+CheckFindings check_stiffness(const SceneEffect& effect, const SafeGains& gains, double rate_hz, double delay_s);
 
-// Finds a rigid tool, or an object that the stylus picks up, whose rotational stiffness about its grip point, nm_per_rad, is above `held`.
-CheckFindings check_turning(const std::string& name, double nm_per_rad, const HeldGains& held, double rate_hz, double delay_s);
+// Finds a rigid tool, or an object that the stylus picks up, whose rotational stiffness about its grip point, nm_per_rad, is above `gains`.
+CheckFindings check_turning(const std::string& name, double nm_per_rad, const SafeGains& gains, double rate_hz, double delay_s);
 
 // Finds an object that nobody feels: at a depth of 20 mm its spring has less force than the friction of every device, usually because its
 // stiffness is meant in N/mm. An object with layers is not checked. RT: set-up only.
 CheckFindings check_softness(const SceneObject& object, std::span<const NamedLoop> loops);
 
-// Finds a damping, viscosity or drag of layers, or a viscous volume, above `held`. is_touched_by_tool: by a rigid tool or by an object that
-// the stylus has picked up; at its contacts damping uses the same smoothed velocity as viscosity does. RT: set-up only.
-CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool);
-CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
+// Finds a damping, viscosity or drag of layers, or a viscous volume, above `gains`. is_touched_by_tool: by a rigid tool or by an object
+// that the stylus has picked up; at its contacts damping uses the same smoothed velocity as viscosity does. RT: set-up only.
+CheckFindings check_damping(const SceneObject& object, const SafeGains& gains, double rate_hz, double delay_s, bool is_touched_by_tool);
+CheckFindings check_damping(const SceneEffect& effect, const SafeGains& gains, double rate_hz, double delay_s);
 
 // Finds a virtual mass in free space above half of the largest that is stable, with its filter, in every loop. Pre: rate_hz > 0. RT: no.
 CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s);

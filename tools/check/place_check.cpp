@@ -28,17 +28,17 @@ struct Extent {
       high = high.cwiseMax(v);
     }
   }
-  bool holds(const Vec3& p) const { return (p.array() > low.array()).all() && (p.array() < high.array()).all(); }
-  bool holds(const Extent& other) const { return holds(other.low) && holds(other.high); }
+  bool contains(const Vec3& p) const { return (p.array() > low.array()).all() && (p.array() < high.array()).all(); }
+  bool contains(const Extent& other) const { return contains(other.low) && contains(other.high); }
 };
 
 // True for two objects of the same shape in the same place: from two files, or from one file that is used twice. Empty ones have no place.
 bool coincide(const TriangleMesh& a, const TriangleMesh& b) {
   if (a.vertices.empty() || a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
   const Extent extent(a);
-  const double near_m = 1e-9 * (extent.high - extent.low).maxCoeff();  // rounding of poses
+  const double tolerance_m = 1e-9 * (extent.high - extent.low).maxCoeff();  // rounding of poses
   return std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(),
-                    [near_m](const Vec3& p, const Vec3& q) { return (p - q).norm() <= near_m; });
+                    [tolerance_m](const Vec3& p, const Vec3& q) { return (p - q).norm() <= tolerance_m; });
 }
 
 // An object that may contain other objects, the camera or lights. Its inside test is built when it is first needed.
@@ -48,28 +48,28 @@ class ClosedBody {
 
   const SceneObject& object() const { return *object_; }
   std::size_t index() const { return index_; }  // in Scene::objects
-  bool holds(const Vec3& p) { return extent_.holds(p) && is_closed() && inside_->is_inside(p); }
-  bool holds(const TriangleMesh& mesh) {
-    if (mesh.vertices.empty() || !extent_.holds(Extent(mesh)) || !is_closed()) return false;
+  bool contains(const Vec3& p) { return extent_.contains(p) && is_closed() && inside_test_->is_inside(p); }
+  bool contains(const TriangleMesh& mesh) {
+    if (mesh.vertices.empty() || !extent_.contains(Extent(mesh)) || !is_closed()) return false;
     const std::size_t stride = 1 + mesh.vertices.size() / kMaxPlaces;
     for (std::size_t i = 0; i < mesh.vertices.size(); i += stride) {
-      if (!inside_->is_inside(mesh.vertices[i])) return false;
+      if (!inside_test_->is_inside(mesh.vertices[i])) return false;
     }
     return true;
   }
 
  private:
   bool is_closed() {
-    if (!is_known_ && find_boundary_loops(*object_->mesh).empty()) inside_ = std::make_unique<PointInMesh>(*object_->mesh);
-    is_known_ = true;
-    return inside_ != nullptr;
+    if (!is_closedness_known_ && find_boundary_loops(*object_->mesh).empty()) inside_test_ = std::make_unique<PointInMesh>(*object_->mesh);
+    is_closedness_known_ = true;
+    return inside_test_ != nullptr;
   }
 
   const SceneObject* object_;
   std::size_t index_;
   Extent extent_;
-  bool is_known_ = false;
-  std::unique_ptr<PointInMesh> inside_ = {};
+  bool is_closedness_known_ = false;
+  std::unique_ptr<PointInMesh> inside_test_ = {};
 };
 
 std::vector<ClosedBody> list_bodies(const Scene& scene) {
@@ -82,7 +82,7 @@ std::vector<ClosedBody> list_bodies(const Scene& scene) {
 
 void check_view(const SceneView& view, std::vector<ClosedBody>& bodies, CheckFindings& findings) {
   const auto find = [&](const Vec3& p) {
-    return std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& body) { return body.holds(p); });
+    return std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& body) { return body.contains(p); });
   };
   if (view.camera) {
     const Vec3& p = view.camera->p_WE;
@@ -121,7 +121,7 @@ CheckFindings check_places(const Scene& scene) {
       continue;
     }
     const auto outer = std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& other) {
-      return &other.object() != &object && !other.object().effects.layers.is_on() && other.holds(*object.mesh);
+      return &other.object() != &object && !other.object().effects.layers.is_on() && other.contains(*object.mesh);
     });
     if (outer == bodies.end()) continue;
     findings.push_back(
@@ -134,13 +134,13 @@ CheckFindings check_places(const Scene& scene) {
 }
 
 CheckFindings check_friction(const SceneObject& object) {
-  const double most = object.material.friction_static;
-  if (!(most > kMaxFriction)) return {};
-  const double degrees = std::atan(most) * 180.0 / std::numbers::pi;
+  const double friction = object.material.friction_static;
+  if (!(friction > kMaxFriction)) return {};
+  const double degrees = std::atan(friction) * 180.0 / std::numbers::pi;
   return {
       {SceneFault::rough, object.name, std::nullopt,
        fmt::format("friction_static = {:.3g}: the tip sticks until it is pulled {:.3g} degrees away from the normal, as on no dry surface",
-                   most, degrees),
+                   friction, degrees),
        fmt::format("give friction_static up to {:g} (0.8 is rough, 1.2 rubber)", kMaxFriction)}};
 }
 

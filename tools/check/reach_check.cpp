@@ -15,7 +15,7 @@ constexpr double kRounding = 1e-9;  // share of the workspace's longest side
 // Nobody misses a thousandth of a surface: scenes are often fitted to a rounded size of the workspace.
 constexpr double kMinShare = 1e-3;
 // The limit of io_node (SceneReach): a hand does not find a smaller scene.
-constexpr double kSpeck = 0.02;  // share of the workspace's longest side
+constexpr double kMinSizeShare = 0.02;  // share of the workspace's longest side
 
 // A triangle cut by six planes: a convex polygon with nine corners at most.
 struct Polygon {
@@ -31,39 +31,39 @@ struct Polygon {
 };
 
 // The part of the polygon where sign * (p[axis] - limit) <= 0 (Sutherland & Hodgman 1974).
-Polygon cut(const Polygon& whole, int axis, double limit, double sign) {
-  Polygon kept;
-  for (std::size_t i = 0; i < whole.count; ++i) {
-    const Vec3& a = whole.corners[i];
-    const Vec3& b = whole.corners[(i + 1) % whole.count];
+Polygon clip(const Polygon& polygon, int axis, double limit, double sign) {
+  Polygon clipped;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Vec3& a = polygon.corners[i];
+    const Vec3& b = polygon.corners[(i + 1) % polygon.count];
     const double over_a = sign * (a[axis] - limit);
     const double over_b = sign * (b[axis] - limit);
-    if (over_a <= 0.0) kept.add(a);
-    if ((over_a < 0.0 && over_b > 0.0) || (over_a > 0.0 && over_b < 0.0)) kept.add(a + over_a / (over_a - over_b) * (b - a));
+    if (over_a <= 0.0) clipped.add(a);
+    if ((over_a < 0.0 && over_b > 0.0) || (over_a > 0.0 && over_b < 0.0)) clipped.add(a + over_a / (over_a - over_b) * (b - a));
   }
-  return kept;
+  return clipped;
 }
 
 double area_in_box(const TriangleMesh& mesh, std::size_t t, const Vec3& low, const Vec3& high) {
   Polygon polygon;
   for (int k = 0; k < 3; ++k) polygon.add(mesh.corner(t, k));
   for (int axis = 0; axis < 3; ++axis) {
-    polygon = cut(polygon, axis, high[axis], 1.0);
-    polygon = cut(polygon, axis, low[axis], -1.0);
+    polygon = clip(polygon, axis, high[axis], 1.0);
+    polygon = clip(polygon, axis, low[axis], -1.0);
   }
   return polygon.area();
 }
 
 // The ball's centre is the origin. A triangle that crosses the ball is split until it is so small that its middle decides.
 double area_in_ball(const std::array<Vec3, 3>& corners, double radius) {
-  constexpr double kFine = 0.005;  // largest distance from the middle to a corner, as a share of the radius; a free choice
+  constexpr double kMaxReachShare = 0.005;  // largest distance from the middle to a corner, as a share of the radius; a free choice
   const auto& [a, b, c] = corners;
   const double area = 0.5 * (b - a).cross(c - a).norm();
   if (std::max({a.norm(), b.norm(), c.norm()}) <= radius) return area;
   const Vec3 middle = (a + b + c) / 3.0;
   const double reach = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
   if (!(middle.norm() - reach <= radius)) return 0.0;  // also if it is so far away that the distance is not a number
-  if (reach < kFine * radius) return middle.norm() <= radius ? area : 0.0;
+  if (reach < kMaxReachShare * radius) return middle.norm() <= radius ? area : 0.0;
   const Vec3 ab = 0.5 * (a + b);
   const Vec3 bc = 0.5 * (b + c);
   const Vec3 ca = 0.5 * (c + a);
@@ -80,8 +80,8 @@ double area_inside(const TriangleMesh& mesh, std::size_t t, const Workspace& wor
 // Enlarges the workspace by more than the rounding of a fitted scene.
 Workspace widen(const Workspace& workspace) {
   const double margin = kRounding * workspace.longest_m();
-  const Vec3 all = Vec3::Constant(margin);
-  return {workspace.low_m - all, workspace.high_m + all, workspace.radius_m > 0.0 ? workspace.radius_m + margin : 0.0};
+  const Vec3 margins = Vec3::Constant(margin);
+  return {workspace.low_m - margins, workspace.high_m + margins, workspace.radius_m > 0.0 ? workspace.radius_m + margin : 0.0};
 }
 
 // How far outside the workspace the target of a snap lies. For a line or plane, it is the distance from the ball around the workspace: a
@@ -107,27 +107,27 @@ Workspace workspace_of(const DevicePreset& device) {
   return {device.limits.workspace_min_m, device.limits.workspace_max_m, device.workspace_radius_m};
 }
 
-Unreached find_unreached(const TriangleMesh& mesh, const Workspace& given) {
-  const Workspace workspace = widen(given);
-  Unreached found;
+Unreached find_unreached(const TriangleMesh& mesh, const Workspace& exact_workspace) {
+  const Workspace workspace = widen(exact_workspace);
+  Unreached unreached;
   std::size_t outside = 0;
   for (const Vec3& p : mesh.vertices) {
     const double distance = workspace.distance_m(p);
     outside += distance > 0.0 ? 1 : 0;
-    if (distance <= found.distance_m) continue;
-    found.distance_m = distance;
-    found.farthest = p;
+    if (distance <= unreached.distance_m) continue;
+    unreached.distance_m = distance;
+    unreached.farthest = p;
   }
-  if (outside == 0) return found;
-  double all = 0.0;
-  double inside = 0.0;
+  if (outside == 0) return unreached;
+  double total_area = 0.0;
+  double inside_area = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    all += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
-    inside += area_inside(mesh, t, workspace);
+    total_area += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+    inside_area += area_inside(mesh, t, workspace);
   }
-  found.share =
-      all > 0.0 ? std::clamp(1.0 - inside / all, 0.0, 1.0) : static_cast<double>(outside) / static_cast<double>(mesh.vertices.size());
-  return found;
+  unreached.share = total_area > 0.0 ? std::clamp(1.0 - inside_area / total_area, 0.0, 1.0)
+                                     : static_cast<double>(outside) / static_cast<double>(mesh.vertices.size());
+  return unreached;
 }
 
 namespace {
@@ -205,9 +205,9 @@ Vec3 nearest_in(const Workspace& workspace, const Vec3& p) {
 // The distance between the two. Both are convex, so steps to the nearest point of each in turn lead to where they are nearest to each
 // other (Cheney & Goldstein 1959).
 double distance_of(const EffectVolume& volume, const Workspace& workspace) {
-  constexpr int kTurns = 100;  // a free choice
+  constexpr int kMaxIterations = 100;  // a free choice
   Vec3 p = nearest_in(workspace, volume.centre());
-  for (int turn = 0; turn < kTurns && !volume.contains(p); ++turn) p = nearest_in(workspace, volume.nearest(p));
+  for (int iteration = 0; iteration < kMaxIterations && !volume.contains(p); ++iteration) p = nearest_in(workspace, volume.nearest(p));
   return (volume.nearest(p) - p).norm();
 }
 
@@ -258,7 +258,7 @@ CheckFindings check_size(const Scene& scene, const DevicePreset& device) {
   }
   const double longest = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
   const double workspace = workspace_of(device).longest_m();
-  if (longest >= kSpeck * workspace) return {};
+  if (longest >= kMinSizeShare * workspace) return {};
   return {{SceneFault::too_small, "", Vec3(box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center())),
            fmt::format("the scene is {:.3g} mm long, far too small for a workspace of {:.3g} mm", 1e3 * longest, 1e3 * workspace),
            "check its unit, or let fit_m fit the scene to the workspace"}};

@@ -24,10 +24,10 @@ void append(CheckFindings more, CheckFindings& all) {
 // Each device whose workspace is known, once. A note names each of the others.
 std::vector<const DevicePreset*> known_workspaces(const std::vector<NamedLoop>& loops, std::vector<std::string>& notes) {
   std::vector<const DevicePreset*> known;
-  std::string last;
+  std::string last_device;
   for (const NamedLoop& loop : loops) {
-    if (loop.device == last) continue;
-    last = loop.device;
+    if (loop.device == last_device) continue;
+    last_device = loop.device;
     const DevicePreset* preset = find_device_preset(loop.device);
     if (preset != nullptr && preset->is_workspace_known) {
       known.push_back(preset);
@@ -39,25 +39,25 @@ std::vector<const DevicePreset*> known_workspaces(const std::vector<NamedLoop>& 
 }
 
 // Findings that the object accepts become notes. A fault that it accepts but that was not found gets a note, too.
-void sort_findings(const SceneObject& object, const SceneCheckSettings& settings, CheckFindings found, SceneCheck& check) {
+void split_findings(const SceneObject& object, const SceneCheckSettings& settings, CheckFindings found, SceneCheck& check) {
   const auto accepts = settings.accepted.find(object.line);
   const std::vector<std::string> names = accepts == settings.accepted.end() ? std::vector<std::string>() : accepts->second;
   for (const std::string& name : names) {
-    const auto first =
+    const auto accepted_begin =
         std::stable_partition(found.begin(), found.end(), [&](const CheckFinding& one) { return name_of(one.fault) != name; });
-    if (first == found.end()) {
+    if (accepted_begin == found.end()) {
       check.notes.push_back(fmt::format("object '{}' accepts '{}', which was not found for this probe", object.name, name));
     }
-    for (auto one = first; one != found.end(); ++one) {
+    for (auto one = accepted_begin; one != found.end(); ++one) {
       check.notes.push_back(fmt::format("accepted: object '{}': {}", object.name, one->what));
       check.accepted.push_back(std::move(*one));
     }
-    found.erase(first, found.end());
+    found.erase(accepted_begin, found.end());
   }
   append(std::move(found), check.findings);
 }
 
-std::string where(const SceneCheck& check, const CheckFinding& finding) {
+std::string location_text(const SceneCheck& check, const CheckFinding& finding) {
   std::string text = check.path + ":";
   if (!finding.object.empty()) text += fmt::format(" object '{}'", finding.object);
   if (finding.place_m) {
@@ -67,7 +67,7 @@ std::string where(const SceneCheck& check, const CheckFinding& finding) {
   return text.ends_with(':') ? text : text + ":";
 }
 
-std::string count_of(std::size_t count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+std::string count_text(std::size_t count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 std::string describe(const StepCost& cost, double rate_hz) {
   return fmt::format(
@@ -81,7 +81,7 @@ std::string describe(const StepCost& cost, double rate_hz) {
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings) {
   SceneCheck check{
       .path = path, .findings = {}, .accepted = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
-  const HeldGains held = find_held_gains(settings.loops, settings.rate_hz, settings.delay_s);
+  const SafeGains gains = find_safe_gains(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool)
     check.notes.push_back(fmt::format(
         "not checked: where the tool '{}' gets; other findings but those on damping and turning are for a probe", scene.tool->name));
@@ -90,9 +90,9 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
         "checked at rest only: objects that move or deform are not followed, but whether the workspace reaches their keyframes");
   }
   if (scene.touch_scene().has_sculpt()) check.notes.emplace_back("checked as it is before it is carved");
-  const bool has_tool =
+  const bool is_touched_by_tool =
       scene.tool || std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.is_movable; });
-  const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
+  const std::vector<const DevicePreset*> devices = known_workspaces(settings.loops, check.notes);
   const CheckFindings places = check_places(scene);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
@@ -104,29 +104,29 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_inertia(object), found);
     append(check_sculpt(object), found);
     append(check_softness(object, settings.loops), found);
-    append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), found);
-    append(check_damping(object, held, settings.rate_hz, settings.delay_s, has_tool), found);
+    append(check_stiffness(object, gains, settings.rate_hz, settings.delay_s), found);
+    append(check_damping(object, gains, settings.rate_hz, settings.delay_s, is_touched_by_tool), found);
     append(check_strength(object, settings.loops), found);
     append(check_frequency(object, settings.rate_hz), found);
-    for (const DevicePreset* device : reaching) append(check_reach(object, *device), found);
-    sort_findings(object, settings, std::move(found), check);
+    for (const DevicePreset* device : devices) append(check_reach(object, *device), found);
+    split_findings(object, settings, std::move(found), check);
   }
   std::copy_if(places.begin(), places.end(), std::back_inserter(check.findings),
                [](const CheckFinding& place) { return !place.object_index; });
   for (const SceneEffect& effect : scene.effects) {
-    append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
-    append(check_damping(effect, held, settings.rate_hz, settings.delay_s), check.findings);
+    append(check_stiffness(effect, gains, settings.rate_hz, settings.delay_s), check.findings);
+    append(check_damping(effect, gains, settings.rate_hz, settings.delay_s), check.findings);
     append(check_mass(effect, settings.loops, settings.rate_hz, settings.delay_s), check.findings);
     append(check_strength(effect, settings.loops), check.findings);
     append(check_frequency(effect, settings.rate_hz), check.findings);
-    for (const DevicePreset* device : reaching) append(check_reach(effect, *device), check.findings);
+    for (const DevicePreset* device : devices) append(check_reach(effect, *device), check.findings);
   }
   auto tool = check_tool(scene);
   if (!tool) return tl::unexpected(Error{fmt::format("{}: {}", path, tool.error().what)});
   append(std::move(*tool), check.findings);
-  for (const TurnedBody& body : list_turned(scene))
-    append(check_turning(body.name, body.nm_per_rad, held, settings.rate_hz, settings.delay_s), check.findings);
-  for (const DevicePreset* device : reaching) append(check_size(scene, *device), check.findings);
+  for (const RotationalStiffness& body : list_rotational_stiffness(scene))
+    append(check_turning(body.name, body.nm_per_rad, gains, settings.rate_hz, settings.delay_s), check.findings);
+  for (const DevicePreset* device : devices) append(check_size(scene, *device), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});
   check.cost = std::move(*cost);
@@ -136,11 +136,13 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
 
 std::string to_text(const SceneCheck& check, const SceneCheckSettings& settings) {
   std::string text;
-  for (const CheckFinding& finding : check.findings) text += fmt::format("{} {}; {}\n", where(check, finding), finding.what, finding.fix);
+  for (const CheckFinding& finding : check.findings)
+    text += fmt::format("{} {}; {}\n", location_text(check, finding), finding.what, finding.fix);
   for (const std::string& note : check.notes) text += fmt::format("note: {}\n", note);
-  text += fmt::format(
-      "{}: {} in {}, {}; {} (seed {})\n", check.path, check.findings.empty() ? "nothing found" : count_of(check.findings.size(), "finding"),
-      count_of(check.objects, "object"), count_of(check.triangles, "triangle"), describe(check.cost, settings.rate_hz), settings.seed);
+  text += fmt::format("{}: {} in {}, {}; {} (seed {})\n", check.path,
+                      check.findings.empty() ? "nothing found" : count_text(check.findings.size(), "finding"),
+                      count_text(check.objects, "object"), count_text(check.triangles, "triangle"), describe(check.cost, settings.rate_hz),
+                      settings.seed);
   return text;
 }
 

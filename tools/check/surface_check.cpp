@@ -39,11 +39,12 @@ void check_walls(const SceneObject& object, double probe_radius_m, CheckFindings
 // The reason why sealing left these crack edges open.
 std::string why_open(std::size_t cracks, const SealReport& sealed) {
   if (sealed.boundary_edges == 0) return {};
-  const std::size_t narrow = std::min(cracks, sealed.unsealed_edges);
+  const std::size_t narrow_edges = std::min(cracks, sealed.unsealed_edges);
   std::string why;
-  if (cracks > narrow) why += fmt::format("; {} wider than the {:.3g} mm that is sealed", cracks - narrow, 1e3 * sealed.tolerance);
-  if (narrow == 0) return why;
-  return why + fmt::format("; {} {}", narrow,
+  if (cracks > narrow_edges)
+    why += fmt::format("; {} wider than the {:.3g} mm that is sealed", cracks - narrow_edges, 1e3 * sealed.tolerance);
+  if (narrow_edges == 0) return why;
+  return why + fmt::format("; {} {}", narrow_edges,
                            sealed.has_given_up ? "too close to others to be sealed"
                                                : "not sealed, because that would move a vertex too far or flip a triangle");
 }
@@ -75,18 +76,19 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
 // Where a thousand triangles meet, a step of a point probe takes 0.1 ms, and a sphere probe crosses so many edges of a cone in one step
 // that a part of its motion is carried into the next steps.
 void check_fans(const SceneObject& object, CheckFindings& findings) {
-  constexpr std::uint32_t kMax = 1000;  // triangles at a vertex, as docs/checking.md says
+  constexpr std::uint32_t kMaxValence = 1000;  // triangles at a vertex, as docs/checking.md says
   std::vector<std::uint32_t> valence(object.mesh->vertices.size(), 0);
   for (const Triangle& triangle : object.mesh->triangles) {
     for (const std::uint32_t vertex : triangle) ++valence[vertex];
   }
-  const auto most = std::max_element(valence.begin(), valence.end());
-  if (most == valence.end() || *most <= kMax) return;
-  const auto places = static_cast<std::size_t>(std::count_if(valence.begin(), valence.end(), [](std::uint32_t n) { return n > kMax; }));
+  const auto largest = std::max_element(valence.begin(), valence.end());
+  if (largest == valence.end() || *largest <= kMaxValence) return;
+  const auto large_fan_count =
+      static_cast<std::size_t>(std::count_if(valence.begin(), valence.end(), [](std::uint32_t n) { return n > kMaxValence; }));
   findings.push_back(
-      {SceneFault::large_fan, object.name, object.mesh->vertices[static_cast<std::size_t>(most - valence.begin())],
-       fmt::format("{} triangles meet in one vertex ({} of more than {}): steps there take longer, and a fast probe lags behind", *most,
-                   plural(places, "vertex", "vertices"), kMax),
+      {SceneFault::large_fan, object.name, object.mesh->vertices[static_cast<std::size_t>(largest - valence.begin())],
+       fmt::format("{} triangles meet in one vertex ({} of more than {}): steps there take longer, and a fast probe lags behind", *largest,
+                   plural(large_fan_count, "vertex", "vertices"), kMaxValence),
        "export it with a coarser chord tolerance, or let the middle of discs and cones be meshed evenly"});
 }
 

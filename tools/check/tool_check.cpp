@@ -14,10 +14,10 @@ namespace hapton {
 namespace {
 
 // Places the object as Grasp does when the stylus picks it up at its place in the scene: while it overlaps another, it gives no force.
-CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::string& name) {
-  ToolObstacles others = make_tool_obstacles(scene, held);
+CheckFindings check_place(const TouchScene& scene, std::size_t object, const std::string& name) {
+  ToolObstacles others = make_tool_obstacles(scene, object);
   if (others.meshes.empty()) return {};
-  const auto step = ToolStep::make(*scene.objects[held].mesh, std::move(others.meshes), {});
+  const auto step = ToolStep::make(*scene.objects[object].mesh, std::move(others.meshes), {});
   if (!step) {
     return {{SceneFault::overlaps, name, std::nullopt, "it cannot be picked up: " + step.error().what, "repair it, or leave movable out"}};
   }
@@ -29,7 +29,7 @@ CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::
 }
 
 // Says that a tool feels no more than this. In a scene without a tool, the same holds only for objects that are picked up.
-CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
+CheckFinding make_shape_alone_finding(const std::string& name, bool has_tool) {
   constexpr const char* kFelt = "feels only its shape, stiffness, friction, damping and viscosity, from both sides";
   return {SceneFault::shape_alone, name, std::nullopt,
           has_tool ? fmt::format("the tool {}", kFelt) : fmt::format("an object that is picked up {}; the probe feels all of it", kFelt),
@@ -45,9 +45,9 @@ Vec3 find_farthest_grip(const TriangleMesh& mesh) {
     const Vec3 a = mesh.corner(t, 0);
     const Vec3 b = mesh.corner(t, 1);
     const Vec3 c = mesh.corner(t, 2);
-    const double twice = (b - a).cross(c - a).norm();
-    area += twice;
-    moment += twice / 3.0 * (a + b + c);
+    const double doubled_area = (b - a).cross(c - a).norm();
+    area += doubled_area;
+    moment += doubled_area / 3.0 * (a + b + c);
   }
   if (!(area > 0.0)) return Vec3::Zero();
   const Vec3 middle = moment / area;
@@ -56,8 +56,8 @@ Vec3 find_farthest_grip(const TriangleMesh& mesh) {
 
 }  // namespace
 
-std::vector<TurnedBody> list_turned(const Scene& scene) {
-  std::vector<TurnedBody> bodies;
+std::vector<RotationalStiffness> list_rotational_stiffness(const Scene& scene) {
+  std::vector<RotationalStiffness> bodies;
   const double stiffness_n_per_m = find_stiffest_surface(scene.touch_scene());
   if (scene.tool) {
     bodies.push_back({scene.tool->name, stiffness_n_per_m * find_mean_squared_lever(*scene.tool->mesh)});
@@ -88,11 +88,11 @@ Result<CheckFindings> check_tool(const Scene& scene) {
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const SceneObject& object = scene.objects[o];
     if (has_effects_beyond_tool(touched.objects[o])) {
-      findings.push_back(name_shape_alone(object.name, scene.tool.has_value()));
+      findings.push_back(make_shape_alone_finding(object.name, scene.tool.has_value()));
     }
     if (!object.is_movable) continue;
-    const CheckFindings place = check_place(touched, o, object.name);
-    findings.insert(findings.end(), place.begin(), place.end());
+    const CheckFindings overlap_findings = check_place(touched, o, object.name);
+    findings.insert(findings.end(), overlap_findings.begin(), overlap_findings.end());
   }
   return findings;
 }

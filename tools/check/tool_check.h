@@ -16,10 +16,10 @@ Result<CheckFindings> check_tool(const Scene& scene);
 
 // The rotational stiffness about the grip point of the scene's rigid tool or, without a tool, of each movable object, as haptics_node
 // derives it from size and stiffest surface. A movable object may be held anywhere: the grip with the largest stiffness counts. RT: no.
-struct TurnedBody {
+struct RotationalStiffness {
   std::string name;
   double nm_per_rad = 0.0;
 };
-std::vector<TurnedBody> list_turned(const Scene& scene);
+std::vector<RotationalStiffness> list_rotational_stiffness(const Scene& scene);
 
 }  // namespace hapton

@@ -33,38 +33,38 @@ SceneObject object_of(double stiffness_n_per_m) {
 
 TEST(LoopCheck, TheLeastOfAllDevicesAndHandsCounts) {
   const auto loops = loops_for_check("omega.3,touch", "light,firm");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
-  ASSERT_TRUE(held.by_device && held.by_loop);
-  EXPECT_EQ(held.by_device->device, "touch");
-  EXPECT_EQ(held.device_n_per_m, 400.0);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
+  ASSERT_TRUE(gains.by_device && gains.by_loop);
+  EXPECT_EQ(gains.by_device->device, "touch");
+  EXPECT_EQ(gains.device_n_per_m, 400.0);
   double least = std::numeric_limits<double>::infinity();
   for (const NamedLoop& loop : loops)
     least =
         std::min(least, recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, 1000.0, 1e-3).stable_n_per_m / kGainMargin);
-  EXPECT_EQ(held.safe_n_per_m, least);
+  EXPECT_EQ(gains.safe_n_per_m, least);
 }
 
 TEST(LoopCheck, WhatIsHeldExactlyIsNoFinding) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
-  ASSERT_LT(held.safe_n_per_m, held.device_n_per_m);
-  EXPECT_TRUE(check_stiffness(object_of(held.safe_n_per_m), held, 1000.0, 1e-3).empty());
-  const CheckFindings above = check_stiffness(object_of(1.001 * held.safe_n_per_m), held, 1000.0, 1e-3);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
+  ASSERT_LT(gains.safe_n_per_m, gains.device_n_per_m);
+  EXPECT_TRUE(check_stiffness(object_of(gains.safe_n_per_m), gains, 1000.0, 1e-3).empty());
+  const CheckFindings above = check_stiffness(object_of(1.001 * gains.safe_n_per_m), gains, 1000.0, 1e-3);
   ASSERT_EQ(above.size(), 1U);
   EXPECT_EQ(above[0].fault, SceneFault::stiffer_than_loop);
   EXPECT_THAT(above[0].what, HasSubstr("model-a in hand light at 1000 Hz with forces after 1 ms"));
-  EXPECT_TRUE(check_stiffness(object_of(std::floor(held.safe_n_per_m)), held, 1000.0, 1e-3).empty()) << "the fix holds";
+  EXPECT_TRUE(check_stiffness(object_of(std::floor(gains.safe_n_per_m)), gains, 1000.0, 1e-3).empty()) << "the fix holds";
 }
 
 TEST(LoopCheck, OnlyMotorsThatTurnTheStylusLimitWhatTurns) {
-  EXPECT_TRUE(check_turning("peg", 1e3, find_held_gains(loops_for_check("model-a", "light"), 1000.0, 1e-3), 1000.0, 1e-3).empty());
+  EXPECT_TRUE(check_turning("peg", 1e3, find_safe_gains(loops_for_check("model-a", "light"), 1000.0, 1e-3), 1000.0, 1e-3).empty());
   const auto loops = loops_for_check("model-a,model-a-6dof", "firm,light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
-  ASSERT_TRUE(held.by_turning);
-  EXPECT_EQ(held.by_turning->device, "model-a-6dof");
-  EXPECT_EQ(held.by_turning->hand, "light");
-  EXPECT_TRUE(check_turning("peg", held.rotational_nm_per_rad, held, 1000.0, 1e-3).empty());
-  const CheckFindings above = check_turning("peg", 1.01 * held.rotational_nm_per_rad, held, 1000.0, 1e-3);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
+  ASSERT_TRUE(gains.by_turning);
+  EXPECT_EQ(gains.by_turning->device, "model-a-6dof");
+  EXPECT_EQ(gains.by_turning->hand, "light");
+  EXPECT_TRUE(check_turning("peg", gains.rotational_nm_per_rad, gains, 1000.0, 1e-3).empty());
+  const CheckFindings above = check_turning("peg", 1.01 * gains.rotational_nm_per_rad, gains, 1000.0, 1e-3);
   ASSERT_EQ(above.size(), 1U);
   EXPECT_EQ(above[0].fault, SceneFault::tool_stiffer_than_loop);
   EXPECT_EQ(above[0].object, "peg");
@@ -74,29 +74,29 @@ TEST(LoopCheck, OnlyMotorsThatTurnTheStylusLimitWhatTurns) {
 
 TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
-  SceneObject layered = object_of(10.0 * held.safe_n_per_m);
-  layered.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 0.5 * held.safe_n_per_m});
-  EXPECT_TRUE(check_stiffness(layered, held, 1000.0, 1e-3).empty()) << "layers replace the spring of the material";
-  layered.effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 1.1 * held.safe_n_per_m});
-  const CheckFindings found = check_stiffness(layered, held, 1000.0, 1e-3);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
+  SceneObject layered = object_of(10.0 * gains.safe_n_per_m);
+  layered.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 0.5 * gains.safe_n_per_m});
+  EXPECT_TRUE(check_stiffness(layered, gains, 1000.0, 1e-3).empty()) << "layers replace the spring of the material";
+  layered.effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 1.1 * gains.safe_n_per_m});
+  const CheckFindings found = check_stiffness(layered, gains, 1000.0, 1e-3);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].fix, HasSubstr("the stiffness_n_per_m of its layers"));
-  const SceneEffect spring{.name = "home", .effect = SpringEffect{.stiffness_n_per_m = 1.1 * held.safe_n_per_m}};
-  const CheckFindings sprung = check_stiffness(spring, held, 1000.0, 1e-3);
+  const SceneEffect spring{.name = "home", .effect = SpringEffect{.stiffness_n_per_m = 1.1 * gains.safe_n_per_m}};
+  const CheckFindings sprung = check_stiffness(spring, gains, 1000.0, 1e-3);
   ASSERT_EQ(sprung.size(), 1U);
   EXPECT_EQ(sprung[0].object, "effect home");
-  EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
+  EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, gains, 1000.0, 1e-3).empty());
 }
 
 // The check assumes the force with which the device can press, and the fix that it names is enough.
 TEST(LoopCheck, BumpsAreStiffSideways) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
-  EXPECT_NEAR(held.pressed_n, 8.45, 0.01);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 5e-4);
+  EXPECT_NEAR(gains.pressed_n, 8.45, 0.01);
   SceneObject object = object_of(800.0);
   object.effects.bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = 0.0003, .length_m = 0.001};
-  CheckFindings found = check_stiffness(object, held, 1000.0, 5e-4);
+  CheckFindings found = check_stiffness(object, gains, 1000.0, 5e-4);
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found.back().fault, SceneFault::stiffer_than_loop);
   EXPECT_THAT(found.back().what, HasSubstr("on its bumps, pressed with 8.5 N"));
@@ -104,12 +104,12 @@ TEST(LoopCheck, BumpsAreStiffSideways) {
   ASSERT_EQ(std::sscanf(found.back().fix.c_str(), "set its bump_height_m to %lf or less, or its bump_length_m to more", &advised), 1)
       << found.back().fix;
   object.effects.bumps.height_m = advised;
-  for (const CheckFinding& one : check_stiffness(object, held, 1000.0, 5e-4)) EXPECT_NE(one.fault, SceneFault::stiffer_than_loop);
+  for (const CheckFinding& one : check_stiffness(object, gains, 1000.0, 5e-4)) EXPECT_NE(one.fault, SceneFault::stiffer_than_loop);
   object.effects.bumps.height_m = 1.2 * advised;
-  EXPECT_FALSE(check_stiffness(object, held, 1000.0, 5e-4).empty()) << "it is no lower than it has to be";
+  EXPECT_FALSE(check_stiffness(object, gains, 1000.0, 5e-4).empty()) << "it is no lower than it has to be";
   // If the spring alone is already too stiff, the fix names the spring.
-  object.material.stiffness_n_per_m = 2.0 * held.safe_n_per_m;
-  found = check_stiffness(object, held, 1000.0, 5e-4);
+  object.material.stiffness_n_per_m = 2.0 * gains.safe_n_per_m;
+  found = check_stiffness(object, gains, 1000.0, 5e-4);
   ASSERT_FALSE(found.empty());
   EXPECT_THAT(found.back().fix, HasSubstr("set its stiffness_n_per_m to"));
 }
@@ -117,7 +117,7 @@ TEST(LoopCheck, BumpsAreStiffSideways) {
 // A relief that an image gives, and then a stiffness that an image gives.
 TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 5e-4);
   const std::vector<MappedTriangle> two = {
       {{Vec3(0, 0, 0), Vec3(0.008, 0, 0), Vec3(0.008, 0.008, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}},
       {{Vec3(0, 0, 0), Vec3(0.008, 0.008, 0), Vec3(0, 0.008, 0)}, {Eigen::Vector2d(0, 0), {1, 1}, {0, 1}}}};
@@ -125,16 +125,16 @@ TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
   SceneObject object = object_of(800.0);
   object.effects.maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(two);
   object.effects.maps.height = {.image = image, .at_black = -0.008, .at_white = 0.0};
-  CheckFindings found = check_stiffness(object, held, 1000.0, 5e-4);
+  CheckFindings found = check_stiffness(object, gains, 1000.0, 5e-4);
   ASSERT_EQ(found.size(), 1U);
   double share = 0.0;
   ASSERT_EQ(std::sscanf(found[0].fix.c_str(), "multiply its bump_height_m (of a normal map: normal_map_scale) by %lf or less", &share), 1)
       << found[0].fix;
   object.effects.maps.height.at_black *= share;
-  EXPECT_TRUE(check_stiffness(object, held, 1000.0, 5e-4).empty()) << share;
+  EXPECT_TRUE(check_stiffness(object, gains, 1000.0, 5e-4).empty()) << share;
   object.effects.maps.height = {};
   object.effects.maps.stiffness = {.image = image, .at_black = 0.1, .at_white = 1.0};
-  found = check_stiffness(object, held, 1000.0, 5e-4);
+  found = check_stiffness(object, gains, 1000.0, 5e-4);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].what, HasSubstr("where its stiffness_map changes, pressed with 8.5 N"));
   EXPECT_THAT(found[0].fix, HasSubstr("set the two numbers of its stiffness_map_n_per_m nearer to each other"));
@@ -145,16 +145,16 @@ TEST(LoopCheck, SurfacesArePressedAsTheStrongestDeviceCan) {
   LoopFlags flags;
   flags.mass_kg = 0.2;
   flags.damping_ns_per_m = 5.0;
-  EXPECT_EQ(find_held_gains(*loops_of(flags), 1000.0, 1e-3).pressed_n, 10.0);
-  EXPECT_EQ(find_held_gains(loops_for_check("touch", "light"), 1000.0, 1e-3).pressed_n, 3.3);
-  EXPECT_EQ(find_held_gains(loops_for_check("touch,omega.3", "light"), 1000.0, 1e-3).pressed_n, 10.0);
+  EXPECT_EQ(find_safe_gains(*loops_of(flags), 1000.0, 1e-3).pressed_n, 10.0);
+  EXPECT_EQ(find_safe_gains(loops_for_check("touch", "light"), 1000.0, 1e-3).pressed_n, 3.3);
+  EXPECT_EQ(find_safe_gains(loops_for_check("touch,omega.3", "light"), 1000.0, 1e-3).pressed_n, 10.0);
 }
 
 TEST(LoopCheck, TheFixNamesTheKeyOfWhatIsStiff) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
   const auto fix_of = [&](const SceneObject& object) {
-    const CheckFindings found = check_stiffness(object, held, 1000.0, 1e-3);
+    const CheckFindings found = check_stiffness(object, gains, 1000.0, 1e-3);
     return found.empty() ? std::string("nothing found") : found.back().fix;
   };
   SceneObject object = object_of(60000.0);
@@ -166,20 +166,20 @@ TEST(LoopCheck, TheFixNamesTheKeyOfWhatIsStiff) {
   object.effects.snap = {.stiffness_n_per_m = 50000.0, .range_m = 0.01};
   EXPECT_THAT(fix_of(object), HasSubstr("set its snap_stiffness_n_per_m to"));
   const SceneEffect well{.name = "star", .effect = GravityWellEffect{.radius_m = 1e-4, .max_force_n = 8.0}};
-  const CheckFindings found = check_stiffness(well, held, 1000.0, 1e-3);
+  const CheckFindings found = check_stiffness(well, gains, 1000.0, 1e-3);
   ASSERT_FALSE(found.empty());
   EXPECT_THAT(found.back().fix, HasSubstr("set 1.84 max_force_n / radius_m to"));
 }
 
 TEST(LoopCheck, DragOfLayersIsViscosity) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
   SceneObject object = object_of(20.0);
-  object.effects.layers.add({.pop_force_n = 1.0, .drag_ns_per_m = held.viscosity_ns_per_m});
-  EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, false).empty());
+  object.effects.layers.add({.pop_force_n = 1.0, .drag_ns_per_m = gains.viscosity_ns_per_m});
+  EXPECT_TRUE(check_damping(object, gains, 1000.0, 1e-3, false).empty());
   object.effects.layers = {};
   object.effects.layers.add({.pop_force_n = 1.0, .drag_ns_per_m = 900.0});
-  const CheckFindings found = check_damping(object, held, 1000.0, 1e-3, false);
+  const CheckFindings found = check_damping(object, gains, 1000.0, 1e-3, false);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].fault, SceneFault::more_damped_than_loop);
   EXPECT_THAT(found[0].fix, HasSubstr("set the drag_ns_per_m of its layers to"));
@@ -187,7 +187,7 @@ TEST(LoopCheck, DragOfLayersIsViscosity) {
 
 TEST(LoopCheck, DampingIsHeldToHalfOfWhatIsStable) {
   const auto loops = loops_for_check("omega.3,touch", "light,firm");
-  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  const SafeGains gains = find_safe_gains(loops, 1000.0, 1e-3);
   double damping = std::numeric_limits<double>::infinity();
   double viscosity = damping;
   for (const NamedLoop& loop : loops) {
@@ -195,15 +195,15 @@ TEST(LoopCheck, DampingIsHeldToHalfOfWhatIsStable) {
     damping = std::min(damping, advice.damping_ns_per_m);
     viscosity = std::min(viscosity, advice.viscosity_ns_per_m);
   }
-  ASSERT_TRUE(held.by_damping && held.by_viscosity);
-  EXPECT_EQ(held.damping_ns_per_m, damping);
-  EXPECT_EQ(held.viscosity_ns_per_m, viscosity);
+  ASSERT_TRUE(gains.by_damping && gains.by_viscosity);
+  EXPECT_EQ(gains.damping_ns_per_m, damping);
+  EXPECT_EQ(gains.viscosity_ns_per_m, viscosity);
   SceneObject object = object_of(20.0);
   object.material.damping_ns_per_m = damping;
   object.effects.viscosity.damping_ns_per_m = viscosity;
-  EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, false).empty());
+  EXPECT_TRUE(check_damping(object, gains, 1000.0, 1e-3, false).empty());
   object.material.damping_ns_per_m = 1.01 * damping;
-  CheckFindings found = check_damping(object, held, 1000.0, 1e-3, false);
+  CheckFindings found = check_damping(object, gains, 1000.0, 1e-3, false);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(name_of(found[0].fault), "more-damped-than-loop");
   EXPECT_EQ(found[0].object, "lamp");
@@ -211,22 +211,22 @@ TEST(LoopCheck, DampingIsHeldToHalfOfWhatIsStable) {
   EXPECT_THAT(found[0].fix, HasSubstr("set its damping_ns_per_m to"));
   ASSERT_LT(viscosity, damping);
   object.material.damping_ns_per_m = 1.01 * viscosity;
-  EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, false).empty());
-  found = check_damping(object, held, 1000.0, 1e-3, true);
+  EXPECT_TRUE(check_damping(object, gains, 1000.0, 1e-3, false).empty());
+  found = check_damping(object, gains, 1000.0, 1e-3, true);
   ASSERT_EQ(found.size(), 1U) << "a tool's contacts smooth the velocity";
   EXPECT_THAT(found[0].fix, HasSubstr("set its damping_ns_per_m (at the contacts of a rigid tool or a held object) to"));
   object.material.damping_ns_per_m = viscosity;
-  EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, true).empty());
+  EXPECT_TRUE(check_damping(object, gains, 1000.0, 1e-3, true).empty());
   object.material.damping_ns_per_m = 0.0;
   object.effects.viscosity.damping_ns_per_m = 1.01 * viscosity;
-  found = check_damping(object, held, 1000.0, 1e-3, false);
+  found = check_damping(object, gains, 1000.0, 1e-3, false);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].fix, HasSubstr("set its viscosity_ns_per_m to"));
-  found = check_damping({.name = "honey", .effect = ViscousEffect{.damping_ns_per_m = 1.01 * viscosity}}, held, 1000.0, 1e-3);
+  found = check_damping({.name = "honey", .effect = ViscousEffect{.damping_ns_per_m = 1.01 * viscosity}}, gains, 1000.0, 1e-3);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].object, "effect honey");
-  EXPECT_TRUE(check_damping({.name = "honey", .effect = ViscousEffect{.damping_ns_per_m = viscosity}}, held, 1000.0, 1e-3).empty());
-  EXPECT_TRUE(check_damping({.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
+  EXPECT_TRUE(check_damping({.name = "honey", .effect = ViscousEffect{.damping_ns_per_m = viscosity}}, gains, 1000.0, 1e-3).empty());
+  EXPECT_TRUE(check_damping({.name = "wind", .effect = ConstantEffect{}}, gains, 1000.0, 1e-3).empty());
 }
 
 TEST(LoopCheck, NoEffectIsStrongerThanTheWeakestDevice) {
@@ -311,10 +311,10 @@ TEST(LoopCheck, ALoopFromFlagsHasNoDocumentedLimit) {
   flags.damping_ns_per_m = 5.0;
   const auto loops = loops_of(flags);
   ASSERT_TRUE(loops);
-  const HeldGains held = find_held_gains(*loops, 1000.0, 1e-3);
-  EXPECT_EQ(held.by_device, nullptr);
-  ASSERT_NE(held.by_loop, nullptr);
-  EXPECT_EQ(check_stiffness(object_of(1e6), held, 1000.0, 1e-3).size(), 1U);
+  const SafeGains gains = find_safe_gains(*loops, 1000.0, 1e-3);
+  EXPECT_EQ(gains.by_device, nullptr);
+  ASSERT_NE(gains.by_loop, nullptr);
+  EXPECT_EQ(check_stiffness(object_of(1e6), gains, 1000.0, 1e-3).size(), 1U);
 }
 
 }  // namespace

@@ -53,16 +53,16 @@ TEST(ToolCheck, ABodyTurnsAsStifflyAsSpringsOverItsSurface) {
   scene.objects[1].material.stiffness_n_per_m = 300.0;
   scene.objects[1].mesh = rod;
   const double about_middle = 900.0 * kLengthM * kLengthM / 18.0;
-  ASSERT_EQ(list_turned(scene).size(), 1U) << "the table stays";
-  EXPECT_EQ(list_turned(scene)[0].name, "rod");
-  EXPECT_NEAR(list_turned(scene)[0].nm_per_rad, 4.0 * about_middle, 1e-3 * about_middle) << "held at its end";
+  ASSERT_EQ(list_rotational_stiffness(scene).size(), 1U) << "the table stays";
+  EXPECT_EQ(list_rotational_stiffness(scene)[0].name, "rod");
+  EXPECT_NEAR(list_rotational_stiffness(scene)[0].nm_per_rad, 4.0 * about_middle, 1e-3 * about_middle) << "held at its end";
   scene.tool = SceneTool{.name = "peg", .mesh = rod};
-  ASSERT_EQ(list_turned(scene).size(), 1U) << "nothing else is picked up";
-  EXPECT_EQ(list_turned(scene)[0].name, "peg");
-  EXPECT_NEAR(list_turned(scene)[0].nm_per_rad, about_middle, 1e-3 * about_middle);
+  ASSERT_EQ(list_rotational_stiffness(scene).size(), 1U) << "nothing else is picked up";
+  EXPECT_EQ(list_rotational_stiffness(scene)[0].name, "peg");
+  EXPECT_NEAR(list_rotational_stiffness(scene)[0].nm_per_rad, about_middle, 1e-3 * about_middle);
   scene.tool.reset();
   scene.objects[1].is_movable = false;
-  EXPECT_TRUE(list_turned(scene).empty());
+  EXPECT_TRUE(list_rotational_stiffness(scene).empty());
 }
 
 TEST(ToolCheck, TheOnlyObjectOverlapsNothing) {
