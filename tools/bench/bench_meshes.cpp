@@ -18,34 +18,35 @@
 namespace hapton {
 namespace {
 
-constexpr double kExtent_m = 0.1;  // every mesh is scaled to 100 mm, a size for the hand
-constexpr std::string_view kBumpy = "bumpy:";
-constexpr std::size_t kMaxBumpy = 20'971'520;  // icosphere level 10
+constexpr double kExtentM = 0.1;  // every mesh is scaled to 100 mm, a size for the hand
+constexpr std::string_view kBumpyPrefix = "bumpy:";
+constexpr std::size_t kMaxBumpyTriangles = 20'971'520;  // icosphere level 10
 
-Result<BenchMesh> make_bumpy(const std::string& which) {
+Result<BenchMesh> make_bumpy(const std::string& mesh_spec) {
   std::size_t triangles = 0;
-  const char* const end = which.data() + which.size();
-  const auto [at, error] = std::from_chars(which.data() + kBumpy.size(), end, triangles);
-  if (error != std::errc() || at != end || triangles < 20 || triangles > kMaxBumpy) {
-    return fail("mesh '{}': give bumpy:N with N triangles, 20 to {}", which, kMaxBumpy);
+  const char* const end = mesh_spec.data() + mesh_spec.size();
+  const auto [parsed_end, error] = std::from_chars(mesh_spec.data() + kBumpyPrefix.size(), end, triangles);
+  if (error != std::errc() || parsed_end != end || triangles < 20 || triangles > kMaxBumpyTriangles) {
+    return fail("mesh '{}': give bumpy:N with N triangles, 20 to {}", mesh_spec, kMaxBumpyTriangles);
   }
-  TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, 0.25, triangles, 1), kExtent_m);
-  const std::size_t made = mesh.triangles.size();
-  return BenchMesh{made >= 1'000'000 ? fmt::format("bumpy_{:.1f}M", 1e-6 * static_cast<double>(made))
-                                     : fmt::format("bumpy_{:.0f}k", 1e-3 * static_cast<double>(made)),
+  TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, 0.25, triangles, 1), kExtentM);
+  const std::size_t triangle_count = mesh.triangles.size();
+  return BenchMesh{triangle_count >= 1'000'000 ? fmt::format("bumpy_{:.1f}M", 1e-6 * static_cast<double>(triangle_count))
+                                               : fmt::format("bumpy_{:.0f}k", 1e-3 * static_cast<double>(triangle_count)),
                    std::make_shared<TriangleMesh>(std::move(mesh))};
 }
 
 }  // namespace
 
-Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesystem::path& mesh_folder) {
-  if (which.starts_with(kBumpy)) return make_bumpy(which);
+Result<BenchMesh> make_bench_mesh(const std::string& mesh_spec, const std::filesystem::path& mesh_folder) {
+  if (mesh_spec.starts_with(kBumpyPrefix)) return make_bumpy(mesh_spec);
   std::error_code ignored;
-  const std::filesystem::path path = std::filesystem::exists(which, ignored) ? std::filesystem::path(which) : mesh_folder / which;
+  const std::filesystem::path path =
+      std::filesystem::exists(mesh_spec, ignored) ? std::filesystem::path(mesh_spec) : mesh_folder / mesh_spec;
   auto file = load_touch_mesh(path);
   if (!file) return tl::unexpected(file.error());
   if (!(compute_bounds(file->mesh).extent() > 0.0)) return fail("{}: the mesh has no extent; it cannot be scaled to 100 mm", path.string());
-  return BenchMesh{path.stem().string(), std::make_shared<TriangleMesh>(scaled_to(std::move(file->mesh), kExtent_m))};
+  return BenchMesh{path.stem().string(), std::make_shared<TriangleMesh>(scaled_to(std::move(file->mesh), kExtentM))};
 }
 
 std::filesystem::path find_mesh_folder() {
@@ -55,22 +56,22 @@ std::filesystem::path find_mesh_folder() {
 }
 
 std::vector<std::string> find_mesh_files(const std::filesystem::path& folder) {
-  constexpr std::array<std::string_view, 5> kMeshes = {".glb", ".gltf", ".obj", ".ply", ".stl"};
+  constexpr std::array<std::string_view, 5> kMeshExtensions = {".glb", ".gltf", ".obj", ".ply", ".stl"};
   std::vector<std::string> files;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (std::find(kMeshes.begin(), kMeshes.end(), entry.path().extension().string()) != kMeshes.end())
+    if (std::find(kMeshExtensions.begin(), kMeshExtensions.end(), entry.path().extension().string()) != kMeshExtensions.end())
       files.push_back(entry.path().filename().string());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-Result<void> check_writable(const std::filesystem::path& folder) {
-  const std::filesystem::path probe = folder / ".hapton-bench";
-  if (auto written = write_file_atomically(probe, ""); !written) return written;
+Result<void> ensure_writable_folder(const std::filesystem::path& folder) {
+  const std::filesystem::path test_file = folder / ".hapton-bench";
+  if (auto written = write_file_atomically(test_file, ""); !written) return written;
   std::error_code ignored;
-  std::filesystem::remove(probe, ignored);
+  std::filesystem::remove(test_file, ignored);
   return {};
 }
 

@@ -16,8 +16,8 @@ struct BenchMesh {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
-// which: a file in the mesh folder, a file anywhere, or "bumpy:20000", a bumpy sphere of at least this many triangles.
-Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesystem::path& mesh_folder);
+// mesh_spec: a file in the mesh folder, a file anywhere, or "bumpy:20000", a bumpy sphere of at least this many triangles.
+Result<BenchMesh> make_bench_mesh(const std::string& mesh_spec, const std::filesystem::path& mesh_folder);
 
 // The folder of the project's meshes: ./meshes if it exists, otherwise the folder meshes of the source tree.
 std::filesystem::path find_mesh_folder();
@@ -26,7 +26,7 @@ std::filesystem::path find_mesh_folder();
 std::vector<std::string> find_mesh_files(const std::filesystem::path& folder);
 
 // Creates the folder and tries to write there, so that a long measurement does not fail at its end. Error: one line with the path.
-Result<void> check_writable(const std::filesystem::path& folder);
+Result<void> ensure_writable_folder(const std::filesystem::path& folder);
 
 // Prints "   12.3 s  what" on stderr: the progress of a long measurement.
 void print_progress(double seconds, const std::string& what);

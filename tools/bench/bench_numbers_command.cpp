@@ -53,13 +53,13 @@ void fill_in_haptons(const NumbersOptions& options, NumbersReport& report) {
 
 // Runs three programs from the folder of this program. The folder on a gateway may lack one; the note then says why nothing is measured.
 void fill_in_round_trip(const NumbersOptions& options, NumbersReport& report) {
-  LatencyRunOptions run;
-  run.seconds = options.quick ? 3.0 : 10.0;
-  run.out = options.out / "latency";
-  run.scene = find_mesh_folder().parent_path() / "scenes" / "car_front.toml";
-  run.cpu = find_shared_cpu();
-  const auto ran = run_latency(run);
-  const auto json = ran ? read_report_json(run.out) : tl::unexpected(ran.error());
+  LatencyRunOptions run_options;
+  run_options.seconds = options.quick ? 3.0 : 10.0;
+  run_options.out = options.out / "latency";
+  run_options.scene = find_mesh_folder().parent_path() / "scenes" / "car_front.toml";
+  run_options.cpu = find_shared_cpu();
+  const auto run_result = run_latency(run_options);
+  const auto json = run_result ? read_report_json(run_options.out) : tl::unexpected(run_result.error());
   for (NumberRow& row : report.rows) {
     if (row.what != kRoundTripRow) continue;
     if (!json) {
@@ -67,7 +67,7 @@ void fill_in_round_trip(const NumbersOptions& options, NumbersReport& report) {
       continue;
     }
     row.ours = json->at("ratios").at("round_trip_over_echo_p50").get<double>();
-    row.note = fmt::format("p50 over p50, {:g} s at 1 kHz; round trip {:.1f} us; see hapton latency", run.seconds,
+    row.note = fmt::format("p50 over p50, {:g} s at 1 kHz; round trip {:.1f} us; see hapton latency", run_options.seconds,
                            json->at("hops").at("round_trip").at("p50_us").get<double>());
   }
 }
@@ -87,7 +87,7 @@ Result<std::vector<NamedMesh>> load_meshes(const NumbersOptions& options) {
 }
 
 Result<void> measure(NumbersOptions& options) {
-  if (auto writable = check_writable(options.out); !writable) return writable;
+  if (auto writable = ensure_writable_folder(options.out); !writable) return writable;
   if (options.quick) {
     options.settings.ladder = {5000, 80000};
     options.settings.steps = std::min<std::size_t>(options.settings.steps, 4000);

@@ -42,14 +42,14 @@ Result<void> write(const PapersReport& report, const std::filesystem::path& fold
   return {};
 }
 
-Result<PapersMesh> load(const std::string& which, const PapersOptions& options) {
-  auto mesh = make_bench_mesh(which, options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder));
+Result<PapersMesh> load(const std::string& mesh_spec, const PapersOptions& options) {
+  auto mesh = make_bench_mesh(mesh_spec, options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder));
   if (!mesh) return tl::unexpected(mesh.error());
   return PapersMesh{mesh->name, mesh->mesh};
 }
 
 Result<PapersReport> measure(PapersOptions& options) {
-  if (auto writable = check_writable(options.out); !writable) return tl::unexpected(writable.error());
+  if (auto writable = ensure_writable_folder(options.out); !writable) return tl::unexpected(writable.error());
   if (options.quick) {
     options.settings.steps = 2000;
     options.settings.touch_seconds = 4.0;

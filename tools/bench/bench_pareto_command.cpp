@@ -31,15 +31,15 @@ struct ParetoOptions {
   bool all = false;
 };
 
-const std::vector<std::string> kQuick = {"car_front_3300.obj", "bumpy:20000"};
-const std::vector<std::string> kUsual = {"car_front_3300.obj", "car_body_20k.glb", "nefertiti_70k.ply",
-                                         "skull_100k.ply",     "bumpy:20000",      "bumpy:1000000"};
-const std::vector<std::string> kAll = {"car_front_3300.obj",    "demosthenes_17k_open.obj",
-                                       "car_body_20k.glb",      "fish_22k.obj",
-                                       "mountain_51k_open.ply", "nefertiti_70k.ply",
-                                       "skull_100k.ply",        "bumpy:5000",
-                                       "bumpy:20000",           "bumpy:80000",
-                                       "bumpy:300000",          "bumpy:1000000"};
+const std::vector<std::string> kQuickMeshes = {"car_front_3300.obj", "bumpy:20000"};
+const std::vector<std::string> kUsualMeshes = {"car_front_3300.obj", "car_body_20k.glb", "nefertiti_70k.ply",
+                                               "skull_100k.ply",     "bumpy:20000",      "bumpy:1000000"};
+const std::vector<std::string> kAllMeshes = {"car_front_3300.obj",    "demosthenes_17k_open.obj",
+                                             "car_body_20k.glb",      "fish_22k.obj",
+                                             "mountain_51k_open.ply", "nefertiti_70k.ply",
+                                             "skull_100k.ply",        "bumpy:5000",
+                                             "bumpy:20000",           "bumpy:80000",
+                                             "bumpy:300000",          "bumpy:1000000"};
 
 Result<void> write(const ParetoOptions& options, const ParetoReport& report) {
   if (auto written = write_file_atomically(options.out / "pareto.csv", to_csv(report)); !written) return written;
@@ -47,13 +47,16 @@ Result<void> write(const ParetoOptions& options, const ParetoReport& report) {
 }
 
 Result<void> measure(ParetoOptions& options) {
-  if (auto writable = check_writable(options.out); !writable) return writable;
+  if (auto writable = ensure_writable_folder(options.out); !writable) return writable;
   if (options.quick) {
     options.settings.steps = std::min<std::size_t>(options.settings.steps, 2000);
     options.settings.compared_steps = 500;
     options.settings.budget = {.repetitions = 3, .seconds = 0.15};
   }
-  const std::vector<std::string> meshes = !options.meshes.empty() ? options.meshes : options.all ? kAll : options.quick ? kQuick : kUsual;
+  const std::vector<std::string> meshes = !options.meshes.empty() ? options.meshes
+                                          : options.all           ? kAllMeshes
+                                          : options.quick         ? kQuickMeshes
+                                                                  : kUsualMeshes;
   const std::filesystem::path folder = options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder);
   std::vector<QueryStructureKind> structures = own_structures();
   for (QueryStructureKind& kind : peer_structures()) structures.push_back(std::move(kind));

@@ -82,7 +82,7 @@ Result<std::vector<const RemoteMethod*>> read_methods(const std::string& text) {
   return methods;
 }
 
-Result<void> take_device(const RemoteOptions& options, RemoteGrid& grid) {
+Result<void> set_device(const RemoteOptions& options, RemoteGrid& grid) {
   if (options.loop.mass_kg) return fail("a device with limits is needed: give --device, not --mass-kg");
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
@@ -102,17 +102,17 @@ Result<RemoteGrid> make_grid(const RemoteOptions& options) {
   auto methods = read_methods(or_default(options.methods, defaults.methods));
   if (!methods) return tl::unexpected(methods.error());
   grid.methods = std::move(*methods);
-  const auto take = [](std::vector<double>& into, Result<std::vector<double>> from) -> Result<void> {
+  const auto assign = [](std::vector<double>& into, Result<std::vector<double>> from) -> Result<void> {
     if (!from) return tl::unexpected(from.error());
     into = std::move(*from);
     return {};
   };
-  auto taken = take(grid.speeds_m_per_s, read_scaled("--speed", or_default(options.speeds, defaults.speeds), 1000.0, 1e-3));
-  if (taken)
-    taken = take(grid.round_trips_s, read_scaled("--round-trip", or_default(options.round_trips, defaults.round_trips), 5000.0, 1e-3));
-  if (taken) taken = take(grid.losses, read_scaled("--loss", or_default(options.losses, defaults.losses), 0.9, 1.0));
-  if (taken) taken = take_device(options, grid);
-  if (!taken) return tl::unexpected(taken.error());
+  auto assigned = assign(grid.speeds_m_per_s, read_scaled("--speed", or_default(options.speeds, defaults.speeds), 1000.0, 1e-3));
+  if (assigned)
+    assigned = assign(grid.round_trips_s, read_scaled("--round-trip", or_default(options.round_trips, defaults.round_trips), 5000.0, 1e-3));
+  if (assigned) assigned = assign(grid.losses, read_scaled("--loss", or_default(options.losses, defaults.losses), 0.9, 1.0));
+  if (assigned) assigned = set_device(options, grid);
+  if (!assigned) return tl::unexpected(assigned.error());
   grid.jitter_s = 1e-3 * options.jitter_ms;
   grid.stall_s = 1e-3 * options.stall_ms;
   grid.seed = options.seed;
@@ -131,7 +131,7 @@ Result<void> run_processes(const RemoteOptions& options, const RemoteGrid& grid,
 }
 
 // The path of the CSV file for the walls, beside the --csv file.
-std::filesystem::path walls_of(const std::filesystem::path& csv) {
+std::filesystem::path walls_csv_path(const std::filesystem::path& csv) {
   std::filesystem::path walls = csv;
   if (!csv.empty()) walls.replace_filename(csv.stem().string() + "_walls.csv");
   return walls;
@@ -139,7 +139,7 @@ std::filesystem::path walls_of(const std::filesystem::path& csv) {
 
 Result<void> run(const RemoteOptions& options) {
   const auto differ =
-      check_different_outputs({{"--csv", options.csv}, {"the walls of --csv", walls_of(options.csv)}, {"--plot", options.plot}});
+      check_different_outputs({{"--csv", options.csv}, {"the walls of --csv", walls_csv_path(options.csv)}, {"--plot", options.plot}});
   if (!differ) return differ;
   const auto grid = make_grid(options);
   if (!grid) return tl::unexpected(grid.error());
@@ -157,7 +157,7 @@ Result<void> run(const RemoteOptions& options) {
   if (!options.csv.empty()) {
     if (auto written = write_file_atomically(options.csv, to_csv(*results)); !written) return written;
     if (grid->has_walls) {
-      if (auto written = write_file_atomically(walls_of(options.csv), walls_to_csv(*results)); !written) return written;
+      if (auto written = write_file_atomically(walls_csv_path(options.csv), walls_to_csv(*results)); !written) return written;
     }
   }
   if (options.plot.empty()) return {};

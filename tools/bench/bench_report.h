@@ -18,7 +18,7 @@ namespace hapton {
 template <class Measure>
 Result<void> measure_and_report(const std::string& folder, const std::string& name, Measure&& measure) {
   if (!folder.empty()) {
-    if (auto writable = check_writable(folder); !writable) return writable;
+    if (auto writable = ensure_writable_folder(folder); !writable) return writable;
   }
   const SteadyClock clock;
   const std::int64_t start_ns = clock.now_ns();

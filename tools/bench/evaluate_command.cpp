@@ -65,7 +65,7 @@ Result<void> evaluate(const EvaluateOptions& options) {
   return write_file_atomically(options.out + "/evaluation.csv", to_csv(*evaluation, options.trajectory.rate_hz));
 }
 
-void add(CommandLine command, int& exit_code, const char* note) {
+void set_up_command(CommandLine command, int& exit_code, const char* note) {
   auto options = std::make_shared<EvaluateOptions>();
   options->settings.threads = std::max(1U, std::thread::hardware_concurrency());
   add_mesh_options(command, options->mesh);
@@ -104,8 +104,8 @@ void add(CommandLine command, int& exit_code, const char* note) {
 }  // namespace
 
 void add_evaluate_command(CommandLine app, int& exit_code) {
-  add(app.add_subcommand("evaluate", "Measure a method's force error against the brute-force reference"), exit_code, "");
-  add(app.add_old_subcommand("judge", "evaluate"), exit_code, "hapton judge is now hapton evaluate\n");
+  set_up_command(app.add_subcommand("evaluate", "Measure a method's force error against the brute-force reference"), exit_code, "");
+  set_up_command(app.add_old_subcommand("judge", "evaluate"), exit_code, "hapton judge is now hapton evaluate\n");
 }
 
 }  // namespace hapton

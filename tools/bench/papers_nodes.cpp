@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kDrawSeconds = 300.0;  // limit for drawing all frames; enough for software rendering on a slow machine
+constexpr double kDrawTimeoutS = 300.0;  // limit for drawing all frames; enough for software rendering on a slow machine
 
 Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, LocalVision& vision, std::string& line) {
   std::vector<std::string> arguments = {"--scene",      settings.scene.string(), "--stereo",
@@ -27,7 +27,7 @@ Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, Loca
   std::filesystem::create_directories(folder, error);
   if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
   if (auto started = vision.start(folder, std::move(arguments)); !started) return tl::unexpected(started.error());
-  if (auto ended = vision.node().wait_for_end(kDrawSeconds); !ended) return tl::unexpected(ended.error());
+  if (auto ended = vision.node().wait_for_end(kDrawTimeoutS); !ended) return tl::unexpected(ended.error());
   line = vision.node().last_line();
   const auto rate = parse_bench_rate(line);
   if (!rate) return fail("vision_node printed no rate; see {}/vision_node.log", folder.string());
@@ -53,38 +53,38 @@ std::optional<double> hop_ms(const nlohmann::ordered_json& report, const char* h
 
 // Once with all nodes; if that fails, once without vision, so that the round trip at least is measured.
 void measure_latencies(const PapersNodesSettings& settings, PapersReport& report) {
-  LatencyRunOptions run;
-  run.seconds = settings.seconds;
-  run.out = settings.out / "latency";
-  run.scene = settings.scene;
-  run.cpu = find_shared_cpu();
-  run.vision = true;
-  auto ran = run_latency(run);
+  LatencyRunOptions run_options;
+  run_options.seconds = settings.seconds;
+  run_options.out = settings.out / "latency";
+  run_options.scene = settings.scene;
+  run_options.cpu = find_shared_cpu();
+  run_options.vision = true;
+  auto run_result = run_latency(run_options);
   PaperRow& round_trip = report.row(kRoundTrip);
   PaperRow& system = report.row(kSystemLatency);
-  if (!ran) {
-    system.how = "could not be measured: " + ran.error().what;
-    run.vision = false;
-    run.out = settings.out / "latency_without_vision";
-    ran = run_latency(run);
+  if (!run_result) {
+    system.how = "could not be measured: " + run_result.error().what;
+    run_options.vision = false;
+    run_options.out = settings.out / "latency_without_vision";
+    run_result = run_latency(run_options);
   }
-  const auto json = ran ? read_report_json(run.out) : tl::unexpected(ran.error());
+  const auto json = run_result ? read_report_json(run_options.out) : tl::unexpected(run_result.error());
   if (!json) {
     round_trip.how = "could not be measured: " + json.error().what;
-    if (run.vision) system.how = round_trip.how;
+    if (run_options.vision) system.how = round_trip.how;
     return;
   }
   round_trip.ours = hop_ms(*json, "round_trip");
   round_trip.how =
       fmt::format("p50, device sample taken to force ready to write, {:g} s at {:g} Hz, {} on one host, sealed UDP over loopback",
-                  run.seconds, run.rate_hz, run.vision ? "all three nodes" : "io_node and haptics_node");
-  if (!round_trip.ours) round_trip.how = "no force came back; see " + (run.out / "report.json").string();
-  if (!run.vision) return;
+                  run_options.seconds, run_options.rate_hz, run_options.vision ? "all three nodes" : "io_node and haptics_node");
+  if (!round_trip.ours) round_trip.how = "no force came back; see " + (run_options.out / "report.json").string();
+  if (!run_options.vision) return;
   system.ours = hop_ms(*json, "motion_to_photon");
   system.how = system.ours
                    ? "p50 of motion_to_photon in the same run: device sample taken to vision_node having drawn the frame that shows it; "
                      "the display's own delay is not in it"
-                   : "vision_node drew no frame; see " + (run.out / "vision_node.log").string();
+                   : "vision_node drew no frame; see " + (run_options.out / "vision_node.log").string();
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ constexpr std::array kStyles = {
 };
 
 // Removes _ and similar characters, which gnuplot reads as markup.
-std::string plain(std::string text) {
+std::string without_markup(std::string text) {
   std::replace(text.begin(), text.end(), '_', ' ');
   std::erase_if(text, [](char c) { return c == '\'' || c == '{' || c == '}' || c == '^' || c == '@' || c == '\\'; });
   return text;
@@ -61,13 +61,13 @@ struct Axes {
 };
 
 // Whole decades that hold all marks, with room for a factor of room_below under them and of room_above over them.
-template <class Figure>
-Range range_of(const std::vector<ParetoMark>& marks, double room_below, double room_above, Figure&& figure) {
+template <class Value>
+Range range_of(const std::vector<ParetoMark>& marks, double room_below, double room_above, Value&& value_of) {
   double low = 1e300;
   double high = 1e-300;
   for (const ParetoMark& mark : marks) {
-    low = std::min(low, figure(mark));
-    high = std::max(high, figure(mark));
+    low = std::min(low, value_of(mark));
+    high = std::max(high, value_of(mark));
   }
   return {std::pow(10.0, std::floor(std::log10(low / room_below))), std::pow(10.0, std::ceil(std::log10(high * room_above)))};
 }
@@ -76,31 +76,33 @@ Range range_of(const std::vector<ParetoMark>& marks, double room_below, double r
 class LabelPlaces {
  public:
   LabelPlaces(const Axes& axes, const std::vector<ParetoMark>& marks) : axes_(axes) {
-    for (const ParetoMark& mark : marks) taken_.push_back({across(mark), up(mark), kMarkSize, kMarkSize});
+    for (const ParetoMark& mark : marks) used_boxes_.push_back({x_px(mark), y_px(mark), kMarkSize, kMarkSize});
   }
 
   // Returns the height of the label's middle on the error axis, in percent.
   double place(const ParetoMark& mark, bool above) {
     const double step = above ? 1.0 : -1.0;
-    Box box{across(mark), up(mark) + step * kLineHeight, kLetterWidth * static_cast<double>(mark.label.size()), kLineHeight};
-    while (std::any_of(taken_.begin(), taken_.end(), [&](const Box& other) { return box.touches(other); })) box.up += step;
-    taken_.push_back(box);
-    return axes_.error.low * std::pow(10.0, box.up / kAxesHeight * axes_.error.decades());
+    Box box{x_px(mark), y_px(mark) + step * kLineHeight, kLetterWidth * static_cast<double>(mark.label.size()), kLineHeight};
+    while (std::any_of(used_boxes_.begin(), used_boxes_.end(), [&](const Box& other) { return box.touches(other); })) box.y_px += step;
+    used_boxes_.push_back(box);
+    return axes_.error.low * std::pow(10.0, box.y_px / kAxesHeight * axes_.error.decades());
   }
 
  private:
   struct Box {
-    double across, up, width, height;
+    double x_px, y_px, width, height;
     bool touches(const Box& o) const {
-      return std::fabs(across - o.across) < 0.5 * (width + o.width) && std::fabs(up - o.up) < 0.5 * (height + o.height);
+      return std::fabs(x_px - o.x_px) < 0.5 * (width + o.width) && std::fabs(y_px - o.y_px) < 0.5 * (height + o.height);
     }
   };
 
-  double across(const ParetoMark& mark) const { return kAxesWidth * std::log10(mark.time_us / axes_.time.low) / axes_.time.decades(); }
-  double up(const ParetoMark& mark) const { return kAxesHeight * std::log10(100.0 * mark.error / axes_.error.low) / axes_.error.decades(); }
+  double x_px(const ParetoMark& mark) const { return kAxesWidth * std::log10(mark.time_us / axes_.time.low) / axes_.time.decades(); }
+  double y_px(const ParetoMark& mark) const {
+    return kAxesHeight * std::log10(100.0 * mark.error / axes_.error.low) / axes_.error.decades();
+  }
 
   const Axes& axes_;
-  std::vector<Box> taken_;
+  std::vector<Box> used_boxes_;
 };
 
 std::string data_of(const std::vector<ParetoMark>& marks, std::string_view family, const std::string& block, LabelPlaces& places) {
@@ -109,8 +111,9 @@ std::string data_of(const std::vector<ParetoMark>& marks, std::string_view famil
   std::stable_sort(sorted.begin(), sorted.end(), [](const ParetoMark& a, const ParetoMark& b) { return a.time_us < b.time_us; });
   std::string text = fmt::format("${} << EOD\n", block);
   for (const ParetoMark& mark : sorted) {
-    const double at = mark.label.empty() ? 100.0 * mark.error : places.place(mark, family == "sweep");
-    fmt::format_to(std::back_inserter(text), "{} {} \"{}\" {:.6g}\n", mark.time_us, 100.0 * mark.error, plain(mark.label), at);
+    const double label_percent = mark.label.empty() ? 100.0 * mark.error : places.place(mark, family == "sweep");
+    fmt::format_to(std::back_inserter(text), "{} {} \"{}\" {:.6g}\n", mark.time_us, 100.0 * mark.error, without_markup(mark.label),
+                   label_percent);
   }
   return text + "EOD\n";
 }
@@ -137,21 +140,21 @@ std::string floor_of(const Range& error) {
 }
 
 std::string panel_of(const std::vector<ParetoMark>& marks, const std::string& mesh, std::size_t number, const Axes& axes) {
-  std::vector<ParetoMark> here;
+  std::vector<ParetoMark> panel_marks;
   for (const ParetoMark& mark : marks) {
-    if (mark.mesh == mesh) here.push_back(mark);
+    if (mark.mesh == mesh) panel_marks.push_back(mark);
   }
-  LabelPlaces places(axes, here);
+  LabelPlaces places(axes, panel_marks);
   const std::string front = fmt::format("front{}", number);
-  std::string text = front_of(here, front);
+  std::string text = front_of(panel_marks, front);
   std::string plot = fmt::format(
       "set title '{}'\nplot ${} using 1:2 with lines linewidth 2 dashtype 2 linecolor rgb '#7f7f7f' title 'Pareto front, point probes'",
-      plain(mesh), front);
+      without_markup(mesh), front);
   for (std::size_t i = 0; i < kStyles.size(); ++i) {
     const Style& style = kStyles[i];
-    if (std::none_of(here.begin(), here.end(), [&](const ParetoMark& mark) { return mark.family == style.family; })) continue;
+    if (std::none_of(panel_marks.begin(), panel_marks.end(), [&](const ParetoMark& mark) { return mark.family == style.family; })) continue;
     const std::string block = fmt::format("m{}f{}", number, i);
-    text += data_of(here, style.family, block, places);
+    text += data_of(panel_marks, style.family, block, places);
     plot += fmt::format(
         ", ${0} using 1:2 with points pointtype {1} pointsize 1.6 linecolor rgb '{2}' title '{3}', ${0} using 1:4:3 with labels font "
         "',8' textcolor rgb '{2}' notitle",

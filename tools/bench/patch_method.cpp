@@ -12,10 +12,11 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxTries = 64;     // patches tried for one sample; each is wider than the one before
-constexpr double kAgainS = 1e-9;  // duration of a step that is repeated on a larger patch: too short for any motion
-constexpr std::int64_t kTickNs = 100 * kNanosecondsPerMillisecond;  // per patch: longer than the maker waits for a patch to reach the hand
-constexpr double kSlowS = 1e3;  // reported as the time to make a patch, so that the maker keeps patches small
+constexpr int kMaxPatchesPerSample = 64;  // patches tried for one sample; each is wider than the one before
+constexpr double kRepeatedStepS = 1e-9;   // duration of a step that is repeated on a larger patch: too short for any motion
+// Longer than the maker waits for a patch to reach the hand.
+constexpr std::int64_t kTimePerPatchNs = 100 * kNanosecondsPerMillisecond;
+constexpr double kReportedMakeS = 1e3;  // reported as the time to make a patch, so that the maker keeps patches small
 
 TriangleMesh on_grid(TriangleMesh mesh, const PatchGrid& grid) {
   for (Vec3& vertex : mesh.vertices) vertex = grid.at(grid.round(vertex));
@@ -24,7 +25,7 @@ TriangleMesh on_grid(TriangleMesh mesh, const PatchGrid& grid) {
 
 }  // namespace
 
-PatchMethod::PatchMethod(const MethodSettings& settings, const TouchScene& scene) : maker_(kTriangles) {
+PatchMethod::PatchMethod(const MethodSettings& settings, const TouchScene& scene) : maker_(kTrianglesPerPatch) {
   const TiledScene tiled = make_tiles(scene);
   std::uint32_t serial = 1;
   store_.accept(PatchBegin{1, serial++, tiled.grid.origin_m, tiled.grid.step_m, settings.probe_radius_m, 0});
@@ -37,11 +38,11 @@ PatchMethod::PatchMethod(const MethodSettings& settings, const TouchScene& scene
 }
 
 void PatchMethod::make_patch(const Vec3& p_SD) {
-  now_ns_ += kTickNs;
+  now_ns_ += kTimePerPatchNs;
   maker_.note_hand(touch_.hand_at(p_SD, now_ns_));
   (void)touch_.take_retired();
   if (auto patch = maker_.make_if_due(store_, 0)) {
-    maker_.note_made(kSlowS);
+    maker_.note_made(kReportedMakeS);
     (void)touch_.offer(std::move(patch));
   }
 }
@@ -50,9 +51,9 @@ MethodOutput PatchMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite()) return {};
   make_patch(input.p_SD);
   auto touched = touch_.step({.p_WD = input.p_SD, .dt_s = input.dt_s});
-  for (int n = 0; n < kMaxTries && (!touched || touched->is_beyond); ++n) {
+  for (int n = 0; n < kMaxPatchesPerSample && (!touched || touched->is_beyond); ++n) {
     make_patch(input.p_SD);
-    touched = touch_.step({.p_WD = input.p_SD, .dt_s = kAgainS});
+    touched = touch_.step({.p_WD = input.p_SD, .dt_s = kRepeatedStepS});
   }
   if (!touched) return {.p_SP = input.p_SD};
   return {.force_n = touched->force_n, .p_SP = input.p_SD + touched->visual_offset_m, .contact = touched->contact};
@@ -65,7 +66,7 @@ void PatchMethod::reset(const Vec3& p_SD) noexcept {
 
 std::string PatchMethod::describe() const {
   const PatchTouch::Counts& counts = touch_.counts();
-  return fmt::format("patches of about {} triangles: {} taken over in {} steps, {} times past the edge of one\n", kTriangles,
+  return fmt::format("patches of about {} triangles: {} taken over in {} steps, {} times past the edge of one\n", kTrianglesPerPatch,
                      counts.handed_over, counts.steps, counts.beyond);
 }
 

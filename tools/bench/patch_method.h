@@ -19,7 +19,7 @@ namespace hapton {
 // patches. Damping of the material, probe radius and friction are those of the tiles. RT: no. Threads: one.
 class PatchMethod final : public ForceMethod {
  public:
-  static constexpr std::size_t kTriangles = 128;  // of a patch, while the hand does not jump
+  static constexpr std::size_t kTrianglesPerPatch = 128;  // of a patch, while the hand does not jump
 
   PatchMethod(const MethodSettings& settings, const TouchScene& scene);
 

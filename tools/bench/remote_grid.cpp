@@ -18,19 +18,19 @@ SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per
 }
 
 // Measures every method along one path over one network.
-Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, const SlidePath& path, const RemoteKey& where,
+Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, const SlidePath& path, const RemoteKey& key,
                           std::vector<RemoteRow>& rows) {
   RemoteRow row;
-  static_cast<RemoteKey&>(row) = where;
+  static_cast<RemoteKey&>(row) = key;
   row.method = find_remote_method("local");
   const auto zero_delay = run_closed_loop(scene, path, grid.device, make_remote_case(grid, row), nullptr);
   if (!zero_delay) return tl::unexpected(zero_delay.error());
   for (const RemoteMethod* method : grid.methods) {
     row.method = method;
-    const RemoteCase which = make_remote_case(grid, row);
-    auto touch = run_prescribed(scene, path, grid.device, which);
+    const RemoteCase remote_case = make_remote_case(grid, row);
+    auto touch = run_prescribed(scene, path, grid.device, remote_case);
     if (!touch) return tl::unexpected(touch.error());
-    auto loop = run_closed_loop(scene, path, grid.device, which, &zero_delay->p_WD);
+    auto loop = run_closed_loop(scene, path, grid.device, remote_case, &zero_delay->p_WD);
     if (!loop) return tl::unexpected(loop.error());
     row.touch = std::move(*touch);
     row.loop = std::move(*loop);
@@ -45,9 +45,9 @@ Result<void> measure_mesh(const RemoteGrid& grid, const BenchMesh& mesh, const s
                           std::vector<RemoteRow>& rows) {
   const auto scene = make_centred_scene(grid, mesh);
   if (!scene) return tl::unexpected(scene.error());
-  return for_each_remote_path(grid, *scene, mesh.name, [&](const SlidePath& path, const RemoteKey& where) {
-    auto done = measure_path(grid, *scene, path, where, rows);
-    if (done) progress(describe(where));
+  return for_each_remote_path(grid, *scene, mesh.name, [&](const SlidePath& path, const RemoteKey& key) {
+    auto done = measure_path(grid, *scene, path, key, rows);
+    if (done) progress(describe(key));
     return done;
   });
 }
@@ -56,13 +56,13 @@ Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(cons
                            std::vector<RemoteWall>& walls) {
   const AxisPlant plant = make_axis_plant(grid.device.model, grid.device.hand);
   for (const double round_trip_s : grid.round_trips_s) {
-    const double stable = find_stable_stiffness(SampledPlant(plant, kRemotePeriodS, round_trip_s), 0.0).value;
+    const double stable_n_per_m = find_stable_stiffness(SampledPlant(plant, kRemotePeriodS, round_trip_s), 0.0).value;
     for (const double loss : grid.losses) {
       for (const RemoteMethod* method : grid.methods) {
-        const auto rest =
+        const auto rest_stiffness =
             find_rest_stiffness_of(grid.device, make_remote_case(grid, {method, "", grid.seed, 0.0, round_trip_s, loss}), kMaxWallNPerM);
-        if (!rest) return tl::unexpected(rest.error());
-        walls.push_back({method, round_trip_s, loss, *rest, stable});
+        if (!rest_stiffness) return tl::unexpected(rest_stiffness.error());
+        walls.push_back({method, round_trip_s, loss, *rest_stiffness, stable_n_per_m});
       }
       progress(fmt::format("walls, {:g} ms, loss {:g} %", 1e3 * round_trip_s, 100.0 * loss));
     }
@@ -108,8 +108,8 @@ Result<void> for_each_remote_path(const RemoteGrid& grid, const RemoteScene& sce
 
 Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress) {
   RemoteResults results;
-  for (const std::string& which : grid.meshes) {
-    const auto mesh = make_bench_mesh(which, grid.mesh_folder);
+  for (const std::string& mesh_spec : grid.meshes) {
+    const auto mesh = make_bench_mesh(mesh_spec, grid.mesh_folder);
     if (!mesh) return tl::unexpected(mesh.error());
     if (auto done = measure_mesh(grid, *mesh, progress, results.rows); !done) return tl::unexpected(done.error());
   }

@@ -21,35 +21,36 @@ namespace hapton {
 namespace {
 
 // Free choices, all generous enough for a busy machine.
-constexpr double kJoinS = 2.0;       // time for the nodes to join, besides kJoinTrips round trips
-constexpr double kJoinTrips = 8.0;   // round trips for joining, with lost datagrams
-constexpr double kSceneShare = 1.5;  // time for sending the scene, as a multiple of the time that the simulation needs
-constexpr double kGraceS = 20.0;     // time for the hub to write its report
-constexpr double kLateShare = 1.5;   // largest time offset of the force that is searched, as a multiple of the round trip
-constexpr double kMinLateS = 0.03;   // least value of that largest offset: above the 20 ms for which a force is used
+constexpr double kNodesJoinS = 2.0;          // time for the nodes to join, besides kJoinTrips round trips
+constexpr double kJoinTrips = 8.0;           // round trips for joining, with lost datagrams
+constexpr double kSceneTimeFactor = 1.5;     // time for sending the scene, as a multiple of the time that the simulation needs
+constexpr double kGraceS = 20.0;             // time for the hub to write its report
+constexpr double kSearchedLateFactor = 1.5;  // largest time offset of the force that is searched, as a multiple of the round trip
+constexpr double kMinSearchedLateS = 0.03;   // least value of that largest offset: above the 20 ms for which a force is used
 
 // A mesh as a scene file for the programs, and the same scene for the comparison.
 struct ProcessScene {
   std::filesystem::path file;
-  RemoteScene simulated;               // for the simulation
-  std::shared_ptr<ForceMethod> whole;  // the method on the whole scene without delay
+  RemoteScene simulated;                            // for the simulation
+  std::shared_ptr<ForceMethod> whole_scene_method;  // the method on the whole scene without delay
 };
 
 Result<ProcessScene> make_process_scene(const std::filesystem::path& folder, const RemoteScene& simulated) {
-  ProcessScene made;
-  made.simulated = simulated;
-  made.file = folder / "scene.toml";
+  ProcessScene process_scene;
+  process_scene.simulated = simulated;
+  process_scene.file = folder / "scene.toml";
   if (auto written = write_ply(folder / "mesh.ply", *simulated.mesh); !written) return tl::unexpected(written.error());
   const auto written = write_file_atomically(
-      made.file, fmt::format("[[object]]\nmesh = \"mesh.ply\"\nunit = \"m\"\nmaterial = \"m\"\n\n[material.m]\nstiffness_n_per_m = {}\n",
-                             simulated.stiffness_n_per_m));
+      process_scene.file,
+      fmt::format("[[object]]\nmesh = \"mesh.ply\"\nunit = \"m\"\nmaterial = \"m\"\n\n[material.m]\nstiffness_n_per_m = {}\n",
+                  simulated.stiffness_n_per_m));
   if (!written) return tl::unexpected(written.error());
-  const auto scene = load_scene(made.file);
+  const auto scene = load_scene(process_scene.file);
   if (!scene) return tl::unexpected(scene.error());
   auto method = make_method({}, scene->touch_scene());
   if (!method) return tl::unexpected(method.error());
-  made.whole = std::move(*method);
-  return made;
+  process_scene.whole_scene_method = std::move(*method);
+  return process_scene;
 }
 
 // The programs of one case. The destructor ends those that still run.
@@ -113,8 +114,8 @@ class ProcessRun {
 
 // Time in free space before the path: until the nodes have joined and the scene near the path was sent.
 double find_wait_s(const PrescribedTouch& simulated, const RemoteMethod& method, double round_trip_s) {
-  const double scene_s = method.scheme == RemoteMethod::Scheme::patch ? kSceneShare * simulated.ready_s : 0.0;
-  return kJoinS + kJoinTrips * round_trip_s + scene_s;
+  const double scene_s = method.scheme == RemoteMethod::Scheme::patch ? kSceneTimeFactor * simulated.ready_s : 0.0;
+  return kNodesJoinS + kJoinTrips * round_trip_s + scene_s;
 }
 
 std::string path_to_csv(const SlidePath& path, double wait_s) {
@@ -136,31 +137,31 @@ Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, cons
   if (auto written = write_file_atomically(run.path(), path_to_csv(path, wait_s)); !written) return tl::unexpected(written.error());
   const double seconds = wait_s + kRemotePeriodS * static_cast<double>(path.rows.size());
   if (auto played = run.play(row, grid, seconds); !played) return tl::unexpected(played.error());
-  const auto at = [&](std::size_t i) { return wait_s + kRemotePeriodS * static_cast<double>(i); };
-  auto real = evaluate_recording(run.recording(), scene.whole,
-                                 {.from_s = at(path.sliding),
-                                  .to_s = at(path.leaving),
+  const auto time_of_row = [&](std::size_t i) { return wait_s + kRemotePeriodS * static_cast<double>(i); };
+  auto real = evaluate_recording(run.recording(), scene.whole_scene_method,
+                                 {.from_s = time_of_row(path.sliding),
+                                  .to_s = time_of_row(path.leaving),
                                   .period_s = kRemotePeriodS,
-                                  .most_late_s = std::max(kLateShare * row.round_trip_s, kMinLateS),
+                                  .most_late_s = std::max(kSearchedLateFactor * row.round_trip_s, kMinSearchedLateS),
                                   .max_force_n = model_a::limits().max_force_n});
   if (!real) return tl::unexpected(real.error());
   row.real = *real;
   return {};
 }
 
-Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, const std::function<void(const std::string&)>& progress,
+Result<void> measure_mesh(const RemoteGrid& grid, const std::string& mesh_spec, const std::function<void(const std::string&)>& progress,
                           std::vector<RemoteProcessRow>& rows) {
-  const auto mesh = make_bench_mesh(which, grid.mesh_folder);
+  const auto mesh = make_bench_mesh(mesh_spec, grid.mesh_folder);
   if (!mesh) return tl::unexpected(mesh.error());
   const auto centred = make_centred_scene(grid, *mesh);
   const auto folder = TemporaryFolder::make();
   if (!centred || !folder) return tl::unexpected(centred ? folder.error() : centred.error());
   const auto scene = make_process_scene(folder->path(), *centred);
   if (!scene) return tl::unexpected(scene.error());
-  return for_each_remote_path(grid, *centred, mesh->name, [&](const SlidePath& path, const RemoteKey& where) -> Result<void> {
+  return for_each_remote_path(grid, *centred, mesh->name, [&](const SlidePath& path, const RemoteKey& key) -> Result<void> {
     for (const RemoteMethod* method : grid.methods) {
       RemoteProcessRow row;
-      static_cast<RemoteKey&>(row) = where;
+      static_cast<RemoteKey&>(row) = key;
       row.method = method;
       if (auto done = measure_run(grid, *scene, path, folder->path(), row); !done) return fail("{}: {}", describe(row), done.error().what);
       progress(describe(row));
@@ -173,7 +174,7 @@ Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, cons
 // A result of a run, as a column of the CSV and a key of the JSON.
 struct ProcessFigure {
   const char* name;
-  double (*of)(const RemoteProcessRow&);
+  double (*value_of)(const RemoteProcessRow&);
 };
 
 constexpr ProcessFigure kProcessFigures[] = {
@@ -252,7 +253,7 @@ std::string processes_to_csv(const std::vector<RemoteProcessRow>& rows) {
   csv += '\n';
   for (const RemoteProcessRow& row : rows) {
     csv += to_csv(row);
-    for (const ProcessFigure& figure : kProcessFigures) csv += fmt::format(",{:.6g}", figure.of(row));
+    for (const ProcessFigure& figure : kProcessFigures) csv += fmt::format(",{:.6g}", figure.value_of(row));
     csv += '\n';
   }
   return csv;
@@ -264,7 +265,7 @@ std::string processes_to_json(const RemoteGrid& grid, const std::vector<RemotePr
   json["runs"] = nlohmann::ordered_json::array();
   for (const RemoteProcessRow& row : rows) {
     nlohmann::ordered_json run = to_json(row);
-    for (const ProcessFigure& figure : kProcessFigures) run[figure.name] = figure.of(row);
+    for (const ProcessFigure& figure : kProcessFigures) run[figure.name] = figure.value_of(row);
     json["runs"].push_back(std::move(run));
   }
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -14,7 +14,7 @@ namespace {
 
 class RecordedTouchReader {
  public:
-  RecordedTouchReader(std::shared_ptr<ForceMethod> method, const RecordedRun& run) : whole_(std::move(method)), run_(run) {}
+  RecordedTouchReader(std::shared_ptr<ForceMethod> method, const RecordedRun& run) : whole_scene_(std::move(method)), run_(run) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram) {
     if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry.cycle);
@@ -27,8 +27,8 @@ class RecordedTouchReader {
     const double seconds = run_.to_s - run_.from_s;
     for (double* rate : {&touch_.rates.packets_up, &touch_.rates.packets_down, &touch_.rates.bytes_up, &touch_.rates.bytes_down})
       *rate /= seconds;
-    touch_.local_share = contact_ > 0 ? static_cast<double>(local_) / static_cast<double>(contact_) : 0.0;
-    touch_.local_error_rms = local_squared_ > 0.0 ? std::sqrt(local_error_squared_ / local_squared_) : 0.0;
+    touch_.local_share = contact_cycles_ > 0 ? static_cast<double>(local_contact_cycles_) / static_cast<double>(contact_cycles_) : 0.0;
+    touch_.local_error_rms = local_zero_delay_squared_ > 0.0 ? std::sqrt(local_error_squared_ / local_zero_delay_squared_) : 0.0;
     return touch_;
   }
 
@@ -37,13 +37,13 @@ class RecordedTouchReader {
     if (!cycle.device) return;
     if (rows_.empty()) start_ns_ = cycle.device->time_ns;
     now_s_ = 1e-9 * static_cast<double>(cycle.device->time_ns - start_ns_);
-    (void)whole_.step(cycle.device->p_WD, cycle.device->time_ns);
-    const TouchOutput& zero_delay = whole_.last();
+    (void)whole_scene_.step(cycle.device->p_WD, cycle.device->time_ns);
+    const TouchOutput& zero_delay = whole_scene_.last();
     const Vec3 zero_delay_n = shortened(zero_delay.force_n, run_.max_force_n);
     rows_.push_back({cycle.device->p_WD, cycle.written_n, zero_delay_n, zero_delay.visual_offset_m.norm()});
     if (cycle.local) compare_local(cycle.local->force_n, zero_delay.force_n);
-    contact_ += zero_delay.contact ? 1 : 0;
-    local_ += zero_delay.contact && cycle.local ? 1 : 0;
+    contact_cycles_ += zero_delay.contact ? 1 : 0;
+    local_contact_cycles_ += zero_delay.contact && cycle.local ? 1 : 0;
     ++touch_.cycles;
     touch_.missed += cycle.missed;
   }
@@ -52,7 +52,7 @@ class RecordedTouchReader {
     const double error_n = (force_n - zero_delay_n).norm();
     touch_.local_error_max_n = std::max(touch_.local_error_max_n, error_n);
     local_error_squared_ += error_n * error_n;
-    local_squared_ += zero_delay_n.squaredNorm();
+    local_zero_delay_squared_ += zero_delay_n.squaredNorm();
   }
 
   void add_packet(const SessionEntry& entry, const Message& message) {
@@ -67,16 +67,16 @@ class RecordedTouchReader {
     (is_up ? touch_.rates.bytes_up : touch_.rates.bytes_down) += bytes;
   }
 
-  WholeScene whole_;
+  WholeScene whole_scene_;
   RecordedRun run_;
   RecordedTouch touch_;
   std::vector<ForceRow> rows_;
   std::int64_t start_ns_ = 0;
   double now_s_ = 0.0;
-  std::uint64_t contact_ = 0;
-  std::uint64_t local_ = 0;
+  std::uint64_t contact_cycles_ = 0;
+  std::uint64_t local_contact_cycles_ = 0;
   double local_error_squared_ = 0.0;
-  double local_squared_ = 0.0;
+  double local_zero_delay_squared_ = 0.0;
 };
 
 }  // namespace

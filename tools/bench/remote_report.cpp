@@ -18,7 +18,7 @@ namespace {
 // One figure of a run, with its name in the CSV and the JSON.
 struct Figure {
   std::string_view name;
-  std::function<double(const RemoteRow&)> of;
+  std::function<double(const RemoteRow&)> value_of;
 };
 
 const std::vector<Figure>& figures() {
@@ -51,7 +51,7 @@ const std::vector<Figure>& figures() {
 
 double figure_of(const RemoteRow& row, std::string_view name) {
   const auto found = std::find_if(figures().begin(), figures().end(), [&](const Figure& figure) { return figure.name == name; });
-  return found->of(row);
+  return found->value_of(row);
 }
 
 struct Spread {
@@ -86,15 +86,16 @@ Cell cell_of(const RemoteResults& results, const RemoteMethod* method, double sp
 }
 
 std::string line_of(const Cell& cell) {
-  const auto pair = [&](std::string_view figure, double scale, int digits) {
+  const auto median_and_worst = [&](std::string_view figure, double scale, int digits) {
     const Spread spread = cell.spread(figure);
     return fmt::format("{:.{}f} {:.{}f}", scale * spread.median, digits, scale * spread.worst, digits);
   };
   return fmt::format(
       "{:16}{:>7g}{:>20}{:>16}{:>14}{:>13}{:>16}{:>8}{:>19}{:>19}{:>11}{:>13}\n", cell.method->name, 1e3 * cell.round_trip_s,
-      pair("force_error_rms", 100.0, 4), pair("force_error_max_n", 1.0, 3), pair("direction_error_rms_deg", 1.0, 2),
-      pair("time_offset_ms", 1.0, 0), pair("value_offset", 100.0, 2), pair("falls", 1.0, 0), pair("generated_mj", 1.0, 2),
-      pair("loop_generated_mj", 1.0, 2),
+      median_and_worst("force_error_rms", 100.0, 4), median_and_worst("force_error_max_n", 1.0, 3),
+      median_and_worst("direction_error_rms_deg", 1.0, 2), median_and_worst("time_offset_ms", 1.0, 0),
+      median_and_worst("value_offset", 100.0, 2), median_and_worst("falls", 1.0, 0), median_and_worst("generated_mj", 1.0, 2),
+      median_and_worst("loop_generated_mj", 1.0, 2),
       fmt::format("{:.0f} {:.0f}", cell.spread("packets_up_per_s").worst, cell.spread("packets_down_per_s").worst),
       fmt::format("{:.1f} {:.1f}", 1e-3 * cell.spread("bytes_up_per_s").worst, 1e-3 * cell.spread("bytes_down_per_s").worst));
 }
@@ -114,18 +115,18 @@ std::string walls_text(const RemoteGrid& grid, const RemoteResults& results) {
     for (const double round_trip_s : grid.round_trips_s) text += fmt::format("{:>10}", value_at(round_trip_s));
     text += '\n';
   };
-  const auto find = [&](const RemoteMethod* method, double round_trip_s, double loss) {
+  const auto find_wall = [&](const RemoteMethod* method, double round_trip_s, double loss) {
     return std::find_if(results.walls.begin(), results.walls.end(), [&](const RemoteWall& wall) {
       return wall.method == method && wall.round_trip_s == round_trip_s && wall.loss == loss;
     });
   };
   line("theory, held", "0", [&](double round_trip_s) {
-    return fmt::format("{:.0f}", find(grid.methods.front(), round_trip_s, grid.losses.front())->stable_n_per_m);
+    return fmt::format("{:.0f}", find_wall(grid.methods.front(), round_trip_s, grid.losses.front())->stable_n_per_m);
   });
   for (const RemoteMethod* method : grid.methods) {
     for (const double loss : grid.losses) {
       line(method->name, fmt::format("{:g}", 100.0 * loss), [&](double round_trip_s) {
-        const double rest = find(method, round_trip_s, loss)->rest_stiffness_n_per_m;
+        const double rest = find_wall(method, round_trip_s, loss)->rest_stiffness_n_per_m;
         if (!(rest > 0.0)) return std::string("none");
         return rest >= kMaxWallNPerM ? fmt::format("> {:.0f}", kMaxWallNPerM) : fmt::format("{:.0f}", rest);
       });
@@ -174,7 +175,7 @@ std::string to_csv(const RemoteResults& results) {
   csv += '\n';
   for (const RemoteRow& row : results.rows) {
     csv += to_csv(row);
-    for (const Figure& figure : figures()) fmt::format_to(std::back_inserter(csv), ",{:.6g}", figure.of(row));
+    for (const Figure& figure : figures()) fmt::format_to(std::back_inserter(csv), ",{:.6g}", figure.value_of(row));
     csv += '\n';
   }
   return csv;
@@ -202,7 +203,7 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
   json["runs"] = Json::array();
   for (const RemoteRow& row : results.rows) {
     Json run = to_json(row);
-    for (const Figure& figure : figures()) run[std::string(figure.name)] = figure.of(row);
+    for (const Figure& figure : figures()) run[std::string(figure.name)] = figure.value_of(row);
     json["runs"].push_back(std::move(run));
   }
   json["walls"] = Json::array();
@@ -244,8 +245,8 @@ std::string panel_of(const RemoteGrid& grid, const std::string& title, const std
 
 std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& results, const std::string& picture) {
   const double speed = *std::min_element(grid.speeds_m_per_s.begin(), grid.speeds_m_per_s.end());
-  const bool has_usual = std::find(grid.losses.begin(), grid.losses.end(), 0.1) != grid.losses.end();
-  const double loss = has_usual ? 0.1 : grid.losses.front();
+  const bool has_usual_loss = std::find(grid.losses.begin(), grid.losses.end(), 0.1) != grid.losses.end();
+  const double loss = has_usual_loss ? 0.1 : grid.losses.front();
   const bool has_walls = !results.walls.empty();
   std::string script = fmt::format(
       "set terminal pngcairo size {},600 font 'sans,12'\nset output '{}'\nset multiplot layout 1,{}\nset logscale xy\n"

@@ -19,10 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A variant gets long walks in addition: one if it has at least 10,000 steps, and one more for every further 40,000.
-constexpr std::uint64_t kStepsOfTheFirstWalk = 10000;
-constexpr std::uint64_t kStepsToEarnAWalk = 40000;
+constexpr std::uint64_t kStepsForFirstWalk = 10000;
+constexpr std::uint64_t kStepsPerFurtherWalk = 40000;
 
-constexpr auto kFaults = static_cast<std::size_t>(StressFault::count);
+constexpr auto kFaultCount = static_cast<std::size_t>(StressFault::count);
 
 StressSettings settings_of(const StressPlan& plan, const StressVariant& variant) {
   StressSettings settings;
@@ -56,16 +56,17 @@ Result<StressCount> run_one(const StressBody& body, const StressPlan& plan, cons
   StressCount count;
   // Some episodes find no free position and take no step, so the number of episodes is limited, too.
   for (std::uint64_t episode = 0; count.steps < steps && episode < 16 + steps; ++episode) run->run_episode(episode, count);
-  const std::uint64_t walks = (steps + kStepsToEarnAWalk - kStepsOfTheFirstWalk) / kStepsToEarnAWalk;
+  const std::uint64_t walks = (steps + kStepsPerFurtherWalk - kStepsForFirstWalk) / kStepsPerFurtherWalk;
   for (std::uint64_t walk = 0; walk < walks; ++walk) run->run_episode(kFirstLongWalk + walk, count);
   return count;
 }
 
-std::string again(const StressResult& result, const StressFinding& finding, const StressPlan& plan) {
-  const std::string place =
+std::string reproducing_arguments(const StressResult& result, const StressFinding& finding, const StressPlan& plan) {
+  const std::string place_flags =
       plan.by_patches ? " --patches" : fmt::format(" --scale {:g} --offset {:g}", result.variant.scale, result.variant.offset_extents);
   return fmt::format("--method {} --body {} --seed {}{} --friction-static {:g} --friction-dynamic {:g} --episode {}", plan.method.name,
-                     result.body, plan.seed, place, result.variant.friction_static, result.variant.friction_dynamic, finding.episode) +
+                     result.body, plan.seed, place_flags, result.variant.friction_static, result.variant.friction_dynamic,
+                     finding.episode) +
          (plan.method.smooth_layer > 0.0 ? fmt::format(" --layer {:g}", plan.method.smooth_layer) : "") +
          (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "") + (plan.no_seal ? " --no-seal" : "") +
          (plan.on_grid ? " --on-grid" : "");
@@ -78,7 +79,7 @@ std::string cell_of(const StressCount& count, std::size_t fault) {
 
 std::string legend() {
   std::string text = "Numbers of steps; -: not checked there.\n";
-  for (std::size_t i = 0; i < kFaults; ++i) {
+  for (std::size_t i = 0; i < kFaultCount; ++i) {
     const auto fault = static_cast<StressFault>(i);
     text += fmt::format("  {:<15} {}\n", name_of(fault), meaning_of(fault));
   }
@@ -118,7 +119,7 @@ Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodi
   const std::uint64_t steps = std::max<std::uint64_t>(1, plan.steps / std::max<std::size_t>(1, plan.variants.size()));
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  std::optional<Error> failed;
+  std::optional<Error> run_error;
   auto work = [&] {
     for (std::size_t i = next++; i < jobs; i = next++) {
       const StressBody& body = bodies[i / plan.variants.size()];
@@ -126,7 +127,7 @@ Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodi
       auto count = run_one(body, plan, variant, steps);
       const std::scoped_lock lock(mutex);
       if (!count) {
-        failed = count.error();
+        run_error = count.error();
         return;
       }
       results[i] = {body.name, variant, std::move(*count)};
@@ -137,7 +138,7 @@ Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodi
   for (unsigned i = 1; i < plan.threads; ++i) pool.push_back(start_thread(work));
   work();
   for (std::thread& thread : pool) thread.join();
-  if (failed) return tl::unexpected(*failed);
+  if (run_error) return tl::unexpected(*run_error);
   return results;
 }
 
@@ -149,11 +150,11 @@ StressCount sum_of(const std::vector<StressResult>& results) {
 
 std::string to_text(const std::vector<StressResult>& results, const StressPlan& plan) {
   std::string text = fmt::format("{:<20}{:>12}{:>12}{:>10}{:>9}", "body", "steps", "contact", "compared", "carried");
-  for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>15}", name_of(static_cast<StressFault>(fault)));
+  for (std::size_t fault = 0; fault < kFaultCount; ++fault) text += fmt::format("{:>15}", name_of(static_cast<StressFault>(fault)));
   text += '\n';
   auto line = [&](const std::string& name, const StressCount& count) {
     text += fmt::format("{:<20}{:>12}{:>12}{:>10}{:>9}", name, count.steps, count.contact_steps, count.compared_steps, count.carried_steps);
-    for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>15}", cell_of(count, fault));
+    for (std::size_t fault = 0; fault < kFaultCount; ++fault) text += fmt::format("{:>15}", cell_of(count, fault));
     text += '\n';
   };
   std::vector<std::string> order;
@@ -168,7 +169,7 @@ std::string to_text(const std::vector<StressResult>& results, const StressPlan& 
   for (const StressResult& result : results) {
     for (const StressFinding& finding : result.count.findings) {
       text += fmt::format("{} in {} at step {} ({:.3g} extents): hapton stress {}\n", name_of(finding.fault), name_of(finding.motion),
-                          finding.step, finding.size, again(result, finding, plan));
+                          finding.step, finding.size, reproducing_arguments(result, finding, plan));
     }
   }
   return text;
@@ -201,7 +202,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
                {"episodes", result.count.episodes},
                {"compared_steps", result.count.compared_steps},
                {"carried_steps", result.count.carried_steps}};
-    for (std::size_t fault = 0; fault < kFaults; ++fault)
+    for (std::size_t fault = 0; fault < kFaultCount; ++fault)
       entry[std::string(name_of(static_cast<StressFault>(fault)))] =
           result.count.covered[fault] ? Json(result.count.faults[fault]) : Json(nullptr);
     entry["findings"] = Json::array();
@@ -211,7 +212,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
                                    {"episode", finding.episode},
                                    {"step", finding.step},
                                    {"size_extents", finding.size},
-                                   {"again", "hapton stress " + again(result, finding, plan)}});
+                                   {"again", "hapton stress " + reproducing_arguments(result, finding, plan)}});
     }
     json["results"].push_back(std::move(entry));
   }

@@ -32,11 +32,11 @@ struct StressTool {
 };
 
 std::vector<StressTool> make_tools() {
-  const double sharp = std::tan(0.5 * 3.0 * 3.14159265358979 / 180.0);
+  const double tan_half_angle = std::tan(0.5 * 3.0 * 3.14159265358979 / 180.0);
   return {{"ball", make_icosphere(0.08, 2)},
           {"box", make_box({0.15, 0.1, 0.2}, 2)},
           {"plate", make_thin_wall(0.25, 1e-3, 3)},
-          {"wedge", make_prism({{0.0, 0.0}, {0.2, -0.2 * sharp}, {0.2, 0.2 * sharp}}, 0.15, 2)},
+          {"wedge", make_prism({{0.0, 0.0}, {0.2, -0.2 * tan_half_angle}, {0.2, 0.2 * tan_half_angle}}, 0.15, 2)},
           {"rod", make_cylinder(0.01, 0.4, 12, 4)},
           {"bracket", make_prism({{0.0, 0.0}, {0.2, 0.0}, {0.2, 0.05}, {0.05, 0.05}, {0.05, 0.2}, {0.0, 0.2}}, 0.1, 2)}};
 }
@@ -55,22 +55,22 @@ class ToolEpisodes {
 
   void run(bool begins_inside, ToolStressCount& count) {
     Pose device = Pose::Identity();
-    device.translation() = size_ * (begins_inside ? 0.2 : 1.4) * draw().normalized();
-    device.linear() = turn_by(3.0 * draw()).toRotationMatrix();
+    device.translation() = size_ * (begins_inside ? 0.2 : 1.4) * draw_vector().normalized();
+    device.linear() = turn_by(3.0 * draw_vector()).toRotationMatrix();
     X_SO_ = Pose::Identity();
     step_.reset(input(device));
     const double speed = size_ * std::pow(10.0, -3.5 + 2.0 * uniform(0.0, 1.0));  // metres per step
     const double turn = 0.05 * std::pow(uniform(0.0, 1.0), 2.0);                  // radians per step; up to 50 rad/s at 1 kHz
     const double jitter = uniform(0.0, 1.0) < 0.3 ? uniform(0.0, 2.0) : 0.1;
-    const Vec3 axis = draw().normalized();
-    Vec3 towards = -device.translation().normalized();
+    const Vec3 axis = draw_vector().normalized();
+    Vec3 direction = -device.translation().normalized();
     count.overlaps += step_.step(input(device)).proxy.is_blocked ? 1 : 0;
     // The way to the body, on which the tool touches nothing, is made in one step.
     if (!begins_inside) device.translation() *= 0.7;
     for (std::uint64_t n = 0; n < kEpisodeSteps; ++n) {
-      if (n % 50 == 49) towards = (towards + 0.7 * draw()).normalized();
-      device.translation() += speed * (towards + jitter * draw());
-      device.linear() = turn_by(turn * (axis + jitter * draw())).toRotationMatrix() * device.linear();
+      if (n % 50 == 49) direction = (direction + 0.7 * draw_vector()).normalized();
+      device.translation() += speed * (direction + jitter * draw_vector());
+      device.linear() = turn_by(turn * (axis + jitter * draw_vector())).toRotationMatrix() * device.linear();
       device.linear() = Quat(device.linear()).normalized().toRotationMatrix();
       move_body(speed, turn, jitter);
       evaluate(step_.step(input(device)), count);
@@ -86,20 +86,20 @@ class ToolEpisodes {
 
  private:
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  Vec3 draw() { return {uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)}; }
+  Vec3 draw_vector() { return {uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)}; }
 
   ToolInput input(const Pose& device) const { return {.X_WD = device, .X_SO = {&X_SO_, step_.moving_count()}}; }
 
   // The body strays around the place where it began, more slowly than the device.
   void move_body(double speed, double turn, double jitter) {
     if (step_.moving_count() == 0) return;
-    X_SO_.translation() += 0.5 * speed * (draw() - X_SO_.translation() / (0.3 * size_));
-    X_SO_.linear() = turn_by(0.5 * turn * (Vec3::UnitZ() + jitter * draw())).toRotationMatrix() * X_SO_.linear();
+    X_SO_.translation() += 0.5 * speed * (draw_vector() - X_SO_.translation() / (0.3 * size_));
+    X_SO_.linear() = turn_by(0.5 * turn * (Vec3::UnitZ() + jitter * draw_vector())).toRotationMatrix() * X_SO_.linear();
     X_SO_.linear() = Quat(X_SO_.linear()).normalized().toRotationMatrix();
   }
 
   // The placement of the tool relative to the part, at the place where the tool feels the part.
-  Placement own(std::size_t part) const {
+  Placement placement_relative_to(std::size_t part) const {
     const Placement& at = step_.proxy().placement();
     return part == 0 ? at : step_.proxy().part_placement(part - 1).inverse() * at;
   }
@@ -108,15 +108,15 @@ class ToolEpisodes {
     ++count.steps;
     if (!out.force_n.allFinite() || !out.torque_nm.allFinite() || !out.X_WP.matrix().allFinite()) ++count.not_finite;
     if (out.proxy.is_blocked) return;
-    count.contact += out.contact ? 1 : 0;
+    count.contact_steps += out.contact ? 1 : 0;
     count.unconverged += out.proxy.converged ? 0 : 1;
     count.squeezed += out.proxy.is_squeezed ? 1 : 0;
     for (std::size_t p = 0; p < checks_.size(); ++p) {
       // The smallest gap that ToolProxy allows, less 2^-12 of it for rounding.
-      constexpr double kMin = (1.0 - 0x1p-12) * ToolProxy::kMinGap * ToolProxy::kContactOffset;
-      if (checks_[p]->penetrates(own(p))) {
+      constexpr double kMinAllowedGap = (1.0 - 0x1p-12) * ToolProxy::kMinGap * ToolProxy::kContactOffset;
+      if (checks_[p]->penetrates(placement_relative_to(p))) {
         ++count.penetrations;
-      } else if (checks_[p]->find_gap(own(p), ToolProxy::kContactOffset) < kMin) {
+      } else if (checks_[p]->find_gap(placement_relative_to(p), ToolProxy::kContactOffset) < kMinAllowedGap) {
         ++count.too_near;
       }
     }
@@ -187,7 +187,7 @@ std::string to_text(const std::vector<ToolStressResult>& results) {
   for (const ToolStressResult& result : results) {
     const ToolStressCount& count = result.count;
     fmt::format_to(std::back_inserter(text), "{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9} {:>9}\n", result.body,
-                   count.penetrations, count.too_near, count.not_finite, count.stuck, count.steps, count.contact, count.unconverged,
+                   count.penetrations, count.too_near, count.not_finite, count.stuck, count.steps, count.contact_steps, count.unconverged,
                    count.squeezed, count.overlaps);
     if (!count.first_fault.empty()) fmt::format_to(std::back_inserter(text), "  first: {}\n", count.first_fault);
   }

@@ -27,7 +27,7 @@ struct ToolStressCount {
   std::uint64_t not_finite = 0;    // a force, torque or placement is not finite
   std::uint64_t stuck = 0;         // steps are still blocked after the device has left the body
   std::uint64_t steps = 0;
-  std::uint64_t contact = 0;
+  std::uint64_t contact_steps = 0;
   std::uint64_t unconverged = 0;  // the motion was continued in the next step: counted, not a fault
   std::uint64_t squeezed = 0;     // there was no room for the tool between the moving body and the ball: counted, not a fault
   std::uint64_t overlaps = 0;     // episodes that begin in an overlap

@@ -21,7 +21,7 @@ TEST(ToolStress, HasNoFaultOnAFewBodies) {
   std::uint64_t contact = 0;
   for (const ToolStressResult& result : *results) {
     EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
-    contact += result.count.contact;
+    contact += result.count.contact_steps;
   }
   EXPECT_GT(contact, 1000U);
 }
@@ -39,7 +39,7 @@ TEST(ToolStress, HasNoFaultOnBodiesThatMove) {
   std::uint64_t squeezed = 0;
   for (const ToolStressResult& result : *results) {
     EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
-    contact += result.count.contact;
+    contact += result.count.contact_steps;
     squeezed += result.count.squeezed;
   }
   EXPECT_GT(contact, 1000U);
