@@ -36,14 +36,14 @@ doctor::HubReply read_hub_reply(const DoctorOptions& options) {
 }
 
 // With another root, the libraries, display and hub of this machine are not asked.
-doctor::Machine::Questions questions_for(const DoctorOptions& options) {
+doctor::Machine::Queries queries_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
   return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return read_hub_reply(options); }};
 }
 
 int run(const DoctorOptions& options) {
   const std::string key = options.key_file.empty() ? "" : std::filesystem::absolute(options.key_file).lexically_normal().string();
-  const doctor::Machine machine(options.root, questions_for(options), {.hub_port = options.port, .key_file = key});
+  const doctor::Machine machine(options.root, queries_for(options), {.hub_port = options.port, .key_file = key});
   const doctor::Diagnosis diagnosis = doctor::diagnose(machine, options.only);
   const bool with_colours = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
   fmt::print("{}", options.json ? doctor::to_json(diagnosis) : doctor::to_text(diagnosis, with_colours));

@@ -49,23 +49,24 @@ std::map<std::string, std::string> find_governors(const Machine& machine) {
 }
 
 Finding check_governor(const Machine& machine) {
-  constexpr const char* kMend = "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor";
+  constexpr const char* kRemedy = "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor";
   const std::string subject = "CPU frequency";
   const auto governors = find_governors(machine);
   if (governors.empty()) return good(subject, "not controlled by this kernel (a virtual machine, or a fixed frequency)");
   const std::string driver = machine.read(fmt::format("{}/cpu0/cpufreq/scaling_driver", kCpuFolder)).value_or("");
   // With these drivers, the governor "powersave" does raise the frequency, though late.
-  const bool adapts = driver.find("pstate") != driver.npos;
+  const bool is_adaptive_driver = driver.find("pstate") != driver.npos;
   // If several governors are in use, the slowest one is reported.
-  auto slow = governors.find("powersave");
-  if (slow == governors.end()) {
-    slow = std::find_if(governors.begin(), governors.end(), [](const auto& governor) { return governor.first != "performance"; });
+  auto slow_governor = governors.find("powersave");
+  if (slow_governor == governors.end()) {
+    slow_governor = std::find_if(governors.begin(), governors.end(), [](const auto& governor) { return governor.first != "performance"; });
   }
-  if (slow == governors.end()) return good(subject, "governor performance");
-  const auto& [governor, cpu] = *slow;
-  const std::string seen = fmt::format("governor {} ({}, {})", governor, cpu, driver.empty() ? "driver not known" : driver);
-  if (governor == "powersave" && !adapts) return problem(subject, seen + ": the CPU stays at its lowest frequency", kMend);
-  return warning(subject, seen + ": the frequency rises only after the work is there", kMend);
+  if (slow_governor == governors.end()) return good(subject, "governor performance");
+  const auto& [governor, cpu] = *slow_governor;
+  const std::string observation = fmt::format("governor {} ({}, {})", governor, cpu, driver.empty() ? "driver not known" : driver);
+  if (governor == "powersave" && !is_adaptive_driver)
+    return problem(subject, observation + ": the CPU stays at its lowest frequency", kRemedy);
+  return warning(subject, observation + ": the frequency rises only after the work is there", kRemedy);
 }
 
 void check_hypervisor(const Machine& machine, Findings& findings) {

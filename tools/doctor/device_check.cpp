@@ -69,11 +69,11 @@ Finding check_node(const Machine& machine, const PluggedDevice& device, const De
   if (!machine.may_use(node.path)) return explain_denial(machine, device, node);
   const auto rule = find_udev_rule(machine, device, node);
   return good(subject_of(device), fmt::format("{}, open to {}{}{}", with_driver(node), machine.user().name,
-                                              rule ? " by rule " + rule->name() : "", "; io_node --device " + device.device));
+                                              rule ? " by rule " + rule->name() : "", "; io_node --device " + device.device_option));
 }
 
 void check_device(const Machine& machine, const PluggedDevice& device, Findings& findings) {
-  if (device.device.empty()) {
+  if (device.device_option.empty()) {
     findings.push_back(note(subject_of(device), "plugged in, but Hapton cannot drive it",
                             "its maker's software does; or give it the firmware of docs/hid.md"));
     return;
@@ -81,18 +81,18 @@ void check_device(const Machine& machine, const PluggedDevice& device, Findings&
   if (device.nodes.empty()) findings.push_back(explain_no_node(machine, device));
   for (const DeviceNode& node : device.nodes) findings.push_back(check_node(machine, device, node));
   if (device.may_sleep && device.path != DevicePath::any) {
-    const std::string control = device.where + "/power/control";
+    const std::string control = device.sysfs_folder + "/power/control";
     findings.push_back(warning(subject_of(device),
                                "the kernel may put it to sleep (USB autosuspend): the first reports after that are late",
                                fmt::format("echo on | sudo tee {}", control)));
   }
 }
 
-Finding describe_nothing(int others) {
-  const std::string seen = others == 0
-                               ? "none is plugged in, and no other USB device either"
-                               : fmt::format("none that is known is plugged in ({} other USB device{})", others, others == 1 ? "" : "s");
-  return note("force-feedback device", seen,
+Finding make_no_device_finding(int other_count) {
+  const std::string observation =
+      other_count == 0 ? "none is plugged in, and no other USB device either"
+                       : fmt::format("none that is known is plugged in ({} other USB device{})", other_count, other_count == 1 ? "" : "s");
+  return note("force-feedback device", observation,
               "plug it in, switch its power on, then: lsusb (docs/devices.md has the ids); io_node --device simulated needs none");
 }
 
@@ -118,7 +118,8 @@ void check_modem_manager(const Machine& machine, const std::vector<PluggedDevice
 }
 
 void check_spacenavd(const Machine& machine, const std::vector<PluggedDevice>& devices, Findings& findings) {
-  const bool has_mouse = std::any_of(devices.begin(), devices.end(), [](const PluggedDevice& d) { return d.device == "spacemouse"; });
+  const bool has_mouse =
+      std::any_of(devices.begin(), devices.end(), [](const PluggedDevice& d) { return d.device_option == "spacemouse"; });
   if (!machine.find_process("spacenavd")) {
     findings.push_back(good("spacenavd", "does not run, and is not needed"));
   } else if (!has_mouse) {
@@ -135,8 +136,8 @@ void check_haply(const Machine& machine, Findings& findings) {
                             machine.exists("/lib/systemd/system/haply-inverse-service.service") ||
                             machine.exists("/etc/systemd/system/haply-inverse-service.service");
   // The kernel keeps the first 15 letters of a program's name.
-  const bool runs = machine.find_process(std::string(kUnit).substr(0, 15)).has_value();
-  if (runs) {
+  const bool is_running = machine.find_process(std::string(kUnit).substr(0, 15)).has_value();
+  if (is_running) {
     findings.push_back(good("Haply service", "runs; io_node --device haply connects to ws://localhost:10001"));
   } else if (is_installed) {
     findings.push_back(warning("Haply service", "is installed, but does not run", "sudo systemctl enable --now haply-inverse-service"));
@@ -151,7 +152,7 @@ Findings check_devices(const Machine& machine) {
   Findings findings;
   const std::vector<PluggedDevice> devices = find_plugged_devices(machine);
   for (const PluggedDevice& device : devices) check_device(machine, device, findings);
-  if (devices.empty()) findings.push_back(describe_nothing(count_unknown_usb_devices(machine)));
+  if (devices.empty()) findings.push_back(make_no_device_finding(count_unknown_usb_devices(machine)));
   return findings;
 }
 

@@ -69,7 +69,7 @@ std::string verdict_line(const Diagnosis& diagnosis) {
   return fmt::format("{}, {}; the commands that fix them are above\n", counted(problems, "problem"), warnings);
 }
 
-bool is_wanted(const Check& check, std::span<const std::string> only) {
+bool is_selected(const Check& check, std::span<const std::string> only) {
   return only.empty() || std::find(only.begin(), only.end(), check.name) != only.end();
 }
 
@@ -105,7 +105,7 @@ std::optional<std::vector<std::string>> Diagnosis::obstacles_to_1_khz() const {
 Diagnosis diagnose(const Machine& machine, std::span<const std::string> only) {
   Diagnosis diagnosis;
   for (const Check& check : kChecks) {
-    if (is_wanted(check, only))
+    if (is_selected(check, only))
       diagnosis.sections.push_back({std::string(check.name), std::string(check.about), check.is_timing, check.run(machine)});
   }
   return diagnosis;
@@ -116,7 +116,7 @@ std::string to_text(const Diagnosis& diagnosis, bool with_colours) {
   for (const Section& section : diagnosis.sections) {
     text += fmt::format("{}: {}\n", section.name, section.about);
     for (const Finding& finding : section.findings) {
-      text += fmt::format("  {} {}: {}\n", marked(finding.verdict, with_colours), finding.subject, finding.seen);
+      text += fmt::format("  {} {}: {}\n", marked(finding.verdict, with_colours), finding.subject, finding.observation);
       if (finding.remedy.empty()) continue;
       text += fmt::format("           {}: {}\n", finding.verdict == Verdict::note ? "hint" : "fix", finding.remedy);
     }
@@ -135,8 +135,10 @@ std::string to_json(const Diagnosis& diagnosis) {
   for (const Section& section : diagnosis.sections) {
     nlohmann::ordered_json check = {{"name", section.name}, {"about", section.about}, {"findings", nlohmann::ordered_json::array()}};
     for (const Finding& finding : section.findings) {
-      check["findings"].push_back(
-          {{"subject", finding.subject}, {"verdict", to_string(finding.verdict)}, {"seen", finding.seen}, {"remedy", finding.remedy}});
+      check["findings"].push_back({{"subject", finding.subject},
+                                   {"verdict", to_string(finding.verdict)},
+                                   {"seen", finding.observation},
+                                   {"remedy", finding.remedy}});
     }
     json["checks"].push_back(std::move(check));
   }

@@ -12,8 +12,8 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kLongestS = 10.0;  // for the process that opens the display; a free choice
-constexpr const char* kVirtual = "xvfb-run -a -s '-screen 0 1280x1024x24' vision_node   # draws where nobody sees it";
+constexpr double kProbeTimeoutS = 10.0;  // for the process that opens the display; a free choice
+constexpr const char* kVirtualDisplayCommand = "xvfb-run -a -s '-screen 0 1280x1024x24' vision_node   # draws where nobody sees it";
 
 bool is_drawn_by_cpu(const std::string& renderer) {
   constexpr std::array<std::string_view, 3> kSoftware = {"llvmpipe", "softpipe", "SWR"};
@@ -21,17 +21,17 @@ bool is_drawn_by_cpu(const std::string& renderer) {
 }
 
 Finding check_renderer(const std::string& display, const DisplayReply& reply) {
-  const std::string seen = fmt::format("{}, OpenGL {} at {}", reply.renderer, reply.version, display);
+  const std::string observation = fmt::format("{}, OpenGL {} at {}", reply.renderer, reply.version, display);
   if (is_drawn_by_cpu(reply.renderer)) {
     return warning(
-        "renderer", seen + ": the CPU draws, and takes time from the loops",
+        "renderer", observation + ": the CPU draws, and takes time from the loops",
         "install the driver of the graphics card (sudo apt-get install firmware-misc-nonfree libgl1-mesa-dri, or nvidia-driver), or run "
         "vision_node on another host");
   }
   if (!reply.is_direct)
-    return warning("renderer", seen + ": drawn through the X protocol, slowly",
+    return warning("renderer", observation + ": drawn through the X protocol, slowly",
                    "run vision_node on the host that the display is plugged into");
-  return good("renderer", seen);
+  return good("renderer", observation);
 }
 
 Finding check_stereo(const Machine& machine, const DisplayReply& reply) {
@@ -49,17 +49,17 @@ Findings check_display(const Machine& machine) {
   const std::string display = machine.environment("DISPLAY");
   if (display.empty())
     return {warning("display", "DISPLAY is not set, so vision_node cannot show anything here",
-                    fmt::format("start it from a desktop, or: {}", kVirtual))};
-  if (!machine.questions().display) return {note("display", display + ", not checked")};
-  const DisplayReply reply = machine.questions().display();
+                    fmt::format("start it from a desktop, or: {}", kVirtualDisplayCommand))};
+  if (!machine.queries().display) return {note("display", display + ", not checked")};
+  const DisplayReply reply = machine.queries().display();
   if (!reply.error.empty())
     return {problem("display", fmt::format("{}: {}", display, reply.error),
-                    fmt::format("start it from a desktop's own terminal (echo $DISPLAY there), or: {}", kVirtual))};
+                    fmt::format("start it from a desktop's own terminal (echo $DISPLAY there), or: {}", kVirtualDisplayCommand))};
   return {check_renderer(display, reply), check_stereo(machine, reply)};
 }
 
 DisplayReply try_display() {
-  const ChildReply said = run_in_child(
+  const ChildReply child_reply = run_in_child(
       [] {
         const DisplayReply reply = probe_display();
         return nlohmann::json({{"error", reply.error},
@@ -69,10 +69,10 @@ DisplayReply try_display() {
                                {"has_stereo", reply.has_stereo}})
             .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
       },
-      kLongestS);
+      kProbeTimeoutS);
   DisplayReply reply;
-  reply.error = said.failure;
-  const auto json = nlohmann::json::parse(said.text, nullptr, false);
+  reply.error = child_reply.failure;
+  const auto json = nlohmann::json::parse(child_reply.text, nullptr, false);
   if (!json.is_object()) return reply;
   reply.error = json.at("error");
   reply.renderer = json.at("renderer");

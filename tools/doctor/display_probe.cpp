@@ -79,9 +79,9 @@ Functions load() {
 
 // Creates an off-screen context, only to read the renderer's name.
 void query_renderer(const Functions& gl, XDisplay* display, int screen, DisplayReply& reply) {
-  constexpr std::array wanted = {kGlxDrawableType, kGlxPbufferBit, kGlxRenderType, kGlxRgbaBit, 0};
+  constexpr std::array attributes = {kGlxDrawableType, kGlxPbufferBit, kGlxRenderType, kGlxRgbaBit, 0};
   int count = 0;
-  FbConfig** configs = gl.choose_config(display, screen, wanted.data(), &count);
+  FbConfig** configs = gl.choose_config(display, screen, attributes.data(), &count);
   if (configs == nullptr || count == 0) {
     reply.error = "its OpenGL gives no surface to draw on";
     return;
@@ -94,8 +94,8 @@ void query_renderer(const Functions& gl, XDisplay* display, int screen, DisplayR
     return;
   }
   const auto text = [&](unsigned name) {
-    const unsigned char* said = gl.get_string(name);
-    return said == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(said));
+    const unsigned char* value = gl.get_string(name);
+    return value == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(value));
   };
   reply.renderer = text(kGlRenderer);
   reply.version = text(kGlVersion);
@@ -103,9 +103,9 @@ void query_renderer(const Functions& gl, XDisplay* display, int screen, DisplayR
 }
 
 bool has_stereo_visual(const Functions& gl, XDisplay* display, int screen) {
-  constexpr std::array wanted = {kGlxStereo, 1, kGlxDoubleBuffer, 1, kGlxDrawableType, kGlxWindowBit, kGlxRenderType, kGlxRgbaBit, 0};
+  constexpr std::array attributes = {kGlxStereo, 1, kGlxDoubleBuffer, 1, kGlxDrawableType, kGlxWindowBit, kGlxRenderType, kGlxRgbaBit, 0};
   int count = 0;
-  return gl.choose_config(display, screen, wanted.data(), &count) != nullptr && count > 0;
+  return gl.choose_config(display, screen, attributes.data(), &count) != nullptr && count > 0;
 }
 
 }  // namespace

@@ -19,21 +19,21 @@ enum class Verdict : std::uint8_t {
 struct Finding {
   std::string subject;  // what was checked: "WoodenHaptics 1234:0006"
   Verdict verdict = Verdict::ok;
-  std::string seen;    // what was found
-  std::string remedy;  // the command or advice that fixes it; never empty for warnings and problems
+  std::string observation;  // what was found
+  std::string remedy;       // the command or advice that fixes it; never empty for warnings and problems
 };
 
 using Findings = std::vector<Finding>;
 
-inline Finding good(std::string subject, std::string seen) { return {std::move(subject), Verdict::ok, std::move(seen), {}}; }
-inline Finding note(std::string subject, std::string seen, std::string remedy = {}) {
-  return {std::move(subject), Verdict::note, std::move(seen), std::move(remedy)};
+inline Finding good(std::string subject, std::string observation) { return {std::move(subject), Verdict::ok, std::move(observation), {}}; }
+inline Finding note(std::string subject, std::string observation, std::string remedy = {}) {
+  return {std::move(subject), Verdict::note, std::move(observation), std::move(remedy)};
 }
-inline Finding warning(std::string subject, std::string seen, std::string remedy) {
-  return {std::move(subject), Verdict::warning, std::move(seen), std::move(remedy)};
+inline Finding warning(std::string subject, std::string observation, std::string remedy) {
+  return {std::move(subject), Verdict::warning, std::move(observation), std::move(remedy)};
 }
-inline Finding problem(std::string subject, std::string seen, std::string remedy) {
-  return {std::move(subject), Verdict::problem, std::move(seen), std::move(remedy)};
+inline Finding problem(std::string subject, std::string observation, std::string remedy) {
+  return {std::move(subject), Verdict::problem, std::move(observation), std::move(remedy)};
 }
 
 // "ok", "note", "warning", "problem".

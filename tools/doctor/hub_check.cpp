@@ -9,7 +9,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kHot = 0.8;  // share of the temperature limit of the motors
+constexpr double kHotShare = 0.8;  // share of the temperature limit of the motors
 
 std::string text_of(const nlohmann::json& notes, const char* key) {
   const auto found = notes.find(key);
@@ -45,10 +45,10 @@ void add_temperature(const nlohmann::json& notes, Findings& findings) {
   const std::string text = text_of(notes, "motor_temperature");
   if (text.empty()) return;
   const double temperature = std::strtod(text.c_str(), nullptr);
-  const std::string seen = fmt::format("at {:.0f} % of their temperature limit", 100.0 * temperature);
-  findings.push_back(temperature < kHot
-                         ? good("motors", seen)
-                         : warning("motors", seen, "let it rest for some minutes, or limit the force: io_node --max-force 1"));
+  const std::string observation = fmt::format("at {:.0f} % of their temperature limit", 100.0 * temperature);
+  findings.push_back(temperature < kHotShare
+                         ? good("motors", observation)
+                         : warning("motors", observation, "let it rest for some minutes, or limit the force: io_node --max-force 1"));
 }
 
 void add_realtime(const nlohmann::json& notes, Findings& findings) {
@@ -65,17 +65,17 @@ void add_realtime(const nlohmann::json& notes, Findings& findings) {
 }  // namespace
 
 Findings check_hub(const Machine& machine) {
-  const std::string where = fmt::format("127.0.0.1:{}", machine.settings().hub_port);
+  const std::string address = fmt::format("127.0.0.1:{}", machine.settings().hub_port);
   if (!find_port_owner(machine, Transport::udp, machine.settings().hub_port))
-    return {note("hub", fmt::format("none runs at {}; while io_node runs, this shows calibration, firmware and temperature", where))};
-  if (!machine.questions().hub) return {note("hub", "not checked")};
-  const HubReply reply = machine.questions().hub();
+    return {note("hub", fmt::format("none runs at {}; while io_node runs, this shows calibration, firmware and temperature", address))};
+  if (!machine.queries().hub) return {note("hub", "not checked")};
+  const HubReply reply = machine.queries().hub();
   if (!reply.error.empty())
-    return {
-        warning("hub", fmt::format("{}: {}", where, reply.error), "give the key that io_node was started with: hapton doctor --key FILE")};
+    return {warning("hub", fmt::format("{}: {}", address, reply.error),
+                    "give the key that io_node was started with: hapton doctor --key FILE")};
   const auto report = nlohmann::json::parse(reply.report, nullptr, false);
   if (!report.is_object() || !report.contains("notes"))
-    return {problem("hub", fmt::format("{} replies without a report", where), "start io_node and hapton from one build")};
+    return {problem("hub", fmt::format("{} replies without a report", address), "start io_node and hapton from one build")};
   Findings findings;
   findings.push_back(check_state(report["notes"]));
   add_temperature(report["notes"], findings);

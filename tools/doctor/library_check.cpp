@@ -12,13 +12,13 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kLongestLoadS = 10.0;  // for the process that loads a library; a free choice
+constexpr double kLoadTimeoutS = 10.0;  // for the process that loads a library; a free choice
 
 // True if the loader reports that the file itself is missing, not one of its dependencies.
 bool is_absent(const LibraryFailure& failure) { return failure.error.starts_with(failure.file + ": cannot open shared object file"); }
 
 // A plugged-in device that this library drives; null: there is none.
-const PluggedDevice* find_driven(const std::vector<PluggedDevice>& devices, std::string_view library) {
+const PluggedDevice* find_device_of(const std::vector<PluggedDevice>& devices, std::string_view library) {
   const auto found = std::find_if(devices.begin(), devices.end(), [&](const PluggedDevice& d) { return d.library == library; });
   return found == devices.end() ? nullptr : &*found;
 }
@@ -32,16 +32,16 @@ std::string describe_environment(const Machine& machine, const KnownVendorLibrar
   return text;
 }
 
-Finding explain_failure(const KnownVendorLibrary& library, const LibraryReply& reply, const PluggedDevice* driven) {
+Finding explain_failure(const KnownVendorLibrary& library, const LibraryReply& reply, const PluggedDevice* device) {
   const std::string name(library.name);
-  const auto telling = std::find_if_not(reply.failures.begin(), reply.failures.end(), is_absent);
-  if (telling != reply.failures.end()) return problem(name, telling->error, telling->hint);
-  if (driven != nullptr) {
+  const auto informative_failure = std::find_if_not(reply.failures.begin(), reply.failures.end(), is_absent);
+  if (informative_failure != reply.failures.end()) return problem(name, informative_failure->error, informative_failure->hint);
+  if (device != nullptr) {
     std::string names;
     for (const LibraryFailure& failure : reply.failures) names += fmt::format("{}{}", names.empty() ? "" : ", ", failure.file);
     return problem(
         name,
-        fmt::format("{} needs it, and it is not here: {}", driven->name, reply.failures.empty() ? names : reply.failures.front().error),
+        fmt::format("{} needs it, and it is not here: {}", device->name, reply.failures.empty() ? names : reply.failures.front().error),
         fmt::format("install {}", library.source));
   }
   return note(name, fmt::format("not installed; it is for {}", library.devices));
@@ -49,11 +49,11 @@ Finding explain_failure(const KnownVendorLibrary& library, const LibraryReply& r
 
 Finding check_library(const Machine& machine, const KnownVendorLibrary& library, const std::vector<PluggedDevice>& devices) {
   const std::string name(library.name);
-  if (!machine.questions().library) return note(name, "not checked");
-  const LibraryReply reply = machine.questions().library(library.name);
+  if (!machine.queries().library) return note(name, "not checked");
+  const LibraryReply reply = machine.queries().library(library.name);
   if (!reply.crash.empty())
     return problem(name, fmt::format("loading it fails: {}", reply.crash), fmt::format("reinstall it: {}", library.source));
-  if (reply.file.empty()) return explain_failure(library, reply, find_driven(devices, library.name));
+  if (reply.file.empty()) return explain_failure(library, reply, find_device_of(devices, library.name));
   return good(name, fmt::format("{} loads{}; io_node --device {}", reply.file, describe_environment(machine, library), library.device));
 }
 
@@ -70,7 +70,7 @@ LibraryReply try_vendor_library(std::string_view name) {
   const auto libraries = known_vendor_libraries();
   const auto library = std::find_if(libraries.begin(), libraries.end(), [&](const KnownVendorLibrary& l) { return l.name == name; });
   if (library == libraries.end()) return {};
-  const ChildReply said = run_in_child(
+  const ChildReply child_reply = run_in_child(
       [&] {
         std::vector<FailedLoad> failures;
         const VendorLibrary loaded = VendorLibrary::try_open(*library, "", failures);
@@ -78,10 +78,10 @@ LibraryReply try_vendor_library(std::string_view name) {
         for (const FailedLoad& failure : failures) json["failures"].push_back({failure.file, failure.error, failure.hint});
         return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
       },
-      kLongestLoadS);
+      kLoadTimeoutS);
   LibraryReply reply;
-  reply.crash = said.failure;
-  const auto json = nlohmann::json::parse(said.text, nullptr, false);
+  reply.crash = child_reply.failure;
+  const auto json = nlohmann::json::parse(child_reply.text, nullptr, false);
   if (!json.is_object()) return reply;
   reply.file = json.at("file");
   for (const auto& failure : json.at("failures")) reply.failures.push_back({failure.at(0), failure.at(1), failure.at(2)});

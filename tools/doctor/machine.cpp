@@ -36,10 +36,10 @@ bool is_number(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-std::vector<std::string_view> split(std::string_view text, char at) {
+std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   while (true) {
-    const std::size_t end = text.find(at);
+    const std::size_t end = text.find(separator);
     parts.push_back(text.substr(0, end));
     if (end == text.npos) return parts;
     text.remove_prefix(end + 1);
@@ -75,17 +75,17 @@ std::string_view find_field(std::string_view text, std::string_view key) {
   return {};
 }
 
-Machine::Machine(std::filesystem::path root, Questions questions, Settings settings)
-    : root_(std::move(root)), questions_(std::move(questions)), settings_(std::move(settings)), user_(read_user()) {}
+Machine::Machine(std::filesystem::path root, Queries queries, Settings settings)
+    : root_(std::move(root)), queries_(std::move(queries)), settings_(std::move(settings)), user_(read_user()) {}
 
-std::filesystem::path Machine::below(std::string_view path) const {
+std::filesystem::path Machine::full_path(std::string_view path) const {
   path.remove_prefix(std::min(path.find_first_not_of('/'), path.size()));
   return root_ / path;
 }
 
 std::string Machine::read_bytes(std::string_view path) const {
-  if (!is_readable_file(below(path))) return {};
-  std::ifstream file(below(path), std::ios::binary);
+  if (!is_readable_file(full_path(path))) return {};
+  std::ifstream file(full_path(path), std::ios::binary);
   std::string text;
   char block[4096];
   while (file && text.size() < kMaxBytes) {
@@ -96,7 +96,7 @@ std::string Machine::read_bytes(std::string_view path) const {
 }
 
 std::optional<std::string> Machine::read(std::string_view path) const {
-  if (!is_readable_file(below(path))) return std::nullopt;
+  if (!is_readable_file(full_path(path))) return std::nullopt;
   std::string text = read_bytes(path);
   text.resize(text.find_last_not_of(kBlanks) + 1);
   return text;
@@ -115,9 +115,9 @@ std::optional<double> Machine::read_number(std::string_view path) const {
 std::vector<std::string> Machine::list(std::string_view folder) const {
   std::vector<std::string> names;
   std::error_code error;
-  for (auto at = std::filesystem::directory_iterator(below(folder), error); !error && at != std::filesystem::directory_iterator();
-       at.increment(error)) {
-    names.push_back(at->path().filename().string());
+  for (auto entry = std::filesystem::directory_iterator(full_path(folder), error); !error && entry != std::filesystem::directory_iterator();
+       entry.increment(error)) {
+    names.push_back(entry->path().filename().string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -125,47 +125,47 @@ std::vector<std::string> Machine::list(std::string_view folder) const {
 
 bool Machine::exists(std::string_view path) const {
   std::error_code error;
-  return std::filesystem::exists(below(path), error);
+  return std::filesystem::exists(full_path(path), error);
 }
 
 std::optional<FileFacts> Machine::facts(std::string_view path) const {
-  struct stat found = {};
-  if (::stat(below(path).c_str(), &found) != 0) return std::nullopt;
-  return FileFacts{.is_regular = S_ISREG(found.st_mode),
-                   .uid = found.st_uid,
-                   .gid = found.st_gid,
-                   .mode = static_cast<mode_t>(found.st_mode & 07777),
-                   .bytes = static_cast<std::uint64_t>(found.st_size)};
+  struct stat status = {};
+  if (::stat(full_path(path).c_str(), &status) != 0) return std::nullopt;
+  return FileFacts{.is_regular = S_ISREG(status.st_mode),
+                   .uid = status.st_uid,
+                   .gid = status.st_gid,
+                   .mode = static_cast<mode_t>(status.st_mode & 07777),
+                   .bytes = static_cast<std::uint64_t>(status.st_size)};
 }
 
 std::string Machine::link_name(std::string_view path) const {
   std::error_code error;
-  const auto target = std::filesystem::read_symlink(below(path), error);
+  const auto target = std::filesystem::read_symlink(full_path(path), error);
   return error ? std::string() : target.filename().string();
 }
 
 std::string Machine::real_path(std::string_view path) const {
   std::error_code error;
-  const auto found = std::filesystem::canonical(below(path), error);
+  const auto target = std::filesystem::canonical(full_path(path), error);
   if (error) return {};
   const auto root = std::filesystem::canonical(root_, error);
   if (error) return {};
-  return "/" + found.lexically_relative(root).string();
+  return "/" + target.lexically_relative(root).string();
 }
 
 // On the real machine the kernel decides, since it knows access lists; below another root the mode bits of the files decide.
-bool Machine::may(std::string_view path, bool writes) const {
-  if (root_ == "/") return ::faccessat(AT_FDCWD, below(path).c_str(), writes ? R_OK | W_OK : R_OK, AT_EACCESS) == 0;
+bool Machine::has_access(std::string_view path, bool writes) const {
+  if (root_ == "/") return ::faccessat(AT_FDCWD, full_path(path).c_str(), writes ? R_OK | W_OK : R_OK, AT_EACCESS) == 0;
   const auto file = facts(path);
   if (!file) return false;
   if (user_.uid == 0) return true;
-  const mode_t wanted = writes ? 06 : 04;
+  const mode_t needed_bits = writes ? 06 : 04;
   const int shift = file->uid == user_.uid ? 6 : user_.is_in(file->gid) ? 3 : 0;
-  return ((file->mode >> shift) & wanted) == wanted;
+  return ((file->mode >> shift) & needed_bits) == needed_bits;
 }
 
-bool Machine::may_use(std::string_view path) const { return may(path, true); }
-bool Machine::may_read(std::string_view path) const { return may(path, false); }
+bool Machine::may_use(std::string_view path) const { return has_access(path, true); }
+bool Machine::may_read(std::string_view path) const { return has_access(path, false); }
 
 std::string Machine::environment(std::string_view name) const {
   const auto text = read("/proc/self/environ");

@@ -60,11 +60,11 @@ struct HubReply {
   std::string report;  // the text of report.json
 };
 
-// The machine as the doctor sees it: the files below a root folder ("/" for the real machine), and questions that no file answers (a vendor
-// library, the display, the hub). A test gives its own root and functions; a question without a function is skipped. RT: no. Threads: one.
+// The machine as the doctor sees it: the files below a root folder ("/" for the real machine), and queries that no file answers (a vendor
+// library, the display, the hub). A test gives its own root and functions; a query without a function is skipped. RT: no. Threads: one.
 class Machine {
  public:
-  struct Questions {
+  struct Queries {
     std::function<LibraryReply(std::string_view library)> library;  // library: a KnownVendorLibrary::name
     std::function<DisplayReply()> display;
     std::function<HubReply()> hub;
@@ -75,10 +75,10 @@ class Machine {
   };
 
   // Pre: root is absolute, or the working directory of the process does not change.
-  Machine(std::filesystem::path root, Questions questions, Settings settings);
+  Machine(std::filesystem::path root, Queries queries, Settings settings);
 
   const User& user() const { return user_; }
-  const Questions& questions() const { return questions_; }
+  const Queries& queries() const { return queries_; }
   const Settings& settings() const { return settings_; }
 
   // Paths are those of the machine itself, without the root ("/proc/self/limits"). No such file, or it is not readable: none, or empty.
@@ -106,12 +106,12 @@ class Machine {
   std::optional<Group> find_group(std::string_view name) const;
 
  private:
-  std::filesystem::path below(std::string_view path) const;
-  bool may(std::string_view path, bool writes) const;
+  std::filesystem::path full_path(std::string_view path) const;
+  bool has_access(std::string_view path, bool writes) const;
   User read_user() const;
 
   std::filesystem::path root_;
-  Questions questions_;
+  Queries queries_;
   Settings settings_;
   User user_;
 };

@@ -28,9 +28,9 @@ Finding check_hub_port(const Machine& machine) {
   const auto owner = find_port_owner(machine, Transport::udp, port);
   if (!owner) return good(subject, "free for io_node");
   if (owner->program == "io_node") return good(subject, fmt::format("io_node has it (process {})", owner->pid));
-  const std::string who = owner->program.empty() ? line_that_shows(Transport::udp, port) : "kill " + owner->pid;
+  const std::string command = owner->program.empty() ? line_that_shows(Transport::udp, port) : "kill " + owner->pid;
   return problem(subject, fmt::format("{} has it, so io_node cannot", describe(*owner)),
-                 fmt::format("{}   # or give the hub another one: io_node --bind 127.0.0.1:{}, --hub the same", who, port + 1));
+                 fmt::format("{}   # or give the hub another one: io_node --bind 127.0.0.1:{}, --hub the same", command, port + 1));
 }
 
 Finding check_vrpn_port(const Machine& machine) {
@@ -81,8 +81,8 @@ Finding check_key_file(const Machine& machine, const std::string& subject, const
 }
 
 Finding check_own_key(const Machine& machine) {
-  const std::string given = machine.settings().key_file;
-  if (!given.empty()) return check_key_file(machine, "key given", given, true);
+  const std::string key_file = machine.settings().key_file;
+  if (!key_file.empty()) return check_key_file(machine, "key given", key_file, true);
   const std::string path = shared_key_path(machine);
   if (path.empty()) {
     return problem("key of this user", "no place for one: neither XDG_RUNTIME_DIR nor HOME is set",

@@ -38,7 +38,7 @@ std::string_view device_of(HidKind kind) {
   return {};
 }
 
-std::uint16_t hex(std::string_view text) {
+std::uint16_t parse_hex(std::string_view text) {
   std::uint32_t number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number, 16);
   return static_cast<std::uint16_t>(number);
@@ -51,7 +51,7 @@ bool is_below(std::string_view path, std::string_view folder) {
 // One node as the kernel's HID layer shows it.
 struct HidNode {
   std::string name;  // "hidraw0"
-  std::string where;
+  std::string sysfs_folder;
   std::string driver;
   HidDescription description;
 };
@@ -60,8 +60,8 @@ struct HidNode {
 void read_hid_ids(std::string_view uevent, HidDescription& description) {
   const std::string_view id = find_field(uevent, "HID_ID=");
   if (id.size() == 22) {
-    description.vid = hex(id.substr(5, 8));
-    description.pid = hex(id.substr(14, 8));
+    description.vid = parse_hex(id.substr(5, 8));
+    description.pid = parse_hex(id.substr(14, 8));
   }
   description.product = std::string(find_field(uevent, "HID_NAME="));
   description.serial = std::string(find_field(uevent, "HID_UNIQ="));
@@ -71,7 +71,8 @@ std::vector<HidNode> find_hid_nodes(const Machine& machine) {
   std::vector<HidNode> nodes;
   for (const std::string& name : machine.list(kHidrawFolder)) {
     const std::string device = fmt::format("{}/{}/device", kHidrawFolder, name);
-    HidNode node{.name = name, .where = machine.real_path(device), .driver = machine.link_name(device + "/driver"), .description = {}};
+    HidNode node{
+        .name = name, .sysfs_folder = machine.real_path(device), .driver = machine.link_name(device + "/driver"), .description = {}};
     node.description.path = "/dev/" + name;
     read_hid_ids(machine.read(device + "/uevent").value_or(""), node.description);
     const std::string descriptor = machine.read_bytes(device + "/report_descriptor");
@@ -85,9 +86,9 @@ std::vector<HidNode> find_hid_nodes(const Machine& machine) {
   return nodes;
 }
 
-void take_kind(const HidCatalogEntry& entry, PluggedDevice& plugged) {
+void set_kind(const HidCatalogEntry& entry, PluggedDevice& plugged) {
   plugged.name = entry.name;
-  plugged.device = device_of(entry.kind);
+  plugged.device_option = device_of(entry.kind);
   plugged.path = DevicePath::hidraw;
 }
 
@@ -98,25 +99,25 @@ bool recognise(PluggedDevice& plugged) {
   });
   if (usb != kUsbDevices.end()) {
     plugged.name = usb->name;
-    plugged.device = usb->device;
+    plugged.device_option = usb->device_option;
     plugged.library = usb->library;
     plugged.path = usb->path;
     return true;
   }
   const HidCatalogEntry* hid = find_in_hid_catalog(plugged.vid, plugged.pid);
-  if (hid != nullptr) take_kind(*hid, plugged);
+  if (hid != nullptr) set_kind(*hid, plugged);
   return hid != nullptr;
 }
 
 PluggedDevice read_usb_device(const Machine& machine, const std::string& folder) {
   const auto text = [&](const char* file) { return machine.read(folder + "/" + file).value_or(""); };
   PluggedDevice plugged;
-  plugged.vid = hex(text("idVendor"));
-  plugged.pid = hex(text("idProduct"));
+  plugged.vid = parse_hex(text("idVendor"));
+  plugged.pid = parse_hex(text("idProduct"));
   const std::string maker = text("manufacturer");
   plugged.product = maker.empty() ? text("product") : maker + " " + text("product");
   plugged.serial = text("serial");
-  plugged.where = machine.real_path(folder);
+  plugged.sysfs_folder = machine.real_path(folder);
   plugged.may_sleep = text("power/control") == "auto";
   return plugged;
 }
@@ -133,7 +134,7 @@ void add_serial_nodes(const Machine& machine, PluggedDevice& plugged) {
   for (const std::string& name : machine.list("/sys/class/tty")) {
     if (!name.starts_with("ttyACM") && !name.starts_with("ttyUSB")) continue;
     const std::string device = "/sys/class/tty/" + name + "/device";
-    if (is_below(machine.real_path(device), plugged.where))
+    if (is_below(machine.real_path(device), plugged.sysfs_folder))
       plugged.nodes.push_back({"/dev/" + name, machine.link_name(device + "/driver"), DevicePath::serial});
   }
 }
@@ -146,14 +147,14 @@ void add_usb_node(const Machine& machine, const std::string& folder, PluggedDevi
 }
 
 // A device of a vendor library keeps all its nodes. Of others, a usage in the catalogue excludes nodes such as a receiver's keyboard.
-bool is_wanted(const HidNode& node, const PluggedDevice& plugged) {
+bool is_device_node_of(const HidNode& node, const PluggedDevice& plugged) {
   return plugged.library.empty() ? find_in_hid_catalog(node.description) != nullptr : true;
 }
 
 void add_nodes(const Machine& machine, const std::string& folder, const std::vector<HidNode>& hid, PluggedDevice& plugged) {
   add_interface_drivers(machine, folder, plugged);
   for (const HidNode& node : hid) {
-    if (is_below(node.where, plugged.where) && is_wanted(node, plugged))
+    if (is_below(node.sysfs_folder, plugged.sysfs_folder) && is_device_node_of(node, plugged))
       plugged.nodes.push_back({node.description.path, node.driver, DevicePath::hidraw});
   }
   add_serial_nodes(machine, plugged);
@@ -176,7 +177,7 @@ void add_other_hid(const std::vector<HidNode>& hid, std::vector<PluggedDevice>& 
     PluggedDevice plugged;
     plugged.vid = node.description.vid;
     plugged.pid = node.description.pid;
-    take_kind(*entry, plugged);
+    set_kind(*entry, plugged);
     plugged.product = node.description.product;
     plugged.serial = node.description.serial;
     plugged.nodes.push_back({node.description.path, node.driver, DevicePath::hidraw});

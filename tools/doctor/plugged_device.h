@@ -23,8 +23,8 @@ struct KnownUsbDevice {
   std::uint16_t pid = 0;  // 0: all products of the vendor
   DevicePath path = DevicePath::any;
   std::string_view name;
-  std::string_view device;   // its name for io_node --device
-  std::string_view library;  // KnownVendorLibrary::name that drives it; empty: none is needed
+  std::string_view device_option;  // its name for io_node --device
+  std::string_view library;        // KnownVendorLibrary::name that drives it; empty: none is needed
 };
 
 // One device node.
@@ -41,9 +41,9 @@ struct PluggedDevice {
   std::string name;     // as in the catalogue of known devices
   std::string product;  // the maker and product strings of the device itself
   std::string serial;
-  std::string device;   // its name for io_node --device; empty: Hapton cannot drive it
-  std::string library;  // the vendor's library that drives it; empty: none is needed
-  std::string where;    // its folder in sysfs; empty: not a USB device, or not found as one
+  std::string device_option;  // its name for io_node --device; empty: Hapton cannot drive it
+  std::string library;        // the vendor's library that drives it; empty: none is needed
+  std::string sysfs_folder;   // its folder in sysfs; empty: not a USB device, or not found as one
   DevicePath path = DevicePath::any;
   std::vector<DeviceNode> nodes;
   std::vector<std::string> drivers;  // the kernel drivers of its USB interfaces

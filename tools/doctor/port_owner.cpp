@@ -12,13 +12,13 @@ namespace {
 constexpr std::string_view kListening = "0A";  // a state of TCP; of UDP only one state matters
 
 // Adds the inodes of the sockets at a port, from one of the kernel's tables.
-void add_inodes(const std::string& table, int port, bool listening, std::vector<std::string>& inodes) {
-  const std::string wanted = fmt::format(":{:04X}", port);
+void add_inodes(const std::string& table, int port, bool only_listening, std::vector<std::string>& inodes) {
+  const std::string port_suffix = fmt::format(":{:04X}", port);
   for (const std::string_view line : split_lines(table)) {
     // Columns: sl local_address rem_address st tx:rx tr:when retrnsmt uid timeout inode
     const auto words = split_words(line);
-    if (words.size() < 10 || !words[1].ends_with(wanted)) continue;
-    if (!listening || words[3] == kListening) inodes.emplace_back(words[9]);
+    if (words.size() < 10 || !words[1].ends_with(port_suffix)) continue;
+    if (!only_listening || words[3] == kListening) inodes.emplace_back(words[9]);
   }
 }
 
@@ -39,9 +39,9 @@ std::optional<PortOwner> find_port_owner(const Machine& machine, Transport trans
     const std::string files = "/proc/" + pid + "/fd";
     for (const std::string& file : machine.list(files)) {
       const std::string target = machine.link_name(files + "/" + file);
-      const bool is_it =
+      const bool is_owner =
           std::any_of(inodes.begin(), inodes.end(), [&](const std::string& inode) { return target == "socket:[" + inode + "]"; });
-      if (is_it) return PortOwner{machine.read("/proc/" + pid + "/comm").value_or(""), pid};
+      if (is_owner) return PortOwner{machine.read("/proc/" + pid + "/comm").value_or(""), pid};
     }
   }
   return PortOwner{};

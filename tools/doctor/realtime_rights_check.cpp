@@ -9,10 +9,10 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kPriority = 80.0;                     // the priority that io_node requests
-constexpr double kEnoughMemory = 512.0 * 1024 * 1024;  // bytes; enough for a node with a large scene
-constexpr double kEnoughShare = 0.5;                   // share of a CPU; enough for the loop and spinning
-constexpr double kSoonUs = 20.0;                       // longest time to wake up that suits 1 kHz
+constexpr double kRequestedPriority = 80.0;                 // the priority that io_node requests
+constexpr double kEnoughMemoryBytes = 512.0 * 1024 * 1024;  // bytes; enough for a node with a large scene
+constexpr double kEnoughCpuShare = 0.5;                     // share of a CPU; enough for the loop and spinning
+constexpr double kMaxWakeUpUs = 20.0;                       // longest time to wake up that suits 1 kHz
 constexpr const char* kLimitsFile = "/etc/security/limits.d/hapton.conf";
 
 struct Limit {
@@ -32,15 +32,15 @@ std::optional<Limit> read_limit(const Machine& machine, std::string_view name) {
 Finding check_priority(const Machine& machine) {
   const std::string subject = "real-time priority";
   if (machine.user().has_capability(User::kSysNice))
-    return good(subject, fmt::format("any, by CAP_SYS_NICE; io_node requests {:g}", kPriority));
+    return good(subject, fmt::format("any, by CAP_SYS_NICE; io_node requests {:g}", kRequestedPriority));
   const auto limit = read_limit(machine, "Max realtime priority");
   if (!limit) return note(subject, "not known: /proc/self/limits does not say");
-  if (limit->is_unlimited || limit->soft >= kPriority)
-    return good(subject,
-                fmt::format("up to {}; io_node requests {:g}", limit->is_unlimited ? "any" : fmt::format("{:g}", limit->soft), kPriority));
+  if (limit->is_unlimited || limit->soft >= kRequestedPriority)
+    return good(subject, fmt::format("up to {}; io_node requests {:g}", limit->is_unlimited ? "any" : fmt::format("{:g}", limit->soft),
+                                     kRequestedPriority));
   return problem(subject,
                  fmt::format("at most {:g} for {}, and io_node requests {:g}: other programs get in its way for milliseconds", limit->soft,
-                             machine.user().name, kPriority),
+                             machine.user().name, kRequestedPriority),
                  line_that_grants_realtime(machine));
 }
 
@@ -50,9 +50,9 @@ Finding check_memory_lock(const Machine& machine) {
   const auto limit = read_limit(machine, "Max locked memory");
   if (!limit) return note(subject, "not known: /proc/self/limits does not say");
   if (limit->is_unlimited) return good(subject, "unlimited");
-  const std::string seen = fmt::format("at most {:.0f} MiB for {}", limit->soft / (1024.0 * 1024.0), machine.user().name);
-  if (limit->soft >= kEnoughMemory) return good(subject, seen);
-  return problem(subject, seen + ": a page fault in the loop costs a millisecond or more", line_that_grants_realtime(machine));
+  const std::string observation = fmt::format("at most {:.0f} MiB for {}", limit->soft / (1024.0 * 1024.0), machine.user().name);
+  if (limit->soft >= kEnoughMemoryBytes) return good(subject, observation);
+  return problem(subject, observation + ": a page fault in the loop costs a millisecond or more", line_that_grants_realtime(machine));
 }
 
 Finding check_throttling(const Machine& machine) {
@@ -64,9 +64,10 @@ Finding check_throttling(const Machine& machine) {
     return warning(subject, "off: a loop that runs wild would take its CPU for good", "sudo sysctl -w kernel.sched_rt_runtime_us=950000");
   }
   const double share = *runtime / *period;
-  const std::string seen = fmt::format("real-time threads get {:.0f} % of each CPU", 100.0 * share);
-  if (share >= kEnoughShare) return good(subject, seen);
-  return problem(subject, seen + ": the loop is stopped for the rest of each second", "sudo sysctl -w kernel.sched_rt_runtime_us=950000");
+  const std::string observation = fmt::format("real-time threads get {:.0f} % of each CPU", 100.0 * share);
+  if (share >= kEnoughCpuShare) return good(subject, observation);
+  return problem(subject, observation + ": the loop is stopped for the rest of each second",
+                 "sudo sysctl -w kernel.sched_rt_runtime_us=950000");
 }
 
 // With control groups version 1 each group has its own share of real time, which is zero unless it was set.
@@ -136,15 +137,15 @@ Findings check_sleep(const Machine& machine) {
   if (states.count == 0) return {good(subject, "this kernel sees no sleep states (a virtual machine, or cpuidle is off)")};
   const std::string deepest = fmt::format("the deepest state in use is {}, {:g} us to wake up", states.deepest, states.latency_us);
   if (machine.may_use(kNode)) return {good(subject, fmt::format("{}; io_node keeps CPUs out of it by {}", deepest, kNode))};
-  if (states.latency_us <= kSoonUs) return {good(subject, deepest)};
-  const std::string seen = fmt::format("{}, and {} is closed to {}", deepest, kNode, machine.user().name);
+  if (states.latency_us <= kMaxWakeUpUs) return {good(subject, deepest)};
+  const std::string observation = fmt::format("{}, and {} is closed to {}", deepest, kNode, machine.user().name);
   if (!machine.exists(kNode))
     return {problem(subject, fmt::format("{}, and this kernel has no {}", deepest, kNode), "boot with the kernel parameter cpuidle.off=1")};
   const auto group = machine.find_group("hapton");
   const auto facts = machine.facts(kNode);
-  if (group && facts && facts->gid == group->gid) return {problem(subject, seen, line_that_grants_realtime(machine))};
+  if (group && facts && facts->gid == group->gid) return {problem(subject, observation, line_that_grants_realtime(machine))};
   return {
-      problem(subject, seen,
+      problem(subject, observation,
               fmt::format("sudo groupadd -f hapton && sudo adduser {} hapton && echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"hapton\", "
                           "MODE=\"0660\"' | sudo tee /etc/udev/rules.d/60-hapton.rules && sudo udevadm control --reload && sudo udevadm "
                           "trigger --action=change --sysname-match=cpu_dma_latency   # then log out and in again",

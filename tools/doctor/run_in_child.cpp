@@ -37,21 +37,21 @@ std::string read_all(int file) {
   return text;
 }
 
-[[noreturn]] void reply(const std::function<std::string()>& question, int file) {
-  const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, standard);
-  ::_exit(write_all(file, question()) ? 0 : 1);
+[[noreturn]] void reply(const std::function<std::string()>& task, int file) {
+  const int null_device = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(null_device, standard);
+  ::_exit(write_all(file, task()) ? 0 : 1);
 }
 
 // How the child failed; empty: it ended without an error.
-std::string wait_for(pid_t child, double at_most_s) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(at_most_s);
+std::string wait_for(pid_t child, double timeout_s) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   int status = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
     if (std::chrono::steady_clock::now() > end) {
       ::kill(child, SIGKILL);
       ::waitpid(child, &status, 0);
-      return fmt::format("it did not come back within {:g} s", at_most_s);
+      return fmt::format("it did not come back within {:g} s", timeout_s);
     }
     std::this_thread::sleep_for(kPollPeriod);
   }
@@ -61,16 +61,16 @@ std::string wait_for(pid_t child, double at_most_s) {
 
 }  // namespace
 
-ChildReply run_in_child(const std::function<std::string()>& question, double at_most_s) {
+ChildReply run_in_child(const std::function<std::string()>& task, double timeout_s) {
   const int file = ::memfd_create("reply", MFD_CLOEXEC);
   if (file < 0) return {{}, fmt::format("the check could not run: {}", std::strerror(errno))};
   const pid_t child = ::fork();
-  if (child == 0) reply(question, file);
+  if (child == 0) reply(task, file);
   ChildReply result;
   if (child < 0) {
     result.failure = fmt::format("the check could not run: {}", std::strerror(errno));
   } else {
-    result.failure = wait_for(child, at_most_s);
+    result.failure = wait_for(child, timeout_s);
     if (result.failure.empty()) result.text = read_all(file);
   }
   ::close(file);

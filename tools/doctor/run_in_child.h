@@ -11,8 +11,8 @@ struct ChildReply {
   std::string failure;  // how it ended the child, that it took too long, or that no child could start; empty: it returned `text`
 };
 
-// Calls `question` in a child process, so that a library or driver that crashes, hangs or prints does not affect the doctor. Pre: this
-// process has no other threads; question does not throw. RT: no.
-ChildReply run_in_child(const std::function<std::string()>& question, double at_most_s);
+// Calls `task` in a child process, so that a library or driver that crashes, hangs or prints does not affect the doctor. Pre: this
+// process has no other threads; task does not throw. RT: no.
+ChildReply run_in_child(const std::function<std::string()>& task, double timeout_s);
 
 }  // namespace hapton::doctor

@@ -33,9 +33,9 @@ std::vector<std::string> find_rule_lines(const std::string& text) {
   for (const std::string_view line : split_lines(text)) {
     const std::size_t first = std::min(line.find_first_not_of(" \t"), line.size());
     if (lines.back().empty() && line.substr(first).starts_with('#')) continue;
-    const bool goes_on = line.ends_with('\\');
-    lines.back() += line.substr(0, line.size() - (goes_on ? 1 : 0));
-    if (!goes_on) lines.emplace_back();
+    const bool is_continued = line.ends_with('\\');
+    lines.back() += line.substr(0, line.size() - (is_continued ? 1 : 0));
+    if (!is_continued) lines.emplace_back();
   }
   return lines;
 }
@@ -99,9 +99,10 @@ std::string_view subsystem_of(DevicePath node) {
 }
 
 // The evaluation of the rules for one node.
-class RuleWalk {
+class RuleEvaluation {
  public:
-  RuleWalk(const PluggedDevice& device, const DeviceNode& node, bool folds) : device_(device), node_(node), folds_(folds) {
+  RuleEvaluation(const PluggedDevice& device, const DeviceNode& node, bool ignores_case)
+      : device_(device), node_(node), ignores_case_(ignores_case) {
     if (node.kind == DevicePath::usb) env_["DEVTYPE"] = "usb_device";
   }
 
@@ -117,19 +118,20 @@ class RuleWalk {
  private:
   void read_line(const std::string& file, const std::vector<Token>& tokens) {
     if (!label_.empty()) {
-      const bool is_here = std::any_of(tokens.begin(), tokens.end(), [&](const Token& t) { return t.key == "LABEL" && t.value == label_; });
-      if (is_here) label_.clear();
+      const bool has_label =
+          std::any_of(tokens.begin(), tokens.end(), [&](const Token& t) { return t.key == "LABEL" && t.value == label_; });
+      if (has_label) label_.clear();
       return;
     }
-    const bool holds =
-        std::all_of(tokens.begin(), tokens.end(), [&](const Token& t) { return !t.is_match() || (is_so(t) == (t.op == "==")); });
-    if (!holds) return;
+    const bool is_match =
+        std::all_of(tokens.begin(), tokens.end(), [&](const Token& t) { return !t.is_match() || (is_equal(t) == (t.op == "==")); });
+    if (!is_match) return;
     for (const Token& token : tokens) {
-      if (!token.is_match()) take(file, token);
+      if (!token.is_match()) apply(file, token);
     }
   }
 
-  bool is_so(const Token& token) const {
+  bool is_equal(const Token& token) const {
     const std::string& pattern = token.value;
     if (token.key == "ACTION") return matches(pattern, "add");
     if (token.key == "SUBSYSTEM" || token.key == "SUBSYSTEMS") return matches(pattern, std::string(subsystem_of(node_.kind)));
@@ -139,15 +141,15 @@ class RuleWalk {
     if (token.key.ends_with("{idVendor}")) return has_id(pattern, device_.vid);
     if (token.key.ends_with("{idProduct}")) return has_id(pattern, device_.pid);
     if (token.key == "ATTRS{serial}") return matches(pattern, device_.serial);
-    if (token.key == "PROGRAM") return device_.device == "hapton-hid" && pattern.find("x48") != pattern.npos;
+    if (token.key == "PROGRAM") return device_.device_option == "hapton-hid" && pattern.find("x48") != pattern.npos;
     if (token.key.starts_with("ENV{")) {
-      const auto known = env_.find(token.key.substr(4, token.key.size() - 5));
-      return matches(pattern, known == env_.end() ? "" : known->second);
+      const auto property = env_.find(token.key.substr(4, token.key.size() - 5));
+      return matches(pattern, property == env_.end() ? "" : property->second);
     }
     return false;
   }
 
-  void take(const std::string& file, const Token& token) {
+  void apply(const std::string& file, const Token& token) {
     if (token.key == "GOTO") label_ = token.value;
     if (token.key.starts_with("ENV{")) env_[token.key.substr(4, token.key.size() - 5)] = token.value;
     if (token.key == "GROUP") rule_.group = token.value;
@@ -161,42 +163,42 @@ class RuleWalk {
 
   // Only USB devices have these ids in sysfs; Bluetooth devices do not.
   bool has_id(const std::string& pattern, std::uint16_t id) const {
-    const bool is_usb = !device_.where.empty();
-    return is_usb && matches(folds_ ? lower(pattern) : pattern, fmt::format("{:04x}", id));
+    const bool is_usb = !device_.sysfs_folder.empty();
+    return is_usb && matches(ignores_case_ ? lower(pattern) : pattern, fmt::format("{:04x}", id));
   }
   std::string node_name() const { return node_.path.substr(node_.path.find_last_of('/') + 1); }
   std::string hid_name() const {
-    return fmt::format("{}:{:04X}:{:04X}.0001", device_.where.empty() ? "0005" : "0003", device_.vid, device_.pid);
+    return fmt::format("{}:{:04X}:{:04X}.0001", device_.sysfs_folder.empty() ? "0005" : "0003", device_.vid, device_.pid);
   }
 
   const PluggedDevice& device_;
   const DeviceNode& node_;
-  bool folds_;
+  bool ignores_case_;
   std::string label_;  // target of a GOTO that is being searched; empty: none
   std::map<std::string, std::string> env_;
   UdevRule rule_;
   bool has_mode_ = false;  // a rule gives everyone the right
 };
 
-RuleWalk walk_rules(const Machine& machine, const PluggedDevice& device, const DeviceNode& node, bool folds) {
-  RuleWalk walk(device, node, folds);
-  for (const auto& [name, file] : find_rule_files(machine)) walk.read_file(file, machine.read(file).value_or(""));
-  return walk;
+RuleEvaluation evaluate_rules(const Machine& machine, const PluggedDevice& device, const DeviceNode& node, bool ignores_case) {
+  RuleEvaluation evaluation(device, node, ignores_case);
+  for (const auto& [name, file] : find_rule_files(machine)) evaluation.read_file(file, machine.read(file).value_or(""));
+  return evaluation;
 }
 
 }  // namespace
 
 std::optional<UdevRule> find_udev_rule(const Machine& machine, const PluggedDevice& device, const DeviceNode& node) {
-  const UdevRule rule = walk_rules(machine, device, node, false).rule();
+  const UdevRule rule = evaluate_rules(machine, device, node, false).rule();
   if (!rule.file.empty()) return rule;
-  UdevRule folded = walk_rules(machine, device, node, true).rule();
-  if (folded.file.empty()) return std::nullopt;
-  folded.has_capital_digits = true;
-  return folded;
+  UdevRule rule_ignoring_case = evaluate_rules(machine, device, node, true).rule();
+  if (rule_ignoring_case.file.empty()) return std::nullopt;
+  rule_ignoring_case.has_capital_digits = true;
+  return rule_ignoring_case;
 }
 
 bool keeps_modem_manager_off(const Machine& machine, const PluggedDevice& device, const DeviceNode& node) {
-  const auto env = walk_rules(machine, device, node, false).env();
+  const auto env = evaluate_rules(machine, device, node, false).env();
   const auto ignored = env.find("ID_MM_DEVICE_IGNORE");
   return ignored != env.end() && ignored->second == "1";
 }
@@ -206,7 +208,7 @@ std::string line_that_applies_rules(DevicePath node) {
 }
 
 std::string line_that_adds_rule(const PluggedDevice& device, DevicePath node) {
-  const std::string ids = device.where.empty()
+  const std::string ids = device.sysfs_folder.empty()
                               ? fmt::format("KERNELS==\"0005:{:04X}:{:04X}.*\"", device.vid, device.pid)
                               : fmt::format("ATTRS{{idVendor}}==\"{:04x}\", ATTRS{{idProduct}}==\"{:04x}\"", device.vid, device.pid);
   return fmt::format(

@@ -287,7 +287,7 @@ TEST_P(SeededFaults, AreNamedAndFixed) {
   GetParam().seed(machine);
   const Diagnosis diagnosis = diagnose(machine.make());
   const auto is_reported =
-      AllOf(Field("verdict", &Finding::verdict, GetParam().verdict), Field("seen", &Finding::seen, HasSubstr(GetParam().seen)),
+      AllOf(Field("verdict", &Finding::verdict, GetParam().verdict), Field("seen", &Finding::observation, HasSubstr(GetParam().seen)),
             Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
   // The fault is reported, and nothing else: it must not hide among false alarms.
   EXPECT_THAT(complaints_of(diagnosis), testing::ElementsAre(is_reported)) << to_text(diagnosis, false);

@@ -84,7 +84,7 @@ class FakeMachine {
   Machine make() const { return Machine(root(), replies, settings); }
   const std::filesystem::path& root() const { return scratch_.path(); }
 
-  Machine::Questions replies;
+  Machine::Queries replies;
   Machine::Settings settings;
 
  private:

@@ -17,7 +17,7 @@ struct UdevRules : testing::Test {
   UdevRules() {
     device.vid = 0x256f;
     device.pid = 0xc63a;
-    device.where = "/sys/devices/usb1/1-2";
+    device.sysfs_folder = "/sys/devices/usb1/1-2";
     machine.remove("/usr/lib/udev/rules.d");
   }
   std::optional<UdevRule> find() { return find_udev_rule(machine.make(), device, node); }
@@ -80,8 +80,8 @@ TEST_F(UdevRules, OfThePackageGrantAccessToEachSupportedDevice) {
   const auto granted = [&](std::uint16_t vid, std::uint16_t pid, DevicePath kind, bool by_usb = true, const char* name = "") {
     device.vid = vid;
     device.pid = pid;
-    device.where = by_usb ? "/sys/devices/usb1/1-2" : "";
-    device.device = name;
+    device.sysfs_folder = by_usb ? "/sys/devices/usb1/1-2" : "";
+    device.device_option = name;
     node.kind = kind;
     const auto rule = find();
     return rule && rule->has_uaccess && rule->group == "plugdev" && !rule->is_too_late() && !rule->has_capital_digits;
