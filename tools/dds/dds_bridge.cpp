@@ -15,19 +15,19 @@ namespace {
 
 // Above ordinary programs, so that a sample is published before the next one comes, and below all nodes (80), which must never be delayed.
 constexpr int kPublisherPriority = 10;
-constexpr double kBridgePatienceS = 5.0;
-constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
+constexpr double kBridgeJoinTimeoutS = 5.0;
+constexpr std::int64_t kBridgeMaxWaitNs = 20 * kNanosecondsPerMillisecond;
 // The time after which the measured rate of the hub is reliable.
-constexpr std::int64_t kRateKnownNs = 3 * kNanosecondsPerSecond;
-constexpr double kMaxSkipped = 0.1;
+constexpr std::int64_t kRateSettleNs = 3 * kNanosecondsPerSecond;
+constexpr double kMaxSkippedShare = 0.1;
 constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
 
 // The time of day minus the time of the clock. Both are read again if this thread was held up between the two readings.
 std::int64_t day_offset_ns(const Clock& clock) {
-  constexpr std::int64_t kAtOnceNs = 10'000;  // if two readings of the clock are no farther apart, the thread was not held up
+  constexpr std::int64_t kMaxReadingGapNs = 10'000;  // if two readings of the clock are no farther apart, the thread was not held up
   std::int64_t offset_ns = 0;
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
-  for (int i = 0; i < 3 && least_ns > kAtOnceNs; ++i) {
+  for (int i = 0; i < 3 && least_ns > kMaxReadingGapNs; ++i) {
     const std::int64_t before_ns = clock.now_ns();
     const auto day = std::chrono::system_clock::now().time_since_epoch();
     const std::int64_t took_ns = clock.now_ns() - before_ns;
@@ -83,26 +83,26 @@ std::string describe_topics(const BridgeSettings& settings) {
 // Gives advice once, if the hub sends so many samples that some are skipped. An empty text means no advice.
 class RateAdvice {
  public:
-  explicit RateAdvice(std::int64_t start_ns) : known_ns_(start_ns + kRateKnownNs) {}
+  explicit RateAdvice(std::int64_t start_ns) : due_ns_(start_ns + kRateSettleNs) {}
 
-  std::string take(std::uint64_t samples, std::uint64_t skipped, double servo_rate_hz, std::int64_t now_ns) {
-    if (is_given_ || now_ns < known_ns_) return {};
-    is_given_ = true;
-    const double all = static_cast<double>(samples + skipped);
-    if (static_cast<double>(skipped) < kMaxSkipped * all) return {};
+  std::string make_if_due(std::uint64_t samples, std::uint64_t skipped, double servo_rate_hz, std::int64_t now_ns) {
+    if (is_done_ || now_ns < due_ns_) return {};
+    is_done_ = true;
+    const double total = static_cast<double>(samples + skipped);
+    if (static_cast<double>(skipped) < kMaxSkippedShare * total) return {};
     return fmt::format("{:.0f} of {:.0f} samples a second arrive; with io_node --vision-rate {:.0f}, as many as this host can handle",
-                       static_cast<double>(samples) / all * servo_rate_hz, servo_rate_hz, std::min(2.0 * servo_rate_hz, kMaxServoRateHz));
+                       static_cast<double>(samples) / total * servo_rate_hz, servo_rate_hz, std::min(2.0 * servo_rate_hz, kMaxServoRateHz));
   }
 
  private:
-  std::int64_t known_ns_;
-  bool is_given_ = false;
+  std::int64_t due_ns_;
+  bool is_done_ = false;
 };
 
 // Says what was dropped, at most once per kWarnEveryNs.
 class DropWarnings {
  public:
-  std::string take(ForceReplier* replier, const BridgeSettings& settings, std::int64_t now_ns) {
+  std::string make_if_due(ForceReplier* replier, const BridgeSettings& settings, std::int64_t now_ns) {
     if (replier == nullptr || now_ns < next_ns_) return {};
     const auto warning = replier->take_warning();
     if (!warning) return {};
@@ -120,29 +120,29 @@ std::optional<RosSample> SampleMaker::make(const ProbeState& probe, std::uint64_
                                            std::int64_t day_offset) noexcept {
   if (session != session_) {
     session_ = session;
-    stamps_.reset();
-    linear_.reset();
-    angular_.reset();
-    last_ = {};
+    stamp_clock_.reset();
+    linear_velocity_.reset();
+    angular_velocity_.reset();
+    last_probe_ = {};
   }
-  const bool is_first = last_.sample == 0;
-  if (!is_first && (probe.sample <= last_.sample || probe.sample_time_ns <= last_.sample_time_ns)) return std::nullopt;
-  const double dt_s = is_first ? 1.0 : 1e-9 * static_cast<double>(probe.sample_time_ns - last_.sample_time_ns);
+  const bool is_first = last_probe_.sample == 0;
+  if (!is_first && (probe.sample <= last_probe_.sample || probe.sample_time_ns <= last_probe_.sample_time_ns)) return std::nullopt;
+  const double dt_s = is_first ? 1.0 : 1e-9 * static_cast<double>(probe.sample_time_ns - last_probe_.sample_time_ns);
   if (!is_first) {
-    skipped_ += probe.sample - last_.sample - 1;
-    turned_rad_ += turn_between(last_.q_WT, probe.q_WT);
+    skipped_ += probe.sample - last_probe_.sample - 1;
+    rotation_sum_rad_ += turn_between(last_probe_.q_WT, probe.q_WT);
   }
-  linear_.add(probe.p_WD, dt_s);
-  angular_.add(turned_rad_, dt_s);
-  last_ = probe;
+  linear_velocity_.add(probe.p_WD, dt_s);
+  angular_velocity_.add(rotation_sum_rad_, dt_s);
+  last_probe_ = probe;
   return RosSample{.probe = probe,
-                   .linear_m_per_s = linear_.mean(),
-                   .angular_rad_per_s = angular_.mean(),
-                   .stamp_ns = stamps_.stamp_ns(probe.sample_time_ns, received_ns, day_offset)};
+                   .linear_m_per_s = linear_velocity_.mean(),
+                   .angular_rad_per_s = angular_velocity_.mean(),
+                   .stamp_ns = stamp_clock_.stamp_ns(probe.sample_time_ns, received_ns, day_offset)};
 }
 
 Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::function<bool()>& is_over,
-                                 const std::function<void(const std::string&)>& say) {
+                                 const std::function<void(const std::string&)>& print_line) {
   const auto address = parse_address(settings.hub.hub);
   if (!address) return tl::unexpected(address.error());
   RosNode::Options ros = settings.ros;
@@ -152,15 +152,15 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
   if (!node) return tl::unexpected(node.error());
   const auto connection = HubConnection::open(NodeRole::vision, settings.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kBridgePatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kBridgeJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   const auto replier = start_replier(settings, **node);
   if (!replier) return tl::unexpected(replier.error());
-  say(describe_topics(settings));
+  print_line(describe_topics(settings));
 
   const auto rights = enter_realtime({.mode = settings.realtime, .priority = kPublisherPriority, .lock_memory = false});
   if (!rights) return tl::unexpected(rights.error());
   const RealtimeReport& realtime = *replier != nullptr ? (*replier)->realtime() : *rights;  // the thread of the forces requests more rights
-  if (!realtime.complete()) say(realtime.to_text());
+  if (!realtime.complete()) print_line(realtime.to_text());
   HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
   const std::int64_t start_ns = clock.now_ns();
@@ -169,15 +169,15 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
   SampleMaker maker(is_loopback(*address));
   RateAdvice advice(start_ns);
   DropWarnings warnings;
-  const auto say_if_any = [&](const std::string& text) {
-    if (!text.empty()) say(text);
+  const auto print_if_any = [&](const std::string& text) {
+    if (!text.empty()) print_line(text);
   };
   BridgeSummary summary;
   Datagram datagram;
   while (clock.now_ns() < end_ns && !is_over()) {
-    const bool has_datagram = client.receive(datagram, clock.now_ns() + kBridgeTurnNs);
+    const bool has_datagram = client.receive(datagram, clock.now_ns() + kBridgeMaxWaitNs);
     const std::int64_t now_ns = clock.now_ns();
-    say_if_any(warnings.take(replier->get(), settings, now_ns));
+    print_if_any(warnings.make_if_due(replier->get(), settings, now_ns));
     const auto* probe = has_datagram ? std::get_if<ProbeState>(&datagram.message) : nullptr;
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     // Sent before anything else, since it asks for the next state.
@@ -186,7 +186,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     if (!sample) continue;
     (*node)->publish(*sample);
     ++summary.samples;
-    say_if_any(advice.take(summary.samples, maker.skipped(), client.servo_rate_hz(), now_ns));
+    print_if_any(advice.make_if_due(summary.samples, maker.skipped(), client.servo_rate_hz(), now_ns));
   }
   if (*replier) {
     (*replier)->stop();

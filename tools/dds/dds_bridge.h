@@ -40,7 +40,7 @@ struct BridgeSummary {
 // Makes samples for ROS from the hub's probe states: each state once, with velocities and a stamp. RT: make yes. Threads: one.
 class SampleMaker {
  public:
-  explicit SampleMaker(bool has_hub_clock) noexcept : stamps_(has_hub_clock) {}
+  explicit SampleMaker(bool has_hub_clock) noexcept : stamp_clock_(has_hub_clock) {}
 
   // None for a state that is not newer than the last one. session: the hub's; a new one resets all but skipped(). Times: see StampClock.
   std::optional<RosSample> make(const ProbeState& probe, std::uint64_t session, std::int64_t received_ns,
@@ -49,19 +49,19 @@ class SampleMaker {
   std::uint64_t skipped() const noexcept { return skipped_; }
 
  private:
-  StampClock stamps_;
-  SmoothVelocity linear_;
-  SmoothVelocity angular_;
+  StampClock stamp_clock_;
+  SmoothVelocity linear_velocity_;
+  SmoothVelocity angular_velocity_;
   std::uint64_t session_ = 0;
-  ProbeState last_;
-  Vec3 turned_rad_ = Vec3::Zero();  // all rotation vectors so far
+  ProbeState last_probe_;
+  Vec3 rotation_sum_rad_ = Vec3::Zero();  // all rotation vectors so far
   std::uint64_t skipped_ = 0;
 };
 
 // Joins the hub as a vision node and publishes its samples until time is up or is_over() is true; with accept_forces_n also as a haptics
-// node. say: gets lines for a person. Error, one line: no hub, no DDS, a right is missing. RT: no. Threads: blocks the caller.
+// node. print_line: gets lines for a person. Error, one line: no hub, no DDS, a right is missing. RT: no. Threads: blocks the caller.
 Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::function<bool()>& is_over,
-                                 const std::function<void(const std::string&)>& say);
+                                 const std::function<void(const std::string&)>& print_line);
 
 // The summary as one line for a person. RT: no.
 std::string to_text(const BridgeSummary& summary);

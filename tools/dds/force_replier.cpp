@@ -7,16 +7,16 @@
 namespace hapton::dds {
 namespace {
 
-constexpr double kReplierPatienceS = 5.0;  // how long to wait for the hub; a free choice
+constexpr double kReplierJoinTimeoutS = 5.0;  // how long to wait for the hub; a free choice
 // The longest wait for a datagram, and so the longest time until a stop is noticed; a free choice
-constexpr std::int64_t kReplierTurnNs = 20 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kReplierMaxWaitNs = 20 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
 Result<std::unique_ptr<ForceReplier>> ForceReplier::start(RosNode& node, const Settings& settings) {
   auto connection = HubConnection::open(NodeRole::haptics, settings.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kReplierPatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kReplierJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   std::unique_ptr<ForceReplier> replier(new ForceReplier(node, settings, std::move(*connection)));
   auto rights = replier->rights_.get_future().get();
   if (!rights) return tl::unexpected(rights.error());
@@ -59,7 +59,7 @@ void ForceReplier::run(RealtimeMode realtime) {
   const Clock& clock = connection_->clock();
   Datagram datagram;
   while (!is_stopping_.load(std::memory_order_relaxed)) {
-    if (!client.receive(datagram, clock.now_ns() + kReplierTurnNs)) {
+    if (!client.receive(datagram, clock.now_ns() + kReplierMaxWaitNs)) {
       take_commands();  // so that no command waits while there is no hub and then counts as new
       continue;
     }
@@ -81,8 +81,10 @@ void ForceReplier::reply(const DeviceState& state, std::uint32_t states) {
   const std::int64_t now_ns = connection_->clock().now_ns();
   command_.force_n = force_.force_n(now_ns);
   command_.torque_nm = force_.torque_nm(now_ns);
-  const std::uint64_t passed = state.sample - command_.echo_sample;
-  command_.replied_before = replies_ == 0 || passed - 1 >= 63 ? 0 : command_.replied_before << passed | std::uint64_t{1} << (passed - 1);
+  const std::uint64_t samples_since_reply = state.sample - command_.echo_sample;
+  command_.replied_before = replies_ == 0 || samples_since_reply - 1 >= 63
+                                ? 0
+                                : command_.replied_before << samples_since_reply | std::uint64_t{1} << (samples_since_reply - 1);
   command_.echo_sample = state.sample;
   command_.echo_sample_time_ns = state.sample_time_ns;
   command_.skipped_samples = states - 1;

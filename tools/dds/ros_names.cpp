@@ -28,18 +28,18 @@ std::string printable(std::string_view text) {
 }  // namespace
 
 Result<std::string> make_prefix(std::string_view prefix) {
-  std::string_view rest = prefix.starts_with('/') ? prefix.substr(1) : prefix;
-  std::string made;
+  std::string_view remaining = prefix.starts_with('/') ? prefix.substr(1) : prefix;
+  std::string checked_prefix;
   bool is_good = prefix.size() <= kLongestName;
   while (is_good) {
-    const std::size_t slash = rest.find('/');
-    const std::string_view word = rest.substr(0, slash);
+    const std::size_t slash = remaining.find('/');
+    const std::string_view word = remaining.substr(0, slash);
     is_good = is_word(word);
-    made += "/" + std::string(word);
+    checked_prefix += "/" + std::string(word);
     if (slash == std::string_view::npos) break;
-    rest.remove_prefix(slash + 1);
+    remaining.remove_prefix(slash + 1);
   }
-  if (is_good) return made;
+  if (is_good) return checked_prefix;
   return fail(
       "--prefix '{}' is not a name in ROS 2: give words of letters, digits and single underscores, none beginning with a digit, as in "
       "/hapton/left",
@@ -64,10 +64,10 @@ Result<void> check_interface(std::string_view interface) {
               printable(interface));
 }
 
-Result<int> choose_domain(std::optional<int> given, const char* ros_domain_id) {
-  if (given) {
-    if (*given >= 0 && *given <= kHighestDomain) return *given;
-    return fail("--domain {} does not exist: give 0 to {}", *given, kHighestDomain);
+Result<int> choose_domain(std::optional<int> domain_option, const char* ros_domain_id) {
+  if (domain_option) {
+    if (*domain_option >= 0 && *domain_option <= kHighestDomain) return *domain_option;
+    return fail("--domain {} does not exist: give 0 to {}", *domain_option, kHighestDomain);
   }
   const std::string_view text = ros_domain_id == nullptr ? "" : ros_domain_id;
   if (text.empty()) return 0;

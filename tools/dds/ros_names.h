@@ -25,8 +25,8 @@ Result<void> check_frame(std::string_view frame);
 // Error, one line: the text cannot be the name or address of a network interface. Whether there is one is not checked. RT: no.
 Result<void> check_interface(std::string_view interface);
 
-// The domain: `given`; without it ros_domain_id, the value of the variable ROS_DOMAIN_ID (null or empty: not set); without both 0. Error,
-// one line: it is not a whole number from 0 to kHighestDomain. RT: no.
-Result<int> choose_domain(std::optional<int> given, const char* ros_domain_id);
+// The domain: `domain_option`; without it ros_domain_id, the value of the variable ROS_DOMAIN_ID (null or empty: not set); without both 0.
+// Error, one line: it is not a whole number from 0 to kHighestDomain. RT: no.
+Result<int> choose_domain(std::optional<int> domain_option, const char* ros_domain_id);
 
 }  // namespace hapton::dds

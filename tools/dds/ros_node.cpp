@@ -119,13 +119,13 @@ struct RosNode::State {
   std::string proxy_frame;
   dds_entity_t domain = 0;  // 0: this object created none
   dds_entity_t participant = 0;
-  dds_entity_t pose = 0;
-  dds_entity_t proxy = 0;
-  dds_entity_t twist = 0;
-  dds_entity_t wrench = 0;
-  dds_entity_t joy = 0;
-  dds_entity_t tf = 0;
-  dds_entity_t servo = 0;
+  dds_entity_t pose_writer = 0;
+  dds_entity_t proxy_writer = 0;
+  dds_entity_t twist_writer = 0;
+  dds_entity_t wrench_writer = 0;
+  dds_entity_t joy_writer = 0;
+  dds_entity_t tf_writer = 0;
+  dds_entity_t servo_reader = 0;
   std::array<std::int32_t, kButtons> buttons = {};
   std::uint32_t button_bits = 0;
   std::int64_t next_joy_ns = 0;
@@ -217,22 +217,22 @@ Result<void> RosNode::State::make_topics() {
     const dds_qos_t* qos;
   };
   const Writer writers[] = {
-      {wrench, geometry_msgs_msg_dds__WrenchStamped__desc, options.prefix + "/measured_cf", sensor.get()},
-      {pose, geometry_msgs_msg_dds__PoseStamped__desc, options.prefix + "/measured_cp", sensor.get()},
-      {twist, geometry_msgs_msg_dds__TwistStamped__desc, options.prefix + "/measured_cv", sensor.get()},
-      {proxy, geometry_msgs_msg_dds__PoseStamped__desc, options.prefix + "/proxy/measured_cp", sensor.get()},
-      {joy, sensor_msgs_msg_dds__Joy__desc, options.prefix + "/joy", sensor.get()},
-      {tf, tf2_msgs_msg_dds__TFMessage__desc, "/tf", transforms.get()},
+      {wrench_writer, geometry_msgs_msg_dds__WrenchStamped__desc, options.prefix + "/measured_cf", sensor.get()},
+      {pose_writer, geometry_msgs_msg_dds__PoseStamped__desc, options.prefix + "/measured_cp", sensor.get()},
+      {twist_writer, geometry_msgs_msg_dds__TwistStamped__desc, options.prefix + "/measured_cv", sensor.get()},
+      {proxy_writer, geometry_msgs_msg_dds__PoseStamped__desc, options.prefix + "/proxy/measured_cp", sensor.get()},
+      {joy_writer, sensor_msgs_msg_dds__Joy__desc, options.prefix + "/joy", sensor.get()},
+      {tf_writer, tf2_msgs_msg_dds__TFMessage__desc, "/tf", transforms.get()},
   };
   for (const Writer& writer : writers) {
-    if (&writer.entity == &tf && options.tf_rate_hz <= 0.0) continue;
+    if (&writer.entity == &tf_writer && options.tf_rate_hz <= 0.0) continue;
     if (const auto made = make_writer(writer.entity, writer.type, writer.name, writer.qos); !made) return made;
   }
   if (!options.takes_forces) return {};
   const auto topic = make_topic(geometry_msgs_msg_dds__WrenchStamped__desc, options.prefix + "/servo_cf");
   if (!topic) return tl::unexpected(topic.error());
-  servo = dds_create_reader(participant, *topic, make_qos(false, kMaxForces).get(), nullptr);
-  if (servo < 0) return engine_error("reading topic {}/servo_cf: {}", options.prefix, dds_strretcode(servo));
+  servo_reader = dds_create_reader(participant, *topic, make_qos(false, kMaxForces).get(), nullptr);
+  if (servo_reader < 0) return engine_error("reading topic {}/servo_cf: {}", options.prefix, dds_strretcode(servo_reader));
   return {};
 }
 
@@ -258,16 +258,16 @@ void RosNode::publish(const RosSample& sample) {
   using Point = geometry_msgs_msg_dds__Point_;
 
   const WrenchMessage wrench = {header, {vector_of<Vector>(probe.force_n), vector_of<Vector>(probe.torque_nm)}};
-  state.write(state.wrench, &wrench);
+  state.write(state.wrench_writer, &wrench);
   const Pose pose = {header, {vector_of<Point>(probe.p_WD), quaternion_of(probe.q_WT)}};
-  state.write(state.pose, &pose);
+  state.write(state.pose_writer, &pose);
   const Twist twist = {header, {vector_of<Vector>(sample.linear_m_per_s), vector_of<Vector>(sample.angular_rad_per_s)}};
-  state.write(state.twist, &twist);
+  state.write(state.twist_writer, &twist);
 
   const Vec3 p_WP = probe.p_WD + probe.visual_offset_m;
   const Quat q_WP = turn_by(probe.visual_turn) * probe.q_WT;
   const Pose proxy = {header, {vector_of<Point>(p_WP), quaternion_of(q_WP)}};
-  state.write(state.proxy, &proxy);
+  state.write(state.proxy_writer, &proxy);
 
   if (probe.buttons != state.button_bits || state.is_due(state.next_joy_ns, kJoyEveryNs, sample.stamp_ns)) {
     state.button_bits = probe.buttons;
@@ -275,20 +275,20 @@ void RosNode::publish(const RosSample& sample) {
     Joy joy = {};
     joy.header_ = header;
     joy.buttons_ = {kButtons, kButtons, state.buttons.data(), false};
-    state.write(state.joy, &joy);
+    state.write(state.joy_writer, &joy);
   }
   if (state.options.tf_rate_hz <= 0.0) return;
   if (!state.is_due(state.next_tf_ns, period_ns(state.options.tf_rate_hz), sample.stamp_ns)) return;
   std::array<Transform, 2> both = {state.transform(header, state.device_frame, probe.p_WD, probe.q_WT),
                                    state.transform(header, state.proxy_frame, p_WP, q_WP)};
   const Transforms transforms = {{both.size(), both.size(), both.data(), false}};
-  state.write(state.tf, &transforms);
+  state.write(state.tf_writer, &transforms);
 }
 
 void RosNode::take_forces(const std::function<void(const ServoCommand&)>& visit) {
   std::array<void*, kMaxForces> messages = {};
   std::array<dds_sample_info_t, kMaxForces> infos;
-  const dds_return_t count = dds_take(state_->servo, messages.data(), infos.data(), messages.size(), messages.size());
+  const dds_return_t count = dds_take(state_->servo_reader, messages.data(), infos.data(), messages.size(), messages.size());
   for (dds_return_t i = 0; i < count; ++i) {
     if (!infos[i].valid_data) continue;
     const auto& message = *static_cast<const WrenchMessage*>(messages[i]);
@@ -299,7 +299,7 @@ void RosNode::take_forces(const std::function<void(const ServoCommand&)>& visit)
            .force_n = {force.x_, force.y_, force.z_},
            .torque_nm = {torque.x_, torque.y_, torque.z_}});
   }
-  if (count > 0) dds_return_loan(state_->servo, messages.data(), count);
+  if (count > 0) dds_return_loan(state_->servo_reader, messages.data(), count);
 }
 
 }  // namespace hapton::dds

@@ -14,7 +14,7 @@ Vec3 shortened(const Vec3& vector, double most) {
 
 }  // namespace
 
-ServoForce::Verdict ServoForce::judge(const ServoCommand& command, std::int64_t now_ns) noexcept {
+ServoForce::Verdict ServoForce::evaluate(const ServoCommand& command, std::int64_t now_ns) noexcept {
   if (is_fresh(now_ns) && command.writer != writer_) return Verdict::other_writer;
   if (command.frame_id != frame_) return Verdict::wrong_frame;
   if (!command.force_n.allFinite() || !command.torque_nm.allFinite()) return Verdict::not_finite;
@@ -23,7 +23,7 @@ ServoForce::Verdict ServoForce::judge(const ServoCommand& command, std::int64_t 
 }
 
 ServoForce::Verdict ServoForce::take(const ServoCommand& command, std::int64_t now_ns) noexcept {
-  const Verdict verdict = judge(command, now_ns);
+  const Verdict verdict = evaluate(command, now_ns);
   switch (verdict) {
     case Verdict::other_writer:
       ++counts_.other_writer;
@@ -47,7 +47,7 @@ ServoForce::Verdict ServoForce::take(const ServoCommand& command, std::int64_t n
   }
   ++counts_.accepted;
   writer_ = command.writer;
-  taken_ns_ = now_ns;
+  accepted_ns_ = now_ns;
   force_n_ = shortened(command.force_n, most_n_);
   torque_nm_ = shortened(command.torque_nm, most_nm_);
   return verdict;

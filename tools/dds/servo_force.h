@@ -21,7 +21,7 @@ struct ServoCommand {
 class ServoForce {
  public:
   // How long a command takes effect: as long as the governor's command timeout.
-  static constexpr std::int64_t kAgeNs = 20'000'000;
+  static constexpr std::int64_t kMaxAgeNs = 20'000'000;
 
   enum class Verdict : std::uint8_t {
     accepted,
@@ -44,20 +44,20 @@ class ServoForce {
   ServoForce(std::string frame, double most_n, double most_nm = 0.0) : frame_(std::move(frame)), most_n_(most_n), most_nm_(most_nm) {}
 
   Verdict take(const ServoCommand& command, std::int64_t now_ns) noexcept;
-  // The force and torque in effect, frame W. Zero if the last accepted command is kAgeNs old or was followed by a release.
+  // The force and torque in effect, frame W. Zero if the last accepted command is kMaxAgeNs old or was followed by a release.
   Vec3 force_n(std::int64_t now_ns) const noexcept { return is_fresh(now_ns) ? force_n_ : Vec3(Vec3::Zero()); }
   Vec3 torque_nm(std::int64_t now_ns) const noexcept { return is_fresh(now_ns) ? torque_nm_ : Vec3(Vec3::Zero()); }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
-  bool is_fresh(std::int64_t now_ns) const noexcept { return writer_ != 0 && now_ns - taken_ns_ < kAgeNs; }
-  Verdict judge(const ServoCommand& command, std::int64_t now_ns) noexcept;
+  bool is_fresh(std::int64_t now_ns) const noexcept { return writer_ != 0 && now_ns - accepted_ns_ < kMaxAgeNs; }
+  Verdict evaluate(const ServoCommand& command, std::int64_t now_ns) noexcept;
 
   std::string frame_;
   double most_n_;
   double most_nm_;
   std::uint64_t writer_ = 0;
-  std::int64_t taken_ns_ = 0;
+  std::int64_t accepted_ns_ = 0;
   Vec3 force_n_ = Vec3::Zero();
   Vec3 torque_nm_ = Vec3::Zero();
   Counts counts_;

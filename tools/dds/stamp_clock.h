@@ -27,9 +27,9 @@ class StampClock {
 
   bool has_hub_clock_;
   std::int64_t window_start_ns_ = kNone;
-  std::int64_t least_ns_ = kNone;         // the least received_ns - sample_ns in this window
-  std::int64_t least_before_ns_ = kNone;  // the least in the window before
-  std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t least_offset_ns_ = kNone;           // the least received_ns - sample_ns in this window
+  std::int64_t previous_least_offset_ns_ = kNone;  // the least in the window before
+  std::int64_t last_stamp_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
 }  // namespace hapton::dds

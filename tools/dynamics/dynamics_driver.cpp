@@ -24,7 +24,7 @@ constexpr double kMinTravelM = 2e-6;
 constexpr double kFirstDelayS = 0.02;
 constexpr double kLongestDelayS = 0.2;
 // The delay is the largest one measured; it decreases by this share with each reply.
-constexpr double kForgetShare = 0.005;
+constexpr double kDelayDecayShare = 0.005;
 
 }  // namespace
 
@@ -71,15 +71,15 @@ Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) c
   const Vec3 grip_S = X_SW * (state.p_WD + state.visual_offset_m);
   const double most_m =
       (grip_S - world_->place(state.object).p_S).norm() + scene_->objects[static_cast<std::size_t>(state.object)].commanded->radius_m();
-  const double squared = force_n.squaredNorm();
-  const Vec3 arm = squared > 0.0 ? bounded_force(force_n.cross(torque_nm) / squared, most_m) : Vec3(Vec3::Zero());
-  const double delay = settings_.damping_share * delay_s_;
+  const double force_squared = force_n.squaredNorm();
+  const Vec3 arm = force_squared > 0.0 ? bounded_force(force_n.cross(torque_nm) / force_squared, most_m) : Vec3(Vec3::Zero());
+  const double damping_time_s = settings_.damping_share * delay_s_;
   return {.object = state.object,
           .p_S = grip_S + arm,
           .force_n = force_n,
-          .damping_ns_per_m = tool_->stiffness_n_per_m * delay,
+          .damping_ns_per_m = tool_->stiffness_n_per_m * damping_time_s,
           .torque_nm = torque_nm - arm.cross(force_n),
-          .damping_nms_per_rad = tool_->rotational_stiffness_nm_per_rad * delay};
+          .damping_nms_per_rad = tool_->rotational_stiffness_nm_per_rad * damping_time_s};
 }
 
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
@@ -87,7 +87,7 @@ void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
   if (interval_ns_ < 0) {
     // Scene time went back, so the haptics node is a new one, with the bodies and materials as in the scene file.
     ++counts_.restarts;
-    for (Body& body : bodies_) body.is_known = false;
+    for (Body& body : bodies_) body.is_pose_sent = false;
     materials_ = tuned_materials(scene_->touch_scene(), MaterialState(), 0.0);
   }
   if (scene_time_ns_ < 0 || interval_ns_ < 0) world_time_ns_ = scene_time_ns;
@@ -142,33 +142,33 @@ void DynamicsDriver::take(const MoveReply& reply) {
   body->pending.reset();
   if (reply.rejection[0] != '\0') {
     rejection_ = reply.rejection.data();
-    body->is_known = false;
+    body->is_pose_sent = false;
     body->not_before_ns = body->sent_ns + kRepeatNs;
     return;
   }
   const double measured =
       1e-9 * static_cast<double>(scene_time_ns_ - body->sent_scene_ns + std::max<std::int64_t>(interval_ns_, 0)) + period_s_;
-  delay_s_ = std::clamp(std::max(measured, (1.0 - kForgetShare) * delay_s_), 0.0, kLongestDelayS);
+  delay_s_ = std::clamp(std::max(measured, (1.0 - kDelayDecayShare) * delay_s_), 0.0, kLongestDelayS);
 }
 
 // True if the haptics node may have a different pose of the body than the dynamics has.
-bool DynamicsDriver::is_unknown(const Body& body) const {
-  if (!body.is_known) return true;
+bool DynamicsDriver::is_pose_outdated(const Body& body) const {
+  if (!body.is_pose_sent) return true;
   const double radius = scene_->objects[static_cast<std::size_t>(body.object)].commanded->radius_m();
   return most_travel_m(body.requested, world_->place(body.object), radius) > kMinTravelM;
 }
 
 bool DynamicsDriver::is_due(const Body& body, std::int64_t now_ns) const {
   if (now_ns < body.not_before_ns) return false;
-  return is_unknown(body) || (body.pending && now_ns - body.sent_ns >= kRepeatNs);
+  return is_pose_outdated(body) || (body.pending && now_ns - body.sent_ns >= kRepeatNs);
 }
 
 MoveRequest DynamicsDriver::make_request(Body& body) {
-  if (body.pending && !is_unknown(body)) return *body.pending;
+  if (body.pending && !is_pose_outdated(body)) return *body.pending;
   body.requested = world_->place(body.object, period_s_);
   const ObjectPlace place = scene_->objects[static_cast<std::size_t>(body.object)].commanded->find_place(body.requested);
   body.sent_scene_ns = scene_time_ns_;
-  body.is_known = true;
+  body.is_pose_sent = true;
   last_request_ = std::max(last_request_ + 1, 1U);
   return body.pending.emplace(
       MoveRequest{.request = last_request_, .number = body.object, .p_m = place.p_FM, .q = place.q_FM, .over_s = period_s_});
@@ -176,10 +176,10 @@ MoveRequest DynamicsDriver::make_request(Body& body) {
 
 std::optional<MoveRequest> DynamicsDriver::next_request(std::int64_t now_ns) {
   if (scene_time_ns_ < 0 || now_ns < next_request_ns_) return std::nullopt;
-  std::size_t due = 0;
-  for (const Body& body : bodies_) due += is_due(body, now_ns) ? 1 : 0;
-  if (due == 0) return std::nullopt;
-  period_s_ = static_cast<double>(due) / kRequestRateHz;
+  std::size_t due_count = 0;
+  for (const Body& body : bodies_) due_count += is_due(body, now_ns) ? 1 : 0;
+  if (due_count == 0) return std::nullopt;
+  period_s_ = static_cast<double>(due_count) / kRequestRateHz;
   while (!is_due(bodies_[next_body_], now_ns)) next_body_ = (next_body_ + 1) % bodies_.size();
   Body& body = bodies_[next_body_];
   next_body_ = (next_body_ + 1) % bodies_.size();

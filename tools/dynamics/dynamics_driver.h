@@ -80,7 +80,7 @@ class DynamicsDriver {
     std::int64_t sent_ns = 0;            // when it was sent last
     std::int64_t sent_scene_ns = 0;      // scene time when it was first sent
     std::int64_t not_before_ns = 0;      // after a rejection: the earliest time of the next request
-    bool is_known = false;               // a request was sent and not rejected
+    bool is_pose_sent = false;           // a request was sent and not rejected
   };
 
   DynamicsDriver(const Scene& scene, const Settings& settings, std::unique_ptr<DynamicsWorld> world);
@@ -88,7 +88,7 @@ class DynamicsDriver {
   void move_obstacles(double time_s);
   std::optional<Push> find_push(const ProbeState& state) const;
   Push find_tool_push(const ProbeState& state, const Pose& X_SW) const;
-  bool is_unknown(const Body& body) const;
+  bool is_pose_outdated(const Body& body) const;
   bool is_due(const Body& body, std::int64_t now_ns) const;
   MoveRequest make_request(Body& body);
 

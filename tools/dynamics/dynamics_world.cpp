@@ -156,11 +156,11 @@ Member make_obstacle(const SceneObject& object) {
 }
 
 // Simplifies the mesh first, within half of the tolerance, which makes the number of convex pieces smaller.
-void make_body_shape(const TriangleMesh& felt, const Pose& X_BS, Member& member) {
-  TriangleMesh mesh = {felt.vertices, felt.triangles};
-  const double most = DynamicsWorld::kShapeShare * compute_bounds(mesh).extent();
-  (void)simplify_small(mesh, most / 2);  // an error leaves the mesh as it is
-  const std::vector<ConvexPiece> pieces = split_into_convex(mesh, most, kMaxPieces);
+void make_body_shape(const TriangleMesh& touched_mesh, const Pose& X_BS, Member& member) {
+  TriangleMesh mesh = {touched_mesh.vertices, touched_mesh.triangles};
+  const double tolerance_m = DynamicsWorld::kShapeShare * compute_bounds(mesh).extent();
+  (void)simplify_small(mesh, tolerance_m / 2);  // an error leaves the mesh as it is
+  const std::vector<ConvexPiece> pieces = split_into_convex(mesh, tolerance_m, kMaxPieces);
   if (pieces.size() == 1) {
     member.shape = make_hull(pieces.front(), X_BS);
     return;
@@ -236,12 +236,12 @@ struct DynamicsWorld::Parts {
     K.bottomRightCorner<3, 3>() = inverse_inertia;
     Vec6 velocity;
     velocity << from_bullet(body.getVelocityInLocalPoint(to_units(arm))) / kUnitsPerM, from_bullet(body.getAngularVelocity());
-    Vec6 pushed;
-    pushed << kStepS * push->force_n, kStepS * push->torque_nm;
-    Vec6 damped;
-    damped << Vec3::Constant(kStepS * push->damping_ns_per_m), Vec3::Constant(kStepS * push->damping_nms_per_rad);
-    const Mat6 slowed = Mat6::Identity() + K * damped.asDiagonal();
-    const Vec6 impulse = pushed - damped.asDiagonal() * slowed.partialPivLu().solve(velocity + K * pushed);
+    Vec6 push_impulse;
+    push_impulse << kStepS * push->force_n, kStepS * push->torque_nm;
+    Vec6 impulse_per_speed;
+    impulse_per_speed << Vec3::Constant(kStepS * push->damping_ns_per_m), Vec3::Constant(kStepS * push->damping_nms_per_rad);
+    const Mat6 implicit_matrix = Mat6::Identity() + K * impulse_per_speed.asDiagonal();
+    const Vec6 impulse = push_impulse - impulse_per_speed.asDiagonal() * implicit_matrix.partialPivLu().solve(velocity + K * push_impulse);
     body.applyImpulse(to_units(impulse.head<3>()), to_units(arm));
     body.applyTorqueImpulse(kUnitsPerM * to_units(impulse.tail<3>()));
   }
@@ -284,14 +284,14 @@ struct DynamicsWorld::Parts {
   std::vector<Member> members;  // by number of the object
   std::vector<int> bodies;
   std::optional<Push> push;
-  Eigen::AlignedBox3d box;  // bounds of the scene as the file places it
-  std::vector<int> fallen;  // objects that fell out of the scene in the last step
+  Eigen::AlignedBox3d scene_bounds;  // bounds of the scene as the file places it
+  std::vector<int> fallen;           // objects that fell out of the scene in the last step
 };
 
 Result<std::unique_ptr<DynamicsWorld>> DynamicsWorld::make(const Scene& scene, double friction) {
   auto parts = std::make_unique<Parts>();
   for (const SceneObject& object : scene.objects) {
-    for (const Vec3& vertex : object.mesh->vertices) parts->box.extend(vertex);
+    for (const Vec3& vertex : object.mesh->vertices) parts->scene_bounds.extend(vertex);
     if (!(object.mass_kg > 0.0)) {
       parts->add(make_obstacle(object), friction);
       continue;
@@ -357,8 +357,8 @@ void DynamicsWorld::step() {
   for (const int object : parts_->bodies) {
     Member& member = parts_->at(object);
     Parts::limit_speed(member);
-    const Vec3 away = Parts::pose_of(member).translation() - parts_->box.center();
-    if (away.norm() <= kFallenDiagonals * parts_->box.diagonal().norm()) continue;
+    const Vec3 offset = Parts::pose_of(member).translation() - parts_->scene_bounds.center();
+    if (offset.norm() <= kFallenDiagonals * parts_->scene_bounds.diagonal().norm()) continue;
     Parts::put_back(member);
     parts_->fallen.push_back(object);
   }
