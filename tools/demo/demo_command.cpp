@@ -61,24 +61,24 @@ Result<bool> run_by_script(const DemoOptions& options, const DemoSettings& setti
   if (error) return fail("{}: cannot be made: {}", settings.out.string(), error.message());
   LocalDisplay display;
   if (const auto shown = display.start_if_none(settings.out); !shown) return tl::unexpected(shown.error());
-  bool held = true;
+  bool all_shown = true;
   std::string lines;
   const auto [first, last] = range_of(options);
   for (std::size_t number = first; number <= last; ++number) {
     const auto outcome = run_demo_step(number, settings, stop);
     if (!outcome && stop.stop_requested()) return tl::unexpected(outcome.error());
     const std::string name = fmt::format("{} {}", number, demo_steps()[number - 1].name);
-    const std::string line = outcome
-                                 ? fmt::format("{}: {}; {}\n", name, outcome->verdict.held ? "shown" : "NOT SHOWN", outcome->verdict.text)
-                                 : fmt::format("{}: NOT SHOWN; {}\n", name, outcome.error().what);
-    held = held && outcome && outcome->verdict.held;
+    const std::string line =
+        outcome ? fmt::format("{}: {}; {}\n", name, outcome->verdict.is_shown ? "shown" : "NOT SHOWN", outcome->verdict.text)
+                : fmt::format("{}: NOT SHOWN; {}\n", name, outcome.error().what);
+    all_shown = all_shown && outcome && outcome->verdict.is_shown;
     lines += line;
     fmt::print("{}", line);
     std::fflush(stdout);
   }
   if (const auto written = write_file_atomically(settings.out / "demo.txt", lines); !written) return tl::unexpected(written.error());
   fmt::print("pictures, reports and logs are in {}\n", settings.out.string());
-  return held;
+  return all_shown;
 }
 
 Result<bool> run_in_window(const DemoOptions& options, const DemoSettings& settings) {

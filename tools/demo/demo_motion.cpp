@@ -12,7 +12,7 @@ namespace {
 class MotionReader {
  public:
   void add(const SessionEntry& entry, const Datagram* datagram) {
-    if (entry.kind == SessionEntry::Kind::cycle) motion_.written.push_back({entry.time_ns, entry.cycle.written_n.norm()});
+    if (entry.kind == SessionEntry::Kind::cycle) motion_.written_forces.push_back({entry.time_ns, entry.cycle.written_n.norm()});
     if (datagram == nullptr) return;
     if (const auto* state = std::get_if<DeviceState>(&datagram->message); state != nullptr && entry.kind == SessionEntry::Kind::sent) {
       devices_[state->sample] = {state->sample_time_ns, state->p_WD};

@@ -10,7 +10,7 @@
 namespace hapton {
 
 // One sample for which a force command came: positions of the device and of the drawn probe, and the force. Frame W, m, N.
-struct DemoStepSeen {
+struct DemoSample {
   std::int64_t time_ns = 0;  // when the device was sampled
   Vec3 p_WD = Vec3::Zero();
   Vec3 p_WP = Vec3::Zero();
@@ -26,8 +26,8 @@ struct DemoForceWritten {
 
 // Device, probe and force from a recording (io_node --record). Times are of the hub's clock, which is the clock of this machine.
 struct DemoMotion {
-  std::vector<DemoStepSeen> steps;
-  std::vector<DemoForceWritten> written;
+  std::vector<DemoSample> steps;
+  std::vector<DemoForceWritten> written_forces;
 };
 
 // Error, one line: the file is not a recording, or it is truncated or damaged. RT: no.

@@ -12,10 +12,10 @@ namespace {
 
 // The hand is a spring of 400 N/m in series with a surface of 1,000 N/m: 8 mm behind the surface the force is 2.3 N, a firm press.
 constexpr double kPressM = 0.008;
-constexpr double kAheadM = 0.035;  // distance in front of the object at which most paths begin and end
-constexpr double kComeS = 0.8;     // duration of the motion to the surface; durations and lengths of paths are free choices
-constexpr double kRowS = 0.01;     // time between two rows of a path
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kAheadM = 0.035;   // distance in front of the object at which most paths begin and end
+constexpr double kApproachS = 0.8;  // duration of the motion to the surface; durations and lengths of paths are free choices
+constexpr double kRowS = 0.01;      // time between two rows of a path
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 void add(DemoPath& path, double after_s, const Vec3& p_WD) {
   path.push_back({path.empty() ? 0.0 : path.back().t_s + after_s, p_WD, Quat::Identity()});
@@ -47,30 +47,30 @@ Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
   if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
   DemoPath path;
   add(path, 0.0, *middle + Vec3(0.0, 0.0, kAheadM));
-  add(path, kComeS, *middle - Vec3(0.0, 0.0, kPressM));
+  add(path, kApproachS, *middle - Vec3(0.0, 0.0, kPressM));
   for (double t = 0.0; t < hold_s; t += 5.0 * kRowS) {
-    const double turn = kTurn * t / kCircleS;
+    const double turn = kTwoPi * t / kCircleS;
     const double radius = kCircleM * std::min(1.0, t);
     const auto front = find_front(scene, x_m + radius * std::sin(turn), y_m + radius * (1.0 - std::cos(turn)));
     // Where the scene has no surface, beyond an edge, the hand stays at its last position.
     const Vec3 next = front ? Vec3(*front - Vec3(0.0, 0.0, kPressM)) : path.back().p_WD;
     add(path, 5.0 * kRowS, next);
   }
-  add(path, 0.5 * kComeS, *middle + Vec3(0.0, 0.0, kAheadM));
+  add(path, 0.5 * kApproachS, *middle + Vec3(0.0, 0.0, kAheadM));
   return path;
 }
 
 DemoPath make_groove_path() {
   constexpr double kReachM = 0.075;  // distance to each side: three quarters of the groove's half length
-  constexpr double kThereS = 4.0;    // duration from one end of the groove's path to the other
+  constexpr double kOneWayS = 4.0;   // duration from one end of the groove's path to the other
   const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
   DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
-  add(path, kComeS, Vec3(0.0, 0.0, bottom_m));
-  for (double t = kRowS; t < 4.0 * kThereS; t += kRowS) {
-    add(path, kRowS, Vec3(kReachM * std::sin(kTurn * t / (2.0 * kThereS)), 0.0, bottom_m));
+  add(path, kApproachS, Vec3(0.0, 0.0, bottom_m));
+  for (double t = kRowS; t < 4.0 * kOneWayS; t += kRowS) {
+    add(path, kRowS, Vec3(kReachM * std::sin(kTwoPi * t / (2.0 * kOneWayS)), 0.0, bottom_m));
   }
-  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
+  add(path, 0.5 * kApproachS, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
   return path;
 }
 
@@ -80,13 +80,14 @@ DemoPath make_tap_path() {
   constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
   constexpr int kRounds = 4;                        // in the whole path
   constexpr double kMiddleM = 0.0275;               // middle of the motion across the wall, from 70 mm in front of it to 15 mm behind it
-  constexpr double kSwingM = 0.0425;                // amplitude of that motion; 15 mm behind the wall the force is 4 N
+  constexpr double kAmplitudeM = 0.0425;            // amplitude of that motion; 15 mm behind the wall the force is 4 N
   DemoPath path;
   for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
-    const double in_round = std::fmod(t, kRoundS);
-    const double of_tap = in_round - std::clamp(in_round - 3.5 * kTapS, 0.0, kHoldS);
-    const double across = kTurn * t / (kRounds * kRoundS);
-    add(path, kRowS, Vec3(0.03 * std::sin(across), 0.02 * std::sin(2.0 * across), kMiddleM + kSwingM * std::cos(kTurn * of_tap / kTapS)));
+    const double round_time_s = std::fmod(t, kRoundS);
+    const double tap_time_s = round_time_s - std::clamp(round_time_s - 3.5 * kTapS, 0.0, kHoldS);
+    const double phase = kTwoPi * t / (kRounds * kRoundS);
+    add(path, kRowS,
+        Vec3(0.03 * std::sin(phase), 0.02 * std::sin(2.0 * phase), kMiddleM + kAmplitudeM * std::cos(kTwoPi * tap_time_s / kTapS)));
   }
   return path;
 }
@@ -96,13 +97,13 @@ DemoPath make_arc_path(double radius_m) {
   const double inside_m = radius_m - kPressM;
   DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, radius_m + kAheadM));
-  add(path, kComeS, Vec3(0.0, 0.0, inside_m));
+  add(path, kApproachS, Vec3(0.0, 0.0, inside_m));
   for (double t = kRowS; t < 2.0 * kArcS; t += kRowS) {
-    const double yaw = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTurn * t / kArcS);
-    const double pitch = 0.3 * std::sin(2.0 * kTurn * t / kArcS);
+    const double yaw = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTwoPi * t / kArcS);
+    const double pitch = 0.3 * std::sin(2.0 * kTwoPi * t / kArcS);
     add(path, kRowS, inside_m * Vec3(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)));
   }
-  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, radius_m + kAheadM));
+  add(path, 0.5 * kApproachS, Vec3(0.0, 0.0, radius_m + kAheadM));
   return path;
 }
 

@@ -12,9 +12,9 @@ namespace hapton {
 namespace {
 
 // A scripted step waits for its picture up to this many times its duration, for a large mesh or a busy machine.
-constexpr double kPictureShare = 5.0;
+constexpr double kPictureTimeFactor = 5.0;
 constexpr double kKillShare = 0.6;      // share of a scripted step before the node is killed: the hand is at rest by then
-constexpr double kSilentS = 1.0;        // the picture is taken this long after the node was killed
+constexpr double kPictureDelayS = 1.0;  // the picture is taken this long after the node was killed
 constexpr double kKillAfterS = 5.0;     // in a window: from the beginning of a cycle until the node is killed
 constexpr double kRestartAfterS = 8.0;  // from the beginning of a cycle until the restart; leaves 3 s without force to look at
 constexpr double kKillEveryS = 12.0;    // duration of a cycle; these times are free choices
@@ -56,7 +56,7 @@ Result<bool> wait_for_picture(DemoSystem& system, const StopSignal& stop, double
 Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
   if (const auto started = system.start_vision(step); !started) return started;
   if (const auto waited = wait_for(system, stop, seconds); !waited) return tl::unexpected(waited.error());
-  const auto taken = wait_for_picture(system, stop, kPictureShare * seconds, picture);
+  const auto taken = wait_for_picture(system, stop, kPictureTimeFactor * seconds, picture);
   return taken ? Result<void>() : tl::unexpected(taken.error());
 }
 
@@ -68,7 +68,8 @@ Result<void> play_death(const DemoStep& step, DemoSystem& system, const StopSign
   if (const auto waited = wait_for(system, stop, kKillShare * seconds); !waited) return tl::unexpected(waited.error());
   evidence.killed_ns = Stopwatch::now_ns();
   system.kill_haptics();
-  if (const auto taken = wait_for_picture(system, stop, kPictureShare * seconds, picture); !taken) return tl::unexpected(taken.error());
+  if (const auto taken = wait_for_picture(system, stop, kPictureTimeFactor * seconds, picture); !taken)
+    return tl::unexpected(taken.error());
   evidence.restarted_ns = Stopwatch::now_ns();
   if (const auto started = system.start_haptics(); !started) return started;
   const auto waited = wait_for(system, stop, (1.0 - kKillShare) * seconds);
@@ -85,28 +86,29 @@ Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
 
 Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop) {
   const DemoStep& step = demo_steps()[number - 1];
-  const auto out = make_folder(settings.out / demo_file_name(number));
+  const auto step_folder = make_folder(settings.out / demo_file_name(number));
   const auto scratch = TemporaryFolder::make();
-  if (!out || !scratch) return tl::unexpected(out ? scratch.error() : out.error());
+  if (!step_folder || !scratch) return tl::unexpected(step_folder ? scratch.error() : step_folder.error());
   DemoOutcome outcome{.verdict = {}, .picture = settings.out / (demo_file_name(number) + ".png")};
   std::error_code error;
   std::filesystem::remove(outcome.picture, error);
-  const bool dies = step.event == DemoStep::Event::haptics_dies;
+  const bool is_node_killed = step.event == DemoStep::Event::haptics_dies;
   const double seconds = settings.seconds.value_or(kDemoSeconds);
-  const std::string moment = dies ? fmt::format("{}", kKillShare * seconds + kSilentS) : step.picture_at;
-  DemoSystem system({.out = *out,
+  const std::string picture_moment = is_node_killed ? fmt::format("{}", kKillShare * seconds + kPictureDelayS) : step.picture_at;
+  DemoSystem system({.out = *step_folder,
                      .scratch = scratch->path(),
                      .cpu = settings.cpu,
                      .records = true,
                      .vision = {"--offscreen", "--size", "848x480", "--no-keys-help", "--screenshot", outcome.picture.string(),
-                                "--screenshot-when", moment}});
+                                "--screenshot-when", picture_moment}});
   if (const auto started = system.start(step); !started) return tl::unexpected(started.error());
   DemoEvidence evidence;
-  const auto played =
-      dies ? play_death(step, system, stop, seconds, outcome.picture, evidence) : play(step, system, stop, seconds, outcome.picture);
+  const auto played = is_node_killed ? play_death(step, system, stop, seconds, outcome.picture, evidence)
+                                     : play(step, system, stop, seconds, outcome.picture);
   if (!played) return tl::unexpected(played.error());
   if (const auto ended = system.stop(); !ended) return tl::unexpected(ended.error());
-  if (!std::filesystem::exists(outcome.picture, error)) return fail("no picture was taken; see {}", (*out / "vision_node.log").string());
+  if (!std::filesystem::exists(outcome.picture, error))
+    return fail("no picture was taken; see {}", (*step_folder / "vision_node.log").string());
   auto motion = read_demo_motion(system.recording());
   auto report = read_report_json(system.report());
   if (!motion || !report) return tl::unexpected(motion ? report.error() : motion.error());

@@ -10,12 +10,12 @@ namespace hapton {
 // meshes/groove.obj: a block with its front towards the hand, and a V groove whose middle is a sine wave along x.
 namespace demo_groove {
 constexpr double kFrontM = 0.015;
-constexpr double kSwingM = 0.006;       // amplitude of the sine
-constexpr double kWaveM = 0.050;        // wavelength of the sine
+constexpr double kAmplitudeM = 0.006;   // amplitude of the sine
+constexpr double kWavelengthM = 0.050;  // wavelength of the sine
 constexpr double kDepthM = 0.008;       // depth of the V, equal to its half width: its walls stand at 45 degrees
 constexpr double kHalfWidthM = 0.008;   // half width of the V
 constexpr double kHalfLengthM = 0.100;  // half length of the block along x
-inline double centre_m(double x_m) { return kSwingM * std::sin(2.0 * std::numbers::pi * x_m / kWaveM); }
+inline double centre_m(double x_m) { return kAmplitudeM * std::sin(2.0 * std::numbers::pi * x_m / kWavelengthM); }
 }  // namespace demo_groove
 
 // meshes/thin_wall.obj.
@@ -29,7 +29,7 @@ constexpr double kHalfSideM = 0.070;  // half of the wall's side
 namespace demo_heavy {
 constexpr double kRadiusM = 0.060;             // radius of the ball
 constexpr double kCurvatureM = 0.008;          // curvature_radius_m of make_rough_sphere; a free choice
-constexpr double kWaveM = 0.012;               // wavelength_m of make_rough_sphere; a free choice
+constexpr double kWavelengthM = 0.012;         // wavelength_m of make_rough_sphere; a free choice
 constexpr std::size_t kTriangles = 1'000'000;  // at least so many; the smallest such icosphere has 1,310,720
 }  // namespace demo_heavy
 

@@ -8,11 +8,11 @@ namespace hapton {
 namespace {
 
 constexpr double kRoundS = 8.0;   // time on the surface in a motion that is repeated; a free choice
-constexpr double kLongS = 60.0;   // so long that the hand does not come and go while the user looks at something else
+constexpr double kStayS = 60.0;   // so long that the hand does not come and go while the user looks at something else
 constexpr double kDelayMs = 4.0;  // each way; with jitter the round trip is above the 8 ms at which io_node asks for patches
 
 Result<DemoPath> rest_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kRoundS); }
-Result<DemoPath> stay_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kLongS); }
+Result<DemoPath> stay_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kStayS); }
 Result<DemoPath> along_the_groove(const Scene&) { return make_groove_path(); }
 Result<DemoPath> against_the_wall(const Scene&) { return make_tap_path(); }
 Result<DemoPath> over_the_ball(const Scene&) { return make_arc_path(demo_heavy::kRadiusM); }

@@ -16,7 +16,7 @@ constexpr const char* kRateHz = "1000";
 
 // Writes the mesh that is too large to be shipped, and a scene file for it.
 Result<std::filesystem::path> write_heavy_scene(const std::filesystem::path& folder) {
-  const auto mesh = make_rough_sphere(demo_heavy::kRadiusM, demo_heavy::kCurvatureM, demo_heavy::kWaveM, demo_heavy::kTriangles, 1);
+  const auto mesh = make_rough_sphere(demo_heavy::kRadiusM, demo_heavy::kCurvatureM, demo_heavy::kWavelengthM, demo_heavy::kTriangles, 1);
   if (const auto written = write_ply(folder / "heavy.ply", mesh); !written) return tl::unexpected(written.error());
   const auto scene = folder / "heavy.toml";
   const auto written =

@@ -18,9 +18,9 @@ struct DemoEvidence {
 
 // Whether the step showed what it should.
 struct DemoVerdict {
-  bool touched = false;  // there was contact
-  bool held = false;     // the step showed what it should; true only with touched
-  std::string text;      // one line with the numbers
+  bool has_contact = false;  // there was contact
+  bool is_shown = false;     // the step showed what it should; true only with has_contact
+  std::string text;          // one line with the numbers
 };
 
 // All functions below: RT: no.

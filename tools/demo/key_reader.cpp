@@ -7,17 +7,17 @@
 namespace hapton {
 
 KeyReader::KeyReader() {
-  termios now = {};
-  if (::isatty(STDIN_FILENO) != 1 || ::tcgetattr(STDIN_FILENO, &now) != 0) return;
-  before_ = now;
-  now.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  now.c_cc[VMIN] = 0;
-  now.c_cc[VTIME] = 1;  // tenths of a second
-  ::tcsetattr(STDIN_FILENO, TCSANOW, &now);
+  termios settings = {};
+  if (::isatty(STDIN_FILENO) != 1 || ::tcgetattr(STDIN_FILENO, &settings) != 0) return;
+  original_settings_ = settings;
+  settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  settings.c_cc[VMIN] = 0;
+  settings.c_cc[VTIME] = 1;  // tenths of a second
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &settings);
 }
 
 KeyReader::~KeyReader() {
-  if (before_) ::tcsetattr(STDIN_FILENO, TCSANOW, &*before_);
+  if (original_settings_) ::tcsetattr(STDIN_FILENO, TCSANOW, &*original_settings_);
 }
 
 std::optional<char> KeyReader::read_key() {

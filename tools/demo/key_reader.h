@@ -15,13 +15,13 @@ class KeyReader {
   KeyReader(const KeyReader&) = delete;
   KeyReader& operator=(const KeyReader&) = delete;
 
-  bool is_terminal() const { return before_.has_value(); }
+  bool is_terminal() const { return original_settings_.has_value(); }
 
   // Waits for a key, 0.1 s at most; none: no key was typed.
   std::optional<char> read_key();
 
  private:
-  std::optional<termios> before_;
+  std::optional<termios> original_settings_;
 };
 
 }  // namespace hapton
