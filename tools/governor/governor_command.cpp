@@ -37,41 +37,41 @@ class GovernorRun {
     for (unsigned n = 0; n < options_.threads; ++n) threads.push_back(start_thread([this] { work(); }));
     const SteadyClock clock;
     std::int64_t next_ns = clock.now_ns() + kNanosecondsPerSecond;
-    while (left_.load() > 0) {
+    while (remaining_steps_.load() > 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       if (clock.now_ns() < next_ns) continue;
       next_ns += kNanosecondsPerSecond;
-      fmt::print(stderr, "\rgovernor: {:.3g} of {:g} steps, {} breaches ", static_cast<double>(done_.load()), options_.steps,
+      fmt::print(stderr, "\rgovernor: {:.3g} of {:g} steps, {} breaches ", static_cast<double>(done_steps_.load()), options_.steps,
                  breaches_.load());
     }
     for (std::thread& thread : threads) thread.join();
     fmt::print(stderr, "\n");
-    return sum_;
+    return total_;
   }
 
  private:
   void work() {
-    GovernorStressCount mine;
-    while (left_.load() > 0) {
-      const std::uint64_t before = mine.turns;
-      const std::uint64_t breaches = mine.total_breaches();
-      GovernorStress::run(stress_.program_seed(next_.fetch_add(1)), mine);
-      breaches_ += mine.total_breaches() - breaches;
-      done_ += mine.turns - before;
-      left_ -= static_cast<std::int64_t>(mine.turns - before);
+    GovernorStressCount thread_count;
+    while (remaining_steps_.load() > 0) {
+      const std::uint64_t turns_before = thread_count.turns;
+      const std::uint64_t breaches = thread_count.total_breaches();
+      GovernorStress::run(stress_.program_seed(next_program_.fetch_add(1)), thread_count);
+      breaches_ += thread_count.total_breaches() - breaches;
+      done_steps_ += thread_count.turns - turns_before;
+      remaining_steps_ -= static_cast<std::int64_t>(thread_count.turns - turns_before);
     }
     const std::lock_guard lock(mutex_);
-    sum_.add(mine);
+    total_.add(thread_count);
   }
 
   const GovernorOptions& options_;
   GovernorStress stress_;
-  std::atomic<std::uint64_t> next_{0};
-  std::atomic<std::uint64_t> done_{0};
+  std::atomic<std::uint64_t> next_program_{0};
+  std::atomic<std::uint64_t> done_steps_{0};
   std::atomic<std::uint64_t> breaches_{0};
-  std::atomic<std::int64_t> left_{static_cast<std::int64_t>(options_.steps)};
+  std::atomic<std::int64_t> remaining_steps_{static_cast<std::int64_t>(options_.steps)};
   std::mutex mutex_;
-  GovernorStressCount sum_;
+  GovernorStressCount total_;
 };
 
 void print_stages(const GovernorCounters& g) {

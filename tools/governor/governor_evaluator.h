@@ -46,27 +46,27 @@ class GovernorEvaluator {
  public:
   GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept;
 
-  // Checks one turn. Pre: called after each turn. was_reset: the governor accepted step.resets. out: the governor's output.
+  // Checks one turn. Pre: called after each turn. was_reset: the governor accepted step.resets_faults. out: the governor's output.
   void evaluate(const HostileStep& step, bool was_reset, const Wrench& out) noexcept;
 
   const std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)>& breaches() const noexcept { return breaches_; }
   const GovernorWorst& worst() const noexcept { return worst_; }
 
  private:
-  struct Axis {
+  struct Side {
     std::int64_t shut_ns = -1;  // since when no outward force is allowed; below 0: outward force is allowed
   };
   // Counts errors of one kind: five in a row within 100 ms must latch a fault.
-  struct Row {
+  struct ErrorRun {
     bool is_too_long(bool is_bad, std::int64_t now_ns) noexcept;
     int count = 0;
     std::int64_t since_ns = 0;
   };
 
-  void breach_if(GovernorBreach breach, bool is_there) noexcept { breaches_[static_cast<std::size_t>(breach)] += is_there ? 1 : 0; }
-  double pass(std::int64_t time_ns) noexcept;
-  void see(const HostileStep& step) noexcept;
-  void see_motion(const DeviceSample& sample) noexcept;
+  void breach_if(GovernorBreach breach, bool is_breach) noexcept { breaches_[static_cast<std::size_t>(breach)] += is_breach ? 1 : 0; }
+  double advance_to(std::int64_t time_ns) noexcept;
+  void observe(const HostileStep& step) noexcept;
+  void observe_motion(const DeviceSample& sample) noexcept;
   void receive(const HostileStep& step) noexcept;
   void check_size(const Wrench& out, double passed_s) noexcept;
   void check_slew(const Wrench& out, double passed_s) noexcept;
@@ -112,11 +112,11 @@ class GovernorEvaluator {
   bool was_open_ = false;
   std::int64_t opened_ns_ = 0;
   std::int64_t open_ns_ = 0;  // time of the last turn with an open gate
-  std::array<Axis, 6> axes_ = {};
+  std::array<Side, 6> sides_ = {};
   SafetyFault fault_ = SafetyFault::none;
-  Row bad_forces_;
-  Row bad_torques_;
-  Row bad_samples_;
+  ErrorRun bad_forces_;
+  ErrorRun bad_torques_;
+  ErrorRun bad_samples_;
 };
 
 }  // namespace hapton

@@ -73,11 +73,11 @@ void GovernorStress::run(std::uint64_t program_seed, HostileProgram& program, Sa
   Wrench out;
   for (int turn = 0; turn < program.turns(); ++turn) {
     const HostileStep& step = program.turn(out);
-    if (step.tightened) governor.tighten(*step.tightened);
-    const bool was_reset = step.resets && governor.reset_faults();
+    if (step.tighter_limits) governor.tighten(*step.tighter_limits);
+    const bool was_reset = step.resets_faults && governor.reset_faults();
     if (step.temperature >= 0.0) governor.observe_temperature(step.temperature);
     governor.observe(step.sample, step.status);
-    out = governor.step(step.wanted, step.now_ns);
+    out = governor.step(step.command, step.now_ns);
     evaluator.evaluate(step, was_reset, out);
     count.turns_with_force += out.force_n != Vec3::Zero() ? 1 : 0;
     if (evaluator.breaches() == breaches) continue;

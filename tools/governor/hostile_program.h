@@ -31,16 +31,16 @@ class SplitMix {
 
 // The inputs of a governor in one turn, in this order; those that are empty, false or negative are left out.
 struct HostileStep {
-  std::optional<DeviceLimits> tightened;
-  bool resets = false;
+  std::optional<DeviceLimits> tighter_limits;
+  bool resets_faults = false;
   double temperature = -1.0;
   DeviceSample sample;  // its time_ns may contradict now_ns
   DeviceStatus status = DeviceStatus::ready;
-  std::optional<WrenchCommand> wanted;
+  std::optional<WrenchCommand> command;
   std::int64_t now_ns = 0;
 };
 
-// A hostile device, hand and haptics node, from one seed: a device with random limits, and periods (spells) of 5 to 204 turns, each
+// A hostile device, hand and haptics node, from one seed: a device with random limits, and phases of 5 to 204 turns, each
 // with one kind of force (spring, square wave at the Nyquist frequency, NaN, active force, old commands, none), of motion (a mass
 // on a soft spring, a hand that follows the force, jumps, invalid poses) and of time (250 Hz to 10 kHz, jitter, jumps, backwards);
 // the state (away, released, hot, failed) changes at random. Time, motion and state are each regular in about half of the
@@ -63,19 +63,19 @@ class HostileProgram {
   const HostileStep& turn(const Wrench& out) noexcept;
 
  private:
-  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, count };
-  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, jump, no_number, count };
+  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, extreme, count };
+  enum class Motion : std::uint8_t { mass, still, sweep, yielding, noise, fast, jump, extreme, count };
   enum class Time : std::uint8_t { steady, jitter, stall, jump, back, count };
 
   void choose_device() noexcept;
-  void choose_spell() noexcept;
-  void pass_time() noexcept;
+  void choose_phase() noexcept;
+  void advance_time() noexcept;
   void move(const Wrench& out) noexcept;
-  void move_as_matter(const Vec3& force_n, double passed_s) noexcept;
+  void move_mass(const Vec3& force_n, double passed_s) noexcept;
   void choose_state() noexcept;
   void choose_command() noexcept;
-  Vec3 wanted_n(double most) noexcept;
-  double nasty() noexcept;
+  Vec3 command_force_n(double most) noexcept;
+  double extreme_value() noexcept;
 
   SplitMix random_;
   DeviceLimits device_;
@@ -83,13 +83,13 @@ class HostileProgram {
   int turns_ = 0;
   int button_ = 0;
   bool is_physical_ = false;
-  bool is_calm_in_time_ = false;
-  bool is_calm_in_motion_ = false;
-  bool is_calm_in_state_ = false;
+  bool is_regular_in_time_ = false;
+  bool is_regular_in_motion_ = false;
+  bool is_regular_in_state_ = false;
   Force force_ = Force::none;
   Motion motion_ = Motion::still;
   Time time_ = Time::steady;
-  int left_ = 0;  // remaining turns of this spell
+  int remaining_turns_ = 0;  // remaining turns of this phase
   int turn_ = 0;
   std::int64_t period_ns_ = 1'000'000;
   std::int64_t clock_ns_ = 0;  // the true time
@@ -102,7 +102,7 @@ class HostileProgram {
   Vec3 turn_rad_per_s_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();
   double hertz_ = 1.0;
-  std::array<WrenchCommand, 16> sent_ = {};
+  std::array<WrenchCommand, 16> sent_commands_ = {};
 };
 
 }  // namespace hapton

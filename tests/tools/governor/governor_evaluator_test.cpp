@@ -47,10 +47,10 @@ struct EvaluatedGovernor {
   Wrench cycle(std::int64_t passed_ns = kMs) {
     step.now_ns += passed_ns;
     step.sample.time_ns = step.now_ns;
-    step.wanted.reset();
-    if (wanted) step.wanted = WrenchCommand{*wanted, step.now_ns};
+    step.command.reset();
+    if (wanted) step.command = WrenchCommand{*wanted, step.now_ns};
     governor.observe(step.sample, step.status);
-    return governor.step(step.wanted, step.now_ns);
+    return governor.step(step.command, step.now_ns);
   }
   void show(const Wrench& out, bool was_reset = false) { evaluator.evaluate(step, was_reset, out); }
   void run(int cycles) {
@@ -343,8 +343,8 @@ TEST(GovernorEvaluatorTest, FiveBadValuesOnEndThatLatchNothingAreABreach) {
     }
     EXPECT_EQ(governed.total(), 1U);
   };
-  counts_for([&](HostileStep& step) { step.wanted = WrenchCommand{{Vec3(nan, 0, 0), Vec3::Zero()}, step.now_ns}; });
-  counts_for([&](HostileStep& step) { step.wanted = WrenchCommand{{Vec3::Zero(), Vec3(0, 0, nan)}, step.now_ns}; });
+  counts_for([&](HostileStep& step) { step.command = WrenchCommand{{Vec3(nan, 0, 0), Vec3::Zero()}, step.now_ns}; });
+  counts_for([&](HostileStep& step) { step.command = WrenchCommand{{Vec3::Zero(), Vec3(0, 0, nan)}, step.now_ns}; });
   counts_for([&](HostileStep& step) { step.sample.p_WD.y() = nan; });
 }
 

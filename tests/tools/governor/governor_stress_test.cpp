@@ -84,8 +84,8 @@ TEST(GovernorStress, UsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// Each kind of force has about an eleventh of the spells. Forces that are not numbers have fewer, because the fault that follows latches
-// and hides everything else: two in three of their spells have an active force (Force::active) in their place.
+// Each kind of force has about an eleventh of the phases. Forces that are not numbers have fewer, because the fault that follows latches
+// and hides everything else: two in three of their phases have an active force (Force::active) in their place.
 TEST(GovernorStress, ForcesThatAreNoNumbersAreRare) {
   constexpr double kTurns = 200'000.0;
   int none = 0;
@@ -96,11 +96,11 @@ TEST(GovernorStress, ForcesThatAreNoNumbersAreRare) {
     HostileProgram program(seed);
     for (int turn = 0; turn < 1000; ++turn) {
       const HostileStep& step = program.turn({});
-      if (!step.wanted) {
+      if (!step.command) {
         ++none;
         continue;
       }
-      const Vec3& force_n = step.wanted->wrench.force_n;
+      const Vec3& force_n = step.command->wrench.force_n;
       const double size = force_n.allFinite() ? force_n.stableNorm() : 0.0;
       no_number += force_n.allFinite() ? 0 : 1;
       huge += size > 1e200 ? 1 : 0;
@@ -122,11 +122,11 @@ std::vector<int> turns_with_output(std::uint64_t seed) {
   Wrench out;
   for (int turn = 0; turn < program.turns(); ++turn) {
     const HostileStep& step = program.turn(out);
-    if (step.tightened) governor.tighten(*step.tightened);
-    if (step.resets) (void)governor.reset_faults();
+    if (step.tighter_limits) governor.tighten(*step.tighter_limits);
+    if (step.resets_faults) (void)governor.reset_faults();
     if (step.temperature >= 0.0) governor.observe_temperature(step.temperature);
     governor.observe(step.sample, step.status);
-    out = governor.step(step.wanted, step.now_ns);
+    out = governor.step(step.command, step.now_ns);
     if (out.force_n.stableNorm() > 0.0 || out.torque_nm.stableNorm() > 0.0) turns.push_back(turn);
   }
   return turns;
