@@ -118,18 +118,18 @@ void add_latency_command(CommandLine app, int& exit_code) {
   add_run_options(run_command, *options);
   run_command.on_run([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
 
-  auto placed = std::make_shared<LatencyRunOptions>();
+  auto cpus_options = std::make_shared<LatencyRunOptions>();
   const CommandLine cpus_command =
       command.add_subcommand("cpus", "The CPUs on which io_node and haptics_node reply fastest here, as flags for both; 3 s");
-  add_node_options(cpus_command, *placed);
-  cpus_command.on_run([placed, &exit_code] { exit_code = print_cpus(*placed); });
+  add_node_options(cpus_command, *cpus_options);
+  cpus_command.on_run([cpus_options, &exit_code] { exit_code = print_cpus(*cpus_options); });
 
-  auto compared = std::make_shared<CompareOptions>();
+  auto compare_options = std::make_shared<CompareOptions>();
   const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");
-  compare_command.add_option("A", compared->a, "Folder of a run, or its report.json").required();
-  compare_command.add_option("B", compared->b, "Folder or report.json of another run").required();
-  compare_command.add_option("--json", compared->json, "Write the comparison to this file too").file_to_write();
-  compare_command.on_run([compared, &exit_code] { exit_code = run_compare(*compared); });
+  compare_command.add_option("A", compare_options->a, "Folder of a run, or its report.json").required();
+  compare_command.add_option("B", compare_options->b, "Folder or report.json of another run").required();
+  compare_command.add_option("--json", compare_options->json, "Write the comparison to this file too").file_to_write();
+  compare_command.on_run([compare_options, &exit_code] { exit_code = run_compare(*compare_options); });
 
   command.on_run([command, options, &exit_code] {
     if (!command.has_subcommand()) exit_code = run(*options, Exit::by_measurement);

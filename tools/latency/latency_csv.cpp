@@ -63,11 +63,11 @@ std::uint64_t HopCounts::total() const {
 }
 
 double HopCounts::quantile_us(double share) const {
-  const double wanted = share * static_cast<double>(total());
+  const double target_count = share * static_cast<double>(total());
   double sum = 0.0;
   const auto reached = std::find_if(buckets.begin(), buckets.end() - 1, [&](const Bucket& bucket) {
     sum += static_cast<double>(bucket.count);
-    return sum >= wanted;
+    return sum >= target_count;
   });
   return 0.5e-3 * static_cast<double>(reached->lower_ns + reached->upper_ns);
 }
@@ -80,10 +80,10 @@ std::vector<HopCounts> subtract_hops(const std::vector<HopCounts>& now, const st
       continue;
     }
     for (const HopCounts::Bucket& bucket : earlier->buckets) {
-      const auto same =
+      const auto matching_bucket =
           std::find_if(hop.buckets.begin(), hop.buckets.end(), [&](const HopCounts::Bucket& b) { return b.lower_ns == bucket.lower_ns; });
-      if (same != hop.buckets.end()) {
-        same->count -= std::min(same->count, bucket.count);
+      if (matching_bucket != hop.buckets.end()) {
+        matching_bucket->count -= std::min(matching_bucket->count, bucket.count);
       }
     }
     std::erase_if(hop.buckets, [](const HopCounts::Bucket& bucket) { return bucket.count == 0; });

@@ -34,33 +34,34 @@ constexpr double kGraceSeconds = 15.0;        // extra time for the hub to write
 constexpr double kLongestTimerSeconds = 5.0;  // of each run of the bare timer, before and after the nodes; a free choice
 constexpr double kTrialSeconds = 0.75;        // of a short run on each choice of CPUs
 constexpr double kIdleSeconds = 0.1;          // until an interrupt is noticed; a free choice
-constexpr double kSilentSeconds = 2.0;        // a hub that is silent for longer is gone, not only slow; a free choice
+constexpr double kMaxSilenceSeconds = 2.0;    // a hub that is silent for longer is gone, not only slow; a free choice
 
 Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus) {
-  const auto echo_at = find_free_address();
-  const auto hub_at = find_free_address();
-  if (!echo_at || !hub_at) {
-    return tl::unexpected(echo_at ? hub_at.error() : echo_at.error());
+  const auto echo_address = find_free_address();
+  const auto hub_address = find_free_address();
+  if (!echo_address || !hub_address) {
+    return tl::unexpected(echo_address ? hub_address.error() : echo_address.error());
   }
-  const std::filesystem::path own = find_own_folder();
+  const std::filesystem::path program_folder = find_own_folder();
   const std::string cpu = fmt::format("{}", cpus.io);
   // The echo is scheduled like the nodes: otherwise the ratio of round trip to echo would measure the scheduler.
-  auto echo = LocalNode::start(options.out, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
+  auto echo = LocalNode::start(options.out, "echo", program_folder / "hapton",
+                               {"echo", "--bind", *echo_address, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
   }
-  std::vector<std::string> arguments = {"--hub", *hub_at, "--scene", options.scene.string(), "--rt", options.realtime};
+  std::vector<std::string> arguments = {"--hub", *hub_address, "--scene", options.scene.string(), "--rt", options.realtime};
   std::ranges::copy(haptics_flags(cpus), std::back_inserter(arguments));
   if (!options.method.empty()) {
     arguments.insert(arguments.end(), {"--method", options.method});
   }
-  auto haptics = LocalNode::start(options.out, "haptics_node", own / "haptics_node", std::move(arguments));
+  auto haptics = LocalNode::start(options.out, "haptics_node", program_folder / "haptics_node", std::move(arguments));
   if (!haptics) {
     return tl::unexpected(haptics.error());
   }
   LocalVision vision;
   if (options.vision) {
-    if (const auto started = vision.start(options.out, {"--hub", *hub_at, "--scene", options.scene.string()}); !started) {
+    if (const auto started = vision.start(options.out, {"--hub", *hub_address, "--scene", options.scene.string()}); !started) {
       return started;
     }
   }
@@ -69,15 +70,15 @@ Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus
       return ready;
     }
   }
-  std::vector<std::string> words = {"--bind",       *hub_at,
-                                    "--echo-probe", *echo_at,
-                                    "--echo-size",  fmt::format("{}", options.echo_bytes),
-                                    "--rate",       fmt::format("{}", options.rate_hz),
-                                    "--seconds",    fmt::format("{}", options.seconds),
-                                    "--out",        options.out.string(),
-                                    "--rt",         options.realtime};
-  std::ranges::copy(io_flags(cpus), std::back_inserter(words));
-  auto io = LocalNode::start(options.out, "io_node", own / "io_node", std::move(words));
+  std::vector<std::string> io_arguments = {"--bind",       *hub_address,
+                                           "--echo-probe", *echo_address,
+                                           "--echo-size",  fmt::format("{}", options.echo_bytes),
+                                           "--rate",       fmt::format("{}", options.rate_hz),
+                                           "--seconds",    fmt::format("{}", options.seconds),
+                                           "--out",        options.out.string(),
+                                           "--rt",         options.realtime};
+  std::ranges::copy(io_flags(cpus), std::back_inserter(io_arguments));
+  auto io = LocalNode::start(options.out, "io_node", program_folder / "io_node", std::move(io_arguments));
   if (!io) {
     return tl::unexpected(io.error());
   }
@@ -138,9 +139,9 @@ Result<BareTimer> measure_between_timers(const LatencyRunOptions& options, const
 // Waits until the time is over or a stop is requested. Error: the hub is gone.
 Result<void> wait_with_hub(HubReader& reader, const LatencyRunOptions& options, const StopSignal& interrupts) {
   double silent_s = 0.0;
-  for (double left_s = options.seconds; left_s > 0.0 && !interrupts.stop_requested(); left_s -= kIdleSeconds) {
-    silent_s = reader.idle(std::min(left_s, kIdleSeconds)) ? 0.0 : silent_s + kIdleSeconds;
-    if (silent_s > kSilentSeconds) {
+  for (double remaining_s = options.seconds; remaining_s > 0.0 && !interrupts.stop_requested(); remaining_s -= kIdleSeconds) {
+    silent_s = reader.idle(std::min(remaining_s, kIdleSeconds)) ? 0.0 : silent_s + kIdleSeconds;
+    if (silent_s > kMaxSilenceSeconds) {
       return fail("the hub at {} does not reply any more; see its terminal", options.hosts);
     }
   }
@@ -266,18 +267,18 @@ Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTime
 }  // namespace
 
 Result<CpuChoice> choose_cpus(const LatencyRunOptions& options) {
-  const auto is_given = [](int cpu) { return cpu != LatencyRunOptions::kMeasured; };
+  const auto is_given = [](int cpu) { return cpu != LatencyRunOptions::kChosenByRuns; };
   if (is_given(options.cpu) || is_given(options.haptics_cpu)) {
     const int io = is_given(options.cpu) ? options.cpu : options.haptics_cpu;
     return CpuChoice{{io, is_given(options.haptics_cpu) ? options.haptics_cpu : io}, {}};
   }
-  const NodeCpus two = find_two_cpus();
-  if (two.io < 0 || options.realtime == "off") return CpuChoice{find_one_cpu(), {}};
+  const NodeCpus two_cpus = find_two_cpus();
+  if (two_cpus.io < 0 || options.realtime == "off") return CpuChoice{find_one_cpu(), {}};
   const auto on_one = try_cpus(options, find_one_cpu());
   if (!on_one) return tl::unexpected(on_one.error());
-  const auto on_two = try_cpus(options, two);
+  const auto on_two = try_cpus(options, two_cpus);
   if (!on_two) return tl::unexpected(on_two.error());
-  const NodeCpus chosen = should_use_two(*on_one, *on_two) ? two : find_one_cpu();
+  const NodeCpus chosen = should_use_two(*on_one, *on_two) ? two_cpus : find_one_cpu();
   return CpuChoice{chosen, describe_choice(chosen, *on_one, *on_two)};
 }
 
@@ -295,13 +296,13 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   // An interrupt reaches the nodes as well: they end, and the hub writes its report so far, which is used as the result.
   const StopSignal interrupts;
   Result<BareTimer> timer;
-  std::string place;
+  std::string cpu_text;
   if (is_here) {
     const auto chosen = choose_cpus(options);
     if (!chosen) return tl::unexpected(chosen.error());
     if (interrupts.stop_requested())
       return fail("interrupted while the CPUs of the nodes were chosen; name them with --cpu to leave that out");
-    if (!chosen->text.empty()) place = chosen->text + "\n";
+    if (!chosen->text.empty()) cpu_text = chosen->text + "\n";
     timer = measure_between_timers(options, chosen->cpus);
   } else if (const auto measured = measure_hub(options, interrupts); !measured) {
     timer = tl::unexpected(measured.error());
@@ -314,7 +315,7 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
     return run;
   }
   const auto picture = draw_latency_plot(options.out);
-  run->text += place;
+  run->text += cpu_text;
   run->text += fmt::format("report in {}; {}\n", options.out.string(), picture ? "plot in " + picture->string() : picture.error().what);
   if (const auto written = write_file_atomically(options.out / "latency.txt", run->text); !written) {
     return tl::unexpected(written.error());

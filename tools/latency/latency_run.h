@@ -9,20 +9,20 @@
 namespace hapton {
 
 struct LatencyRunOptions {
-  static constexpr int kMeasured = -2;  // for a CPU: chosen by short runs (choose_cpus)
+  static constexpr int kChosenByRuns = -2;  // for a CPU: chosen by short runs (choose_cpus)
 
   double seconds = 10.0;
   double rate_hz = 1000.0;
   std::filesystem::path out = "out/latency";
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::string method;            // empty: the haptics node's default
-  std::string realtime = "try";  // off, try or require
-  int cpu = kMeasured;           // the CPU of io_node, the echo and the bare timer, unless realtime is off; -1: any
-  int haptics_cpu = kMeasured;   // the CPU of haptics_node; if only one of the two is given, it is for both
-  std::size_t echo_bytes = 0;    // size of the bare echo's datagrams; 0: that of a device sample's
-  bool vision = false;           // also starts a vision node
-  std::string hosts;             // address of a running hub that is measured instead; empty: none
-  std::string key_file;          // key file of that hub
+  std::string method;               // empty: the haptics node's default
+  std::string realtime = "try";     // off, try or require
+  int cpu = kChosenByRuns;          // the CPU of io_node, the echo and the bare timer, unless realtime is off; -1: any
+  int haptics_cpu = kChosenByRuns;  // the CPU of haptics_node; if only one of the two is given, it is for both
+  std::size_t echo_bytes = 0;       // size of the bare echo's datagrams; 0: that of a device sample's
+  bool vision = false;              // also starts a vision node
+  std::string hosts;                // address of a running hub that is measured instead; empty: none
+  std::string key_file;             // key file of that hub
 };
 
 // The CPUs of the nodes, and the reason for the choice, one line; empty: there was no choice.

@@ -13,13 +13,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kLongest = "longest_";  // prefix of a maximum, which is not a count: it holds for the whole run
+constexpr std::string_view kMaximumPrefix = "longest_";  // prefix of a maximum, which is not a count: it holds for the whole run
 
-Json risen_counters(const Json& before, const Json& now) {
+Json subtract_counters(const Json& before, const Json& now) {
   Json counters = Json::object();
   for (const auto& [name, value] : now.items()) {
     if (!value.is_number_integer()) continue;
-    const bool is_maximum = std::string_view(name).starts_with(kLongest);
+    const bool is_maximum = std::string_view(name).starts_with(kMaximumPrefix);
     counters[name] =
         is_maximum ? value.get<std::int64_t>() : value.get<std::int64_t>() - static_cast<std::int64_t>(json_number_of(before, name));
   }
@@ -56,7 +56,7 @@ Json make_window_report(const Json& before, const Json& now, const std::vector<H
   report["seconds"] = seconds;
   const Json kNone = Json::object();
   report["counters"] =
-      risen_counters(before.contains("counters") ? before["counters"] : kNone, now.contains("counters") ? now["counters"] : kNone);
+      subtract_counters(before.contains("counters") ? before["counters"] : kNone, now.contains("counters") ? now["counters"] : kNone);
   for (const auto& [rate, counter] : {std::pair{"samples", "samples"}, std::pair{"forces", "forces"},
                                       std::pair{"vision_sent", "vision_sent"}, std::pair{"drawn", "drawn"}}) {
     report["rates_hz"][rate] = seconds > 0.0 ? json_number_of(report["counters"], counter) / seconds : 0.0;

@@ -23,19 +23,19 @@ NodeCpus find_one_cpu() {
 }
 
 NodeCpus find_two_cpus() {
-  NodeCpus two = {.io = -1, .haptics = find_shared_cpu()};
+  NodeCpus two_cpus = {.io = -1, .haptics = find_shared_cpu()};
   cpu_set_t set;
   CPU_ZERO(&set);
-  if (two.haptics < 0 || sched_getaffinity(0, sizeof set, &set) != 0) return {};
-  for (int cpu = 0; cpu < two.haptics; ++cpu) {
-    if (CPU_ISSET(static_cast<std::size_t>(cpu), &set)) two.io = cpu;
+  if (two_cpus.haptics < 0 || sched_getaffinity(0, sizeof set, &set) != 0) return {};
+  for (int cpu = 0; cpu < two_cpus.haptics; ++cpu) {
+    if (CPU_ISSET(static_cast<std::size_t>(cpu), &set)) two_cpus.io = cpu;
   }
-  return two;
+  return two_cpus;
 }
 
 bool should_use_two(const TrialRun& on_one, const TrialRun& on_two) {
-  constexpr double kMuchLonger = 1.5;  // the longest round trip of a short run is partly chance
-  return on_two.p50_us < on_one.p50_us && on_two.p99_us < on_one.p99_us && on_two.longest_us < kMuchLonger * on_one.longest_us;
+  constexpr double kMaxLongestRatio = 1.5;  // the longest round trip of a short run is partly chance
+  return on_two.p50_us < on_one.p50_us && on_two.p99_us < on_one.p99_us && on_two.longest_us < kMaxLongestRatio * on_one.longest_us;
 }
 
 std::vector<std::string> io_flags(const NodeCpus& cpus) { return flags_of(cpus.io, cpus.are_shared(), "--spin-reply"); }

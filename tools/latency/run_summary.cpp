@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMinRate = 0.99;       // share of the requested servo rate
-constexpr double kMaxLateShare = 0.01;  // share of the forces
+constexpr double kMinServoRateShare = 0.99;  // share of the requested servo rate
+constexpr double kMaxLateShare = 0.01;       // share of the forces
 
 std::string note(const Json& report, const char* key) {
   const auto notes = report.find("notes");
@@ -56,7 +56,7 @@ std::vector<std::string> find_troubles(const Json& report) {
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");
   const double rate = json_number_of(report, "rates_hz", "samples");
   const double requested = json_number_of(report, "rates_hz", "servo_requested");
-  if (rate < kMinRate * requested) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, requested));
+  if (rate < kMinServoRateShare * requested) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, requested));
   return troubles;
 }
 
@@ -65,8 +65,9 @@ std::vector<std::string> find_troubles(const Json& report) {
 RunSummary summarise_run(const Json& report, const std::string& what) {
   const double contacts = json_number_of(report, "counters", "contact_samples");
   const std::vector<std::string> troubles = find_troubles(report);
-  RunSummary summary{.touched = contacts > 0.0, .held = troubles.empty(), .text = touched_text(report, what, contacts) + "\n"};
-  if (summary.held) {
+  RunSummary summary{
+      .has_contact = contacts > 0.0, .has_no_troubles = troubles.empty(), .text = touched_text(report, what, contacts) + "\n"};
+  if (summary.has_no_troubles) {
     summary.text += fmt::format("it ran without faults: {:.0f} samples a second, no force lost, {:.0f} late{}\n",
                                 json_number_of(report, "rates_hz", "samples"), json_number_of(report, "counters", "late"),
                                 hop_text(report, "round_trip"));

@@ -30,15 +30,15 @@ int count_entries(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Result<ProcessStats> read_process_figures(pid_t pid) {
+Result<ProcessStats> read_process_stats(pid_t pid) {
   const std::filesystem::path folder = "/proc/" + std::to_string(pid);
-  ProcessStats figures;
-  figures.resident_kib = read_number(folder / "status", "VmRSS");
-  figures.threads = static_cast<int>(read_number(folder / "status", "Threads"));
-  figures.descriptors = count_entries(folder / "fd");
-  if (figures.resident_kib < 0 || figures.threads < 0) return fail("{}: the process has ended", folder.string());
-  if (figures.descriptors < 0) return fail("{}: its descriptors cannot be counted; run as the user whose process it is", folder.string());
-  return figures;
+  ProcessStats stats;
+  stats.resident_kib = read_number(folder / "status", "VmRSS");
+  stats.threads = static_cast<int>(read_number(folder / "status", "Threads"));
+  stats.descriptors = count_entries(folder / "fd");
+  if (stats.resident_kib < 0 || stats.threads < 0) return fail("{}: the process has ended", folder.string());
+  if (stats.descriptors < 0) return fail("{}: its descriptors cannot be counted; run as the user whose process it is", folder.string());
+  return stats;
 }
 
 }  // namespace hapton

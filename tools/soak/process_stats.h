@@ -16,6 +16,6 @@ struct ProcessStats {
 };
 
 // Reads them from /proc/PID. RT: no. Error: one line: there is no such process, or no permission.
-Result<ProcessStats> read_process_figures(pid_t pid);
+Result<ProcessStats> read_process_stats(pid_t pid);
 
 }  // namespace hapton

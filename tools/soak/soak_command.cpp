@@ -28,7 +28,7 @@ int run(const SoakOptions& options) {
     return 1;
   }
   fmt::print("{}", ended->text);
-  return ended->flat ? 0 : 1;
+  return ended->is_flat ? 0 : 1;
 }
 
 }  // namespace

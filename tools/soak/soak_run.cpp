@@ -27,19 +27,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSamplesInARun = 120.0;     // observations in a run of any length; a free choice
-constexpr double kShortestInterval_s = 2.0;  // between observations, s; a free choice
-constexpr double kPollPeriod_s = 0.1;        // the longest sleep before a stop is noticed, s; a free choice
-constexpr double kProgressEvery_s = 10.0;    // least time between two progress lines, s
-constexpr double kMaxProgressLines = 60.0;   // most progress lines in a run of any length; a free choice
-constexpr double kFirstForce_s = 30.0;       // longest wait for the first force, s: large meshes need it; a free choice
+constexpr double kSamplesInARun = 120.0;       // observations in a run of any length; a free choice
+constexpr double kShortestInterval_s = 2.0;    // between observations, s; a free choice
+constexpr double kPollPeriod_s = 0.1;          // the longest sleep before a stop is noticed, s; a free choice
+constexpr double kProgressEvery_s = 10.0;      // least time between two progress lines, s
+constexpr double kMaxProgressLines = 60.0;     // most progress lines in a run of any length; a free choice
+constexpr double kFirstForceTimeout_s = 30.0;  // longest wait for the first force, s: large meshes need it; a free choice
 
 // The nodes of this run.
 struct Nodes {
   std::vector<LocalNode> nodes;  // io_node last: the others leave the session before it ends
   LocalVision vision;
   bool has_vision = false;
-  std::string hub_at;
+  std::string hub_address;
 
   std::vector<LocalNode*> all() {
     std::vector<LocalNode*> all;
@@ -65,9 +65,9 @@ struct Nodes {
 };
 
 Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
-  const auto hub_at = find_free_address();
-  if (!hub_at) return tl::unexpected(hub_at.error());
-  nodes.hub_at = *hub_at;
+  const auto hub_address = find_free_address();
+  if (!hub_address) return tl::unexpected(hub_address.error());
+  nodes.hub_address = *hub_address;
   std::vector<std::string> key;
   if (!options.key_file.empty()) key = {"--key", options.key_file};
   const auto start = [&](const std::string& name, std::vector<std::string> words, const std::string& ready) -> Result<void> {
@@ -79,18 +79,18 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
     return nodes.nodes.back().wait_for(ready);
   };
   nodes.nodes.reserve(2);
-  std::vector<std::string> haptics = {"--hub", *hub_at, "--scene", options.scene.string()};
-  std::vector<std::string> io = {"--bind", *hub_at, "--rate", fmt::format("{}", options.rate_hz), "--out", options.out.string()};
+  std::vector<std::string> haptics = {"--hub", *hub_address, "--scene", options.scene.string()};
+  std::vector<std::string> io = {"--bind", *hub_address, "--rate", fmt::format("{}", options.rate_hz), "--out", options.out.string()};
   if (options.cpu >= 0) {  // on one CPU a node that spins would take the time that the other needs
     haptics.insert(haptics.end(), {"--spin", "0"});
     io.insert(io.end(), {"--spin-reply", "0"});
   }
-  if (const auto up = start("haptics_node", std::move(haptics), "ready"); !up) return up;
-  if (const auto up = start("io_node", std::move(io), "hub on "); !up) return up;
+  if (const auto started = start("haptics_node", std::move(haptics), "ready"); !started) return started;
+  if (const auto started = start("io_node", std::move(io), "hub on "); !started) return started;
   if (!options.vision) return {};
-  std::vector<std::string> words = {"--hub", *hub_at, "--scene", options.scene.string()};
+  std::vector<std::string> words = {"--hub", *hub_address, "--scene", options.scene.string()};
   words.insert(words.end(), key.begin(), key.end());
-  if (const auto up = nodes.vision.start(options.out, std::move(words)); !up) return up;
+  if (const auto started = nodes.vision.start(options.out, std::move(words)); !started) return started;
   nodes.has_vision = true;
   return {};
 }
@@ -105,7 +105,7 @@ class NodeSampler {
 
   // Reads the hub until it has counted a force, and with --vision also a frame.
   Result<void> wait_for_force(const StopSignal& stop) {
-    const double end_s = now_s() + kFirstForce_s;
+    const double end_s = now_s() + kFirstForceTimeout_s;
     while (now_s() < end_s && !stop.stop_requested()) {
       auto reading = read();
       if (!reading) return tl::unexpected(reading.error());
@@ -116,7 +116,7 @@ class NodeSampler {
       if (const auto running = nodes_.check_running(); !running) return running;
       idle(kPollPeriod_s);
     }
-    return fail("no force (or, with --vision, no frame) within {:g} s; see the logs", kFirstForce_s);
+    return fail("no force (or, with --vision, no frame) within {:g} s; see the logs", kFirstForceTimeout_s);
   }
 
   double seconds() const { return now_s() - first_->time_s; }
@@ -152,9 +152,9 @@ class NodeSampler {
       sample.round_trip_max_us = hop.quantile_us(1.0);
     }
     for (LocalNode* node : nodes_.all()) {
-      const auto figures = read_process_figures(node->pid());
-      if (!figures) return tl::unexpected(figures.error());
-      sample.processes.push_back(*figures);
+      const auto stats = read_process_stats(node->pid());
+      if (!stats) return tl::unexpected(stats.error());
+      sample.processes.push_back(*stats);
     }
     last_ = std::move(*reading);
     return sample;
@@ -198,7 +198,7 @@ void print_progress(const SoakRun& run) {
   std::fflush(stdout);
 }
 
-// Samples until the time is over, a node ends or a stop is requested; run.ended is the reason, empty after the full time.
+// Samples until the time is over, a node ends or a stop is requested; run.end_reason says why, empty after the full time.
 Result<void> sample_nodes(const SoakOptions& options, Nodes& nodes, NodeSampler& sampler, const StopSignal& stop, SoakRun& run) {
   const std::filesystem::path table = options.out / "soak.csv";
   std::ofstream csv(table);
@@ -207,16 +207,16 @@ Result<void> sample_nodes(const SoakOptions& options, Nodes& nodes, NodeSampler&
   double due_s = every_s;
   double next_progress_s = 0.0;
   while (due_s <= options.seconds + 1e-6) {
-    while (sampler.seconds() < due_s && run.ended.empty()) {
+    while (sampler.seconds() < due_s && run.end_reason.empty()) {
       sampler.idle(std::clamp(due_s - sampler.seconds(), 0.0, kPollPeriod_s));
-      if (const auto running = nodes.check_running(); !running) run.ended = running.error().what;
-      if (stop.stop_requested()) run.ended = "stopped early";
+      if (const auto running = nodes.check_running(); !running) run.end_reason = running.error().what;
+      if (stop.stop_requested()) run.end_reason = "stopped early";
     }
-    if (!run.ended.empty()) return {};
+    if (!run.end_reason.empty()) return {};
     auto sample = sampler.sample();
     if (!sample) {
       const auto running = nodes.check_running();
-      run.ended = running ? sample.error().what : running.error().what;
+      run.end_reason = running ? sample.error().what : running.error().what;
       return {};
     }
     run.samples.push_back(std::move(*sample));
@@ -234,14 +234,14 @@ Result<SoakRun> soak(const SoakOptions& options) {
   const StopSignal stop;
   Nodes nodes;
   if (const auto started = start_nodes(options, nodes); !started) return tl::unexpected(started.error());
-  auto reader = HubReader::open(nodes.hub_at, options.key_file);
+  auto reader = HubReader::open(nodes.hub_address, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
   NodeSampler sampler(options, nodes, std::move(*reader));
   if (const auto force = sampler.wait_for_force(stop); !force) return tl::unexpected(force.error());
-  SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .samples = {}, .ended = {}};
+  SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .samples = {}, .end_reason = {}};
   for (const LocalNode* node : nodes.all()) run.processes.push_back(node->name());
   if (const auto watched = sample_nodes(options, nodes, sampler, stop, run); !watched) return tl::unexpected(watched.error());
-  if (const auto stopped = nodes.stop(); !stopped && run.ended.empty()) run.ended = stopped.error().what;
+  if (const auto stopped = nodes.stop(); !stopped && run.end_reason.empty()) run.end_reason = stopped.error().what;
   return run;
 }
 
@@ -267,7 +267,7 @@ Result<SoakEnd> run_soak(const SoakOptions& options) {
                                             : draw_soak_plot(options.out, run->processes);
   return SoakEnd{fmt::format("soak: observations in {}, {}\n{}\n", (options.out / "soak.csv").string(),
                              picture ? "plot in " + picture->string() : picture.error().what, to_text(*run, verdict)),
-                 verdict.flat};
+                 verdict.is_flat};
 }
 
 }  // namespace hapton

@@ -23,8 +23,8 @@ struct SoakOptions {
 double sample_interval_s(const SoakOptions& options);
 
 struct SoakEnd {
-  std::string text;   // the verdict in one line, and where the files are
-  bool flat = false;  // the run was complete, and no quantity drifted
+  std::string text;      // the verdict in one line, and where the files are
+  bool is_flat = false;  // the run was complete, and no quantity drifted
 };
 
 // Runs io_node, haptics_node and, on request, vision_node as child processes on a free loopback port, samples them regularly and prints its

@@ -34,7 +34,7 @@ struct SoakRun {
   double rate_hz = 0.0;
   std::vector<std::string> processes;  // names, in the order of SoakSample::processes
   std::vector<SoakSample> samples;
-  std::string ended;  // the error of the process that ended, or what else cut the run short; empty: nothing did
+  std::string end_reason;  // the error of the process that ended, or what else cut the run short; empty: nothing did
 };
 
 // How much a quantity rose from the beginning of a series to its end: by Theil and Sen's trend (the median of all slopes; H. Theil,
@@ -49,12 +49,12 @@ struct SoakFinding {
   std::string process;  // empty: the system as a whole
   double value = 0.0;
   double limit = 0.0;
-  bool flat = false;
+  bool is_flat = false;
   std::string text;  // the result, in words
 };
 
 struct SoakVerdict {
-  bool flat = false;
+  bool is_flat = false;
   std::vector<SoakFinding> findings;
 };
 

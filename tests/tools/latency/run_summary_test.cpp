@@ -28,8 +28,8 @@ Json make_report() {
 
 TEST(RunSummary, OfAGoodRunSaysWhatWasTouchedAndThatItHeld) {
   const RunSummary summary = summarise_run(make_report(), "car.toml");
-  EXPECT_TRUE(summary.touched);
-  EXPECT_TRUE(summary.held);
+  EXPECT_TRUE(summary.has_contact);
+  EXPECT_TRUE(summary.has_no_troubles);
   EXPECT_EQ(summary.text,
             "touched car.toml for 6.0 s: 5371 of 12000 samples in contact, at most 3.716 N\n"
             "it ran without faults: 1999 samples a second, no force lost, 3 late, round trip 42 us (p50), 94 us (p99)\n");
@@ -47,7 +47,7 @@ TEST(RunSummary, SaysWhenNothingWasTouched) {
   Json report = make_report();
   report["counters"]["contact_samples"] = 0;
   const RunSummary summary = summarise_run(report, "part.stl");
-  EXPECT_FALSE(summary.touched);
+  EXPECT_FALSE(summary.has_contact);
   EXPECT_THAT(summary.text, HasSubstr("touched nothing of part.stl in 6.0 s"));
 }
 
@@ -56,7 +56,7 @@ TEST(RunSummary, SaysThatTheDeviceCannotReachTheScene) {
   report["counters"]["contact_samples"] = 0;
   report["notes"]["reach"] = "the scene is out of the device's reach";
   const RunSummary summary = summarise_run(report, "part.stl");
-  EXPECT_FALSE(summary.held);
+  EXPECT_FALSE(summary.has_no_troubles);
   EXPECT_THAT(summary.text, HasSubstr("out of the device's reach (check --unit and --no-fit)"));
 }
 
@@ -74,7 +74,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
     Json report = make_report();
     report[c.section][c.key] = c.value;
     const RunSummary summary = summarise_run(report, "x");
-    EXPECT_FALSE(summary.held) << c.key;
+    EXPECT_FALSE(summary.has_no_troubles) << c.key;
     EXPECT_THAT(summary.text, HasSubstr(c.said));
     EXPECT_THAT(summary.text, HasSubstr("it had faults"));
   }
@@ -82,8 +82,8 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
 
 TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
   const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/4"}, {"hops", Json::object()}}, "x");
-  EXPECT_FALSE(summary.touched);
-  EXPECT_FALSE(summary.held);
+  EXPECT_FALSE(summary.has_contact);
+  EXPECT_FALSE(summary.has_no_troubles);
   EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));
 }
 

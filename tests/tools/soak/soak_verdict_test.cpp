@@ -18,7 +18,7 @@ using ::testing::Not;
 
 // An hour without an event, with an observation every 30 s and some jitter in each figure, as in a real run.
 SoakRun an_hour() {
-  SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .samples = {}, .ended = {}};
+  SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .samples = {}, .end_reason = {}};
   for (int i = 1; i <= 120; ++i) {
     const int jitter = (i * 37) % 11 - 5;
     run.samples.push_back({.seconds = 30.0 * i,
@@ -44,13 +44,13 @@ const SoakFinding& finding(const SoakVerdict& verdict, const std::string& what, 
 
 std::size_t count_bad(const SoakVerdict& verdict) {
   return static_cast<std::size_t>(
-      std::count_if(verdict.findings.begin(), verdict.findings.end(), [](const SoakFinding& one) { return !one.flat; }));
+      std::count_if(verdict.findings.begin(), verdict.findings.end(), [](const SoakFinding& one) { return !one.is_flat; }));
 }
 
 TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
   const SoakRun run = an_hour();
   const SoakVerdict verdict = evaluate_soak(run);
-  EXPECT_TRUE(verdict.flat) << to_text(run, verdict);
+  EXPECT_TRUE(verdict.is_flat) << to_text(run, verdict);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("soak: flat over 3600 s"));
   EXPECT_THAT(to_text(run, verdict), HasSubstr("slowest round trip 5000 us"));
   const auto json = to_json(run, verdict);
@@ -94,7 +94,7 @@ TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
   SoakRun run = an_hour();
   for (SoakSample& sample : run.samples) sample.processes[0].resident_kib += static_cast<std::int64_t>(sample.seconds);
   const SoakVerdict verdict = evaluate_soak(run);
-  EXPECT_FALSE(verdict.flat);
+  EXPECT_FALSE(verdict.is_flat);
   EXPECT_EQ(count_bad(verdict), 1U);
   EXPECT_NEAR(finding(verdict, "memory", "haptics_node").value, 3240.0, 60.0);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("not flat: haptics_node memory +"));
@@ -104,14 +104,14 @@ TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
 TEST(SoakVerdict, MemoryThatJumpsOnceIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakSample& sample : run.samples) sample.processes[1].resident_kib += sample.seconds > 2200.0 ? 4096 : 0;
-  EXPECT_FALSE(finding(evaluate_soak(run), "memory", "io_node").flat);
+  EXPECT_FALSE(finding(evaluate_soak(run), "memory", "io_node").is_flat);
 }
 
 TEST(SoakVerdict, MemoryThatGrowsInTheFirstTenthOnlyOrShrinksIsFlat) {
   SoakRun run = an_hour();
   for (SoakSample& sample : run.samples) sample.processes[0].resident_kib -= sample.seconds < 300.0 ? 10'000 : 0;
   for (SoakSample& sample : run.samples) sample.processes[1].resident_kib -= static_cast<std::int64_t>(sample.seconds);
-  EXPECT_TRUE(evaluate_soak(run).flat);
+  EXPECT_TRUE(evaluate_soak(run).is_flat);
 }
 
 TEST(SoakVerdict, OneOutlierDoesNotFailTheRun) {
@@ -119,7 +119,7 @@ TEST(SoakVerdict, OneOutlierDoesNotFailTheRun) {
   run.samples.back().processes[0] = {90'000, 40, 12};
   run.samples[60].processes[1].descriptors = 13;
   run.samples[61].samples_hz = 400.0;
-  EXPECT_TRUE(evaluate_soak(run).flat) << to_text(run, evaluate_soak(run));
+  EXPECT_TRUE(evaluate_soak(run).is_flat) << to_text(run, evaluate_soak(run));
 }
 
 TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
@@ -133,7 +133,7 @@ TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
 TEST(SoakVerdict, AThreadLessIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakSample& sample : run.samples) sample.processes[0].threads -= sample.seconds > 1800.0 ? 1 : 0;
-  EXPECT_FALSE(finding(evaluate_soak(run), "threads", "haptics_node").flat);
+  EXPECT_FALSE(finding(evaluate_soak(run), "threads", "haptics_node").is_flat);
 }
 
 TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
@@ -148,7 +148,7 @@ TEST(SoakVerdict, ARateThatIsNotHeldIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakSample& sample : run.samples) sample.forces_hz = 960.0;
   EXPECT_EQ(finding(evaluate_soak(run), "rate").value, 960.0);
-  EXPECT_FALSE(evaluate_soak(run).flat);
+  EXPECT_FALSE(evaluate_soak(run).is_flat);
 }
 
 TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
@@ -163,16 +163,16 @@ TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
 
 TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
   SoakRun run = an_hour();
-  run.ended = "io_node ended with 139: Segmentation fault";
+  run.end_reason = "io_node ended with 139: Segmentation fault";
   run.samples.resize(40);
-  EXPECT_FALSE(evaluate_soak(run).flat);
+  EXPECT_FALSE(evaluate_soak(run).is_flat);
   EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("not flat: io_node ended with 139: Segmentation fault, after 1200 s"));
 }
 
 TEST(SoakVerdict, TooFewObservationsAreNoProof) {
   SoakRun run = an_hour();
   run.samples.clear();
-  EXPECT_FALSE(evaluate_soak(run).flat);
+  EXPECT_FALSE(evaluate_soak(run).is_flat);
   EXPECT_EQ(to_json(run, evaluate_soak(run))["flat"], false);
   EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("too few observations"));
 }
