@@ -14,23 +14,23 @@ constexpr std::int64_t kCornerGapNs = 100'000'000;
 
 CornerTouch::Event CornerTouch::add(const ProbeState& probe) {
   const std::int64_t now_ns = probe.sample_time_ns;
-  if (!probe.p_WD.allFinite() || (has_started_ && now_ns <= last_ns_)) return Event::none;
+  if (!probe.p_WD.allFinite() || (has_started_ && now_ns <= last_sample_ns_)) return Event::none;
   if (!has_started_) {
     p_WB_ = probe.p_WD;
     last_buttons_ = probe.buttons;
   }
-  if (has_started_ && now_ns - last_ns_ > kCornerGapNs) {
+  if (has_started_ && now_ns - last_sample_ns_ > kCornerGapNs) {
     samples_.clear();
     press_ns_ = 0;
   }
   has_started_ = true;
-  last_ns_ = now_ns;
+  last_sample_ns_ = now_ns;
   if ((probe.buttons & ~last_buttons_) != 0) press_ns_ = now_ns;
   last_buttons_ = probe.buttons;
   samples_.push_back({now_ns, probe.p_WD});
   // One sample at or before the beginning of the hold period remains, so that decide() sees that the whole period is covered.
   while (samples_.size() > 1 && now_ns - samples_[1].time_ns >= kHoldNs) samples_.pop_front();
-  was_away_ = was_away_ || (probe.p_WD - p_WB_).norm() >= kAwayM;
+  has_moved_away_ = has_moved_away_ || (probe.p_WD - p_WB_).norm() >= kMinTravelM;
   return decide(now_ns);
 }
 
@@ -40,7 +40,7 @@ CornerTouch::Event CornerTouch::decide(std::int64_t now_ns) {
     measure(press_ns_);
     return finish(moved_m_ <= kPressStillM ? Event::touched : Event::moved);
   }
-  if (!was_away_ || now_ns - samples_.front().time_ns < kHoldNs) return Event::none;
+  if (!has_moved_away_ || now_ns - samples_.front().time_ns < kHoldNs) return Event::none;
   measure(now_ns - kHoldNs);
   return moved_m_ <= kHoldStillM ? finish(Event::touched) : Event::none;
 }
@@ -59,7 +59,7 @@ CornerTouch::Event CornerTouch::finish(Event event) {
   press_ns_ = 0;
   if (event == Event::touched) {
     p_WB_ = p_W_;
-    was_away_ = false;
+    has_moved_away_ = false;
   }
   return event;
 }

@@ -18,7 +18,7 @@ class CornerTouch {
   // After a press, the mean is over kPressS, by which time the motion due to the press has ended.
   static constexpr double kPressS = 0.3;
   static constexpr double kPressStillM = 0.001;
-  static constexpr double kAwayM = 0.02;
+  static constexpr double kMinTravelM = 0.02;
 
   enum class Event : std::uint8_t {
     none,
@@ -45,11 +45,11 @@ class CornerTouch {
 
   std::deque<Sample> samples_;  // the samples of the last kHoldS
   bool has_started_ = false;
-  std::int64_t last_ns_ = 0;
+  std::int64_t last_sample_ns_ = 0;
   std::uint32_t last_buttons_ = 0;
   std::int64_t press_ns_ = 0;  // 0: not pressed
   Vec3 p_WB_ = Vec3::Zero();   // the position from which the tip must move away
-  bool was_away_ = false;
+  bool has_moved_away_ = false;
   Vec3 p_W_ = Vec3::Zero();
   double moved_m_ = 0.0;
 };

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-bool take_corners(std::string_view text, ScreenCorners& corners) {
+bool read_corners(std::string_view text, ScreenCorners& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::size_t end = i + 1 < corners.size() ? text.find(';') : text.size();
     if (end == std::string_view::npos) return false;
@@ -28,7 +28,7 @@ bool take_corners(std::string_view text, ScreenCorners& corners) {
 
 Result<ScreenCorners> parse_corners(std::string_view text) {
   ScreenCorners corners;
-  if (take_corners(text, corners)) return corners;
+  if (read_corners(text, corners)) return corners;
   return fail(
       "--corners {}: give four points X,Y,Z in metres, separated by semicolons, without spaces, in quotes: lower left, lower right, upper "
       "right, upper left",

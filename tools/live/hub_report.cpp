@@ -12,9 +12,9 @@ namespace hapton {
 namespace {
 
 // How long to wait until the hub accepts this tool, and for each part of its report; a free choice.
-constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
+constexpr std::int64_t kHubReplyTimeoutNs = 5 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // the hub needs a moment to make a fresh report
-constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;            // the longest wait for one datagram; a free choice
+constexpr std::int64_t kHubMaxWaitNs = 20 * kNanosecondsPerMillisecond;      // the longest wait for one datagram; a free choice
 constexpr int kMaxTries = 20;                                                // of reading both documents of the same report
 constexpr std::uint32_t kMaxParts = 1U << 14;  // 15 MB; a report has about 30 parts, but a broken hub may announce any number
 
@@ -26,7 +26,7 @@ struct HubReader::State {
 
   bool wait_for_hub();
   Result<std::string> read(ReportDocument document, std::uint32_t& revision);
-  bool receive_part(const ReportRequest& wanted, ReportPart& part);
+  bool receive_part(const ReportRequest& request, ReportPart& part);
 
   SteadyClock clock;
   Address hub;
@@ -36,21 +36,21 @@ struct HubReader::State {
 };
 
 bool HubReader::State::wait_for_hub() {
-  const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+  const std::int64_t end_ns = clock.now_ns() + kHubReplyTimeoutNs;
   Datagram ignored;
-  while (client.state() != JoinState::joined && clock.now_ns() < end_ns) client.receive(ignored, clock.now_ns() + kTurnNs);
+  while (client.state() != JoinState::joined && clock.now_ns() < end_ns) client.receive(ignored, clock.now_ns() + kHubMaxWaitNs);
   return client.state() == JoinState::joined;
 }
 
 // Waits for the requested part, or for the first part of another report. False: neither came, so the request must be repeated.
-bool HubReader::State::receive_part(const ReportRequest& wanted, ReportPart& part) {
+bool HubReader::State::receive_part(const ReportRequest& request, ReportPart& part) {
   const std::int64_t end_ns = clock.now_ns() + kRepeatRequestNs;
   Datagram datagram;
   while (client.receive(datagram, end_ns)) {
     const auto* received = std::get_if<ReportPart>(&datagram.message);
-    if (received == nullptr || received->document != wanted.document) continue;
-    const bool is_next = received->revision == wanted.revision && received->part == wanted.part;
-    const bool is_first_of_another = received->revision != wanted.revision && received->part == 0;
+    if (received == nullptr || received->document != request.document) continue;
+    const bool is_next = received->revision == request.revision && received->part == request.part;
+    const bool is_first_of_another = received->revision != request.revision && received->part == 0;
     if (!is_next && !is_first_of_another) continue;
     part = *received;
     return true;
@@ -59,23 +59,23 @@ bool HubReader::State::receive_part(const ReportRequest& wanted, ReportPart& par
 }
 
 Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_t& revision) {
-  ReportRequest wanted{document, revision, 0};
+  ReportRequest request{document, revision, 0};
   ReportPart part;
   std::string text;
-  std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+  std::int64_t end_ns = clock.now_ns() + kHubReplyTimeoutNs;
   while (clock.now_ns() < end_ns) {
-    client.send(wanted);
-    if (!receive_part(wanted, part)) continue;
+    client.send(request);
+    if (!receive_part(request, part)) continue;
     if (part.parts > kMaxParts) {
       return fail("the hub at {} announces a report of {} parts, above {}; is it of another version?", to_string(hub), part.parts,
                   kMaxParts);
     }
     if (part.part == 0) text.clear();
     text.append(part.text.data(), part.size);
-    revision = wanted.revision = part.revision;
-    wanted.part = part.part + 1;
-    end_ns = clock.now_ns() + kPatienceNs;
-    if (wanted.part == part.parts) return text;
+    revision = request.revision = part.revision;
+    request.part = part.part + 1;
+    end_ns = clock.now_ns() + kHubReplyTimeoutNs;
+    if (request.part == part.parts) return text;
   }
   return fail("the hub at {} sent no report; see its terminal", to_string(hub));
 }

@@ -17,31 +17,31 @@ void exchange_markers(LineMarker& marker, HubClient& client, const Clock& clock)
   Datagram datagram;
   while (client.receive(datagram, poll_ns)) {
     const auto* reply = std::get_if<MarkerReply>(&datagram.message);
-    const auto said = reply != nullptr ? marker.take(*reply) : std::nullopt;
-    if (said) fmt::print("{}\n", *said);
-    if (said) std::fflush(stdout);
+    const auto reply_text = reply != nullptr ? marker.take(*reply) : std::nullopt;
+    if (reply_text) fmt::print("{}\n", *reply_text);
+    if (reply_text) std::fflush(stdout);
   }
 }
 
-std::uint64_t count_unseen(DigitalLine& line, const LineMarker& marker) {
-  const auto all = line.changes();
-  return all && *all > marker.counts().changes ? *all - marker.counts().changes : 0;
+std::uint64_t count_missed_changes(DigitalLine& line, const LineMarker& marker) {
+  const auto counted_changes = line.changes();
+  return counted_changes && *counted_changes > marker.counts().changes ? *counted_changes - marker.counts().changes : 0;
 }
 
 }  // namespace
 
 Result<std::uint64_t> mark_changes(DigitalLine& line, LineMarker& marker, HubClient& client, const Clock& clock,
-                                   const std::function<bool()>& goes_on) {
+                                   const std::function<bool()>& should_continue) {
   Result<bool> level = false;
-  while (level && goes_on()) {
+  while (level && should_continue()) {
     level = line.is_on();
-    if (level) marker.see(*level, clock.now_ns());
+    if (level) marker.observe(*level, clock.now_ns());
     exchange_markers(marker, client, clock);
   }
-  const std::uint64_t unseen = count_unseen(line, marker);
-  while (marker.is_waiting()) exchange_markers(marker, client, clock);
+  const std::uint64_t missed_changes = count_missed_changes(line, marker);
+  while (marker.has_pending()) exchange_markers(marker, client, clock);
   if (!level) return tl::unexpected(level.error());
-  return unseen;
+  return missed_changes;
 }
 
 }  // namespace hapton

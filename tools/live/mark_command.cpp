@@ -26,8 +26,8 @@ struct MarkOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kJoinPatienceS = 2.0;  // how long to wait for the hub; this and the next value are free choices
-constexpr std::int64_t kMarkPatienceNs = 2 * kNanosecondsPerSecond;
+constexpr double kMarkJoinTimeoutS = 2.0;  // how long to wait for the hub; this and the next value are free choices
+constexpr std::int64_t kMarkReplyTimeoutNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatMarkNs = 100 * kNanosecondsPerMillisecond;  // the marker is sent again, because a datagram may be lost
 
 std::optional<MarkerReply> wait_for_reply(HubClient& client, std::uint32_t request, std::int64_t end_ns) {
@@ -44,10 +44,10 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
   if (!marker) return tl::unexpected(marker.error());
   const auto connection = HubConnection::open(NodeRole::tool, options.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kJoinPatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kMarkJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
-  const std::int64_t end_ns = clock.now_ns() + kMarkPatienceNs;
+  const std::int64_t end_ns = clock.now_ns() + kMarkReplyTimeoutNs;
   while (clock.now_ns() < end_ns) {
     client.send(*marker);
     if (const auto reply = wait_for_reply(client, marker->request, clock.now_ns() + kRepeatMarkNs)) return read_reply(*reply);
@@ -67,17 +67,17 @@ Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
   if (!line) return tl::unexpected(line.error());
   const auto connection = HubConnection::open(NodeRole::tool, options.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kJoinPatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kMarkJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = kLinePriority, .lock_memory = false});
   fmt::print("marks {} of {}; Ctrl-C ends it\n", input->name, input->device);
   std::fflush(stdout);
   const StopSignal stop;
   const Clock& clock = (*connection)->clock();
   const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * options.seconds);
-  const auto goes_on = [&] { return !stop.stop_requested() && (options.seconds <= 0.0 || clock.now_ns() < end_ns); };
-  const auto unseen = mark_changes(**line, *marker, (*connection)->client(), clock, goes_on);
-  if (!unseen) return tl::unexpected(unseen.error());
-  if (*unseen > 0) fmt::print("{} changes were too short to be seen\n", *unseen);
+  const auto should_continue = [&] { return !stop.stop_requested() && (options.seconds <= 0.0 || clock.now_ns() < end_ns); };
+  const auto missed_changes = mark_changes(**line, *marker, (*connection)->client(), clock, should_continue);
+  if (!missed_changes) return tl::unexpected(missed_changes.error());
+  if (*missed_changes > 0) fmt::print("{} changes were too short to be seen\n", *missed_changes);
   return marker->counts();
 }
 

@@ -35,7 +35,7 @@ constexpr Pin kPins[] = {{"CTS", false, TIOCM_CTS},
 
 class SerialLine : public DigitalLine {
  public:
-  SerialLine(int descriptor, LineInput input) : descriptor_(descriptor), input_(std::move(input)) { before_ = count(); }
+  SerialLine(int descriptor, LineInput input) : descriptor_(descriptor), input_(std::move(input)) { initial_count_ = count(); }
   ~SerialLine() override { ::close(descriptor_); }
   SerialLine(const SerialLine&) = delete;
   SerialLine& operator=(const SerialLine&) = delete;
@@ -47,28 +47,28 @@ class SerialLine : public DigitalLine {
   }
   std::optional<std::uint64_t> changes() override {
     const auto now = count();
-    if (!now || !before_) return std::nullopt;
-    return static_cast<std::uint32_t>(*now - *before_);
+    if (!now || !initial_count_) return std::nullopt;
+    return static_cast<std::uint32_t>(*now - *initial_count_);
   }
 
  private:
   std::optional<std::uint32_t> count() const {
-    serial_icounter_struct all = {};
-    if (::ioctl(descriptor_, TIOCGICOUNT, &all) != 0) return std::nullopt;
+    serial_icounter_struct counters = {};
+    if (::ioctl(descriptor_, TIOCGICOUNT, &counters) != 0) return std::nullopt;
     switch (input_.bit) {
       case TIOCM_CTS:
-        return static_cast<std::uint32_t>(all.cts);
+        return static_cast<std::uint32_t>(counters.cts);
       case TIOCM_DSR:
-        return static_cast<std::uint32_t>(all.dsr);
+        return static_cast<std::uint32_t>(counters.dsr);
       case TIOCM_CD:
-        return static_cast<std::uint32_t>(all.dcd);
+        return static_cast<std::uint32_t>(counters.dcd);
       default:
         return std::nullopt;  // the kernel counts only one of the two edges of RI
     }
   }
   int descriptor_;
   LineInput input_;
-  std::optional<std::uint32_t> before_;
+  std::optional<std::uint32_t> initial_count_;
 };
 
 class ParallelLine : public DigitalLine {
@@ -133,43 +133,43 @@ Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input) {
 }
 
 Result<LineMarker> make_line_marker(const LineInput& input, std::string_view edges, const std::string& text) {
-  const Edges marked = edges == "on" ? Edges::on : edges == "off" ? Edges::off : Edges::both;
+  const Edges marked_edges = edges == "on" ? Edges::on : edges == "off" ? Edges::off : Edges::both;
   const std::string& name = text.empty() ? input.name : text;
-  const bool is_plain = !text.empty() && marked != Edges::both;
+  const bool is_plain = !text.empty() && marked_edges != Edges::both;
   const std::string on = is_plain ? name : name + " on";
   const std::string off = is_plain ? name : name + " off";
   for (const std::string& each : {on, off}) {
     if (const auto valid = make_marker(each); !valid) return tl::unexpected(valid.error());
   }
-  return LineMarker(marked, on, off);
+  return LineMarker(marked_edges, on, off);
 }
 
 LineMarker::LineMarker(Edges edges, std::string on_text, std::string off_text)
     : edges_(edges), on_text_(std::move(on_text)), off_text_(std::move(off_text)) {}
 
-void LineMarker::see(bool is_on, std::int64_t now_ns) {
+void LineMarker::observe(bool is_on, std::int64_t now_ns) {
   if (!is_on_ || *is_on_ == is_on) {
     is_on_ = is_on;
     return;
   }
   is_on_ = is_on;
   ++counts_.changes;
-  if (!matters(is_on)) return;
+  if (!is_marked(is_on)) return;
   const std::string& text = is_on ? on_text_ : off_text_;
   const auto marker = make_marker(text);
-  if (!marker || waiting_.size() >= kMaxWaiting) {
+  if (!marker || pending_.size() >= kMaxPending) {
     ++counts_.given_up;
     return;
   }
-  waiting_.push_back({.marker = *marker, .text = text, .made_ns = now_ns, .next_ns = now_ns});
+  pending_.push_back({.marker = *marker, .text = text, .made_ns = now_ns, .next_ns = now_ns});
 }
 
 std::optional<Marker> LineMarker::next(std::int64_t now_ns) {
-  while (!waiting_.empty() && now_ns - waiting_.front().made_ns >= kPatienceNs) {
-    waiting_.pop_front();
+  while (!pending_.empty() && now_ns - pending_.front().made_ns >= kReplyTimeoutNs) {
+    pending_.pop_front();
     ++counts_.given_up;
   }
-  for (Waiting& one : waiting_) {
+  for (PendingMarker& one : pending_) {
     if (one.next_ns > now_ns) continue;
     one.next_ns = now_ns + kRepeatNs;
     return one.marker;
@@ -179,10 +179,10 @@ std::optional<Marker> LineMarker::next(std::int64_t now_ns) {
 
 std::optional<std::string> LineMarker::take(const MarkerReply& reply) {
   const auto found =
-      std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& one) { return one.marker.request == reply.request; });
-  if (found == waiting_.end()) return std::nullopt;
+      std::find_if(pending_.begin(), pending_.end(), [&](const PendingMarker& one) { return one.marker.request == reply.request; });
+  if (found == pending_.end()) return std::nullopt;
   const std::string text = found->text;
-  waiting_.erase(found);
+  pending_.erase(found);
   const auto sample = read_reply(reply);
   ++(sample ? counts_.marked : counts_.rejected);
   return sample ? fmt::format("marked sample {}: {}", *sample, text) : fmt::format("not marked: {}: {}", text, sample.error().what);

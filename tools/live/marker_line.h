@@ -48,9 +48,9 @@ enum class Edges : std::uint8_t { on, off, both };
 // ns of one clock. RT: no. Threads: one.
 class LineMarker {
  public:
-  static constexpr std::int64_t kRepeatNs = 100'000'000;      // from one sending of a marker to the next; a free choice
-  static constexpr std::int64_t kPatienceNs = 2'000'000'000;  // after which a marker counts as not recorded; a free choice
-  static constexpr std::size_t kMaxWaiting = 16;              // as many as the hub remembers, so that no marker is recorded twice
+  static constexpr std::int64_t kRepeatNs = 100'000'000;          // from one sending of a marker to the next; a free choice
+  static constexpr std::int64_t kReplyTimeoutNs = 2'000'000'000;  // after which a marker counts as not recorded; a free choice
+  static constexpr std::size_t kMaxPending = 16;                  // as many as the hub remembers, so that no marker is recorded twice
 
   struct Counts {
     std::uint64_t changes = 0;   // changes seen, marked or not
@@ -63,29 +63,29 @@ class LineMarker {
   LineMarker(Edges edges, std::string on_text, std::string off_text);
 
   // Takes the present level of the line. The first call marks nothing.
-  void see(bool is_on, std::int64_t now_ns);
+  void observe(bool is_on, std::int64_t now_ns);
   // The marker to send now: of those that are new or due again, that of the oldest change. None: nothing is due.
   std::optional<Marker> next(std::int64_t now_ns);
   // A line for a person, if the reply belongs to a marker that waits for one; none otherwise.
   std::optional<std::string> take(const MarkerReply& reply);
 
   const Counts& counts() const noexcept { return counts_; }
-  bool is_waiting() const noexcept { return !waiting_.empty(); }
+  bool has_pending() const noexcept { return !pending_.empty(); }
 
  private:
-  struct Waiting {
+  struct PendingMarker {
     Marker marker;
     std::string text;
     std::int64_t made_ns = 0;
     std::int64_t next_ns = 0;
   };
-  bool matters(bool is_on) const noexcept { return edges_ == Edges::both || (edges_ == Edges::on) == is_on; }
+  bool is_marked(bool is_on) const noexcept { return edges_ == Edges::both || (edges_ == Edges::on) == is_on; }
 
   Edges edges_;
   std::string on_text_;
   std::string off_text_;
   std::optional<bool> is_on_;
-  std::deque<Waiting> waiting_;
+  std::deque<PendingMarker> pending_;
   Counts counts_;
 };
 

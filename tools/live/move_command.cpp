@@ -25,10 +25,10 @@ struct MoveOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kMoveJoinS = 2.0;  // how long to wait for the hub; this and the next value are free choices
-constexpr double kMoveReplyS = 5.0;
+constexpr double kMoveJoinTimeoutS = 2.0;  // how long to wait for the hub; this and the next value are free choices
+constexpr double kMoveReplyTimeoutS = 5.0;
 // If the time is longer than requested by more than this share, the move was slowed down: it is not only rounding.
-constexpr double kSlowed = 1e-6;
+constexpr double kSlowedShare = 1e-6;
 
 Result<MoveTarget> read_target(const MoveOptions& options) {
   MoveTarget target{.over_s = options.over_s};
@@ -58,8 +58,8 @@ Result<MoveRequest> read_move(const MoveOptions& options) {
 Result<double> move(const MoveOptions& options, const MoveRequest& request) {
   const auto connection = HubConnection::open(NodeRole::tool, options.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kMoveJoinS); !joined) return tl::unexpected(joined.error());
-  return move_object((*connection)->client(), (*connection)->clock(), request, kMoveReplyS);
+  if (const auto joined = (*connection)->wait_until_joined(kMoveJoinTimeoutS); !joined) return tl::unexpected(joined.error());
+  return move_object((*connection)->client(), (*connection)->clock(), request, kMoveReplyTimeoutS);
 }
 
 // The exit code, as for any other invalid command line.
@@ -72,7 +72,7 @@ int run(const MoveOptions& options) {
     fmt::print(stderr, "hapton move: {}\n", seconds.error().what);
     return request ? 1 : kBadMove;
   }
-  const bool is_slowed = options.over_s && *seconds > *options.over_s * (1.0 + kSlowed);
+  const bool is_slowed = options.over_s && *seconds > *options.over_s * (1.0 + kSlowedShare);
   fmt::print("{} moves, for {:.3f} s{}\n", options.object, *seconds,
              is_slowed ? fmt::format(", not {:g} s: no point of it may be faster than 0.25 m/s", *options.over_s) : "");
   return 0;

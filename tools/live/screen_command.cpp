@@ -23,11 +23,11 @@ struct ScreenOptions {
   std::filesystem::path out = "screen.toml";
 };
 
-constexpr double kScreenJoinS = 2.0;  // how long to wait for the hub; this and the next two values are free choices
-constexpr std::int64_t kScreenTurnNs = 20 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kNoSampleNs = 5 * kNanosecondsPerSecond;
+constexpr double kScreenJoinTimeoutS = 2.0;  // how long to wait for the hub; this and the next two values are free choices
+constexpr std::int64_t kScreenMaxWaitNs = 20 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kSampleTimeoutNs = 5 * kNanosecondsPerSecond;
 
-void tell(const std::string& line) {
+void print_prompt(const std::string& line) {
   fmt::print("{}\n", line);
   std::fflush(stdout);
 }
@@ -39,28 +39,30 @@ class CornerSession {
 
   Result<ScreenCorners> run() {
     const StopSignal stop;
-    tell(
+    print_prompt(
         fmt::format("Touch the corners of the picture with the tip of the stylus. At each, press a button of the stylus, or hold the tip "
                     "still for {:g} s.",
                     CornerTouch::kHoldS));
-    ask();
+    ask_for_corner();
     last_sample_ns_ = clock_.now_ns();
     Datagram datagram;
-    while (next_ < corners_.size()) {
+    while (next_corner_ < corners_.size()) {
       if (stop.stop_requested()) return fail("stopped before all corners were touched; nothing was written");
-      const bool has_datagram = client_.receive(datagram, clock_.now_ns() + kScreenTurnNs);
+      const bool has_datagram = client_.receive(datagram, clock_.now_ns() + kScreenMaxWaitNs);
       const auto* probe = has_datagram ? std::get_if<ProbeState>(&datagram.message) : nullptr;
       if (probe != nullptr) accept(*probe);
-      if (clock_.now_ns() - last_sample_ns_ > kNoSampleNs) {
+      if (clock_.now_ns() - last_sample_ns_ > kSampleTimeoutNs) {
         return fail("no sample of the device has come for {} s; `hapton top` shows whether io_node runs and the device is connected",
-                    kNoSampleNs / kNanosecondsPerSecond);
+                    kSampleTimeoutNs / kNanosecondsPerSecond);
       }
     }
     return corners_;
   }
 
  private:
-  void ask() const { tell(fmt::format("{} of {}: the {} corner", next_ + 1, corners_.size(), kCornerNames[next_])); }
+  void ask_for_corner() const {
+    print_prompt(fmt::format("{} of {}: the {} corner", next_corner_ + 1, corners_.size(), kCornerNames[next_corner_]));
+  }
 
   void accept(const ProbeState& probe) {
     last_sample_ns_ = clock_.now_ns();
@@ -75,19 +77,19 @@ class CornerSession {
         return;
       case CornerTouch::Event::touched:
         const Vec3 mm = 1e3 * touch_.p_W();
-        tell(fmt::format("  at {:.1f},{:.1f},{:.1f} mm", mm.x(), mm.y(), mm.z()));
-        corners_[next_++] = touch_.p_W();
-        if (next_ < corners_.size()) ask();
+        print_prompt(fmt::format("  at {:.1f},{:.1f},{:.1f} mm", mm.x(), mm.y(), mm.z()));
+        corners_[next_corner_++] = touch_.p_W();
+        if (next_corner_ < corners_.size()) ask_for_corner();
     }
   }
 
   bool is_measuring(ProbeStatus status) {
     const bool is_away = status == ProbeStatus::device_away || status == ProbeStatus::calibrating;
-    if (is_away && !was_away_) {
-      tell(status == ProbeStatus::device_away ? "the device does not respond; waiting for it"
-                                              : "the device is being calibrated; waiting for it");
+    if (is_away && !was_device_away_) {
+      print_prompt(status == ProbeStatus::device_away ? "the device does not respond; waiting for it"
+                                                      : "the device is being calibrated; waiting for it");
     }
-    was_away_ = is_away;
+    was_device_away_ = is_away;
     return !is_away;
   }
 
@@ -95,28 +97,28 @@ class CornerSession {
   const Clock& clock_;
   CornerTouch touch_;
   ScreenCorners corners_ = {};
-  std::size_t next_ = 0;
+  std::size_t next_corner_ = 0;
   std::int64_t last_sample_ns_ = 0;
-  bool was_away_ = false;
+  bool was_device_away_ = false;
 };
 
-Result<ScreenCorners> find_touched(const ScreenOptions& options) {
+Result<ScreenCorners> find_corners(const ScreenOptions& options) {
   if (!options.corners.empty()) return parse_corners(options.corners);
   const auto connection = HubConnection::open(NodeRole::vision, options.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kScreenJoinS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kScreenJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   return CornerSession(**connection).run();
 }
 
 Result<void> measure_screen(const ScreenOptions& options) {
-  const auto corners = find_touched(options);
+  const auto corners = find_corners(options);
   if (!corners) return tl::unexpected(corners.error());
   const auto fit = fit_screen(*corners);
   if (!fit) return tl::unexpected(fit.error());
   if (auto usable = check_screen(fit->screen); !usable) return usable;
-  tell(describe_fit(*fit));
+  print_prompt(describe_fit(*fit));
   if (auto written = write_file_atomically(options.out, write_screen(fit->screen)); !written) return written;
-  tell(fmt::format("vision_node --screen {}", options.out.string()));
+  print_prompt(fmt::format("vision_node --screen {}", options.out.string()));
   return {};
 }
 

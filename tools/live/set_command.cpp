@@ -53,15 +53,15 @@ bool wait_until_joined(HubClient& client, const Clock& clock) {
 
 MaterialChange make_change(const SetOptions& options) {
   MaterialChange change;
-  const auto give = [&](const std::optional<double>& value, std::uint32_t bit, double& into) {
+  const auto set_if_given = [&](const std::optional<double>& value, std::uint32_t bit, double& into) {
     if (!value) return;
     change.given |= bit;
     into = *value;
   };
-  give(options.stiffness_n_per_m, MaterialChange::kStiffness, change.stiffness_n_per_m);
-  give(options.damping_ns_per_m, MaterialChange::kDamping, change.damping_ns_per_m);
-  give(options.friction ? options.friction : options.friction_static, MaterialChange::kFrictionStatic, change.friction_static);
-  give(options.friction ? options.friction : options.friction_dynamic, MaterialChange::kFrictionDynamic, change.friction_dynamic);
+  set_if_given(options.stiffness_n_per_m, MaterialChange::kStiffness, change.stiffness_n_per_m);
+  set_if_given(options.damping_ns_per_m, MaterialChange::kDamping, change.damping_ns_per_m);
+  set_if_given(options.friction ? options.friction : options.friction_static, MaterialChange::kFrictionStatic, change.friction_static);
+  set_if_given(options.friction ? options.friction : options.friction_dynamic, MaterialChange::kFrictionDynamic, change.friction_dynamic);
   return change;
 }
 
@@ -93,7 +93,7 @@ Result<SettingsRequest> make_request(const SetOptions& options) {
 Result<std::string> confirm_reset(const SetOptions& options) {
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
-  std::string what;
+  std::string fault_text;
   for (int reading = 0; reading < kFaultReads; ++reading) {
     const auto texts = (*reader)->read();
     if (!texts) return tl::unexpected(texts.error());
@@ -102,16 +102,16 @@ Result<std::string> confirm_reset(const SetOptions& options) {
     const std::string fault = json_text_of(notes, "safety_fault");
     if (fault == "none") return std::string("no fault is latched; forces ramp up");
     if (fault.empty()) return fail("the hub does not report faults; it is another version of Hapton");
-    what = json_text_of(notes, "safety_fault_text");
-    if (what.empty()) what = fault;
+    fault_text = json_text_of(notes, "safety_fault_text");
+    if (fault_text.empty()) fault_text = fault;
     (*reader)->idle(0.1);
   }
   if (const auto hub = parse_address(options.hub); hub && !is_loopback(*hub)) {
     return fail(
         "the fault remains: {}; fix its cause (docs/safety.md), then reset again on the hub's host, or while the dead man's switch is held",
-        what);
+        fault_text);
   }
-  return fail("the fault remains, as its cause persists: {}; fix that (docs/safety.md), then reset again", what);
+  return fail("the fault remains, as its cause persists: {}; fix that (docs/safety.md), then reset again", fault_text);
 }
 
 Result<std::string> set(const SetOptions& options, const SettingsRequest& request) {

@@ -27,7 +27,7 @@ struct TopOptions {
 };
 
 // The text with escape sequences that overwrite the screen line by line from the upper left corner, without flicker.
-std::string on_terminal(const std::string& text) {
+std::string overwriting_text(const std::string& text) {
   std::string painted = "\x1b[H";
   for (const char c : text) painted += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
   return painted + "\x1b[J";
@@ -47,11 +47,11 @@ Result<void> top(const TopOptions& options) {
     if (!now) return tl::unexpected(now.error());
     const auto make = options.json ? make_top_json : make_top_view;
     const std::string view = make(options.hub, *now, before ? &*before : nullptr, names.describe(now->report));
-    fmt::print("{}", repaints ? on_terminal(view) : view + (options.once || options.json ? "" : "\n"));
+    fmt::print("{}", repaints ? overwriting_text(view) : view + (options.once || options.json ? "" : "\n"));
     std::fflush(stdout);
     before = std::move(*now);
-    for (double left_s = options.once ? 0.0 : options.interval_s; left_s > 0.0 && !stop.stop_requested(); left_s -= 0.1) {
-      (*reader)->idle(std::min(left_s, 0.1));
+    for (double remaining_s = options.once ? 0.0 : options.interval_s; remaining_s > 0.0 && !stop.stop_requested(); remaining_s -= 0.1) {
+      (*reader)->idle(std::min(remaining_s, 0.1));
     }
   } while (!options.once && !stop.stop_requested());
   return {};

@@ -18,35 +18,37 @@ const ReportJson& section(const ReportJson& report, const char* name) {
   return found == report.end() ? kNone : *found;
 }
 
-std::string word(const ReportJson& of, const char* name) {
-  return of.is_object() && of.contains(name) && of[name].is_string() ? of[name].get<std::string>() : "";
+std::string text_in(const ReportJson& object, const char* name) {
+  return object.is_object() && object.contains(name) && object[name].is_string() ? object[name].get<std::string>() : "";
 }
 
 // Two reports, whose difference is shown. before is null if there is no earlier report or the hub has restarted: all of now is shown.
-struct Span {
+struct ReportSpan {
   const ReportJson& now;
   const ReportJson* before;
   double seconds;
 };
 
-Span make_span(const TopSnapshot& now, const TopSnapshot* before) {
+ReportSpan make_span(const TopSnapshot& now, const TopSnapshot* before) {
   const double passed_s = before == nullptr ? 0.0 : json_number_of(now.report, "seconds") - json_number_of(before->report, "seconds");
   if (passed_s <= 0.0) return {now.report, nullptr, json_number_of(now.report, "seconds")};
   return {now.report, &before->report, passed_s};
 }
 
-double counted(const Span& span, const char* name) {
+double counter_change(const ReportSpan& span, const char* name) {
   const double earlier = span.before == nullptr ? 0.0 : json_number_of(section(*span.before, "counters"), name);
   return json_number_of(section(span.now, "counters"), name) - earlier;
 }
 
-double per_second(const Span& span, const char* counter) { return span.seconds > 0.0 ? counted(span, counter) / span.seconds : 0.0; }
+double per_second(const ReportSpan& span, const char* counter) {
+  return span.seconds > 0.0 ? counter_change(span, counter) / span.seconds : 0.0;
+}
 
 // The same node in an earlier report, found by its address; null if that report lacks it, or if the node has joined again since.
 const ReportJson* find_node(const ReportJson* report, const ReportJson& node) {
   if (report == nullptr) return nullptr;
   for (const ReportJson& other : section(*report, "nodes")) {
-    if (word(other, "address") == word(node, "address") && json_number_of(other, "received") <= json_number_of(node, "received"))
+    if (text_in(other, "address") == text_in(node, "address") && json_number_of(other, "received") <= json_number_of(node, "received"))
       return &other;
   }
   return nullptr;
@@ -56,16 +58,16 @@ const ReportJson* find_node(const ReportJson* report, const ReportJson& node) {
 std::string safety_text(const ReportJson& report) {
   const ReportJson& notes = section(report, "notes");
   const ReportJson& ratios = section(report, "ratios");
-  if (word(notes, "governor").empty()) return "";
-  const std::string fault = word(notes, "safety_fault_text");
-  const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
+  if (text_in(notes, "governor").empty()) return "";
+  const std::string fault = text_in(notes, "safety_fault_text");
+  const std::string reset_hint = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
   // energy_spent is negative if the hand has put in more energy than it got: then nothing of the budget is spent.
   const double spent = std::max(0.0, json_number_of(ratios, "energy_spent"));
-  return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
+  return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", text_in(notes, "governor"), reset_hint,
                      100.0 * json_number_of(ratios, "thermal_load"), 100.0 * spent);
 }
 
-std::string nodes_text(const Span& span) {
+std::string nodes_text(const ReportSpan& span) {
   std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "received/s", "sent/s", "lost",
                                  "reordered", "joined for");
   for (const ReportJson& node : section(span.now, "nodes")) {
@@ -74,7 +76,7 @@ std::string nodes_text(const Span& span) {
     const auto rate = [&](const char* name) {
       return seconds > 0.0 ? (json_number_of(node, name) - (earlier == nullptr ? 0.0 : json_number_of(*earlier, name))) / seconds : 0.0;
     };
-    text += fmt::format("{:<9} {:<28} {:>12.1f} {:>12.1f} {:>8.0f} {:>10.0f} {:>8.0f} s\n", word(node, "role"), word(node, "address"),
+    text += fmt::format("{:<9} {:<28} {:>12.1f} {:>12.1f} {:>8.0f} {:>10.0f} {:>8.0f} s\n", text_in(node, "role"), text_in(node, "address"),
                         rate("received"), rate("sent"), json_number_of(node, "lost"), json_number_of(node, "reordered"),
                         json_number_of(node, "seconds"));
   }
@@ -90,12 +92,12 @@ std::string hops_text(const std::vector<HopCounts>& hops) {
   return text;
 }
 
-std::string counters_text(const Span& span) {
+std::string counters_text(const ReportSpan& span) {
   std::string text = fmt::format("{:<28} {:>12}{}\n", "counter", "total", span.before == nullptr ? "" : "   since last");
   for (const auto& [name, value] : section(span.now, "counters").items()) {
     if (!value.is_number() || value == 0) continue;
     text += fmt::format("{:<28} {:>12}", name, value.dump());
-    text += span.before == nullptr ? "\n" : fmt::format(" {:>+12.0f}\n", counted(span, name.c_str()));
+    text += span.before == nullptr ? "\n" : fmt::format(" {:>+12.0f}\n", counter_change(span, name.c_str()));
   }
   return text;
 }
@@ -105,7 +107,7 @@ std::string counters_text(const Span& span) {
 Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string& csv) {
   TopSnapshot snapshot;
   snapshot.report = ReportJson::parse(json, nullptr, false);
-  if (!snapshot.report.is_object() || word(snapshot.report, "schema") != kReportSchema) {
+  if (!snapshot.report.is_object() || text_in(snapshot.report, "schema") != kReportSchema) {
     return fail("the hub's report is not of schema {}; it is another version of Hapton", kReportSchema);
   }
   // It is not an error if the hub has not measured any durations yet.
@@ -114,16 +116,16 @@ Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string
 }
 
 std::string make_top_view(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched) {
-  const Span span = make_span(now, before);
+  const ReportSpan span = make_span(now, before);
   const ReportJson& rates = section(now.report, "rates_hz");
   std::string text =
       fmt::format("hub {} on {}: up {:.0f} s, device {}, servo {:.1f} Hz of {:g} Hz requested\n", hub,
-                  word(section(now.report, "machine"), "host"), json_number_of(now.report, "seconds"),
-                  word(section(now.report, "notes"), "device"), per_second(span, "samples"), json_number_of(rates, "servo_requested"));
+                  text_in(section(now.report, "machine"), "host"), json_number_of(now.report, "seconds"),
+                  text_in(section(now.report, "notes"), "device"), per_second(span, "samples"), json_number_of(rates, "servo_requested"));
   text +=
       fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));
-  if (const std::string status = word(section(now.report, "notes"), "status_now"); !status.empty() && status != "ok")
+  if (const std::string status = text_in(section(now.report, "notes"), "status_now"); !status.empty() && status != "ok")
     text += status + "\n\n";
   if (!touched.empty()) text += touched + "\n\n";
   if (const std::string safety = safety_text(now.report); !safety.empty()) text += safety + "\n";
@@ -133,7 +135,7 @@ std::string make_top_view(const std::string& hub, const TopSnapshot& now, const 
 }
 
 std::string make_top_json(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched) {
-  const Span span = make_span(now, before);
+  const ReportSpan span = make_span(now, before);
   ReportJson rates = ReportJson::object();
   for (const auto& counter : section(now.report, "counters").items()) rates[counter.key()] = per_second(span, counter.key().c_str());
   const ReportJson snapshot = {{"schema", "hapton.top/1"}, {"hub", hub},         {"span_s", span.seconds},

@@ -9,8 +9,9 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxButton = 31;                                // the highest of the 32 bits of a tracker link's buttons
-constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;  // how long the server may take to accept the connection; a free choice
+constexpr int kMaxButton = 31;  // the highest of the 32 bits of a tracker link's buttons
+// How long the server may take to accept the connection; a free choice.
+constexpr std::int64_t kVrpnConnectTimeoutNs = 3 * kNanosecondsPerSecond;
 
 class VrpnLine : public DigitalLine {
  public:
@@ -22,8 +23,8 @@ class VrpnLine : public DigitalLine {
     return is_on_;
   }
   // Waits until the server accepts the connection. False: it did not do so in time.
-  bool replies() {
-    for (const std::int64_t end_ns = clock_.now_ns() + kReplyNs; clock_.now_ns() < end_ns && !link_->is_connected();) {
+  bool wait_for_connection() {
+    for (const std::int64_t end_ns = clock_.now_ns() + kVrpnConnectTimeoutNs; clock_.now_ns() < end_ns && !link_->is_connected();) {
       (void)is_on();
       clock_.sleep_until_ns(clock_.now_ns() + kNanosecondsPerMillisecond);
     }
@@ -40,9 +41,9 @@ class VrpnLine : public DigitalLine {
 }  // namespace
 
 Result<LineInput> parse_vrpn_line(std::string_view text) {
-  const std::string_view rest = text.substr(std::min(text.size(), kVrpnLine.size()));
-  const std::size_t colon = rest.rfind(':');
-  const std::string_view digits = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
+  const std::string_view name_and_button = text.substr(std::min(text.size(), kVrpnLine.size()));
+  const std::size_t colon = name_and_button.rfind(':');
+  const std::string_view digits = colon == std::string_view::npos ? std::string_view() : name_and_button.substr(colon + 1);
   int button = -1;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), button);
   const bool is_number = error == std::errc() && end == digits.data() + digits.size() && button >= 0 && button <= kMaxButton;
@@ -50,7 +51,7 @@ Result<LineInput> parse_vrpn_line(std::string_view text) {
     return fail("--line '{}' names no button: give vrpn:NAME@HOST:BUTTON, as in vrpn:Button0@localhost:0 (buttons count from 0 to {})",
                 text, kMaxButton);
   }
-  const std::string_view name = rest.substr(0, colon);
+  const std::string_view name = name_and_button.substr(0, colon);
   if (const auto valid = vrpn::parse_tracker_name(name); !valid) return tl::unexpected(valid.error());
   return LineInput{.device = std::string(name), .name = fmt::format("button {}", button), .bit = button, .is_vrpn = true};
 }
@@ -61,7 +62,7 @@ Result<std::unique_ptr<DigitalLine>> open_vrpn_line(const LineInput& input) {
   auto link = vrpn::TrackerLink::open(*name, 0);
   if (!link) return tl::unexpected(link.error());
   auto line = std::make_unique<VrpnLine>(std::move(*link), input.bit);
-  if (!line->replies()) return fail("no VRPN server replies at {}: start it, or name another one", name->host);
+  if (!line->wait_for_connection()) return fail("no VRPN server replies at {}: start it, or name another one", name->host);
   return line;
 }
 

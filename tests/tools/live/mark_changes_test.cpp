@@ -29,7 +29,7 @@ class PressedLine final : public DigitalLine {
   int readings_ = 0;
 };
 
-// A hub and a client in simulated time. The hub works only inside goes_on, so its last reply is on its way when the loop ends.
+// A hub and a client in simulated time. The hub works only inside should_continue, so its last reply is on its way when the loop ends.
 struct MarkChangesTest : testing::Test {
   MarkChangesTest() {
     for (int turn = 0; turn < 10 && client.state() != JoinState::joined; ++turn) {
@@ -48,10 +48,10 @@ struct MarkChangesTest : testing::Test {
     if (event.kind != PeerEvent::Kind::message || sent == nullptr) return false;
     return hub.send_to(event.peer, MarkerReply{.request = sent->request, .sample = 77});
   }
-  std::string error_of(const std::function<bool()>& goes_on) {
-    const auto unseen = mark_changes(line, marker, client, clock, goes_on);
-    if (!unseen) return unseen.error().what;
-    EXPECT_EQ(*unseen, 2U);
+  std::string error_of(const std::function<bool()>& should_continue) {
+    const auto missed_changes = mark_changes(line, marker, client, clock, should_continue);
+    if (!missed_changes) return missed_changes.error().what;
+    EXPECT_EQ(*missed_changes, 2U);
     return {};
   }
 
@@ -72,17 +72,17 @@ TEST_F(MarkChangesTest, AReplyThatIsOnItsWayAtTheEndIsCounted) {
 }
 
 TEST_F(MarkChangesTest, AMarkerWithoutAReplyAtTheEndIsGivenUp) {
-  EXPECT_EQ(error_of([&] { return !marker.is_waiting(); }), "");
+  EXPECT_EQ(error_of([&] { return !marker.has_pending(); }), "");
   EXPECT_EQ(marker.counts().marked, 0U);
   EXPECT_EQ(marker.counts().given_up, 1U);
 }
 
 TEST_F(MarkChangesTest, AfterTheLineIsGoneRepliesAreStillTaken) {
-  const auto goes_on = [&] {
+  const auto should_continue = [&] {
     line.is_gone = line.is_gone || take_marker();
     return true;
   };
-  EXPECT_EQ(error_of(goes_on), "the line is gone");
+  EXPECT_EQ(error_of(should_continue), "the line is gone");
   EXPECT_EQ(marker.counts().marked, 1U);
 }
 

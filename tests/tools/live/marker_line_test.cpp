@@ -89,7 +89,7 @@ TEST(LineMarkers, EachChangeThatCountsIsOneMarker) {
     std::vector<std::string> texts;
     std::int64_t now = 0;
     for (const bool is_on : {false, false, true, true, true, false, false, true}) {
-      line.see(is_on, now += kLineMs);
+      line.observe(is_on, now += kLineMs);
       while (const auto marker = line.next(now)) texts.push_back(text_of(*marker));
     }
     EXPECT_EQ(texts, one.texts);
@@ -99,16 +99,16 @@ TEST(LineMarkers, EachChangeThatCountsIsOneMarker) {
 
 TEST(LineMarkers, ALineThatIsOnAtTheStartMarksNothing) {
   LineMarker line(Edges::both, "up", "down");
-  for (int i = 0; i < 10; ++i) line.see(true, i);
+  for (int i = 0; i < 10; ++i) line.observe(true, i);
   EXPECT_FALSE(line.next(20));
-  line.see(false, 30);
+  line.observe(false, 30);
   EXPECT_EQ(text_of(*line.next(30)), "down");
 }
 
 TEST(LineMarkers, AMarkerIsRepeatedUntilItsReply) {
   LineMarker line(Edges::on, "up", "down");
-  line.see(false, 0);
-  line.see(true, 0);
+  line.observe(false, 0);
+  line.observe(true, 0);
   const auto first = line.next(0);
   ASSERT_TRUE(first);
   EXPECT_FALSE(line.next(LineMarker::kRepeatNs - 1));
@@ -124,8 +124,8 @@ TEST(LineMarkers, AMarkerIsRepeatedUntilItsReply) {
 
 TEST(LineMarkers, ARefusalIsSaidAndCounted) {
   LineMarker line(Edges::on, "up", "down");
-  line.see(false, 0);
-  line.see(true, 0);
+  line.observe(false, 0);
+  line.observe(true, 0);
   const auto said = line.take({.request = line.next(0)->request, .status = MarkerStatus::no_recording});
   ASSERT_TRUE(said);
   EXPECT_EQ(said->find("not marked: up: "), 0U) << *said;
@@ -135,12 +135,12 @@ TEST(LineMarkers, ARefusalIsSaidAndCounted) {
 
 TEST(LineMarkers, WithoutAHubTheyAreGivenUp) {
   LineMarker line(Edges::both, "up", "down");
-  for (int i = 0; i < 100; ++i) line.see(i % 2 == 1, i * kLineMs);
+  for (int i = 0; i < 100; ++i) line.observe(i % 2 == 1, i * kLineMs);
   int sent = 0;
   while (line.next(100 * kLineMs)) ++sent;
-  EXPECT_EQ(sent, static_cast<int>(LineMarker::kMaxWaiting));
-  EXPECT_FALSE(line.next(100 * kLineMs + LineMarker::kPatienceNs));
-  EXPECT_FALSE(line.is_waiting());
+  EXPECT_EQ(sent, static_cast<int>(LineMarker::kMaxPending));
+  EXPECT_FALSE(line.next(100 * kLineMs + LineMarker::kReplyTimeoutNs));
+  EXPECT_FALSE(line.has_pending());
   EXPECT_EQ(line.counts().given_up, 99U);
 }
 
@@ -153,10 +153,10 @@ TEST(LineMarkers, NoChangeIsCountedTwice) {
     std::vector<MarkerReply> replies;
     bool is_on = false;
     std::int64_t now = 0;
-    line.see(is_on, now);
+    line.observe(is_on, now);
     for (int i = 0; i < 20'000; ++i) {
       now += kLineMs;
-      if (random() % 40 == 0) line.see(is_on = !is_on, now);
+      if (random() % 40 == 0) line.observe(is_on = !is_on, now);
       while (const auto marker = line.next(now)) {
         if (random() % 3 == 0) continue;  // lost
         recorded.insert(marker->request);
@@ -169,7 +169,7 @@ TEST(LineMarkers, NoChangeIsCountedTwice) {
     }
     const auto& counts = line.counts();
     EXPECT_LE(counts.marked + counts.rejected + counts.given_up, counts.changes) << seed;
-    EXPECT_GE(counts.marked + counts.rejected + counts.given_up + LineMarker::kMaxWaiting, counts.changes) << seed;
+    EXPECT_GE(counts.marked + counts.rejected + counts.given_up + LineMarker::kMaxPending, counts.changes) << seed;
     EXPECT_LE(counts.marked, recorded.size()) << seed;
     EXPECT_GT(counts.marked, 300U) << seed;
   }
@@ -184,7 +184,7 @@ TEST(LineMarkers, AreNamedByTheInputOrByTheTextThatIsGiven) {
     if (!line) return texts;
     std::int64_t now = 0;
     for (const bool is_on : {false, true, false}) {
-      line->see(is_on, now += kLineMs);
+      line->observe(is_on, now += kLineMs);
       while (const auto marker = line->next(now)) texts.push_back(text_of(*marker));
     }
     return texts;
