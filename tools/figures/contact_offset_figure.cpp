@@ -17,12 +17,12 @@ struct Wall {
   Separation separation(const Vec3& p) const { return separation_from_triangle(p, a, b, c); }
 };
 
-std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& strokes) {
+std::vector<Wall> walls_along(const std::vector<std::vector<Eigen::Vector2d>>& polylines) {
   std::vector<Wall> walls;
-  for (const auto& stroke : strokes) {
-    for (std::size_t i = 0; i + 1 < stroke.size(); ++i) {
-      const Vec3 p(stroke[i].x(), stroke[i].y(), 0.0);
-      const Vec3 q(stroke[i + 1].x(), stroke[i + 1].y(), 0.0);
+  for (const auto& polyline : polylines) {
+    for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
+      const Vec3 p(polyline[i].x(), polyline[i].y(), 0.0);
+      const Vec3 q(polyline[i + 1].x(), polyline[i + 1].y(), 0.0);
       const Vec3 deep(0.0, 0.0, 40.0);
       walls.push_back({p - deep, q - deep, q + deep});
       walls.push_back({p - deep, q + deep, p + deep});
@@ -32,22 +32,22 @@ std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& st
 }
 
 // The share of a motion to the right that a proxy can make that starts one contact offset above the ground; 1: the whole motion.
-double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
+double find_free_share(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
   const Clearance clearance = {.offset = 1.0, .slop = 0.5, .tolerance = 0x1p-10};
-  double first = 1.0;
-  for (const Wall& wall : walls) first = std::min(first, time_to_block(wall, from, motion, 1.0, clearance));
-  return first;
+  double free_share = 1.0;
+  for (const Wall& wall : walls) free_share = std::min(free_share, time_to_block(wall, from, motion, 1.0, clearance));
+  return free_share;
 }
 
 }  // namespace
 
 Result<Figure> draw_contact_offset() {
-  const std::vector<std::vector<Eigen::Vector2d>> strokes = {
+  const std::vector<std::vector<Eigen::Vector2d>> polylines = {
       {{-14, 0}, {-10.2, 0}}, {{-9.8, 0}, {-7.5, 0}, {-5.0, 3.0}, {-2.5, 0}, {2, 0}, {2, 0.4}, {6, 0.4}, {6, 1.1}, {11, 1.1}}};
-  const std::vector<Wall> walls = walls_over(strokes);
+  const std::vector<Wall> walls = walls_along(polylines);
   Points surface;
-  for (const auto& stroke : strokes) {
-    for (const auto& p : stroke) surface.add(1e-3 * Vec3(p.x(), p.y(), 0.0));
+  for (const auto& polyline : polylines) {
+    for (const auto& p : polyline) surface.add(1e-3 * Vec3(p.x(), p.y(), 0.0));
     surface.gap();
   }
   std::string field = "$field << EOD\n";
@@ -62,10 +62,10 @@ Result<Figure> draw_contact_offset() {
   field += "EOD\n";
   Points paths;
   const Vec3 low(-1.0, 1.0, 0.3);
-  const double over_low = free_part(walls, low, {5.5, 0.0, 0.0});
+  const double over_low = find_free_share(walls, low, {5.5, 0.0, 0.0});
   paths.add(1e-3 * low, 1e-3 * Vec3(5.5 * over_low, 0.0, 0.0));
   const Vec3 high(3.5, 1.4, 0.3);
-  const double over_high = free_part(walls, high, {5.5, 0.0, 0.0});
+  const double over_high = find_free_share(walls, high, {5.5, 0.0, 0.0});
   paths.add(1e-3 * high, 1e-3 * Vec3(5.5 * over_high, 0.0, 0.0));
   std::string script = begin("contact_offset", 1000, 490) + field + surface.block("surface") + paths.block("paths");
   script += fmt::format(

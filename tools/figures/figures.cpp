@@ -200,13 +200,13 @@ struct SlideCurve {
 };
 
 std::array<SlideCurve, 5> slide_curves() {
-  const MethodSettings usual;
-  return {SlideCurve{"memo", "sweep", "sweep, the memo's offset of 12.7 um: lags by centimetres", usual.offset_m,
+  const MethodSettings defaults;
+  return {SlideCurve{"memo", "sweep", "sweep, the memo's offset of 12.7 um: lags by centimetres", defaults.offset_m,
                      "linewidth 1.5 dashtype 2 linecolor rgb '#d07000'"},
           SlideCurve{"sweep", "sweep", "sweep, offset 0.5 mm", 0.0005, "linewidth 2 linecolor rgb '#d07000'"},
-          SlideCurve{"smooth", "smooth", "smooth", usual.offset_m, "linewidth 2.5 linecolor rgb '#009e60'"},
-          SlideCurve{"proxy", "proxy", "proxy", usual.offset_m, "linewidth 3.5 linecolor rgb '#70a8ff'"},
-          SlideCurve{"reference", "reference", "reference", usual.offset_m, "linewidth 1.2 linecolor rgb 'black'"}};
+          SlideCurve{"smooth", "smooth", "smooth", defaults.offset_m, "linewidth 2.5 linecolor rgb '#009e60'"},
+          SlideCurve{"proxy", "proxy", "proxy", defaults.offset_m, "linewidth 3.5 linecolor rgb '#70a8ff'"},
+          SlideCurve{"reference", "reference", "reference", defaults.offset_m, "linewidth 1.2 linecolor rgb 'black'"}};
 }
 
 // The curve's data block for gnuplot: x in mm, size of the force in N, direction of the force in degrees from +y.
@@ -219,9 +219,9 @@ Result<std::string> make_slide_data(const SlideCurve& curve, const TouchScene& s
   std::string data = fmt::format("${} << EOD\n", curve.block);
   for (const Sample& s : *samples) {
     const Vec3& F = s.output.force_n;
-    const bool output = F.norm() > 0.0;
+    const bool has_force = F.norm() > 0.0;
     fmt::format_to(std::back_inserter(data), "{:.5g} {:.5g} {}\n", 1e3 * s.device.x(), F.norm(),
-                   output ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
+                   has_force ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
   }
   return data + "EOD\n";
 }

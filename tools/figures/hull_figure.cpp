@@ -40,12 +40,12 @@ Outline slice_of(const FdhHull<K>& hull) {
 }
 
 double area_of(const Outline& p) {
-  double twice = 0.0;
+  double doubled_area = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const auto& q = p[(i + 1) % p.size()];
-    twice += p[i].x() * q.y() - p[i].y() * q.x();
+    doubled_area += p[i].x() * q.y() - p[i].y() * q.x();
   }
-  return 0.5 * twice;
+  return 0.5 * doubled_area;
 }
 
 struct Hulls {

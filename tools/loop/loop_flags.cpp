@@ -68,7 +68,7 @@ Result<void> change_joints(const std::vector<std::string>& joints, DeviceModel& 
   return {};
 }
 
-Result<void> change(const LoopFlags& flags, DeviceModel& device) {
+Result<void> change_device(const LoopFlags& flags, DeviceModel& device) {
   if (auto changed = change_joints(flags.joints, device); !changed) return changed;
   device = device.with_modes(flags.modes);
   if (flags.friction_n) device.friction_n = *flags.friction_n;
@@ -85,7 +85,7 @@ Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
   loop.hand = "own";
   loop.device_model = {.mass_kg = *flags.mass_kg, .damping_ns_per_m = *flags.damping_ns_per_m};
   loop.hand_model.stiffness_n_per_m = flags.hand_stiffness_n_per_m.value_or(0.0);
-  if (auto changed = change(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
+  if (auto changed = change_device(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
   return std::vector{loop};
 }
 
@@ -131,7 +131,7 @@ Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
   for (const std::string& device : *devices) {
     for (const std::string& hand : *hands) {
       NamedLoop loop{device, hand, find_device_preset(device)->model, *find_hand_preset(hand), find_device_preset(device)->limits};
-      if (auto changed = change(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
+      if (auto changed = change_device(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
       loops.push_back(loop);
     }
   }

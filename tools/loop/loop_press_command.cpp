@@ -42,35 +42,35 @@ struct PressOptions {
 constexpr double kImpedanceHz[] = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0};
 
 // The force law, the settings of everything between it and the motors, and the servo period.
-struct Bench {
+struct PressSetup {
   std::unique_ptr<ForceLaw> law;
   ForceChain::Options chain;
   std::int64_t period_ns = 0;
 };
 
-Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
-  Bench bench;
-  bench.period_ns = ms_to_ns(1e3 / options.rate_hz);
+Result<PressSetup> make_press_setup(const PressOptions& options, const NamedLoop& loop) {
+  PressSetup setup;
+  setup.period_ns = ms_to_ns(1e3 / options.rate_hz);
   if (options.is_mesh) {
     auto wall = make_touch_wall(options.stiffness_n_per_m, options.damping_ns_per_m);
     if (!wall) return tl::unexpected(wall.error());
-    bench.law = std::move(*wall);
+    setup.law = std::move(*wall);
   } else {
-    bench.law = std::make_unique<WallLaw>(
+    setup.law = std::make_unique<WallLaw>(
         WallLaw::Wall{.stiffness_n_per_m = options.stiffness_n_per_m, .damping_ns_per_m = options.damping_ns_per_m});
   }
-  bench.chain = {.encoder_step_m = loop.device_model.encoder_step_m, .max_force_n = loop.device_model.max_force_n, .seed = options.seed};
-  bench.chain.to_law = options.link;
-  bench.chain.to_law.jitter_ns = ms_to_ns(options.jitter_ms);
-  bench.chain.from_law = bench.chain.to_law;
-  bench.chain.to_law.delay_ns = ms_to_ns(0.5 * options.delay_ms);
-  bench.chain.from_law.delay_ns = ms_to_ns(options.delay_ms) - bench.chain.to_law.delay_ns;
-  bench.chain.limits = loop.limits;
-  if (options.gate == "filter") bench.chain.gate = ForceChain::Gate::filter;
-  if (options.gate == "governor") bench.chain.gate = ForceChain::Gate::governor;
+  setup.chain = {.encoder_step_m = loop.device_model.encoder_step_m, .max_force_n = loop.device_model.max_force_n, .seed = options.seed};
+  setup.chain.to_law = options.link;
+  setup.chain.to_law.jitter_ns = ms_to_ns(options.jitter_ms);
+  setup.chain.from_law = setup.chain.to_law;
+  setup.chain.to_law.delay_ns = ms_to_ns(0.5 * options.delay_ms);
+  setup.chain.from_law.delay_ns = ms_to_ns(options.delay_ms) - setup.chain.to_law.delay_ns;
+  setup.chain.limits = loop.limits;
+  if (options.gate == "filter") setup.chain.gate = ForceChain::Gate::filter;
+  if (options.gate == "governor") setup.chain.gate = ForceChain::Gate::governor;
   if (options.gate == "governor" && !(loop.limits.max_force_n > 0.0))
     return fail("--gate governor needs a device with limits; give --device");
-  return bench;
+  return setup;
 }
 
 // Limits the damper to what the device can render: a quarter of the damping that stops the device's mass within one period.
@@ -109,12 +109,12 @@ Result<nlohmann::ordered_json> measure_impedance(const PressOptions& options, co
   const double depth_m = options.plan.press_n / options.stiffness_n_per_m;
   for (const double frequency_hz : kImpedanceHz) {
     if (frequency_hz > 0.4 * options.rate_hz) break;
-    auto bench = make_bench(options, loop);
-    if (!bench) return tl::unexpected(bench.error());
-    bench->chain.gate = ForceChain::Gate::newest;
-    ForceChain chain(*bench->law, bench->chain);
+    auto setup = make_press_setup(options, loop);
+    if (!setup) return tl::unexpected(setup.error());
+    setup->chain.gate = ForceChain::Gate::newest;
+    ForceChain chain(*setup->law, setup->chain);
     const auto stiffness =
-        measure_rendered_stiffness(chain, bench->period_ns, frequency_hz, -depth_m, 0.2 * depth_m, find_settle_ns(options), 40);
+        measure_rendered_stiffness(chain, setup->period_ns, frequency_hz, -depth_m, 0.2 * depth_m, find_settle_ns(options), 40);
     list.push_back({{"frequency_hz", frequency_hz},
                     {"stiffness_n_per_m", stiffness.real()},
                     {"damping_ns_per_m", stiffness.imag() / (2.0 * std::numbers::pi * frequency_hz)}});
@@ -155,7 +155,7 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
           {"overtaken", chain.counters().overtaken}};
 }
 
-constexpr double kNoBuzzN = 1e-9;  // rounding gives spectral lines of 1e-27 N; no hand feels a millionth of a millinewton
+constexpr double kMinBuzzN = 1e-9;  // rounding gives spectral lines of 1e-27 N; no hand feels a millionth of a millinewton
 
 void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohmann::ordered_json& impedance) {
   fmt::print("{}: motion {}\n", loop.title(), press.is_bounded ? "bounded" : "DIVERGED");
@@ -164,7 +164,7 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
   if (!press.has_contact) fmt::print("no force acted before the release\n");
   fmt::print("depth {:.4g} mm, overshoot {:.3g} %, {}, limit cycle {:.4g} um\n", 1e3 * press.depth_m, 100.0 * press.overshoot, settling,
              1e6 * press.limit_cycle_m);
-  if (press.buzz_n < kNoBuzzN) {
+  if (press.buzz_n < kMinBuzzN) {
     fmt::print("no buzz\n");
   } else {
     fmt::print("buzz {:.4g} N at {:.4g} Hz\n", press.buzz_n, press.buzz_hz);
@@ -186,11 +186,11 @@ Result<void> run(const PressOptions& options) {
   if (!loops) return tl::unexpected(loops.error());
   if (loops->size() != 1) return fail("a press is of one device and one hand, not of {} pairs; name one of each", loops->size());
   const NamedLoop& loop = loops->front();
-  auto bench = make_bench(options, loop);
-  if (!bench) return tl::unexpected(bench.error());
+  auto setup = make_press_setup(options, loop);
+  if (!setup) return tl::unexpected(setup.error());
   PassivityStage passivity(passivity_options(loop.device_model, options.rate_hz));
-  if (options.is_passive) bench->chain.stage = &passivity;
-  ForceChain chain(*bench->law, bench->chain);
+  if (options.is_passive) setup->chain.stage = &passivity;
+  ForceChain chain(*setup->law, setup->chain);
   PressPlan plan = options.plan;
   plan.wall_n_per_m = options.stiffness_n_per_m;
   plan.after_s += 1e-3 * (options.delay_ms + 2.0 * options.jitter_ms);
@@ -203,12 +203,12 @@ Result<void> run(const PressOptions& options) {
   LoopSimulation simulation(chain, {.device = loop.device_model,
                                     .hand = loop.hand_model,
                                     .axes = options.is_mesh ? 3 : 1,
-                                    .period_ns = bench->period_ns,
+                                    .period_ns = setup->period_ns,
                                     .path = path.path,
                                     .start_m = path.start_m});
   std::vector<LoopRow> rows;
   const bool is_bounded = simulation.run_until(path.end_ns, &rows);
-  const PressMeasures press = measure_press(rows, path, bench->period_ns, loop.device_model.encoder_step_m, is_bounded);
+  const PressMeasures press = measure_press(rows, path, setup->period_ns, loop.device_model.encoder_step_m, is_bounded);
   nlohmann::ordered_json impedance = nlohmann::ordered_json::array();
   if (options.impedance) {
     auto measured = measure_impedance(options, loop);
@@ -226,7 +226,7 @@ Result<void> run(const PressOptions& options) {
     print_text(loop, press, impedance);
   }
   if (!options.spectrum.empty()) {
-    auto written = write_file_atomically(options.spectrum, to_csv(compute_buzz_spectrum(rows, path, bench->period_ns)));
+    auto written = write_file_atomically(options.spectrum, to_csv(compute_buzz_spectrum(rows, path, setup->period_ns)));
     if (!written) return written;
   }
   return options.csv.empty() ? Result<void>() : write_file_atomically(options.csv, to_csv(rows));

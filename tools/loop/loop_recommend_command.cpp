@@ -60,7 +60,7 @@ Result<void> run(const RecommendOptions& options) {
   if (!latency) return tl::unexpected(latency.error());
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
-  std::optional<Advice> least;
+  std::optional<Advice> strictest;
   double damping_ns_per_m = std::numeric_limits<double>::infinity();
   double viscosity_ns_per_m = damping_ns_per_m;
   double rotational_nm_per_rad = damping_ns_per_m;  // infinite: no device has motors that turn the stylus
@@ -72,13 +72,13 @@ Result<void> run(const RecommendOptions& options) {
       rotational_nm_per_rad = std::min(rotational_nm_per_rad, recommend_rotational_stiffness(loop.hand_model, loop.limits.max_torque_nm,
                                                                                              latency->rate_hz, latency->delay_s));
     }
-    if (!least || advice.stiffness_n_per_m < least->recommendation.stiffness_n_per_m) least = Advice{*latency, &loop, advice};
+    if (!strictest || advice.stiffness_n_per_m < strictest->recommendation.stiffness_n_per_m) strictest = Advice{*latency, &loop, advice};
   }
-  const Recommendation& advice = least->recommendation;
+  const Recommendation& advice = strictest->recommendation;
   if (options.json) {
     const nlohmann::ordered_json json = {{"schema", "hapton.loop.recommend/1"},
-                                         {"device", least->loop->device},
-                                         {"hand", least->loop->hand},
+                                         {"device", strictest->loop->device},
+                                         {"hand", strictest->loop->hand},
                                          {"rate_hz", latency->rate_hz},
                                          {"delay_ms", 1e3 * latency->delay_s},
                                          {"recommended_stiffness_n_per_m", advice.stiffness_n_per_m},
@@ -94,11 +94,11 @@ Result<void> run(const RecommendOptions& options) {
     return {};
   }
   fmt::print("{:.4g} N/m for {} at {:g} Hz and {:.4g} ms: {}\n", advice.stiffness_n_per_m,
-             least->loop->is_own() ? "your own loop" : least->loop->device, latency->rate_hz, 1e3 * latency->delay_s,
+             strictest->loop->is_own() ? "your own loop" : strictest->loop->device, latency->rate_hz, 1e3 * latency->delay_s,
              advice.is_limited_by_device
                  ? "the documented limit of the device"
-                 : fmt::format("half of the stable limit{} ({:.4g} N/m)", least->loop->is_own() ? "" : " with hand " + least->loop->hand,
-                               advice.stable_n_per_m));
+                 : fmt::format("half of the stable limit{} ({:.4g} N/m)",
+                               strictest->loop->is_own() ? "" : " with hand " + strictest->loop->hand, advice.stable_n_per_m));
   fmt::print(
       "Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}. For any material: haptics_node "
       "--coupling {:.4g}\n",

@@ -69,11 +69,11 @@ std::string to_text(const ZWidthRow& row) {
                   is_random ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "");
   if (!std::isfinite(row.mean_delay_s)) return inputs + ": no force came back within the simulated time\n";
   return fmt::format(
-      "{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}{}; linear rule {:.6g} N/m{}\n", inputs, row.found.stiffness.value,
-      is_random ? "" : fmt::format(" (oscillates at {:.3g} Hz)", row.found.stiffness.frequency_hz), row.found.passive.least_n_per_m(),
+      "{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}{}; linear rule {:.6g} N/m{}\n", inputs, row.zwidth.stiffness.value,
+      is_random ? "" : fmt::format(" (oscillates at {:.3g} Hz)", row.zwidth.stiffness.frequency_hz), row.zwidth.passive.least_n_per_m(),
       is_random ? fmt::format(" on average (mean delay {:.4g} ms)", 1e3 * row.mean_delay_s) : "",
       row.rest_stiffness_n_per_m ? fmt::format(", a press comes to rest up to {:.4g} N/m", *row.rest_stiffness_n_per_m) : "",
-      row.found.linear_rule_n_per_m, is_random ? "" : fmt::format("; virtual mass stable up to {:.3g} kg", row.found.mass_kg.value));
+      row.zwidth.linear_rule_n_per_m, is_random ? "" : fmt::format("; virtual mass stable up to {:.3g} kg", row.zwidth.mass_kg.value));
 }
 
 Result<void> run(const ZWidthOptions& options) {

@@ -5,9 +5,9 @@
 namespace hapton {
 
 Result<MeasuredLatency> read_measured_latency(const nlohmann::ordered_json& report) {
-  const auto member = [](const nlohmann::ordered_json& of, const char* name) {
-    const auto found = of.is_object() ? of.find(name) : of.end();
-    return found == of.end() ? nlohmann::ordered_json() : *found;
+  const auto member = [](const nlohmann::ordered_json& object, const char* name) {
+    const auto found = object.is_object() ? object.find(name) : object.end();
+    return found == object.end() ? nlohmann::ordered_json() : *found;
   };
   const nlohmann::ordered_json delay_us = member(member(member(report, "hops"), "round_trip"), "p99_9_us");
   const nlohmann::ordered_json rate_hz = member(member(report, "rates_hz"), "servo_requested");

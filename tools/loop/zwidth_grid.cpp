@@ -75,30 +75,31 @@ void simulate(ZWidthRow& row) {
                         .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
                         .seed = row.seed,
                         .seconds = simulated_s(row)};
-  ZWidth& found = row.found;
+  ZWidth& zwidth = row.zwidth;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  found.mass_kg = {kUnknown, 0.0};
+  zwidth.mass_kg = {kUnknown, 0.0};
   row.mean_delay_s = measure_mean_delay_s(loop);
   if (!std::isfinite(row.mean_delay_s)) {
     // No force came back.
-    found.stiffness = found.damping_ns_per_m = {kUnknown, 0.0};
-    found.passive = {};
-    found.linear_rule_n_per_m = 0.0;
+    zwidth.stiffness = zwidth.damping_ns_per_m = {kUnknown, 0.0};
+    zwidth.passive = {};
+    zwidth.linear_rule_n_per_m = 0.0;
     return;
   }
-  if (found.stiffness.value > 0.0) found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, found.stiffness.value)), 0.0};
-  if (found.damping_ns_per_m.value > 0.0)
-    found.damping_ns_per_m = {find_stable_damping_by_simulation(loop, found.damping_ns_per_m.value), 0.0};
+  if (zwidth.stiffness.value > 0.0)
+    zwidth.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, zwidth.stiffness.value)), 0.0};
+  if (zwidth.damping_ns_per_m.value > 0.0)
+    zwidth.damping_ns_per_m = {find_stable_damping_by_simulation(loop, zwidth.damping_ns_per_m.value), 0.0};
   ZWidthCase mean = row.inputs;
   mean.delay_s = row.mean_delay_s;
   const PassivityCase passivity = make_passivity_case(mean);
-  found.passive = find_passive_stiffness(passivity);
-  found.linear_rule_n_per_m =
+  zwidth.passive = find_passive_stiffness(passivity);
+  zwidth.linear_rule_n_per_m =
       linear_rule_n_per_m(mean.device.damping_ns_per_m + mean.hand.damping_ns_per_m, passivity.period_s, mean.delay_s);
 }
 
-void press(ZWidthRow& row) {
-  constexpr double kMax = 1e6;  // N/m: the stiffest wall tried
+void measure_rest_stiffness(ZWidthRow& row) {
+  constexpr double kMaxStiffness = 1e6;  // N/m: the stiffest wall tried
   row.rest_stiffness_n_per_m = find_rest_stiffness({.device = row.inputs.device,
                                                     .hand = row.inputs.hand,
                                                     .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
@@ -106,43 +107,43 @@ void press(ZWidthRow& row) {
                                                     .from_law = link_of(row, false),
                                                     .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
                                                     .seed = row.seed},
-                                                   kMax);
+                                                   kMaxStiffness);
 }
 
 // The number of cells that the first line of a CSV file gives. None: the line is not the first line of a grid.
-std::optional<std::size_t> read_cells(const std::string& first) {
+std::optional<std::size_t> read_cell_count(const std::string& first_line) {
   constexpr std::string_view kCells = " cells=";
-  const std::size_t at = first.find(kCells);
-  if (!first.starts_with("# ") || first.find(".loop.") == std::string::npos || at == std::string::npos) return std::nullopt;
+  const std::size_t at = first_line.find(kCells);
+  if (!first_line.starts_with("# ") || first_line.find(".loop.") == std::string::npos || at == std::string::npos) return std::nullopt;
   std::size_t cells = 0;
-  const auto [end, error] = std::from_chars(first.data() + at + kCells.size(), first.data() + first.size(), cells);
+  const auto [end, error] = std::from_chars(first_line.data() + at + kCells.size(), first_line.data() + first_line.size(), cells);
   return error == std::errc() ? std::optional(cells) : std::nullopt;
 }
 
 }  // namespace
 
 ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
-  std::size_t left = cell;
-  const auto take = [&](const auto& list) -> const auto& {
-    const auto& value = list[left % list.size()];
-    left /= list.size();
+  std::size_t remaining_index = cell;
+  const auto pick = [&](const auto& list) -> const auto& {
+    const auto& value = list[remaining_index % list.size()];
+    remaining_index /= list.size();
     return value;
   };
-  ZWidthRow row{.cell = cell, .inputs = {}, .found = {}, .rest_stiffness_n_per_m = {}};
-  row.inputs.wall_damping_ns_per_m = take(grid.wall_dampings_ns_per_m);
+  ZWidthRow row{.cell = cell, .inputs = {}, .zwidth = {}, .rest_stiffness_n_per_m = {}};
+  row.inputs.wall_damping_ns_per_m = pick(grid.wall_dampings_ns_per_m);
   row.inputs.mass_filter_s = grid.mass_filter_s;
-  row.loss = take(grid.losses);
-  row.jitter_ms = take(grid.jitters_ms);
+  row.loss = pick(grid.losses);
+  row.jitter_ms = pick(grid.jitters_ms);
   row.seed = grid.seed;
-  row.delay_ms = take(grid.delays_ms);
+  row.delay_ms = pick(grid.delays_ms);
   row.inputs.delay_s = row.mean_delay_s = 1e-3 * row.delay_ms;
-  row.inputs.rate_hz = take(grid.rates_hz);
-  row.loop = &take(grid.loops);
+  row.inputs.rate_hz = pick(grid.rates_hz);
+  row.loop = &pick(grid.loops);
   row.inputs.device = row.loop->device_model;
   row.inputs.hand = row.loop->hand_model;
-  row.found = find_zwidth(row.inputs);
+  row.zwidth = find_zwidth(row.inputs);
   if (row.is_simulated()) simulate(row);
-  if (grid.measures_presses) press(row);
+  if (grid.measures_presses) measure_rest_stiffness(row);
   return row;
 }
 
@@ -187,16 +188,16 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
         {"seed", row.seed},
         {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m},
         {"mass_filter_s", row.inputs.mass_filter_s}}},
-      {"stable_stiffness_n_per_m", json_number(row.found.stiffness.value)},
-      {"stable_frequency_hz", row.found.stiffness.frequency_hz},
-      {"stable_damping_ns_per_m", json_number(row.found.damping_ns_per_m.value)},
-      {"stable_mass_kg", json_number(row.found.mass_kg.value)},
-      {"mass_frequency_hz", row.found.mass_kg.frequency_hz},
-      {"passive_stiffness_n_per_m", json_number(row.found.passive.least_n_per_m())},
-      {"viscous_passive_stiffness_n_per_m", json_number(row.found.passive.viscous_n_per_m)},
-      {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
-      {"passive_damping_ns_per_m", row.found.passive_damping_ns_per_m},
-      {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
+      {"stable_stiffness_n_per_m", json_number(row.zwidth.stiffness.value)},
+      {"stable_frequency_hz", row.zwidth.stiffness.frequency_hz},
+      {"stable_damping_ns_per_m", json_number(row.zwidth.damping_ns_per_m.value)},
+      {"stable_mass_kg", json_number(row.zwidth.mass_kg.value)},
+      {"mass_frequency_hz", row.zwidth.mass_kg.frequency_hz},
+      {"passive_stiffness_n_per_m", json_number(row.zwidth.passive.least_n_per_m())},
+      {"viscous_passive_stiffness_n_per_m", json_number(row.zwidth.passive.viscous_n_per_m)},
+      {"quantised_passive_stiffness_n_per_m", json_number(row.zwidth.passive.quantised_n_per_m)},
+      {"passive_damping_ns_per_m", row.zwidth.passive_damping_ns_per_m},
+      {"linear_rule_n_per_m", row.zwidth.linear_rule_n_per_m},
       {"methods",
        {{"stable", row.is_simulated()
                        ? fmt::format("simulation of {:g} s for each stiffness and damping, with the same draws: motion dies out below, "
@@ -227,12 +228,12 @@ std::string csv_line(const ZWidthRow& row) {
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell,
                      row.loop->device, row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m,
                      d.friction_n, d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms,
-                     row.loss, row.seed, row.inputs.wall_damping_ns_per_m, csv_number(row.found.stiffness.value),
-                     row.found.stiffness.frequency_hz, csv_number(row.found.passive.least_n_per_m()),
-                     csv_number(row.found.passive.viscous_n_per_m), csv_number(row.found.passive.quantised_n_per_m),
-                     row.found.linear_rule_n_per_m, csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
+                     row.loss, row.seed, row.inputs.wall_damping_ns_per_m, csv_number(row.zwidth.stiffness.value),
+                     row.zwidth.stiffness.frequency_hz, csv_number(row.zwidth.passive.least_n_per_m()),
+                     csv_number(row.zwidth.passive.viscous_n_per_m), csv_number(row.zwidth.passive.quantised_n_per_m),
+                     row.zwidth.linear_rule_n_per_m, csv_number(row.zwidth.damping_ns_per_m.value), row.zwidth.passive_damping_ns_per_m,
                      row.rest_stiffness_n_per_m ? csv_number(*row.rest_stiffness_n_per_m) : "", row.inputs.mass_filter_s,
-                     csv_number(row.found.mass_kg.value), row.found.mass_kg.frequency_hz,
+                     csv_number(row.zwidth.mass_kg.value), row.zwidth.mass_kg.frequency_hz,
                      csv_number(row.is_simulated() ? 1e3 * row.mean_delay_s : row.delay_ms));
 }
 
@@ -242,19 +243,19 @@ Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
   std::map<std::size_t, std::string> rows;  // by cell; a map, because a damaged file may announce any number of cells
   for (const std::filesystem::path& part : parts) {
     std::ifstream stream(part);
-    std::string first;
+    std::string first_line;
     std::string columns;
-    if (!std::getline(stream, first) || !std::getline(stream, columns)) {
+    if (!std::getline(stream, first_line) || !std::getline(stream, columns)) {
       return fail("{}: cannot be read, or is empty; give files that hapton loop zwidth --csv wrote", part.string());
     }
-    const auto own_cells = read_cells(first);
-    if (!own_cells) return fail("{}: line 1: is not a grid of hapton loop; hapton loop zwidth --csv writes one", part.string());
-    const std::string own_head = first + "\n" + columns + "\n";
+    const auto part_cells = read_cell_count(first_line);
+    if (!part_cells) return fail("{}: line 1: is not a grid of hapton loop; hapton loop zwidth --csv writes one", part.string());
+    const std::string part_head = first_line + "\n" + columns + "\n";
     if (head.empty()) {
-      head = own_head;
-      cells = *own_cells;
+      head = part_head;
+      cells = *part_cells;
     }
-    if (own_head != head) return fail("{}: is part of another grid than {}", part.string(), parts.front().string());
+    if (part_head != head) return fail("{}: is part of another grid than {}", part.string(), parts.front().string());
     std::string line;
     for (int number = 3; std::getline(stream, line); ++number) {
       std::size_t cell = 0;

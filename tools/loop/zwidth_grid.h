@@ -42,7 +42,7 @@ struct ZWidthRow {
   double loss = 0.0;       // likewise
   std::uint64_t seed = 1;
   double mean_delay_s = 0.0;  // from sample to force on the motors: delay_ms; measured with jitter or loss (closed_loop/random_stability.h)
-  ZWidth found;
+  ZWidth zwidth;
   std::optional<double> rest_stiffness_n_per_m;  // found by find_rest_stiffness (closed_loop/press.h); none: not requested
 
   // With jitter or loss the limits of stability are simulated (closed_loop/random_stability.h), the passive stiffness is that of the mean

@@ -40,10 +40,10 @@ std::string make_zwidth_plot(const ZWidthGrid& grid, const std::vector<ZWidthRow
   std::map<std::string, Curve> curves;
   for (const ZWidthRow& row : rows) {
     Curve& curve = curves[title_of(grid, row)];
-    const double passive = row.found.passive.least_n_per_m();
+    const double passive = row.zwidth.passive.least_n_per_m();
     curve.has_passive |= passive > 0.0 && std::isfinite(passive);
     fmt::format_to(std::back_inserter(curve.points), "{} {} {}\n", is_over_delay(grid) ? row.delay_ms : row.inputs.rate_hz,
-                   on_log_axis(row.found.stiffness.value), on_log_axis(passive));
+                   on_log_axis(row.zwidth.stiffness.value), on_log_axis(passive));
   }
   std::string script;
   std::string plots;

@@ -87,9 +87,9 @@ class PhaseReporter {
 Result<void> relay(const RelayOptions& options) {
   const auto settings = make_settings(options);
   if (!settings) return tl::unexpected(settings.error());
-  auto opened = RelayEndpoint::open(*settings);
-  if (!opened) return tl::unexpected(opened.error());
-  fmt::print("relay at {}, hub {}, seed {}\n", to_string(opened->local_address()), to_string(settings->hub), settings->seed);
+  auto endpoint = RelayEndpoint::open(*settings);
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  fmt::print("relay at {}, hub {}, seed {}\n", to_string(endpoint->local_address()), to_string(settings->hub), settings->seed);
   std::fflush(stdout);
   const StopSignal stop;
   const SteadyClock clock;
@@ -97,12 +97,12 @@ Result<void> relay(const RelayOptions& options) {
   const auto passed_s = [&] { return 1e-9 * static_cast<double>(clock.now_ns() - start_ns); };
   PhaseReporter reporter(settings->schedule);
   while (!stop.stop_requested() && (options.seconds <= 0.0 || passed_s() < options.seconds)) {
-    reporter.report_changes(*opened);
-    opened->run_for_ns(kCheckPeriodNs);
+    reporter.report_changes(*endpoint);
+    endpoint->run_for_ns(kCheckPeriodNs);
   }
-  fmt::print("{}", relay_text(*opened, settings->seed));
+  fmt::print("{}", relay_text(*endpoint, settings->seed));
   if (options.json.empty()) return {};
-  return write_file_atomically(options.json, relay_json(*opened, settings->seed, passed_s()));
+  return write_file_atomically(options.json, relay_json(*endpoint, settings->seed, passed_s()));
 }
 
 int run(const RelayOptions& options) {

@@ -81,7 +81,7 @@ class FaultTable {
   }
 
   // Reads the table of one direction within this table; values whose keys are missing stay as they are.
-  void read_way(std::string_view key, LinkFaults& faults);
+  void read_direction(std::string_view key, LinkFaults& faults);
 
   void set_error(const toml::node& node, const std::string& what) {
     if (!error_) error_ = Error{fmt::format("{}:{}: {}", file_, node.source().begin.line, what)};
@@ -102,14 +102,14 @@ std::vector<std::string_view> phase_keys() {
   return keys;
 }
 
-void FaultTable::read_way(std::string_view key, LinkFaults& faults) {
+void FaultTable::read_direction(std::string_view key, LinkFaults& faults) {
   const toml::node* node = table_.get(key);
   if (node == nullptr) return;
   if (!node->is_table()) return set_error(*node, fmt::format("'{}' must be a table: [phase.{}]", key, key));
-  FaultTable way(*node->as_table(), file_);
-  way.refuse_all_but(kFaultKeys);
-  way.read_faults(faults);
-  if (way.error() && !error_) error_ = way.error();
+  FaultTable direction_table(*node->as_table(), file_);
+  direction_table.refuse_all_but(kFaultKeys);
+  direction_table.read_faults(faults);
+  if (direction_table.error() && !error_) error_ = direction_table.error();
 }
 
 Result<FaultPhase> read_phase(const toml::table& table, const std::string& file, std::size_t number) {
@@ -125,8 +125,8 @@ Result<FaultPhase> read_phase(const toml::table& table, const std::string& file,
   phase.duration_ns = std::max<std::int64_t>(1, std::llround(1e9 * std::clamp(seconds, 0.0, 1e6)));
   reader.read_faults(phase.to_hub);
   phase.to_nodes = phase.to_hub;
-  reader.read_way("to_hub", phase.to_hub);
-  reader.read_way("to_nodes", phase.to_nodes);
+  reader.read_direction("to_hub", phase.to_hub);
+  reader.read_direction("to_nodes", phase.to_nodes);
   if (reader.error()) return tl::unexpected(*reader.error());
   return phase;
 }

@@ -13,8 +13,8 @@
 namespace hapton {
 namespace {
 
-// Adds the carved surface of one body to `all`. Returns the number of carves of that body.
-Result<std::size_t> add_body(const Scene& scene, std::size_t number, const std::vector<CarvedPress>& carved, TriangleMesh& all) {
+// Adds the carved surface of one body to `merged`. Returns the number of carves of that body.
+Result<std::size_t> add_body(const Scene& scene, std::size_t number, const std::vector<CarvedPress>& carved, TriangleMesh& merged) {
   const SceneObject& object = scene.objects[number];
   auto field = CarvedField::make(*object.mesh, object.sculpt->voxel_m);
   if (!field) return fail("object '{}': {}", object.name, field.error().what);
@@ -25,9 +25,9 @@ Result<std::size_t> add_body(const Scene& scene, std::size_t number, const std::
     carves += press.carves.size();
   }
   const TriangleMesh mesh = make_carved_mesh(*field);
-  const auto first = static_cast<std::uint32_t>(all.vertices.size());
-  all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-  for (const Triangle& t : mesh.triangles) all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  const auto first_vertex = static_cast<std::uint32_t>(merged.vertices.size());
+  merged.vertices.insert(merged.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const Triangle& t : mesh.triangles) merged.triangles.push_back({first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]});
   return carves;
 }
 

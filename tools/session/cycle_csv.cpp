@@ -19,11 +19,11 @@ std::string line_of(const CycleRow& row, std::span<const ObjectName> names) {
 // Without rows it makes no file, but leaves no rows in the file of an earlier export. The caller must keep() the returned file.
 template <class Row, class Cell>
 Result<std::optional<PartFile>> write_rows(const std::filesystem::path& path, const std::vector<Row>& rows,
-                                           std::span<const ChangeColumn<Row>> columns, const char* last, Cell&& cell) {
+                                           std::span<const ChangeColumn<Row>> columns, const char* last_column, Cell&& cell) {
   if (rows.empty() && !std::filesystem::exists(path)) return std::optional<PartFile>();
   auto file = PartFile::open(path);
   if (!file) return tl::unexpected(file.error());
-  add_line(*file, csv_header(columns) + last + '\n');
+  add_line(*file, csv_header(columns) + last_column + '\n');
   for (const Row& row : rows) add_line(*file, csv_numbers(columns, row) + cell(row) + '\n');
   if (const auto closed = file->close(); !closed) return tl::unexpected(closed.error());
   return std::optional(std::move(*file));
@@ -40,17 +40,18 @@ Result<CycleCounts> write_cycle_csv(SessionReader& reader, const std::filesystem
   const ObjectChanges changes =
       add_all(reader, table, [&](const SessionEntry& entry, const Datagram* datagram) { shapes.add(entry, datagram); });
   if (const auto closed = file->close(); !closed) return tl::unexpected(closed.error());
-  auto moved = write_rows(path.parent_path() / "moves.csv", changes.moves(), move_columns(), "name",
-                          [](const RecordedMove& one) { return csv_cell(whole_text(one.move.name.data())); });
-  if (!moved) return tl::unexpected(moved.error());
+  auto move_file = write_rows(path.parent_path() / "moves.csv", changes.moves(), move_columns(), "name",
+                              [](const RecordedMove& one) { return csv_cell(whole_text(one.move.name.data())); });
+  if (!move_file) return tl::unexpected(move_file.error());
   const auto name_of = [&](const RecordedCarve& one) {
     const auto object = static_cast<std::size_t>(one.carve.object);
     return object < names.size() ? csv_cell(whole_text(names[object].object)) : std::string();
   };
-  auto carved = write_rows(path.parent_path() / "carves.csv", changes.carves(), carve_columns(), "name", name_of);
-  if (!carved) return tl::unexpected(carved.error());
+  auto carve_file = write_rows(path.parent_path() / "carves.csv", changes.carves(), carve_columns(), "name", name_of);
+  if (!carve_file) return tl::unexpected(carve_file.error());
   if (const auto closed = shapes.close(); !closed) return tl::unexpected(closed.error());
-  for (PartFile* table_file : {&*file, moved->has_value() ? &**moved : nullptr, carved->has_value() ? &**carved : nullptr}) {
+  for (PartFile* table_file :
+       {&*file, move_file->has_value() ? &**move_file : nullptr, carve_file->has_value() ? &**carve_file : nullptr}) {
     if (table_file == nullptr) continue;
     if (const auto kept = table_file->keep(); !kept) return tl::unexpected(kept.error());
   }

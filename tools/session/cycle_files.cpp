@@ -4,12 +4,12 @@
 
 namespace hapton {
 
-ObjectChanges add_all(SessionReader& reader, CycleTable& table, const AlsoAdd& also) {
+ObjectChanges add_all(SessionReader& reader, CycleTable& table, const OnEntry& on_entry) {
   ObjectChanges changes(reader.header().start_ns);
   (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     table.add(entry, datagram);
     changes.add(entry, datagram);
-    if (also) also(entry, datagram);
+    if (on_entry) on_entry(entry, datagram);
     return {};
   });
   table.finish();

@@ -21,9 +21,9 @@ struct CycleCounts {
   std::uint64_t gaps = 0;            // the number of runs of consecutive lost samples
 };
 
-// Adds a recording, up to its end or the damage, to a table. Returns what was moved and carved in it. also: is called with each entry.
-using AlsoAdd = std::function<void(const SessionEntry& entry, const Datagram* datagram)>;
-ObjectChanges add_all(SessionReader& reader, CycleTable& table, const AlsoAdd& also = {});
+// Adds a recording, up to its end or the damage, to a table. Returns what was moved and carved in it. on_entry: is called with each entry.
+using OnEntry = std::function<void(const SessionEntry& entry, const Datagram* datagram)>;
+ObjectChanges add_all(SessionReader& reader, CycleTable& table, const OnEntry& on_entry = {});
 
 // Writes the table of all cycles of a recording up to its end or the damage; reader.problem() says which. names: of the scene's objects,
 // empty if they are not known. If programs moved or deformed objects or material was carved, writes moves.csv, carves.csv and shapes.csv

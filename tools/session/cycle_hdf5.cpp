@@ -14,8 +14,8 @@
 namespace hapton {
 namespace {
 
-constexpr hsize_t kBlock = 4096;  // rows that are written at once; also the size of a chunk of the file
-constexpr unsigned kDeflate = 4;  // level of compression, 1 to 9; a free choice
+constexpr hsize_t kBlockRows = 4096;   // rows that are written at once; also the size of a chunk of the file
+constexpr unsigned kDeflateLevel = 4;  // level of compression, 1 to 9; a free choice
 
 // Owns an object of HDF5, and closes it in the destructor.
 class Handle {
@@ -32,7 +32,7 @@ class Handle {
     if (id_ >= 0) close_(id_);
   }
   // Closes the object. False: what HDF5 still had to write on closing was not written.
-  bool end() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
+  bool close_object() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
   operator hid_t() const { return id_; }
   bool is_good() const { return id_ >= 0; }
 
@@ -62,27 +62,27 @@ class Column {
  public:
   Column(hid_t group, const std::string& name, hid_t type, hid_t memory_type) : memory_type_(memory_type) {
     const hsize_t none = 0;
-    const hsize_t endless = H5S_UNLIMITED;
-    const Handle space(H5Screate_simple(1, &none, &endless), &H5Sclose);
-    const Handle how(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
-    H5Pset_chunk(how, 1, &kBlock);
-    H5Pset_shuffle(how);
-    H5Pset_deflate(how, kDeflate);
-    set_ = Handle(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, how, H5P_DEFAULT), &H5Dclose);
+    const hsize_t max_size = H5S_UNLIMITED;
+    const Handle space(H5Screate_simple(1, &none, &max_size), &H5Sclose);
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    H5Pset_chunk(properties, 1, &kBlockRows);
+    H5Pset_shuffle(properties);
+    H5Pset_deflate(properties, kDeflateLevel);
+    dataset_ = Handle(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), &H5Dclose);
   }
   bool append(const void* values, hsize_t count) {
     const hsize_t begin = rows_;
     rows_ += count;
-    if (!set_.is_good() || H5Dset_extent(set_, &rows_) < 0) return false;
-    const Handle there(H5Dget_space(set_), &H5Sclose);
-    const Handle here(H5Screate_simple(1, &count, nullptr), &H5Sclose);
-    return H5Sselect_hyperslab(there, H5S_SELECT_SET, &begin, nullptr, &count, nullptr) >= 0 &&
-           H5Dwrite(set_, memory_type_, here, there, H5P_DEFAULT, values) >= 0;
+    if (!dataset_.is_good() || H5Dset_extent(dataset_, &rows_) < 0) return false;
+    const Handle file_space(H5Dget_space(dataset_), &H5Sclose);
+    const Handle memory_space(H5Screate_simple(1, &count, nullptr), &H5Sclose);
+    return H5Sselect_hyperslab(file_space, H5S_SELECT_SET, &begin, nullptr, &count, nullptr) >= 0 &&
+           H5Dwrite(dataset_, memory_type_, memory_space, file_space, H5P_DEFAULT, values) >= 0;
   }
-  hid_t set() const { return set_; }
+  hid_t dataset() const { return dataset_; }
 
  private:
-  Handle set_;
+  Handle dataset_;
   hid_t memory_type_;
   hsize_t rows_ = 0;
 };
@@ -91,30 +91,30 @@ class Column {
 class ShapeRows {
  public:
   ShapeRows(hid_t group, const std::string& name, std::size_t vertices) : dimensions_{0, vertices, 3} {
-    const std::array<hsize_t, 3> endless = {H5S_UNLIMITED, dimensions_[1], dimensions_[2]};
-    const std::array<hsize_t, 3> chunk = {std::max<hsize_t>(1, kBlock / vertices), dimensions_[1], dimensions_[2]};
-    const Handle space(H5Screate_simple(3, dimensions_.data(), endless.data()), &H5Sclose);
-    const Handle how(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
-    H5Pset_chunk(how, 3, chunk.data());
-    H5Pset_shuffle(how);
-    H5Pset_deflate(how, kDeflate);
-    set_ = Handle(H5Dcreate2(group, name.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, how, H5P_DEFAULT), &H5Dclose);
+    const std::array<hsize_t, 3> max_size = {H5S_UNLIMITED, dimensions_[1], dimensions_[2]};
+    const std::array<hsize_t, 3> chunk = {std::max<hsize_t>(1, kBlockRows / vertices), dimensions_[1], dimensions_[2]};
+    const Handle space(H5Screate_simple(3, dimensions_.data(), max_size.data()), &H5Sclose);
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    H5Pset_chunk(properties, 3, chunk.data());
+    H5Pset_shuffle(properties);
+    H5Pset_deflate(properties, kDeflateLevel);
+    dataset_ = Handle(H5Dcreate2(group, name.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT), &H5Dclose);
   }
-  hid_t set() const { return set_; }
+  hid_t dataset() const { return dataset_; }
   bool append(std::span<const ShapePart::Displacement> displacements_m) {
     const std::array<hsize_t, 3> begin = {dimensions_[0], 0, 0};
     const std::array<hsize_t, 3> count = {1, dimensions_[1], dimensions_[2]};
     ++dimensions_[0];
-    if (!set_.is_good() || H5Dset_extent(set_, dimensions_.data()) < 0) return false;
-    const Handle there(H5Dget_space(set_), &H5Sclose);
-    const Handle here(H5Screate_simple(3, count.data(), nullptr), &H5Sclose);
-    return H5Sselect_hyperslab(there, H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) >= 0 &&
-           H5Dwrite(set_, H5T_NATIVE_FLOAT, here, there, H5P_DEFAULT, displacements_m.data()) >= 0;
+    if (!dataset_.is_good() || H5Dset_extent(dataset_, dimensions_.data()) < 0) return false;
+    const Handle file_space(H5Dget_space(dataset_), &H5Sclose);
+    const Handle memory_space(H5Screate_simple(3, count.data(), nullptr), &H5Sclose);
+    return H5Sselect_hyperslab(file_space, H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) >= 0 &&
+           H5Dwrite(dataset_, H5T_NATIVE_FLOAT, memory_space, file_space, H5P_DEFAULT, displacements_m.data()) >= 0;
   }
 
  private:
   std::array<hsize_t, 3> dimensions_;
-  Handle set_;
+  Handle dataset_;
 };
 
 class JoinedHdf5 {
@@ -127,15 +127,15 @@ class JoinedHdf5 {
     const Handle samples(H5Gcreate2(file_, "samples", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
     for (const CycleColumn& column : cycle_columns()) {
       columns_.emplace_back(samples, std::string(column.name), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
-      is_good_ = is_good_ && set_text(columns_.back().set(), "unit", std::string(column.unit));
+      is_good_ = is_good_ && set_text(columns_.back().dataset(), "unit", std::string(column.unit));
     }
     const Handle events(H5Gcreate2(file_, "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
     event_times_.emplace(events, "t_s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
-    is_good_ = is_good_ && set_text(event_times_->set(), "unit", "s");
+    is_good_ = is_good_ && set_text(event_times_->dataset(), "unit", "s");
     event_names_.emplace(events, "name", text_type_, text_type_);
     event_kinds_.emplace(events, "kind", text_type_, text_type_);
     event_samples_.emplace(events, "sample", H5T_STD_U64LE, H5T_NATIVE_UINT64);
-    is_good_ = is_good_ && set_text(event_samples_->set(), "unit", "1");
+    is_good_ = is_good_ && set_text(event_samples_->dataset(), "unit", "1");
     values_.resize(columns_.size());
   }
 
@@ -166,9 +166,9 @@ class JoinedHdf5 {
     if (!shapes_group_.is_good()) shapes_group_ = Handle(H5Gcreate2(file_, "shapes", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
     if (shape.row) {
       const std::string name = fmt::format("displacements_{}_{}", shape.process, shape.start.object);
-      const auto [at, is_new] = displacements_.try_emplace(name, shapes_group_, name, shape.displacements_m.size());
-      if (is_new) is_good_ = is_good_ && set_text(at->second.set(), "unit", "m");
-      is_good_ = at->second.append(shape.displacements_m) && is_good_;
+      const auto [entry, is_new] = displacements_.try_emplace(name, shapes_group_, name, shape.displacements_m.size());
+      if (is_new) is_good_ = is_good_ && set_text(entry->second.dataset(), "unit", "m");
+      is_good_ = entry->second.append(shape.displacements_m) && is_good_;
     }
     shapes_.push_back(shape);
     shapes_.back().displacements_m = {};
@@ -190,7 +190,7 @@ class JoinedHdf5 {
 
   void add(const CycleRow& row) {
     for (std::size_t i = 0; i < columns_.size(); ++i) values_[i].push_back(cycle_columns()[i].of(row));
-    if (values_.front().size() == kBlock) write_block();
+    if (values_.front().size() == kBlockRows) write_block();
     for_each_event(row, [&](const CycleEvent& event) {
       const char* const name = event.name.c_str();
       const char* const kind = event.kind.data();
@@ -207,14 +207,14 @@ class JoinedHdf5 {
     displacements_.clear();
     shapes_group_ = {};
     for (auto* column : {&event_times_, &event_names_, &event_kinds_, &event_samples_}) column->reset();
-    return file_.end() && is_good_;
+    return file_.close_object() && is_good_;
   }
 
  private:
   void add_setups(const std::vector<RecordedSetup>& setups) {
     const Handle group(H5Gcreate2(file_, "haptics", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
     Column times(group, "t_s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
-    is_good_ = is_good_ && set_text(times.set(), "unit", "s");
+    is_good_ = is_good_ && set_text(times.dataset(), "unit", "s");
     for (const RecordedSetup& one : setups) is_good_ = is_good_ && times.append(&one.t_s, 1);
     add_texts(group, "scene", setups, [](const HapticsSetup& setup) { return whole_text(setup.scene.data()); });
     add_texts(group, "scene_hash", setups, [](const HapticsSetup& setup) { return fmt::format("{:016x}", setup.scene_hash); });
@@ -246,9 +246,9 @@ class JoinedHdf5 {
       std::vector<double> values;
       values.reserve(rows.size());
       for (const Row& row : rows) values.push_back(column.of(row));
-      Column set(group, std::string(column.name), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
-      is_good_ = is_good_ && set_text(set.set(), "unit", std::string(column.unit));
-      is_good_ = is_good_ && (values.empty() || set.append(values.data(), values.size()));
+      Column dataset_column(group, std::string(column.name), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
+      is_good_ = is_good_ && set_text(dataset_column.dataset(), "unit", std::string(column.unit));
+      is_good_ = is_good_ && (values.empty() || dataset_column.append(values.data(), values.size()));
     }
   }
 

@@ -16,7 +16,7 @@ namespace hapton {
 class FirstShapes {
  public:
   // Shapes and starts in the order of their serials, so that the oldest come first.
-  struct Sender {
+  struct SenderShapes {
     std::optional<std::uint32_t> first;                                        // shape_serial of its first force; none: not there yet
     std::map<std::uint32_t, ShapeParts> shapes = {};                           // by serial
     std::map<std::pair<std::uint32_t, std::int32_t>, ShapeStart> starts = {};  // by serial and object
@@ -27,14 +27,14 @@ class FirstShapes {
   void add(std::uint64_t sender, const ShapeStart& start);
 
   // Returns null if this sender sent none of these messages.
-  const Sender* find(std::uint64_t sender) const;
+  const SenderShapes* find(std::uint64_t sender) const;
 
  private:
   // The most shapes, and the most starts, that are kept for a sender; the oldest is dropped. Before the first force tells which serials
   // count, a damaged or hostile file may have any number of them. A free choice.
   static constexpr std::size_t kMaxEarly = 64;
 
-  std::map<std::uint64_t, Sender> senders_;
+  std::map<std::uint64_t, SenderShapes> senders_;
 };
 
 }  // namespace hapton

@@ -25,8 +25,8 @@ Result<NpyFile> NpyFile::open(const std::filesystem::path& path, std::uint32_t v
 
 void NpyFile::write_header() {
   std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}, 3), }}", rows_, vertices_);
-  constexpr std::size_t kBefore = 10;  // bytes before the header's text: magic, version, length
-  header.resize(kNpyHeaderBytes - kBefore - 1, ' ');
+  constexpr std::size_t kPreambleBytes = 10;  // bytes before the header's text: magic, version, length
+  header.resize(kNpyHeaderBytes - kPreambleBytes - 1, ' ');
   header += '\n';
   const std::string begin = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0, static_cast<char>(header.size()), 0};
   file_.check(std::fwrite((begin + header).data(), 1, kNpyHeaderBytes, file_.get()) == kNpyHeaderBytes);

@@ -56,9 +56,9 @@ Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& s
 
 Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& setup, std::uint64_t given_hash) {
   auto names = find_names(setup);
-  const auto said = from_code(setup.scene_loading);
-  if (names || given_hash == 0 || !said) return names;
-  const auto scene = find(file_.empty() ? setup.scene.data() : file_, *said);
+  const auto loading = from_code(setup.scene_loading);
+  if (names || given_hash == 0 || !loading) return names;
+  const auto scene = find(file_.empty() ? setup.scene.data() : file_, *loading);
   if (scene && (*scene)->given_hash == given_hash) return (*scene)->names;
   return names;
 }
@@ -66,11 +66,11 @@ Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& s
 Result<const RecordedScenes::LoadedScene*> RecordedScenes::find_recorded(const HapticsSetup& setup) {
   const std::string path = file_.empty() ? setup.scene.data() : file_;
   if (setup.scene_hash == 0) return fail("{}: an object was put down, and the recording does not have the scene with it", path);
-  const auto said = from_code(setup.scene_loading);
-  auto scene = find(path, said.value_or(SceneLoading()));
+  const auto loading = from_code(setup.scene_loading);
+  auto scene = find(path, loading.value_or(SceneLoading()));
   if (!scene) return fail("{}; give its present place with --scene FILE", scene.error().what);
   const std::uint64_t hash = (*scene)->hash;
-  if (hash != setup.scene_hash && !said) scene = find(path, {.sealing = CrackSealing::off});
+  if (hash != setup.scene_hash && !loading) scene = find(path, {.sealing = CrackSealing::off});
   if (!scene || (*scene)->hash != setup.scene_hash) {
     return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
                 setup.scene_hash);

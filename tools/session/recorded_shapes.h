@@ -41,7 +41,7 @@ class RecordedShapes {
   bool apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step, const FindShape& find_shape);
   // Passes over all shapes up to that serial without a step, for a replay that does not know where the surfaces are. Time: proportional to
   // the shapes in the recording, since a damaged recording may name any serial. Pre: serial is above the last one.
-  void pass(std::uint64_t sender, std::uint32_t serial);
+  void skip_to(std::uint64_t sender, std::uint32_t serial);
 
   // Whether it is known where the surfaces of these objects are at that scene time: by both shapes of a motion, or after it by the last.
   bool knows(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns) const;
@@ -51,27 +51,27 @@ class RecordedShapes {
 
  private:
   // A motion that has begun.
-  struct Begun {
+  struct BegunMotion {
     ShapeStart start;
     std::optional<ShapeParts> shape;  // complete; none: the recording lacks a part of it
   };
-  struct Sender {
+  struct SenderShapes {
     std::map<std::uint32_t, ShapeParts> shapes = {};  // by serial
     std::map<std::uint32_t, ShapeStart> starts = {};
-    std::map<std::int32_t, std::deque<Begun>> begun = {};  // the last two of each object
-    std::uint32_t applied = 0;                             // all shapes up to this serial were applied or passed over
+    std::map<std::int32_t, std::deque<BegunMotion>> begun_motions = {};  // the last two of each object
+    std::uint32_t applied_serial = 0;                                    // all shapes up to this serial were applied or passed over
   };
   // The last motion of an object, and the one that ends in the shape from which it begins; null: it begins at rest, or has ended.
   struct Motion {
-    const Begun* last = nullptr;
-    const Begun* before = nullptr;
+    const BegunMotion* last = nullptr;
+    const BegunMotion* before = nullptr;
   };
-  static std::optional<Motion> find_motion(const Sender& own, int object, std::int64_t scene_time_ns);
-  static const Begun* take(Sender& own, std::uint32_t serial);
-  static void push(Sender& own, Begun begun);
+  static std::optional<Motion> find_motion(const SenderShapes& sender_shapes, int object, std::int64_t scene_time_ns);
+  static const BegunMotion* begin_motion(SenderShapes& sender_shapes, std::uint32_t serial);
+  static void push(SenderShapes& sender_shapes, BegunMotion begun);
 
   FirstShapes first_;
-  std::map<std::uint64_t, Sender> senders_;
+  std::map<std::uint64_t, SenderShapes> senders_;
 };
 
 }  // namespace hapton

@@ -65,7 +65,7 @@ struct ToolRows {
   }
 };
 
-bool same(const ReplayRow& a, const ReplayRow& b) {
+bool has_same_output(const ReplayRow& a, const ReplayRow& b) {
   return a.force_n == b.force_n && a.torque_nm == b.torque_nm && a.contact == b.contact && a.p_WP == b.p_WP &&
          a.q_WP.coeffs() == b.q_WP.coeffs();
 }
@@ -89,7 +89,7 @@ Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const Re
       ReplayRow row{.t_s = trajectory[i].t_s, .p_WD = trajectory[i].p_WD, .step_ns = step_ns};
       Rows::fill(row, inputs[i], output);
       if (repetition > 0) {
-        replay.rows_that_differ += same(replay.rows[i], row) ? 0 : 1;
+        replay.rows_that_differ += has_same_output(replay.rows[i], row) ? 0 : 1;
         row = replay.rows[i];
         row.step_ns = std::min(row.step_ns, step_ns);
       }
@@ -189,19 +189,19 @@ Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& r
   if (!opened) return tl::unexpected(opened.error());
   PartFile& file = *opened;
   const auto print = [&](const char* format, auto... numbers) { return std::fprintf(file.get(), format, numbers...) > 0; };
-  bool good = print("t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns%s\n",
-                    replay.has_tool ? ",proxy_qw,proxy_qx,proxy_qy,proxy_qz,tx_nm,ty_nm,tz_nm" : "");
+  bool is_written = print("t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns%s\n",
+                          replay.has_tool ? ",proxy_qw,proxy_qx,proxy_qy,proxy_qz,tx_nm,ty_nm,tz_nm" : "");
   for (const ReplayRow& row : replay.rows) {
-    good = good && print("%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,%lld", row.t_s, row.p_WD.x(), row.p_WD.y(),
-                         row.p_WD.z(), row.p_WP.x(), row.p_WP.y(), row.p_WP.z(), row.force_n.x(), row.force_n.y(), row.force_n.z(),
-                         row.contact ? 1 : 0, static_cast<long long>(row.step_ns));
+    is_written = is_written && print("%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,%lld", row.t_s, row.p_WD.x(),
+                                     row.p_WD.y(), row.p_WD.z(), row.p_WP.x(), row.p_WP.y(), row.p_WP.z(), row.force_n.x(), row.force_n.y(),
+                                     row.force_n.z(), row.contact ? 1 : 0, static_cast<long long>(row.step_ns));
     if (replay.has_tool) {
-      good = good && print(",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", row.q_WP.w(), row.q_WP.x(), row.q_WP.y(), row.q_WP.z(),
-                           row.torque_nm.x(), row.torque_nm.y(), row.torque_nm.z());
+      is_written = is_written && print(",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", row.q_WP.w(), row.q_WP.x(), row.q_WP.y(), row.q_WP.z(),
+                                       row.torque_nm.x(), row.torque_nm.y(), row.torque_nm.z());
     }
-    good = good && std::fputc('\n', file.get()) != EOF;
+    is_written = is_written && std::fputc('\n', file.get()) != EOF;
   }
-  file.check(good);
+  file.check(is_written);
   if (auto closed = file.close(); !closed) return closed;
   return file.keep();
 }

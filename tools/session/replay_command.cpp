@@ -99,7 +99,7 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
 // Refuses flags that do not go together. A flag that a tool does not support yet, but a point or sphere does, is an error, not ignored.
 Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   const MethodSettings& method = options.method.settings;
-  const MethodSettings plain;
+  const MethodSettings default_settings;
   if (options.tool.empty()) {
     const std::string_view reason = has_tool ? "; the scene file gives that of its [tool]" : "";
     if (!options.tool_unit.empty()) return fail("--tool-unit goes with --tool FILE{}", reason);
@@ -112,7 +112,7 @@ Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
     return {};
   }
   if (options.tool_threads > 1 && options.tool_voxel_m > 0.0) return fail("--tool-threads does not go with --tool-voxels");
-  if (method.name != plain.name) return fail("--tool goes with --method proxy; '{}' has no tool", method.name);
+  if (method.name != default_settings.name) return fail("--tool goes with --method proxy; '{}' has no tool", method.name);
   if (method.probe_radius_m > 0.0) return fail("--tool and --probe-radius are two probes; give one");
   if (method.shading > 0.0 || method.coupling_n_per_m > 0.0) return fail("--shading and --coupling do not go with --tool");
   return {};
@@ -156,7 +156,7 @@ Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& 
   return done;
 }
 
-Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, const SceneTool& held,
+Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, const SceneTool& scene_tool,
                            std::span<const TrajectoryRow> trajectory) {
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
@@ -174,7 +174,7 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
     fmt::print("tool: effects of surfaces but viscosity_ns_per_m, images, and two_sided = false of {} are left out: {:g} N/m everywhere\n",
                options.scene, coupling.stiffness_n_per_m);
   }
-  const auto felt = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
+  const auto run_tool = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());
     Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock(), parts...);
     add_space_effects(obstacles.effects, trajectory, options.replay, done);
@@ -182,21 +182,21 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
     return done;
   };
   if (options.tool_voxel_m <= 0.0) {
-    auto tool = ToolStep::make(*held.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads),
+    auto tool = ToolStep::make(*scene_tool.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads),
                                obstacles.part_of);
     if (!tool) return tl::unexpected(tool.error());
     if (const auto damped = (*tool)->damp(obstacles.damping); !damped) return tl::unexpected(damped.error());
-    return felt(tool, obstacles.parts);
+    return run_tool(tool, obstacles.parts);
   }
   if (obstacles.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
   if (obstacles.has_damping()) fmt::print("tool: voxels have no damping and viscosity, so the scene's are left out\n");
-  return felt(VoxelTool::make(*held.mesh, obstacles.meshes, coupling, options.tool_voxel_m));
+  return run_tool(VoxelTool::make(*scene_tool.mesh, obstacles.meshes, coupling, options.tool_voxel_m));
 }
 
 void note_buttons(const Scene& scene, std::span<const TrajectoryRow> trajectory) {
   const bool can_pick_up = std::any_of(scene.objects.begin(), scene.objects.end(), [](const auto& object) { return object.is_movable; });
-  const bool presses = std::any_of(trajectory.begin(), trajectory.end(), [](const TrajectoryRow& row) { return row.buttons != 0; });
-  if (!can_pick_up || !presses) return;
+  const bool has_presses = std::any_of(trajectory.begin(), trajectory.end(), [](const TrajectoryRow& row) { return row.buttons != 0; });
+  if (!can_pick_up || !has_presses) return;
   fmt::print("movable objects stay where they are: a replay picks nothing up. deploy/run --device simulated --trajectory FILE does\n");
 }
 

@@ -153,10 +153,10 @@ Result<void> load_effects(const SessionOptions& options, PluginEffects& effects)
 }
 
 Result<void> replay_session(const SessionOptions& options) {
-  auto first = SessionReader::open(options.file);
-  if (!first) return tl::unexpected(first.error());
+  auto summary_reader = SessionReader::open(options.file);
+  if (!summary_reader) return tl::unexpected(summary_reader.error());
   SessionSummary summary;
-  if (const auto done = summarize(*first, summary); !done) return done;
+  if (const auto done = summarize(*summary_reader, summary); !done) return done;
 
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());

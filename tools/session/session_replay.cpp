@@ -14,10 +14,10 @@ namespace hapton {
 namespace {
 
 // Replies are reordered by at most this number of samples; ForceCommand::replied_before covers the same number.
-constexpr std::uint64_t kReach = 64;
+constexpr std::uint64_t kMaxReorder = 64;
 
 // After this time in free space and without a button, a sphere probe that carves has no state left.
-constexpr std::int64_t kForgottenNs = 300'000'000;
+constexpr std::int64_t kStatelessAfterNs = 300'000'000;
 // The bodies are rebuilt at most this often, because making them takes up to a second.
 constexpr std::int64_t kRebuildEveryNs = 1'000'000'000;
 
@@ -81,12 +81,12 @@ void SessionReplay::on_view(const ViewTransform& view) {
 Result<void> SessionReplay::on_reply(std::uint64_t sender, const ForceCommand& command) {
   if (step_ == nullptr || sender != sender_) {
     if (const auto settled = finish(); !settled) return settled;
-    if (const auto begun = begin(sender, command); !begun) return begun;
+    if (const auto begun = begin_process(sender, command); !begun) return begun;
   }
   if (command.echo_sample <= last_sample_) return {};  // a duplicate
   replies_.emplace(command.echo_sample, command);
   const std::uint64_t newest = replies_.rbegin()->first;
-  return newest > kReach ? settle(newest - kReach) : Result<void>();
+  return newest > kMaxReorder ? settle(newest - kMaxReorder) : Result<void>();
 }
 
 Result<void> SessionReplay::finish() { return replies_.empty() ? Result<void>() : settle(replies_.rbegin()->first); }
@@ -132,13 +132,13 @@ Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSe
 }
 
 // Begins with another haptics process. Its first step was in free space, unless the recording began after that step.
-Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& first) {
+Result<void> SessionReplay::begin_process(std::uint64_t sender, const ForceCommand& first) {
   sender_ = sender;
-  serial_ = first.method_serial;
+  method_serial_ = first.method_serial;
   last_sample_ = 0;
-  const auto named = setups_.find({sender_, serial_});
-  is_method_known_ = named != setups_.end();
-  const auto any = is_method_known_ ? named : setups_.lower_bound({sender_, 0});
+  const auto setup = setups_.find({sender_, method_serial_});
+  is_method_known_ = setup != setups_.end();
+  const auto any = is_method_known_ ? setup : setups_.lower_bound({sender_, 0});
   if (any == setups_.end() || any->first.first != sender_) {
     return fail("the recording does not name its scene and method; only a session of a haptics node of this version can be replayed");
   }
@@ -159,10 +159,10 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   shapes_.begin(sender_, first.shape_serial);
   are_shapes_known_ = first.shape_serial == 0 || restore_shapes(first.scene_time_ns);
   is_view_known_ = are_carves_known_ = true;
-  whole_.reset();
-  if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) whole_ = *whole;
-  if (whole_) repeat_carves(first.carve_serial);
-  busy_ns_ = rebuilt_ns_ = first.echo_sample_time_ns;
+  uncarved_.reset();
+  if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) uncarved_ = *whole;
+  if (uncarved_) repeat_carves(first.carve_serial);
+  last_busy_ns_ = rebuilt_ns_ = first.echo_sample_time_ns;
   is_certain_ = is_known() && first.replied_before == 0;
   return {};
 }
@@ -190,7 +190,7 @@ std::optional<Sculpture> SessionReplay::make_shape(std::uint32_t serial) const {
     const Carves::One* one = carves_.find(sender_, n);
     if (one == nullptr || !list.add(to_made_carve(*one, n))) return std::nullopt;
   }
-  Sculpture shape = *whole_;
+  Sculpture shape = *uncarved_;
   bool is_of_these = true;
   list.for_each_active({}, [&](const MadeCarve& made) { is_of_these = is_of_these && carve_body(shape, made); });
   return is_of_these ? std::optional(std::move(shape)) : std::nullopt;
@@ -205,7 +205,7 @@ void SessionReplay::repeat_carves(std::uint32_t serial) {
 
 // The steps carve by themselves. But an undo between two samples has a serial of its own, which no step makes: this repeats it.
 void SessionReplay::undo_carves(std::uint32_t serial, bool is_after_lost) {
-  while (whole_ && is_certain_ && step_->touch().newest_carve_serial() < serial) {
+  while (uncarved_ && is_certain_ && step_->touch().newest_carve_serial() < serial) {
     const std::uint32_t next = step_->touch().newest_carve_serial() + 1;
     const Carves::One* one = carves_.find(sender_, next);
     if (one != nullptr && !one->is_undo()) return;  // the steps differ from the recorded ones, which their comparison shows
@@ -218,12 +218,12 @@ void SessionReplay::undo_carves(std::uint32_t serial, bool is_after_lost) {
 }
 
 bool SessionReplay::has_rested(const ForceCommand& command) const {
-  return ns_between(busy_ns_, command.echo_sample_time_ns) >= kForgottenNs &&
+  return ns_between(last_busy_ns_, command.echo_sample_time_ns) >= kStatelessAfterNs &&
          ns_between(rebuilt_ns_, command.echo_sample_time_ns) >= kRebuildEveryNs;
 }
 
 // In free space a method has no state, so the comparison can begin in such a step. Effects have a state even then: time, velocity.
-Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
+Result<void> SessionReplay::regain_certainty(const ForceCommand& command) {
   if (is_certain_ || command.contact || step_->has_effects()) return {};
   if (const auto rebuilt = rebuild_surfaces(command); !rebuilt) return rebuilt;
   if (!is_known()) return {};
@@ -239,7 +239,7 @@ Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
 
 // Makes the bodies again. The carves of unknown steps are in the recording too, so they can be repeated.
 Result<void> SessionReplay::rebuild_bodies(const ForceCommand& command) {
-  auto touch = make_method_of(setups_.at({sender_, serial_}));
+  auto touch = make_method_of(setups_.at({sender_, method_serial_}));
   if (!touch) return tl::unexpected(touch.error());
   if (!materials_.empty()) (*touch)->set_materials(materials_);
   step_->begin_anew(std::move(*touch));
@@ -266,7 +266,7 @@ void SessionReplay::change_shapes(std::uint32_t serial) {
   while (are_shapes_known_ && shape_serial_ < serial) {
     are_shapes_known_ = shapes_.apply(sender_, ++shape_serial_, *step_, find_shape());
   }
-  if (shape_serial_ < serial) shapes_.pass(sender_, serial);
+  if (shape_serial_ < serial) shapes_.skip_to(sender_, serial);
   shape_serial_ = std::max(shape_serial_, serial);
   if (!are_shapes_known_) is_certain_ = false;
 }
@@ -294,22 +294,22 @@ Result<void> SessionReplay::rebuild_surfaces(const ForceCommand& command) {
 // Repeats the changes of the method up to this serial. If the recording does not name the method, its forces are unknown. The loop goes
 // through the setups in the recording, not through all serials, because a damaged recording may name any serial, even an earlier one.
 Result<void> SessionReplay::change_method(std::uint32_t serial) {
-  if (serial == serial_) return {};
-  if (serial < serial_) is_certain_ = false;
-  std::uint32_t next = serial < serial_ ? serial : serial_ + 1;
+  if (serial == method_serial_) return {};
+  if (serial < method_serial_) is_certain_ = false;
+  std::uint32_t next = serial < method_serial_ ? serial : method_serial_ + 1;
   const auto end = setups_.upper_bound({sender_, serial});
-  for (auto named = setups_.lower_bound({sender_, next}); named != end; ++named) {
-    if (named->first.second != next) is_certain_ = false;
-    next = named->first.second + 1;
+  for (auto setup = setups_.lower_bound({sender_, next}); setup != end; ++setup) {
+    if (setup->first.second != next) is_certain_ = false;
+    next = setup->first.second + 1;
     // The new method took over with the materials of that moment.
-    if (const auto changed = change_materials(named->second.material_serial); !changed) return changed;
-    auto touch = make_method_of(named->second);
+    if (const auto changed = change_materials(setup->second.material_serial); !changed) return changed;
+    auto touch = make_method_of(setup->second);
     if (!touch) return tl::unexpected(touch.error());
     if (!materials_.empty()) (*touch)->set_materials(materials_);
     step_->replace(std::move(*touch));
-    setup_ = named->second;
+    setup_ = setup->second;
   }
-  serial_ = serial;
+  method_serial_ = serial;
   is_method_known_ = setups_.contains({sender_, serial});
   if (!is_method_known_) is_certain_ = false;
   return {};
@@ -319,9 +319,9 @@ Result<void> SessionReplay::change_method(std::uint32_t serial) {
 Result<bool> SessionReplay::find_materials(const HapticsSetup& setup, std::uint32_t serial) {
   materials_.clear();
   if (serial == 0) return true;
-  const auto named = material_states_.find({sender_, serial});
-  if (named == material_states_.end()) return false;
-  auto materials = make_materials_(setup, named->second);
+  const auto state = material_states_.find({sender_, serial});
+  if (state == material_states_.end()) return false;
+  auto materials = make_materials_(setup, state->second);
   if (!materials) return tl::unexpected(materials.error());
   materials_ = std::move(*materials);
   return true;
@@ -332,10 +332,10 @@ Result<void> SessionReplay::change_materials(std::uint32_t serial) {
   if (serial <= material_serial_) return {};
   std::uint32_t next = material_serial_ + 1;
   const auto end = material_states_.upper_bound({sender_, serial});
-  for (auto named = material_states_.lower_bound({sender_, next}); named != end; ++named) {
-    if (named->first.second != next) is_certain_ = false;
-    next = named->first.second + 1;
-    if (const auto found = find_materials(setup_, named->first.second); !found) return tl::unexpected(found.error());
+  for (auto state = material_states_.lower_bound({sender_, next}); state != end; ++state) {
+    if (state->first.second != next) is_certain_ = false;
+    next = state->first.second + 1;
+    if (const auto found = find_materials(setup_, state->first.second); !found) return tl::unexpected(found.error());
     step_->set_materials(materials_);
   }
   material_serial_ = serial;
@@ -347,7 +347,7 @@ Result<void> SessionReplay::change_materials(std::uint32_t serial) {
 }
 
 // A program may use one revision for two poses: then a reply does not tell with which of the two it was computed.
-void SessionReplay::turn(std::uint32_t revision) {
+void SessionReplay::change_view(std::uint32_t revision) {
   if (ambiguous_views_.contains(revision)) return lose_view();
   is_view_known_ = true;
   if (revision == step_->view().revision) return;
@@ -386,9 +386,9 @@ std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
 
 // Repeats the steps of the samples before this one that had a reply which was lost.
 void SessionReplay::step_lost(const ForceCommand& before) {
-  const bool knows_all = before.echo_sample - last_sample_ <= kReach || last_sample_ == 0;
+  const bool knows_all = before.echo_sample - last_sample_ <= kMaxReorder || last_sample_ == 0;
   if (!knows_all) is_certain_ = false;
-  for (std::uint64_t back = kReach; back > 0; --back) {
+  for (std::uint64_t back = kMaxReorder; back > 0; --back) {
     const bool had_reply = (before.replied_before >> (back - 1) & 1U) != 0;
     if (!had_reply || back >= before.echo_sample || before.echo_sample - back <= last_sample_) continue;
     const bool is_before_the_recording = states_.empty() || before.echo_sample - back < states_.begin()->first;
@@ -396,32 +396,32 @@ void SessionReplay::step_lost(const ForceCommand& before) {
     if (const auto state = states_.find(before.echo_sample - back); last_sample_ == 0 && state != states_.end()) {
       step_->set_scene_time(ns_between(ns_between(state->second.sample_time_ns, before.echo_sample_time_ns), before.scene_time_ns));
     }
-    step_->set_thinned(back == kReach || (before.replied_before >> back) != 0);  // as in step_method
+    step_->set_thinned(back == kMaxReorder || (before.replied_before >> back) != 0);  // as in step_method
     if (step(before.echo_sample - back)) ++counts_.lost_replies;
   }
 }
 
 Result<void> SessionReplay::step_method(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_replies;
-  const bool is_after_unknown = command.echo_sample - last_sample_ > kReach;
+  const bool is_after_unknown = command.echo_sample - last_sample_ > kMaxReorder;
   change_moves(command.move_serial);
   change_shapes(command.shape_serial);
   step_lost(command);
   // It is unknown which of the lost replies was the first with the new method, or with the new materials.
-  const bool is_other = command.method_serial != serial_ || command.material_serial != material_serial_;
+  const bool is_other = command.method_serial != method_serial_ || command.material_serial != material_serial_;
   if (is_other && counts_.lost_replies > lost_before) is_certain_ = false;
   undo_carves(command.carve_serial, counts_.lost_replies > lost_before);
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   if (const auto changed = change_materials(command.material_serial); !changed) return changed;
-  turn(command.view_revision);
+  change_view(command.view_revision);
   const bool had_gap = command.replied_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
   // If replied_before is not 0, the probe did not begin anew, even if the haptics node got few states (see HapticsStep::set_thinned).
   step_->set_thinned(command.replied_before != 0);
   const auto state = states_.find(command.echo_sample);
   const bool is_free = !command.contact && state != states_.end() && state->second.buttons == 0;
-  if (!is_free || is_after_unknown || counts_.lost_replies > lost_before) busy_ns_ = command.echo_sample_time_ns;
-  if (const auto found = find_certainty(command); !found) return found;
+  if (!is_free || is_after_unknown || counts_.lost_replies > lost_before) last_busy_ns_ = command.echo_sample_time_ns;
+  if (const auto found = regain_certainty(command); !found) return found;
   step_->set_scene_time(command.scene_time_ns);
   const auto replayed = step(command.echo_sample);
   if (replayed) compare(command, *replayed);

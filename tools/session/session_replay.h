@@ -104,7 +104,7 @@ class SessionReplay {
 
  private:
   Result<void> settle(std::uint64_t up_to_sample);
-  Result<void> begin(std::uint64_t sender, const ForceCommand& first);
+  Result<void> begin_process(std::uint64_t sender, const ForceCommand& first);
   Result<void> step_method(const ForceCommand& command);
   void step_lost(const ForceCommand& before);
   Result<void> change_method(std::uint32_t serial);
@@ -124,9 +124,9 @@ class SessionReplay {
   void repeat_carves(std::uint32_t serial);
   void undo_carves(std::uint32_t serial, bool is_after_lost);
   bool has_rested(const ForceCommand& command) const;
-  Result<void> find_certainty(const ForceCommand& command);
+  Result<void> regain_certainty(const ForceCommand& command);
   Result<void> rebuild_bodies(const ForceCommand& command);
-  void turn(std::uint32_t revision);
+  void change_view(std::uint32_t revision);
   void lose_view();
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& replayed);
@@ -140,8 +140,8 @@ class SessionReplay {
   RecordedShapes shapes_;
   FindProgramShape find_program_shape_;
   ReplayedCarves carves_;
-  std::optional<Sculpture> whole_;    // the bodies before any carve; none: no object can be carved
-  PluginEffects* effects_ = nullptr;  // null: none
+  std::optional<Sculpture> uncarved_;  // the bodies before any carve; none: no object can be carved
+  PluginEffects* effects_ = nullptr;   // null: none
   MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;               // by sample; not replayed yet
   std::map<std::uint32_t, ViewTransform> views_ = {{0, {}}};  // by revision; 0: as the scene file has it
@@ -150,7 +150,7 @@ class SessionReplay {
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // last replayed sample
-  std::uint32_t serial_ = 0;
+  std::uint32_t method_serial_ = 0;
   std::uint32_t material_serial_ = 0;
   std::vector<Material> materials_;   // of material_serial_; empty: those of the scene
   HapticsSetup setup_;                // the setup in use
@@ -163,7 +163,7 @@ class SessionReplay {
   bool are_shapes_known_ = true;      // it is known where the surfaces are after all shapes up to shape_serial_
   std::vector<int> deformed_;         // the objects that programs deform
   bool are_carves_known_ = true;      // all carves of the bodies in their present shape are in the recording
-  std::int64_t busy_ns_ = 0;          // time of the newest sample in contact, with a button down, or after an unknown step
+  std::int64_t last_busy_ns_ = 0;     // time of the newest sample in contact, with a button down, or after an unknown step
   std::int64_t rebuilt_ns_ = 0;       // time of the sample at which the bodies were last made again from their carves
   bool is_certain_ = false;           // the state of the method does not depend on unknown steps
   std::int64_t first_time_ns_ = 0;

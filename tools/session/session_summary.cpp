@@ -13,8 +13,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kFaultsListed = 20;  // how many faults are listed, from the first; this and the next: free choices
-constexpr std::size_t kMarkersListed = 20;
+constexpr std::size_t kMaxListedFaults = 20;  // how many faults are listed, from the first; this and the next: free choices
+constexpr std::size_t kMaxListedMarkers = 20;
 
 const char* name_of(const Message& message) {
   constexpr std::array kNames = {
@@ -63,18 +63,18 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       max_written_n_ = std::max(max_written_n_, entry.cycle.written_n.norm());
       max_written_nm_ = std::max(max_written_nm_, entry.cycle.written_nm.norm());
       local_forces_ += entry.cycle.local ? 1 : 0;
-      missed_ += entry.cycle.missed;
-      if (entry.cycle.cause != MissCause::none) ++causes_[entry.cycle.cause];
+      missed_cycles_ += entry.cycle.missed;
+      if (entry.cycle.cause != MissCause::none) ++miss_causes_[entry.cycle.cause];
       return;
     case SessionEntry::Kind::fault:
-      if (faults_.size() < kFaultsListed) faults_.push_back({entry.time_ns, entry.fault});
+      if (faults_.size() < kMaxListedFaults) faults_.push_back({entry.time_ns, entry.fault});
       ++fault_counts_[entry.fault];
       return;
     case SessionEntry::Kind::dropped:
-      dropped_ += entry.dropped;
+      dropped_entries_ += entry.dropped;
       return;
     case SessionEntry::Kind::marker:
-      if (markers_.size() < kMarkersListed) markers_.push_back({entry.time_ns, entry.marker.sample, std::string(entry.marker.text)});
+      if (markers_.size() < kMaxListedMarkers) markers_.push_back({entry.time_ns, entry.marker.sample, std::string(entry.marker.text)});
       ++marker_count_;
       return;
     case SessionEntry::Kind::end:
@@ -97,7 +97,7 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
 
 void SessionSummary::add_force(std::uint64_t sender, const ForceCommand& force, std::int64_t time_ns) {
   first_shapes_.add(sender, force);
-  contact_ += force.contact ? 1 : 0;
+  contact_forces_ += force.contact ? 1 : 0;
   max_force_n_ = std::max(max_force_n_, force.force_n.norm());
   max_torque_nm_ = std::max(max_torque_nm_, force.torque_nm.norm());
   round_trip_.record(ns_between(force.echo_sample_time_ns, time_ns));
@@ -137,17 +137,17 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;
     text += fmt::format("  {:<14} {:>10} {:>10} {:>9.1f}\n", name, traffic.received, traffic.sent, rate);
   }
-  text +=
-      fmt::format("forces: {} in contact, maximum requested {:.3f} N, maximum written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
+  text += fmt::format("forces: {} in contact, maximum requested {:.3f} N, maximum written {:.3f} N\n", contact_forces_, max_force_n_,
+                      max_written_n_);
   if (max_torque_nm_ > 0.0)
     text += fmt::format("torques: maximum requested {:.4f} Nm, maximum written {:.4f} Nm\n", max_torque_nm_, max_written_nm_);
   if (local_forces_ > 0) text += fmt::format("forces computed by io_node, from parts of the scene: {}\n", local_forces_);
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
-  if (missed_ + causes_.size() > 0) {
-    text += fmt::format("{} missed cycles", missed_);
+  if (missed_cycles_ + miss_causes_.size() > 0) {
+    text += fmt::format("{} missed cycles", missed_cycles_);
     const char* before = "; times by cause:";
-    for (const auto& [cause, count] : causes_) text += fmt::format("{} {} {}", std::exchange(before, ","), to_string(cause), count);
+    for (const auto& [cause, count] : miss_causes_) text += fmt::format("{} {} {}", std::exchange(before, ","), to_string(cause), count);
     text += "\n";
   }
   for (const Fault& fault : faults_) {
@@ -160,7 +160,7 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   }
   if (marker_count_ > 0) text += fmt::format("markers: {}\n", marker_count_);
   if (lost_samples_ > 0) text += fmt::format("missing in the recording: {} samples in {} gaps\n", lost_samples_, gaps_);
-  if (dropped_ > 0) text += fmt::format("not recorded: {} entries (buffer full)\n", dropped_);
+  if (dropped_entries_ > 0) text += fmt::format("not recorded: {} entries (buffer full)\n", dropped_entries_);
   return text;
 }
 

@@ -57,7 +57,7 @@ class SessionSummary {
   std::int64_t first_ns_ = 0;
   std::int64_t last_ns_ = 0;
   std::map<std::string, Traffic> traffic_;  // by the name of the message
-  std::uint64_t contact_ = 0;
+  std::uint64_t contact_forces_ = 0;
   double max_force_n_ = 0.0;
   double max_written_n_ = 0.0;
   double max_torque_nm_ = 0.0;
@@ -66,12 +66,12 @@ class SessionSummary {
   LatencyHistogram round_trip_;
   LatencyHistogram lateness_;
   std::uint64_t cycles_ = 0;
-  std::uint64_t missed_ = 0;
-  std::map<MissCause, std::uint64_t> causes_;
+  std::uint64_t missed_cycles_ = 0;
+  std::map<MissCause, std::uint64_t> miss_causes_;
   std::uint64_t newest_sample_ = 0;
   std::uint64_t lost_samples_ = 0;
   std::uint64_t gaps_ = 0;
-  std::uint64_t dropped_ = 0;
+  std::uint64_t dropped_entries_ = 0;
   std::vector<Fault> faults_;    // the first ones
   std::vector<Marker> markers_;  // likewise
   std::uint64_t marker_count_ = 0;

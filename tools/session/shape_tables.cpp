@@ -9,7 +9,7 @@ namespace hapton {
 
 void ShapeTables::add(const SessionEntry& entry, const Datagram* datagram) {
   collector_.add(entry, datagram, [this](const RecordedShape& shape) {
-    if (done_) done_ = write(shape);
+    if (result_) result_ = write(shape);
   });
 }
 
@@ -57,14 +57,14 @@ Result<void> ShapeTables::write(const RecordedShape& shape) {
 
 Result<void> ShapeTables::close() {
   collector_.finish([this](const RecordedShape& shape) {
-    if (done_) done_ = write(shape);
+    if (result_) result_ = write(shape);
   });
-  if (done_ && !table_ && std::filesystem::exists(folder_ / "shapes.csv")) done_ = open_table();
+  if (result_ && !table_ && std::filesystem::exists(folder_ / "shapes.csv")) result_ = open_table();
   for (auto& [name, array] : arrays_) {
-    if (auto closed = array.close(); done_) done_ = closed;
+    if (auto closed = array.close(); result_) result_ = closed;
   }
-  if (table_ && done_) done_ = table_->close();
-  return done_;
+  if (table_ && result_) result_ = table_->close();
+  return result_;
 }
 
 // Keeps the table last, because it names the arrays.

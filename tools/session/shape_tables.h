@@ -42,7 +42,7 @@ class ShapeTables {
   std::optional<PartFile> table_;
   std::map<std::string, NpyFile> arrays_;  // by file name
   std::uint64_t rows_ = 0;
-  Result<void> done_;  // the first error
+  Result<void> result_;  // the first error
 };
 
 }  // namespace hapton

@@ -46,9 +46,9 @@ TEST(ZWidthGrid, JsonHasInputsAndBothLimits) {
   EXPECT_EQ(json["inputs"]["device"], "touch");
   EXPECT_EQ(json["inputs"]["rate_hz"], 4000.0);
   EXPECT_EQ(json["inputs"]["delay_ms"], 5.0);
-  EXPECT_EQ(json["stable_stiffness_n_per_m"], row.found.stiffness.value);
-  EXPECT_EQ(json["passive_stiffness_n_per_m"], row.found.passive.least_n_per_m());
-  EXPECT_GT(row.found.stiffness.value, row.found.passive.least_n_per_m());
+  EXPECT_EQ(json["stable_stiffness_n_per_m"], row.zwidth.stiffness.value);
+  EXPECT_EQ(json["passive_stiffness_n_per_m"], row.zwidth.passive.least_n_per_m());
+  EXPECT_GT(row.zwidth.stiffness.value, row.zwidth.passive.least_n_per_m());
 }
 
 TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
@@ -56,13 +56,13 @@ TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
   grid.loops.resize(1);
   grid.rates_hz = {1000.0};
   grid.delays_ms = {5.0};
-  const double exact = measure_cell(grid, 0).found.stiffness.value;
+  const double exact = measure_cell(grid, 0).zwidth.stiffness.value;
   grid.losses = {0.4};
   grid.seed = 7;
   const ZWidthRow row = measure_cell(grid, 0);
   EXPECT_TRUE(row.is_simulated());
-  EXPECT_LT(row.found.stiffness.value, exact);
-  EXPECT_GT(row.found.stiffness.value, 0.2 * exact);
+  EXPECT_LT(row.zwidth.stiffness.value, exact);
+  EXPECT_GT(row.zwidth.stiffness.value, 0.2 * exact);
   EXPECT_THAT(to_json(row)["methods"]["stable"].get<std::string>(), HasSubstr("simulation"));
   EXPECT_EQ(to_json(row)["inputs"]["seed"], 7);
 }
@@ -77,10 +77,10 @@ TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
   EXPECT_EQ(still.mean_delay_s, 0.02);
   const double share = 0.7 * 0.7;
   EXPECT_NEAR(lossy.mean_delay_s, 0.02 + 1e-3 * (1.0 - share) / share, 5e-5);
-  EXPECT_NEAR(lossy.found.passive.viscous_n_per_m, 1.0 / (0.5e-3 + lossy.mean_delay_s), 1e-3 / lossy.mean_delay_s);
-  EXPECT_LT(lossy.found.passive.viscous_n_per_m, 0.97 * still.found.passive.viscous_n_per_m);
-  EXPECT_EQ(lossy.found.passive.quantised_n_per_m, still.found.passive.quantised_n_per_m);
-  EXPECT_LT(lossy.found.damping_ns_per_m.value, 0.99 * still.found.damping_ns_per_m.value);
+  EXPECT_NEAR(lossy.zwidth.passive.viscous_n_per_m, 1.0 / (0.5e-3 + lossy.mean_delay_s), 1e-3 / lossy.mean_delay_s);
+  EXPECT_LT(lossy.zwidth.passive.viscous_n_per_m, 0.97 * still.zwidth.passive.viscous_n_per_m);
+  EXPECT_EQ(lossy.zwidth.passive.quantised_n_per_m, still.zwidth.passive.quantised_n_per_m);
+  EXPECT_LT(lossy.zwidth.damping_ns_per_m.value, 0.99 * still.zwidth.damping_ns_per_m.value);
   const nlohmann::ordered_json json = to_json(lossy);
   EXPECT_NEAR(json["mean_delay_ms"].get<double>(), 1e3 * lossy.mean_delay_s, 1e-9);
   EXPECT_TRUE(json["stable_mass_kg"].is_null());
@@ -111,10 +111,10 @@ TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
   const ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {5.0, 50.0}, .jitters_ms = {0.0, 10.0}, .losses = {0.2}};
   for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
     const ZWidthRow row = measure_cell(grid, cell);
-    const double passive = row.found.passive.viscous_n_per_m;
-    EXPECT_LT(passive, 1.01 * row.found.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
-    EXPECT_GT(passive, 0.9 * row.found.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
-    EXPECT_NEAR(row.found.linear_rule_n_per_m, passive, 0.02 * passive);
+    const double passive = row.zwidth.passive.viscous_n_per_m;
+    EXPECT_LT(passive, 1.01 * row.zwidth.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
+    EXPECT_GT(passive, 0.9 * row.zwidth.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
+    EXPECT_NEAR(row.zwidth.linear_rule_n_per_m, passive, 0.02 * passive);
   }
 }
 
@@ -125,8 +125,8 @@ TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   const ZWidthGrid still{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {9000.0}};
   ZWidthGrid jittered = still;
   jittered.jitters_ms = {1e-3};
-  const double exact = measure_cell(still, 0).found.stiffness.value;
-  EXPECT_NEAR(measure_cell(jittered, 0).found.stiffness.value, exact, 0.02 * exact);
+  const double exact = measure_cell(still, 0).zwidth.stiffness.value;
+  EXPECT_NEAR(measure_cell(jittered, 0).zwidth.stiffness.value, exact, 0.02 * exact);
 }
 
 // There are 200 samples, and only one in ten thousand has a force.
@@ -135,8 +135,8 @@ TEST(ZWidthGrid, WhereNoForceComesBackNothingIsKnown) {
   flags.device = "touch";
   const ZWidthGrid grid{.loops = *loops_of(flags), .rates_hz = {10.0}, .losses = {0.99}};
   const ZWidthRow row = measure_cell(grid, 0);
-  EXPECT_TRUE(std::isnan(row.found.stiffness.value));
-  EXPECT_EQ(row.found.passive.least_n_per_m(), 0.0);
+  EXPECT_TRUE(std::isnan(row.zwidth.stiffness.value));
+  EXPECT_EQ(row.zwidth.passive.least_n_per_m(), 0.0);
   EXPECT_TRUE(to_json(row)["stable_stiffness_n_per_m"].is_null());
 }
 
@@ -145,7 +145,7 @@ TEST(ZWidthGrid, ChanceDoesNotMakeAnUndampedLoopStable) {
   flags.mass_kg = 0.2;
   flags.damping_ns_per_m = 0.0;
   const ZWidthGrid grid{.loops = *loops_of(flags), .losses = {0.2}};
-  EXPECT_EQ(measure_cell(grid, 0).found.stiffness.value, 0.0);
+  EXPECT_EQ(measure_cell(grid, 0).zwidth.stiffness.value, 0.0);
 }
 
 TEST(ReadShard, TakesPartsOfAWhole) {
