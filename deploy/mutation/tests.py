@@ -43,10 +43,10 @@ PROGRAMS = {
 }
 # Their tests run whole programs in real time. They run one at a time.
 SERIAL = ("process_test", "vision_node_display_test")
-# With a mutant, tests may take PATIENCE times their time without one, and SPARE_S in addition. So an endless loop is detected too.
-PATIENCE = 4.0
-SPARE_S = 10.0
-LONGEST_S = 300.0
+# With a mutant, tests may take TIME_FACTOR times their time without one, and EXTRA_TIME_S in addition. So an endless loop is detected too.
+TIME_FACTOR = 4.0
+EXTRA_TIME_S = 10.0
+MAX_TEST_S = 300.0
 QUICK_S = 0.3
 
 
@@ -74,7 +74,7 @@ class TestRunner:
         self.measured: set[str] = set()
         self.serial = threading.Lock()
 
-    def run(self, program: str, chosen: list[str], mutant: int, at_most_s: float, reached: Path | None = None) -> tuple[int | None, str]:
+    def run(self, program: str, chosen: list[str], mutant: int, timeout_s: float, reached: Path | None = None) -> tuple[int | None, str]:
         """Returns the exit code (None: the tests took too long) and the output."""
         words = [str(self.folder / program), "--gtest_brief=1", f"--gtest_filter={':'.join(chosen)}"] + (["--gtest_fail_fast"] if mutant else [])
         environment = dict(os.environ, HAPTON_MUTANT=str(mutant))
@@ -83,7 +83,7 @@ class TestRunner:
         with self.serial if program in SERIAL else contextlib.nullcontext():
             process = subprocess.Popen(words, cwd=self.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
             try:
-                output = process.communicate(timeout=at_most_s)[0]
+                output = process.communicate(timeout=timeout_s)[0]
                 return process.returncode, output.decode(errors="replace")
             except subprocess.TimeoutExpired:
                 return None, ""
@@ -116,28 +116,28 @@ class TestRunner:
     def measure_one(self, reached: Path, program: str, name: str) -> Test:
         reached.write_bytes(bytes(self.count + 1))
         start = time.monotonic()
-        code, _ = self.run(program, [name], 0, LONGEST_S, reached)
+        code, _ = self.run(program, [name], 0, MAX_TEST_S, reached)
         numbers = {number for number, byte in enumerate(reached.read_bytes()) if byte}
         reached.unlink()
         return Test(program, name, code == 0, time.monotonic() - start, numbers)
 
-    def find_concerned(self, path: str, number: int) -> list[Test]:
+    def find_executing_tests(self, path: str, number: int) -> list[Test]:
         return [test for test in self.tests if test.passed and number in test.reached and test.program in PROGRAMS[layer_of(path)]]
 
-    def find_noticing(self, path: str, number: int, program: str) -> str:
+    def find_detecting_test(self, path: str, number: int, program: str) -> str:
         """Returns the test of that program that detects the mutant; "": none does. Quick tests run first."""
-        concerned = [test for test in self.find_concerned(path, number) if test.program == program]
+        executing_tests = [test for test in self.find_executing_tests(path, number) if test.program == program]
         for are_quick in (True, False):
-            chosen = [test for test in concerned if (test.seconds < QUICK_S) == are_quick]
+            chosen = [test for test in executing_tests if (test.seconds < QUICK_S) == are_quick]
             if chosen:
-                noticed = self.find_failure(program, chosen, number)
-                if noticed:
-                    return noticed
+                detecting_test = self.find_failure(program, chosen, number)
+                if detecting_test:
+                    return detecting_test
         return ""
 
     def find_failure(self, program: str, chosen: list[Test], number: int) -> str:
-        at_most_s = SPARE_S + PATIENCE * sum(test.seconds for test in chosen)
-        code, text = self.run(program, [test.name for test in chosen], number, at_most_s)
+        timeout_s = EXTRA_TIME_S + TIME_FACTOR * sum(test.seconds for test in chosen)
+        code, text = self.run(program, [test.name for test in chosen], number, timeout_s)
         if code == 0:
             return ""
         if code is None:
@@ -146,7 +146,7 @@ class TestRunner:
         if not failed:
             return f"{program} ended with {code}"
         # A test that failed because the machine stalled passes when it runs again.
-        if self.run(program, failed, number, at_most_s)[0] == 0:
-            rest = [test for test in chosen if test.name not in failed]
-            return self.find_failure(program, rest, number) if rest else ""
+        if self.run(program, failed, number, timeout_s)[0] == 0:
+            other_tests = [test for test in chosen if test.name not in failed]
+            return self.find_failure(program, other_tests, number) if other_tests else ""
         return f"{program} {failed[0]}"
