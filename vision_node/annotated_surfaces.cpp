@@ -34,14 +34,14 @@ void AnnotatedSurfaces::set_time(std::int64_t scene_time_ns) {
     const auto place = moved_->shape_place(o);
     if (!place || place == places_[o]) continue;
     places_[o] = place;
-    deformed_[o]->spoil();
+    deformed_[o]->invalidate_vertices();
     ++revision_;
   }
 }
 
-AnnotatedSurfaces::Touched AnnotatedSurfaces::find_closest(std::size_t object, const Vec3& p) {
+AnnotatedSurfaces::TouchedPoint AnnotatedSurfaces::find_closest(std::size_t object, const Vec3& p) {
   if (deformed_[object]) {
-    const DeformedMesh::Touched touched = deformed_[object]->find_closest(p);
+    const DeformedMesh::TouchedPoint touched = deformed_[object]->find_closest(p);
     return {touched.p_rest, touched.triangle};
   }
   if (carved_ != nullptr) {

@@ -35,13 +35,13 @@ class AnnotatedSurfaces {
   // Whether any object deforms; if not, place() changes nothing.
   bool has_deforming() const { return has_deforming_; }
 
-  struct Touched {
+  struct TouchedPoint {
     Vec3 p_O = Vec3::Zero();
     std::uint32_t facet = 0;  // as Pen::receive() takes it
   };
   // The point of an object's surface that is closest to p (frame O, in the present shape); if the object deforms, its place at rest. The
   // first call for an object takes 0.3 s for a million triangles. Pre: object < scene.objects.size(); p is finite.
-  Touched find_closest(std::size_t object, const Vec3& p);
+  TouchedPoint find_closest(std::size_t object, const Vec3& p);
 
   // Moves points with the surface into its present shape. Points of an object that the scene does not have do not change.
   Vec3 place(const AnnotationPoint& point) const;

@@ -18,13 +18,13 @@
 namespace hapton {
 namespace {
 
-const Vec3 kInk(0.10, 0.80, 1.0);
-const Vec3 kRule(0.98, 0.98, 0.95);
+const Vec3 kStrokeColour(0.10, 0.80, 1.0);
+const Vec3 kMeasureColour(0.98, 0.98, 0.95);
 // The width of lines in pixels is this share of the picture's height, and at least kMinWidthPx.
 constexpr double kWidthShare = 1.0 / 240.0;
 constexpr double kMinWidthPx = 2.0;
 constexpr double kDotInWidths = 2.5;
-constexpr double kRuleInWidths = 0.7;
+constexpr double kMeasureInWidths = 0.7;
 constexpr std::size_t kMaxLabels = 12;
 // Lines are drawn nearer to the eye than they are: by this many pixels' widths at their depth, besides twice the strokes' bound.
 constexpr double kLiftPx = 1.0;
@@ -61,7 +61,7 @@ class LineShape {
   vtkNew<vtkCellArray> dots_;
 };
 
-void dress_line(vtkActor* actor, const Vec3& colour) {
+void set_up_line(vtkActor* actor, const Vec3& colour) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->ScalarVisibilityOff();
   actor->SetMapper(mapper);
@@ -99,9 +99,9 @@ std::string describe_length(double length_m) {
 }
 
 AnnotationFigure::AnnotationFigure() {
-  for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_.Get()}) dress_line(actor, kInk);
-  for (vtkActor* actor : {measures_.Get(), hidden_measures_.Get()}) dress_line(actor, kRule);
-  for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_.Get(), measures_.Get()}) lift_lines(actor);
+  for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_stroke_.Get()}) set_up_line(actor, kStrokeColour);
+  for (vtkActor* actor : {measures_.Get(), hidden_measures_.Get()}) set_up_line(actor, kMeasureColour);
+  for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_stroke_.Get(), measures_.Get()}) lift_lines(actor);
   show_through(hidden_measures_);
 }
 
@@ -113,13 +113,13 @@ void AnnotationFigure::set_scene_pose(const Pose& X_WS) {
   if (X_WS.matrix() == X_WS_.matrix()) return;
   X_WS_ = X_WS;
   set_pose(strokes_, X_WS_);
-  set_pose(current_, X_WS_);
+  set_pose(current_stroke_, X_WS_);
   build_measures();
 }
 
 void AnnotationFigure::set_objects(ObjectPoses X_SO, std::int32_t held, const Pose& X_TO) {
   X_SO_ = std::move(X_SO);
-  held_ = held;
+  held_object_ = held;
   X_TO_ = X_TO;
   build_strokes();
   build_measures();
@@ -132,7 +132,7 @@ void AnnotationFigure::set_entries(const Annotations& annotations, std::size_t s
   build_measures();
 }
 
-void AnnotationFigure::set_current(std::int32_t object, const std::vector<Vec3>* points_m) {
+void AnnotationFigure::set_current_stroke(std::int32_t object, const std::vector<Vec3>* points_m) {
   LineShape shape;
   if (points_m != nullptr) {
     std::vector<Vec3> points_S;
@@ -140,7 +140,7 @@ void AnnotationFigure::set_current(std::int32_t object, const std::vector<Vec3>*
     for (const Vec3& p_O : *points_m) points_S.push_back(hapton::place({object, p_O}, X_SO_));
     shape.add(points_S);
   }
-  shape.show_in(current_);
+  shape.show_in(current_stroke_);
 }
 
 void AnnotationFigure::set_first_end(const std::optional<AnnotationPoint>& first) {
@@ -152,8 +152,8 @@ void AnnotationFigure::set_probe(const ProbeShown& probe) {
   p_WP_ = probe.p_WP;
   X_WT_.translation() = probe.p_WP;
   X_WT_.linear() = probe.q_WP.toRotationMatrix();
-  if (held_ >= 0) set_pose(held_strokes_, X_WT_);
-  if (held_ >= 0 || first_end_) build_measures();
+  if (held_object_ >= 0) set_pose(held_strokes_, X_WT_);
+  if (held_object_ >= 0 || first_end_) build_measures();
 }
 
 const std::vector<Annotation>& AnnotationFigure::entries() const {
@@ -162,24 +162,24 @@ const std::vector<Annotation>& AnnotationFigure::entries() const {
 }
 
 Vec3 AnnotationFigure::find_in_world(const AnnotationPoint& point) const {
-  if (point.object == held_ && held_ >= 0) return X_WT_ * (X_TO_ * point.p_O);
+  if (point.object == held_object_ && held_object_ >= 0) return X_WT_ * (X_TO_ * point.p_O);
   return X_WS_ * hapton::place(point, X_SO_);
 }
 
 void AnnotationFigure::build_strokes() {
-  LineShape still;
-  LineShape held;
+  LineShape lines_in_scene;
+  LineShape lines_in_hand;
   for (const Annotation& entry : entries()) {
     const auto* stroke = std::get_if<Stroke>(&entry);
     if (stroke == nullptr || !is_shown(stroke->object)) continue;
-    const bool is_held = stroke->object == held_;
+    const bool is_held = stroke->object == held_object_;
     std::vector<Vec3> points;
     points.reserve(stroke->points_m.size());
     for (const Vec3& p_O : stroke->points_m) points.push_back(is_held ? Vec3(X_TO_ * p_O) : hapton::place({stroke->object, p_O}, X_SO_));
-    (is_held ? held : still).add(points);
+    (is_held ? lines_in_hand : lines_in_scene).add(points);
   }
-  still.show_in(strokes_);
-  held.show_in(held_strokes_);
+  lines_in_scene.show_in(strokes_);
+  lines_in_hand.show_in(held_strokes_);
 }
 
 void AnnotationFigure::build_measures() {
@@ -204,7 +204,7 @@ void AnnotationFigure::aim(const StereoScreen& screen, Eye eye, PictureSize size
   const double scale = 2.0 * depths.far_m * depths.near_m / (depths.far_m - depths.near_m);
   // At the depth w, a pixel is w * screen.width_m / (depths.eye_m * size.width_px) wide.
   const double share = kLiftPx * screen.width_m / (depths.eye_m * size.width_px);
-  for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_.Get(), measures_.Get()}) {
+  for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_stroke_.Get(), measures_.Get()}) {
     vtkUniforms* uniforms = actor->GetShaderProperty()->GetVertexCustomUniforms();
     uniforms->SetUniformf("inkLiftM", static_cast<float>(2.0 * bound_m_));
     uniforms->SetUniformf("inkLiftShare", static_cast<float>(share));
@@ -212,14 +212,14 @@ void AnnotationFigure::aim(const StereoScreen& screen, Eye eye, PictureSize size
   }
   const double width_px = std::max(kMinWidthPx, kWidthShare * size.height_px);
   for (vtkActor* actor : actors()) {
-    const bool is_rule = actor == measures_.Get() || actor == hidden_measures_.Get();
-    actor->GetProperty()->SetLineWidth(static_cast<float>(is_rule ? kRuleInWidths * width_px : width_px));
+    const bool is_measure = actor == measures_.Get() || actor == hidden_measures_.Get();
+    actor->GetProperty()->SetLineWidth(static_cast<float>(is_measure ? kMeasureInWidths * width_px : width_px));
     actor->GetProperty()->SetPointSize(static_cast<float>(kDotInWidths * width_px));
   }
 }
 
-std::vector<InkLabel> AnnotationFigure::labels() const {
-  std::vector<InkLabel> labels;
+std::vector<WorldLabel> AnnotationFigure::labels() const {
+  std::vector<WorldLabel> labels;
   if (first_end_ && p_WP_) {
     const Vec3 from = find_in_world(*first_end_);
     labels.push_back({0.5 * (from + *p_WP_), describe_length((*p_WP_ - from).norm())});
@@ -229,7 +229,7 @@ std::vector<InkLabel> AnnotationFigure::labels() const {
     if (measure == nullptr || !is_shown(measure->ends[0].object) || !is_shown(measure->ends[1].object)) continue;
     const Vec3 from = find_in_world(measure->ends[0]);
     const Vec3 to = find_in_world(measure->ends[1]);
-    const bool is_held = held_ >= 0 && (measure->ends[0].object == held_ || measure->ends[1].object == held_);
+    const bool is_held = held_object_ >= 0 && (measure->ends[0].object == held_object_ || measure->ends[1].object == held_object_);
     labels.push_back({0.5 * (from + to), describe_length(is_held ? (to - from).norm() : compute_length_m(*measure, X_SO_))});
   }
   return labels;

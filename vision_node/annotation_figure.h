@@ -17,7 +17,7 @@
 namespace hapton {
 
 // A text at a point of the world.
-struct InkLabel {
+struct WorldLabel {
   Vec3 p_W = Vec3::Zero();
   std::string text;
 };
@@ -41,7 +41,7 @@ class AnnotationFigure {
   // Pre: annotations outlive this, or stay until the next call. Entries on objects that the scene does not have are not drawn.
   void set_entries(const Annotations& annotations, std::size_t scene_objects);
   // Sets the stroke that is being drawn, at the X_SO of set_objects(); null: none.
-  void set_current(std::int32_t object, const std::vector<Vec3>* points_m);
+  void set_current_stroke(std::int32_t object, const std::vector<Vec3>* points_m);
   // Sets the first end of a measure, from which a line goes to the tip; none: no measure is in progress.
   void set_first_end(const std::optional<AnnotationPoint>& first);
   void set_probe(const ProbeShown& probe);
@@ -49,7 +49,7 @@ class AnnotationFigure {
   // To be called before each eye's picture is drawn: sets the lift and the width of lines for it.
   void aim(const StereoScreen& screen, Eye eye, PictureSize size);
   // The lengths of the measure in progress and of the newest measures, at most 12 in all, at the middle of their lines.
-  std::vector<InkLabel> labels() const;
+  std::vector<WorldLabel> labels() const;
 
  private:
   bool is_shown(std::int32_t object) const { return object >= 0 && static_cast<std::size_t>(object) < scene_objects_; }
@@ -57,22 +57,22 @@ class AnnotationFigure {
   Vec3 find_in_world(const AnnotationPoint& point) const;
   void build_strokes();
   void build_measures();
-  std::array<vtkActor*, 5> actors() { return {strokes_, held_strokes_, current_, measures_, hidden_measures_}; }
+  std::array<vtkActor*, 5> actors() { return {strokes_, held_strokes_, current_stroke_, measures_, hidden_measures_}; }
 
   double bound_m_ = 0.0;
   Pose X_WS_ = Pose::Identity();
   Pose X_WT_ = Pose::Identity();
   ObjectPoses X_SO_;
-  std::int32_t held_ = -1;
+  std::int32_t held_object_ = -1;
   Pose X_TO_ = Pose::Identity();
   const Annotations* annotations_ = nullptr;
   std::size_t scene_objects_ = 0;
   std::optional<AnnotationPoint> first_end_;
   std::optional<Vec3> p_WP_;
-  vtkNew<vtkActor> strokes_;       // frame S
-  vtkNew<vtkActor> held_strokes_;  // frame T
-  vtkNew<vtkActor> current_;       // frame S, as strokes_
-  vtkNew<vtkActor> measures_;      // frame W
+  vtkNew<vtkActor> strokes_;         // frame S
+  vtkNew<vtkActor> held_strokes_;    // frame T
+  vtkNew<vtkActor> current_stroke_;  // frame S, as strokes_
+  vtkNew<vtkActor> measures_;        // frame W
   vtkNew<vtkActor> hidden_measures_;
 };
 

@@ -62,13 +62,13 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
       surfaces_(scene),
       poses_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
-      at_rest_(scene.objects.size()),
-      saved_carved_(pen_.annotations().carved),
+      put_down_poses_(scene.objects.size()),
+      saved_presses_(pen_.annotations().carved),
       export_(options.export_folder),
-      saved_entries_(pen_.entries_revision()) {
+      saved_entries_revision_(pen_.entries_revision()) {
   view_.annotation_figure().set_bound(pen.bound_m);
-  for (const std::size_t before : pen_.annotations().carved_before) done_.push_back({.saved = before});
-  for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
+  for (const std::size_t before : pen_.annotations().carved_before) entry_moments_.push_back({.saved_presses = before});
+  for (std::size_t o = 0; o < put_down_poses_.size(); ++o) put_down_poses_[o].object = static_cast<std::int32_t>(o);
 }
 
 void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved, const MovedObjects* moved) {
@@ -84,49 +84,49 @@ void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved, co
     const SceneObject& object = scene.objects[o];
     if (object.motion == nullptr && object.commanded == nullptr && poses_[o].serial == 0) X_SO_[o] = Pose::Identity();
   }
-  shape_shown_ = shown_ = shown_entries_ = ~std::uint64_t{0};
+  shown_shape_revision_ = shown_pen_revision_ = shown_entries_revision_ = ~std::uint64_t{0};
   show_objects();
-  has_moved_ = true;
+  have_objects_moved_ = true;
   ++own_revision_;
 }
 
 void Annotator::change_objects(const Scene& scene) {
   Annotations before = pen_.annotations();
-  before.carved_before.clear();  // these are the numbers of the file; done_ has the present ones
+  before.carved_before.clear();  // these are the numbers of the file; entry_moments_ has the present ones
   auto read = renumber(before, *scene_, scene);
   if (!read) log_warning("what was drawn is left out: {}", read.error().what);
   Annotations kept;
   kept.objects = list_names(scene);
   if (read) kept = std::move(*read);
   renumber_saved(std::move(before.objects), scene);
-  const bool is_saved = saved_entries_ == pen_.entries_revision();
+  const bool is_saved = saved_entries_revision_ == pen_.entries_revision();
   pen_.replace(std::move(kept));
-  if (is_saved) saved_entries_ = pen_.entries_revision();
+  if (is_saved) saved_entries_revision_ = pen_.entries_revision();
   poses_.assign(scene.objects.size(), {});
   X_SO_.assign(scene.objects.size(), Pose::Identity());
-  at_rest_.assign(scene.objects.size(), {});
-  for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
+  put_down_poses_.assign(scene.objects.size(), {});
+  for (std::size_t o = 0; o < put_down_poses_.size(); ++o) put_down_poses_[o].object = static_cast<std::int32_t>(o);
   moves_.clear();
-  request_.reset();
-  held_ = -1;
+  put_back_request_.reset();
+  held_object_ = -1;
 }
 
 // Renumbers the carves that were saved last. Those with which the file began are the pen's; the file may have others by now.
 void Annotator::renumber_saved(std::vector<std::string> objects, const Scene& scene) {
   Annotations saved;
   saved.objects = std::move(objects);
-  saved.carved = std::move(saved_carved_);
+  saved.carved = std::move(saved_presses_);
   auto read = renumber(saved, *scene_, scene);
   if (!read) log_warning("what was carved is left out: {}", read.error().what);
-  saved_carved_ = read ? std::move(read->carved) : std::vector<CarvedPress>();
+  saved_presses_ = read ? std::move(read->carved) : std::vector<CarvedPress>();
 }
 
 // The point of the drawn surface that is closest to the probe. It is not the centre of a sphere probe, and it is on the drawn surface also
 // where that differs from the felt one (sealed cracks, bumps). States that come while a finder is made wait in the socket.
-std::optional<AnnotatedSurfaces::Touched> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
+std::optional<AnnotatedSurfaces::TouchedPoint> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
   const auto object = static_cast<std::size_t>(state.object);
   const bool is_known = state.contact && state.object >= 0 && object < scene_->objects.size() && !is_other_scene_;
-  if (!is_known || !can_touch_ || held_ >= 0) return std::nullopt;
+  if (!is_known || !can_touch_ || held_object_ >= 0) return std::nullopt;
   const Vec3 p_WP = state.p_WD + state.visual_offset_m;
   if (!p_WP.allFinite()) return std::nullopt;
   const Vec3 p_O = X_SO_[object].inverse(Eigen::Isometry) * (X_WS.inverse(Eigen::Affine) * p_WP);
@@ -139,18 +139,18 @@ void Annotator::receive(const ProbeState& state, const Pose& X_WS) {
   wants_menu_ = wants_menu_ != ((pressed & button_bit(options_.menu_button)) != 0);
   const Vec3 p_WP = state.p_WD + state.visual_offset_m;
   const auto lit_before = menu_.lit();
-  if (const auto entry = menu_.receive(p_WP, state.buttons & ~button_bit(options_.menu_button))) chosen_ = entry;
+  if (const auto entry = menu_.receive(p_WP, state.buttons & ~button_bit(options_.menu_button))) chosen_entry_ = entry;
   if (menu_.lit() != lit_before) ++own_revision_;
   const bool is_wanted = pen_.wants_point(state.buttons) && !menu_.lit();
   const auto touched = is_wanted ? find_touched(state, X_WS) : std::nullopt;
   pen_.receive(touched ? std::optional<AnnotationPoint>({state.object, touched->p_O}) : std::nullopt, state.buttons,
                touched ? touched->facet : 0);
   log_finished();
-  note_entries();
+  note_entry_moments();
 }
 
 void Annotator::log_finished() {
-  if (pen_.take_full()) {
+  if (pen_.take_full_report()) {
     log_warning("nothing more can be drawn: there are {} points; save, and start with another file", kMaxAnnotationPoints);
   }
   const auto finished = pen_.take_finished();
@@ -182,10 +182,10 @@ void Annotator::receive(const ObjectPose& pose) {
   known = pose;
   known.serial = std::max(1U, pose.serial);
   if (!pose.is_held) {
-    ObjectPose& rest = at_rest_[static_cast<std::size_t>(pose.object)];
+    ObjectPose& rest = put_down_poses_[static_cast<std::size_t>(pose.object)];
     if (was_held) {
-      moves_.push_back({rest, pen_.annotations().entries.size(), now()});
-      moves_.back().moment.saved = 0;  // another haptics_node does not know of this move
+      moves_.push_back({rest, pen_.annotations().entries.size(), present_moment()});
+      moves_.back().moment.saved_presses = 0;  // another haptics_node does not know of this move
     }
     rest = pose;
   }
@@ -193,13 +193,13 @@ void Annotator::receive(const ObjectPose& pose) {
     log_info("{} is not where the scene file places it", scene_->objects[static_cast<std::size_t>(pose.object)].name);
   }
   if (!has_moved) return;
-  held_ = -1;
+  held_object_ = -1;
   std::vector<PutDown> put_down;
   for (std::size_t o = 0; o < poses_.size(); ++o) {
     const ObjectPose& each = poses_[o];
     if (each.serial == 0) continue;
     if (each.is_held) {
-      held_ = static_cast<std::int32_t>(o);
+      held_object_ = static_cast<std::int32_t>(o);
       continue;
     }
     X_SO_[o] = put_down_of(each).pose();
@@ -218,14 +218,14 @@ void Annotator::place_moving(const std::vector<Pose>& X_SO) {
     if ((scene_->objects[o].motion == nullptr && scene_->objects[o].commanded == nullptr) || X_SO_[o].matrix() == X_SO[o].matrix())
       continue;
     X_SO_[o] = X_SO[o];
-    has_moved_ = true;
+    have_objects_moved_ = true;
   }
 }
 
 void Annotator::show_objects() {
-  has_moved_ = false;
-  view_.annotation_figure().set_objects(X_SO_, held_,
-                                        held_ >= 0 ? put_down_of(poses_[static_cast<std::size_t>(held_)]).pose() : Pose::Identity());
+  have_objects_moved_ = false;
+  view_.annotation_figure().set_objects(
+      X_SO_, held_object_, held_object_ >= 0 ? put_down_of(poses_[static_cast<std::size_t>(held_object_)]).pose() : Pose::Identity());
 }
 
 void Annotator::toggle_menu(const StereoScreen& screen, const Vec3& p_WC) {
@@ -237,20 +237,20 @@ void Annotator::handle(const UserRequests& requests, const StereoScreen& screen,
   if (requests.menu != std::exchange(wants_menu_, false)) toggle_menu(screen, p_WC);
   if (requests.draw) {
     if (const auto entry = menu_.choose()) {
-      chosen_ = entry;
+      chosen_entry_ = entry;
     } else {
       pen_.toggle_draw_key();
     }
   }
   if (requests.measure) pen_.measure();
-  if (requests.undo) choose(TouchMenu::Entry::undo);
-  if (requests.redo) choose(TouchMenu::Entry::redo);
+  if (requests.undo) carry_out(TouchMenu::Entry::undo);
+  if (requests.redo) carry_out(TouchMenu::Entry::redo);
   if (requests.save) save();
   if (requests.export_work) begin_export();
-  if (const auto entry = std::exchange(chosen_, std::nullopt)) choose(*entry);
+  if (const auto entry = std::exchange(chosen_entry_, std::nullopt)) carry_out(*entry);
 }
 
-void Annotator::choose(TouchMenu::Entry entry) {
+void Annotator::carry_out(TouchMenu::Entry entry) {
   ++own_revision_;
   switch (entry) {
     case TouchMenu::Entry::off:
@@ -280,18 +280,18 @@ void Annotator::choose(TouchMenu::Entry entry) {
   menu_.close();
 }
 
-std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const {
+std::optional<Vec3> Annotator::find_menu_point(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const {
   if (!menu_.is_open() || x_px < 0 || y_px < 0 || x_px >= size.width_px || y_px >= size.height_px) return std::nullopt;
   const Vec3 on_screen_V(((x_px + 0.5) / size.width_px - 0.5) * screen.width_m, ((y_px + 0.5) / size.height_px - 0.5) * screen.height_m,
                          0.0);
-  return menu_.find_behind(compute_eye_position(screen, Eye::centre), screen.X_WV * on_screen_V);
+  return menu_.find_ray_point(compute_eye_position(screen, Eye::centre), screen.X_WV * on_screen_V);
 }
 
 // In a scene in which nothing deforms, these are the pen's own annotations.
 const Annotations& Annotator::place_entries() {
   if (!surfaces_.has_deforming()) return pen_.annotations();
-  placed_ = surfaces_.place(pen_.annotations());
-  return placed_;
+  placed_annotations_ = surfaces_.place(pen_.annotations());
+  return placed_annotations_;
 }
 
 void Annotator::show_current() {
@@ -301,19 +301,19 @@ void Annotator::show_current() {
   figure.set_first_end(first);
   const std::vector<Vec3>* current = pen_.current();
   if (current != nullptr && surfaces_.has_deforming()) {
-    placed_current_ = surfaces_.place(pen_.current_object(), *current);
-    current = &placed_current_;
+    placed_current_stroke_ = surfaces_.place(pen_.current_object(), *current);
+    current = &placed_current_stroke_;
   }
-  figure.set_current(pen_.current_object(), current);
+  figure.set_current_stroke(pen_.current_object(), current);
 }
 
 void Annotator::show(const Pose& X_WS) {
   AnnotationFigure& figure = view_.annotation_figure();
   figure.set_scene_pose(X_WS);
-  const bool has_new_shape = std::exchange(shape_shown_, surfaces_.revision()) != surfaces_.revision() && has_marks();
-  const bool has_new_place = has_moved_ && has_marks();
-  const bool has_new_pen = std::exchange(shown_, pen_.revision()) != pen_.revision();
-  const bool has_new_entries = std::exchange(shown_entries_, pen_.entries_revision()) != pen_.entries_revision();
+  const bool has_new_shape = std::exchange(shown_shape_revision_, surfaces_.revision()) != surfaces_.revision() && has_marks();
+  const bool has_new_place = have_objects_moved_ && has_marks();
+  const bool has_new_pen = std::exchange(shown_pen_revision_, pen_.revision()) != pen_.revision();
+  const bool has_new_entries = std::exchange(shown_entries_revision_, pen_.entries_revision()) != pen_.entries_revision();
   if (has_new_place) show_objects();
   if (has_new_place || has_new_shape || has_new_pen) show_current();
   if (has_new_shape || has_new_entries) figure.set_entries(place_entries(), scene_->objects.size());
@@ -349,8 +349,8 @@ Result<void> Annotator::write_files(const std::filesystem::path& file) {
     if (carved_ != nullptr && carved_->source() != 0 && !carved_->is_complete()) {
       log_warning("{} lacks carves that have not come from haptics_node yet; save again", file.string());
     }
-    for (std::size_t i = 0; i < done_.size(); ++i) done_[i].saved = all.carved_before[i];
-    saved_carved_ = std::move(all.carved);
+    for (std::size_t i = 0; i < entry_moments_.size(); ++i) entry_moments_[i].saved_presses = all.carved_before[i];
+    saved_presses_ = std::move(all.carved);
   }
   if (options_.strokes.empty()) return {};
   const auto write = options_.strokes.extension() == ".vtp" ? write_annotations_vtp : write_annotations_obj;
@@ -362,7 +362,7 @@ Result<void> Annotator::write_files(const std::filesystem::path& file) {
 
 // Without --annotations FILE, saves under the next free name.
 void Annotator::save() {
-  note_entries();
+  note_entry_moments();
   std::filesystem::path file = options_.file;
   for (int i = 1; file.empty() || (options_.file.empty() && std::filesystem::exists(file)); ++i) {
     file = fmt::format("hapton_annotations_{:03}.toml", i);
@@ -374,7 +374,7 @@ void Annotator::save() {
     return;
   }
   notice_ = "saved in " + std::filesystem::absolute(file).lexically_normal().string();
-  saved_entries_ = pen_.entries_revision();
+  saved_entries_revision_ = pen_.entries_revision();
 }
 
 void Annotator::begin_export() { export_.begin({*scene_, place_entries(), X_SO_, carved_}); }
@@ -387,9 +387,9 @@ std::string Annotator::take_notice() {
 Result<void> Annotator::finish() {
   pen_.finish();
   log_finished();
-  note_entries();
+  note_entry_moments();
   const Annotations all = collect();
-  if (pen_.entries_revision() == saved_entries_ && all.carved == saved_carved_) return {};
+  if (pen_.entries_revision() == saved_entries_revision_ && all.carved == saved_presses_) return {};
   if (!options_.file.empty() || !options_.strokes.empty()) return write_files(options_.file);
   log_info("{} not saved: press w, or start with --annotations FILE", describe_entries(all));
   return {};

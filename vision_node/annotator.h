@@ -60,7 +60,7 @@ class Annotator {
   // Carries out what the person requested by keys. p_WC: the centre of the workspace, by which a menu is placed.
   void handle(const UserRequests& requests, const StereoScreen& screen, const Vec3& p_WC);
   // The point of the open menu under a pixel (from the lower left corner) of the first eye's picture; none: no menu is there.
-  std::optional<Vec3> find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const;
+  std::optional<Vec3> find_menu_point(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const;
 
   // A request to haptics_node to put an object back where it was, when it is due; it is due again and again until its reply comes. Time:
   // any monotonic clock, ns.
@@ -87,25 +87,25 @@ class Annotator {
  private:
   Annotator(StereoView& view, const Scene& scene, const AnnotatorOptions& options, const PenSettings& pen, Annotations given,
             bool can_touch);
-  std::optional<AnnotatedSurfaces::Touched> find_touched(const ProbeState& state, const Pose& X_WS);
+  std::optional<AnnotatedSurfaces::TouchedPoint> find_touched(const ProbeState& state, const Pose& X_WS);
   bool has_marks() const { return !pen_.annotations().entries.empty() || pen_.current() != nullptr || pen_.first_end(); }
   void change_objects(const Scene& scene);
   void renumber_saved(std::vector<std::string> objects, const Scene& scene);
   void show_objects();
   void show_current();
   const Annotations& place_entries();
-  bool is_undoing() const { return request_ || carve_undo_; }
+  bool is_undoing() const { return put_back_request_ || carve_undo_; }
   void undo();
-  void undo_more();
+  void undo_waiting();
   bool undo_move(std::uint32_t newest_carve);
   bool undo_carves(std::uint32_t newest_carve);
-  UndoMoment now() const;
+  UndoMoment present_moment() const;
   std::uint32_t find_carve(const UndoMoment& moment) const;
-  void note_entries();
-  bool has_given_carves() const;
-  void check_given_carves();
+  void note_entry_moments();
+  bool has_carves_of_file() const;
+  void check_carves_of_file();
   Annotations collect() const;
-  void choose(TouchMenu::Entry entry);
+  void carry_out(TouchMenu::Entry entry);
   void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
   void log_finished();
   void save();
@@ -119,43 +119,43 @@ class Annotator {
   Pen pen_;
   TouchMenu menu_;
   AnnotatedSurfaces surfaces_;
-  Annotations placed_;                // entries in the present shape, if objects deform
-  std::vector<Vec3> placed_current_;  // the stroke that is being drawn, likewise
-  std::uint64_t shape_shown_ = 0;     // revision of the surfaces in the view
-  std::vector<ObjectPose> poses_;     // by object; serial 0: none received, it is where the scene file places it
+  Annotations placed_annotations_;           // entries in the present shape, if objects deform
+  std::vector<Vec3> placed_current_stroke_;  // the stroke that is being drawn, likewise
+  std::uint64_t shown_shape_revision_ = 0;   // revision of the surfaces in the view
+  std::vector<ObjectPose> poses_;            // by object; serial 0: none received, it is where the scene file places it
   ObjectPoses X_SO_;
-  bool has_moved_ = false;  // by keyframes or by programs, since the objects were last shown
+  bool have_objects_moved_ = false;  // by keyframes or by programs, since the objects were last shown
   // An object that was put down elsewhere.
   struct Move {
     ObjectPose before;
     std::size_t entries = 0;  // number of strokes and measures at that time
     UndoMoment moment;
   };
-  std::vector<ObjectPose> at_rest_;  // by object: its pose when it was last put down
+  std::vector<ObjectPose> put_down_poses_;  // by object: its pose when it was last put down
   std::vector<Move> moves_;
-  std::optional<Move> undone_move_;    // the one that request_ undoes
-  std::optional<ObjectPose> request_;  // serial: that of the pose that is to be undone
-  std::int64_t request_end_ns_ = 0;    // 0: not sent yet
-  std::int64_t request_next_ns_ = 0;
+  std::optional<Move> undone_move_;             // the one that put_back_request_ undoes
+  std::optional<ObjectPose> put_back_request_;  // serial: that of the pose that is to be undone
+  std::int64_t put_back_end_ns_ = 0;            // 0: not sent yet
+  std::int64_t put_back_next_ns_ = 0;
   const CarvedObjects* carved_ = nullptr;
-  std::vector<UndoMoment> done_;         // by entry: when it was finished
-  std::optional<CarveUndo> carve_undo_;  // the request under way
-  std::size_t more_undos_ = 0;           // undos requested while a request was under way
-  std::int64_t undo_end_ns_ = 0;         // 0: not sent yet
-  std::int64_t undo_next_ns_ = 0;
-  std::vector<CarvedPress> saved_carved_;  // carves as the file has them
+  std::vector<UndoMoment> entry_moments_;  // by entry: when it was finished
+  std::optional<CarveUndo> carve_undo_;    // the request under way
+  std::size_t waiting_undos_ = 0;          // undos requested while a request was under way
+  std::int64_t carve_undo_end_ns_ = 0;     // 0: not sent yet
+  std::int64_t carve_undo_next_ns_ = 0;
+  std::vector<CarvedPress> saved_presses_;  // carves as the file has them
   std::uint32_t checked_source_ = 0;
-  std::int32_t held_ = -1;
+  std::int32_t held_object_ = -1;
   bool is_other_scene_ = false;
   std::uint32_t last_buttons_ = ~0U;
   bool wants_menu_ = false;
   std::string notice_;
   WindowExport export_;
-  std::optional<TouchMenu::Entry> chosen_;
-  std::uint64_t own_revision_ = 0;   // of the menu, and of the lengths in the corner
-  std::uint64_t shown_ = 0;          // revision of the pen that the view shows
-  std::uint64_t shown_entries_ = 0;  // revision of its entries that the view shows
-  std::uint64_t saved_entries_ = 0;
+  std::optional<TouchMenu::Entry> chosen_entry_;
+  std::uint64_t own_revision_ = 0;            // of the menu, and of the lengths in the corner
+  std::uint64_t shown_pen_revision_ = 0;      // revision of the pen that the view shows
+  std::uint64_t shown_entries_revision_ = 0;  // revision of its entries that the view shows
+  std::uint64_t saved_entries_revision_ = 0;
 };
 
 }  // namespace hapton

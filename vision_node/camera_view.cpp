@@ -35,16 +35,16 @@ void CameraView::look_at(const Framing& home, const Vec3& p_WO, double radius_m)
 
 Framing CameraView::apply(const Framing& home) const {
   if (home.screen) return home;
-  Framing seen = home;
-  seen.p_WC += pan_m;
-  seen.yaw_rad += yaw_rad;
-  seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepestPitch, kSteepestPitch);
-  seen.view_m /= zoom;
-  seen.aside_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.aside_m / zoom);
+  Framing framing = home;
+  framing.p_WC += pan_m;
+  framing.yaw_rad += yaw_rad;
+  framing.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepestPitch, kSteepestPitch);
+  framing.view_m /= zoom;
+  framing.centre_offset_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.centre_offset_m / zoom);
   // If the screen's width is known, compute_screen() scales the whole viewer with the picture, including the distance of the eyes.
-  if (!(home.screen_width_m > 0.0)) seen.ipd_m /= std::max(1.0, zoom);
-  seen.depth_m += pan_m.norm();
-  return seen;
+  if (!(home.screen_width_m > 0.0)) framing.ipd_m /= std::max(1.0, zoom);
+  framing.depth_m += pan_m.norm();
+  return framing;
 }
 
 }  // namespace hapton

@@ -15,7 +15,7 @@ struct CameraView {
   double pitch_rad = 0.0;     // above the initial view
   double zoom = 1.0;          // magnification
   Vec3 pan_m = Vec3::Zero();  // displacement of the centre of the picture
-  bool is_centred = false;    // look_at() was called: the picture is centred without the initial view's Framing::aside_m
+  bool is_centred = false;    // look_at() was called: the picture is centred without the initial view's Framing::centre_offset_m
 
   // Turns by these angles. Angles that are not finite are ignored.
   void orbit(double yaw_by_rad, double pitch_by_rad);

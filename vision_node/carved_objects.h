@@ -43,7 +43,7 @@ class CarvedObjects {
   std::optional<CarveStatus> take_request(std::int64_t now_ns);
 
   // The entries that were received of what was done to the bodies.
-  const CarveList& list() const { return list_; }
+  const CarveList& list() const { return received_carves_; }
   // Identification of the haptics node, as in Carves; 0: nothing was received yet.
   std::uint32_t source() const { return known_.source(); }
   // Whether all carves were received that the haptics node has announced.
@@ -72,7 +72,7 @@ class CarvedObjects {
     std::optional<std::promise<Fields>> wanted;  // gets a copy after these carves; later carves are in the next order
   };
   using Orders = std::vector<Order>;
-  struct Made {
+  struct FinishedSurface {
     std::size_t object = 0;
     std::vector<FlatLevel> levels;
   };
@@ -94,18 +94,18 @@ class CarvedObjects {
   StereoView& view_;
   const Scene& scene_;
   KnownCarves known_;
-  CarveList list_;     // what the window's thread has taken
-  CarveList applied_;  // what the thread's surfaces have
-  bool has_any_ = false;
+  CarveList received_carves_;  // what the window's thread has taken
+  CarveList applied_carves_;   // what the thread's surfaces have
+  bool has_bodies_ = false;
   std::map<std::size_t, CarvedSurface> surfaces_;  // by object; used by the thread, which changes their fields under fields_mutex_
   mutable std::shared_mutex fields_mutex_;
 
   mutable std::mutex mutex_;
-  mutable std::condition_variable ordered_;
-  mutable Orders orders_;   // what came since the thread last took them
-  bool is_busy_ = false;    // the thread has work, or is at work
-  std::vector<Made> made_;  // the newest surfaces, at most one of each object, that show() has not taken yet
-  bool stop_ = false;
+  mutable std::condition_variable orders_changed_;
+  mutable Orders orders_;                           // what came since the thread last took them
+  bool is_busy_ = false;                            // the thread has work, or is at work
+  std::vector<FinishedSurface> finished_surfaces_;  // the newest surfaces, at most one of each object, that show() has not taken yet
+  bool is_stopping_ = false;
   std::thread thread_;  // last member, because it uses the others
 };
 

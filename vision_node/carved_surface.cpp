@@ -23,13 +23,13 @@ Vec3f normal_of(const std::vector<FlatVertex>& vertices, const std::uint32_t* co
 }
 
 // Finds a cone as meshoptimizer does (its clusters have fewer triangles than a block may have): the apex is behind all triangles' planes.
-void bound_directions(const std::vector<FlatVertex>& vertices, const std::vector<std::uint32_t>& indices, DetailCluster& cluster) {
+void set_cone(const std::vector<FlatVertex>& vertices, const std::vector<std::uint32_t>& indices, DetailCluster& cluster) {
   Vec3f sum = Vec3f::Zero();
   for (std::size_t i = 0; i < indices.size(); i += 3) sum += normal_of(vertices, &indices[i]);
   const Vec3f axis = unit_or_up(sum);
-  float least = 1.0F;
-  for (std::size_t i = 0; i < indices.size(); i += 3) least = std::min(least, normal_of(vertices, &indices[i]).dot(axis));
-  if (least <= kMinConeCosine) return;
+  float min_cosine = 1.0F;
+  for (std::size_t i = 0; i < indices.size(); i += 3) min_cosine = std::min(min_cosine, normal_of(vertices, &indices[i]).dot(axis));
+  if (min_cosine <= kMinConeCosine) return;
   float farthest = 0.0F;
   for (std::size_t i = 0; i < indices.size(); i += 3) {
     const Vec3f normal = normal_of(vertices, &indices[i]);
@@ -37,7 +37,7 @@ void bound_directions(const std::vector<FlatVertex>& vertices, const std::vector
   }
   cluster.cone_apex = cluster.centre - farthest * axis;
   cluster.cone_axis = axis;
-  cluster.cone_cutoff = std::sqrt(std::max(0.0F, 1.0F - least * least));
+  cluster.cone_cutoff = std::sqrt(std::max(0.0F, 1.0F - min_cosine * min_cosine));
 }
 
 void bound(const std::vector<FlatVertex>& vertices, const std::vector<std::uint32_t>& indices, DetailCluster& cluster) {
@@ -46,20 +46,21 @@ void bound(const std::vector<FlatVertex>& vertices, const std::vector<std::uint3
   cluster.count = static_cast<std::uint32_t>(indices.size());
   cluster.centre = box.center();
   for (const FlatVertex& vertex : vertices) cluster.radius = std::max(cluster.radius, (vertex.position - cluster.centre).norm());
-  bound_directions(vertices, indices, cluster);
+  set_cone(vertices, indices, cluster);
 }
 
 }  // namespace
 
 CarvedSurface::CarvedSurface(CarvedField field, const DetailFrame& frame)
-    : whole_(std::move(field)), field_(whole_), frame_(frame), count_(SurfaceNets::count_blocks(field_.nodes())) {
-  blocks_.resize(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(count_[2]));
+    : uncarved_field_(std::move(field)), field_(uncarved_field_), frame_(frame), block_counts_(SurfaceNets::count_blocks(field_.nodes())) {
+  blocks_.resize(static_cast<std::size_t>(block_counts_[0]) * static_cast<std::size_t>(block_counts_[1]) *
+                 static_cast<std::size_t>(block_counts_[2]));
 }
 
 void CarvedSurface::carve(const Carve& carve) { note_changed(field_.carve(carve)); }
 
 void CarvedSurface::undo(const CarveList& list, int object, const CarveRange& undone) {
-  note_changed(restore_undone(list, object, undone, whole_, field_));
+  note_changed(restore_undone(list, object, undone, uncarved_field_, field_));
 }
 
 void CarvedSurface::note_changed(const CarvedFieldBox& box) {
@@ -68,21 +69,21 @@ void CarvedSurface::note_changed(const CarvedFieldBox& box) {
   for (int z = changed.first[2]; z < changed.end[2]; ++z) {
     for (int y = changed.first[1]; y < changed.end[1]; ++y) {
       for (int x = changed.first[0]; x < changed.end[0]; ++x) {
-        blocks_[static_cast<std::size_t>(x + count_[0] * (y + count_[1] * z))].has_changed = has_changed_ = true;
+        blocks_[static_cast<std::size_t>(x + block_counts_[0] * (y + block_counts_[1] * z))].has_changed = has_changed_ = true;
       }
     }
   }
 }
 
 void CarvedSurface::restore() {
-  field_ = whole_;
+  field_ = uncarved_field_;
   for (Block& block : blocks_) block.has_changed = true;
   has_changed_ = true;
 }
 
 std::vector<FlatLevel> CarvedSurface::compute_levels() {
   for (std::size_t number = 0; number < blocks_.size(); ++number) {
-    if (std::exchange(blocks_[number].has_changed, false)) compute(number);
+    if (std::exchange(blocks_[number].has_changed, false)) compute_block(number);
   }
   has_changed_ = false;
   std::vector<FlatLevel> levels;
@@ -90,9 +91,10 @@ std::vector<FlatLevel> CarvedSurface::compute_levels() {
   return levels;
 }
 
-void CarvedSurface::compute(std::size_t number) {
-  const auto place = static_cast<int>(number);
-  const SurfaceNets::Index index = {place % count_[0], place / count_[0] % count_[1], place / (count_[0] * count_[1])};
+void CarvedSurface::compute_block(std::size_t number) {
+  const auto block = static_cast<int>(number);
+  const SurfaceNets::Index index = {block % block_counts_[0], block / block_counts_[0] % block_counts_[1],
+                                    block / (block_counts_[0] * block_counts_[1])};
   for (std::size_t level = 0; level < kStrides.size(); ++level) {
     nets_.compute({field_.values(), field_.nodes()}, index, kStrides[level], net_);
     blocks_[number].pieces[level] = make_piece(net_);

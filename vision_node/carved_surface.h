@@ -44,16 +44,16 @@ class CarvedSurface {
   };
 
   void note_changed(const CarvedFieldBox& box);
-  void compute(std::size_t number);
+  void compute_block(std::size_t number);
   Piece make_piece(const SurfaceNet& net) const;
   FlatLevel join(std::size_t level) const;
 
-  CarvedField whole_;
+  CarvedField uncarved_field_;
   CarvedField field_;
   DetailFrame frame_;
   SurfaceNets nets_;
   SurfaceNet net_;
-  SurfaceNets::Index count_ = {};
+  SurfaceNets::Index block_counts_ = {};
   std::vector<Block> blocks_;
   bool has_changed_ = true;
 };

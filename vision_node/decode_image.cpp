@@ -44,13 +44,13 @@ Result<Texels> decode_png(const TextureImage& image) {
 // Silences VTK, which writes its own lines about a broken file to stderr.
 class QuietVtk {
  public:
-  QuietVtk() : was_(vtkObject::GetGlobalWarningDisplay()) { vtkObject::GlobalWarningDisplayOff(); }
-  ~QuietVtk() { vtkObject::SetGlobalWarningDisplay(was_); }
+  QuietVtk() : previous_display_(vtkObject::GetGlobalWarningDisplay()) { vtkObject::GlobalWarningDisplayOff(); }
+  ~QuietVtk() { vtkObject::SetGlobalWarningDisplay(previous_display_); }
   QuietVtk(const QuietVtk&) = delete;
   QuietVtk& operator=(const QuietVtk&) = delete;
 
  private:
-  int was_;
+  int previous_display_;
 };
 
 // Copies an image in grey or in colours. VTK's first row is the lowest.
@@ -102,10 +102,10 @@ Result<Texels> decode_image(const TextureImage& image) {
 }
 
 Texels resize_image(const Texels& image, int width, int height) {
-  Texels made{width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
-  const double across = static_cast<double>(image.width) / width;
-  const double down = static_cast<double>(image.height) / height;
-  const auto at = [&](int x, int y, int k) {
+  Texels resized{width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  const double step_x = static_cast<double>(image.width) / width;
+  const double step_y = static_cast<double>(image.height) / height;
+  const auto channel_at = [&](int x, int y, int k) {
     const int cx = std::clamp(x, 0, image.width - 1);
     const int cy = std::clamp(y, 0, image.height - 1);
     return static_cast<double>(
@@ -113,32 +113,32 @@ Texels resize_image(const Texels& image, int width, int height) {
                    static_cast<std::size_t>(k)]);
   };
   // Number of samples in a new texel's square, each interpolated linearly between four texels.
-  const int samples_x = std::max(1, static_cast<int>(std::ceil(across)));
-  const int samples_y = std::max(1, static_cast<int>(std::ceil(down)));
+  const int samples_x = std::max(1, static_cast<int>(std::ceil(step_x)));
+  const int samples_y = std::max(1, static_cast<int>(std::ceil(step_y)));
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       std::array<double, 4> sum = {};
       for (int j = 0; j < samples_y; ++j) {
         for (int i = 0; i < samples_x; ++i) {
-          const double px = (x + (i + 0.5) / samples_x) * across - 0.5;
-          const double py = (y + (j + 0.5) / samples_y) * down - 0.5;
+          const double px = (x + (i + 0.5) / samples_x) * step_x - 0.5;
+          const double py = (y + (j + 0.5) / samples_y) * step_y - 0.5;
           const int left = static_cast<int>(std::floor(px));
           const int top = static_cast<int>(std::floor(py));
           const double u = px - left;
           const double v = py - top;
           for (int k = 0; k < 4; ++k) {
-            sum[static_cast<std::size_t>(k)] += (1 - v) * ((1 - u) * at(left, top, k) + u * at(left + 1, top, k)) +
-                                                v * ((1 - u) * at(left, top + 1, k) + u * at(left + 1, top + 1, k));
+            sum[static_cast<std::size_t>(k)] += (1 - v) * ((1 - u) * channel_at(left, top, k) + u * channel_at(left + 1, top, k)) +
+                                                v * ((1 - u) * channel_at(left, top + 1, k) + u * channel_at(left + 1, top + 1, k));
           }
         }
       }
       for (std::size_t k = 0; k < 4; ++k) {
-        made.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) + k] =
+        resized.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) + k] =
             static_cast<std::uint8_t>(std::lround(sum[k] / (samples_x * samples_y)));
       }
     }
   }
-  return made;
+  return resized;
 }
 
 }  // namespace hapton

@@ -18,7 +18,7 @@ DeformedMesh::DeformedMesh(std::shared_ptr<const TriangleMesh> rest, std::shared
     : rest_(std::move(rest)), deformation_(std::move(deformation)) {}
 
 DeformedMesh::DeformedMesh(std::shared_ptr<const TriangleMesh> rest, FindVertices find)
-    : rest_(std::move(rest)), find_vertices_(std::move(find)), is_spoilt_(true), vertices_(rest_->vertices) {}
+    : rest_(std::move(rest)), find_vertices_(std::move(find)), are_vertices_outdated_(true), vertices_(rest_->vertices) {}
 
 bool DeformedMesh::set_time(double time_s) {
   return deformation_ != nullptr && std::exchange(weights_, deformation_->weights_at(time_s)) != weights_;
@@ -31,7 +31,7 @@ const SurfaceFinder& DeformedMesh::finder() const {
 
 const std::vector<Vec3>& DeformedMesh::vertices() const {
   if (deformation_ == nullptr) {
-    if (!std::exchange(is_spoilt_, false)) return vertices_;
+    if (!std::exchange(are_vertices_outdated_, false)) return vertices_;
     if (auto found = find_vertices_()) vertices_ = std::move(*found);
     return vertices_;
   }
@@ -42,7 +42,7 @@ const std::vector<Vec3>& DeformedMesh::vertices() const {
   return vertices_;
 }
 
-Vec3 DeformedMesh::mix(const std::vector<Vec3>& vertices, std::uint32_t triangle, const Vec3& barycentric) const {
+Vec3 DeformedMesh::interpolate(const std::vector<Vec3>& vertices, std::uint32_t triangle, const Vec3& barycentric) const {
   Vec3 p = Vec3::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     p += barycentric[static_cast<Eigen::Index>(k)] * vertices[static_cast<std::size_t>(rest_->triangles[triangle][k])];
@@ -59,16 +59,16 @@ double DeformedMesh::most_displacement() const {
   return std::sqrt(most_squared);
 }
 
-DeformedMesh::Touched DeformedMesh::find_closest(const Vec3& p) const {
-  const SurfaceFinder::Found found = finder().find_closest(p, vertices(), most_displacement());
-  return {mix(rest_->vertices, found.triangle, found.barycentric), found.triangle};
+DeformedMesh::TouchedPoint DeformedMesh::find_closest(const Vec3& p) const {
+  const SurfaceFinder::SurfacePoint found = finder().find_closest(p, vertices(), most_displacement());
+  return {interpolate(rest_->vertices, found.triangle, found.barycentric), found.triangle};
 }
 
 const DeformedMesh::Anchor& DeformedMesh::find_anchor(const Vec3& p_rest) const {
   if (anchors_.size() >= kMaxAnchors) anchors_.clear();
   const auto [at, is_new] = anchors_.try_emplace({p_rest.x(), p_rest.y(), p_rest.z()});
   if (is_new) {
-    const SurfaceFinder::Found found = finder().find_closest(p_rest);
+    const SurfaceFinder::SurfacePoint found = finder().find_closest(p_rest);
     at->second = {found.triangle, found.barycentric};
   }
   return at->second;
@@ -76,7 +76,7 @@ const DeformedMesh::Anchor& DeformedMesh::find_anchor(const Vec3& p_rest) const 
 
 Vec3 DeformedMesh::place(const Vec3& p_rest) const {
   const Anchor& anchor = find_anchor(p_rest);
-  return mix(vertices(), anchor.triangle, anchor.barycentric);
+  return interpolate(vertices(), anchor.triangle, anchor.barycentric);
 }
 
 }  // namespace hapton

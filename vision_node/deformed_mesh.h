@@ -26,15 +26,15 @@ class DeformedMesh {
   // Returns true if the mesh then has another shape than before. Always false for a mesh that programs deform.
   bool set_time(double time_s);
   // Makes the vertices of a mesh that programs deform be found again at their next use.
-  void spoil() { is_spoilt_ = true; }
+  void invalidate_vertices() { are_vertices_outdated_ = true; }
 
-  struct Touched {
+  struct TouchedPoint {
     Vec3 p_rest = Vec3::Zero();
     std::uint32_t triangle = 0;
   };
   // The point of its surface that is closest to p in the present shape, as its place at rest. Work: that of all triangles nearer than the
   // closest point plus the largest displacement. Pre: p is finite.
-  Touched find_closest(const Vec3& p) const;
+  TouchedPoint find_closest(const Vec3& p) const;
 
   // Returns where the surface point that is closest to p_rest at rest is in the present shape.
   Vec3 place(const Vec3& p_rest) const;
@@ -48,12 +48,12 @@ class DeformedMesh {
   const std::vector<Vec3>& vertices() const;
   double most_displacement() const;
   const Anchor& find_anchor(const Vec3& p_rest) const;
-  Vec3 mix(const std::vector<Vec3>& vertices, std::uint32_t triangle, const Vec3& barycentric) const;
+  Vec3 interpolate(const std::vector<Vec3>& vertices, std::uint32_t triangle, const Vec3& barycentric) const;
 
   std::shared_ptr<const TriangleMesh> rest_;
   std::shared_ptr<const MeshDeformation> deformation_;  // null: programs deform it
   FindVertices find_vertices_;
-  mutable bool is_spoilt_ = false;
+  mutable bool are_vertices_outdated_ = false;
   MeshDeformation::Weights weights_ = {};
   // Made when it is first needed, because it takes long:
   mutable std::unique_ptr<SurfaceFinder> finder_;

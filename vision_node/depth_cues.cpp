@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kCell = 0.02;       // m: side of a square of the grid; a free choice
-constexpr double kMaxOfWidth = 0.2;  // longest scale bar, as a share of the picture's width; a free choice
+constexpr double kCellM = 0.02;       // m: side of a square of the grid; a free choice
+constexpr double kMaxBarShare = 0.2;  // longest scale bar, as a share of the picture's width; a free choice
 
 }  // namespace
 
@@ -40,10 +40,10 @@ std::vector<LineSegment> make_ground_grid() {
   const double y = ground_height_m();
   std::vector<LineSegment> lines;
   for (const auto& [across, along] : {std::pair(0, 2), std::pair(2, 0)}) {
-    const int most = static_cast<int>(std::floor(half[across] / kCell));
+    const int most = static_cast<int>(std::floor(half[across] / kCellM));
     for (int i = -most; i <= most; ++i) {
       Vec3 from(0.0, y, 0.0);
-      from[across] = i * kCell;
+      from[across] = i * kCellM;
       from[along] = -half[along];
       Vec3 to = from;
       to[along] = half[along];
@@ -53,7 +53,7 @@ std::vector<LineSegment> make_ground_grid() {
   return lines;
 }
 
-Vec3 shadow_light() { return Vec3(-0.25, 1.0, 0.35).normalized(); }
+Vec3 direction_to_shadow_light() { return Vec3(-0.25, 1.0, 0.35).normalized(); }
 
 // p' = p - (p_y - h) / l_y l, with the ground's height h and the direction l towards the light.
 Mat4 compute_shadow_matrix(const Vec3& towards_light) {
@@ -66,17 +66,17 @@ Mat4 compute_shadow_matrix(const Vec3& towards_light) {
 
 std::optional<Vec3> find_shadow(const Vec3& p_W) {
   if (!p_W.allFinite() || p_W.y() < ground_height_m()) return std::nullopt;
-  return Vec3((compute_shadow_matrix(shadow_light()) * p_W.homogeneous()).head<3>());
+  return Vec3((compute_shadow_matrix(direction_to_shadow_light()) * p_W.homogeneous()).head<3>());
 }
 
 ScaleBar choose_scale_bar(const StereoScreen& screen, PictureSize size) {
   ScaleBar bar;
-  const double most_m = kMaxOfWidth * screen.width_m;
-  if (!(most_m > 0.0) || !std::isfinite(most_m) || size.width_px <= 0) return bar;
-  const double ten = std::pow(10.0, std::floor(std::log10(most_m)));
-  bar.length_m = ten;
+  const double max_m = kMaxBarShare * screen.width_m;
+  if (!(max_m > 0.0) || !std::isfinite(max_m) || size.width_px <= 0) return bar;
+  const double power_of_ten = std::pow(10.0, std::floor(std::log10(max_m)));
+  bar.length_m = power_of_ten;
   for (const double step : {2.0, 5.0}) {
-    if (step * ten <= most_m) bar.length_m = step * ten;
+    if (step * power_of_ten <= max_m) bar.length_m = step * power_of_ten;
   }
   bar.pixels = bar.length_m / screen.width_m * size.width_px;
   bar.label = bar.length_m >= 1.0    ? fmt::format("{:g} m", bar.length_m)

@@ -29,7 +29,7 @@ Mat4 compute_shadow_matrix(const Vec3& towards_light);
 // Where a point's shadow lies; none for a point that is below the ground or not finite.
 std::optional<Vec3> find_shadow(const Vec3& p_W);
 // The unit direction to the light that casts the shadows: from above, a little from the left and from the front.
-Vec3 shadow_light();
+Vec3 direction_to_shadow_light();
 
 // A length that is easy to read (1, 2 or 5 times a power of ten), its size in the plane of the screen, and its text.
 struct ScaleBar {

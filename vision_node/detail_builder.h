@@ -23,14 +23,14 @@ class DetailBuilder {
   DetailBuilder(const DetailBuilder&) = delete;
   DetailBuilder& operator=(const DetailBuilder&) = delete;
 
-  struct Made {
+  struct MadeLevel {
     std::size_t object = 0;
     FlatLevel level;
     bool is_full = false;   // the mesh itself, divided into clusters
     bool is_rough = false;  // used until the object's first good level
   };
   // Returns the levels made since the last call.
-  std::vector<Made> take_made();
+  std::vector<MadeLevel> take_levels();
   // To be called when the first picture is drawn: work begins now, not only after longest_wait. Before, that picture can use all cores.
   void begin();
   // The share of all work that is done, 0 to 1.

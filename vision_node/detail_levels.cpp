@@ -22,7 +22,7 @@ constexpr std::size_t kMinClusterTriangles = 16;
 constexpr std::size_t kMaxClusterTriangles = 256;
 constexpr float kConeWeight = 0.8F;
 // A level with more than this share of the triangles that it was made from is not worth its memory.
-constexpr double kWorthwhile = 0.8;
+constexpr double kMaxKeptShare = 0.8;
 // More than every distance between two points of U's cube, and than its square.
 constexpr double kBeyondU = 64.0;
 // Largest relative residual at a texture position that a triangle reaches. It misses some if its texture corners coincide or are collinear.
@@ -31,7 +31,7 @@ constexpr float kAnyError = std::numeric_limits<float>::max();
 
 const float* floats(const std::vector<Vec3f>& positions) { return positions.data()->data(); }
 
-DetailCluster whole(const DetailLevel& level) {
+DetailCluster make_whole_cluster(const DetailLevel& level) {
   DetailCluster cluster;
   cluster.count = static_cast<std::uint32_t>(level.indices.size());
   for (const Vec3f& p : level.positions) cluster.radius = std::max(cluster.radius, p.norm());
@@ -60,27 +60,27 @@ DetailLevel compact(const DetailLevel& from, std::vector<std::uint32_t> indices)
   DetailLevel level;
   level.indices = std::move(indices);
   take_vertices(from, level);
-  level.clusters = {whole(level)};
+  level.clusters = {make_whole_cluster(level)};
   return level;
 }
 
-std::optional<DetailLevel> if_worthwhile(const DetailLevel& from, std::vector<std::uint32_t> indices, std::size_t kept) {
-  indices.resize(kept);
-  if (kept < 3 || static_cast<double>(kept) > kWorthwhile * static_cast<double>(from.indices.size())) return std::nullopt;
+std::optional<DetailLevel> compact_if_worthwhile(const DetailLevel& from, std::vector<std::uint32_t> indices, std::size_t kept_indices) {
+  indices.resize(kept_indices);
+  if (kept_indices < 3 || static_cast<double>(kept_indices) > kMaxKeptShare * static_cast<double>(from.indices.size())) return std::nullopt;
   return compact(from, std::move(indices));
 }
 
-double difference(const VertexPaint& paint, const Vec3& tint, double alpha) {
+double compute_paint_difference(const VertexPaint& paint, const Vec3& tint, double alpha) {
   double most = std::abs(paint.alpha - alpha) / 255.0;
   for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(paint.tint[static_cast<std::size_t>(k)] - tint[k]) / 255.0);
   return most;
 }
 
 // Distance in the triangle's plane from its point nearest to p to the place that looks like the wanted paint.
-double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const DetailLevel& level, std::size_t triangle,
-                    const VertexPaint& wanted) {
+double measure_paint_distance(const Vec3& p, const std::array<Vec3, 3>& corners, const DetailLevel& level, std::size_t triangle,
+                              const VertexPaint& target) {
   const auto paint = [&](std::size_t k) -> const VertexPaint& { return level.paints[level.indices[3 * triangle + k]]; };
-  if (!paint(0).has_same_finish(wanted)) return kBeyondU;
+  if (!paint(0).has_same_finish(target)) return kBeyondU;
   const Vec3 weights = closest_point(corners[0], corners[1], corners[2], p).barycentric;
   Vec3 tint = Vec3::Zero();
   Eigen::Vector2d texcoord = Eigen::Vector2d::Zero();
@@ -93,17 +93,18 @@ double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const Det
     texcoord += weight * paint(k).texcoord.cast<double>();
     longest = std::max(longest, (corners[(k + 1) % 3] - corners[k]).norm());
   }
-  double slip = difference(wanted, tint, alpha) * longest;
-  const Eigen::Vector2d away = wanted.texcoord.cast<double>() - texcoord;
-  if (wanted.layer == 0 || away.isZero()) return slip;
+  double paint_distance = compute_paint_difference(target, tint, alpha) * longest;
+  const Eigen::Vector2d texcoord_offset = target.texcoord.cast<double>() - texcoord;
+  if (target.layer == 0 || texcoord_offset.isZero()) return paint_distance;
   // A step (s, t) along the two edges changes the texture position by texcoord_edges * (s, t), and the position by edges * (s, t).
   Eigen::Matrix2d texcoord_edges;
   texcoord_edges << (paint(1).texcoord - paint(0).texcoord).cast<double>(), (paint(2).texcoord - paint(0).texcoord).cast<double>();
   Eigen::Matrix<double, 3, 2> edges;
   edges << corners[1] - corners[0], corners[2] - corners[0];
-  const Eigen::Vector2d steps = texcoord_edges.fullPivLu().solve(away);
-  const bool is_there = steps.allFinite() && (texcoord_edges * steps - away).norm() <= kRelativeResidual * away.norm();
-  return slip + (is_there ? (edges * steps).norm() : kBeyondU);
+  const Eigen::Vector2d steps = texcoord_edges.fullPivLu().solve(texcoord_offset);
+  const bool is_there =
+      steps.allFinite() && (texcoord_edges * steps - texcoord_offset).norm() <= kRelativeResidual * texcoord_offset.norm();
+  return paint_distance + (is_there ? (edges * steps).norm() : kBeyondU);
 }
 
 }  // namespace
@@ -115,7 +116,7 @@ Eigen::Matrix4d DetailFrame::matrix() const {
   return m;
 }
 
-DetailFrame frame_detail(const TriangleMesh& mesh) {
+DetailFrame make_detail_frame(const TriangleMesh& mesh) {
   DetailFrame frame;
   if (mesh.vertices.empty()) return frame;
   const MeshBounds bounds = compute_bounds(mesh);
@@ -131,7 +132,7 @@ DetailLevel make_full_level(const TriangleMesh& mesh, const DetailFrame& frame) 
   for (const Vec3& v : mesh.vertices) level.positions.emplace_back(((v - frame.centre) / frame.scale_m).cast<float>());
   level.indices.reserve(3 * mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) level.indices.insert(level.indices.end(), t.begin(), t.end());
-  level.clusters = {whole(level)};
+  level.clusters = {make_whole_cluster(level)};
   return level;
 }
 
@@ -147,16 +148,16 @@ DetailLevel thin_out(const DetailLevel& full, std::size_t triangles) {
 
 std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t triangles) {
   std::vector<std::uint32_t> indices(full.indices.size());
-  const std::size_t kept = meshopt_simplifySloppy(indices.data(), full.indices.data(), full.indices.size(), floats(full.positions),
-                                                  full.positions.size(), sizeof(Vec3f), 3 * triangles, kAnyError, nullptr);
-  return if_worthwhile(full, std::move(indices), kept);
+  const std::size_t kept_indices = meshopt_simplifySloppy(indices.data(), full.indices.data(), full.indices.size(), floats(full.positions),
+                                                          full.positions.size(), sizeof(Vec3f), 3 * triangles, kAnyError, nullptr);
+  return compact_if_worthwhile(full, std::move(indices), kept_indices);
 }
 
 std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::size_t triangles) {
   std::vector<std::uint32_t> indices(finer.indices.size());
-  const std::size_t kept = meshopt_simplify(indices.data(), finer.indices.data(), finer.indices.size(), floats(finer.positions),
-                                            finer.positions.size(), sizeof(Vec3f), 3 * triangles, kAnyError, 0, nullptr);
-  return if_worthwhile(finer, std::move(indices), kept);
+  const std::size_t kept_indices = meshopt_simplify(indices.data(), finer.indices.data(), finer.indices.size(), floats(finer.positions),
+                                                    finer.positions.size(), sizeof(Vec3f), 3 * triangles, kAnyError, 0, nullptr);
+  return compact_if_worthwhile(finer, std::move(indices), kept_indices);
 }
 
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples) {
@@ -169,34 +170,34 @@ double measure_level_error(const DetailLevel& level, const DetailLevel& full, st
   });
   const std::size_t step = std::max<std::size_t>(1, full.positions.size() / std::max<std::size_t>(1, samples));
   const bool is_painted = !level.paints.empty() && full.paints.size() == full.positions.size();
-  double farthest = 0.0;
+  double farthest_squared = 0.0;
   for (std::size_t i = 0; i < full.positions.size(); i += step) {
     const Vec3 p = full.positions[i].cast<double>();
-    double least = kBeyondU;
-    tree.visit_nearest(p, least, [&](std::uint32_t t, double) {
+    double nearest_squared = kBeyondU;
+    tree.visit_nearest(p, nearest_squared, [&](std::uint32_t t, double) {
       const std::array<Vec3, 3> corners = {corner(t, 0), corner(t, 1), corner(t, 2)};
       double distance_squared = triangle_distance_squared(p, corners[0], corners[1], corners[2]);
-      if (is_painted && distance_squared < least) {
-        const double far = std::sqrt(distance_squared) + measure_slip(p, corners, level, t, full.paints[i]);
-        distance_squared = far * far;
+      if (is_painted && distance_squared < nearest_squared) {
+        const double distance = std::sqrt(distance_squared) + measure_paint_distance(p, corners, level, t, full.paints[i]);
+        distance_squared = distance * distance;
       }
-      least = std::min(least, distance_squared);
-      return least;
+      nearest_squared = std::min(nearest_squared, distance_squared);
+      return nearest_squared;
     });
-    farthest = std::max(farthest, least);
+    farthest_squared = std::max(farthest_squared, nearest_squared);
   }
-  return std::sqrt(farthest);
+  return std::sqrt(farthest_squared);
 }
 
 void divide_into_clusters(DetailLevel& level) {
   if (level.indices.empty()) return;
-  const std::size_t at_most = std::clamp(level.triangles() / kClusters, kMinClusterTriangles, kMaxClusterTriangles) / 4 * 4;
-  const std::size_t most = meshopt_buildMeshletsBound(level.indices.size(), kClusterVertices, at_most);
-  std::vector<meshopt_Meshlet> meshlets(most);
-  std::vector<unsigned int> vertices(most * kClusterVertices);
-  std::vector<unsigned char> corners(most * at_most * 3);
+  const std::size_t cluster_triangles = std::clamp(level.triangles() / kClusters, kMinClusterTriangles, kMaxClusterTriangles) / 4 * 4;
+  const std::size_t max_clusters = meshopt_buildMeshletsBound(level.indices.size(), kClusterVertices, cluster_triangles);
+  std::vector<meshopt_Meshlet> meshlets(max_clusters);
+  std::vector<unsigned int> vertices(max_clusters * kClusterVertices);
+  std::vector<unsigned char> corners(max_clusters * cluster_triangles * 3);
   meshlets.resize(meshopt_buildMeshlets(meshlets.data(), vertices.data(), corners.data(), level.indices.data(), level.indices.size(),
-                                        floats(level.positions), level.positions.size(), sizeof(Vec3f), kClusterVertices, at_most,
+                                        floats(level.positions), level.positions.size(), sizeof(Vec3f), kClusterVertices, cluster_triangles,
                                         kConeWeight));
   std::vector<std::uint32_t> ordered;
   ordered.reserve(level.indices.size());

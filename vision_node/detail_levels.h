@@ -70,7 +70,7 @@ struct DetailLevel {
   std::size_t triangles() const { return indices.size() / 3; }
 };
 
-DetailFrame frame_detail(const TriangleMesh& mesh);
+DetailFrame make_detail_frame(const TriangleMesh& mesh);
 
 // The mesh itself, as one cluster. RT: set-up only.
 DetailLevel make_full_level(const TriangleMesh& mesh, const DetailFrame& frame);

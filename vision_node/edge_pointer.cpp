@@ -12,7 +12,7 @@ namespace {
 constexpr double kInset = 0.05;
 constexpr double kInsetAbove = 0.12;
 
-std::string describe_length(double length_m) {
+std::string describe_distance(double length_m) {
   if (length_m >= 1.0) return fmt::format("{:.1f} m", length_m);
   return length_m >= 1e-3 ? fmt::format("{:.0f} mm", 1e3 * length_m) : fmt::format("{:.0f} um", 1e6 * length_m);
 }
@@ -32,9 +32,9 @@ std::optional<EdgePointer> find_edge_pointer(const StereoScreen& screen, Eye eye
   EdgePointer pointer;
   pointer.towards = away.normalized();
   const Vec2 inset = std::min(size.width_px, size.height_px) * Vec2(kInset, kInsetAbove);
-  const Vec2 room = (middle - inset).cwiseMax(1.0);
-  pointer.at_px = middle + away / away.cwiseAbs().cwiseQuotient(room).maxCoeff();
-  pointer.label = "probe " + describe_length(p_V.norm());
+  const Vec2 half_inner = (middle - inset).cwiseMax(1.0);
+  pointer.at_px = middle + away / away.cwiseAbs().cwiseQuotient(half_inner).maxCoeff();
+  pointer.label = "probe " + describe_distance(p_V.norm());
   return pointer;
 }
 

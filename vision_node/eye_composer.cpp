@@ -77,7 +77,7 @@ class TextureState {
   std::array<GLint, kUnits> bound_ = {};
 };
 
-void shape_texture(GLuint texture, PictureSize size, const void* texels) {
+void allocate_texture(GLuint texture, PictureSize size, const void* texels) {
   TextureState::bind(0, texture);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, size.width_px, size.height_px, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -98,15 +98,15 @@ EyeComposer::EyeComposer(GlProgram program) : program_(std::move(program)) {
   glGenVertexArrays(1, &vertices_);
   glGenTextures(1, &table_);
   const auto table = make_anaglyph_table();
-  shape_texture(table_, {256, 1}, table.data());
-  for (Copy* copy : {&first_, &second_}) {
+  allocate_texture(table_, {256, 1}, table.data());
+  for (Copy* copy : {&first_eye_, &second_eye_}) {
     glGenTextures(1, &copy->texture);
     glGenFramebuffers(1, &copy->framebuffer);
   }
 }
 
 EyeComposer::~EyeComposer() {
-  for (const Copy& copy : {first_, second_}) {
+  for (const Copy& copy : {first_eye_, second_eye_}) {
     glDeleteFramebuffers(1, &copy.framebuffer);
     glDeleteTextures(1, &copy.texture);
   }
@@ -114,11 +114,11 @@ EyeComposer::~EyeComposer() {
   glDeleteVertexArrays(1, &vertices_);
 }
 
-void EyeComposer::take(Copy& copy, GLuint framebuffer, PictureSize size) {
+void EyeComposer::copy_colours(Copy& copy, GLuint framebuffer, PictureSize size) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, copy.framebuffer);
   if (copy.size != size) {
     copy.size = size;
-    shape_texture(copy.texture, size, nullptr);
+    allocate_texture(copy.texture, size, nullptr);
     glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, copy.texture, 0);
   }
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
@@ -127,16 +127,16 @@ void EyeComposer::take(Copy& copy, GLuint framebuffer, PictureSize size) {
   glBlitFramebuffer(0, 0, size.width_px, size.height_px, 0, 0, size.width_px, size.height_px, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void EyeComposer::keep(GLuint framebuffer, PictureSize size) {
+void EyeComposer::keep_first_eye(GLuint framebuffer, PictureSize size) {
   const GlStateGuard guard;
   const TextureState textures;
-  take(first_, framebuffer, size);
+  copy_colours(first_eye_, framebuffer, size);
 }
 
 void EyeComposer::compose(GLuint framebuffer, PictureSize size, bool has_colours) {
   const GlStateGuard guard;
   const TextureState textures;
-  take(second_, framebuffer, size);
+  copy_colours(second_eye_, framebuffer, size);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, size.width_px, size.height_px);
   glDisable(GL_DEPTH_TEST);
@@ -149,8 +149,8 @@ void EyeComposer::compose(GLuint framebuffer, PictureSize size, bool has_colours
   program_.set("second", 1);
   program_.set("table", 2);
   program_.set("has_colours", has_colours ? 1 : 0);
-  TextureState::bind(0, first_.texture);
-  TextureState::bind(1, second_.texture);
+  TextureState::bind(0, first_eye_.texture);
+  TextureState::bind(1, second_eye_.texture);
   TextureState::bind(2, table_);
   glBindVertexArray(vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);

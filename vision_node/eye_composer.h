@@ -22,9 +22,9 @@ class EyeComposer {
   EyeComposer& operator=(const EyeComposer&) = delete;
 
   // Copies the colours of a framebuffer as the picture of the first eye, behind the red glass. Pre: framebuffer is not 0.
-  void keep(GLuint framebuffer, PictureSize size);
+  void keep_first_eye(GLuint framebuffer, PictureSize size);
   // Replaces the colours of a framebuffer, the picture of the other eye, by the composition of both. has_colours: as in the mode anaglyph,
-  // otherwise as in red_blue. Pre: keep() was called before, with the same size; framebuffer is not 0.
+  // otherwise as in red_blue. Pre: keep_first_eye() was called before, with the same size; framebuffer is not 0.
   void compose(GLuint framebuffer, PictureSize size, bool has_colours);
 
  private:
@@ -34,11 +34,11 @@ class EyeComposer {
     GLuint texture = 0;
     PictureSize size;
   };
-  static void take(Copy& copy, GLuint framebuffer, PictureSize size);
+  static void copy_colours(Copy& copy, GLuint framebuffer, PictureSize size);
 
   GlProgram program_;
-  Copy first_;
-  Copy second_;
+  Copy first_eye_;
+  Copy second_eye_;
   GLuint table_ = 0;
   GLuint vertices_ = 0;
 };

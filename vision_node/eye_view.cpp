@@ -58,20 +58,20 @@ PictureSize EyeView::size() {
 }
 
 StereoScreen EyeView::screen(const Framing& framing) {
-  if (given) return *given;
+  if (given_screen) return *given_screen;
   const PictureSize drawn = size();
   return compute_screen(framing, {drawn.width_px, squeeze * drawn.height_px});
 }
 
-Eye EyeView::eye_now() const {
-  if (!composed) return eye;
-  if (pass) return *pass;
-  return (camera_->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
+Eye EyeView::current_eye() const {
+  if (!is_composed) return eye;
+  if (drawn_eye) return *drawn_eye;
+  return (camera_->GetLeftEye() != 0) != are_eyes_swapped ? Eye::left : Eye::right;
 }
 
 // The view matrix that VTK computes from position, focal point and up is exactly ours. VTK's projection is replaced: ours is off-axis.
 void EyeView::aim(const StereoScreen& screen) {
-  const Eye now = eye_now();
+  const Eye now = current_eye();
   const Vec3 p_WE = compute_eye_position(screen, now);
   const EyeDepths depths = compute_eye_depths(screen, now);
   const Vec3 ahead = p_WE - depths.eye_m * screen.X_WV.linear().col(2);
@@ -86,9 +86,9 @@ void EyeView::aim(const StereoScreen& screen) {
   camera_->UseExplicitProjectionTransformMatrixOn();
   const Vec3 towards = screen.X_WV.linear() * screen.light_V;
   viewers_light_->SetPosition(towards.x(), towards.y(), towards.z());
-  if (size() != placed_) {
-    placed_ = size();
-    hud.place(placed_);
+  if (size() != hud_size_) {
+    hud_size_ = size();
+    hud.place(hud_size_);
   }
   hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
 }

@@ -31,31 +31,32 @@ struct EyeView {
   explicit EyeView(const Viewport& part, const std::vector<SceneLight>& lights = {});
 
   Eye eye = Eye::centre;
-  bool composed = false;     // both eyes are drawn through this view
-  std::optional<Eye> pass;   // the eye that is drawn, if Hapton composes the image; none: VTK does, and the camera's LeftEye says which
-  bool swapped = false;      // the eyes are exchanged
-  int squeeze = 1;           // the display stretches the height of the image by this factor
-  bool shows_scale = false;  // shows a scale bar
-  bool has_hud = false;      // shows text in the corners
-  std::optional<StereoScreen> given;  // the screen of this viewport, in place of the one that follows from the framing
-  std::function<void()> draw_scene;   // draws into the bound framebuffer, over the whole viewport
+  bool is_composed = false;      // both eyes are drawn through this view
+  std::optional<Eye> drawn_eye;  // the eye that is drawn, if Hapton composes the image; none: VTK does, and the camera's LeftEye says which
+  bool are_eyes_swapped = false;             // the eyes are exchanged
+  int squeeze = 1;                           // the display stretches the height of the image by this factor
+  bool shows_scale = false;                  // shows a scale bar
+  bool has_hud = false;                      // shows text in the corners
+  std::optional<StereoScreen> given_screen;  // the screen of this viewport, in place of the one that follows from the framing
+  std::function<void()> draw_scene;          // draws into the bound framebuffer, over the whole viewport
   vtkNew<vtkRenderer> renderer;
   HudFigure hud;
   LabelFigure labels;
 
   // The size of the viewport in pixels.
   PictureSize size();
-  // The window into the world that this viewport is: `given`, or else computed from the framing.
+  // The window into the world that this viewport is: `given_screen`, or else computed from the framing.
   StereoScreen screen(const Framing& framing);
   // The eye that is being drawn.
-  Eye eye_now() const;
-  // Gives the camera the position and projection of eye_now(), moves the viewer's light, and fits scale bar and HUD to the present size.
+  Eye current_eye() const;
+  // Gives the camera the position and projection of current_eye(), moves the viewer's light, and fits scale bar and HUD to the present
+  // size.
   void aim(const StereoScreen& screen);
 
  private:
   vtkNew<vtkCamera> camera_;
   vtkNew<vtkLight> viewers_light_;
-  PictureSize placed_;  // size for which the HUD was placed
+  PictureSize hud_size_;  // size for which the HUD was placed
 };
 
 }  // namespace hapton

@@ -7,17 +7,17 @@
 namespace hapton {
 namespace {
 
-constexpr float kOne = 511.0F;         // 1 as a signed number of 10 bits
+constexpr float kUnitNormal = 511.0F;  // 1 as a signed number of 10 bits
 constexpr std::uint32_t kMask = 1023;  // 10 bits
 // Marks a vertex that is not yet the last corner of a triangle. A packed normal never has the top bits set.
-constexpr std::uint32_t kFree = 0xFFFFFFFFU;
+constexpr std::uint32_t kNoNormal = 0xFFFFFFFFU;
 
 }  // namespace
 
 std::uint32_t pack_normal(const Vec3f& unit) {
   std::uint32_t packed = 0;
   for (int k = 0; k < 3; ++k) {
-    const float exact = std::clamp(unit[k], -1.0F, 1.0F) * kOne;
+    const float exact = std::clamp(unit[k], -1.0F, 1.0F) * kUnitNormal;
     const auto step = static_cast<int>(exact + std::copysign(0.5F, exact));  // as std::lround, but without a function call for each
     packed |= (static_cast<std::uint32_t>(step) & kMask) << (10 * k);
   }
@@ -28,7 +28,7 @@ Vec3f unpack_normal(std::uint32_t packed) {
   Vec3f unit;
   for (int k = 0; k < 3; ++k) {
     const auto bits = static_cast<int>((packed >> (10 * k)) & kMask);
-    unit[k] = static_cast<float>(bits > 511 ? bits - 1024 : bits) / kOne;
+    unit[k] = static_cast<float>(bits > 511 ? bits - 1024 : bits) / kUnitNormal;
   }
   return unit;
 }
@@ -39,7 +39,7 @@ FlatLevel make_flat(const DetailLevel& level) {
   flat.error = level.error;
   flat.indices.reserve(level.indices.size());
   flat.vertices.reserve(2 * level.positions.size());
-  for (const Vec3f& p : level.positions) flat.vertices.push_back({p, kFree});
+  for (const Vec3f& p : level.positions) flat.vertices.push_back({p, kNoNormal});
   flat.paints = level.paints;
   for (std::size_t i = 0; i < level.indices.size(); i += 3) {
     std::array<std::uint32_t, 3> corner = {level.indices[i], level.indices[i + 1], level.indices[i + 2]};
@@ -49,8 +49,8 @@ FlatLevel make_flat(const DetailLevel& level) {
     const std::uint32_t normal = pack_normal(length > 0.0F ? Vec3f(across / length) : Vec3f::UnitZ());
     int last = -1;
     for (int k = 0; k < 3 && last < 0; ++k) {
-      const std::uint32_t taken = flat.vertices[corner[k]].normal;
-      if (taken == normal || taken == kFree) last = k;
+      const std::uint32_t present_normal = flat.vertices[corner[k]].normal;
+      if (present_normal == normal || present_normal == kNoNormal) last = k;
     }
     if (last < 0) {
       flat.vertices.push_back({a, normal});
@@ -62,7 +62,7 @@ FlatLevel make_flat(const DetailLevel& level) {
     for (int k = 1; k <= 3; ++k) flat.indices.push_back(corner[(last + k) % 3]);
   }
   for (FlatVertex& vertex : flat.vertices) {
-    if (vertex.normal == kFree) vertex.normal = 0;
+    if (vertex.normal == kNoNormal) vertex.normal = 0;
   }
   return flat;
 }

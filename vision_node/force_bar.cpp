@@ -17,10 +17,10 @@ namespace hapton {
 namespace {
 
 using BarColour = std::array<unsigned char, 3>;
-constexpr BarColour kGround = {14, 17, 22};
-constexpr BarColour kFrame = {120, 126, 134};
-constexpr BarColour kForce = {90, 230, 120};  // as the curve of the force in the plots
-constexpr BarColour kFull = {240, 80, 70};    // as the limit of the force in the plots
+constexpr BarColour kBarBackground = {14, 17, 22};
+constexpr BarColour kBarFrame = {120, 126, 134};
+constexpr BarColour kForceColour = {90, 230, 120};     // as the curve of the force in the plots
+constexpr BarColour kNearLimitColour = {240, 80, 70};  // as the limit of the force in the plots
 // Shares of the picture's height: the bar stands between the lines of text in the upper and in the lower corner.
 constexpr double kBarLow = 0.37;
 constexpr double kBarHeight = 0.26;
@@ -83,9 +83,9 @@ void ForceBar::set(double force_n, double limit_n, PictureSize size, int font_px
   const Vec2 low(0.5 * font_px, kBarLow * size.height_px + 0.5 * lift_px);
   const Vec2 high = low + Vec2(kWidthInLetters * font_px, kBarHeight * size.height_px);
   BarShape shape;
-  shape.fill(low, high, kGround);
-  shape.fill(low, {high.x(), low.y() + share * (high.y() - low.y())}, share < kNearLimit ? kForce : kFull);
-  shape.outline(low, high, kFrame);
+  shape.fill(low, high, kBarBackground);
+  shape.fill(low, {high.x(), low.y() + share * (high.y() - low.y())}, share < kNearLimit ? kForceColour : kNearLimitColour);
+  shape.outline(low, high, kBarFrame);
   shape.show_in(shape_);
   const std::string text = fmt::format("{:.3g} N", limit_n);
   if (limit_->GetInput() == nullptr || text != limit_->GetInput()) limit_->SetInput(text.c_str());

@@ -25,12 +25,12 @@ Result<GLuint> compile(GLenum kind, std::string_view source) {
 }  // namespace
 
 Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view fragment) {
-  const auto first = compile(GL_VERTEX_SHADER, vertex);
-  if (!first) return tl::unexpected(first.error());
-  const auto second = compile(GL_FRAGMENT_SHADER, fragment);
-  if (!second) {
-    glDeleteShader(*first);
-    return tl::unexpected(second.error());
+  const auto vertex_shader = compile(GL_VERTEX_SHADER, vertex);
+  if (!vertex_shader) return tl::unexpected(vertex_shader.error());
+  const auto fragment_shader = compile(GL_FRAGMENT_SHADER, fragment);
+  if (!fragment_shader) {
+    glDeleteShader(*vertex_shader);
+    return tl::unexpected(fragment_shader.error());
   }
   GlProgram made(glCreateProgram());
   glBindAttribLocation(made.program_, 0, "position");
@@ -38,7 +38,7 @@ Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view frag
   glBindAttribLocation(made.program_, 2, "tint");
   glBindAttribLocation(made.program_, 3, "place");
   glBindAttribLocation(made.program_, 4, "finish");
-  for (const GLuint shader : {*first, *second}) {
+  for (const GLuint shader : {*vertex_shader, *fragment_shader}) {
     glAttachShader(made.program_, shader);
     glDeleteShader(shader);  // the shader is deleted together with the program
   }

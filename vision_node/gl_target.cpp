@@ -5,8 +5,8 @@
 namespace hapton {
 namespace {
 
-constexpr GLenum kBlends[4] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
-constexpr GLenum kSwitches[4] = {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_BLEND, GL_CULL_FACE};
+constexpr GLenum kBlendFactors[4] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
+constexpr GLenum kCapabilities[4] = {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_BLEND, GL_CULL_FACE};
 
 void read_attachment(GLenum attachment, GLint& format, GLint& samples) {
   GLint kind = GL_NONE;
@@ -42,42 +42,42 @@ GlFormat read_bound_format() {
 }
 
 GlStateGuard::GlStateGuard() {
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_);
-  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_);
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_framebuffer_);
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_framebuffer_);
   glGetIntegerv(GL_CURRENT_PROGRAM, &program_);
-  glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertices_);
-  glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &buffer_);
+  glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertex_array_);
+  glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &array_buffer_);
   glGetIntegerv(GL_DEPTH_FUNC, &depth_function_);
   glGetIntegerv(GL_CULL_FACE_MODE, &cull_face_);
   glGetIntegerv(GL_FRONT_FACE, &front_face_);
   glGetIntegerv(GL_VIEWPORT, viewport_);
   glGetIntegerv(GL_SCISSOR_BOX, scissor_);
-  glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_);
+  glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_colour_);
   glGetFloatv(GL_LINE_WIDTH, &line_width_);
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
   glGetBooleanv(GL_COLOR_WRITEMASK, colour_mask_);
-  for (int i = 0; i < 4; ++i) glGetIntegerv(kBlends[i], &blend_[i]);
-  for (int i = 0; i < 4; ++i) enabled_[i] = glIsEnabled(kSwitches[i]);
+  for (int i = 0; i < 4; ++i) glGetIntegerv(kBlendFactors[i], &blend_[i]);
+  for (int i = 0; i < 4; ++i) enabled_[i] = glIsEnabled(kCapabilities[i]);
 }
 
 GlStateGuard::~GlStateGuard() {
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_));
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_framebuffer_));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_framebuffer_));
   glUseProgram(static_cast<GLuint>(program_));
-  glBindVertexArray(static_cast<GLuint>(vertices_));
-  glBindBuffer(GL_ARRAY_BUFFER, static_cast<GLuint>(buffer_));
+  glBindVertexArray(static_cast<GLuint>(vertex_array_));
+  glBindBuffer(GL_ARRAY_BUFFER, static_cast<GLuint>(array_buffer_));
   glDepthFunc(static_cast<GLenum>(depth_function_));
   glCullFace(static_cast<GLenum>(cull_face_));
   glFrontFace(static_cast<GLenum>(front_face_));
   glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
   glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
   glLineWidth(line_width_);
-  glClearColor(clear_[0], clear_[1], clear_[2], clear_[3]);
+  glClearColor(clear_colour_[0], clear_colour_[1], clear_colour_[2], clear_colour_[3]);
   glBlendFuncSeparate(static_cast<GLenum>(blend_[0]), static_cast<GLenum>(blend_[1]), static_cast<GLenum>(blend_[2]),
                       static_cast<GLenum>(blend_[3]));
   glDepthMask(depth_mask_);
   glColorMask(colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);
-  for (int i = 0; i < 4; ++i) enabled_[i] != 0 ? glEnable(kSwitches[i]) : glDisable(kSwitches[i]);
+  for (int i = 0; i < 4; ++i) enabled_[i] != 0 ? glEnable(kCapabilities[i]) : glDisable(kCapabilities[i]);
 }
 
 GlTarget::~GlTarget() { release(); }
@@ -91,7 +91,7 @@ void GlTarget::release() {
   size_ = {};
 }
 
-bool GlTarget::shape(PictureSize size, const GlFormat& format) {
+bool GlTarget::resize(PictureSize size, const GlFormat& format) {
   if (framebuffer_ != 0 && size == size_ && format == format_) return false;
   release();
   size_ = size;

@@ -29,9 +29,10 @@ class GlStateGuard {
   GlStateGuard& operator=(const GlStateGuard&) = delete;
 
  private:
-  GLint draw_ = 0, read_ = 0, program_ = 0, vertices_ = 0, buffer_ = 0, depth_function_ = 0, cull_face_ = 0, front_face_ = 0;
+  GLint draw_framebuffer_ = 0, read_framebuffer_ = 0, program_ = 0, vertex_array_ = 0, array_buffer_ = 0, depth_function_ = 0,
+        cull_face_ = 0, front_face_ = 0;
   GLint viewport_[4] = {}, scissor_[4] = {};
-  GLfloat clear_[4] = {}, line_width_ = 1.0F;
+  GLfloat clear_colour_[4] = {}, line_width_ = 1.0F;
   GLint blend_[4] = {};  // factors for source and destination of colours, then of alphas
   GLboolean depth_mask_ = 0, colour_mask_[4] = {};
   GLboolean enabled_[4] = {};
@@ -46,7 +47,7 @@ class GlTarget {
   GlTarget& operator=(const GlTarget&) = delete;
 
   // Sets size and format. True: one of them changed; then the content is lost, and this framebuffer is bound.
-  bool shape(PictureSize size, const GlFormat& format);
+  bool resize(PictureSize size, const GlFormat& format);
   PictureSize size() const { return size_; }
   const GlFormat& format() const { return format_; }
   // Draw calls that follow go to this framebuffer, to all of it.

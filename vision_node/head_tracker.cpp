@@ -46,7 +46,7 @@ std::optional<Head> HeadTracker::take_head(std::int64_t now_ns) {
   if (const auto sensor = link_->take_newest(now_ns)) {
     head = find_head(source_, *sensor);
     if (is_possible(*head, ipd_m_)) {
-      seen_ns_ = now_ns;
+      possible_ns_ = now_ns;
     } else {
       impossible_ns_ = now_ns;
       impossible_m_ = head->p_RH;
@@ -58,18 +58,18 @@ std::optional<Head> HeadTracker::take_head(std::int64_t now_ns) {
 }
 
 HeadTracker::State HeadTracker::find_state(std::int64_t now_ns) const {
-  if (seen_ns_ && now_ns - *seen_ns_ < kStaleNs) return State::seen;
+  if (possible_ns_ && now_ns - *possible_ns_ < kStaleNs) return State::tracked;
   if (impossible_ns_ && now_ns - *impossible_ns_ < kStaleNs) return State::impossible;
-  if (!seen_ns_ && now_ns - opened_ns_ < kFirstPoseTimeoutNs) return State::beginning;
+  if (!possible_ns_ && now_ns - opened_ns_ < kFirstPoseTimeoutNs) return State::beginning;
   if (!link_->is_connected()) return State::absent;
-  return seen_ns_ ? State::lost : State::silent;
+  return possible_ns_ ? State::lost : State::silent;
 }
 
 std::string HeadTracker::describe(std::int64_t now_ns) const {
   const std::string name = fmt::format("{}@{}", source_.tracker->device, source_.tracker->host);
   switch (find_state(now_ns)) {
     case State::beginning:
-    case State::seen:
+    case State::tracked:
       break;
     case State::absent:
       return fmt::format("no VRPN server replies for {}; the head stays where it was", name);
@@ -77,7 +77,7 @@ std::string HeadTracker::describe(std::int64_t now_ns) const {
       return fmt::format("{} sends no pose of sensor {} (its server has: {}); check --head and --head-sensor", name, source_.sensor,
                          link_->describe_devices());
     case State::lost:
-      return fmt::format("{} has sent no pose for {} s; the head stays where it was", name, (now_ns - *seen_ns_) / 1'000'000'000);
+      return fmt::format("{} has sent no pose for {} s; the head stays where it was", name, (now_ns - *possible_ns_) / 1'000'000'000);
     case State::impossible:
       return fmt::format(
           "{} reports the head at {:.4g} {:.4g} {:.4g} mm, which is not in front of the screen; check --tracker-mm and --tracker-turn-deg",
@@ -88,11 +88,11 @@ std::string HeadTracker::describe(std::int64_t now_ns) const {
 
 void HeadTracker::report(std::int64_t now_ns) {
   const State now = find_state(now_ns);
-  const bool is_soon = reported_ns_ && now_ns - *reported_ns_ < kLogPauseNs;
-  if (now == reported_ || now == State::beginning || is_soon) return;
-  reported_ = now;
+  const bool is_too_soon = reported_ns_ && now_ns - *reported_ns_ < kLogPauseNs;
+  if (now == reported_state_ || now == State::beginning || is_too_soon) return;
+  reported_state_ = now;
   reported_ns_ = now_ns;
-  if (now == State::seen) {
+  if (now == State::tracked) {
     log_info("{}@{} tracks the head", source_.tracker->device, source_.tracker->host);
   } else {
     log_warning("head: {}", describe(now_ns));

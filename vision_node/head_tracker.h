@@ -45,7 +45,7 @@ class HeadTracker {
   std::string describe(std::int64_t now_ns) const;
 
  private:
-  enum class State : std::uint8_t { beginning, absent, silent, seen, lost, impossible };
+  enum class State : std::uint8_t { beginning, absent, silent, tracked, lost, impossible };
   HeadTracker(const HeadSource& source, double ipd_m, std::unique_ptr<vrpn::TrackerLink> link);
   State find_state(std::int64_t now_ns) const;
   void report(std::int64_t now_ns);
@@ -53,10 +53,10 @@ class HeadTracker {
   HeadSource source_;
   double ipd_m_;
   std::unique_ptr<vrpn::TrackerLink> link_;
-  std::optional<std::int64_t> seen_ns_;  // time of the newest possible head
+  std::optional<std::int64_t> possible_ns_;  // time of the newest possible head
   std::optional<std::int64_t> impossible_ns_;
   Vec3 impossible_m_ = Vec3::Zero();
-  State reported_ = State::beginning;
+  State reported_state_ = State::beginning;
   std::optional<std::int64_t> reported_ns_;
   std::int64_t opened_ns_ = -1;
 };

@@ -30,9 +30,9 @@ constexpr double kPlotPixelM = 0.0009;  // a curve is 122 mm wide
 const Vec3 kBarAt(-0.189, -0.109, -0.19);
 const Vec3 kPlotsAt(-0.082, -0.115, -0.19);
 // Each rectangle is this much nearer to the viewer than the one that it covers.
-constexpr double kBeforePx = 0.5;
+constexpr double kRectangleGapPx = 0.5;
 
-void stand(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m) {
+void set_up_panel(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(shape);
   actor->SetMapper(mapper);
@@ -44,14 +44,14 @@ void stand(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m)
 }
 
 // Shows the label `of`, which has a position in pixels of a flat picture, at the same place of the panel whose lower left corner is p_W.
-void show_label(vtkTextActor3D* actor, vtkTextActor* of, const Vec3& p_W, double pixel_m) {
-  const double* at = of->GetPosition();
-  const double scale = pixel_m * of->GetTextProperty()->GetFontSize() / kFontPx;
+void show_label(vtkTextActor3D* actor, vtkTextActor* label, const Vec3& p_W, double pixel_m) {
+  const double* at = label->GetPosition();
+  const double scale = pixel_m * label->GetTextProperty()->GetFontSize() / kFontPx;
   actor->SetScale(scale, scale, scale);
   actor->SetPosition(p_W.x() + pixel_m * at[0], p_W.y() + pixel_m * at[1], p_W.z());
-  actor->GetTextProperty()->SetJustification(of->GetTextProperty()->GetJustification());
+  actor->GetTextProperty()->SetJustification(label->GetTextProperty()->GetJustification());
   actor->VisibilityOn();
-  if (actor->GetInput() == nullptr || std::string_view(actor->GetInput()) != of->GetInput()) actor->SetInput(of->GetInput());
+  if (actor->GetInput() == nullptr || std::string_view(actor->GetInput()) != label->GetInput()) actor->SetInput(label->GetInput());
 }
 
 // Separates the rectangles in depth: in one plane they would flicker.
@@ -59,7 +59,7 @@ void separate_rectangles(vtkPolyData* from, vtkPolyData* to) {
   vtkNew<vtkPoints> points;
   for (vtkIdType i = 0; i < from->GetNumberOfPoints(); ++i) {
     const double* at = from->GetPoint(i);
-    points->InsertNextPoint(at[0], at[1], kBeforePx * static_cast<double>(i / 4));
+    points->InsertNextPoint(at[0], at[1], kRectangleGapPx * static_cast<double>(i / 4));
   }
   to->ShallowCopy(from);
   to->SetPoints(points);
@@ -93,8 +93,8 @@ HeadsetPanel::HeadsetPanel() {
   place(notice_, kNoticeAt, kNoticeM);
   notice_->GetTextProperty()->SetColor(1.0, 0.78, 0.10);
   notice_->GetTextProperty()->SetJustificationToCentered();
-  stand(bar_actor_, bar_shape_, kBarAt, kBarPixelM);
-  stand(plot_actor_, plots_.lines(), kPlotsAt, kPlotPixelM);
+  set_up_panel(bar_actor_, bar_shape_, kBarAt, kBarPixelM);
+  set_up_panel(plot_actor_, plots_.lines(), kPlotsAt, kPlotPixelM);
   place(bar_label_, kBarAt, kLineM);
   for (const auto& title : plot_titles_) place(title, kPlotsAt, kLineM);
 }

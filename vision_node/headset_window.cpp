@@ -16,19 +16,19 @@ PictureSize HeadsetWindow::mapped_size() const {
   return {now.width, now.height};
 }
 
-void HeadsetWindow::enter(PictureSize each) {
-  if (each_.width_px == 0) {
+void HeadsetWindow::enter(PictureSize eye_size) {
+  if (eye_size_.width_px == 0) {
     window_->MakeCurrent();
     window_->SetSwapControl(0);  // the headset sets the pace, not the screen
   }
-  each_ = each;
+  eye_size_ = eye_size;
   window_->UseOffScreenBuffersOn();
-  vtkXOpenGLRenderWindow::SafeDownCast(window_)->SetSizeNoXResize(2 * each.width_px, each.height_px);
+  vtkXOpenGLRenderWindow::SafeDownCast(window_)->SetSizeNoXResize(2 * eye_size.width_px, eye_size.height_px);
 }
 
 void HeadsetWindow::leave() {
-  if (each_.width_px == 0) return;
-  each_ = {};
+  if (eye_size_.width_px == 0) return;
+  eye_size_ = {};
   window_->MakeCurrent();
   window_->SetSwapControl(1);
   window_->SetUseOffScreenBuffers(!is_mapped_);
@@ -38,20 +38,20 @@ void HeadsetWindow::leave() {
 
 void HeadsetWindow::take_frame() {
   window_->MakeCurrent();
-  copies_.take(window_->GetRenderFramebuffer()->GetFBOIndex(), each_);
+  copies_.take(window_->GetRenderFramebuffer()->GetFBOIndex(), eye_size_);
 }
 
 void HeadsetWindow::show_mirror() {
   if (!is_mapped_) return;
   const PictureSize window = mapped_size();
   if (window.width_px <= 0 || window.height_px <= 0) return;
-  copies_.copy_to_window(place_mirror(window, each_));
+  copies_.copy_to_window(place_mirror(window, eye_size_));
   glXSwapBuffers(static_cast<Display*>(window_->GetGenericDisplayId()), reinterpret_cast<GLXDrawable>(window_->GetGenericWindowId()));
 }
 
 Eigen::Vector2i HeadsetWindow::find_pixel(int window_x_px, int window_y_px) const {
-  if (each_.width_px == 0) return {window_x_px, window_y_px};
-  return place_mirror(mapped_size(), each_).to_eye(window_x_px, window_y_px, each_);
+  if (eye_size_.width_px == 0) return {window_x_px, window_y_px};
+  return place_mirror(mapped_size(), eye_size_).to_eye(window_x_px, window_y_px, eye_size_);
 }
 
 GlxWindow HeadsetWindow::handles() {

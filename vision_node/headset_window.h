@@ -19,7 +19,7 @@ class HeadsetWindow {
   HeadsetWindow(vtkOpenGLRenderWindow* window, bool is_mapped, PictureSize size) : window_(window), is_mapped_(is_mapped), size_(size) {}
 
   // From now on VTK draws two images of that size. Call it before each frame: after a resize of the window, VTK takes the window's size.
-  void enter(PictureSize each);
+  void enter(PictureSize eye_size);
   // From now on VTK draws for the window; no effect if it already does.
   void leave();
 
@@ -41,7 +41,7 @@ class HeadsetWindow {
   vtkOpenGLRenderWindow* window_;
   bool is_mapped_;
   PictureSize size_;
-  PictureSize each_;  // size of one eye's image; zero while VTK draws for the window
+  PictureSize eye_size_;  // size of one eye's image; zero while VTK draws for the window
   EyeCopies copies_;
 };
 

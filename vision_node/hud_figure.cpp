@@ -85,7 +85,7 @@ void HudFigure::add_to(vtkRenderer* renderer) {
 }
 
 void HudFigure::set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size) {
-  const double lift_px = line ? place_time_line(size).reserve_px : 0.0;
+  const double lift_px = line ? place_time_line(size).strip_height_px : 0.0;
   if (lift_px != lift_px_) {
     lift_px_ = lift_px;
     place(size);

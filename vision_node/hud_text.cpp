@@ -11,7 +11,7 @@ namespace hapton {
 
 namespace {
 
-constexpr float kForceLifetimeUs = 20'000.0F;  // kCommandTimeoutNs of io_node's governor
+constexpr float kCommandTimeoutUs = 20'000.0F;  // kCommandTimeoutNs of io_node's governor
 
 // If there can be no force, "free, 0.00 N" would say that all is well.
 bool is_without_force(ProbeStatus status) {
@@ -23,13 +23,13 @@ bool is_without_force(ProbeStatus status) {
 std::string energy_text(std::uint32_t percent) {
   constexpr std::uint32_t kMarks = 10;  // of the bar, 10 % each
   if (percent == 0) return {};
-  const std::uint32_t full = std::min(kMarks, (percent * kMarks + 99) / 100);
-  return fmt::format("   energy given [{}{}] {} %", std::string(full, '#'), std::string(kMarks - full, '.'), percent);
+  const std::uint32_t full_marks = std::min(kMarks, (percent * kMarks + 99) / 100);
+  return fmt::format("   energy given [{}{}] {} %", std::string(full_marks, '#'), std::string(kMarks - full_marks, '.'), percent);
 }
 
 // A key holds a button until it is pressed again.
 std::string hand_text(const HudFacts& facts) {
-  if (!facts.hand_held) return {};
+  if (!facts.is_hand_led) return {};
   std::string text = ", hand on the mouse";
   for (int button = 1; button <= 4; ++button) {
     if ((facts.state.buttons & button_bit(button)) != 0) text += fmt::format(", button {}", button);
@@ -44,28 +44,29 @@ bool is_held_in_contact(const ProbeState& s) {
 }
 
 std::string force_text(const HudFacts& facts) {
-  const ProbeState& s = facts.state;
+  const ProbeState& state = facts.state;
   // haptics_node has joined the hub, but does not reply yet.
-  if ((s.status == ProbeStatus::no_haptics || s.status == ProbeStatus::ok) && facts.preparing_s > 0.0) {
+  if ((state.status == ProbeStatus::no_haptics || state.status == ProbeStatus::ok) && facts.preparing_s > 0.0) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
   }
   // haptics_node replies, but too late.
-  if (s.status == ProbeStatus::no_haptics && s.round_trip_p50_us > kForceLifetimeUs) {
-    return fmt::format("NO FORCE: replies of haptics_node take {:.0f} ms, a force lasts {:.0f} ms", 1e-3F * s.round_trip_p50_us,
-                       1e-3F * kForceLifetimeUs);
+  if (state.status == ProbeStatus::no_haptics && state.round_trip_p50_us > kCommandTimeoutUs) {
+    return fmt::format("NO FORCE: replies of haptics_node take {:.0f} ms, a force lasts {:.0f} ms", 1e-3F * state.round_trip_p50_us,
+                       1e-3F * kCommandTimeoutUs);
   }
-  if (is_without_force(s.status)) return std::string(describe(s.status));
-  const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (is_held_in_contact(s) ? ", in contact" : "")
-                              : !s.contact            ? "free"
-                              : !touches_surface(s)   ? "free, a force in space"
-                              : facts.touched.empty() ? "touching"
-                                                      : "touching " + facts.touched;
-  const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
-  const std::string torque = has_torque ? fmt::format("  torque {:5.3f} Nm", s.torque_nm.norm()) : std::string();
-  const std::uint32_t pairs = s.haptons.value_or(0);
+  if (is_without_force(state.status)) return std::string(describe(state.status));
+  const std::string contact = !facts.held_name.empty()  ? "holding " + facts.held_name + (is_held_in_contact(state) ? ", in contact" : "")
+                              : !state.contact          ? "free"
+                              : !touches_surface(state) ? "free, a force in space"
+                              : facts.touched_name.empty() ? "touching"
+                                                           : "touching " + facts.touched_name;
+  const bool has_torque = state.torque_nm.allFinite() && !state.torque_nm.isZero(0.0);
+  const std::string torque = has_torque ? fmt::format("  torque {:5.3f} Nm", state.torque_nm.norm()) : std::string();
+  const std::uint32_t pairs = state.haptons.value_or(0);
   const std::string haptons = pairs > 0 ? fmt::format("  {} hapton{}", pairs, pairs == 1 ? "" : "s") : std::string();
-  return fmt::format("force {:4.2f} N{}{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, haptons, contact,
-                     hand_text(facts), energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
+  return fmt::format("force {:4.2f} N{}{}   {}{}{}{}{}", state.force_n.allFinite() ? state.force_n.norm() : 0.0, torque, haptons, contact,
+                     hand_text(facts), energy_text(state.energy_percent), state.status == ProbeStatus::ok ? "" : "   ",
+                     describe(state.status));
 }
 
 // In millimetres even if the scene is tiny: people compare the size with the one that they know.
@@ -100,14 +101,14 @@ std::string_view describe(ProbeStatus status) {
 }
 
 std::string compose_hud(const HudFacts& facts) {
-  const ProbeState& s = facts.state;
+  const ProbeState& state = facts.state;
   std::string text;
   if (!facts.recording.empty()) text += facts.recording + "\n";
-  if (facts.connected) {
-    text += fmt::format("servo {:.0f} Hz", s.servo_rate_hz);
+  if (facts.is_connected) {
+    text += fmt::format("servo {:.0f} Hz", state.servo_rate_hz);
     // No round trip is measured while no haptics_node replies.
-    if (s.round_trip_p99_us > 0.0F)
-      text += fmt::format("   round trip p50 {:.0f}  p99 {:.0f} us", s.round_trip_p50_us, s.round_trip_p99_us);
+    if (state.round_trip_p99_us > 0.0F)
+      text += fmt::format("   round trip p50 {:.0f}  p99 {:.0f} us", state.round_trip_p50_us, state.round_trip_p99_us);
     text += "\n" + force_text(facts) + "\n";
   } else {
     text += "waiting for the hub ...\n\n";
@@ -123,7 +124,7 @@ std::string compose_hud(const HudFacts& facts) {
   if (!facts.scene_problem.empty()) text += "\nSCENE FILE: " + facts.scene_problem;
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
   if (!facts.teaching.empty()) text += "\n" + facts.teaching;
-  if (!facts.happened.empty()) text += "\n" + facts.happened;
+  if (!facts.recent_event.empty()) text += "\n" + facts.recent_event;
   if (facts.is_other_scene && !facts.recording.empty()) {
     text += "\nTHE RECORDING HAS ANOTHER SCENE than the one shown: name the one of the recording with --scene";
   } else if (facts.is_other_scene) {
@@ -135,7 +136,7 @@ std::string compose_hud(const HudFacts& facts) {
 }
 
 std::string compose_notice(const HudFacts& facts) {
-  if (!facts.connected) return {};
+  if (!facts.is_connected) return {};
   if (facts.is_other_scene && !facts.recording.empty()) {
     return "The recording has another scene than the one shown.\nThe file has changed since, or --scene, --unit or --no-fit differ.";
   }
@@ -148,13 +149,13 @@ std::string compose_notice(const HudFacts& facts) {
   if (facts.state.status == ProbeStatus::too_small) {
     return fmt::format(
         "This scene is {} across, too small to touch.\nWrong unit? Give --unit, or unit and fit_m in the scene file; leave out --no-fit.",
-        size_text(facts.scene_across_m));
+        size_text(facts.scene_diameter_m));
   }
   if (facts.state.status == ProbeStatus::out_of_reach) {
     return fmt::format(
         "The device cannot reach this scene: {} across, {} away.\nWrong unit? Give --unit, or unit and fit_m in the scene file; leave out "
         "--no-fit.",
-        size_text(facts.scene_across_m), size_text(facts.scene_away_m));
+        size_text(facts.scene_diameter_m), size_text(facts.scene_distance_m));
   }
   return {};
 }

@@ -9,16 +9,16 @@ using Polygon = std::vector<Vec3>;
 
 // The part of the polygon where normal . p <= limit (Sutherland and Hodgman).
 Polygon clip_polygon(const Polygon& polygon, const Vec3& normal, double limit) {
-  Polygon kept;
+  Polygon clipped;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec3& p = polygon[i];
     const Vec3& q = polygon[(i + 1) % polygon.size()];
     const double at_p = normal.dot(p) - limit;
     const double at_q = normal.dot(q) - limit;
-    if (at_p <= 0.0) kept.push_back(p);
-    if ((at_p < 0.0 && at_q > 0.0) || (at_p > 0.0 && at_q < 0.0)) kept.push_back(p + at_p / (at_p - at_q) * (q - p));
+    if (at_p <= 0.0) clipped.push_back(p);
+    if ((at_p < 0.0 && at_q > 0.0) || (at_p > 0.0 && at_q < 0.0)) clipped.push_back(p + at_p / (at_p - at_q) * (q - p));
   }
-  return kept;
+  return clipped;
 }
 
 // A square that is larger than the box, in the plane normal . p = limit.
@@ -51,17 +51,17 @@ std::vector<HullEdge> find_hull_edges(const std::vector<HullSlab>& slabs) {
     }
   }
   // Two faces meet at each edge, but it is kept once. An edge that is no longer than a rounding error is a corner.
-  const double same = 1e-7 * size;
-  std::vector<HullEdge> once;
+  const double tolerance = 1e-7 * size;
+  std::vector<HullEdge> unique_edges;
   for (const HullEdge& edge : edges) {
-    if ((edge.first - edge.second).norm() <= same) continue;
+    if ((edge.first - edge.second).norm() <= tolerance) continue;
     const auto is_same = [&](const HullEdge& known) {
-      return ((known.first - edge.second).norm() <= same && (known.second - edge.first).norm() <= same) ||
-             ((known.first - edge.first).norm() <= same && (known.second - edge.second).norm() <= same);
+      return ((known.first - edge.second).norm() <= tolerance && (known.second - edge.first).norm() <= tolerance) ||
+             ((known.first - edge.first).norm() <= tolerance && (known.second - edge.second).norm() <= tolerance);
     };
-    if (std::none_of(once.begin(), once.end(), is_same)) once.push_back(edge);
+    if (std::none_of(unique_edges.begin(), unique_edges.end(), is_same)) unique_edges.push_back(edge);
   }
-  return once;
+  return unique_edges;
 }
 
 }  // namespace hapton

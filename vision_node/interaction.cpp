@@ -21,11 +21,11 @@ constexpr double kHeadStepM = 0.01;  // of the viewer's head, for each press of 
 // with the softest of the shipped materials), the step of one notch of the wheel, and how deep and how far off the hand may be moved.
 constexpr double kPressShare = 0.01;
 constexpr double kWheelShare = 0.005;
-constexpr double kDeepest = 0.1;
-constexpr double kFarthestOff = -0.5;
-constexpr std::int64_t kHandResendNs = 100'000'000;  // interval at which a target is sent again, as a datagram may be lost
-constexpr std::int64_t kFarewellNs = 30'000'000;     // between the messages that end the motion of the hand
-constexpr int kFarewells = 4;                        // number of those messages: one may be lost
+constexpr double kMaxPressShare = 0.1;
+constexpr double kMinPressShare = -0.5;
+constexpr std::int64_t kHandResendNs = 100'000'000;    // interval at which a target is sent again, as a datagram may be lost
+constexpr std::int64_t kReleasePeriodNs = 30'000'000;  // between the messages that end the motion of the hand
+constexpr int kReleaseMessages = 4;                    // number of those messages: one may be lost
 
 // Keys of requests that the caller carries out.
 constexpr std::array<std::pair<char, bool UserRequests::*>, 19> kRequestKeys = {{
@@ -62,12 +62,12 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       event.navigation_key == WindowEvent::NavigationKey::none ? press_key(event.key, view) : press_navigation_key(event.navigation_key);
       break;
     case Kind::press:
-      held_ = event.button;
-      if (held_ == WindowEvent::Button::left) take_hold(view);
+      held_button_ = event.button;
+      if (held_button_ == WindowEvent::Button::left) begin_leading(view);
       break;
     case Kind::release:
-      if (event.button == WindowEvent::Button::left && !latched_) release_hand();
-      if (event.button == held_) held_ = WindowEvent::Button::none;
+      if (event.button == WindowEvent::Button::left && !is_hand_latched_) release_hand();
+      if (event.button == held_button_) held_button_ = WindowEvent::Button::none;
       break;
     case Kind::move:
       drag(event, view);
@@ -124,18 +124,18 @@ void Interaction::press_key(char key, const View& view) {
       camera_ = {};
       break;
     case 'p':
-      press_hand_button(1);
+      toggle_hand_button(1);
       break;
     case '1':
     case '2':
     case '3':
     case '4':
-      press_hand_button(key - '0');
+      toggle_hand_button(key - '0');
       break;
     case 'h':
-      latched_ = !latched_;
-      if (latched_)
-        take_hold(view);
+      is_hand_latched_ = !is_hand_latched_;
+      if (is_hand_latched_)
+        begin_leading(view);
       else
         release_hand();
       break;
@@ -146,7 +146,7 @@ void Interaction::press_key(char key, const View& view) {
 
 void Interaction::press_navigation_key(WindowEvent::NavigationKey key) {
   using NavigationKey = WindowEvent::NavigationKey;
-  Vec3& by_m = requests_.head_by_m;
+  Vec3& by_m = requests_.head_motion_m;
   switch (key) {
     case NavigationKey::left:
       by_m.x() -= kHeadStepM;
@@ -175,13 +175,13 @@ void Interaction::press_navigation_key(WindowEvent::NavigationKey key) {
   }
 }
 
-void Interaction::take_hold(const View& view) {
+void Interaction::begin_leading(const View& view) {
   if (hand_.active) return;
   hand_.active = true;
   set_goal(view.p_WD);
-  press_ = kPressShare;
+  press_share_ = kPressShare;
   p_WQ_.reset();
-  hand_changed_ = true;
+  has_hand_changed_ = true;
   if (view.p_WQ) lead(view, Vec2::Zero());
 }
 
@@ -190,26 +190,26 @@ void Interaction::release_hand() {
   hand_.active = false;
   hand_.buttons = 0;
   hand_.turn_rad.setZero();
-  hand_changed_ = true;
-  farewells_ = kFarewells;
+  has_hand_changed_ = true;
+  release_messages_left_ = kReleaseMessages;
 }
 
-void Interaction::press_hand_button(int number) {
+void Interaction::toggle_hand_button(int number) {
   if (!hand_.active) return;
   hand_.buttons ^= button_bit(number);
-  hand_changed_ = true;
+  has_hand_changed_ = true;
 }
 
 void Interaction::drag(const WindowEvent& event, const View& view) {
   const Vec2 moved(event.x_px - x_px_, event.y_px - y_px_);
   if (moved.isZero()) return;
-  const bool pans = held_ == WindowEvent::Button::middle || (held_ == WindowEvent::Button::right && event.shift);
+  const bool pans = held_button_ == WindowEvent::Button::middle || (held_button_ == WindowEvent::Button::right && event.shift);
   if (pans) {
     camera_.pan_m -= displace_in_screen_plane(view.screen, view.picture, moved, 0.0);
-  } else if (held_ == WindowEvent::Button::right) {
+  } else if (held_button_ == WindowEvent::Button::right) {
     // The scene follows the mouse: the viewer moves the other way.
     camera_.orbit(-kOrbitRadiansPerPixel * moved.x(), -kOrbitRadiansPerPixel * moved.y());
-  } else if (hand_.active && (latched_ || held_ == WindowEvent::Button::left)) {
+  } else if (hand_.active && (is_hand_latched_ || held_button_ == WindowEvent::Button::left)) {
     if (event.control) {
       turn_hand(kTurnRadiansPerPixel * Vec3(moved.x(), -moved.y(), 0.0));
     } else {
@@ -220,21 +220,21 @@ void Interaction::drag(const WindowEvent& event, const View& view) {
 
 void Interaction::turn_hand(const Vec3& by_rad) {
   hand_.turn_rad += by_rad;
-  hand_changed_ = true;
+  has_hand_changed_ = true;
 }
 
 void Interaction::set_goal(const Vec3& p_WG) {
   p_WG_ = p_WG;
   hand_.p_WH = p_WG;
-  hand_changed_ = true;
+  has_hand_changed_ = true;
 }
 
-void Interaction::follow(const VisibleDepth& seen, const LedTip& tip) {
+void Interaction::follow(const VisibleDepth& visible, const LedTip& tip) {
   if (!hand_.active) return;
-  const Vec3 next = route_hand(seen, tip, p_WG_);
+  const Vec3 next = route_hand(visible, tip, p_WG_);
   if (next == hand_.p_WH) return;
   hand_.p_WH = next;
-  hand_changed_ = true;
+  has_hand_changed_ = true;
 }
 
 void Interaction::lead(const View& view, const Vec2& moved_px) {
@@ -242,7 +242,7 @@ void Interaction::lead(const View& view, const Vec2& moved_px) {
     p_WQ_ = view.p_WQ;
     const Vec3 p_WE = compute_eye_position(view.screen, Eye::centre);
     const double side_m = std::min(view.screen.width_m, view.screen.height_m);
-    set_goal(*p_WQ_ + press_ * side_m * (*p_WQ_ - p_WE).normalized());
+    set_goal(*p_WQ_ + press_share_ * side_m * (*p_WQ_ - p_WE).normalized());
     return;
   }
   p_WQ_.reset();
@@ -256,21 +256,21 @@ void Interaction::turn_wheel(int notches, const View& view) {
     return;
   }
   const double side_m = std::min(view.screen.width_m, view.screen.height_m);
-  const double before = press_;
-  press_ = std::clamp(press_ + kWheelShare * notches, kFarthestOff, kDeepest);
+  const double before = press_share_;
+  press_share_ = std::clamp(press_share_ + kWheelShare * notches, kMinPressShare, kMaxPressShare);
   const Vec3 away =
       p_WQ_ ? Vec3((*p_WQ_ - compute_eye_position(view.screen, Eye::centre)).normalized()) : Vec3(-view.screen.X_WV.linear().col(2));
-  set_goal(p_WG_ + (press_ - before) * side_m * away);
+  set_goal(p_WG_ + (press_share_ - before) * side_m * away);
 }
 
 UserRequests Interaction::take_requests() { return std::exchange(requests_, {}); }
 
 std::optional<HandTarget> Interaction::take_hand(std::int64_t now_ns) {
   const std::int64_t silent_ns = now_ns - hand_sent_ns_;
-  const bool again = hand_.active ? silent_ns >= kHandResendNs : farewells_ > 0 && silent_ns >= kFarewellNs;
-  if (!hand_changed_ && !again) return std::nullopt;
-  if (!hand_.active) --farewells_;
-  hand_changed_ = false;
+  const bool is_repeat_due = hand_.active ? silent_ns >= kHandResendNs : release_messages_left_ > 0 && silent_ns >= kReleasePeriodNs;
+  if (!has_hand_changed_ && !is_repeat_due) return std::nullopt;
+  if (!hand_.active) --release_messages_left_;
+  has_hand_changed_ = false;
   hand_sent_ns_ = now_ns;
   return hand_;
 }

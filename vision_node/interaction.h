@@ -47,9 +47,9 @@ struct UserRequests {
   bool save = false;
   bool export_work = false;
   bool menu = false;
-  bool next_teach = false;        // shows the next teaching view
-  bool next_level = false;        // shows the next level of that view's tree
-  Vec3 head_by_m = Vec3::Zero();  // how far the viewer's head is to move, frame R
+  bool next_teach = false;            // shows the next teaching view
+  bool next_level = false;            // shows the next level of that view's tree
+  Vec3 head_motion_m = Vec3::Zero();  // how far the viewer's head is to move, frame R
   bool reset_head = false;
 };
 
@@ -72,13 +72,13 @@ class Interaction {
   void handle(const WindowEvent& event, const View& view);
   // Call it while the hand is led, with what is seen now: moves the hand on towards its goal under the pointer, on the visible side of the
   // scene.
-  void follow(const VisibleDepth& seen, const LedTip& tip);
+  void follow(const VisibleDepth& visible, const LedTip& tip);
 
   Dials& dials() { return dials_; }
   const Dials& dials() const { return dials_; }
   CameraView& camera() { return camera_; }
   const CameraView& camera() const { return camera_; }
-  bool hand_active() const { return hand_.active; }
+  bool is_hand_led() const { return hand_.active; }
 
   // The requests since the last call. They are then cleared.
   UserRequests take_requests();
@@ -89,11 +89,11 @@ class Interaction {
 
  private:
   void press_key(char key, const View& view);
-  void press_navigation_key(WindowEvent::NavigationKey pad);
-  void take_hold(const View& view);
+  void press_navigation_key(WindowEvent::NavigationKey key);
+  void begin_leading(const View& view);
   void release_hand();
   // Releases the button if it is pressed. number: from 1.
-  void press_hand_button(int number);
+  void toggle_hand_button(int number);
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
   // Turns the stylus further: yaw, pitch, roll.
@@ -107,14 +107,14 @@ class Interaction {
   UserRequests requests_;
   HandTarget hand_;
   Vec3 p_WG_ = Vec3::Zero();  // the goal under the pointer; the hand may be sent to a point on the path to it
-  WindowEvent::Button held_ = WindowEvent::Button::none;
-  bool latched_ = false;      // h was pressed: the hand follows the mouse without a button
-  double press_ = 0.0;        // depth inside the surface, as a share of the picture's smaller side; negative: off the surface
-  std::optional<Vec3> p_WQ_;  // the surface point that the hand was led to last
+  WindowEvent::Button held_button_ = WindowEvent::Button::none;
+  bool is_hand_latched_ = false;  // h was pressed: the hand follows the mouse without a button
+  double press_share_ = 0.0;      // depth inside the surface, as a share of the picture's smaller side; negative: off the surface
+  std::optional<Vec3> p_WQ_;      // the surface point that the hand was led to last
   int x_px_ = 0;
   int y_px_ = 0;
-  bool hand_changed_ = false;
-  int farewells_ = 0;  // how often the release of the hand is still to be sent
+  bool has_hand_changed_ = false;
+  int release_messages_left_ = 0;  // how often the release of the hand is still to be sent
   std::int64_t hand_sent_ns_ = 0;
 };
 

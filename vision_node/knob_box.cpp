@@ -71,7 +71,7 @@ void ViewTransformSender::set(const Pose& X_WS) {
   is_adopted_ = false;
   ++newest_.revision;
   note_newest();
-  due_ = true;
+  is_due_ = true;
 }
 
 std::optional<Pose> ViewTransformSender::find_pose(std::uint32_t revision) const {
@@ -80,20 +80,20 @@ std::optional<Pose> ViewTransformSender::find_pose(std::uint32_t revision) const
 }
 
 void ViewTransformSender::confirm(std::uint32_t hub_revision) {
-  const bool first = !has_received_;
-  has_received_ = true;
-  confirmed_ = hub_revision;
+  const bool first = !has_hub_reported_;
+  has_hub_reported_ = true;
+  confirmed_revision_ = hub_revision;
   if (first && newest_.revision != 0 && hub_revision >= newest_.revision) {
     newest_.revision = hub_revision + 1;
     note_newest();
-    due_ = true;
+    is_due_ = true;
   }
 }
 
 void ViewTransformSender::count_from(std::uint32_t revision) {
   if (revision <= newest_.revision) return;
-  newest_.revision = confirmed_ = revision;
-  due_ = false;
+  newest_.revision = confirmed_revision_ = revision;
+  is_due_ = false;
 }
 
 bool ViewTransformSender::adopt(const ViewTransform& view, bool any_revision) {
@@ -102,31 +102,31 @@ bool ViewTransformSender::adopt(const ViewTransform& view, bool any_revision) {
   newest_ = view;
   is_adopted_ = true;
   note_newest();
-  due_ = false;
-  confirmed_ = view.revision;
-  has_received_ = true;  // so that this revision is not taken for one of an earlier vision node
+  is_due_ = false;
+  confirmed_revision_ = view.revision;
+  has_hub_reported_ = true;  // so that this revision is not taken for one of an earlier vision node
   return is_other;
 }
 
 void ViewTransformSender::reject(std::uint32_t revision) {
-  if (revision == 0 || revision != newest_.revision || revision == rejected_) return;
-  rejected_ = revision;
+  if (revision == 0 || revision != newest_.revision || revision == rejected_revision_) return;
+  rejected_revision_ = revision;
   log_warning("the hub rejected view transform {}: not a rigid pose; the scene keeps its pose there until a dial turns", revision);
 }
 
 void ViewTransformSender::rejoin() {
-  has_received_ = false;
-  confirmed_ = 0;
-  due_ = newest_.revision != 0;
+  has_hub_reported_ = false;
+  confirmed_revision_ = 0;
+  is_due_ = newest_.revision != 0;
 }
 
 std::optional<ViewTransform> ViewTransformSender::take_due(std::int64_t now_ns) {
-  const bool lost =
-      !is_adopted_ && has_received_ && confirmed_ < newest_.revision && rejected_ != newest_.revision && now_ns - sent_ns_ >= kResendNs;
-  if (!due_ && !lost) return std::nullopt;
-  due_ = false;
+  const bool lost = !is_adopted_ && has_hub_reported_ && confirmed_revision_ < newest_.revision && rejected_revision_ != newest_.revision &&
+                    now_ns - sent_ns_ >= kResendNs;
+  if (!is_due_ && !lost) return std::nullopt;
+  is_due_ = false;
   sent_ns_ = now_ns;
-  ++sent_;
+  ++sent_count_;
   return newest_;
 }
 

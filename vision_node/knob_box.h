@@ -59,7 +59,7 @@ class ViewTransformSender {
   std::uint32_t revision() const { return newest_.revision; }
   // The pose with that revision, as twelve floats have it; none: it is more than kHistory revisions old, or was neither set nor adopted.
   std::optional<Pose> find_pose(std::uint32_t revision) const;
-  std::uint64_t sent() const { return sent_; }
+  std::uint64_t sent() const { return sent_count_; }
 
   static constexpr std::size_t kHistory = 64;  // poses that are kept: of about a second, at one a frame; the hub confirms one far sooner
 
@@ -68,13 +68,13 @@ class ViewTransformSender {
 
   ViewTransform newest_;
   std::array<ViewTransform, kHistory> history_ = {};  // at index revision % kHistory
-  std::uint32_t confirmed_ = 0;
-  std::uint32_t rejected_ = 0;  // 0: none
-  bool has_received_ = false;
+  std::uint32_t confirmed_revision_ = 0;
+  std::uint32_t rejected_revision_ = 0;  // 0: none
+  bool has_hub_reported_ = false;
   bool is_adopted_ = false;  // the newest was taken over from the hub
-  bool due_ = false;
+  bool is_due_ = false;
   std::int64_t sent_ns_ = 0;
-  std::uint64_t sent_ = 0;
+  std::uint64_t sent_count_ = 0;
 };
 
 }  // namespace hapton

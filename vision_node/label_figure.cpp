@@ -22,7 +22,7 @@ void LabelFigure::add_to(vtkRenderer* renderer) {
   }
 }
 
-void LabelFigure::place(const std::vector<InkLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size) {
+void LabelFigure::place(const std::vector<WorldLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size) {
   const int font = std::clamp(std::min(size.width_px / 48, size.height_px / 50), 9, 36);
   const EyeDepths depths = compute_eye_depths(screen, eye);
   for (std::size_t i = 0; i < texts_.size(); ++i) {

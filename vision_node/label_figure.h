@@ -20,7 +20,7 @@ class LabelFigure {
 
   void add_to(vtkRenderer* renderer);
   // Shows these labels and no others. Labels behind the eye, and those after the first kMax, are left out.
-  void place(const std::vector<InkLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size);
+  void place(const std::vector<WorldLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size);
 
  private:
   std::vector<vtkSmartPointer<vtkTextActor>> texts_;

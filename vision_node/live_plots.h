@@ -33,7 +33,7 @@ class LivePlots {
 
   void receive(const ProbeState& state, std::int64_t now_ns);
   // Call it when the hub no longer replies: then no force is known.
-  void forget_force() { newest_n_.reset(); }
+  void forget_force() { newest_force_n_.reset(); }
   // age_ns: from the arrival of the newest drawn state until the frame was in the window.
   void record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns);
 
@@ -47,20 +47,20 @@ class LivePlots {
   bool is_shown_;
   RecentCurve force_n_;
   RecentCurve age_ms_;
-  double limit_n_ = 0.0;            // 0: not known
-  std::optional<double> newest_n_;  // the newest force, which holds until the next state; none: not known
+  double limit_n_ = 0.0;                  // 0: not known
+  std::optional<double> newest_force_n_;  // the newest force, which holds until the next state; none: not known
   std::vector<PlotContent> plots_;
-  std::int64_t curves_ns_ = 0;
+  std::int64_t plots_made_ns_ = 0;
 };
 
-// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, whose top is at least least_axis_most.
-PlotContent make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most);
+// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, whose top is at least min_top.
+PlotContent make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double min_top);
 
 // The smallest tops of the scales of a force (N) and of a time (ms).
-constexpr double kMinAxisMostN = 1.0;
+constexpr double kMinTopN = 1.0;
 constexpr double kMinTopMs = 20.0;
 
-// The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least `least`. Pre: least > 0.
-double choose_axis_most(double value, double least);
+// The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least min_top. Pre: min_top > 0.
+double choose_top(double value, double min_top);
 
 }  // namespace hapton

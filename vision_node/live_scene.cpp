@@ -52,8 +52,8 @@ std::unique_ptr<LiveScene::Change> LiveScene::follow(std::int64_t now_ns) {
   describe_scene(*next, options_);
   auto change = std::make_unique<Change>();
   change->has_new_camera = next->view.camera != parts_->scene.view.camera;
-  change->before = std::exchange(parts_, std::make_unique<Parts>(view_, std::move(*next)));
-  parts_->moved.adopt(change->before->moved);
+  change->old_parts = std::exchange(parts_, std::make_unique<Parts>(view_, std::move(*next)));
+  parts_->moved.adopt(change->old_parts->moved);
   log_info("{} was read again, and is shown", file_->path().string());
   return change;
 }

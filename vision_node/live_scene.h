@@ -61,7 +61,7 @@ class LiveScene {
 };
 
 struct LiveScene::Change {
-  std::unique_ptr<Parts> before;
+  std::unique_ptr<Parts> old_parts;
   bool has_new_camera = false;  // [camera] of the file has changed: the view begins anew
 };
 

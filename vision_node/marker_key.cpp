@@ -25,12 +25,12 @@ std::optional<Marker> MarkerKey::take_due(std::int64_t now_ns) {
 }
 
 std::optional<std::string> MarkerKey::accept(const MarkerReply& reply) {
-  const auto asked =
+  const auto waiting =
       std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& one) { return one.marker.request == reply.request; });
-  if (asked == waiting_.end()) return std::nullopt;
+  if (waiting == waiting_.end()) return std::nullopt;
   const auto sample = read_reply(reply);
-  const std::string name = asked->marker.text.data();
-  waiting_.erase(asked);
+  const std::string name = waiting->marker.text.data();
+  waiting_.erase(waiting);
   return sample ? fmt::format("marked sample {}: {}", *sample, name) : fmt::format("{} not marked: {}", name, sample.error().what);
 }
 

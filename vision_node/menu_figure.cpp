@@ -26,9 +26,9 @@ constexpr double kGap = 0.04;
 constexpr double kAbove = 0.1;
 
 using Colour = std::array<unsigned char, 3>;
-constexpr Colour kField = {38, 48, 62};
-constexpr Colour kChosen = {24, 92, 116};
-constexpr Colour kLit = {235, 180, 40};
+constexpr Colour kEntryColour = {38, 48, 62};
+constexpr Colour kModeColour = {24, 92, 116};
+constexpr Colour kLitColour = {235, 180, 40};
 
 bool is_mode(TouchMenu::Entry entry, PenMode mode) {
   using Entry = TouchMenu::Entry;
@@ -104,7 +104,7 @@ void MenuFigure::set(const TouchMenu& menu, PenMode mode) {
   for (vtkActor* actor : {panel_.Get(), labels_.Get()}) actor->SetUserMatrix(matrix);
   for (std::size_t i = 0; i < TouchMenu::kEntries.size(); ++i) {
     const TouchMenu::Entry entry = TouchMenu::kEntries[i];
-    const Colour& colour = menu.lit() == entry ? kLit : is_mode(entry, mode) ? kChosen : kField;
+    const Colour& colour = menu.lit() == entry ? kLitColour : is_mode(entry, mode) ? kModeColour : kEntryColour;
     colours_->SetTypedTuple(static_cast<vtkIdType>(i), colour.data());
   }
   colours_->Modified();

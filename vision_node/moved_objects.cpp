@@ -36,14 +36,14 @@ std::vector<std::uint32_t> count_shaped_vertices(const Scene& scene) {
 MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
     : view_(view),
       scene_(scene),
-      known_(scene.objects.size()),
-      commanded_(scene.objects.size()),
+      known_poses_(scene.objects.size()),
+      commanded_motions_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
       weights_(scene.objects.size()),
       drawn_weights_(scene.objects.size()),
       shapes_(count_shaped_vertices(scene)),
       shape_places_(scene.objects.size()),
-      drawn_shapes_(scene.objects.size()) {
+      drawn_shape_places_(scene.objects.size()) {
   for (const SceneObject& object : scene.objects) has_motion_ = has_motion_ || object.moves();
   forget_moves();
   set_time(0);
@@ -51,18 +51,18 @@ MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
 }
 
 void MovedObjects::forget_moves() {
-  for (std::size_t o = 0; o < commanded_.size(); ++o) {
-    if (const auto& commanded = scene_.objects[o].commanded) commanded_[o].emplace(commanded->pivot());
+  for (std::size_t o = 0; o < commanded_motions_.size(); ++o) {
+    if (const auto& commanded = scene_.objects[o].commanded) commanded_motions_[o].emplace(commanded->pivot());
   }
 }
 
 bool MovedObjects::take(const ObjectMove& move, Arrival arrival) {
   const auto number = static_cast<std::size_t>(move.object);
-  if (number >= commanded_.size() || !commanded_[number]) return false;
+  if (number >= commanded_motions_.size() || !commanded_motions_[number]) return false;
   const MoveSource::Verdict verdict = source_.note(move, arrival);
   if (verdict == MoveSource::Verdict::old) return false;
   if (verdict == MoveSource::Verdict::other) forget_moves();
-  return commanded_[number]->begin(to_command(move));
+  return commanded_motions_[number]->begin(to_command(move));
 }
 
 void MovedObjects::adopt(const MovedObjects& before) {
@@ -71,19 +71,19 @@ void MovedObjects::adopt(const MovedObjects& before) {
   if (std::ranges::equal(scene_.objects, before.scene_.objects, is_same_object)) {
     source_ = before.source_;
     if (count_shaped_vertices(scene_) == count_shaped_vertices(before.scene_)) shapes_ = before.shapes_;
-    for (std::size_t o = 0; o < known_.size(); ++o) {
-      if (before.known_[o].serial != 0) take(before.known_[o]);
+    for (std::size_t o = 0; o < known_poses_.size(); ++o) {
+      if (before.known_poses_[o].serial != 0) take(before.known_poses_[o]);
       const auto& now = scene_.objects[o].commanded;
       const auto& then = before.scene_.objects[o].commanded;
-      if (now != nullptr && then != nullptr && *now == *then) commanded_[o] = before.commanded_[o];
+      if (now != nullptr && then != nullptr && *now == *then) commanded_motions_[o] = before.commanded_motions_[o];
     }
   }
-  set_time(before.time_ns_);
+  set_time(before.scene_time_ns_);
   place_moving();
 }
 
 void MovedObjects::rewind() {
-  for (std::size_t o = 0; o < known_.size(); ++o) take(ObjectPose{.object = static_cast<std::int32_t>(o)});
+  for (std::size_t o = 0; o < known_poses_.size(); ++o) take(ObjectPose{.object = static_cast<std::int32_t>(o)});
   forget_moves();
   source_ = {};
 }
@@ -91,13 +91,13 @@ void MovedObjects::rewind() {
 void MovedObjects::forget_shapes() { shapes_ = KnownShapes(count_shaped_vertices(scene_)); }
 
 std::optional<Pose> MovedObjects::pose_of(std::size_t object, double time_s) const {
-  if (commanded_[object]) return commanded_[object]->pose_at(time_s);
+  if (commanded_motions_[object]) return commanded_motions_[object]->pose_at(time_s);
   const auto& motion = scene_.objects[object].motion;
   return motion != nullptr ? std::optional(motion->pose_at(time_s)) : std::nullopt;
 }
 
 bool MovedObjects::set_time(std::int64_t scene_time_ns) {
-  time_ns_ = scene_time_ns;
+  scene_time_ns_ = scene_time_ns;
   const double time_s = 1e-9 * static_cast<double>(scene_time_ns);
   bool has_moved = false;
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
@@ -108,7 +108,7 @@ bool MovedObjects::set_time(std::int64_t scene_time_ns) {
     // If no shape is known for this time, the object stays as it is drawn.
     if (const auto place = shapes_.find(o, scene_time_ns)) {
       shape_places_[o] = place;
-      has_moved = has_moved || place != drawn_shapes_[o];
+      has_moved = has_moved || place != drawn_shape_places_[o];
     }
     const auto X_SO = pose_of(o, time_s);
     if (!X_SO) continue;
@@ -133,8 +133,8 @@ void MovedObjects::draw_shape(std::size_t object) {
   if (!shape_places_[object]) return;
   // Shapes that came after the time was set may have changed the place, which says between which shapes the object is.
   const auto place = shape_place(object);
-  if (!place || drawn_shapes_[object] == place) return;
-  drawn_shapes_[object] = place;
+  if (!place || drawn_shape_places_[object] == place) return;
+  drawn_shape_places_[object] = place;
   view_.reshape_object(object, *find_vertices(object));
 }
 
@@ -147,21 +147,21 @@ std::optional<std::vector<Vec3>> MovedObjects::find_vertices(std::size_t object)
 }
 
 std::int32_t MovedObjects::held() const {
-  for (std::size_t o = 0; o < known_.size(); ++o) {
-    if (known_[o].is_held) return static_cast<std::int32_t>(o);
+  for (std::size_t o = 0; o < known_poses_.size(); ++o) {
+    if (known_poses_[o].is_held) return static_cast<std::int32_t>(o);
   }
   return -1;
 }
 
 Pose MovedObjects::held_pose() const {
   const std::int32_t object = held();
-  return object >= 0 ? matrix_of(known_[static_cast<std::size_t>(object)]) : Pose::Identity();
+  return object >= 0 ? matrix_of(known_poses_[static_cast<std::size_t>(object)]) : Pose::Identity();
 }
 
 std::vector<Pose> MovedObjects::poses() const {
   std::vector<Pose> poses = X_SO_;
-  for (std::size_t o = 0; o < known_.size(); ++o) {
-    if (!scene_.objects[o].moves() && !known_[o].is_held) poses[o] = matrix_of(known_[o]);
+  for (std::size_t o = 0; o < known_poses_.size(); ++o) {
+    if (!scene_.objects[o].moves() && !known_poses_[o].is_held) poses[o] = matrix_of(known_poses_[o]);
   }
   return poses;
 }
@@ -169,14 +169,14 @@ std::vector<Pose> MovedObjects::poses() const {
 // If no pose of the object is known yet, any pose is better than none; all poses are repeated.
 bool MovedObjects::is_overtaken(const ObjectPose& pose, Arrival arrival) const {
   const auto number = static_cast<std::size_t>(pose.object);
-  return arrival == Arrival::reordered && pose.object >= 0 && number < known_.size() && known_[number].serial != 0;
+  return arrival == Arrival::reordered && pose.object >= 0 && number < known_poses_.size() && known_poses_[number].serial != 0;
 }
 
 bool MovedObjects::take(const ObjectPose& pose) {
-  if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= known_.size()) return false;
+  if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= known_poses_.size()) return false;
   const auto number = static_cast<std::size_t>(pose.object);
   if (scene_.objects[number].moves()) return false;
-  ObjectPose& known = known_[number];
+  ObjectPose& known = known_poses_[number];
   if (is_same(known, pose)) return false;
   const bool was_held = known.is_held;
   known = pose;

@@ -37,10 +37,10 @@ class MovedObjects {
   // Forgets all shapes: the objects that programs deform are then at rest.
   void forget_shapes();
   // Between which shapes an object that a program deforms is at the time set last. None: that is not known, and it stays as it was drawn.
-  std::optional<KnownShapes::Place> shape_place(std::size_t object) const { return shapes_.find(object, time_ns_); }
+  std::optional<KnownShapes::Place> shape_place(std::size_t object) const { return shapes_.find(object, scene_time_ns_); }
   // The vertices of that object at that time, frame S; none: as for shape_place().
   std::optional<std::vector<Vec3>> find_vertices(std::size_t object) const;
-  std::size_t count_objects() const { return known_.size(); }
+  std::size_t count_objects() const { return known_poses_.size(); }
 
   // Takes over the time of another scene, and, if both have objects of the same names in the same order, what is known of these: poses
   // of those that the stylus picked up, moves by programs if the objects move alike, and shapes if the meshes have as many vertices.
@@ -72,17 +72,17 @@ class MovedObjects {
 
   StereoView& view_;
   const Scene& scene_;
-  std::vector<ObjectPose> known_;  // newest pose of each object, if it does not move by itself
+  std::vector<ObjectPose> known_poses_;  // newest pose of each object, if it does not move by itself
   bool has_motion_ = false;
-  std::vector<std::optional<CommandedMotion>> commanded_;  // by object; none: programs do not move it
-  MoveSource source_;                                      // the haptics process that the moves come from
-  std::int64_t time_ns_ = 0;                               // the time set last
+  std::vector<std::optional<CommandedMotion>> commanded_motions_;  // by object; none: programs do not move it
+  MoveSource source_;                                              // the haptics process that the moves come from
+  std::int64_t scene_time_ns_ = 0;                                 // the time set last
   std::vector<Pose> X_SO_;
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
   std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // as drawn; none: as the mesh is
   KnownShapes shapes_;
-  std::vector<std::optional<KnownShapes::Place>> shape_places_;  // by object, the last one known; none: not known, or never deformed
-  std::vector<std::optional<KnownShapes::Place>> drawn_shapes_;  // likewise, as drawn
+  std::vector<std::optional<KnownShapes::Place>> shape_places_;        // by object, the last one known; none: not known, or never deformed
+  std::vector<std::optional<KnownShapes::Place>> drawn_shape_places_;  // likewise, as drawn
 };
 
 }  // namespace hapton

@@ -45,13 +45,13 @@ void OtherHand::receive_states() {
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     state_ = *state;
     received_ns_ = hub_.receive_time_ns();
-    moved_ = true;
+    has_new_state_ = true;
     sender_.confirm(state->view_revision);
   }
 }
 
 bool OtherHand::wants_picture(const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) {
-  if (!std::exchange(moved_, false)) return false;
+  if (!std::exchange(has_new_state_, false)) return false;
   if (watch_.differs(*shown(), sizes, screen, size)) return true;
   (void)acks_.note(received_ns_, received_ns_);
   hub_.send(FrameAck{.echo_sample = state_->sample, .echo_sample_time_ns = state_->sample_time_ns, .unchanged = true});
@@ -60,24 +60,24 @@ bool OtherHand::wants_picture(const ProbeSizes& sizes, const StereoScreen& scree
 
 std::optional<ProbeShown> OtherHand::shown() const {
   if (!state_) return std::nullopt;
-  return show_probe(*state_, stylus_lean_);
+  return make_shown_probe(*state_, stylus_lean_);
 }
 
 void OtherHand::end_frame(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes,
                           const StereoScreen& screen, PictureSize size) {
   if (!state_) return;
-  moved_ = false;
-  watch_.drawn(*shown(), sizes, screen, size);
+  has_new_state_ = false;
+  watch_.note_drawn(*shown(), sizes, screen, size);
   const StateAcks::Kind kind = acks_.note(received_ns_, end_ns);
   if (kind == StateAcks::Kind::none) return;
   const bool is_first = kind == StateAcks::Kind::first;
-  FrameAck drawn{.echo_sample = state_->sample,
-                 .echo_sample_time_ns = state_->sample_time_ns,
-                 .frame_rate_hz = static_cast<float>(frame_rate_hz),
-                 .held_ns = is_first ? to_message_ns(end_ns - received_ns_, 1) : 0,
-                 .unchanged = !is_first};
-  if (max_rate_hz_ > 0.0) drawn.rest_ns = to_message_ns(start_ns + period_ns(max_rate_hz_) - end_ns, 0);
-  hub_.send(drawn);
+  FrameAck ack{.echo_sample = state_->sample,
+               .echo_sample_time_ns = state_->sample_time_ns,
+               .frame_rate_hz = static_cast<float>(frame_rate_hz),
+               .held_ns = is_first ? to_message_ns(end_ns - received_ns_, 1) : 0,
+               .unchanged = !is_first};
+  if (max_rate_hz_ > 0.0) ack.rest_ns = to_message_ns(start_ns + period_ns(max_rate_hz_) - end_ns, 0);
+  hub_.send(ack);
 }
 
 }  // namespace hapton

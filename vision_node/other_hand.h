@@ -16,7 +16,7 @@ namespace hapton {
 // clock, ns. RT: no. Threads: one.
 class OtherHand {
  public:
-  // Pre: the hub outlives this. stylus_lean: see show_probe(). max_rate_hz: largest frame rate; 0: no limit.
+  // Pre: the hub outlives this. stylus_lean: see make_shown_probe(). max_rate_hz: largest frame rate; 0: no limit.
   OtherHand(HubClient& hub, const Quat& stylus_lean, double max_rate_hz)
       : hub_(hub), stylus_lean_(stylus_lean), max_rate_hz_(max_rate_hz) {}
 
@@ -44,7 +44,7 @@ class OtherHand {
   std::int64_t received_ns_ = 0;
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
-  bool moved_ = false;  // a state has come since the last wants_picture() or end_frame()
+  bool has_new_state_ = false;  // a state has come since the last wants_picture() or end_frame()
   StateAcks acks_;
 };
 

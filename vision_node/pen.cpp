@@ -14,7 +14,7 @@ void Pen::receive(const std::optional<AnnotationPoint>& touched, std::uint32_t b
 
   const bool is_draw_down = (down & settings_.draw_buttons) != 0 || is_key_down_;
   const bool draws = mode_ == PenMode::draw && is_draw_down && touched.has_value();
-  if (!draws || (thinner_ && touched->object != object_)) finish_stroke();
+  if (!draws || (thinner_ && touched->object != stroke_object_)) finish_stroke();
   if (draws) draw(*touched, facet);
 
   const bool is_draw_pressed = (pressed & settings_.draw_buttons) != 0 || is_key_pressed;
@@ -32,23 +32,23 @@ void Pen::set_mode(PenMode mode) {
 }
 
 void Pen::draw(const AnnotationPoint& at, std::uint32_t facet) {
-  if (!has_room(thinner_ ? thinner_->points().size() + 1 : 1)) return;
+  if (!check_room(thinner_ ? thinner_->points().size() + 1 : 1)) return;
   if (!thinner_) {
     thinner_.emplace(settings_.bound_m);
-    object_ = at.object;
-    facet_ = facet;
+    stroke_object_ = at.object;
+    stroke_facet_ = facet;
   }
-  const bool is_other_facet = facet != facet_;
-  if (is_other_facet) thinner_->keep();
+  const bool is_other_facet = facet != stroke_facet_;
+  if (is_other_facet) thinner_->keep_last();
   if (!thinner_->add(at.p_O)) return;
-  if (is_other_facet) thinner_->keep();
-  facet_ = facet;
+  if (is_other_facet) thinner_->keep_last();
+  stroke_facet_ = facet;
   ++revision_;
 }
 
 void Pen::finish_stroke() {
   if (!thinner_) return;
-  add(Stroke{object_, thinner_->points()});
+  add(Stroke{stroke_object_, thinner_->points()});
   thinner_.reset();
 }
 
@@ -58,25 +58,25 @@ void Pen::end_measure(const AnnotationPoint& at) {
     first_end_ = at;
     return;
   }
-  if (has_room(2)) add(Measure{{*first_end_, at}});
+  if (check_room(2)) add(Measure{{*first_end_, at}});
   first_end_.reset();
 }
 
 void Pen::add(Annotation entry) {
   annotations_.entries.push_back(std::move(entry));
-  points_ = count_points(annotations_);
-  undone_.clear();
-  finished_ = annotations_.entries.size() - 1;
+  point_count_ = count_points(annotations_);
+  undone_entries_.clear();
+  finished_entry_ = annotations_.entries.size() - 1;
   ++revision_;
   ++entries_revision_;
 }
 
-bool Pen::has_room(std::size_t points) {
-  if (points_ + points <= kMaxAnnotationPoints) {
-    was_full_ = false;
+bool Pen::check_room(std::size_t points) {
+  if (point_count_ + points <= kMaxAnnotationPoints) {
+    is_full_reported_ = false;
     return true;
   }
-  is_full_ = is_full_ || !std::exchange(was_full_, true);
+  is_full_report_due_ = is_full_report_due_ || !std::exchange(is_full_reported_, true);
   return false;
 }
 
@@ -90,20 +90,20 @@ bool Pen::undo() {
   // A draw button that is down now must be pressed again to draw on.
   ignored_buttons_ |= last_buttons_ & settings_.draw_buttons;
   if (annotations_.entries.empty()) return false;
-  undone_.push_back(std::move(annotations_.entries.back()));
+  undone_entries_.push_back(std::move(annotations_.entries.back()));
   annotations_.entries.pop_back();
-  points_ = count_points(annotations_);
-  finished_.reset();
+  point_count_ = count_points(annotations_);
+  finished_entry_.reset();
   ++revision_;
   ++entries_revision_;
   return true;
 }
 
 bool Pen::redo() {
-  if (undone_.empty()) return false;
-  annotations_.entries.push_back(std::move(undone_.back()));
-  undone_.pop_back();
-  points_ = count_points(annotations_);
+  if (undone_entries_.empty()) return false;
+  annotations_.entries.push_back(std::move(undone_entries_.back()));
+  undone_entries_.pop_back();
+  point_count_ = count_points(annotations_);
   ++revision_;
   ++entries_revision_;
   return true;
@@ -112,10 +112,10 @@ bool Pen::redo() {
 void Pen::replace(Annotations given) {
   finish_stroke();
   annotations_ = std::move(given);
-  points_ = count_points(annotations_);
-  undone_.clear();
+  point_count_ = count_points(annotations_);
+  undone_entries_.clear();
   first_end_.reset();
-  finished_.reset();
+  finished_entry_.reset();
   ++revision_;
   ++entries_revision_;
 }
@@ -126,8 +126,8 @@ void Pen::set_put_down(std::vector<PutDown> put_down) {
   ++revision_;
 }
 
-std::optional<std::size_t> Pen::take_finished() { return std::exchange(finished_, std::nullopt); }
+std::optional<std::size_t> Pen::take_finished() { return std::exchange(finished_entry_, std::nullopt); }
 
-bool Pen::take_full() { return std::exchange(is_full_, false); }
+bool Pen::take_full_report() { return std::exchange(is_full_report_due_, false); }
 
 }  // namespace hapton

@@ -61,7 +61,7 @@ class Pen {
   const Annotations& annotations() const { return annotations_; }
   // The stroke that is being drawn; null: none.
   const std::vector<Vec3>* current() const { return thinner_ ? &thinner_->points() : nullptr; }
-  std::int32_t current_object() const { return object_; }
+  std::int32_t current_object() const { return stroke_object_; }
   // The first end of a measure whose second one is awaited.
   const std::optional<AnnotationPoint>& first_end() const { return first_end_; }
 
@@ -71,18 +71,18 @@ class Pen {
   // The number of the entry that was finished since the last call; none: no entry was.
   std::optional<std::size_t> take_finished();
   // True once for each time that something was rejected because there is no room (kMaxAnnotationPoints).
-  bool take_full();
+  bool take_full_report();
 
  private:
   void draw(const AnnotationPoint& at, std::uint32_t facet);
   void finish_stroke();
   void end_measure(const AnnotationPoint& at);
   void add(Annotation entry);
-  bool has_room(std::size_t points);
+  bool check_room(std::size_t points);
 
   PenSettings settings_;
   Annotations annotations_;
-  std::vector<Annotation> undone_;
+  std::vector<Annotation> undone_entries_;
   PenMode mode_ = PenMode::draw;
   bool is_key_down_ = false;
   bool was_key_down_ = false;
@@ -90,15 +90,15 @@ class Pen {
   std::uint32_t last_buttons_ = ~0U;
   std::uint32_t ignored_buttons_ = ~0U;  // down since before the first call, or since undo()
   std::optional<StrokeThinner> thinner_;
-  std::int32_t object_ = -1;
-  std::uint32_t facet_ = 0;  // facet of the last point of the stroke
+  std::int32_t stroke_object_ = -1;
+  std::uint32_t stroke_facet_ = 0;  // facet of the last point of the stroke
   std::optional<AnnotationPoint> first_end_;
-  std::size_t points_ = count_points(annotations_);  // points of all entries
+  std::size_t point_count_ = count_points(annotations_);  // points of all entries
   std::uint64_t revision_ = 1;
   std::uint64_t entries_revision_ = 1;
-  std::optional<std::size_t> finished_;
-  bool is_full_ = false;
-  bool was_full_ = false;
+  std::optional<std::size_t> finished_entry_;
+  bool is_full_report_due_ = false;
+  bool is_full_reported_ = false;
 };
 
 }  // namespace hapton

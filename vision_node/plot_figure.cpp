@@ -16,9 +16,9 @@ namespace hapton {
 namespace {
 
 using Colour = std::array<unsigned char, 3>;
-constexpr Colour kGrid = {120, 126, 134};
-constexpr Colour kLimit = {240, 80, 70};
-constexpr std::array<Colour, PlotFigure::kMax> kCurves = {{{90, 230, 120}, {120, 200, 255}}};
+constexpr Colour kGridColour = {120, 126, 134};
+constexpr Colour kLimitColour = {240, 80, 70};
+constexpr std::array<Colour, PlotFigure::kMax> kCurveColours = {{{90, 230, 120}, {120, 200, 255}}};
 // A curve has a gap where it has no value for longer than this.
 constexpr double kGapS = 1.0;
 
@@ -59,15 +59,15 @@ class ColouredLines {
   vtkNew<vtkCellArray> cells_;
   vtkNew<vtkUnsignedCharArray> colours_;
   std::vector<vtkIdType> line_;
-  Colour colour_ = kGrid;
+  Colour colour_ = kGridColour;
 };
 
 // Adds the frame, a line at half of the scale, the limit and the curve. at: finds the place in the picture from shares of the frame.
 template <class At>
 void add_curve(const PlotContent& plot, const Colour& colour, At&& at, ColouredLines& lines) {
-  lines.add_line(kGrid, {at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(0, 0)});
-  lines.add_line(kGrid, {at(0, 0.5), at(1, 0.5)});
-  if (plot.limit > 0.0) lines.add_line(kLimit, {at(0, plot.limit / plot.top), at(1, plot.limit / plot.top)});
+  lines.add_line(kGridColour, {at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(0, 0)});
+  lines.add_line(kGridColour, {at(0, 0.5), at(1, 0.5)});
+  if (plot.limit > 0.0) lines.add_line(kLimitColour, {at(0, plot.limit / plot.top), at(1, plot.limit / plot.top)});
   lines.begin(colour);
   double last_age_s = RecentCurve::kSeconds;
   for (const CurvePoint& point : plot.points) {
@@ -106,15 +106,15 @@ void PlotFigure::set(const std::vector<PlotContent>& plots, PictureSize size, do
   const bool is_shown = !plots.empty();
   line_actor_->SetVisibility(is_shown);
   for (const auto& title : titles_) title->SetVisibility(is_shown);
-  if (!is_shown || (plots == shown_ && size == size_ && lift_px == lift_px_)) return;
-  shown_ = plots;
+  if (!is_shown || (plots == shown_plots_ && size == size_ && lift_px == lift_px_)) return;
+  shown_plots_ = plots;
   size_ = size;
   lift_px_ = lift_px;
   ColouredLines lines;
   for (std::size_t i = 0; i < std::min(plots.size(), kMax); ++i) {
     const Frame frame = place(i, size, lift_px);
     add_curve(
-        plots[i], kCurves[i],
+        plots[i], kCurveColours[i],
         [&](double x, double y) {
           return frame.at({x, y});
         },

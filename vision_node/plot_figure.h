@@ -39,7 +39,7 @@ class PlotFigure {
   };
   static Frame place(std::size_t plot, PictureSize size, double lift_px);
 
-  std::vector<PlotContent> shown_;
+  std::vector<PlotContent> shown_plots_;
   PictureSize size_;
   double lift_px_ = 0.0;
   vtkNew<vtkPolyData> lines_;

@@ -27,7 +27,7 @@ constexpr double kGapInRadii = 1.8;
 // Share of the depth range, at its near end, for the tip's ghost: smaller than that of the arrow, so that the tip is in front.
 constexpr double kTipShare = 5e-4;
 
-void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambient, double specular) {
+void set_up_actor(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambient, double specular) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(shape);
   mapper->ScalarVisibilityOff();
@@ -77,45 +77,45 @@ void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& sc
 }  // namespace
 
 ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeColours& colours) : sizes_(sizes), tip_radius_m_(sizes.tip_radius_m) {
-  const double l = sizes.stylus_length_m;
-  const double r = 0.038 * l;
+  const double length = sizes.stylus_length_m;
+  const double radius = 0.038 * length;
   const auto pen = make_lathe({{0.0, 0.0},
-                               {0.16 * r, 0.005 * l},
-                               {0.30 * r, 0.08 * l},
-                               {0.86 * r, 0.17 * l},
-                               {0.86 * r, 0.45 * l},
-                               {r, 0.46 * l},
-                               {0.9 * r, 0.95 * l},
-                               {0.6 * r, l},
-                               {0.0, l}});
-  dress(stylus_, pen, {0.88, 0.89, 0.91}, 0.25, 0.45);
-  const auto sleeve = make_lathe({{0.86 * r, 0.19 * l},
-                                  {1.04 * r, 0.20 * l},
-                                  {1.04 * r, 0.26 * l},
-                                  {0.98 * r, 0.27 * l},
-                                  {0.98 * r, 0.28 * l},
-                                  {1.06 * r, 0.29 * l},
-                                  {1.06 * r, 0.42 * l},
-                                  {0.86 * r, 0.43 * l}});
-  dress(grip_, sleeve, colours.grip, 0.30, 0.25);
-  dress(tip_, make_ball(sizes.tip_radius_m), colours.tip, 0.35, 0.5);
+                               {0.16 * radius, 0.005 * length},
+                               {0.30 * radius, 0.08 * length},
+                               {0.86 * radius, 0.17 * length},
+                               {0.86 * radius, 0.45 * length},
+                               {radius, 0.46 * length},
+                               {0.9 * radius, 0.95 * length},
+                               {0.6 * radius, length},
+                               {0.0, length}});
+  set_up_actor(stylus_, pen, {0.88, 0.89, 0.91}, 0.25, 0.45);
+  const auto sleeve = make_lathe({{0.86 * radius, 0.19 * length},
+                                  {1.04 * radius, 0.20 * length},
+                                  {1.04 * radius, 0.26 * length},
+                                  {0.98 * radius, 0.27 * length},
+                                  {0.98 * radius, 0.28 * length},
+                                  {1.06 * radius, 0.29 * length},
+                                  {1.06 * radius, 0.42 * length},
+                                  {0.86 * radius, 0.43 * length}});
+  set_up_actor(grip_, sleeve, colours.grip, 0.30, 0.25);
+  set_up_actor(tip_, make_ball(sizes.tip_radius_m), colours.tip, 0.35, 0.5);
   const double s = sizes.arrow_radius_m;
-  dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), colours.arrow, 0.55, 0.0);
+  set_up_actor(arrow_shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), colours.arrow, 0.55, 0.0);
   const double h = kHeadLengthInRadii * s;
-  dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), colours.arrow, 0.55, 0.0);
-  dress(rings_, rings(0), 0.6 * colours.arrow, 0.7, 0.0);
-  dress(limit_, make_lathe({{0.0, 0.0}, {kLimitToShaftRadius * s, 0.0}, {kLimitToShaftRadius * s, s}, {0.0, s}}), {0.95, 0.15, 0.10}, 0.7,
-        0.0);
-  dress(device_point_, make_ball(0.6 * sizes.tip_radius_m), {0.95, 0.25, 0.20}, 0.6, 0.0);
-  dress(penetration_, make_lathe({{0.0, 0.0}, {0.35 * s, 0.0}, {0.35 * s, 1.0}, {0.0, 1.0}}), {0.95, 0.25, 0.20}, 0.7, 0.0);
+  set_up_actor(arrow_head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), colours.arrow, 0.55, 0.0);
+  set_up_actor(arrow_rings_, rings(0), 0.6 * colours.arrow, 0.7, 0.0);
+  set_up_actor(arrow_limit_, make_lathe({{0.0, 0.0}, {kLimitToShaftRadius * s, 0.0}, {kLimitToShaftRadius * s, s}, {0.0, s}}),
+               {0.95, 0.15, 0.10}, 0.7, 0.0);
+  set_up_actor(device_point_, make_ball(0.6 * sizes.tip_radius_m), {0.95, 0.25, 0.20}, 0.6, 0.0);
+  set_up_actor(penetration_, make_lathe({{0.0, 0.0}, {0.35 * s, 0.0}, {0.35 * s, 1.0}, {0.0, 1.0}}), {0.95, 0.25, 0.20}, 0.7, 0.0);
   // A disc that lies flat: z of the shape is up.
-  dress(shadow_, make_lathe({{0.0, 0.0}, {1.0, 0.0}}), {0.045, 0.05, 0.06}, 1.0, 0.0);
+  set_up_actor(shadow_, make_lathe({{0.0, 0.0}, {1.0, 0.0}}), {0.045, 0.05, 0.06}, 1.0, 0.0);
   bring_to_front(device_point_, kGhostShare);
   bring_to_front(penetration_, kGhostShare);
   make_ghost(ghost_tip_, tip_, kTipShare);
-  make_ghost(ghost_shaft_, shaft_);
-  make_ghost(ghost_head_, head_);
-  dress(tool_, make_ball(sizes.tip_radius_m), colours.grip, 0.3, 0.3);
+  make_ghost(ghost_shaft_, arrow_shaft_);
+  make_ghost(ghost_head_, arrow_head_);
+  set_up_actor(tool_, make_ball(sizes.tip_radius_m), colours.grip, 0.3, 0.3);
   hide();
 }
 
@@ -132,7 +132,7 @@ void ProbeFigure::set_tip_radius(double radius_m) {
 }
 
 void ProbeFigure::set_tool(const SceneTool& tool, bool with_stylus) {
-  dress(tool_, make_poly_data(*tool.mesh), Vec3(tool.colour.data()), 0.3, 0.3);
+  set_up_actor(tool_, make_poly_data(*tool.mesh), Vec3(tool.colour.data()), 0.3, 0.3);
   tool_->GetProperty()->SetInterpolationToFlat();
   has_tool_ = true;
   has_stylus_ = with_stylus;
@@ -173,23 +173,24 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   const Vec3 arrow = compute_arrow(probe, sizes_);
   const double length = arrow.norm();
   const bool shown = length > sizes_.arrow_radius_m;
-  for (vtkActor* actor : {shaft_.Get(), head_.Get(), rings_.Get(), ghost_shaft_.Get(), ghost_head_.Get()}) actor->SetVisibility(shown);
-  limit_->SetVisibility(shown && probe.force_n.norm() * sizes_.arrow_m_per_n > sizes_.arrow_max_m);
+  for (vtkActor* actor : {arrow_shaft_.Get(), arrow_head_.Get(), arrow_rings_.Get(), ghost_shaft_.Get(), ghost_head_.Get()})
+    actor->SetVisibility(shown);
+  arrow_limit_->SetVisibility(shown && probe.force_n.norm() * sizes_.arrow_m_per_n > sizes_.arrow_max_m);
   if (!shown) return;
   const Quat along = turn_z_to(arrow);
   // The arrow begins beside the tip, so that it does not hide the contact.
   const Vec3 from = probe.p_WP + arrow / length * (kGapInRadii * tip_radius_m_);
   const double head = std::min(1.0, 0.6 * length / (kHeadLengthInRadii * sizes_.arrow_radius_m));
   const double shaft = length - 0.99 * head * kHeadLengthInRadii * sizes_.arrow_radius_m;
-  for (vtkActor* actor : {shaft_.Get(), ghost_shaft_.Get()}) place(actor, from, along, {1.0, 1.0, shaft});
-  for (vtkActor* actor : {head_.Get(), ghost_head_.Get()}) place(actor, from + arrow, along, Vec3::Constant(head));
-  place(rings_, from, along, Vec3::Ones());
-  place(limit_, from + arrow, along, Vec3::Ones());
+  for (vtkActor* actor : {arrow_shaft_.Get(), ghost_shaft_.Get()}) place(actor, from, along, {1.0, 1.0, shaft});
+  for (vtkActor* actor : {arrow_head_.Get(), ghost_head_.Get()}) place(actor, from + arrow, along, Vec3::Constant(head));
+  place(arrow_rings_, from, along, Vec3::Ones());
+  place(arrow_limit_, from + arrow, along, Vec3::Ones());
   // Only rings on the shaft: rings under the head would be visible through it.
   const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMaxRings);
   if (newtons == rings_shown_) return;
   rings_shown_ = newtons;
-  vtkPolyDataMapper::SafeDownCast(rings_->GetMapper())->SetInputData(rings(newtons));
+  vtkPolyDataMapper::SafeDownCast(arrow_rings_->GetMapper())->SetInputData(rings(newtons));
 }
 
 // Rings are made when they are first needed: to make all of them would take tens of milliseconds before the first frame.
@@ -200,14 +201,14 @@ vtkPolyData* ProbeFigure::rings(int newtons) {
 }
 
 void ProbeFigure::place_device_point(const ProbeShown& probe) {
-  const Vec3 in = probe.p_WD - probe.p_WP;
-  const double depth = in.norm();
+  const Vec3 penetration = probe.p_WD - probe.p_WP;
+  const double depth = penetration.norm();
   const bool shown = probe.contact && depth > 0.0;
   device_point_->SetVisibility(shown);
   penetration_->SetVisibility(shown);
   if (!shown) return;
   place(device_point_, probe.p_WD, Quat::Identity(), Vec3::Ones());
-  place(penetration_, probe.p_WP, turn_z_to(in), {1.0, 1.0, depth});
+  place(penetration_, probe.p_WP, turn_z_to(penetration), {1.0, 1.0, depth});
 }
 
 }  // namespace hapton

@@ -55,10 +55,10 @@ class ProbeFigure {
   vtkNew<vtkActor> stylus_;
   vtkNew<vtkActor> grip_;
   vtkNew<vtkActor> tip_;
-  vtkNew<vtkActor> shaft_;
-  vtkNew<vtkActor> head_;
-  vtkNew<vtkActor> rings_;
-  vtkNew<vtkActor> limit_;
+  vtkNew<vtkActor> arrow_shaft_;
+  vtkNew<vtkActor> arrow_head_;
+  vtkNew<vtkActor> arrow_rings_;
+  vtkNew<vtkActor> arrow_limit_;
   // Drawn over everything, with every other block of pixels left out: the parts of tip and arrow that are behind other objects.
   vtkNew<vtkActor> ghost_tip_;
   vtkNew<vtkActor> ghost_shaft_;
@@ -74,8 +74,8 @@ class ProbeFigure {
   bool throws_shadow_ = false;
 
   std::array<vtkActor*, 14> actors() {
-    return {stylus_,    grip_,        tip_,        shaft_,        head_,        rings_,  limit_,
-            ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_, shadow_, tool_};
+    return {stylus_,    grip_,        tip_,        arrow_shaft_,  arrow_head_,  arrow_rings_, arrow_limit_,
+            ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_, shadow_,      tool_};
   }
 };
 

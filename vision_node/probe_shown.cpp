@@ -44,7 +44,7 @@ ProbeSizes scale_probe(const Framing& framing) {
   return sizes;
 }
 
-ProbeShown show_probe(const ProbeState& state, const Quat& lean) {
+ProbeShown make_shown_probe(const ProbeState& state, const Quat& lean) {
   ProbeShown shown;
   shown.contact = state.contact;
   if (state.p_WD.allFinite()) shown.p_WP = state.p_WD;
@@ -64,9 +64,9 @@ double find_probe_radius(std::string_view method) {
 }
 
 int find_set_size(std::string_view method) {
-  constexpr int kUsual = 64;  // triangles in a local set, the default of MethodSettings
+  constexpr int kDefaultSetSize = 64;  // triangles in a local set, the default of MethodSettings
   const double size = find_method_number(method, "set_size=");
-  return size >= 1.0 && size <= 1e4 ? static_cast<int>(size) : kUsual;
+  return size >= 1.0 && size <= 1e4 ? static_cast<int>(size) : kDefaultSetSize;
 }
 
 bool touches_surface(const ProbeState& state) { return state.contact && (state.object >= 0 || !state.visual_offset_m.isZero(0.0)); }
@@ -98,7 +98,7 @@ PictureWatch::Marks PictureWatch::compute_marks(const ProbeShown& probe, const P
 }
 
 bool PictureWatch::differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const {
-  if (!any_ || contact_ != probe.contact) return true;
+  if (!has_drawn_ || contact_ != probe.contact) return true;
   if (std::abs(force_share(probe) - force_share_) > kForceShare) return true;
   const Marks now = compute_marks(probe, sizes, screen, size);
   for (std::size_t i = 0; i < now.size(); ++i) {
@@ -108,8 +108,8 @@ bool PictureWatch::differs(const ProbeShown& probe, const ProbeSizes& sizes, con
   return false;
 }
 
-void PictureWatch::drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) {
-  any_ = true;
+void PictureWatch::note_drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) {
+  has_drawn_ = true;
   contact_ = probe.contact;
   force_share_ = force_share(probe);
   marks_ = compute_marks(probe, sizes, screen, size);

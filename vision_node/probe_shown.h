@@ -36,12 +36,12 @@ struct ProbeShown {
 // Makes the probe from a received state. The stylus' body points from its tip along z of T. If the device reports no rotation, this is
 // towards the viewer, where it would hide tip and force: `lean` turns it aside, up and to the right; identity shows the reported rotation.
 // Values that are not finite are shown at the origin or left out, since received data must never break the picture.
-ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
+ProbeShown make_shown_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
 // Whether a surface is touched. A contact without object and without visual offset is a force in free space, of an effect.
 bool touches_surface(const ProbeState& state);
 
-// A lean for show_probe() by this angle.
+// A lean for make_shown_probe() by this angle.
 Quat make_lean(double angle_rad);
 
 // The radius in a haptics node's method text ("name=proxy probe_radius_m=0.015"), m; 0 if there is none.
@@ -61,14 +61,14 @@ class PictureWatch {
   bool differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const;
 
   // Call it when a frame with this probe has been drawn.
-  void drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
+  void note_drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
 
  private:
   using Marks = std::array<Vec2, 10>;
   static Marks compute_marks(const ProbeShown&, const ProbeSizes&, const StereoScreen&, PictureSize);
 
   double threshold_px_;
-  bool any_ = false;
+  bool has_drawn_ = false;
   bool contact_ = false;
   double force_share_ = 0.0;  // share of the limit
   Marks marks_ = {};

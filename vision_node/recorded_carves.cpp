@@ -7,10 +7,10 @@ namespace hapton {
 
 void RecordedCarves::show(double t_s) {
   const std::size_t until = count_until(index_.carves(), t_s);
-  if (until == carves_) return;
-  bool starts_anew = until < carves_;
+  if (until == applied_carves_) return;
+  bool starts_anew = until < applied_carves_;
   std::vector<NumberedCarve> carves;
-  for (std::size_t i = starts_anew ? 0 : carves_; i < until; ++i) {
+  for (std::size_t i = starts_anew ? 0 : applied_carves_; i < until; ++i) {
     const CarveNews& news = index_.carves()[i].message;
     if (news.starts_anew) {
       starts_anew = true;
@@ -18,7 +18,7 @@ void RecordedCarves::show(double t_s) {
     }
     carves.insert(carves.end(), news.carves.begin(), news.carves.end());
   }
-  carves_ = until;
+  applied_carves_ = until;
   carved_.carve(carves, starts_anew);
 }
 

@@ -18,7 +18,7 @@ class RecordedCarves {
  private:
   const RecordingIndex& index_;
   CarvedObjects& carved_;
-  std::size_t carves_ = 0;  // how many of RecordingIndex::carves() have been applied
+  std::size_t applied_carves_ = 0;  // how many of RecordingIndex::carves() have been applied
 };
 
 }  // namespace hapton

@@ -26,22 +26,22 @@ Result<std::unique_ptr<RecordedMarks>> RecordedMarks::open(StereoView& view, con
 }
 
 RecordedMarks::RecordedMarks(StereoView& view, const Scene& scene, Annotations given, const MovedObjects& moved)
-    : view_(view), moved_(moved), objects_(scene.objects.size()), given_(std::move(given)), surfaces_(scene) {
+    : view_(view), moved_(moved), objects_(scene.objects.size()), annotations_(std::move(given)), surfaces_(scene) {
   surfaces_.set_moved_objects(&moved);
-  placed_ = given_;
-  view_.annotation_figure().set_entries(placed_, objects_);
+  placed_annotations_ = annotations_;
+  view_.annotation_figure().set_entries(placed_annotations_, objects_);
 }
 
 void RecordedMarks::show(std::int64_t scene_time_ns, const Pose& X_WS) {
   AnnotationFigure& figure = view_.annotation_figure();
   figure.set_scene_pose(X_WS);
   X_SO_ = moved_.poses();
-  if (given_.entries.empty()) return;
+  if (annotations_.entries.empty()) return;
   figure.set_objects(X_SO_, moved_.held(), moved_.held_pose());
   surfaces_.set_time(scene_time_ns);
-  if (!surfaces_.has_deforming() || std::exchange(placed_at_, surfaces_.revision()) == surfaces_.revision()) return;
-  placed_ = surfaces_.place(given_);
-  figure.set_entries(placed_, objects_);
+  if (!surfaces_.has_deforming() || std::exchange(placed_revision_, surfaces_.revision()) == surfaces_.revision()) return;
+  placed_annotations_ = surfaces_.place(annotations_);
+  figure.set_entries(placed_annotations_, objects_);
 }
 
 }  // namespace hapton

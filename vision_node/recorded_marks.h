@@ -26,7 +26,7 @@ class RecordedMarks {
   void show(std::int64_t scene_time_ns, const Pose& X_WS);
 
   // For an export: the marks in the shape, and the objects at the places, that the last show() gave them.
-  const Annotations& placed() const { return placed_; }
+  const Annotations& placed_annotations() const { return placed_annotations_; }
   const ObjectPoses& X_SO() const { return X_SO_; }
 
  private:
@@ -35,11 +35,11 @@ class RecordedMarks {
   StereoView& view_;
   const MovedObjects& moved_;
   std::size_t objects_;  // number of the scene's objects
-  Annotations given_;
+  Annotations annotations_;
   AnnotatedSurfaces surfaces_;
-  Annotations placed_;
+  Annotations placed_annotations_;
   ObjectPoses X_SO_;
-  std::uint64_t placed_at_ = 0;  // revision of the surfaces for which placed_ was made
+  std::uint64_t placed_revision_ = 0;  // revision of the surfaces for which placed_annotations_ was made
 };
 
 }  // namespace hapton

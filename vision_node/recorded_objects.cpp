@@ -8,13 +8,13 @@ bool RecordedObjects::show(double t_s, std::int64_t scene_time_ns) {
   const std::size_t poses = count_until(index_.poses(), t_s);
   const std::size_t moves = count_until(index_.moves(), t_s + kAheadS);
   bool has_changed = false;
-  if (poses < poses_ || moves < moves_) {
+  if (poses < applied_poses_ || moves < applied_moves_) {
     moved_.rewind();
-    poses_ = moves_ = 0;
+    applied_poses_ = applied_moves_ = 0;
     has_changed = true;
   }
-  for (; poses_ < poses; ++poses_) has_changed = moved_.take(index_.poses()[poses_].message) || has_changed;
-  for (; moves_ < moves; ++moves_) moved_.take(index_.moves()[moves_].message.to_message());
+  for (; applied_poses_ < poses; ++applied_poses_) has_changed = moved_.take(index_.poses()[applied_poses_].message) || has_changed;
+  for (; applied_moves_ < moves; ++applied_moves_) moved_.take(index_.moves()[applied_moves_].message.to_message());
   if (moved_.has_motion()) has_changed = moved_.set_time(scene_time_ns) || has_changed;
   return has_changed;
 }

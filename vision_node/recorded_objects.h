@@ -22,8 +22,8 @@ class RecordedObjects {
  private:
   const RecordingIndex& index_;
   MovedObjects& moved_;
-  std::size_t poses_ = 0;  // how many of RecordingIndex::poses() have been applied
-  std::size_t moves_ = 0;  // ... and how many of moves()
+  std::size_t applied_poses_ = 0;  // how many of RecordingIndex::poses() have been applied
+  std::size_t applied_moves_ = 0;  // ... and how many of moves()
 };
 
 }  // namespace hapton

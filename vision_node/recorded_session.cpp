@@ -29,7 +29,7 @@ RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOpt
       player_(index.begin_s(), index.end_s()),
       control_(index, rows, player_),
       window_(view, clock, options),
-      line_(make_time_line(index)),
+      time_line_(make_time_line(index)),
       export_(options.annotations.export_folder),
       screenshot_moment_(options.screenshot_moment) {
   player_.set_speed(options.speed);
@@ -59,7 +59,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
   if (auto shown = show_moment(); !shown) return shown;
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
-  if (options_.at_s && !options_.screenshot.empty()) return take_moment(stop);
+  if (options_.at_s && !options_.screenshot.empty()) return take_moment_screenshot(stop);
   if (!options_.frames.empty()) return write_frames(stop);
   view_.prepare_shaders();
   window_.step().request_redraw();  // draw again: prepare_shaders() hides the probe
@@ -81,7 +81,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
 }
 
 // Takes the screenshot of --at.
-Result<void> RecordedSession::take_moment(const StopSignal& stop) {
+Result<void> RecordedSession::take_moment_screenshot(const StopSignal& stop) {
   if (auto completed = complete_moment(stop); !completed || stop.stop_requested()) return completed;
   return window_.take_screenshot(options_.screenshot);
 }
@@ -154,7 +154,7 @@ void RecordedSession::compare_scene() {
 }
 
 void RecordedSession::begin_export() {
-  if (marks_ != nullptr) export_.begin({*scene_, marks_->placed(), marks_->X_SO(), carved_});
+  if (marks_ != nullptr) export_.begin({*scene_, marks_->placed_annotations(), marks_->X_SO(), carved_});
 }
 
 // newest: empty if there is no new notice. Returns whether the picture gets another line.
@@ -183,7 +183,7 @@ bool RecordedSession::wants_picture(std::int64_t now_ns) {
   const VisionStep::Screen where = window_.where();
   if (window_.step().wants_picture(now_ns, where)) return true;
   if (!window_.step().may_draw(now_ns)) return false;
-  if (std::abs(moment_share() - share_shown_) * where.picture.width_px >= 1.0) return true;
+  if (std::abs(moment_share() - drawn_share_) * where.picture.width_px >= 1.0) return true;
   return !player_.is_paused() && now_ns - drawn_ns_ >= kRecordedClockNs;
 }
 
@@ -191,7 +191,7 @@ Result<void> RecordedSession::draw_if_wanted() {
   const std::int64_t begin_ns = clock_.now_ns();
   if (!wants_picture(begin_ns)) return {};
   draw();
-  const bool keep = !options_.screenshot.empty() && screenshot_moment_.is_now(begin_ns - start_ns_, window_.step().contact());
+  const bool keep = !options_.screenshot.empty() && screenshot_moment_.take_now(begin_ns - start_ns_, window_.step().contact());
   return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
 }
 
@@ -200,8 +200,8 @@ void RecordedSession::draw() {
   VisionStep& step = window_.step();
   VisionStep::Shown shown = step.compose(begin_ns);
   if (step.shows_plots()) shown.plots = make_recorded_plots(index_, player_.moment_s());
-  share_shown_ = moment_share();
-  view_.set_time_line(line_, share_shown_);  // first: the other texts are placed above it
+  drawn_share_ = moment_share();
+  view_.set_time_line(time_line_, drawn_share_);  // first: the other texts are placed above it
   window_.show(shown);
   if (moved_ != nullptr && moved_->has_motion()) moved_->place_moving();
   view_.draw([this, &step] {

@@ -60,7 +60,7 @@ class RecordedSession {
   bool wants_picture(std::int64_t now_ns);
   Result<void> draw_if_wanted();
   void draw();
-  Result<void> take_moment(const StopSignal& stop);
+  Result<void> take_moment_screenshot(const StopSignal& stop);
   Result<void> complete_moment(const StopSignal& stop);
   Result<void> write_frames(const StopSignal& stop);
   double moment_share() const { return find_time_line_share(index_, player_.moment_s()); }
@@ -73,7 +73,7 @@ class RecordedSession {
   SessionPlayer player_;
   SessionControl control_;
   ViewerWindow window_;
-  TimeLineShown line_;
+  TimeLineShown time_line_;
   std::optional<RecordedObjects> objects_;
   std::optional<RecordedSurfaces> surfaces_;
   MovedObjects* moved_ = nullptr;
@@ -86,7 +86,7 @@ class RecordedSession {
   ScreenshotMoment screenshot_moment_;
   std::uint64_t scene_hash_ = 0;
   bool is_other_scene_ = false;
-  double share_shown_ = -1.0;
+  double drawn_share_ = -1.0;
   std::int64_t start_ns_ = 0;
   std::int64_t drawn_ns_ = 0;
   bool quit_ = false;

@@ -97,7 +97,7 @@ std::vector<PlotContent> make_recorded_plots(const RecordingIndex& index, double
   const double limit_n = notice != nullptr && std::isfinite(notice->force_limit_n) ? std::max(0.0F, notice->force_limit_n) : 0.0;
   const auto force = make_curve(spans, t_s, [](const RecordingSpan& span) { return static_cast<double>(span.written_n); });
   const auto trip = make_curve(spans, t_s, [](const RecordingSpan& span) { return 1e3 * static_cast<double>(span.round_trip_s); });
-  return {make_plot(force, "force", "N", limit_n, kMinAxisMostN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
+  return {make_plot(force, "force", "N", limit_n, kMinTopN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
 }
 
 std::string describe_recording(const std::string& name, const SessionPlayer& player, std::uint64_t sample) {

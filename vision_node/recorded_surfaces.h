@@ -25,7 +25,7 @@ class RecordedSurfaces {
   const RecordingIndex& index_;
   RecordingShapes& shapes_;
   MovedObjects& moved_;
-  std::vector<const IndexedShape*> shown_;  // the shape of each object; null: at rest
+  std::vector<const IndexedShape*> shown_shapes_;  // the shape of each object; null: at rest
 };
 
 }  // namespace hapton

@@ -32,14 +32,14 @@ class SceneFollower {
   // True once for each scene that has waited for kReportAfterNs.
   bool take_overdue(std::int64_t now_ns);
   // Whether such a scene still waits.
-  bool is_overdue() const { return waiting_ && is_reported_; }
+  bool is_overdue() const { return waiting_scene_ && is_reported_; }
 
  private:
   bool is_due() const;
 
   std::uint64_t shown_hash_;
   std::uint64_t felt_hash_ = 0;  // 0: not known
-  std::optional<Scene> waiting_;
+  std::optional<Scene> waiting_scene_;
   std::int64_t waiting_since_ns_ = 0;
   bool is_reported_ = false;
 };

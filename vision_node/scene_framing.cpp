@@ -20,13 +20,13 @@ namespace {
 constexpr double kMinRadius = 1e-6;
 // Share of the workspace's longest side: a smaller scene is a speck in it (io_node/scene_reach.cpp).
 constexpr double kSpeck = 0.02;
-// A scene lies apart if its middle is farther from the workspace's centre than the workspace's radius and kApart of its own radii: a sphere
-// round that centre would be mostly empty. Beyond kFarApart times the sum of both radii, a picture of both would show neither.
-constexpr double kApart = 2.0;
+// A scene lies apart if its middle is farther from the workspace's centre than the workspace's radius and kApartRadii of its own radii: a
+// sphere round that centre would be mostly empty. Beyond kFarApart times the sum of both radii, a picture of both would show neither.
+constexpr double kApartRadii = 2.0;
 constexpr double kFarApart = 10.0;
 // Leaves some space around the workspace.
 constexpr double kMargin = 1.04;
-constexpr int kFitTurns = 8;
+constexpr int kFitIterations = 8;
 
 double workspace_radius_m() { return 0.5 * workspace_size_m().norm(); }
 
@@ -40,10 +40,10 @@ Framing frame_in_workspace(const Scene& scene, double ipd_m) {
 }
 
 Framing frame_with_workspace(const Vec3& p_WO, double radius_m, double ipd_m) {
-  const double apart_m = p_WO.norm();
-  const double from_m = std::min(-workspace_radius_m(), apart_m - radius_m);
-  const double to_m = std::max(workspace_radius_m(), apart_m + radius_m);
-  return frame_sphere(0.5 * (from_m + to_m) * p_WO / apart_m, 0.5 * (to_m - from_m), ipd_m);
+  const double distance_m = p_WO.norm();
+  const double from_m = std::min(-workspace_radius_m(), distance_m - radius_m);
+  const double to_m = std::max(workspace_radius_m(), distance_m + radius_m);
+  return frame_sphere(0.5 * (from_m + to_m) * p_WO / distance_m, 0.5 * (to_m - from_m), ipd_m);
 }
 
 // Widens the view until the picture shows all points as well as the present disc, and moves the screen in its plane until they are in the
@@ -53,19 +53,19 @@ void fit(Framing& framing, PictureSize size, std::span<const Eye> eyes, const st
   const double narrow_px = std::min(size.width_px, size.height_px);
   const Vec2 sides = Vec2(size.width_px, size.height_px) / narrow_px;
   // The eye moves with the screen, which shifts nearer points: each iteration leaves a small part of the error.
-  for (int turn = 0; turn < kFitTurns; ++turn) {
+  for (int turn = 0; turn < kFitIterations; ++turn) {
     Vec2 low = -disc;
     Vec2 high = disc;
     const StereoScreen screen = compute_screen(framing, size);
     for (const Eye eye : eyes) {
       for (const Vec3& p_W : points) {
         const Vec2 from_middle = project_to_pixel(screen, eye, size, p_W) - Vec2(0.5 * size.width_px, 0.5 * size.height_px);
-        const Vec2 at_m = framing.aside_m + framing.view_m / narrow_px * from_middle;
+        const Vec2 at_m = framing.centre_offset_m + framing.view_m / narrow_px * from_middle;
         low = low.cwiseMin(at_m);
         high = high.cwiseMax(at_m);
       }
     }
-    framing.aside_m = 0.5 * (low + high);
+    framing.centre_offset_m = 0.5 * (low + high);
     framing.view_m = (high - low).cwiseQuotient(sides).maxCoeff() * kMargin;
   }
 }
@@ -170,10 +170,10 @@ Framing frame_scene(const Scene& scene, const VisionOptions& options) {
   const SceneSphere sphere = bound_scene(scene);
   const double radius_m = std::max(kMinRadius, sphere.radius_m);
   const Vec3 p_WO = start_pose(options) * sphere.p_SO;
-  const double apart_m = p_WO.norm();
+  const double distance_m = p_WO.norm();
   const bool is_speck = 2.0 * radius_m < kSpeck * workspace_size_m().maxCoeff();
-  const bool is_apart = apart_m > std::max(workspace_radius_m(), kApart * radius_m);
-  const bool is_far = apart_m > kFarApart * (radius_m + workspace_radius_m());
+  const bool is_apart = distance_m > std::max(workspace_radius_m(), kApartRadii * radius_m);
+  const bool is_far = distance_m > kFarApart * (radius_m + workspace_radius_m());
   Framing framing = is_speck || is_far ? frame_sphere(p_WO, radius_m, ipd_m)
                     : is_apart         ? frame_with_workspace(p_WO, radius_m, ipd_m)
                                        : frame_in_workspace(scene, ipd_m);

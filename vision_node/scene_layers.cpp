@@ -7,13 +7,13 @@ namespace hapton {
 namespace {
 
 // Triangles that are drawn at a time. They take some milliseconds; a frame that shows the probe can wait that long.
-constexpr std::size_t kPart = 60'000;
+constexpr std::size_t kPartTriangles = 60'000;
 // More triangles than any scene has. It is not the largest number, because ScenePainter multiplies it by 3.
-constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max() / 8;
+constexpr std::size_t kAllTriangles = std::numeric_limits<std::size_t>::max() / 8;
 
 bool same_screen(const StereoScreen& a, const StereoScreen& b) {
   return a.X_WV.matrix() == b.X_WV.matrix() && a.width_m == b.width_m && a.height_m == b.height_m && a.distance_m == b.distance_m &&
-         a.eyes_aside_m == b.eyes_aside_m && a.to_right_V == b.to_right_V && a.ipd_m == b.ipd_m && a.near_m == b.near_m &&
+         a.eyes_offset_m == b.eyes_offset_m && a.to_right_V == b.to_right_V && a.ipd_m == b.ipd_m && a.near_m == b.near_m &&
          a.far_m == b.far_m && a.light_V == b.light_V;
 }
 
@@ -52,29 +52,29 @@ void SceneLayers::place_object(std::size_t object, const Pose& X_SO, bool is_sho
 
 void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& format) {
   const GlStateGuard guard;
-  const bool better = std::exchange(has_new_levels_, false) || painter_->take_levels();
+  const bool has_better_levels = std::exchange(has_new_levels_, false) || painter_->take_levels();
   for (Layer& each : layers_) each.is_active = false;
   for (const ScenePass& pass : passes) {
     Layer& here = layer(pass.eye);
     here.is_active = true;
     const bool is_same = here.is_valid && same_pass(here.pass, pass) && here.shown.format() == format;
-    if (is_same && (here.is_full || !better)) continue;
+    if (is_same && (here.is_full || !has_better_levels)) continue;
     here.pass = pass;
-    here.shown.shape(pass.size, format);
+    here.shown.resize(pass.size, format);
     begin(here, here.shown);
     count_ = painter_->paint(pass);
     here.surface.reset();
-    ++drawn_;
+    ++pictures_drawn_;
     here.is_valid = true;
     here.is_full = painter_->is_full(pass);
-    here.is_finer_whole = false;
+    here.is_finer_complete = false;
     here.cursor = {};
   }
 }
 
 // Binds the target and copies the background into it.
 void SceneLayers::begin(Layer& here, GlTarget& target) {
-  const bool is_new = here.background.shape(target.size(), target.format());
+  const bool is_new = here.background.resize(target.size(), target.format());
   if (is_new || !same_screen(here.background_pass.screen, here.pass.screen) || here.background_pass.depth_cues != here.pass.depth_cues ||
       here.background_pass.is_even != here.pass.is_even) {
     here.background_pass = here.pass;
@@ -97,14 +97,14 @@ bool SceneLayers::refine() {
   const GlStateGuard guard;
   painter_->take_levels();
   for (Layer& here : layers_) {
-    if (!here.is_active || !here.is_valid || here.is_full || here.is_finer_whole) continue;
-    here.finer.shape(here.shown.size(), here.shown.format());
+    if (!here.is_active || !here.is_valid || here.is_full || here.is_finer_complete) continue;
+    here.finer.resize(here.shown.size(), here.shown.format());
     here.cursor.is_at_start() ? begin(here, here.finer) : here.finer.bind();
-    here.is_finer_whole = painter_->paint_full(here.pass, here.cursor, kPart);
-    if (!here.is_finer_whole) return false;
+    here.is_finer_complete = painter_->paint_full(here.pass, here.cursor, kPartTriangles);
+    if (!here.is_finer_complete) return false;
   }
   for (Layer& here : layers_) {
-    if (!std::exchange(here.is_finer_whole, false)) continue;
+    if (!std::exchange(here.is_finer_complete, false)) continue;
     here.shown.swap(here.finer);
     here.surface.reset();
     here.is_full = true;
@@ -120,10 +120,10 @@ void SceneLayers::refine_whole() {
     if (!here.is_active || !here.is_valid || here.is_full) continue;
     begin(here, here.shown);
     here.cursor = {};
-    while (!painter_->paint_full(here.pass, here.cursor, kWhole)) {
+    while (!painter_->paint_full(here.pass, here.cursor, kAllTriangles)) {
     }
     here.is_full = true;
-    here.is_finer_whole = false;
+    here.is_finer_complete = false;
     here.surface.reset();
   }
 }

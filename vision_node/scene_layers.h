@@ -54,7 +54,7 @@ class SceneLayers {
   // Counts of the picture that prepare() drew last, which is that of one eye.
   const PaintCount& count() const { return count_; }
   // Number of times an eye's picture of the scene has been drawn by prepare().
-  std::uint64_t drawn() const { return drawn_; }
+  std::uint64_t drawn() const { return pictures_drawn_; }
 
  private:
   struct Layer {
@@ -62,12 +62,12 @@ class SceneLayers {
     GlTarget background;        // kept, because a copy is faster than drawing it
     ScenePass background_pass;  // the pass for which it was drawn
     GlTarget shown;
-    GlTarget finer;               // the picture in full detail that refine() draws part by part, and then swaps with `shown`
-    PaintCursor cursor;           // where refine() continues in `finer`
-    bool is_valid = false;        // `shown` matches `pass` and the objects
-    bool is_active = false;       // among the newest passes
-    bool is_full = false;         // `shown` has full detail
-    bool is_finer_whole = false;  // `finer` is complete, and waits for the other eyes
+    GlTarget finer;                  // the picture in full detail that refine() draws part by part, and then swaps with `shown`
+    PaintCursor cursor;              // where refine() continues in `finer`
+    bool is_valid = false;           // `shown` matches `pass` and the objects
+    bool is_active = false;          // among the newest passes
+    bool is_full = false;            // `shown` has full detail
+    bool is_finer_complete = false;  // `finer` is complete, and waits for the other eyes
     std::shared_ptr<const VisibleDepth> surface;  // null: not read yet
   };
 
@@ -79,7 +79,7 @@ class SceneLayers {
   std::array<Layer, 3> layers_;
   PaintCount count_;
   bool has_new_levels_ = false;
-  std::uint64_t drawn_ = 0;
+  std::uint64_t pictures_drawn_ = 0;
 };
 
 }  // namespace hapton

@@ -28,9 +28,9 @@ constexpr std::size_t kPreviewTriangles = 150'000;
 // A level with more triangles casts no shadow, as drawing it costs too much. A large mesh has no smaller level until its levels are made.
 constexpr std::size_t kShadowTriangles = 20'000;
 // An object larger than the workspace extends through its ground, and a shadow there has no meaning.
-constexpr double kShadowRadii = 1.0;
+constexpr double kShadowShare = 1.0;
 // Height of the shadow above the grid, as a share of the eyes' distance from the screen: enough for a depth buffer of 24 bits.
-constexpr double kAboveGround = 1e-3;
+constexpr double kShadowLift = 1e-3;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ struct ScenePainter::Object {
   std::shared_ptr<const DetailLevel> whole;       // read by the builder
   std::shared_ptr<const TextureLayers> textures;  // null: none
   bool is_painted = false;                        // its vertices have colours of their own
-  bool is_finished = false;                       // some of those have alpha, or a texture that does not repeat
+  bool has_finish = false;                        // some of those have alpha, or a texture that does not repeat
   bool has_blended = false;                       // some of its triangles show what is behind them
   FlatLevel full;
   bool is_preview = false;  // full is only a part of its triangles, until all of them are ready to be drawn
@@ -79,7 +79,7 @@ DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, SharedTextu
   for (const std::string& note : notes) log_warning("{}", note);
   DetailLevel level = make_level_of(*shown.mesh, object);
   for (const VertexPaint& paint : level.paints) {
-    object.is_finished = object.is_finished || !paint.is_plain();
+    object.has_finish = object.has_finish || !paint.is_plain();
     object.has_blended = object.has_blended || paint.is_blended != 0;
   }
   return level;
@@ -109,11 +109,11 @@ Result<void> ScenePainter::make_programs() {
   };
   const std::string head = shader_head(lights_.size());
   const Sources all[] = {
-      {shaded_, fmt::format("{}{}{}", head, kLighting, kVertexShader), fmt::format("{}{}", head, kFragmentShader)},
-      {painted_, fmt::format("{}{}{}", head, kLighting, kPaintedVertexShader), fmt::format("{}{}", head, kPaintedFragmentShader)},
-      {finished_, fmt::format("{}{}{}", head, kLighting, kFinishedVertexShader), fmt::format("{}{}", head, kFinishedFragmentShader)},
-      {background_, std::string(kBackgroundVertexShader), std::string(kBackgroundFragmentShader)},
-      {single_, std::string(kSingleVertexShader), std::string(kSingleFragmentShader)}};
+      {shaded_program_, fmt::format("{}{}{}", head, kLighting, kVertexShader), fmt::format("{}{}", head, kFragmentShader)},
+      {painted_program_, fmt::format("{}{}{}", head, kLighting, kPaintedVertexShader), fmt::format("{}{}", head, kPaintedFragmentShader)},
+      {finish_program_, fmt::format("{}{}{}", head, kLighting, kFinishedVertexShader), fmt::format("{}{}", head, kFinishedFragmentShader)},
+      {background_program_, std::string(kBackgroundVertexShader), std::string(kBackgroundFragmentShader)},
+      {colour_program_, std::string(kSingleVertexShader), std::string(kSingleFragmentShader)}};
   for (const Sources& sources : all) {
     auto made = GlProgram::make(sources.vertex, sources.fragment);
     if (!made) return tl::unexpected(made.error());
@@ -134,7 +134,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   for (const ShownObject& shown : objects) {
     auto object = std::make_unique<Object>();
     object->shown = shown;
-    object->frame = frame_detail(*shown.mesh);
+    object->frame = make_detail_frame(*shown.mesh);
     object->colour = shown.colour;
     const auto whole = std::make_shared<DetailLevel>(make_whole_level(shown, textures, *object));
     if (shown.shows_backs) mark_without_back(*shown.mesh, shown.appearance.get(), *whole);
@@ -185,7 +185,7 @@ void ScenePainter::replace_object(std::size_t number, std::vector<FlatLevel> lev
   Object& object = *objects_[number];
   begin_reshape(object);
   object.textures.reset();
-  object.is_painted = object.is_finished = object.has_blended = false;
+  object.is_painted = object.has_finish = object.has_blended = false;
   all_triangles_ -= object.triangles;
   object.triangles = levels.front().triangles();
   all_triangles_ += object.triangles;
@@ -199,8 +199,8 @@ void ScenePainter::replace_object(std::size_t number, std::vector<FlatLevel> lev
 }
 
 bool ScenePainter::take_levels() {
-  auto made = builder_->take_made();
-  for (DetailBuilder::Made& one : made) {
+  auto made = builder_->take_levels();
+  for (DetailBuilder::MadeLevel& one : made) {
     Object& object = *objects_[one.object];
     if (object.is_reshaped) continue;
     if (one.is_full) {
@@ -233,7 +233,7 @@ void ScenePainter::complete() {
   }
 }
 
-std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
+std::size_t ScenePainter::choose_level_of(const Object& object, const ScenePass& pass, double* error_px) const {
   // A metre has the most pixels where the object comes nearest to the viewer.
   const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.centre());
   const EyeDepths depths = compute_eye_depths(pass.screen, pass.eye);
@@ -248,7 +248,7 @@ std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, do
 
 bool ScenePainter::is_full(const ScenePass& pass) const {
   if (builder_->progress() < 1.0) return false;
-  return std::all_of(objects_.begin(), objects_.end(), [&](const auto& object) { return choose(*object, pass) == 0; });
+  return std::all_of(objects_.begin(), objects_.end(), [&](const auto& object) { return choose_level_of(*object, pass) == 0; });
 }
 
 void ScenePainter::paint_background(const ScenePass& pass) const {
@@ -260,9 +260,9 @@ void ScenePainter::paint_background(const ScenePass& pass) const {
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
-  background_->use();
-  background_->set("low", pass.is_even ? kSceneEven : kSceneLow);
-  background_->set("high", pass.is_even ? kSceneEven : kSceneHigh);
+  background_program_->use();
+  background_program_->set("low", pass.is_even ? kSceneEven : kSceneLow);
+  background_program_->set("high", pass.is_even ? kSceneEven : kSceneHigh);
   glBindVertexArray(empty_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   if (pass.depth_cues) paint_lines(pass);
@@ -291,13 +291,13 @@ void ScenePainter::upload_lines() {
 void ScenePainter::paint_lines(const ScenePass& pass) const {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
-  single_->use();
-  single_->set("to_clip", Mat4(compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye)));
+  colour_program_->use();
+  colour_program_->set("to_clip", Mat4(compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye)));
   glBindVertexArray(line_vertices_);
   glLineWidth(1.0F);
-  single_->set("colour", kSceneGrid);
+  colour_program_->set("colour", kSceneGrid);
   glDrawArrays(GL_LINES, 0, grid_corners_);
-  single_->set("colour", kSceneBox);
+  colour_program_->set("colour", kSceneBox);
   // Draws all edges except the three at the corner nearest to the viewer, which would be in front of the scene.
   const auto edges = make_workspace_box();
   const Vec3 nearest = find_nearest_corner(compute_eye_position(pass.screen, Eye::centre));
@@ -317,16 +317,16 @@ void ScenePainter::paint_shadow(const ScenePass& pass) {
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   Mat4 raise = Mat4::Identity();
-  raise(1, 3) = kAboveGround * pass.screen.distance_m;
-  const Mat4 to_ground = raise * compute_shadow_matrix(shadow_light()) * pass.X_WS.matrix();
+  raise(1, 3) = kShadowLift * pass.screen.distance_m;
+  const Mat4 to_ground = raise * compute_shadow_matrix(direction_to_shadow_light()) * pass.X_WS.matrix();
   const Mat4 to_clip = compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye) * to_ground;
-  single_->use();
-  single_->set("colour", kSceneShadow);
+  colour_program_->use();
+  colour_program_->set("colour", kSceneShadow);
   for (const auto& object : objects_) {
     const std::size_t coarsest = object->facts.size() - 1;
     const FlatLevel& level = object->level(coarsest);
-    if (!object->is_shown || level.triangles() > kShadowTriangles || object->radius_m > kShadowRadii * workspace_size_m().norm()) continue;
-    single_->set("to_clip", Mat4(to_clip * object->X_SU()));
+    if (!object->is_shown || level.triangles() > kShadowTriangles || object->radius_m > kShadowShare * workspace_size_m().norm()) continue;
+    colour_program_->set("to_clip", Mat4(to_clip * object->X_SU()));
     glBindVertexArray(object->vertices(coarsest));
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(level.indices.size() * sizeof(std::uint32_t)), level.indices.data(),
                  GL_STREAM_DRAW);
@@ -343,7 +343,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   glFrontFace(GL_CCW);
   // Haze from a little before the picture's centre to the scene's far end, in eyes' distances; without haze both are beyond every depth.
   const bool is_hazy = pass.depth_cues && !pass.plain;
-  for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
+  for (const GlProgram* program : {finish_program_.get(), painted_program_.get(), shaded_program_.get()}) {
     program->use();
     set_lights(*program, lights_, pass.screen, pass.eye);
     program->set("plain", pass.plain ? 1 : 0);
@@ -372,26 +372,26 @@ std::vector<std::size_t> ScenePainter::order_objects(PaintStage stage, const Sce
   }
   if (stage == PaintStage::solid) return order;
   const Vec3 p_WE = compute_eye_position(pass.screen, pass.eye);
-  const auto far = [&](std::size_t i) { return (pass.X_WS * objects_[i]->centre() - p_WE).squaredNorm(); };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return far(a) > far(b); });
+  const auto distance_squared = [&](std::size_t i) { return (pass.X_WS * objects_[i]->centre() - p_WE).squaredNorm(); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return distance_squared(a) > distance_squared(b); });
   return order;
 }
 
 // Clusters [from, to) in the stage's order.
-struct ScenePainter::Part {
+struct ScenePainter::ClusterRange {
   PaintStage stage = PaintStage::solid;
   std::size_t from = 0;
   std::size_t to = 0;
 };
 
-void ScenePainter::gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE,
+void ScenePainter::gather(const Object& object, const FlatLevel& level, const ClusterRange& range, const Mat4& to_clip, const Vec3& p_UE,
                           DrawnSides sides) {
-  const ViewCulling culling(clip, p_UE, sides);
-  const bool is_solid = part.stage == PaintStage::solid;
+  const ViewCulling culling(to_clip, p_UE, sides);
+  const bool is_solid = range.stage == PaintStage::solid;
   std::vector<std::uint32_t> order;
   if (!is_solid) order = order_far_to_near(level.clusters, p_UE.cast<float>());
   visible_.clear();
-  for (std::size_t i = part.from; i < part.to; ++i) {
+  for (std::size_t i = range.from; i < range.to; ++i) {
     const DetailCluster& cluster = level.clusters[is_solid ? i : order[i]];
     if (!culling.may_see(cluster)) continue;
     const auto first = level.indices.begin() + cluster.first;
@@ -404,25 +404,25 @@ void ScenePainter::gather(const Object& object, const FlatLevel& level, const Pa
       visible_.insert(visible_.end(), first + k, first + k + 3);
     }
   }
-  if (part.stage == PaintStage::blended) sort_far_to_near(visible_, level.vertices, p_UE.cast<float>());
+  if (range.stage == PaintStage::blended) sort_far_to_near(visible_, level.vertices, p_UE.cast<float>());
 }
 
-std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part) {
+std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, const ScenePass& pass, const ClusterRange& range) {
   const Mat4 X_WU = pass.X_WS.matrix() * object.X_SU();
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
-  const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
+  const Mat4 to_clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
   const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();
   // The unit is the eyes' distance from the screen, so that a scene of any size is in the range of single precision.
   Mat4 to_eye = X_EU;
   to_eye.topRows<3>() /= pass.screen.distance_m;
   const bool shows_backs = !pass.cull || object.shown.shows_backs;
-  const bool culls = !shows_backs || part.stage == PaintStage::solid;  // if it also shows backs, fronts are drawn first, then backs
+  const bool culls = !shows_backs || range.stage == PaintStage::solid;  // if it also shows backs, fronts are drawn first, then backs
   std::size_t sent = 0;
   for (const bool backs : {false, true}) {
     if (backs && !(shows_backs && culls)) break;
     set_drawn_side(culls, backs);
-    gather(object, object.level(level), part, clip, p_UE, !culls ? DrawnSides::both : backs ? DrawnSides::backs : DrawnSides::fronts);
-    if (!visible_.empty()) paint_visible(object, object.vertices(level), clip, to_eye);
+    gather(object, object.level(level), range, to_clip, p_UE, !culls ? DrawnSides::both : backs ? DrawnSides::backs : DrawnSides::fronts);
+    if (!visible_.empty()) paint_visible(object, object.vertices(level), to_clip, to_eye);
     sent += visible_.size() / 3;
   }
   set_drawn_side(false, false);
@@ -430,7 +430,7 @@ std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, co
 }
 
 void ScenePainter::paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const {
-  const GlProgram& program = object.is_finished ? *finished_ : object.is_painted ? *painted_ : *shaded_;
+  const GlProgram& program = object.has_finish ? *finish_program_ : object.is_painted ? *painted_program_ : *shaded_program_;
   program.use();
   program.set("to_clip", to_clip);
   program.set("to_eye", to_eye);
@@ -458,10 +458,10 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
     for (const std::size_t number : order_objects(stage, pass)) {
       const Object& object = *objects_[number];
       double error_px = 0.0;
-      const std::size_t i = choose(object, pass, &error_px);
+      const std::size_t i = choose_level_of(object, pass, &error_px);
       const FlatLevel& level = object.level(i);
       const std::size_t sent = paint_part(object, i, pass, {stage, 0, level.clusters.size()});
-      if (stage != PaintStage::blended_depth) count.sent += sent;
+      if (stage != PaintStage::blended_depth) count.sent_triangles += sent;
       if (stage != PaintStage::solid) continue;
       count.triangles += level.triangles();
       count.largest_error_px = std::max(count.largest_error_px, error_px);

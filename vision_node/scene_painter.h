@@ -39,9 +39,9 @@ struct ScenePass {
 
 // Counts for reports.
 struct PaintCount {
-  std::size_t triangles = 0;      // those of the levels drawn
-  std::size_t sent = 0;           // those sent to the driver: without clusters out of sight
-  double largest_error_px = 0.0;  // largest error of the levels drawn
+  std::size_t triangles = 0;       // those of the levels drawn
+  std::size_t sent_triangles = 0;  // those sent to the driver: without clusters out of sight
+  double largest_error_px = 0.0;   // largest error of the levels drawn
 };
 
 // The stages in which the scene is drawn, in this order: what hides all behind it; what shows through, from the farthest to the nearest;
@@ -75,7 +75,7 @@ class ScenePainter {
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
 
   // Draws these levels, from the finest to the coarsest, in place of an object's mesh, in the object's one colour. Frame: U of that mesh
-  // (frame_detail). Pre: at least one level.
+  // (make_detail_frame). Pre: at least one level.
   void replace_object(std::size_t object, std::vector<FlatLevel> levels);
 
   // Makes all triangles of large meshes ready at once; otherwise only a part of them is drawn until the builder has prepared all. Takes a
@@ -99,7 +99,7 @@ class ScenePainter {
  private:
   struct Object;
   ScenePainter();
-  std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
+  std::size_t choose_level_of(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
   static DetailLevel make_whole_level(const ShownObject& shown, SharedTextures& textures, Object& object);
   static DetailLevel make_level_of(const TriangleMesh& mesh, const Object& object);
   void begin_reshape(Object& object);
@@ -112,15 +112,16 @@ class ScenePainter {
   bool has_blended() const;
   // Numbers of the objects that the stage draws, in the order in which it draws them.
   std::vector<std::size_t> order_objects(PaintStage stage, const ScenePass& pass) const;
-  struct Part;
-  void gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, DrawnSides sides);
-  std::size_t paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part);
+  struct ClusterRange;
+  void gather(const Object& object, const FlatLevel& level, const ClusterRange& range, const Mat4& to_clip, const Vec3& p_UE,
+              DrawnSides sides);
+  std::size_t paint_part(const Object& object, std::size_t level, const ScenePass& pass, const ClusterRange& range);
   void paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const;
 
   std::vector<SceneLight> lights_;  // empty: the one that moves with the viewer
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
-  std::unique_ptr<GlProgram> shaded_, painted_, finished_, background_, single_;
+  std::unique_ptr<GlProgram> shaded_program_, painted_program_, finish_program_, background_program_, colour_program_;
   std::uint32_t index_buffer_ = 0, empty_vertices_ = 0;
   std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
   int grid_corners_ = 0;

@@ -26,7 +26,7 @@ std::string shorten(std::string text, const std::filesystem::path& path) {
 }  // namespace
 
 SceneReload::SceneReload(std::filesystem::path path, const SceneLoading& loading, Read read)
-    : path_(std::move(path)), loading_(loading), read_file_(std::move(read)), file_(path_) {}
+    : path_(std::move(path)), loading_(loading), read_file_(std::move(read)), file_watch_(path_) {}
 
 SceneReload::~SceneReload() {
   calls_.stop();
@@ -45,8 +45,8 @@ void SceneReload::run() {
 }
 
 void SceneReload::poll() {
-  const FileWatch::State state = file_.check();
-  set_gone(file_.is_gone());
+  const FileWatch::State state = file_watch_.check();
+  set_gone(file_watch_.is_gone());
   switch (state) {
     case FileWatch::State::gone:
       is_reading_.store(false);
@@ -59,7 +59,7 @@ void SceneReload::poll() {
       is_reading_.store(true);
       return;
     case FileWatch::State::changed:
-      file_.accept();
+      file_watch_.accept();
       read();
       is_reading_.store(false);
   }
@@ -76,7 +76,7 @@ void SceneReload::read() {
     return;
   }
   for (const auto& note : scene->notes) log_info("{}", note);
-  read_ = std::move(*scene);
+  new_scene_ = std::move(*scene);
 }
 
 void SceneReload::set_gone(bool is_gone) {
@@ -91,7 +91,7 @@ std::string SceneReload::problem() {
 
 std::optional<Scene> SceneReload::take() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(read_, std::nullopt);
+  return std::exchange(new_scene_, std::nullopt);
 }
 
 }  // namespace hapton

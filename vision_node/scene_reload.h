@@ -50,9 +50,9 @@ class SceneReload {
   std::filesystem::path path_;
   SceneLoading loading_;
   Read read_file_;
-  FileWatch file_;
+  FileWatch file_watch_;
   std::mutex mutex_;
-  std::optional<Scene> read_;
+  std::optional<Scene> new_scene_;
   std::string error_;     // error in the newest content that was read
   bool is_gone_ = false;  // there is no file
   std::atomic<bool> is_reading_ = false;

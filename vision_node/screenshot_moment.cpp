@@ -6,7 +6,7 @@ namespace hapton {
 namespace {
 
 // Long enough for the hand to have settled on the surface rather than to have brushed it.
-constexpr std::int64_t kSettledNs = 300'000'000;
+constexpr std::int64_t kMinContactNs = 300'000'000;
 
 }  // namespace
 
@@ -27,23 +27,23 @@ Result<ScreenshotMoment> ScreenshotMoment::parse(std::string_view text) {
   return moment;
 }
 
-bool ScreenshotMoment::is_now(std::int64_t since_start_ns, bool contact) {
-  if (taken_) return false;
+bool ScreenshotMoment::take_now(std::int64_t since_start_ns, bool contact) {
+  if (is_taken_) return false;
   if (!contact)
     contact_since_ns_ = -1;
   else if (contact_since_ns_ < 0)
     contact_since_ns_ = since_start_ns;
   switch (kind_) {
     case Kind::contact:
-      taken_ = contact && since_start_ns - contact_since_ns_ >= kSettledNs;
+      is_taken_ = contact && since_start_ns - contact_since_ns_ >= kMinContactNs;
       break;
     case Kind::time:
-      taken_ = since_start_ns >= at_ns_;
+      is_taken_ = since_start_ns >= at_ns_;
       break;
     case Kind::exit:
       break;
   }
-  return taken_;
+  return is_taken_;
 }
 
 }  // namespace hapton

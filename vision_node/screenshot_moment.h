@@ -15,18 +15,18 @@ class ScreenshotMoment {
   static Result<ScreenshotMoment> parse(std::string_view text);
 
   // Call it for every frame that is drawn. True once, for the frame to keep.
-  bool is_now(std::int64_t since_start_ns, bool contact);
+  bool take_now(std::int64_t since_start_ns, bool contact);
 
-  bool taken() const { return taken_; }
+  bool taken() const { return is_taken_; }
   // True: no contact lasted long enough, so the picture taken at the exit is not the one that was wanted.
-  bool missed_contact() const { return kind_ == Kind::contact && !taken_; }
+  bool missed_contact() const { return kind_ == Kind::contact && !is_taken_; }
 
  private:
   enum class Kind { contact, exit, time };
   Kind kind_ = Kind::contact;
   std::int64_t at_ns_ = 0;
   std::int64_t contact_since_ns_ = -1;
-  bool taken_ = false;
+  bool is_taken_ = false;
 };
 
 }  // namespace hapton

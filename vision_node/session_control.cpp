@@ -36,10 +36,10 @@ bool SessionControl::press_key(char key) {
       if (const RecordingMark* mark = find_previous_mark(index_, moment_s)) player_.seek(mark->t_s);
       return true;
     case '[':
-      player_.slower();
+      player_.slow_down();
       return true;
     case ']':
-      player_.faster();
+      player_.speed_up();
       return true;
     case 'a':
       player_.seek(player_.begin_s());
@@ -51,8 +51,8 @@ bool SessionControl::press_key(char key) {
 }
 
 bool SessionControl::drag(const WindowEvent& event, PictureSize size) {
-  if (!dragged_from_px_) return false;
-  player_.seek(find_time_line_moment(index_, place_time_line(size).share_at(event.x_px - *dragged_from_px_)));
+  if (!drag_left_edge_px_) return false;
+  player_.seek(find_time_line_moment(index_, place_time_line(size).share_at(event.x_px - *drag_left_edge_px_)));
   return true;
 }
 
@@ -62,14 +62,14 @@ bool SessionControl::handle(const WindowEvent& event, const std::optional<std::a
   if (event.kind == Kind::key && event.navigation_key == WindowEvent::NavigationKey::none) {
     is_used = press_key(event.key);
   } else if (event.kind == Kind::press && event.button == WindowEvent::Button::left) {
-    if (pixel && (*pixel)[1] < place_time_line(size).reserve_px) {
-      dragged_from_px_ = event.x_px - (*pixel)[0];
+    if (pixel && (*pixel)[1] < place_time_line(size).strip_height_px) {
+      drag_left_edge_px_ = event.x_px - (*pixel)[0];
       player_.hold(true);
       drag(event, size);
     }
     is_used = true;  // a recording has no hand to lead
   } else if (event.kind == Kind::release && event.button == WindowEvent::Button::left) {
-    dragged_from_px_.reset();
+    drag_left_edge_px_.reset();
     player_.hold(false);
     is_used = true;
   } else if (event.kind == Kind::move) {

@@ -31,7 +31,7 @@ class SessionControl {
   const RecordingIndex& index_;
   RecordingRows& rows_;
   SessionPlayer& player_;
-  std::optional<int> dragged_from_px_;  // the picture's left edge in the window, from the drag's start; none: the line is not dragged
+  std::optional<int> drag_left_edge_px_;  // the picture's left edge in the window, from the drag's start; none: the line is not dragged
   bool has_changed_ = false;
 };
 

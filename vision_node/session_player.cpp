@@ -32,12 +32,12 @@ void SessionPlayer::toggle_pause() {
   if (!is_paused_ && moment_s_ >= end_s_) moment_s_ = begin_s_;
 }
 
-void SessionPlayer::faster() {
+void SessionPlayer::speed_up() {
   const auto next = std::ranges::upper_bound(kSpeeds, speed_);
   if (next != kSpeeds.end()) speed_ = *next;
 }
 
-void SessionPlayer::slower() {
+void SessionPlayer::slow_down() {
   const auto next = std::ranges::lower_bound(kSpeeds, speed_);
   if (next != kSpeeds.begin()) speed_ = *std::prev(next);
 }

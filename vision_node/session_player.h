@@ -24,8 +24,8 @@ class SessionPlayer {
   // Holds the moment, paused or not, while the time line is dragged.
   void hold(bool is_held) { is_held_ = is_held; }
   // Sets the next higher, or lower, speed of 0.1, 0.25, 0.5, 1, 2, 4 and 8.
-  void faster();
-  void slower();
+  void speed_up();
+  void slow_down();
   // Pre: speed is from kSlowest to kFastest.
   void set_speed(double speed) { speed_ = speed; }
 

@@ -18,9 +18,9 @@ SpaceMouseRate::SpaceMouseRate(HidOpener opener, Vec3 SpaceMouseState::*axes, do
 
 Vec3 SpaceMouseRate::take(std::int64_t now_ns) {
   const Vec3 deflection = reader_.state(now_ns).*axes_;
-  const double passed_s = taken_ns_ < 0 ? 0.0 : std::clamp(1e-9 * static_cast<double>(now_ns - taken_ns_), 0.0, kLongestStepS);
-  taken_ns_ = now_ns;
-  return passed_s * full_per_s_ * deflection.cwiseAbs().cwiseProduct(deflection);
+  const double elapsed_s = last_take_ns_ < 0 ? 0.0 : std::clamp(1e-9 * static_cast<double>(now_ns - last_take_ns_), 0.0, kLongestStepS);
+  last_take_ns_ = now_ns;
+  return elapsed_s * full_per_s_ * deflection.cwiseAbs().cwiseProduct(deflection);
 }
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ class SpaceMouseRate {
   SpaceMouseReader reader_;
   Vec3 SpaceMouseState::*axes_;
   double full_per_s_;
-  std::int64_t taken_ns_ = -1;
+  std::int64_t last_take_ns_ = -1;
 };
 
 }  // namespace hapton

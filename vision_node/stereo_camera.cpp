@@ -15,7 +15,7 @@ constexpr double kMargin = 1.06;
 
 Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {
   const double side = eye == Eye::left ? -0.5 : eye == Eye::right ? 0.5 : 0.0;
-  return Vec3(screen.eyes_aside_m.x(), screen.eyes_aside_m.y(), screen.distance_m) + side * screen.ipd_m * screen.to_right_V;
+  return Vec3(screen.eyes_offset_m.x(), screen.eyes_offset_m.y(), screen.distance_m) + side * screen.ipd_m * screen.to_right_V;
 }
 
 // The smallest depth that is drawn, as a share of the distance to the screen. With a smaller one, the depth buffer would be too coarse.
@@ -30,7 +30,8 @@ void place_picture(const Framing& framing, PictureSize size, StereoScreen& scree
   }
   const Eigen::AngleAxisd yaw(framing.yaw_rad, Vec3::UnitY());
   const Eigen::AngleAxisd pitch(-framing.pitch_rad, Vec3::UnitX());
-  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch * Eigen::Translation3d(framing.aside_m.x(), framing.aside_m.y(), 0.0);
+  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch *
+                Eigen::Translation3d(framing.centre_offset_m.x(), framing.centre_offset_m.y(), 0.0);
   if (framing.roll_rad != 0.0) screen.X_WV.rotate(Eigen::AngleAxisd(framing.roll_rad, Vec3::UnitZ()));
   const double width = std::max(1, size.width_px);
   const double height = std::max(1, size.height_px);
@@ -44,7 +45,7 @@ void place_eyes(const Framing& framing, StereoScreen& screen) {
   const double grown = scale * kDeskDistance / framing.distance_m;  // exactly 1 if the screen's width is not known, or if its place is
   const Vec3 from_desk = framing.head.p_RH - Head().p_RH;
   screen.distance_m = grown * framing.distance_m + scale * from_desk.z();
-  screen.eyes_aside_m = scale * from_desk.head<2>();
+  screen.eyes_offset_m = scale * from_desk.head<2>();
   screen.to_right_V = framing.head.q_RH * Vec3::UnitX();
   screen.ipd_m = grown * framing.ipd_m;
 }
@@ -79,9 +80,9 @@ StereoScreen compute_screen(const Framing& framing, PictureSize size) {
   place_picture(framing, size, screen);
   place_eyes(framing, screen);
   // What is drawn lies around p_WC: in the screen's plane, or, if the framing gives the screen's place, in front of it or behind it.
-  const double before_m = framing.screen ? (framing.screen->X_WR.inverse(Eigen::Isometry) * framing.p_WC).z() : 0.0;
-  screen.near_m = std::max(kNearShare * screen.distance_m, screen.distance_m - std::max(0.0, before_m) - framing.depth_m);
-  screen.far_m = screen.distance_m - std::min(0.0, before_m) + framing.depth_m;
+  const double centre_z_m = framing.screen ? (framing.screen->X_WR.inverse(Eigen::Isometry) * framing.p_WC).z() : 0.0;
+  screen.near_m = std::max(kNearShare * screen.distance_m, screen.distance_m - std::max(0.0, centre_z_m) - framing.depth_m);
+  screen.far_m = screen.distance_m - std::min(0.0, centre_z_m) + framing.depth_m;
   return screen;
 }
 

@@ -32,7 +32,7 @@ struct StereoScreen {
   double width_m = 0.52;
   double height_m = 0.29;
   double distance_m = 0.6;            // from the plane to the middle between the eyes
-  Vec2 eyes_aside_m = Vec2::Zero();   // from the rectangle's centre to that middle: right, up
+  Vec2 eyes_offset_m = Vec2::Zero();  // from the rectangle's centre to that middle: right, up
   Vec3 to_right_V = Vec3(1.0, 0, 0);  // from the left eye to the right one, of length 1
   double ipd_m = kEyeDistance;
   double near_m = 0.06;
@@ -49,21 +49,21 @@ struct PictureSize {
 
 // What shall be seen, before it is known how large the window is.
 struct Framing {
-  Vec3 p_WC = Vec3::Zero();           // workspace centre: on the zero-parallax plane, in the middle of the screen if aside_m is 0
-  Vec2 aside_m = Vec2::Zero();        // from p_WC to the screen's centre, in the screen's plane: right, up
-  double yaw_rad = 0.0;               // the viewer is turned about p_WC: from the z axis this far to the right ...
-  double pitch_rad = 0.0;             // ... and this far up
-  double roll_rad = 0.0;              // the screen is turned this far about its z axis, counter-clockwise
-  double view_m = 0.3;                // the picture's smaller side, on the zero-parallax plane
-  double distance_m = kDeskDistance;  // from the eyes to the zero-parallax plane, while the head is in its initial position
-  double ipd_m = kEyeDistance;        // between the eyes
-  double depth_m = 0.5;               // everything drawn lies within this distance of p_WC
+  Vec3 p_WC = Vec3::Zero();             // workspace centre: on the zero-parallax plane, in the middle of the screen if centre_offset_m is 0
+  Vec2 centre_offset_m = Vec2::Zero();  // from p_WC to the screen's centre, in the screen's plane: right, up
+  double yaw_rad = 0.0;                 // the viewer is turned about p_WC: from the z axis this far to the right ...
+  double pitch_rad = 0.0;               // ... and this far up
+  double roll_rad = 0.0;                // the screen is turned this far about its z axis, counter-clockwise
+  double view_m = 0.3;                  // the picture's smaller side, on the zero-parallax plane
+  double distance_m = kDeskDistance;    // from the eyes to the zero-parallax plane, while the head is in its initial position
+  double ipd_m = kEyeDistance;          // between the eyes
+  double depth_m = 0.5;                 // everything drawn lies within this distance of p_WC
   Head head;
   // Width of the picture on the desk, m; 0: not known. If it is known, the viewer is larger than in reality by the same factor as the
   // picture; of distance_m and ipd_m only the ratio then counts.
   double screen_width_m = 0.0;
-  // Where the picture is on the desk, in true size. Its edges are then those of this rectangle, however many pixels it has: aside_m, the
-  // angles, view_m and screen_width_m mean nothing, and the viewer is as large as in reality.
+  // Where the picture is on the desk, in true size. Its edges are then those of this rectangle, however many pixels it has:
+  // centre_offset_m, the angles, view_m and screen_width_m mean nothing, and the viewer is as large as in reality.
   std::optional<ScreenRectangle> screen = {};
 };
 

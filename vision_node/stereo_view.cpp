@@ -44,8 +44,8 @@ struct StereoView::Window {
   DisplayConnection display;
   ViewSettings settings;
   StereoMode mode = StereoMode::mono;
-  bool has_quad = false;
-  bool swapped = false;
+  bool has_quad_buffers = false;
+  bool are_eyes_swapped = false;
   // The window is destroyed after what is drawn in it.
   vtkNew<vtkRenderWindow> window;
   std::unique_ptr<WindowListener> listener;  // null if the window is off screen
@@ -63,10 +63,10 @@ struct StereoView::Window {
   TeachFigure teach;
   Pose X_WS = Pose::Identity();
   std::optional<Vec3> p_WP;  // position of the tip; empty until it is first set
-  bool stale = true;
+  bool needs_redraw = true;
   // The rest is about the frame that is being drawn.
   bool is_prepared = false;
-  bool is_whole = false;  // it is drawn in full detail, however long that takes
+  bool draws_full_detail = false;  // it is drawn in full detail, however long that takes
   std::function<void()> before_probe;
 
   vtkOpenGLRenderWindow* opengl() { return vtkOpenGLRenderWindow::SafeDownCast(window); }
@@ -78,7 +78,7 @@ struct StereoView::Window {
   void prepare();
   void render();
   void render_both_eyes();
-  void let_vtk_compose(bool is_let);
+  void set_vtk_composes(bool vtk_composes);
   // A pixel of one eye's picture. view is null for a position outside all pictures.
   struct PixelOfEye {
     EyeView* view = nullptr;
@@ -107,14 +107,14 @@ Result<void> StereoView::Window::open() {
   }
   opengl()->MakeCurrent();
   if (auto fits = read_renderer_limits().check({settings.width_px, settings.height_px}); !fits) return fits;
-  has_quad = wants_quad && window->GetStereoCapableWindow() != 0;
-  if (settings.stereo == StereoMode::crystal_eyes && !has_quad) {
+  has_quad_buffers = wants_quad && window->GetStereoCapableWindow() != 0;
+  if (settings.stereo == StereoMode::crystal_eyes && !has_quad_buffers) {
     return fail(
         "stereo mode crystal_eyes needs a quad-buffered OpenGL visual and this display has none: use --stereo side_by_side or auto");
   }
   mode = settings.stereo;
   if (mode == StereoMode::openxr) mode = StereoMode::mono;
-  if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
+  if (mode == StereoMode::automatic) mode = has_quad_buffers ? StereoMode::crystal_eyes : StereoMode::mono;
   return {};
 }
 
@@ -136,27 +136,27 @@ void StereoView::Window::arrange() {
     add_eye(Eye::right, {.from_x = 0.5});
     aim_headset();
   } else if (mode == StereoMode::side_by_side) {
-    add_eye(swapped ? Eye::right : Eye::left, {.to_x = 0.5});
-    add_eye(swapped ? Eye::left : Eye::right, {.from_x = 0.5});
+    add_eye(are_eyes_swapped ? Eye::right : Eye::left, {.to_x = 0.5});
+    add_eye(are_eyes_swapped ? Eye::left : Eye::right, {.from_x = 0.5});
   } else if (mode == StereoMode::top_bottom) {
-    add_eye(swapped ? Eye::right : Eye::left, {.from_y = 0.5});
-    add_eye(swapped ? Eye::left : Eye::right, {.to_y = 0.5});
+    add_eye(are_eyes_swapped ? Eye::right : Eye::left, {.from_y = 0.5});
+    add_eye(are_eyes_swapped ? Eye::left : Eye::right, {.to_y = 0.5});
   } else {
-    add_eye(find_single_eye(mode, swapped), {});
+    add_eye(find_single_eye(mode, are_eyes_swapped), {});
   }
-  stale = true;
+  needs_redraw = true;
 }
 
 void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   auto view = std::make_unique<EyeView>(part, settings.lights);
   view->eye = eye;
-  view->composed = vtk_stereo_type(mode) != 0;
-  if (composes) view->pass = swapped ? Eye::right : Eye::left;
-  view->swapped = swapped;
+  view->is_composed = vtk_stereo_type(mode) != 0;
+  if (composes) view->drawn_eye = are_eyes_swapped ? Eye::right : Eye::left;
+  view->are_eyes_swapped = are_eyes_swapped;
   view->squeeze = mode == StereoMode::top_bottom ? 2 : 1;
   view->draw_scene = [this, each = view.get()] {
     const int* origin = each->renderer->GetOrigin();
-    layers->copy_to_bound(each->eye_now(), origin[0], origin[1]);
+    layers->copy_to_bound(each->current_eye(), origin[0], origin[1]);
   };
   vtkRenderer* renderer = view->renderer;
   probe->add_to(renderer);
@@ -182,8 +182,8 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
 }
 
 void StereoView::Window::aim_headset() {
-  eyes.front()->given = headset_eyes.left;
-  eyes.back()->given = headset_eyes.right;
+  eyes.front()->given_screen = headset_eyes.left;
+  eyes.back()->given_screen = headset_eyes.right;
 }
 
 void StereoView::Window::begin(EyeView& view) {
@@ -193,10 +193,10 @@ void StereoView::Window::begin(EyeView& view) {
   view.shows_scale = settings.depth_cues && view.has_hud;
   const StereoScreen screen = view.screen(settings.framing);
   view.aim(screen);
-  annotations.aim(screen, view.eye_now(), pixels);
-  view.labels.place(annotations.labels(), screen, view.eye_now(), pixels);
+  annotations.aim(screen, view.current_eye(), pixels);
+  view.labels.place(annotations.labels(), screen, view.current_eye(), pixels);
   const bool points = p_WP && view.has_hud;
-  view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
+  view.hud.set_pointer(points ? find_edge_pointer(screen, view.current_eye(), pixels, *p_WP) : std::nullopt, pixels);
 }
 
 // Draws the scene for all eyes, then calls before_probe, which sets the probe. Pre: VTK's framebuffer is bound.
@@ -205,7 +205,7 @@ void StereoView::Window::prepare() {
   for (const auto& view : eyes) {
     ScenePass pass{view->eye, view->screen(settings.framing), view->size(), X_WS, settings.cull, settings.plain, settings.depth_cues};
     pass.is_even = mode == StereoMode::openxr;
-    if (view->composed) {
+    if (view->is_composed) {
       pass.eye = Eye::left;
       passes.push_back(pass);
       pass.eye = Eye::right;
@@ -213,7 +213,7 @@ void StereoView::Window::prepare() {
     passes.push_back(pass);
   }
   layers->prepare(passes, read_bound_format());
-  if (is_whole) layers->refine_whole();
+  if (draws_full_detail) layers->refine_whole();
   if (before_probe) before_probe();
 }
 
@@ -226,24 +226,24 @@ void StereoView::Window::render() {
 // Both pictures show the same sample of the probe: prepare() runs only in the pass of the first eye, and its result serves both.
 void StereoView::Window::render_both_eyes() {
   EyeView& view = *eyes.front();
-  const Eye first = swapped ? Eye::right : Eye::left;
+  const Eye first = are_eyes_swapped ? Eye::right : Eye::left;
   const PictureSize size = view.size();
-  view.pass = first;
+  view.drawn_eye = first;
   render();
   const GLuint framebuffer = opengl()->GetRenderFramebuffer()->GetFBOIndex();
-  composer->keep(framebuffer, size);
-  view.pass = swapped ? Eye::left : Eye::right;
+  composer->keep_first_eye(framebuffer, size);
+  view.drawn_eye = are_eyes_swapped ? Eye::left : Eye::right;
   window->Render();
-  view.pass = first;
+  view.drawn_eye = first;
   composer->compose(framebuffer, size, mode == StereoMode::anaglyph);
 }
 
 // True lets VTK combine the two pictures, as smooth edges require: VTK then holds the pixels in a framebuffer of its own.
-void StereoView::Window::let_vtk_compose(bool is_let) {
+void StereoView::Window::set_vtk_composes(bool vtk_composes) {
   if (!composes) return;
-  window->SetStereoRender(is_let ? 1 : 0);
+  window->SetStereoRender(vtk_composes ? 1 : 0);
   EyeView& view = *eyes.front();
-  view.pass = is_let ? std::nullopt : std::optional(swapped ? Eye::right : Eye::left);
+  view.drawn_eye = vtk_composes ? std::nullopt : std::optional(are_eyes_swapped ? Eye::right : Eye::left);
 }
 
 StereoView::StereoView(std::unique_ptr<Window> window) : window_(std::move(window)) {}
@@ -297,8 +297,8 @@ void StereoView::set_scene_pose(const Pose& X_WS) {
 void StereoView::set_framing(const Framing& framing) { window_->settings.framing = framing; }
 
 Result<void> StereoView::set_stereo(StereoMode mode) {
-  if (mode == StereoMode::automatic) mode = window_->has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
-  if (mode == StereoMode::crystal_eyes && !window_->has_quad) return fail("this window has no quad-buffered stereo");
+  if (mode == StereoMode::automatic) mode = window_->has_quad_buffers ? StereoMode::crystal_eyes : StereoMode::mono;
+  if (mode == StereoMode::crystal_eyes && !window_->has_quad_buffers) return fail("this window has no quad-buffered stereo");
   window_->mode = mode;
   window_->arrange();
   return {};
@@ -315,7 +315,7 @@ GlxWindow StereoView::glx_window() { return window_->headset->handles(); }
 void StereoView::make_current() { window_->window->MakeCurrent(); }
 
 void StereoView::swap_eyes() {
-  window_->swapped = !window_->swapped;
+  window_->are_eyes_swapped = !window_->are_eyes_swapped;
   window_->arrange();
 }
 
@@ -339,14 +339,14 @@ std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
   const auto [view, x, y] = window_->find_pixel(x_px, y_px);
   if (view == nullptr) return std::nullopt;
   window_->window->MakeCurrent();
-  return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
+  return window_->layers->find_surface(view->is_composed ? Eye::left : view->eye, x, y);
 }
 
 std::shared_ptr<const VisibleDepth> StereoView::visible_depth() {
   if (window_->eyes.empty()) return nullptr;
   window_->window->MakeCurrent();
   const EyeView& first = *window_->eyes.front();
-  return window_->layers->read_surface(first.composed ? Eye::left : first.eye);
+  return window_->layers->read_surface(first.is_composed ? Eye::left : first.eye);
 }
 
 void StereoView::set_probe(const ProbeShown& probe) {
@@ -447,11 +447,11 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   // Smooth edges take time, which is well spent on a single picture that is kept.
   window_->window->SetMultiSamples(std::max(kScreenshotSamples, window_->settings.msaa));
   window_->window->SwapBuffersOn();
-  window_->is_whole = true;
-  window_->let_vtk_compose(true);
+  window_->draws_full_detail = true;
+  window_->set_vtk_composes(true);
   window_->render();
-  window_->let_vtk_compose(false);
-  window_->is_whole = false;
+  window_->set_vtk_composes(false);
+  window_->draws_full_detail = false;
   const bool is_written = write_window_png(window_->window, part.part());
   window_->window->SetMultiSamples(window_->settings.msaa);
   if (!is_written) return fail("cannot write the screenshot {}: is the disk full?", file.string());
@@ -473,7 +473,7 @@ std::vector<WindowEvent> StereoView::poll_events() {
 
 bool StereoView::take_redraw_request() {
   const bool uncovered = window_->listener && window_->listener->take_redraw_request();
-  return std::exchange(window_->stale, false) || uncovered;
+  return std::exchange(window_->needs_redraw, false) || uncovered;
 }
 
 StereoMode StereoView::mode() const { return window_->mode; }

@@ -25,8 +25,8 @@ bool StrokeThinner::add(const Vec3& p) {
     return true;
   }
   if ((p - points_.back()).norm() <= 0.5 * bound_m_) return false;
-  const bool goes_on =
-      !std::exchange(is_kept_, false) && points_.size() > 1 && window_.size() < kMaxWindow && covers_window(points_[points_.size() - 2], p);
+  const bool goes_on = !std::exchange(is_last_kept_, false) && points_.size() > 1 && window_.size() < kMaxWindow &&
+                       covers_window(points_[points_.size() - 2], p);
   if (goes_on) {
     points_.back() = p;
   } else {

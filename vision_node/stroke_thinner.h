@@ -23,7 +23,7 @@ class StrokeThinner {
   bool add(const Vec3& p);
 
   // Keeps the last vertex: the next point begins a new segment.
-  void keep() { is_kept_ = true; }
+  void keep_last() { is_last_kept_ = true; }
 
   // The vertices so far; a later point may replace the last one.
   const std::vector<Vec3>& points() const { return points_; }
@@ -34,7 +34,7 @@ class StrokeThinner {
   double bound_m_;
   std::vector<Vec3> points_;
   std::vector<Vec3> window_;  // the points that the last segment stands for
-  bool is_kept_ = false;
+  bool is_last_kept_ = false;
 };
 
 }  // namespace hapton

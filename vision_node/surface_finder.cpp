@@ -27,8 +27,8 @@ SurfaceFinder::SurfaceFinder(std::shared_ptr<const TriangleMesh> mesh)
       origin_(find_middle(*mesh_)),
       tree_(mesh_->triangles.size(), [this](std::size_t t) { return box_about(*mesh_, t, origin_); }) {}
 
-SurfaceFinder::Found SurfaceFinder::find_closest(const Vec3& p, std::span<const Vec3> vertices, double moved_m) const {
-  Found found;
+SurfaceFinder::SurfacePoint SurfaceFinder::find_closest(const Vec3& p, std::span<const Vec3> vertices, double max_displacement_m) const {
+  SurfacePoint found;
   double least = std::numeric_limits<double>::infinity();
   const auto look_at = [&](std::uint32_t t) {
     const auto corner = [&](std::size_t k) -> const Vec3& { return vertices[static_cast<std::size_t>(mesh_->triangles[t][k])]; };
@@ -37,7 +37,7 @@ SurfaceFinder::Found SurfaceFinder::find_closest(const Vec3& p, std::span<const 
       least = closest.distance;
       found = {closest.point, t, closest.barycentric};
     }
-    return (least + moved_m) * (least + moved_m);
+    return (least + max_displacement_m) * (least + max_displacement_m);
   };
   // The distance to any point of the surface, here to triangle 0, bounds the search.
   tree_.visit_nearest(p - origin_, look_at(0), [&](std::uint32_t t, double) { return look_at(t); });

@@ -16,16 +16,16 @@ class SurfaceFinder {
   // Pre: the mesh has at least one triangle.
   explicit SurfaceFinder(std::shared_ptr<const TriangleMesh> mesh);
 
-  struct Found {
+  struct SurfacePoint {
     Vec3 point = Vec3::Zero();
     std::uint32_t triangle = 0;
     Vec3 barycentric = Vec3::Zero();  // weights of the triangle's corners
   };
   // Pre: p is finite.
-  Found find_closest(const Vec3& p) const { return find_closest(p, mesh_->vertices, 0.0); }
-  // The same for displaced vertices, each at most moved_m from its position in the mesh. The larger moved_m is, the more triangles are
-  // checked: in the mesh, all those within moved_m more than the distance found.
-  Found find_closest(const Vec3& p, std::span<const Vec3> vertices, double moved_m) const;
+  SurfacePoint find_closest(const Vec3& p) const { return find_closest(p, mesh_->vertices, 0.0); }
+  // The same for displaced vertices, each at most max_displacement_m from its position in the mesh. The larger max_displacement_m is, the
+  // more triangles are checked: in the mesh, all those within max_displacement_m more than the distance found.
+  SurfacePoint find_closest(const Vec3& p, std::span<const Vec3> vertices, double max_displacement_m) const;
 
  private:
   std::shared_ptr<const TriangleMesh> mesh_;

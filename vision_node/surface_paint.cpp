@@ -15,8 +15,8 @@ void set_alpha(const VisualMaterial& material, const CornerAppearance& corner, V
   if (material.alpha_mode == AlphaMode::opaque) return;
   paint.alpha = to_byte(material.alpha * corner.alpha / 255.0);
   paint.is_blended = material.alpha_mode == AlphaMode::blend ? 1 : 0;
-  const std::uint8_t least = material.alpha_cutoff > 0.0F ? 1 : 0;
-  paint.cutoff = paint.is_blended != 0 ? 1 : std::max(least, to_byte(material.alpha_cutoff));
+  const std::uint8_t min_cutoff = material.alpha_cutoff > 0.0F ? 1 : 0;
+  paint.cutoff = paint.is_blended != 0 ? 1 : std::max(min_cutoff, to_byte(material.alpha_cutoff));
   if (paint.is_blended == 0 && material.alpha_cutoff > 1.0F) paint.alpha = 0;
 }
 

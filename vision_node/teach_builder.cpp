@@ -29,7 +29,7 @@ class TeachBuilder::Work {
   void stop();
   void request(const TeachChoice& choice, const TeachProbe& probe);
   bool is_busy();
-  std::optional<TeachShapes> take_made();
+  std::optional<TeachShapes> take_shapes();
   int tree_depth();
 
  private:
@@ -49,16 +49,16 @@ class TeachBuilder::Work {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Request> request_;
-  std::optional<TeachShapes> made_;
+  std::optional<TeachShapes> made_shapes_;
   bool is_working_ = false;
-  bool stop_ = false;
-  int depth_ = 0;
+  bool is_stopping_ = false;
+  int tree_depth_ = 0;
 };
 
 void TeachBuilder::Work::stop() {
   {
     const std::lock_guard lock(mutex_);
-    stop_ = true;
+    is_stopping_ = true;
   }
   wake_.notify_one();
 }
@@ -76,14 +76,14 @@ bool TeachBuilder::Work::is_busy() {
   return is_working_ || request_.has_value();
 }
 
-std::optional<TeachShapes> TeachBuilder::Work::take_made() {
+std::optional<TeachShapes> TeachBuilder::Work::take_shapes() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(made_, std::nullopt);
+  return std::exchange(made_shapes_, std::nullopt);
 }
 
 int TeachBuilder::Work::tree_depth() {
   const std::lock_guard lock(mutex_);
-  return depth_;
+  return tree_depth_;
 }
 
 void TeachBuilder::Work::run() {
@@ -91,8 +91,8 @@ void TeachBuilder::Work::run() {
   (void)setpriority(PRIO_PROCESS, 0, kTeachNiceness);
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [this] { return stop_ || request_; });
-    if (stop_) return;
+    wake_.wait(lock, [this] { return is_stopping_ || request_; });
+    if (is_stopping_) return;
     const Request request = *std::exchange(request_, std::nullopt);
     is_working_ = true;
     lock.unlock();
@@ -100,8 +100,8 @@ void TeachBuilder::Work::run() {
     shapes.choice = request.choice;
     lock.lock();
     is_working_ = false;
-    made_ = std::move(shapes);
-    if (smooth_ != nullptr) depth_ = smooth_->tree_stats().depth;
+    made_shapes_ = std::move(shapes);
+    if (smooth_ != nullptr) tree_depth_ = smooth_->tree_stats().depth;
   }
 }
 
@@ -112,11 +112,11 @@ TeachShapes TeachBuilder::Work::make(const Request& request) {
       if (!grid) return make_notice("grid: " + grid.error().what);
       grid_ = std::make_unique<UniformGrid>(std::move(*grid));
     }
-    return show_grid(*grid_, request.probe);
+    return make_grid_shapes(*grid_, request.probe);
   }
   if (request.choice.view == TeachView::curvature) {
     if (curvature_ == nullptr) curvature_ = std::make_unique<TeachCurvature>(find_curvature(scene_));
-    return show_curvature(scene_, *curvature_, request.probe);
+    return make_curvature_shapes(scene_, *curvature_, request.probe);
   }
   return make_of_tree(request);
 }
@@ -127,9 +127,9 @@ TeachShapes TeachBuilder::Work::make_of_tree(const Request& request) {
     if (!built) return make_notice(std::string(teach_name(request.choice.view)) + ": " + built.error().what);
     smooth_ = std::make_unique<SmoothScene>(std::move(*built));
   }
-  if (request.choice.view == TeachView::contact) return show_contact(*smooth_, request.probe);
-  if (request.choice.view == TeachView::tree) return show_tree(*smooth_, request.probe, request.choice.level);
-  return show_local_set(*smooth_, request.probe);
+  if (request.choice.view == TeachView::contact) return make_contact_shapes(*smooth_, request.probe);
+  if (request.choice.view == TeachView::tree) return make_tree_shapes(*smooth_, request.probe, request.choice.level);
+  return make_local_set_shapes(*smooth_, request.probe);
 }
 
 TeachBuilder::TeachBuilder(TouchScene scene) : work_(std::make_shared<Work>(std::move(scene))) {}
@@ -143,7 +143,7 @@ void TeachBuilder::request(const TeachChoice& choice, const TeachProbe& probe) {
 }
 
 bool TeachBuilder::is_busy() { return work_->is_busy(); }
-std::optional<TeachShapes> TeachBuilder::take_made() { return work_->take_made(); }
+std::optional<TeachShapes> TeachBuilder::take_shapes() { return work_->take_shapes(); }
 int TeachBuilder::tree_depth() { return work_->tree_depth(); }
 
 }  // namespace hapton

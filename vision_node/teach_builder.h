@@ -22,7 +22,7 @@ class TeachBuilder {
   // True: a request waits, or its shapes are being made.
   bool is_busy();
   // The newest shapes made since the last call; empty: none.
-  std::optional<TeachShapes> take_made();
+  std::optional<TeachShapes> take_shapes();
   // Levels of the tree; 0: not built yet.
   int tree_depth();
 

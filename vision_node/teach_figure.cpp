@@ -44,7 +44,7 @@ class ColouredPoints {
   vtkNew<vtkUnsignedCharArray> colours_;
 };
 
-void dress_plainly(vtkActor* actor) {
+void set_up_unlit_actor(vtkActor* actor) {
   vtkNew<vtkPolyDataMapper> mapper;
   vtkNew<vtkPolyData> nothing;
   mapper->SetInputData(nothing);
@@ -56,8 +56,8 @@ void dress_plainly(vtkActor* actor) {
 }  // namespace
 
 TeachFigure::TeachFigure() {
-  dress_plainly(lines_);
-  dress_plainly(triangles_);
+  set_up_unlit_actor(lines_);
+  set_up_unlit_actor(triangles_);
   lines_->GetProperty()->SetLineWidth(1.0F);
   lines_->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
   lines_->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -4.0);
@@ -156,7 +156,7 @@ void TeachFigure::set_legend(const std::optional<TeachLegend>& legend) {
   for (const auto& label : labels_) label->SetVisibility(legend.has_value());
   if (!legend) return;
   for (std::size_t i = 0; i < labels_.size(); ++i) {
-    labels_[i]->SetInput(fmt::format("{:.3g} {}", (static_cast<double>(i) - 1.0) * legend->most, legend->unit).c_str());
+    labels_[i]->SetInput(fmt::format("{:.3g} {}", (static_cast<double>(i) - 1.0) * legend->limit, legend->unit).c_str());
   }
 }
 

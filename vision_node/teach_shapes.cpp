@@ -75,7 +75,7 @@ Vec3 normal_of(const Contact& contact, const TeachProbe& probe) {
 
 }  // namespace
 
-TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe) {
+TeachShapes make_contact_shapes(const SmoothScene& scene, const TeachProbe& probe) {
   TeachShapes shapes;
   if (!probe.is_contact) {
     shapes.caption = "contact: none";
@@ -99,7 +99,7 @@ TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe) {
   return shapes;
 }
 
-TeachShapes show_local_set(const SmoothScene& scene, const TeachProbe& probe) {
+TeachShapes make_local_set_shapes(const SmoothScene& scene, const TeachProbe& probe) {
   TeachShapes shapes;
   LocalSet set;
   const auto count = static_cast<std::uint32_t>(std::clamp(probe.set_size, 1, static_cast<int>(LocalSet::kCapacity)));
@@ -110,7 +110,7 @@ TeachShapes show_local_set(const SmoothScene& scene, const TeachProbe& probe) {
   return shapes;
 }
 
-TeachShapes show_tree(const SmoothScene& scene, const TeachProbe& probe, int level) {
+TeachShapes make_tree_shapes(const SmoothScene& scene, const TeachProbe& probe, int level) {
   struct Near {
     double distance_squared;
     std::vector<HullSlab> slabs;
@@ -161,7 +161,7 @@ Result<UniformGrid> make_teach_grid(const TouchScene& scene) {
   return UniformGrid::make(triangles, {kTeachCells, kTeachCells, kTeachCells});
 }
 
-TeachShapes show_grid(const UniformGrid& grid, const TeachProbe& probe) {
+TeachShapes make_grid_shapes(const UniformGrid& grid, const TeachProbe& probe) {
   const auto& cells = grid.division();
   const Vec3 size = (grid.high() - grid.low()).cwiseQuotient(Vec3(cells[0], cells[1], cells[2]));
   const auto is_occupied = [&](int x, int y, int z) {
@@ -203,21 +203,21 @@ TeachCurvature find_curvature(const TouchScene& scene) {
   TeachCurvature found;
   std::vector<double> sizes;
   for (const TouchObject& object : scene.objects) {
-    found.of.push_back(compute_mean_curvature(*object.mesh));
-    for (const double curvature : found.of.back()) {
+    found.by_object.push_back(compute_mean_curvature(*object.mesh));
+    for (const double curvature : found.by_object.back()) {
       if (std::isfinite(curvature)) sizes.push_back(std::abs(curvature));
     }
   }
   if (sizes.empty()) return found;
   const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), at, sizes.end());
-  found.most = *at;
+  found.limit = *at;
   return found;
 }
 
-TeachColour curvature_colour(double curvature, double most) {
+TeachColour curvature_colour(double curvature, double limit) {
   if (!std::isfinite(curvature)) return kNotKnown;
-  const double share = most > 0.0 ? std::clamp(curvature / most, -1.0, 1.0) : 0.0;
+  const double share = limit > 0.0 ? std::clamp(curvature / limit, -1.0, 1.0) : 0.0;
   const TeachColour& end = share < 0.0 ? TeachColour{40, 80, 230} : TeachColour{220, 40, 40};
   TeachColour colour = {222, 222, 222};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -226,7 +226,7 @@ TeachColour curvature_colour(double curvature, double most) {
   return colour;
 }
 
-TeachShapes show_curvature(const TouchScene& scene, const TeachCurvature& curvature, const TeachProbe& probe) {
+TeachShapes make_curvature_shapes(const TouchScene& scene, const TeachCurvature& curvature, const TeachProbe& probe) {
   struct Near {
     double distance_squared;
     std::size_t object;
@@ -250,11 +250,11 @@ TeachShapes show_curvature(const TouchScene& scene, const TeachCurvature& curvat
     for (int k = 0; k < 3; ++k) {
       triangle.corner[static_cast<std::size_t>(k)] = mesh.corner(near.triangle, k);
       triangle.colour[static_cast<std::size_t>(k)] =
-          curvature_colour(curvature.of[near.object][mesh.triangles[near.triangle][static_cast<std::size_t>(k)]], curvature.most);
+          curvature_colour(curvature.by_object[near.object][mesh.triangles[near.triangle][static_cast<std::size_t>(k)]], curvature.limit);
     }
     shapes.triangles.push_back(triangle);
   }
-  shapes.legend = TeachLegend{curvature.most, "1/m"};
+  shapes.legend = TeachLegend{curvature.limit, "1/m"};
   shapes.caption = fmt::format("mean curvature: red convex, blue hollow, yellow not known{}",
                                count > all.size() ? fmt::format("; the {} triangles nearest to the probe", all.size()) : std::string());
   return shapes;

@@ -28,7 +28,7 @@ struct TeachTriangle {
 };
 // A scale of colours at the left edge of the picture: from low through zero to high.
 struct TeachLegend {
-  double most = 0.0;  // the scale goes from -most to most
+  double limit = 0.0;  // the scale goes from -limit to limit
   std::string unit;
 };
 
@@ -51,32 +51,33 @@ struct TeachProbe {
   int set_size = 64;  // number of triangles of the local set
 };
 
-// However many triangles a scene has, show_tree() and show_curvature() draw at most so many hulls and triangles, the nearest to the probe.
+// However many triangles a scene has, make_tree_shapes() and make_curvature_shapes() draw at most so many hulls and triangles, the nearest
+// to the probe.
 constexpr std::size_t kMaxTeachHulls = 1'000;
 constexpr std::size_t kMaxTeachTriangles = 60'000;
 // The number of cells of the grid along each axis, as in the memo.
 constexpr int kTeachCells = 32;
 
 // The triangles in contact with the probe (within a tolerance), a plane and normal for each flat face of them, and the penetration vector.
-TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe);
+TeachShapes make_contact_shapes(const SmoothScene& scene, const TeachProbe& probe);
 // The local set that the slow task of `smooth` would send for a probe at rest at p_SP, selected by the same function.
-TeachShapes show_local_set(const SmoothScene& scene, const TeachProbe& probe);
+TeachShapes make_local_set_shapes(const SmoothScene& scene, const TeachProbe& probe);
 // The Fixed Direction Hulls at one level of the tree of `smooth`; level 0: the children of the root.
-TeachShapes show_tree(const SmoothScene& scene, const TeachProbe& probe, int level);
+TeachShapes make_tree_shapes(const SmoothScene& scene, const TeachProbe& probe, int level);
 
 // The memo's grid over all triangles of a scene. Error: see UniformGrid::make.
 Result<UniformGrid> make_teach_grid(const TouchScene& scene);
 // The edges of the grid's occupied cells, each once, and the cell of the probe.
-TeachShapes show_grid(const UniformGrid& grid, const TeachProbe& probe);
+TeachShapes make_grid_shapes(const UniformGrid& grid, const TeachProbe& probe);
 
-// Mean curvature of all vertices, with the scale for their colours: 95 % of the known values are from -most to most.
+// Mean curvature of all vertices, with the scale for their colours: 95 % of the known values are from -limit to limit.
 struct TeachCurvature {
-  std::vector<std::vector<double>> of;  // curvature of each vertex of each object, 1/m; not finite: not known
-  double most = 0.0;
+  std::vector<std::vector<double>> by_object;  // curvature of each vertex of each object, 1/m; not finite: not known
+  double limit = 0.0;
 };
 TeachCurvature find_curvature(const TouchScene& scene);
-TeachShapes show_curvature(const TouchScene& scene, const TeachCurvature& curvature, const TeachProbe& probe);
+TeachShapes make_curvature_shapes(const TouchScene& scene, const TeachCurvature& curvature, const TeachProbe& probe);
 // The colour of a curvature: from blue (hollow) through light grey to red (convex); yellow: not known.
-TeachColour curvature_colour(double curvature, double most);
+TeachColour curvature_colour(double curvature, double limit);
 
 }  // namespace hapton

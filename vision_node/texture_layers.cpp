@@ -95,10 +95,10 @@ TextureLayers::~TextureLayers() {
 
 std::shared_ptr<const TextureLayers> SharedTextures::make(std::shared_ptr<const MeshAppearance> appearance,
                                                           std::vector<std::string>& notes) {
-  const auto is_same = [&](const Made& one) { return have_same_images(*one.appearance, *appearance); };
-  if (const auto found = std::ranges::find_if(made_, is_same); found != made_.end()) return found->layers;
-  made_.push_back({appearance, TextureLayers::make(*appearance, notes)});
-  return made_.back().layers;
+  const auto is_same = [&](const SharedLayers& one) { return have_same_images(*one.appearance, *appearance); };
+  if (const auto found = std::ranges::find_if(shared_layers_, is_same); found != shared_layers_.end()) return found->layers;
+  shared_layers_.push_back({appearance, TextureLayers::make(*appearance, notes)});
+  return shared_layers_.back().layers;
 }
 
 void TextureLayers::bind() const { glBindTexture(GL_TEXTURE_2D_ARRAY, texture_); }

@@ -42,11 +42,11 @@ class SharedTextures {
   std::shared_ptr<const TextureLayers> make(std::shared_ptr<const MeshAppearance> appearance, std::vector<std::string>& notes);
 
  private:
-  struct Made {
+  struct SharedLayers {
     std::shared_ptr<const MeshAppearance> appearance;
     std::shared_ptr<const TextureLayers> layers;
   };
-  std::vector<Made> made_;
+  std::vector<SharedLayers> shared_layers_;
 };
 
 }  // namespace hapton

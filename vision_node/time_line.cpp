@@ -62,12 +62,12 @@ double TimeLinePlace::share_at(double x_px) const { return width_px > 0.0 ? std:
 
 TimeLinePlace place_time_line(PictureSize size) {
   TimeLinePlace place;
-  const double reserve = std::clamp(0.055 * size.height_px, 22.0, 80.0);
-  place.reserve_px = reserve;
+  const double strip_height = std::clamp(0.055 * size.height_px, 22.0, 80.0);
+  place.strip_height_px = strip_height;
   place.left_px = 0.07 * size.width_px;
   place.width_px = size.width_px - 2.0 * place.left_px;
-  place.height_px = 0.34 * reserve;
-  place.bottom_px = 0.5 * (reserve - place.height_px);
+  place.height_px = 0.34 * strip_height;
+  place.bottom_px = 0.5 * (strip_height - place.height_px);
   return place;
 }
 

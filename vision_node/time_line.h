@@ -42,7 +42,7 @@ struct TimeLinePlace {
   double width_px = 0.0;
   double bottom_px = 0.0;
   double height_px = 0.0;              // height of the line itself
-  double reserve_px = 0.0;             // height of the strip at the lower edge in which a press counts as a press on the line
+  double strip_height_px = 0.0;        // height of the strip at the lower edge in which a press counts as a press on the line
   double share_at(double x_px) const;  // 0 to 1; beside the line 0 or 1
 };
 TimeLinePlace place_time_line(PictureSize size);

@@ -89,8 +89,8 @@ void TimeLineFigure::set(const std::optional<TimeLineShown>& line, double moment
   }
   if (!line) return;
   const TimeLinePlace place = place_time_line(size);
-  if (line != shown_ || size != size_) draw_line(*line, place);
-  shown_ = line;
+  if (line != shown_line_ || size != size_) draw_line(*line, place);
+  shown_line_ = line;
   size_ = size;
   draw_moment(moment, place);
 }
@@ -115,7 +115,7 @@ void TimeLineFigure::draw_line(const TimeLineShown& line, const TimeLinePlace& p
   boxes.show_in(shape_);
   const double middle = place.bottom_px + 0.5 * place.height_px;
   for (vtkTextActor* text : {begin_.Get(), end_.Get()})
-    text->GetTextProperty()->SetFontSize(std::clamp(static_cast<int>(0.42 * place.reserve_px), 9, 30));
+    text->GetTextProperty()->SetFontSize(std::clamp(static_cast<int>(0.42 * place.strip_height_px), 9, 30));
   begin_->SetInput(line.begin.c_str());
   end_->SetInput(line.end.c_str());
   const double gap = 0.6 * place.height_px;

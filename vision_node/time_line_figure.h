@@ -24,7 +24,7 @@ class TimeLineFigure {
   void draw_line(const TimeLineShown& line, const TimeLinePlace& place);
   void draw_moment(double moment, const TimeLinePlace& place);
 
-  std::optional<TimeLineShown> shown_;
+  std::optional<TimeLineShown> shown_line_;
   PictureSize size_;
   vtkNew<vtkPolyData> shape_;
   vtkNew<vtkActor2D> line_;

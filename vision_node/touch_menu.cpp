@@ -11,16 +11,16 @@ namespace hapton {
 namespace {
 
 // Largest distance of the panel's corners from the middle of the workspace, as a share of the distance to the workspace's edge.
-constexpr double kWithin = 0.92;
+constexpr double kMaxCornerShare = 0.92;
 
 // The largest factor for which `from + factor * along` is inside the box from -half to half; at least 0.
-double find_room(const Vec3& from, const Vec3& along, const Vec3& half) {
-  double room = std::numeric_limits<double>::infinity();
+double find_step_limit(const Vec3& from, const Vec3& along, const Vec3& half) {
+  double step_limit = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     if (along[k] == 0.0) continue;
-    room = std::min(room, (along[k] > 0.0 ? half[k] - from[k] : -half[k] - from[k]) / along[k]);
+    step_limit = std::min(step_limit, (along[k] > 0.0 ? half[k] - from[k] : -half[k] - from[k]) / along[k]);
   }
-  return std::max(0.0, room);
+  return std::max(0.0, step_limit);
 }
 
 }  // namespace
@@ -54,15 +54,16 @@ Vec3 place_entry(TouchMenu::Entry entry) {
 void TouchMenu::open(const StereoScreen& screen, const Vec3& p_WC) {
   const Vec3 right = screen.X_WV.linear().col(0);
   const Vec3 up = screen.X_WV.linear().col(1);
-  const Vec3 half = kWithin * 0.5 * workspace_size_m();
+  const Vec3 half = kMaxCornerShare * 0.5 * workspace_size_m();
   // Moves the panel as far as all its corners stay in the workspace: to the right first, then up.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& along : {right, up}) {
-    double room = std::numeric_limits<double>::infinity();
+    double step_limit = std::numeric_limits<double>::infinity();
     for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) room = std::min(room, find_room(middle + x * kWidthM * right + y * kHeightM * up, along, half));
+      for (const double y : {-0.5, 0.5})
+        step_limit = std::min(step_limit, find_step_limit(middle + x * kWidthM * right + y * kHeightM * up, along, half));
     }
-    middle += room * along;
+    middle += step_limit * along;
   }
   Pose X_WM = screen.X_WV;
   X_WM.translation() = p_WC + middle;
@@ -83,7 +84,7 @@ std::optional<TouchMenu::Entry> TouchMenu::receive(const Vec3& p_WP, std::uint32
   return pressed != 0 ? lit_ : std::nullopt;
 }
 
-std::optional<Vec3> TouchMenu::find_behind(const Vec3& p_WE, const Vec3& p_W) const {
+std::optional<Vec3> TouchMenu::find_ray_point(const Vec3& p_WE, const Vec3& p_W) const {
   if (!is_open()) return std::nullopt;
   const Pose X_MW = X_WM_->inverse(Eigen::Isometry);
   const Vec3 from = X_MW * p_WE;

@@ -41,7 +41,7 @@ class TouchMenu {
   std::optional<Entry> choose() const { return is_open() ? lit_ : std::nullopt; }
 
   // Where a ray from the eye p_WE through p_W meets the panel; none: it does not, or the menu is closed.
-  std::optional<Vec3> find_behind(const Vec3& p_WE, const Vec3& p_W) const;
+  std::optional<Vec3> find_ray_point(const Vec3& p_WE, const Vec3& p_W) const;
 
  private:
   std::optional<Entry> find_entry(const Vec3& p_M) const;

@@ -43,7 +43,7 @@ CarveMoments::CarveMoments(const CarveList& list, std::uint32_t source, const st
 }
 
 std::uint32_t CarveMoments::find_serial(const UndoMoment& moment) const {
-  return std::max(moment.source == source_ ? moment.serial : 0, serials_[std::min(moment.saved, serials_.size() - 1)]);
+  return std::max(moment.source == source_ ? moment.serial : 0, serials_[std::min(moment.saved_presses, serials_.size() - 1)]);
 }
 
 }  // namespace hapton

@@ -12,9 +12,9 @@ namespace hapton {
 // The moment of an action: which carves were made before it. A vision node knows two lists of carves: that of haptics_node, ordered by
 // serials, and the presses of the annotation file, in the order in which they were made. Only the file outlives both programs.
 struct UndoMoment {
-  std::size_t saved = 0;     // number of presses of the file that were made before
-  std::uint32_t source = 0;  // Carves::source of haptics_node's list at that moment; 0: no list had arrived
-  std::uint32_t serial = 0;  // the newest serial in that list at that moment
+  std::size_t saved_presses = 0;  // number of presses of the file that were made before
+  std::uint32_t source = 0;       // Carves::source of haptics_node's list at that moment; 0: no list had arrived
+  std::uint32_t serial = 0;       // the newest serial in that list at that moment
 
   friend bool operator==(const UndoMoment&, const UndoMoment&) = default;
 };

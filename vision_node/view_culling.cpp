@@ -3,10 +3,10 @@
 namespace hapton {
 
 // The planes of the frustum are sums and differences of the rows of the matrix (Gribb and Hartmann 2001): -w <= x, y, z <= w.
-ViewCulling::ViewCulling(const Mat4& clip, const Vec3& p_UE, DrawnSides sides) : p_UE_(p_UE.cast<float>()), sides_(sides) {
+ViewCulling::ViewCulling(const Mat4& to_clip, const Vec3& p_UE, DrawnSides sides) : p_UE_(p_UE.cast<float>()), sides_(sides) {
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
-      Eigen::Vector4d plane = clip.row(3).transpose() + (side == 0 ? 1.0 : -1.0) * clip.row(axis).transpose();
+      Eigen::Vector4d plane = to_clip.row(3).transpose() + (side == 0 ? 1.0 : -1.0) * to_clip.row(axis).transpose();
       const double length = plane.head<3>().norm();
       if (length > 0.0) plane /= length;
       planes_[2 * axis + side] = plane.cast<float>();

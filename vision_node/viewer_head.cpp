@@ -8,18 +8,18 @@
 namespace hapton {
 namespace {
 
-Head moved_by(const Head& head, const Vec3& by_m) { return {head.p_RH + by_m, head.q_RH}; }
+Head move_by(const Head& head, const Vec3& by_m) { return {head.p_RH + by_m, head.q_RH}; }
 
 }  // namespace
 
 void ViewerHead::move(const Vec3& by_m) {
-  if (is_possible(moved_by(seen_, moved_m_ + by_m), ipd_m_)) moved_m_ += by_m;
+  if (is_possible(move_by(tracked_head_, key_motion_m_ + by_m), ipd_m_)) key_motion_m_ += by_m;
 }
 
 // Leaves out the moves while the tracked head is so near the screen that they would lead through it.
 Head ViewerHead::head() const {
-  const Head moved = moved_by(seen_, moved_m_);
-  return is_possible(moved, ipd_m_) ? moved : seen_;
+  const Head moved = move_by(tracked_head_, key_motion_m_);
+  return is_possible(moved, ipd_m_) ? moved : tracked_head_;
 }
 
 double compute_eye_motion_m(const Head& from, const Head& to, double ipd_m) {

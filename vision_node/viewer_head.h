@@ -11,20 +11,20 @@ namespace hapton {
 class ViewerHead {
  public:
   // Pre: is_possible(start, ipd_m).
-  ViewerHead(const Head& start, double ipd_m) : seen_(start), ipd_m_(ipd_m) {}
+  ViewerHead(const Head& start, double ipd_m) : tracked_head_(start), ipd_m_(ipd_m) {}
 
   // Sets the pose that a tracker measured. Pre: is_possible(head, ipd_m).
-  void track(const Head& head) { seen_ = head; }
+  void track(const Head& head) { tracked_head_ = head; }
   // Adds a move, unless is_possible() would then be false.
   void move(const Vec3& by_m);
   // Undoes all moves.
-  void reset() { moved_m_.setZero(); }
+  void reset() { key_motion_m_.setZero(); }
 
   Head head() const;
 
  private:
-  Head seen_;
-  Vec3 moved_m_ = Vec3::Zero();
+  Head tracked_head_;
+  Vec3 key_motion_m_ = Vec3::Zero();
   double ipd_m_;
 };
 

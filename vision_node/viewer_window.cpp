@@ -48,7 +48,7 @@ StereoMode next_stereo(StereoMode mode) {
 }  // namespace
 
 ViewerWindow::ViewerWindow(StereoView& view, Clock& clock, const VisionOptions& options)
-    : view_(view), clock_(clock), options_(options), step_(make_step_settings(view, options)), teach_(options.teach) {
+    : view_(view), clock_(clock), options_(options), step_(make_step_settings(view, options)), teach_choice_(options.teach) {
   if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
 }
 
@@ -60,7 +60,7 @@ UserRequests ViewerWindow::poll_events(const TakeEvent& take, const FindSurface&
   const UserRequests requests = step_.take_requests();
   change_stereo(requests);
   choose_teach(requests);
-  teach();
+  update_teaching();
   step_.set_detail_progress(view_.detail_progress());
   return requests;
 }
@@ -77,19 +77,20 @@ void ViewerWindow::use_setup(const HapticsSetup& setup) {
 
 void ViewerWindow::change_scene(TeachBuilder* teacher, bool is_view_new) {
   teacher_ = teacher;
-  teach_requested_ = {};
-  if (teach_.view != TeachView::off) view_.teach_figure().hide();
+  requested_choice_ = {};
+  if (teach_choice_.view != TeachView::off) view_.teach_figure().hide();
   step_.change_scene(options_.view.framing, options_.p_SO, options_.scene_radius_m, options_.names, is_view_new);
 }
 
 void ViewerWindow::choose_teach(const UserRequests& requests) {
   if (teacher_ == nullptr) return;
-  const TeachChoice before = teach_;
-  if (requests.next_teach) teach_ = next_teach(teach_);
-  if (requests.next_level) teach_ = next_level(teach_, teacher_->tree_depth());
-  if (teach_ == before) return;  // the tree has only one level: there would be nothing new to request
+  const TeachChoice before = teach_choice_;
+  if (requests.next_teach) teach_choice_ = next_teach(teach_choice_);
+  if (requests.next_level) teach_choice_ = next_level(teach_choice_, teacher_->tree_depth());
+  if (teach_choice_ == before) return;  // the tree has only one level: there would be nothing new to request
   view_.teach_figure().hide();
-  step_.set_teaching(teach_.view == TeachView::off ? std::string() : std::string(teach_name(teach_.view)) + ": being prepared");
+  step_.set_teaching(teach_choice_.view == TeachView::off ? std::string()
+                                                          : std::string(teach_name(teach_choice_.view)) + ": being prepared");
 }
 
 std::optional<TeachProbe> ViewerWindow::find_teach_probe() const {
@@ -106,34 +107,35 @@ std::optional<TeachProbe> ViewerWindow::find_teach_probe() const {
 // Views of the whole scene follow the probe in strides, because they are large.
 bool ViewerWindow::wants_teach(const TeachProbe& probe) const {
   constexpr double kStrideShare = 0.05;  // of the scene's radius (decision 163)
-  if (teach_ != teach_requested_) return true;
-  const bool is_large = teach_.view == TeachView::tree || teach_.view == TeachView::grid || teach_.view == TeachView::curvature;
-  const double moved_m = (probe.p_SP - teach_probe_.p_SP).norm();
+  if (teach_choice_ != requested_choice_) return true;
+  const bool is_large =
+      teach_choice_.view == TeachView::tree || teach_choice_.view == TeachView::grid || teach_choice_.view == TeachView::curvature;
+  const double moved_m = (probe.p_SP - requested_probe_.p_SP).norm();
   if (is_large) return moved_m > kStrideShare * options_.scene_radius_m;
-  return moved_m > 0.0 || probe.p_SD != teach_probe_.p_SD || probe.is_contact != teach_probe_.is_contact;
+  return moved_m > 0.0 || probe.p_SD != requested_probe_.p_SD || probe.is_contact != requested_probe_.is_contact;
 }
 
-void ViewerWindow::teach() {
+void ViewerWindow::update_teaching() {
   if (teacher_ == nullptr) return;
-  const auto made = teacher_->take_made();
-  if (made && made->choice == teach_) {
+  const auto made = teacher_->take_shapes();
+  if (made && made->choice == teach_choice_) {
     view_.teach_figure().set(*made);
     step_.set_teaching(made->caption);
   }
-  if (teach_.view == TeachView::off || teacher_->is_busy()) return;
+  if (teach_choice_.view == TeachView::off || teacher_->is_busy()) return;
   const TeachProbe probe = find_teach_probe().value_or(TeachProbe());
   if (!wants_teach(probe)) return;
-  teach_requested_ = teach_;
-  teach_probe_ = probe;
-  teacher_->request(teach_, probe);
+  requested_choice_ = teach_choice_;
+  requested_probe_ = probe;
+  teacher_->request(teach_choice_, probe);
 }
 
 void ViewerWindow::finish_teaching(const StopSignal& stop) {
-  if (teacher_ == nullptr || teach_.view == TeachView::off) return;
-  teach();
+  if (teacher_ == nullptr || teach_choice_.view == TeachView::off) return;
+  update_teaching();
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other thread; a free choice
   while (teacher_->is_busy() && !stop.stop_requested()) clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
-  teach();
+  update_teaching();
 }
 
 void ViewerWindow::show(const VisionStep::Shown& shown) {
@@ -205,11 +207,11 @@ std::string ViewerWindow::take_numbered_screenshot() {
   std::error_code ignored;
   do name = fmt::format("hapton_{:03}.png", ++screenshots_);
   while (std::filesystem::exists(name, ignored));
-  const auto taken = take_screenshot(name);
-  if (taken) return {};
+  const auto saved = take_screenshot(name);
+  if (saved) return {};
   --screenshots_;  // the next one may take the number
-  log_warning("{}", taken.error().what);
-  return "NO SCREENSHOT: " + taken.error().what;
+  log_warning("{}", saved.error().what);
+  return "NO SCREENSHOT: " + saved.error().what;
 }
 
 }  // namespace hapton

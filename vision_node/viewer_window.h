@@ -64,7 +64,7 @@ class ViewerWindow {
   void check_aspect();
   void change_stereo(const UserRequests& requests);
   void choose_teach(const UserRequests& requests);
-  void teach();
+  void update_teaching();
   bool wants_teach(const TeachProbe& probe) const;
   std::optional<TeachProbe> find_teach_probe() const;
 
@@ -80,9 +80,9 @@ class ViewerWindow {
   double probe_radius_m_ = 0.0;  // of the haptics node
   int set_size_ = 64;
   TeachBuilder* teacher_ = nullptr;
-  TeachChoice teach_;
-  TeachChoice teach_requested_;
-  TeachProbe teach_probe_;  // of the newest request
+  TeachChoice teach_choice_;
+  TeachChoice requested_choice_;
+  TeachProbe requested_probe_;  // of the newest request
 };
 
 }  // namespace hapton

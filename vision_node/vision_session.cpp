@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;  // between two messages to the hub about our scene
-constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;   // tolerated between both nodes' readings of a saved file
-constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;   // time without a reply until the user is notified
+constexpr std::int64_t kSceneFactsPeriodNs = 1000 * kNanosecondsPerMillisecond;    // between two messages to the hub about our scene
+constexpr std::int64_t kSceneReadToleranceNs = 2000 * kNanosecondsPerMillisecond;  // tolerated between both nodes' readings of a saved file
+constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;           // time without a reply until the user is notified
 // The longest wait for a message: a pressed key or an uncovered window is handled after this time at the latest. A free choice.
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
@@ -51,7 +51,7 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
       options_(options),
       window_(view, clock, options),
       step_(window_.step()),
-      moment_(options.screenshot_moment) {}
+      screenshot_moment_(options.screenshot_moment) {}
 
 Result<void> VisionSession::run(const StopSignal& stop) {
   Result<void> shown = show_until_end(stop);
@@ -76,7 +76,7 @@ Result<void> VisionSession::show_until_end(const StopSignal& stop) {
     attend_window();
     // Before drawing, while the received states are fresh: a slow frame then neither makes a message look lost nor delays one.
     send_pending();
-    if (other_ != nullptr) other_->update(step_.scene_pose(), clock_.now_ns());
+    if (other_hand_ != nullptr) other_hand_->update(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
     window_.refine_scene();
     lead_hand();
@@ -85,10 +85,10 @@ Result<void> VisionSession::show_until_end(const StopSignal& stop) {
 }
 
 Result<void> VisionSession::take_last_screenshot() {
-  if (options_.screenshot.empty() || moment_.taken()) return {};
+  if (options_.screenshot.empty() || screenshot_moment_.taken()) return {};
   draw();  // so that the screenshot shows what has changed since the last frame
   if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
-  if (moment_.missed_contact()) {
+  if (screenshot_moment_.missed_contact()) {
     log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
              hub_.counts().joins == 0 ? "no hub replied" : "none was drawn for 0.3 s");
   }
@@ -116,7 +116,7 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
     }
     if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) window_.use_setup(*setup);
     if (const auto* reply = std::get_if<MarkerReply>(&received.message)) {
-      if (const auto line = marks_.accept(*reply)) log_info("{}", *line);
+      if (const auto line = marker_key_.accept(*reply)) log_info("{}", *line);
     }
     if (const auto* scene = std::get_if<SceneFacts>(&received.message); scene != nullptr && hub_.last_arrival() == Arrival::newest) {
       take_scene(*scene);
@@ -159,21 +159,21 @@ void VisionSession::take_pose(const ObjectPose& pose) {
 void VisionSession::annotate(const UserRequests& requests) {
   if (annotator_ == nullptr) return;
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
-  if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
+  if (std::exchange(shown_annotations_revision_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
 }
 
 // newest: a new notice; empty: there is none.
 void VisionSession::show_notice(std::string newest) {
-  if (notice_.update(std::move(newest), clock_.now_ns())) step_.set_happened(notice_.line());
+  if (notice_.update(std::move(newest), clock_.now_ns())) step_.set_recent_event(notice_.line());
 }
 
 // Call it before the messages of a newly joined hub are handled.
 void VisionSession::note_join() {
   if (hub_.state() != JoinState::joined || (was_joined_ && hub_.counts().joins == joins_)) return;
   log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
-  step_.joined();
-  next_scene_ns_ = 0;
+  step_.note_join();
+  next_scene_facts_ns_ = 0;
   joins_ = hub_.counts().joins;
   was_joined_ = true;
 }
@@ -188,10 +188,10 @@ void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
     } else {
       log_warning("the hub stopped replying; retrying");
     }
-    step_.lost();
-  } else if (!joined && !absence_reported_ && hub_.counts().joins == 0 && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
+    step_.note_loss();
+  } else if (!joined && !is_absence_reported_ && hub_.counts().joins == 0 && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
     log_warning("no hub replies; start io_node, or check --hub and --key; retrying");
-    absence_reported_ = true;
+    is_absence_reported_ = true;
   }
   was_joined_ = joined;
 }
@@ -199,7 +199,7 @@ void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
 void VisionSession::take_scene(const SceneFacts& haptic_scene) {
   step_.set_preparing(haptic_scene.preparing_s, clock_.now_ns());
   haptic_hash_ = haptic_scene.given_hash;
-  if (live_ != nullptr) live_->set_felt(haptic_hash_);
+  if (live_scene_ != nullptr) live_scene_->set_felt(haptic_hash_);
   compare_scene();
   compare_tool(haptic_scene.tool_hash);
 }
@@ -220,7 +220,7 @@ void VisionSession::compare_tool(std::uint64_t held_hash) {
 }
 
 void VisionSession::set_live_scene(LiveScene* scene) {
-  live_ = scene;
+  live_scene_ = scene;
   scene_hash_ = scene->scene().given_hash;
   moved_ = &scene->moved();
   carved_ = &scene->carved();
@@ -229,26 +229,28 @@ void VisionSession::set_live_scene(LiveScene* scene) {
 
 // Pre: no frame is being drawn, because this may replace the objects that a frame draws.
 void VisionSession::follow_scene() {
-  if (live_ == nullptr) return;
-  if (const auto change = live_->follow(clock_.now_ns())) {
-    set_live_scene(live_);
-    if (annotator_ != nullptr) annotator_->change_scene(live_->scene(), carved_, moved_);
-    window_.change_scene(&live_->teacher(), change->has_new_camera);
+  if (live_scene_ == nullptr) return;
+  if (const auto change = live_scene_->follow(clock_.now_ns())) {
+    set_live_scene(live_scene_);
+    if (annotator_ != nullptr) annotator_->change_scene(live_scene_->scene(), carved_, moved_);
+    window_.change_scene(&live_scene_->teacher(), change->has_new_camera);
     step_.set_held_object(moved_->held());
-    next_scene_ns_ = 0;
+    next_scene_facts_ns_ = 0;
   }
-  step_.set_scene_problem(live_->problem());
+  step_.set_scene_problem(live_scene_->problem());
   compare_scene();
 }
 
-// If the file is watched, haptics_node may read it before this node: another scene then counts only kSceneReadNs after this node's reading.
+// If the file is watched, haptics_node may read it before this node: another scene then counts only kSceneReadToleranceNs after this node's
+// reading.
 void VisionSession::compare_scene() {
   if (scene_hash_ == 0 || haptic_hash_ == 0) return;
   bool is_other = haptic_hash_ != scene_hash_;
-  if (!is_other) other_since_ns_ = 0;
-  const bool is_reading = live_ != nullptr && live_->is_reading();
-  if (is_other && (other_since_ns_ == 0 || is_reading)) other_since_ns_ = clock_.now_ns();
-  if (is_other && live_ != nullptr && live_->is_watched()) is_other = clock_.now_ns() - other_since_ns_ >= kSceneReadNs;
+  if (!is_other) other_scene_since_ns_ = 0;
+  const bool is_reading = live_scene_ != nullptr && live_scene_->is_reading();
+  if (is_other && (other_scene_since_ns_ == 0 || is_reading)) other_scene_since_ns_ = clock_.now_ns();
+  if (is_other && live_scene_ != nullptr && live_scene_->is_watched())
+    is_other = clock_.now_ns() - other_scene_since_ns_ >= kSceneReadToleranceNs;
   if (is_other == is_other_scene_) return;
   is_other_scene_ = is_other;
   step_.set_other_scene(is_other);
@@ -265,7 +267,7 @@ void VisionSession::attend_window() {
   if (carved_ != nullptr && carved_->show()) step_.reshape_scene();
   const UserRequests requests = window_.poll_events({}, [this](const WindowEvent& event) { return find_surface(event); });
   quit_ = quit_ || requests.quit;
-  if (requests.mark) marks_.press(clock_.now_ns());
+  if (requests.mark) marker_key_.press(clock_.now_ns());
   annotate(requests);
   show_notice(annotator_ != nullptr ? annotator_->take_notice() : std::string());
   if (view_.mode() == StereoMode::openxr) move_in_headset(requests);
@@ -277,7 +279,7 @@ void VisionSession::attend_window() {
 // A person wears the headset, so requests to move the head move the workspace instead.
 void VisionSession::move_in_headset(const UserRequests& requests) {
   if (requests.reset_head) headset_->recentre();
-  headset_->move_viewer(requests.head_by_m);
+  headset_->move_viewer(requests.head_motion_m);
 }
 
 // The point under the pointer: on the menu if that is nearer to the viewer, otherwise on the scene.
@@ -285,20 +287,20 @@ std::optional<Vec3> VisionSession::find_surface(const WindowEvent& event) {
   const std::optional<Vec3> scene = view_.pick(event.x_px, event.y_px);
   if (annotator_ == nullptr) return scene;
   const StereoScreen screen = view_.screen();
-  const std::optional<Vec3> menu = annotator_->find_menu(screen, view_.picture_size(), event.x_px, event.y_px);
+  const std::optional<Vec3> menu = annotator_->find_menu_point(screen, view_.picture_size(), event.x_px, event.y_px);
   const auto height = [&](const Vec3& p_W) { return (screen.X_WV.inverse(Eigen::Isometry) * p_W).z(); };
   return menu && (!scene || height(*menu) > height(*scene)) ? menu : scene;
 }
 
 // Moves the hand towards the pointer's position.
 void VisionSession::lead_hand() {
-  if (step_.interaction().hand_active()) step_.lead_hand(view_.visible_depth().get());
+  if (step_.interaction().is_hand_led()) step_.lead_hand(view_.visible_depth().get());
 }
 
 void VisionSession::send_pending() {
   if (hub_.state() != JoinState::joined) return;
-  if (scene_hash_ != 0 && clock_.now_ns() >= next_scene_ns_) {
-    next_scene_ns_ = clock_.now_ns() + kSceneEveryNs;
+  if (scene_hash_ != 0 && clock_.now_ns() >= next_scene_facts_ns_) {
+    next_scene_facts_ns_ = clock_.now_ns() + kSceneFactsPeriodNs;
     hub_.send(SceneFacts{.given_hash = scene_hash_, .tool_hash = tool_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
@@ -312,7 +314,7 @@ void VisionSession::send_pending() {
     if (const auto pose = annotator_->take_due(clock_.now_ns())) hub_.send(*pose);
     if (const auto undo = annotator_->take_carve_undo(clock_.now_ns())) hub_.send(*undo);
   }
-  while (const auto marker = marks_.take_due(clock_.now_ns())) hub_.send(*marker);
+  while (const auto marker = marker_key_.take_due(clock_.now_ns())) hub_.send(*marker);
 }
 
 Result<void> VisionSession::draw_if_wanted() {
@@ -320,14 +322,14 @@ Result<void> VisionSession::draw_if_wanted() {
   const bool other_wants = other_wants_picture(begin_ns);
   const bool is_wanted = is_for_headset_ || step_.wants_picture(begin_ns, window_.where());
   if (!is_wanted) {
-    if (const auto same = step_.take_unseen()) {
+    if (const auto ack = step_.take_unchanged_ack()) {
       (void)acks_.note(received_ns_, begin_ns);
-      hub_.send(*same);
+      hub_.send(*ack);
     }
     if (!other_wants) return {};
   }
   draw();
-  const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
+  const bool keep = !options_.screenshot.empty() && screenshot_moment_.take_now(begin_ns - start_ns_, step_.contact());
   return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
 }
 
@@ -335,7 +337,7 @@ void VisionSession::draw() {
   const std::int64_t begin_ns = clock_.now_ns();
   const VisionStep::Shown shown = step_.compose(begin_ns);
   window_.show(shown);
-  if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
+  if (other_hand_ != nullptr && other_hand_->shown()) view_.set_other_probe(*other_hand_->shown());
   // The probe moves on while the scene is drawn, so its newest sample is drawn. But if objects move, scene and probe are drawn from one
   // sample: the probe must not leave a surface that carries it.
   const bool is_moving = moved_ != nullptr && moved_->has_motion();
@@ -353,29 +355,28 @@ void VisionSession::draw() {
 }
 
 bool VisionSession::other_wants_picture(std::int64_t now_ns) {
-  if (other_ == nullptr || !step_.may_draw(now_ns)) return false;
+  if (other_hand_ == nullptr || !step_.may_draw(now_ns)) return false;
   const VisionStep::Screen at = window_.where();
-  return other_->wants_picture(at.sizes, at.screen, at.picture);
+  return other_hand_->wants_picture(at.sizes, at.screen, at.picture);
 }
 
 // Acknowledges the newest probe state: the frame shows it even if it came while the scene was drawn.
 void VisionSession::report_frame(std::int64_t begin_ns, std::int64_t end_ns) {
   const VisionStep::Screen at = window_.where();
-  if (const auto drawn = step_.end_frame(begin_ns, end_ns, at)) acknowledge(*drawn, end_ns);
-  if (other_ != nullptr) other_->end_frame(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
+  if (const auto ack = step_.end_frame(begin_ns, end_ns, at)) acknowledge(*ack, end_ns);
+  if (other_hand_ != nullptr) other_hand_->end_frame(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
 }
 
 // Only the first frame with a state tells how old it is when shown; later ones (the scene was turned, the other hand moved) do not.
-void VisionSession::acknowledge(FrameAck drawn, std::int64_t end_ns) {
+void VisionSession::acknowledge(FrameAck ack, std::int64_t end_ns) {
   const StateAcks::Kind kind = acks_.note(received_ns_, end_ns);
   if (kind == StateAcks::Kind::none) return;
-  drawn.unchanged = kind == StateAcks::Kind::again;
+  ack.unchanged = kind == StateAcks::Kind::repeat;
   if (kind == StateAcks::Kind::first) {
     step_.record_motion(end_ns - received_ns_, end_ns);
-    drawn.held_ns =
-        static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
+    ack.held_ns = static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
   }
-  hub_.send(drawn);
+  hub_.send(ack);
 }
 
 namespace {

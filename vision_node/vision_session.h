@@ -51,7 +51,7 @@ class VisionSession {
   void set_headset(HeadsetShow* headset) { headset_ = headset; }
 
   // Another hand to show. Pre: it outlives the session.
-  void set_other_hand(OtherHand* other) { other_ = other; }
+  void set_other_hand(OtherHand* other) { other_hand_ = other; }
 
   // The hash of the scene that is shown (Scene::given_hash), to be compared with that of haptics_node's scene.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
@@ -102,7 +102,7 @@ class VisionSession {
   void draw();
   bool other_wants_picture(std::int64_t now_ns);
   void report_frame(std::int64_t begin_ns, std::int64_t end_ns);
-  void acknowledge(FrameAck drawn, std::int64_t end_ns);
+  void acknowledge(FrameAck ack, std::int64_t end_ns);
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
@@ -110,29 +110,29 @@ class VisionSession {
   bool is_for_headset_ = false;  // the next frame is drawn for the headset
   MovedObjects* moved_ = nullptr;
   CarvedObjects* carved_ = nullptr;
-  OtherHand* other_ = nullptr;
+  OtherHand* other_hand_ = nullptr;
   Annotator* annotator_ = nullptr;
-  std::uint64_t annotations_shown_ = 0;
+  std::uint64_t shown_annotations_revision_ = 0;
   ShownNotice notice_;
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;
   ViewerWindow window_;
   VisionStep& step_;  // the window's
-  MarkerKey marks_;
-  ScreenshotMoment moment_;
+  MarkerKey marker_key_;
+  ScreenshotMoment screenshot_moment_;
   std::uint64_t scene_hash_ = 0;
-  std::uint64_t haptic_hash_ = 0;    // as haptics_node announced it last; 0: not announced yet
-  std::int64_t other_since_ns_ = 0;  // since when haptics_node has another scene; 0: it has not
-  bool is_other_scene_ = false;      // as last reported to the user
+  std::uint64_t haptic_hash_ = 0;          // as haptics_node announced it last; 0: not announced yet
+  std::int64_t other_scene_since_ns_ = 0;  // since when haptics_node has another scene; 0: it has not
+  bool is_other_scene_ = false;            // as last reported to the user
   std::uint64_t tool_hash_ = SceneFacts::kNoTool;
   bool is_other_tool_ = false;  // as last reported to the user
-  LiveScene* live_ = nullptr;
-  std::int64_t next_scene_ns_ = 0;  // when the facts of our scene are sent to the hub again
+  LiveScene* live_scene_ = nullptr;
+  std::int64_t next_scene_facts_ns_ = 0;  // when the facts of our scene are sent to the hub again
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
-  bool absence_reported_ = false;
+  bool is_absence_reported_ = false;
   std::int64_t start_ns_ = 0;
   std::int64_t received_ns_ = 0;  // arrival of the state that is drawn next
   StateAcks acks_;

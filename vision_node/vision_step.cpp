@@ -30,9 +30,9 @@ constexpr std::int64_t kRestNs = 150'000'000;
 VisionStep::VisionStep(VisionStepSettings settings)
     : settings_(std::move(settings)),
       watch_(settings_.threshold_px),
-      cull_(settings_.cull),
-      help_(settings_.help),
-      depth_cues_(settings_.depth_cues),
+      culls_(settings_.cull),
+      shows_help_(settings_.help),
+      shows_depth_cues_(settings_.depth_cues),
       plots_(settings_.plots),
       head_(settings_.head, settings_.ipd_m),
       head_shown_(settings_.head) {
@@ -43,8 +43,8 @@ VisionStep::VisionStep(VisionStepSettings settings)
 void VisionStep::receive(const ProbeState& state, std::int64_t received_ns) {
   state_ = state;
   plots_.receive(state, received_ns);
-  connected_ = true;
-  moved_ = true;
+  is_connected_ = true;
+  has_new_state_ = true;
   knows_view_ |= !has_state_since_joining_ && state.view_revision == 0;  // 0: the hub has no view
   has_state_since_joining_ = true;
   sender_.confirm(state.view_revision);
@@ -60,8 +60,8 @@ void VisionStep::receive(const ViewTransform& view) {
   interaction_.dials() = dials.value_or(Dials{});
 }
 
-void VisionStep::joined() {
-  connected_ = true;
+void VisionStep::note_join() {
+  is_connected_ = true;
   has_state_since_joining_ = knows_view_ = has_sent_view_ = false;
   waits_until_ns_.reset();
   sender_.rejoin();
@@ -69,7 +69,7 @@ void VisionStep::joined() {
 
 bool VisionStep::wants_surface(const WindowEvent& event) const {
   if (event.kind == WindowEvent::Kind::press) return event.button == WindowEvent::Button::left;
-  return event.kind == WindowEvent::Kind::move && interaction_.hand_active();
+  return event.kind == WindowEvent::Kind::move && interaction_.is_hand_led();
 }
 
 void VisionStep::handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ) {
@@ -85,10 +85,10 @@ void VisionStep::send_dials(const Dials& before) {
   if (interaction_.dials() != before) sender_.set(dialled_pose());
 }
 
-void VisionStep::lead_hand(const VisibleDepth* seen) {
-  if (seen == nullptr || !state_) return;
+void VisionStep::lead_hand(const VisibleDepth* visible) {
+  if (visible == nullptr || !state_) return;
   const LedTip tip{state_->p_WD + state_->visual_offset_m, state_->contact ? state_->visual_offset_m : Vec3(Vec3::Zero())};
-  if (tip.p_WP.allFinite()) interaction_.follow(*seen, tip);
+  if (tip.p_WP.allFinite()) interaction_.follow(*visible, tip);
 }
 
 void VisionStep::turn_dials(const Vec3& degrees) {
@@ -100,13 +100,13 @@ void VisionStep::turn_dials(const Vec3& degrees) {
 
 UserRequests VisionStep::take_requests() {
   const UserRequests requests = interaction_.take_requests();
-  cull_ = cull_ != requests.toggle_cull;
-  help_ = help_ != requests.toggle_help;
-  depth_cues_ = depth_cues_ != requests.toggle_depth_cues;
+  culls_ = culls_ != requests.toggle_cull;
+  shows_help_ = shows_help_ != requests.toggle_help;
+  shows_depth_cues_ = shows_depth_cues_ != requests.toggle_depth_cues;
   if (requests.toggle_plots) plots_.toggle();
   needs_redraw_ = needs_redraw_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues || requests.toggle_plots;
   if (requests.reset_head) head_.reset();
-  head_.move(requests.head_by_m);
+  head_.move(requests.head_motion_m);
   if (requests.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
   return requests;
 }
@@ -156,31 +156,31 @@ std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
 
 HudFacts VisionStep::hud_facts(std::int64_t now_ns) const {
   HudFacts facts;
-  facts.connected = connected_ && state_;
+  facts.is_connected = is_connected_ && state_;
   if (state_) facts.state = *state_;
   facts.frame_rate_hz = frames_.recent_rate_hz();
   facts.dials_degrees = interaction_.dials().degrees;
   facts.stereo = settings_.stereo;
-  facts.cull = cull_;
-  facts.hand_held = interaction_.hand_active();
+  facts.cull = culls_;
+  facts.is_hand_led = interaction_.is_hand_led();
   facts.detail_progress = detail_progress_;
-  if (now_ns - preparing_ns_ < kPreparingLifetimeNs) facts.preparing_s = preparing_s_;
+  if (now_ns - preparing_set_ns_ < kPreparingLifetimeNs) facts.preparing_s = preparing_s_;
   facts.is_other_scene = is_other_scene_;
   facts.is_other_tool = is_other_tool_;
   // The numbers of another scene's objects mean nothing here.
   if (!is_other_scene_) {
-    facts.touched = describe_object(settings_.names, touched_object());
-    facts.held = describe_object(settings_.names, held_object_);
+    facts.touched_name = describe_object(settings_.names, touched_object());
+    facts.held_name = describe_object(settings_.names, held_object_);
   }
   facts.annotations = annotations_;
   facts.recording = recording_;
-  facts.happened = happened_;
+  facts.recent_event = recent_event_;
   facts.teaching = teaching_;
   facts.head = describe_head(head_.head(), settings_.head);
   facts.head_notice = head_notice_;
   facts.scene_problem = scene_problem_;
-  facts.scene_across_m = 2.0 * settings_.scene_radius_m;
-  facts.scene_away_m = (scene_pose() * settings_.p_SO - settings_.p_WC).norm();
+  facts.scene_diameter_m = 2.0 * settings_.scene_radius_m;
+  facts.scene_distance_m = (scene_pose() * settings_.p_SO - settings_.p_WC).norm();
   return facts;
 }
 
@@ -199,20 +199,20 @@ bool VisionStep::has_head_moved(const Screen& where) const {
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   is_head_at_rest_ = !has_head_moved(where);
   if (!may_draw(now_ns)) return false;
-  if (needs_redraw_ || !is_head_at_rest_ || is_annotated_ || settings_.always_changing || scene_pose().matrix() != X_WS_shown_.matrix() ||
-      interaction_.camera() != camera_shown_)
+  if (needs_redraw_ || !is_head_at_rest_ || has_new_annotations_ || settings_.always_changing ||
+      scene_pose().matrix() != X_WS_shown_.matrix() || interaction_.camera() != camera_shown_)
     return true;
-  if (std::exchange(moved_, false)) {
+  if (std::exchange(has_new_state_, false)) {
     if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;
     frames_.count_skipped();
-    unseen_ = true;
+    has_unseen_state_ = true;
   }
   if (!recorded_X_WS_ && plots_.wants_picture(now_ns)) return true;
   return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts(now_ns)) != hud_shown_;
 }
 
 std::string_view VisionStep::help() const {
-  if (!help_) return {};
+  if (!shows_help_) return {};
   return recorded_X_WS_ ? recording_keys_help() : keys_help();
 }
 
@@ -240,10 +240,10 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.hud = hud_shown_;
   shown.notice = notice_shown_;
   shown.help = help();
-  shown.cull = cull_;
-  shown.depth_cues = depth_cues_;
+  shown.cull = culls_;
+  shown.depth_cues = shows_depth_cues_;
   shown.plots = plots_.update(now_ns);
-  needs_redraw_ = is_annotated_ = false;
+  needs_redraw_ = has_new_annotations_ = false;
   return shown;
 }
 
@@ -257,22 +257,22 @@ std::optional<FrameAck> VisionStep::end_frame(std::int64_t start_ns, std::int64_
   }
   X_WS_shown_ = scene_pose();
   camera_shown_ = interaction_.camera();
-  moved_ = unseen_ = false;
+  has_new_state_ = has_unseen_state_ = false;
   if (!state_) return std::nullopt;
-  watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);
-  FrameAck drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  watch_.note_drawn(probe_shown(), where.sizes, where.screen, where.picture);
+  FrameAck ack{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
   if (settings_.max_rate_hz > 0.0) {
-    drawn.rest_ns = static_cast<std::uint32_t>(
+    ack.rest_ns = static_cast<std::uint32_t>(
         std::clamp<std::int64_t>(start_ns + period_ns(settings_.max_rate_hz) - end_ns, 0, std::numeric_limits<std::uint32_t>::max()));
   }
-  return drawn;
+  return ack;
 }
 
-std::optional<FrameAck> VisionStep::take_unseen() {
-  if (!std::exchange(unseen_, false)) return std::nullopt;
-  FrameAck same{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
-  same.unchanged = true;
-  return same;
+std::optional<FrameAck> VisionStep::take_unchanged_ack() {
+  if (!std::exchange(has_unseen_state_, false)) return std::nullopt;
+  FrameAck ack{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  ack.unchanged = true;
+  return ack;
 }
 
 }  // namespace hapton

@@ -78,17 +78,17 @@ class VisionStep {
   // dials continue from it. If dials were given at the start, the view is ignored until these have been sent to the hub.
   void receive(const ViewTransform& view);
   // The hub was joined, for the first time or again.
-  void joined();
+  void note_join();
   // The hub no longer replies.
-  void lost() {
-    connected_ = false;
+  void note_loss() {
+    is_connected_ = false;
     preparing_s_ = 0.0;
     plots_.forget_force();
   }
   // Handles an event of the window. p_WQ: the visible point of the scene under the pointer, if wants_surface(event); none: there is none.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
-  // Moves the led hand on towards the pointer, around obstacles. seen: the visible surface; null: the hand goes straight to the pointer.
-  void lead_hand(const VisibleDepth* seen);
+  // Moves the led hand on towards the pointer, around obstacles. visible: the visible surface; null: the hand goes straight to the pointer.
+  void lead_hand(const VisibleDepth* visible);
   // Whether handle() would use the surface under the pointer.
   bool wants_surface(const WindowEvent& event) const;
   // Turns the dials of the knob box by these angles, degrees.
@@ -119,7 +119,7 @@ class VisionStep {
   // haptics_node has been building its scene for this long; 0: it is done. Ignored from 3 s after now_ns on, if it is not repeated.
   void set_preparing(double seconds, std::int64_t now_ns) {
     preparing_s_ = seconds;
-    preparing_ns_ = now_ns;
+    preparing_set_ns_ = now_ns;
   }
   void set_detail_progress(double progress) { detail_progress_ = progress; }
 
@@ -146,7 +146,7 @@ class VisionStep {
     plots_.record_motion_to_photon(motion_to_photon_ns, now_ns);
   }
   // The acknowledgement of a state that wants_picture() found to look the same as the picture; once for each such state.
-  std::optional<FrameAck> take_unseen();
+  std::optional<FrameAck> take_unchanged_ack();
 
   // The pose of the scene with which the forces of that revision were computed; the present pose if the revision is not known.
   Pose find_scene_pose(std::uint32_t view_revision) const { return sender_.find_pose(view_revision).value_or(scene_pose()); }
@@ -154,21 +154,21 @@ class VisionStep {
   // Strokes or measures have changed; line: about them, for the picture's corner. Does not renew the image of the scene or other numbers.
   void set_annotations(std::string line) {
     annotations_ = std::move(line);
-    is_annotated_ = true;
+    has_new_annotations_ = true;
   }
   Pose scene_pose() const { return recorded_X_WS_ ? *recorded_X_WS_ : dialled_pose(); }
-  // A recording is shown, in which the static scene had this pose; the dials have no effect. line, happened: see HudFacts.
-  void set_recording(const Pose& X_WS, std::string line, std::string happened) {
+  // A recording is shown, in which the static scene had this pose; the dials have no effect. line, recent_event: see HudFacts.
+  void set_recording(const Pose& X_WS, std::string line, std::string recent_event) {
     recorded_X_WS_ = X_WS;
     recording_ = std::move(line);
-    happened_ = std::move(happened);
+    recent_event_ = std::move(recent_event);
   }
   // Sets what has just happened, see HudFacts.
-  void set_happened(std::string line) {
-    happened_ = std::move(line);
+  void set_recent_event(std::string line) {
+    recent_event_ = std::move(line);
     request_redraw();
   }
-  const std::string& happened() const { return happened_; }
+  const std::string& recent_event() const { return recent_event_; }
   // The picture of the teaching view has changed; line: see HudFacts::teaching.
   void set_teaching(std::string line) {
     teaching_ = std::move(line);
@@ -201,7 +201,7 @@ class VisionStep {
   HudFacts hud_facts(std::int64_t now_ns) const;
   std::string_view help() const;
   bool has_head_moved(const Screen& where) const;
-  ProbeShown probe_shown() const { return show_probe(*state_, settings_.stylus_lean); }
+  ProbeShown probe_shown() const { return make_shown_probe(*state_, settings_.stylus_lean); }
 
   VisionStepSettings settings_;
   Interaction interaction_;
@@ -209,18 +209,18 @@ class VisionStep {
   PictureWatch watch_;
   FrameLog frames_;
   std::optional<ProbeState> state_;
-  bool connected_ = false;
+  bool is_connected_ = false;
   bool is_other_scene_ = false;
   bool is_other_tool_ = false;
   std::int32_t held_object_ = -1;
   std::string annotations_;
-  bool is_annotated_ = false;  // since the last frame
+  bool has_new_annotations_ = false;  // since the last frame
   bool needs_redraw_ = true;
-  bool moved_ = false;   // a new state has come since the last frame
-  bool unseen_ = false;  // that state would look the same
-  bool cull_;
-  bool help_;
-  bool depth_cues_;
+  bool has_new_state_ = false;     // a new state has come since the last frame
+  bool has_unseen_state_ = false;  // that state would look the same
+  bool culls_;
+  bool shows_help_;
+  bool shows_depth_cues_;
   std::optional<Pose> recorded_X_WS_;  // none: live
   Pose home_WS_ = Pose::Identity();    // of the scene with all dials at zero; not the identity if a program moved it
   // Since the hub was joined:
@@ -229,7 +229,7 @@ class VisionStep {
   bool has_sent_view_ = false;                  // this node has sent one
   std::optional<std::int64_t> waits_until_ns_;  // end of the wait for the hub's view
   std::string recording_;
-  std::string happened_;
+  std::string recent_event_;
   std::string teaching_;
   Pose X_WS_shown_ = Pose::Identity();
   CameraView camera_shown_;
@@ -243,7 +243,7 @@ class VisionStep {
   std::int64_t scene_moved_ns_ = 0;
   double detail_progress_ = 1.0;
   double preparing_s_ = 0.0;
-  std::int64_t preparing_ns_ = 0;  // when it was set
+  std::int64_t preparing_set_ns_ = 0;  // when it was set
   std::string hud_shown_;
   std::string notice_shown_;
   bool hud_contact_ = false;

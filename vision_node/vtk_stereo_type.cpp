@@ -34,11 +34,11 @@ int vtk_stereo_type(StereoMode mode) noexcept {
   return 0;
 }
 
-Eye find_single_eye(StereoMode mode, bool swapped) noexcept {
+Eye find_single_eye(StereoMode mode, bool are_eyes_swapped) noexcept {
   if (mode == StereoMode::emulate) return Eye::left;
   const bool is_left = mode == StereoMode::left || mode == StereoMode::fake;
   if (!is_left && mode != StereoMode::right) return Eye::centre;
-  return is_left != swapped ? Eye::left : Eye::right;
+  return is_left != are_eyes_swapped ? Eye::left : Eye::right;
 }
 
 }  // namespace hapton

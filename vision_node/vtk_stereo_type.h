@@ -10,6 +10,6 @@ namespace hapton {
 int vtk_stereo_type(StereoMode mode) noexcept;
 
 // The eye that a mode with one viewport draws, for emulate the first one. Modes that compose both eyes do not use it. RT: yes.
-Eye find_single_eye(StereoMode mode, bool swapped) noexcept;
+Eye find_single_eye(StereoMode mode, bool are_eyes_swapped) noexcept;
 
 }  // namespace hapton

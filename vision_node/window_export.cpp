@@ -38,13 +38,13 @@ bool has_name_alone(const std::vector<std::string>& names, const std::string& na
 
 void WindowExport::begin(const WindowWork& work) {
   const bool is_carved = work.carved != nullptr && work.carved->list().newest_active() != 0;
-  if (work.placed.entries.empty() && !is_carved) {
+  if (work.placed_annotations.entries.empty() && !is_carved) {
     const std::lock_guard lock(mutex_);
     notice_ = "nothing to export: nothing is drawn, measured or carved";
     log_info("{}", notice_);
     return;
   }
-  Job job{.names = {}, .placed = work.placed, .X_SO = work.X_SO, .bodies = {}};
+  Job job{.names = {}, .placed_annotations = work.placed_annotations, .X_SO = work.X_SO, .bodies = {}};
   for (const SceneObject& object : work.scene.objects) job.names.push_back(object.name);
   if (is_carved) job.bodies = work.carved->request_fields();
   {
@@ -99,7 +99,8 @@ void WindowExport::report(const Result<std::string>& written) {
 
 std::vector<WindowExport::Part> WindowExport::make_parts(Job& job) {
   std::vector<Part> parts;
-  if (!job.placed.entries.empty()) parts.push_back({".vtp", write_annotations_vtp(job.placed, job.X_SO, job.names.size())});
+  if (!job.placed_annotations.entries.empty())
+    parts.push_back({".vtp", write_annotations_vtp(job.placed_annotations, job.X_SO, job.names.size())});
   if (!job.bodies.valid()) return parts;
   for (const auto& [object, field] : job.bodies.get()) {
     std::string name = name_for_file(job.names[object]);

@@ -19,7 +19,7 @@ namespace hapton {
 // A person's work (strokes, measures, carves) as the picture shows it.
 struct WindowWork {
   const Scene& scene;
-  const Annotations& placed;  // strokes and measures in the present shape of their objects
+  const Annotations& placed_annotations;  // strokes and measures in the present shape of their objects
   const ObjectPoses& X_SO;
   const CarvedObjects* carved = nullptr;  // null: nothing is carved
 };
@@ -47,7 +47,7 @@ class WindowExport {
  private:
   struct Job {
     std::vector<std::string> names;  // names of the scene's objects
-    Annotations placed;
+    Annotations placed_annotations;
     ObjectPoses X_SO;
     std::future<CarvedObjects::Fields> bodies;  // not valid: nothing is carved
   };

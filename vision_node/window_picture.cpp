@@ -11,14 +11,14 @@
 namespace hapton {
 
 Picture read_window_picture(vtkRenderWindow* window) {
-  const int* pixels = window->GetSize();
+  const int* size = window->GetSize();
   Picture picture;
-  picture.size = {pixels[0], pixels[1]};
-  vtkNew<vtkUnsignedCharArray> rgb;
-  window->GetRGBACharPixelData(0, 0, pixels[0] - 1, pixels[1] - 1, 0, rgb);
-  picture.rgb.resize(3 * static_cast<std::size_t>(pixels[0]) * pixels[1]);
-  const std::uint8_t* rgba = rgb->GetPointer(0);
-  for (std::size_t i = 0; i < picture.rgb.size() / 3; ++i) std::copy_n(rgba + 4 * i, 3, &picture.rgb[3 * i]);
+  picture.size = {size[0], size[1]};
+  vtkNew<vtkUnsignedCharArray> rgba;
+  window->GetRGBACharPixelData(0, 0, size[0] - 1, size[1] - 1, 0, rgba);
+  picture.rgb.resize(3 * static_cast<std::size_t>(size[0]) * size[1]);
+  const std::uint8_t* first_byte = rgba->GetPointer(0);
+  for (std::size_t i = 0; i < picture.rgb.size() / 3; ++i) std::copy_n(first_byte + 4 * i, 3, &picture.rgb[3 * i]);
   return picture;
 }
 

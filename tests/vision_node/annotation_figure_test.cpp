@@ -136,9 +136,9 @@ TEST_F(AnnotationFigureTest, AStrokeGoesWithTheSceneAndItsObject) {
 TEST_F(AnnotationFigureTest, TheStrokeBeingDrawnIsShownUntilItIsDone) {
   open(StereoMode::mono, {});
   const std::vector<Vec3> points = {{-0.02, 0, 0}, {0.02, 0, 0}};
-  view->annotation_figure().set_current(0, &points);
+  view->annotation_figure().set_current_stroke(0, &points);
   EXPECT_GT(ink(), 50);
-  view->annotation_figure().set_current(-1, nullptr);
+  view->annotation_figure().set_current_stroke(-1, nullptr);
   EXPECT_EQ(ink(), 0);
 }
 
@@ -199,7 +199,7 @@ TEST_F(AnnotationFigureTest, TheStrokeBeingDrawnGoesWithTheSceneAndItsObject) {
   view->annotation_figure().set_scene_pose(X_WS);
   view->annotation_figure().set_objects({X_SO}, -1, Pose::Identity());
   const std::vector<Vec3> dot = {{0.01, 0.0, 0.0}};
-  view->annotation_figure().set_current(0, &dot);
+  view->annotation_figure().set_current_stroke(0, &dot);
   const InkFound found = find_ink(*view, is_ink, 0, 640);
   ASSERT_GT(found.count, 4);
   EXPECT_LT((found.middle - project_to_pixel(view->screen(), Eye::centre, {640, 480}, X_WS * (X_SO * dot[0]))).norm(), 0.8);

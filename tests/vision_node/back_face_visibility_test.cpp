@@ -40,7 +40,7 @@ TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), {Vec3(5, 0, 0), Vec3(6, 0, 0), Vec3(5, 1, 0)});
   mesh.triangles.push_back({first, first + 1, first + 2});
-  DetailLevel level = make_full_level(mesh, frame_detail(mesh));
+  DetailLevel level = make_full_level(mesh, make_detail_frame(mesh));
   mark_without_back(mesh, nullptr, level);
   ASSERT_EQ(level.without_back.size(), first + 3);
   for (std::uint32_t v = 0; v < first + 3; ++v) EXPECT_EQ(level.without_back[v], v < first ? 1 : 0);
@@ -54,7 +54,7 @@ TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
   EXPECT_GT(static_cast<double>(hidden), 0.9 * static_cast<double>(ball));  // the sheet's cluster may contain some triangles of the body
   MeshAppearance look;
   look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .is_double_sided = true});
-  DetailLevel seen = make_full_level(mesh, frame_detail(mesh));
+  DetailLevel seen = make_full_level(mesh, make_detail_frame(mesh));
   mark_without_back(mesh, &look, seen);
   EXPECT_TRUE(seen.without_back.empty()) << "its inner sides are seen";
 }

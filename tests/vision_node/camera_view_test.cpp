@@ -73,7 +73,7 @@ TEST(CameraView, LookAtFillsThePictureWithTheSphere) {
   EXPECT_GT(radius_px, 200.0);
   EXPECT_LT(radius_px, 240.0);
   Framing moved = kHome;
-  moved.aside_m = Vec2(0.02, -0.01);
+  moved.centre_offset_m = Vec2(0.02, -0.01);
   EXPECT_LT((project_to_pixel(compute_screen(camera.apply(moved), kPicture), Eye::centre, kPicture, p_WO) - Vec2(320.0, 240.0)).norm(),
             1e-9);
   const CameraView before = camera;

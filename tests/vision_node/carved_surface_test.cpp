@@ -18,7 +18,7 @@ const Carve kHole{Vec3(0, 0, kClayRadius), Vec3(0.004, 0, kClayRadius), 0.008};
 
 struct CarvedSurfaceTest : testing::Test {
   TriangleMesh mesh = make_icosphere(kClayRadius, 5);
-  DetailFrame frame = frame_detail(mesh);
+  DetailFrame frame = make_detail_frame(mesh);
   CarvedField field = std::move(*CarvedField::make(mesh, kClayVoxel));
   CarvedSurface surface{field, frame};
 

@@ -53,7 +53,7 @@ TEST_F(DeformedMeshTest, WhatIsTouchedIsFoundInThePresentShapeAndNamedByWhereItI
     deformed.set_time(weight);
     for (std::size_t t = 0; t < mesh->triangles.size(); t += 11) {
       const Vec3 p = 0.2 * mesh->corner(t, 0) + 0.3 * mesh->corner(t, 1) + 0.5 * mesh->corner(t, 2);
-      const DeformedMesh::Touched touched = deformed.find_closest(grown(p, weight));
+      const DeformedMesh::TouchedPoint touched = deformed.find_closest(grown(p, weight));
       EXPECT_LE((touched.p_rest - p).norm(), 1e-15) << t << " at " << weight;
       EXPECT_EQ(touched.triangle, t);
     }
@@ -75,19 +75,19 @@ TEST_F(DeformedMeshTest, OneThatAProgramDeformsIsAsOneThatDeformsByItself) {
   EXPECT_FALSE(programmed.set_time(1.0));
   for (const double next : {0.0, 0.3, 1.0}) {
     weight = next;
-    programmed.spoil();
+    programmed.invalidate_vertices();
     deformed.set_time(weight);
     for (std::size_t t = 0; t < mesh->triangles.size(); t += 11) {
       const Vec3 p = 0.2 * mesh->corner(t, 0) + 0.3 * mesh->corner(t, 1) + 0.5 * mesh->corner(t, 2);
       EXPECT_LE((programmed.place(p) - deformed.place(p)).norm(), 1e-15) << t << " at " << weight;
-      const DeformedMesh::Touched touched = programmed.find_closest(grown(p, weight));
+      const DeformedMesh::TouchedPoint touched = programmed.find_closest(grown(p, weight));
       EXPECT_LE((touched.p_rest - p).norm(), 1e-15) << t << " at " << weight;
       EXPECT_EQ(touched.triangle, t);
     }
   }
   EXPECT_EQ(calls, 3) << "once for each shape";
   is_known = false;
-  programmed.spoil();
+  programmed.invalidate_vertices();
   const Vec3 corner = mesh->corner(5, 0);
   EXPECT_LE((programmed.place(corner) - grown(corner, 1.0)).norm(), 1e-15) << "unknown: it stays";
 }

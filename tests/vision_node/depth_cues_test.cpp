@@ -37,7 +37,7 @@ TEST(DepthCues, AShadowLiesOnTheGroundInTheDirectionOfTheLight) {
   const auto shadow = find_shadow(p);
   ASSERT_TRUE(shadow);
   EXPECT_NEAR(shadow->y(), ground_height_m(), 1e-12);
-  EXPECT_LT((p - *shadow).normalized().cross(shadow_light()).norm(), 1e-12);
+  EXPECT_LT((p - *shadow).normalized().cross(direction_to_shadow_light()).norm(), 1e-12);
   const Vec3 on_ground(0.02, ground_height_m(), -0.03);
   EXPECT_LT((*find_shadow(on_ground) - on_ground).norm(), 1e-12) << "what touches the ground touches its shadow";
   EXPECT_FALSE(find_shadow(Vec3(0.0, -1.0, 0.0)));

@@ -12,11 +12,11 @@
 namespace hapton {
 namespace {
 
-std::vector<DetailBuilder::Made> take_all(DetailBuilder& builder) {
-  std::vector<DetailBuilder::Made> all;
+std::vector<DetailBuilder::MadeLevel> take_all(DetailBuilder& builder) {
+  std::vector<DetailBuilder::MadeLevel> all;
   for (int turns = 0; turns < 12'000; ++turns) {
     const bool done = builder.progress() == 1.0;
-    for (auto& made : builder.take_made()) all.push_back(std::move(made));
+    for (auto& made : builder.take_levels()) all.push_back(std::move(made));
     if (done) return all;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -25,7 +25,7 @@ std::vector<DetailBuilder::Made> take_all(DetailBuilder& builder) {
 }
 
 std::shared_ptr<const DetailLevel> level_of(const TriangleMesh& mesh) {
-  return std::make_shared<const DetailLevel>(make_full_level(mesh, frame_detail(mesh)));
+  return std::make_shared<const DetailLevel>(make_full_level(mesh, make_detail_frame(mesh)));
 }
 
 TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInClusters) {
@@ -59,12 +59,12 @@ TEST(DetailBuilder, BeginsWhenItIsTold) {
   const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   DetailBuilder builder({mesh}, std::chrono::hours(24));
   EXPECT_EQ(builder.progress(), 0.0);
-  EXPECT_TRUE(builder.take_made().empty());
+  EXPECT_TRUE(builder.take_levels().empty());
   builder.begin();
   const auto made = take_all(builder);
   ASSERT_FALSE(made.empty());
   EXPECT_TRUE(made.back().is_full);
-  EXPECT_TRUE(builder.take_made().empty()) << "each is given once";
+  EXPECT_TRUE(builder.take_levels().empty()) << "each is given once";
 }
 
 TEST(DetailBuilder, CanBeEndedBeforeItHasBegun) {
@@ -89,7 +89,7 @@ TEST(DetailBuilder, NothingToMakeIsDoneAtOnce) {
   const auto small = level_of(make_icosphere(0.05, 3));
   DetailBuilder builder({small});
   EXPECT_EQ(builder.progress(), 1.0);
-  EXPECT_TRUE(builder.take_made().empty());
+  EXPECT_TRUE(builder.take_levels().empty());
 }
 
 TEST(DetailBuilder, StopsBeforeItIsDone) {
@@ -101,14 +101,14 @@ TEST(DetailBuilder, StopsBeforeItIsDone) {
 TEST(DetailBuilder, ItsEndDoesNotWaitForTheLevelInProgress) {
   std::promise<std::thread::id> released;
   const auto mesh = make_bumpy_sphere(0.05, 0.25, 300'000, 1);
-  std::shared_ptr<const DetailLevel> large(new DetailLevel(make_full_level(mesh, frame_detail(mesh))), [&](const DetailLevel* level) {
+  std::shared_ptr<const DetailLevel> large(new DetailLevel(make_full_level(mesh, make_detail_frame(mesh))), [&](const DetailLevel* level) {
     delete level;
     released.set_value(std::this_thread::get_id());
   });
   {
     DetailBuilder builder({std::move(large)});
     builder.begin();
-    while (builder.take_made().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (builder.take_levels().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_NE(released.get_future().get(), std::this_thread::get_id());
 }

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-DetailLevel full_level_of(const TriangleMesh& mesh) { return make_full_level(mesh, frame_detail(mesh)); }
+DetailLevel full_level_of(const TriangleMesh& mesh) { return make_full_level(mesh, make_detail_frame(mesh)); }
 
 std::multiset<std::array<float, 9>> triangles_of(const DetailLevel& level) {
   std::multiset<std::array<float, 9>> found;
@@ -31,7 +31,7 @@ std::multiset<std::array<float, 9>> triangles_of(const DetailLevel& level) {
 TEST(DetailLevels, TheFullLevelIsTheMeshWhateverItsSize) {
   for (const double scale : {1e-4, 1.0, 1e4}) {
     const TriangleMesh mesh = scaled_and_moved(make_icosphere(1.0, 3), scale, Vec3(7.0, -3.0, 2.0) * scale);
-    const DetailFrame frame = frame_detail(mesh);
+    const DetailFrame frame = make_detail_frame(mesh);
     const DetailLevel full = make_full_level(mesh, frame);
     ASSERT_EQ(full.triangles(), mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {

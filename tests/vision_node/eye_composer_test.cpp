@@ -58,7 +58,7 @@ struct TwoColours : testing::Test {
     const PictureSize size{kWidth, kHeight};
     is_first = true;
     window->Render();
-    composer.keep(opengl->GetRenderFramebuffer()->GetFBOIndex(), size);
+    composer.keep_first_eye(opengl->GetRenderFramebuffer()->GetFBOIndex(), size);
     is_first = false;
     window->Render();
     composer.compose(opengl->GetRenderFramebuffer()->GetFBOIndex(), size, has_colours);

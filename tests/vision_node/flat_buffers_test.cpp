@@ -75,11 +75,11 @@ TEST_F(DriverMemory, AFramebufferOfAnotherSizeReplacesTheOneBefore) {
   const GlStateGuard guard;
   {
     GlTarget target;
-    EXPECT_TRUE(target.shape({32, 16}, {}));
+    EXPECT_TRUE(target.resize({32, 16}, {}));
     const int held = count_objects();
     EXPECT_EQ(held, before + 3);
-    EXPECT_FALSE(target.shape({32, 16}, {})) << "its content is kept";
-    EXPECT_TRUE(target.shape({16, 32}, {}));
+    EXPECT_FALSE(target.resize({32, 16}, {})) << "its content is kept";
+    EXPECT_TRUE(target.resize({16, 32}, {}));
     EXPECT_EQ(count_objects(), held);
   }
   EXPECT_EQ(count_objects(), before);
@@ -125,7 +125,7 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
   FlatBuffers buffers;
   {
     const GlStateGuard guard;
-    target.shape({32, 16}, {});
+    target.resize({32, 16}, {});
     target.bind();
     buffers = upload(make_level(false), 0);
     glBindVertexArray(buffers.array);

@@ -15,7 +15,7 @@ TEST(FlatLevel, ANormalSurvivesItsPacking) {
 
 // Expects the same triangles, each with the same corners in the same cyclic order, and the normal of each triangle at its last corner.
 void expect_flat(const TriangleMesh& mesh) {
-  const DetailLevel level = make_full_level(mesh, frame_detail(mesh));
+  const DetailLevel level = make_full_level(mesh, make_detail_frame(mesh));
   const FlatLevel flat = make_flat(level);
   ASSERT_EQ(flat.indices.size(), level.indices.size());
   for (std::size_t i = 0; i < flat.indices.size(); i += 3) {

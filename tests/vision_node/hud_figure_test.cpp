@@ -58,7 +58,7 @@ TEST(HudFigure, LettersHaveALeastAndALargestSize) {
 TEST(HudFigure, ATimeLineLiftsWhatIsAtTheLowerEdge) {
   Hud hud;
   hud.figure.set_time_line(TimeLineShown{}, 0.0, kHudPicture);
-  const double lift = place_time_line(kHudPicture).reserve_px;
+  const double lift = place_time_line(kHudPicture).strip_height_px;
   hud.expect_at("help", 10.0, 10.0 + lift, 18);
   hud.figure.set_scale_bar({.length_m = 0.1, .pixels = 200.0, .label = "100 mm"}, kHudPicture);
   hud.expect_at("100 mm", 1100.0 - 27.6 - 100.0, 4.0 * 27.6 + lift + 6.9, 18);
@@ -139,11 +139,11 @@ TextExtent measure_texts(const Hud& hud, PictureSize size) {
 // Two eyes side by side in a window of 640 x 480 have the narrowest usual pictures.
 TEST(HudFigure, AllTextsFitIntoNarrowPicturesToo) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.contact = true;
   facts.state.energy_percent = 20;
-  facts.touched = "the upper half of the housing (sheet metal)";
-  facts.hand_held = true;
+  facts.touched_name = "the upper half of the housing (sheet metal)";
+  facts.is_hand_led = true;
   facts.is_other_scene = true;
   const std::string plot = make_plot({{0.1, 1.234}}, "force", "N", 8.5, 1.0).title;
   for (const PictureSize size : {PictureSize{320, 480}, PictureSize{640, 240}, PictureSize{640, 480}, PictureSize{1280, 720}}) {

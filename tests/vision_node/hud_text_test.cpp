@@ -11,7 +11,7 @@ namespace {
 
 TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.status = ProbeStatus::no_haptics;
   EXPECT_NE(compose_hud(facts).find("no haptics_node replies"), std::string::npos);
   facts.preparing_s = 3.2;
@@ -33,7 +33,7 @@ TEST(Hud, SaysNoFrameRateBeforeItIsKnown) {
 
 TEST(Hud, SaysNoRoundTripOfRepliesThatThereAreNot) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.servo_rate_hz = 1000.0F;
   facts.state.status = ProbeStatus::no_haptics;
   EXPECT_EQ(compose_hud(facts).find("servo 1000 Hz\n"), 0U) << compose_hud(facts);
@@ -51,9 +51,9 @@ TEST(Hud, SaysWhyTheSavedSceneFileIsNotShown) {
 
 TEST(Hud, ARecordingIsNamedAndShowsItsOwnKeys) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.recording = "recording a.hapton   0:01.0";
-  facts.happened = "marker: trial 7";
+  facts.recent_event = "marker: trial 7";
   EXPECT_EQ(compose_hud(facts).find("recording a.hapton"), 0U);
   EXPECT_NE(compose_hud(facts).find("\nmarker: trial 7"), std::string::npos);
   EXPECT_EQ(compose_hud(facts).find("dials"), std::string::npos);
@@ -65,7 +65,7 @@ TEST(Hud, ARecordingIsNamedAndShowsItsOwnKeys) {
 
 TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.servo_rate_hz = 1000.4F;
   facts.state.round_trip_p50_us = 23.0F;
   facts.state.round_trip_p99_us = 81.0F;
@@ -85,7 +85,7 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
 
 TEST(Hud, ShowsTheTorqueOfATool) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   EXPECT_EQ(compose_hud(facts).find("torque"), std::string::npos);
   facts.state.torque_nm = {0.03, 0.0, -0.04};
   EXPECT_NE(compose_hud(facts).find("torque 0.050 Nm"), std::string::npos) << compose_hud(facts);
@@ -93,7 +93,7 @@ TEST(Hud, ShowsTheTorqueOfATool) {
 
 TEST(Hud, CountsThePairsOfTrianglesInContact) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   EXPECT_EQ(compose_hud(facts).find("hapton"), std::string::npos) << "a probe";
   facts.state.haptons = 0;
   EXPECT_EQ(compose_hud(facts).find("hapton"), std::string::npos) << "free";
@@ -105,13 +105,13 @@ TEST(Hud, CountsThePairsOfTrianglesInContact) {
 
 TEST(Hud, NamesWhatIsTouched) {
   HudFacts facts;
-  facts.connected = true;
-  facts.touched = "hood (sheet metal)";
+  facts.is_connected = true;
+  facts.touched_name = "hood (sheet metal)";
   EXPECT_EQ(compose_hud(facts).find("hood"), std::string::npos) << "nothing is touched";
   facts.state.contact = true;
   facts.state.object = 0;
   EXPECT_NE(compose_hud(facts).find("touching hood (sheet metal)"), std::string::npos) << compose_hud(facts);
-  facts.held = "peg (steel)";
+  facts.held_name = "peg (steel)";
   EXPECT_EQ(compose_hud(facts).find("in contact"), std::string::npos) << "a magnet pulls what is held";
   facts.state.visual_turn = {0.0, 1e-6, 0.0};
   EXPECT_NE(compose_hud(facts).find("holding peg (steel), in contact"), std::string::npos) << compose_hud(facts);
@@ -126,7 +126,7 @@ TEST(Hud, NamesWhatIsTouched) {
 // A magnet pulls, or the air is as viscous as honey: there is a force, but nothing is touched.
 TEST(Hud, AForceInFreeSpaceIsNoTouch) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.contact = true;
   facts.state.force_n = {0.0, 0.0, 0.05};
   EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos) << compose_hud(facts);
@@ -140,7 +140,7 @@ TEST(Hud, AForceInFreeSpaceIsNoTouch) {
 
 TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   EXPECT_EQ(compose_hud(facts).find("energy"), std::string::npos);
   facts.state.energy_percent = 34;
   EXPECT_NE(compose_hud(facts).find("energy given [####......] 34 %"), std::string::npos) << compose_hud(facts);
@@ -150,7 +150,7 @@ TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {
 
 TEST(Hud, NumbersThatAreNotFiniteDoNotBreakIt) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.force_n = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_NE(compose_hud(facts).find("0.00 N"), std::string::npos);
 }
@@ -164,7 +164,7 @@ TEST(Hud, SaysHowFarTheLevelsOfDetailAre) {
 
 TEST(Hud, SaysWhyThereIsNoForce) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   const std::pair<ProbeStatus, const char*> statuses[] = {{ProbeStatus::no_haptics, "no haptics_node replies"},
                                                           {ProbeStatus::fault_latched, "hapton set --reset-faults"},
                                                           {ProbeStatus::device_away, "the device is away"},
@@ -181,7 +181,7 @@ TEST(Hud, SaysWhyThereIsNoForce) {
 // The network is too slow, so the text must not send the user to look for haptics_node.
 TEST(Hud, SaysThatRepliesComeTooLate) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.status = ProbeStatus::no_haptics;
   facts.state.round_trip_p50_us = 19'000.0F;
   EXPECT_NE(compose_hud(facts).find("NO FORCE: no haptics_node replies"), std::string::npos);
@@ -195,7 +195,7 @@ TEST(Hud, SaysThatRepliesComeTooLate) {
 
 TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   const std::string plain = compose_hud(facts);
   const auto lines = std::count(plain.begin(), plain.end(), '\n');
   facts.state.status = ProbeStatus::out_of_reach;
@@ -218,15 +218,15 @@ TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
 
 TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
   HudFacts facts;
-  facts.scene_across_m = 1e-4;
+  facts.scene_diameter_m = 1e-4;
   facts.state.status = ProbeStatus::too_small;
   EXPECT_EQ(compose_notice(facts), "") << "without a hub that is what is wrong";
-  facts.connected = true;
+  facts.is_connected = true;
   EXPECT_NE(compose_notice(facts).find("0.1 mm across"), std::string::npos) << compose_notice(facts);
   EXPECT_NE(compose_notice(facts).find("--unit"), std::string::npos);
   facts.state.status = ProbeStatus::out_of_reach;
-  facts.scene_across_m = 0.25;
-  facts.scene_away_m = 254.0;
+  facts.scene_diameter_m = 0.25;
+  facts.scene_distance_m = 254.0;
   EXPECT_NE(compose_notice(facts).find("250 mm across, 254 m away"), std::string::npos) << compose_notice(facts);
   facts.state.status = ProbeStatus::ok;
   EXPECT_EQ(compose_notice(facts), "");
@@ -239,7 +239,7 @@ TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
 
 TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   for (const ProbeStatus status :
        {ProbeStatus::no_haptics, ProbeStatus::fault_latched, ProbeStatus::device_away, ProbeStatus::calibrating}) {
     facts.state.status = status;
@@ -255,10 +255,10 @@ TEST(Hud, NamesEveryKey) {
 
 TEST(Hud, ShowsWhichButtonsTheHandOnTheMouseHolds) {
   HudFacts facts;
-  facts.connected = true;
+  facts.is_connected = true;
   facts.state.buttons = 0b1010;
   EXPECT_EQ(compose_hud(facts).find("button"), std::string::npos) << "a stylus in a hand is not shown by a key";
-  facts.hand_held = true;
+  facts.is_hand_led = true;
   EXPECT_NE(compose_hud(facts).find("hand on the mouse, button 2, button 4"), std::string::npos) << compose_hud(facts);
 }
 

@@ -276,12 +276,12 @@ TEST_F(InteractionTest, HLatchesTheHandToTheMouse) {
   give(mouse(Kind::move, 50, 50));
   give(key('h'));
   give(mouse(Kind::move, 60, 50));
-  EXPECT_TRUE(interaction_.hand_active());
+  EXPECT_TRUE(interaction_.is_hand_led());
   const auto hand = interaction_.take_hand(0);
   ASSERT_TRUE(hand);
   EXPECT_GT(hand->p_WH.x(), view_.p_WD.x());
   give(key('h'));
-  EXPECT_FALSE(interaction_.hand_active());
+  EXPECT_FALSE(interaction_.is_hand_led());
 }
 
 TEST_F(InteractionTest, RequestsAreTakenOnce) {
@@ -303,7 +303,7 @@ TEST_F(InteractionTest, KeysForAnnotationsAndTheMenuAreTakenOnce) {
   EXPECT_TRUE(all.draw && all.measure && all.undo && all.redo && all.save && all.export_work && all.menu);
   const UserRequests none = interaction_.take_requests();
   EXPECT_FALSE(none.draw || none.measure || none.undo || none.redo || none.save || none.export_work || none.menu);
-  EXPECT_FALSE(interaction_.hand_active());
+  EXPECT_FALSE(interaction_.is_hand_led());
 }
 
 TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
@@ -319,13 +319,13 @@ TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
   for (const auto& [which, by_m] : moves) {
     give(navigation_key(which));
     give(navigation_key(which));
-    EXPECT_EQ(interaction_.take_requests().head_by_m, 2.0 * by_m);
-    EXPECT_TRUE(interaction_.take_requests().head_by_m.isZero(0.0)) << "once";
+    EXPECT_EQ(interaction_.take_requests().head_motion_m, 2.0 * by_m);
+    EXPECT_TRUE(interaction_.take_requests().head_motion_m.isZero(0.0)) << "once";
   }
   give(navigation_key(NavigationKey::left));
   give(navigation_key(NavigationKey::home));
   const UserRequests back = interaction_.take_requests();
-  EXPECT_TRUE(back.reset_head && back.head_by_m.isZero(0.0));
+  EXPECT_TRUE(back.reset_head && back.head_motion_m.isZero(0.0));
   EXPECT_FALSE(interaction_.take_requests().reset_head);
   EXPECT_EQ(interaction_.dials().degrees, Vec3::Zero());
 }
@@ -337,10 +337,10 @@ TEST_F(InteractionTest, AClickDoesNotMoveAHandThatHLatched) {
   view_.p_WD = Vec3(0.05, 0.0, 0.0);  // the device lags behind
   give(mouse(Kind::press, 50, 50, Button::left));
   give(mouse(Kind::release, 50, 50, Button::left));
-  EXPECT_TRUE(interaction_.hand_active());
+  EXPECT_TRUE(interaction_.is_hand_led());
   EXPECT_EQ(interaction_.take_hand(1000 * kMs)->p_WH, held);
   give(key('h'));
-  EXPECT_FALSE(interaction_.hand_active());
+  EXPECT_FALSE(interaction_.is_hand_led());
 }
 
 TEST_F(InteractionTest, TheWheelPressesAndLiftsByALimitedShareOfThePicture) {

@@ -49,7 +49,7 @@ TEST_F(LabelFigureTest, LettersGoWithThePictureWithinBounds) {
 TEST_F(LabelFigureTest, EachIsWhereItsEyeSeesItsPoint) {
   ASSERT_EQ(texts.size(), LabelFigure::kMax);
   EXPECT_EQ(count_shown(), 0);
-  const std::vector<InkLabel> labels = {{Vec3(0.01, 0.02, 0.0), "one"}, {Vec3(-0.03, 0.0, 0.02), "two"}};
+  const std::vector<WorldLabel> labels = {{Vec3(0.01, 0.02, 0.0), "one"}, {Vec3(-0.03, 0.0, 0.02), "two"}};
   for (const Eye eye : {Eye::left, Eye::right, Eye::centre}) {
     figure.place(labels, screen, eye, {640, 480});
     EXPECT_EQ(count_shown(), 2);
@@ -71,7 +71,7 @@ TEST_F(LabelFigureTest, WhatIsBehindTheEyeOrTooMuchIsLeftOut) {
   figure.place({{eye - 0.1 * ahead, "behind"}, {eye + 0.5 * ahead, "ahead"}}, screen, Eye::centre, {640, 480});
   EXPECT_EQ(texts[0]->GetVisibility(), 0);
   EXPECT_EQ(texts[1]->GetVisibility(), 1);
-  figure.place(std::vector<InkLabel>(LabelFigure::kMax + 3, InkLabel{Vec3::Zero(), "many"}), screen, Eye::centre, {640, 480});
+  figure.place(std::vector<WorldLabel>(LabelFigure::kMax + 3, WorldLabel{Vec3::Zero(), "many"}), screen, Eye::centre, {640, 480});
   EXPECT_EQ(count_shown(), static_cast<int>(LabelFigure::kMax));
   figure.place({}, screen, Eye::centre, {640, 480});
   EXPECT_EQ(count_shown(), 0);

@@ -70,13 +70,13 @@ TEST(LivePlots, NaNIsNotPlotted) {
 }
 
 TEST(LivePlots, ScalesEndAtOneTwoOrFiveTimesAPowerOfTen) {
-  EXPECT_EQ(choose_axis_most(0.0, 1.0), 1.0);
-  EXPECT_EQ(choose_axis_most(1.0, 1.0), 1.0);
-  EXPECT_EQ(choose_axis_most(1.01, 1.0), 2.0);
-  EXPECT_EQ(choose_axis_most(8.5, 1.0), 10.0);
-  EXPECT_EQ(choose_axis_most(10.1, 1.0), 20.0);
-  EXPECT_EQ(choose_axis_most(333.0, 20.0), 500.0);
-  EXPECT_EQ(choose_axis_most(std::numeric_limits<double>::infinity(), 20.0), 20.0);
+  EXPECT_EQ(choose_top(0.0, 1.0), 1.0);
+  EXPECT_EQ(choose_top(1.0, 1.0), 1.0);
+  EXPECT_EQ(choose_top(1.01, 1.0), 2.0);
+  EXPECT_EQ(choose_top(8.5, 1.0), 10.0);
+  EXPECT_EQ(choose_top(10.1, 1.0), 20.0);
+  EXPECT_EQ(choose_top(333.0, 20.0), 500.0);
+  EXPECT_EQ(choose_top(std::numeric_limits<double>::infinity(), 20.0), 20.0);
 }
 
 }  // namespace

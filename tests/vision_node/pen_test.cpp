@@ -210,8 +210,8 @@ TEST_F(PenTest, ThereIsRoomForSoManyPointsAndNoMore) {
   pen = Pen(pen_settings(), given);
   lift();
   for (int i = 0; i < 20; ++i) pen.receive(AnnotationPoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDraw);
-  EXPECT_TRUE(pen.take_full());
-  EXPECT_FALSE(pen.take_full()) << "said once";
+  EXPECT_TRUE(pen.take_full_report());
+  EXPECT_FALSE(pen.take_full_report()) << "said once";
   lift();
   EXPECT_LE(count_points(pen.annotations()), kMaxAnnotationPoints);
   EXPECT_EQ(entries(), 2U);

@@ -59,7 +59,7 @@ TEST(ProbeFigure, TipIsDrawnAtDevicePositionPlusVisualOffsetInBothEyes) {
   const StereoScreen screen = view->screen();
   for (const Vec3& p_WD : {Vec3(0, 0, 0), Vec3(-0.05, 0.03, 0.07), Vec3(0.04, -0.06, -0.08)}) {
     const Vec3 offset(0.004, 0.011, -0.006);
-    view->set_probe(show_probe(state_at(p_WD, offset), make_lean(1.2)));
+    view->set_probe(make_shown_probe(state_at(p_WD, offset), make_lean(1.2)));
     view->draw();
     const Picture picture = view->read_picture();
     for (const auto& [eye, from] : {std::pair(Eye::left, 0), std::pair(Eye::right, 640)}) {
@@ -77,10 +77,10 @@ TEST(ProbeFigure, TipIsDrawnAtDevicePositionPlusVisualOffsetInBothEyes) {
 TEST(ProbeFigure, OffsetAndPositionAddUp) {
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 640, 360), {});
   ASSERT_TRUE(view);
-  view->set_probe(show_probe(state_at({0.01, 0.02, 0.03}, {0.01, -0.02, 0.005})));
+  view->set_probe(make_shown_probe(state_at({0.01, 0.02, 0.03}, {0.01, -0.02, 0.005})));
   view->draw();
   const Picture offset = view->read_picture();
-  view->set_probe(show_probe(state_at({0.02, 0.0, 0.035}, Vec3::Zero())));
+  view->set_probe(make_shown_probe(state_at({0.02, 0.0, 0.035}, Vec3::Zero())));
   view->draw();
   EXPECT_EQ(offset.rgb, view->read_picture().rgb);
 }
@@ -192,7 +192,7 @@ TEST(ProbeFigure, TheDevicesPlaceIsShownInContactOnly) {
   ProbeState state = state_at({0.0, -0.02, 0.0}, {0.0, 0.02, 0.0});
   for (const bool contact : {false, true}) {
     state.contact = contact;
-    view->set_probe(show_probe(state, make_lean(0.9)));
+    view->set_probe(make_shown_probe(state, make_lean(0.9)));
     view->draw();
     const Extent red = measure(view->read_picture(), is_red, 0, 720);
     EXPECT_EQ(red.count > 20, contact);

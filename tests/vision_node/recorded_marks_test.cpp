@@ -40,7 +40,7 @@ struct RecordedMarksTest : testing::Test {
                                           7));
   }
   Vec3 end(std::size_t n) const {
-    const auto& measure = std::get<Measure>(marks->placed().entries.at(0));
+    const auto& measure = std::get<Measure>(marks->placed_annotations().entries.at(0));
     return place(measure.ends.at(n), marks->X_SO());
   }
 
@@ -81,7 +81,7 @@ TEST_F(RecordedMarksTest, WithoutAFileThereAreNone) {
   ASSERT_TRUE(view);
   open({});
   marks->show(0, Pose::Identity());
-  EXPECT_TRUE(marks->placed().entries.empty());
+  EXPECT_TRUE(marks->placed_annotations().entries.empty());
   EXPECT_EQ(marks->X_SO().size(), 2U);
 }
 

@@ -128,7 +128,7 @@ TEST(RecordedSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
   const GoneFolder nowhere;
   const auto ended = window.session->run(window.stop);
   ASSERT_TRUE(ended) << ended.error().what;
-  const std::string& line = window.session->step().happened();
+  const std::string& line = window.session->step().recent_event();
   EXPECT_TRUE(line.starts_with("NO SCREENSHOT: cannot write the screenshot hapton_001.png")) << line;
 }
 

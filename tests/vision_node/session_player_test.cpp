@@ -12,7 +12,7 @@ TEST(SessionPlayer, PlaysWithTheClockAtTheChosenSpeedAndStopsAtTheEnd) {
   EXPECT_FALSE(player.advance(1'000'000'000)) << "the clock was not known before";
   EXPECT_TRUE(player.advance(1'500'000'000));
   EXPECT_DOUBLE_EQ(player.moment_s(), 10.5);
-  player.faster();
+  player.speed_up();
   EXPECT_DOUBLE_EQ(player.speed(), 2.0);
   player.advance(2'500'000'000);
   EXPECT_DOUBLE_EQ(player.moment_s(), 12.5);
@@ -38,15 +38,15 @@ TEST(SessionPlayer, PausesAndIsHeld) {
 
 TEST(SessionPlayer, SpeedsAreFromATenthToEight) {
   SessionPlayer player(0.0, 4.0);
-  for (int i = 0; i < 9; ++i) player.faster();
+  for (int i = 0; i < 9; ++i) player.speed_up();
   EXPECT_DOUBLE_EQ(player.speed(), 8.0);
-  for (int i = 0; i < 9; ++i) player.slower();
+  for (int i = 0; i < 9; ++i) player.slow_down();
   EXPECT_DOUBLE_EQ(player.speed(), 0.1);
   player.set_speed(3.0);
-  player.faster();
+  player.speed_up();
   EXPECT_DOUBLE_EQ(player.speed(), 4.0);
   player.set_speed(3.0);
-  player.slower();
+  player.slow_down();
   EXPECT_DOUBLE_EQ(player.speed(), 2.0);
 }
 

@@ -11,7 +11,7 @@ TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
   VisionStepSettings turned = settings();
   turned.dials.turn(1, 30.0);
   VisionStep step(turned);
-  step.joined();
+  step.note_join();
   EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "the hub may have a view, which comes before its first state";
   step.receive(state_at(0.0, 1, 0));
   auto sent = take_all<ViewTransform>(step, 0);
@@ -29,7 +29,7 @@ TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
 
 TEST_F(VisionStepTest, ATransformThatGotLostIsSentAgain) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1, 0));
   ASSERT_EQ(take_all<ViewTransform>(step, 0).size(), 1u);
   std::size_t again = 0;
@@ -49,7 +49,7 @@ ViewTransform view_of(std::uint32_t revision, const Vec3& degrees) {
 // The hub sends its view transform to a joining node at once, and repeats it: the node waits for it, even if messages were lost.
 TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1, 41));
   EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "there is one, and it was lost";
   EXPECT_TRUE(take_all<ViewTransform>(step, 250 * kMs).empty());
@@ -58,7 +58,7 @@ TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
   EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 80, -15));
   // A hub of an older version sends no view transform.
   VisionStep old(settings());
-  old.joined();
+  old.note_join();
   old.receive(state_at(0.0, 1, 41));
   EXPECT_TRUE(take_all<ViewTransform>(old, 0).empty());
   EXPECT_EQ(take_all<ViewTransform>(old, 1000 * kMs).size(), 1u);
@@ -67,9 +67,9 @@ TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
 // Hub and haptics node were restarted, and a program has set the pose since.
 TEST_F(VisionStepTest, AfterARestartTheHubsViewCountsWhateverItsNumber) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(view_of(57, Vec3(0, 80, -15)));
-  step.joined();
+  step.note_join();
   step.receive(view_of(1, Vec3(10, 0, 0)));
   step.receive(state_at(0.0, 1, 1));
   EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty());
@@ -82,7 +82,7 @@ TEST_F(VisionStepTest, AfterARestartTheHubsViewCountsWhateverItsNumber) {
 
 TEST_F(VisionStepTest, ShowsTheViewThatTheHubHasAndGoesOnFromThere) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(view_of(41, Vec3(0, 80, -15)));
   step.receive(state_at(0.0, 1, 41));
   EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "it does not turn the scene by joining";
@@ -104,7 +104,7 @@ TEST_F(VisionStepTest, ShowsTheViewThatTheHubHasAndGoesOnFromThere) {
 // A program may also shift the scene, which the dials cannot.
 TEST_F(VisionStepTest, ShowsASceneThatAProgramHasMoved) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   ViewTransform moved = view_of(7, Vec3(0, 0, 30));
   moved.X_WS[3] += 0.02F;
   step.receive(moved);
@@ -121,7 +121,7 @@ TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
   VisionStepSettings turned = settings();
   turned.dials.turn(1, 30.0);
   VisionStep step(turned);
-  step.joined();
+  step.note_join();
   step.receive(view_of(41, Vec3(0, 90, 0)));
   step.receive(state_at(0.0, 1, 41));
   const auto sent = take_all<ViewTransform>(step, 0);
@@ -135,13 +135,13 @@ TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
 // A node that joins a hub again must not turn the scene while a hand touches it.
 TEST_F(VisionStepTest, AfterEachJoinItWaitsAnewForTheViewThatTheHubHas) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1, 41));
   EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty());
   ASSERT_EQ(take_all<ViewTransform>(step, 1000 * kMs).size(), 1u) << "a hub that sends none";
   step.receive(state_at(0.0, 2, 42));
   // The hub was restarted, and somebody has turned the scene since.
-  step.joined();
+  step.note_join();
   EXPECT_TRUE(take_all<ViewTransform>(step, 2000 * kMs).empty());
   step.receive(state_at(0.0, 1, 3));
   EXPECT_TRUE(take_all<ViewTransform>(step, 2001 * kMs).empty()) << "there is a view, and it was lost";
@@ -153,11 +153,11 @@ TEST_F(VisionStepTest, AfterEachJoinItWaitsAnewForTheViewThatTheHubHas) {
 
 TEST_F(VisionStepTest, TheViewOfAnEarlierSessionIsNotThatOfTheHub) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(view_of(57, Vec3(0, 80, -15)));
   step.receive(state_at(0.0, 1, 57));
   EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1, 1));
   EXPECT_TRUE(take_all<ViewTransform>(step, kMs).empty());
 }

@@ -14,7 +14,7 @@ TEST(StateAcks, TheFirstFrameWithAStateTellsOfIt) {
   EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
   EXPECT_EQ(acks.note(5 * kMs, 25 * kMs), Kind::none);
   EXPECT_EQ(acks.note(26 * kMs, 30 * kMs), Kind::first);
-  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs + StateAcks::kAgainNs - 1), Kind::none) << "counted from the newest";
+  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs + StateAcks::kRepeatPeriodNs - 1), Kind::none) << "counted from the newest";
 }
 
 // An acknowledgement may be lost.
@@ -25,7 +25,7 @@ TEST(StateAcks, AFrameLongAfterTellsAgainAndNotEachOne) {
   for (std::int64_t n = 1; n <= 60; ++n) {
     const Kind kind = acks.note(5 * kMs, 9 * kMs + n * 16'666'667);
     ASSERT_NE(kind, Kind::first) << n;
-    again += kind == Kind::again ? 1 : 0;
+    again += kind == Kind::repeat ? 1 : 0;
   }
   EXPECT_EQ(again, 30) << "each second frame of 60 Hz";
 }

@@ -161,7 +161,7 @@ TEST(StereoScreen, MovedAsideShowsThatPlaceInItsMiddleWithoutParallax) {
   framing.pitch_rad = -0.2;
   const StereoScreen before = compute_screen(framing, {800, 600});
   const Vec3 p_W = before.X_WV * Vec3(0.01, 0.03, 0.0);
-  framing.aside_m = Vec2(0.01, 0.03);
+  framing.centre_offset_m = Vec2(0.01, 0.03);
   for (const Eye eye : {Eye::left, Eye::right}) {
     EXPECT_LT((project_to_pixel(compute_screen(framing, {800, 600}), eye, {800, 600}, p_W) - Vec2(400.0, 300.0)).norm(), 1e-9);
     EXPECT_LT((project_to_pixel(before, eye, {800, 600}, framing.p_WC) - Vec2(400.0, 300.0)).norm(), 1e-9);
@@ -240,7 +240,7 @@ TEST(StereoCamera, WithoutAHeadNothingChanges) {
     const StereoScreen screen = compute_screen(framing, kSize);
     EXPECT_EQ(screen.distance_m, framing.distance_m);
     EXPECT_EQ(screen.ipd_m, framing.ipd_m);
-    EXPECT_TRUE(screen.eyes_aside_m.isZero(0.0));
+    EXPECT_TRUE(screen.eyes_offset_m.isZero(0.0));
   }
 }
 
@@ -252,7 +252,7 @@ TEST(StereoCamera, AKnownScreenMakesTheViewerAsLargeAsThePicture) {
   const StereoScreen screen = compute_screen(framing, kSize);
   EXPECT_NEAR(screen.ipd_m / screen.width_m, 0.06 / 0.4, 1e-15);
   EXPECT_NEAR(screen.distance_m / screen.width_m, 0.5 / 0.4, 1e-15);
-  EXPECT_NEAR(screen.eyes_aside_m.x() / screen.width_m, 0.05 / 0.4, 1e-15);
+  EXPECT_NEAR(screen.eyes_offset_m.x() / screen.width_m, 0.05 / 0.4, 1e-15);
   EXPECT_NEAR(compute_viewer_scale(framing, screen.width_m), screen.width_m / 0.4, 1e-15);
   Framing larger = framing;
   larger.view_m *= 2.0;

@@ -428,8 +428,8 @@ TEST(StereoView, ANoticeStandsInLargeLettersInTheMiddleOfEachEyesPicture) {
     auto view = open_or_fail(settings, {});
     ASSERT_TRUE(view);
     HudFacts facts;
-    facts.connected = true;
-    facts.scene_across_m = 1e-4;
+    facts.is_connected = true;
+    facts.scene_diameter_m = 1e-4;
     facts.state.status = ProbeStatus::too_small;
     view->set_hud("", "", compose_notice(facts));
     view->draw();

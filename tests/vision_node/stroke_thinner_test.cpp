@@ -79,7 +79,7 @@ TEST(StrokeThinner, WhatIsKeptStaysAVertex) {
   for (int i = 0; i <= 200; ++i) {
     thinner.add({1e-3 * i, 2e-3 * i, 0.0});
     if (i % 60 == 50) {
-      thinner.keep();
+      thinner.keep_last();
       kept.emplace_back(1e-3 * i, 2e-3 * i, 0.0);
       EXPECT_FALSE(thinner.add(kept.back())) << "at rest there it adds nothing";
     }

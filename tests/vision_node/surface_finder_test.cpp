@@ -48,7 +48,7 @@ TEST(SurfaceFinder, FindsTheSameWithTheVerticesElsewhere) {
     for (Vec3& vertex : moved.vertices) vertex += moved_m * Vec3(within(random), within(random), within(random)).normalized();
     for (int i = 0; i < 100; ++i) {
       const Vec3 p(within(random), within(random), within(random));
-      const SurfaceFinder::Found found = finder.find_closest(p, moved.vertices, moved_m);
+      const SurfaceFinder::SurfacePoint found = finder.find_closest(p, moved.vertices, moved_m);
       EXPECT_LE((found.point - p).norm(), (find_by_all(moved, p) - p).norm() * (1.0 + 1e-12)) << i;
       Vec3 mixed = Vec3::Zero();
       for (int k = 0; k < 3; ++k) mixed += found.barycentric[k] * moved.corner(found.triangle, k);

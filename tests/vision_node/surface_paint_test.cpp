@@ -40,7 +40,7 @@ MeshAppearance lay_texture(const TriangleMesh& mesh, float bend = 0.0F) {
 }
 
 DetailLevel paint(const TriangleMesh& mesh, const MeshAppearance& look, std::vector<std::uint8_t> layers = {1}) {
-  return make_painted_level(mesh, frame_detail(mesh), look, Vec3(0.2, 0.4, 0.6), layers);
+  return make_painted_level(mesh, make_detail_frame(mesh), look, Vec3(0.2, 0.4, 0.6), layers);
 }
 
 TEST(SurfacePaint, HasAVertexForEachPlaceAndPaint) {

@@ -39,14 +39,14 @@ TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
   const std::size_t t = mesh.triangles.size() / 2;
   probe.p_SP = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
   probe.force_S_n = probe.p_SP;
-  const TeachShapes shapes = show_contact(smooth, probe);
+  const TeachShapes shapes = make_contact_shapes(smooth, probe);
   ASSERT_EQ(shapes.triangles.size(), 1U) << shapes.caption;
   // Three sides of the triangle, four sides of the plane's square, the plane's normal, the penetration vector.
   EXPECT_EQ(shapes.lines.size(), 9U);
   const TeachLine& normal = shapes.lines[7];
   EXPECT_GT((normal.to - normal.from).dot(probe.force_S_n), 0.0) << "towards the force";
   probe.is_contact = false;
-  EXPECT_TRUE(show_contact(smooth, probe).lines.empty());
+  EXPECT_TRUE(make_contact_shapes(smooth, probe).lines.empty());
 }
 
 // A square in the triangle's plane, its side 6 % of the scene's diagonal; a normal half as long; a line from proxy to device point.
@@ -61,7 +61,7 @@ TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
   probe.p_SD = probe.p_SP - 0.002 * face;
   for (const double sign : {1.0, -1.0}) {
     probe.force_S_n = sign * face;
-    const TeachShapes shapes = show_contact(smooth, probe);
+    const TeachShapes shapes = make_contact_shapes(smooth, probe);
     ASSERT_EQ(shapes.lines.size(), 9U);
     EXPECT_EQ(shapes.caption, "contact: 1 triangle, 1 plane, penetration 2.00 mm");
     const double size = 0.03 * smooth.diagonal();
@@ -76,9 +76,9 @@ TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
   }
   // Without a force, the normal points to the side of the proxy, as seen from the device point.
   probe.force_S_n.setZero();
-  EXPECT_GT((show_contact(smooth, probe).lines[7].to - probe.p_SP).dot(face), 0.0);
+  EXPECT_GT((make_contact_shapes(smooth, probe).lines[7].to - probe.p_SP).dot(face), 0.0);
   probe.is_contact = false;
-  EXPECT_EQ(show_contact(smooth, probe).caption, "contact: none");
+  EXPECT_EQ(make_contact_shapes(smooth, probe).caption, "contact: none");
 }
 
 // A sphere probe is in contact with all triangles within its radius.
@@ -95,7 +95,7 @@ TEST(TeachShapes, ABallIsInContactByItsRadius) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       wanted += closest_point(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), probe.p_SP).distance <= within ? 1 : 0;
     }
-    EXPECT_EQ(show_contact(smooth, probe).triangles.size(), wanted) << radius_m;
+    EXPECT_EQ(make_contact_shapes(smooth, probe).triangles.size(), wanted) << radius_m;
     EXPECT_EQ(wanted > 0, radius_m > 0.01) << radius_m;
   }
 }
@@ -106,7 +106,7 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
   const SmoothScene smooth = teach_smooth(scene);
   TeachProbe probe = teach_probe();
   probe.set_size = 20;
-  const TeachShapes shapes = show_local_set(smooth, probe);
+  const TeachShapes shapes = make_local_set_shapes(smooth, probe);
   EXPECT_EQ(shapes.triangles.size(), 20U);
   const auto distance = [&](const std::array<Vec3, 3>& c) { return closest_point(c[0], c[1], c[2], probe.p_SP).distance; };
   double farthest = 0.0;
@@ -123,7 +123,7 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
   for (const TeachTriangle& triangle : shapes.triangles) shown += distance(triangle.corner) < 1e-3 * complete_mm - 1e-5 ? 1 : 0;
   EXPECT_EQ(shown, within) << "what is nearer is in the set";
   probe.set_size = -3;
-  EXPECT_EQ(show_local_set(smooth, probe).triangles.size(), 1U) << "at least one";
+  EXPECT_EQ(make_local_set_shapes(smooth, probe).triangles.size(), 1U) << "at least one";
 }
 
 // The hulls of the first level together enclose the whole scene; a hull that contains the probe is white.
@@ -135,7 +135,7 @@ TEST(TeachShapes, TheHullsOfTheFirstLevelAreAroundTheScene) {
                                    {Vec3(0.0, 0.0, 0.051), TeachColour{255, 200, 90}},
                                    {Vec3(0.0, -0.051, 0.0), TeachColour{255, 200, 90}}}) {
     probe.p_SP = at;
-    const TeachShapes shapes = show_tree(smooth, probe, 0);
+    const TeachShapes shapes = make_tree_shapes(smooth, probe, 0);
     EXPECT_EQ(shapes.caption, "tree: level 0, 8 hulls");
     Eigen::AlignedBox3d box;
     for (const TeachLine& line : shapes.lines) {
@@ -172,7 +172,7 @@ TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
     EXPECT_EQ(std::set<std::uint32_t>(covered.begin(), covered.end()).size(), count) << "each once";
     EXPECT_GE(hulls, before);
     before = hulls;
-    const TeachShapes shapes = show_tree(smooth, teach_probe(), level);
+    const TeachShapes shapes = make_tree_shapes(smooth, teach_probe(), level);
     EXPECT_GE(shapes.lines.size(), 12U * std::min(hulls, kMaxTeachHulls) / 2) << shapes.caption;
   }
   EXPECT_GT(before, 8U);
@@ -181,10 +181,10 @@ TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
 TEST(TeachShapes, LinesOfALargeMeshAreBounded) {
   const TouchScene scene = teach_scene(300);  // 359,000 triangles
   const SmoothScene smooth = teach_smooth(scene);
-  const TeachShapes shapes = show_tree(smooth, teach_probe(), TeachChoice::kDeepest);
+  const TeachShapes shapes = make_tree_shapes(smooth, teach_probe(), TeachChoice::kDeepest);
   EXPECT_LE(shapes.lines.size(), 36U * kMaxTeachHulls);
   EXPECT_NE(shapes.caption.find("the 1000 nearest are drawn"), std::string::npos) << shapes.caption;
-  EXPECT_EQ(show_curvature(scene, find_curvature(scene), teach_probe()).triangles.size(), kMaxTeachTriangles);
+  EXPECT_EQ(make_curvature_shapes(scene, find_curvature(scene), teach_probe()).triangles.size(), kMaxTeachTriangles);
 }
 
 // Every edge belongs to an occupied cell, and each occupied cell has its twelve edges.
@@ -193,7 +193,7 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
   const UniformGrid grid = *make_teach_grid(scene);
   TeachProbe far = teach_probe();
   far.p_SP = Vec3(9.0, 9.0, 9.0);
-  const TeachShapes shapes = show_grid(grid, far);
+  const TeachShapes shapes = make_grid_shapes(grid, far);
   const Vec3 size = (grid.high() - grid.low()) / kTeachCells;
   using Edge = std::array<int, 4>;  // the corner where it begins, in cells, and its axis
   std::set<Edge> drawn;
@@ -223,7 +223,7 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
   }
   EXPECT_EQ(drawn, wanted);
   EXPECT_NE(shapes.caption.find(std::to_string(grid.occupancy().occupied_cells) + " of 32768 cells"), std::string::npos) << shapes.caption;
-  const TeachShapes with_cell = show_grid(grid, teach_probe());
+  const TeachShapes with_cell = make_grid_shapes(grid, teach_probe());
   ASSERT_EQ(with_cell.lines.size(), shapes.lines.size() + 12) << "the probe's cell";
   Eigen::AlignedBox3d cell;
   for (std::size_t i = shapes.lines.size(); i < with_cell.lines.size(); ++i) {
@@ -242,13 +242,13 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
 TEST(TeachShapes, CurvatureOfASphereHasOneColour) {
   const TouchScene scene = teach_scene(48);
   const TeachCurvature curvature = find_curvature(scene);
-  EXPECT_NEAR(curvature.most, 20.0, 0.4) << "1 / 0.05 m";
-  const TeachShapes shapes = show_curvature(scene, curvature, teach_probe());
+  EXPECT_NEAR(curvature.limit, 20.0, 0.4) << "1 / 0.05 m";
+  const TeachShapes shapes = make_curvature_shapes(scene, curvature, teach_probe());
   ASSERT_TRUE(shapes.legend);
   for (const TeachTriangle& triangle : shapes.triangles) {
     for (const TeachColour& colour : triangle.colour) ASSERT_GT(colour[0], colour[2] + 100) << "red: convex";
   }
-  EXPECT_EQ(shapes.legend->most, curvature.most);
+  EXPECT_EQ(shapes.legend->limit, curvature.limit);
   EXPECT_EQ(shapes.legend->unit, "1/m");
 }
 
@@ -271,9 +271,9 @@ TEST(TeachShapes, AFewSharpVerticesDoNotSetTheScale) {
     const double share = static_cast<double>(scene.objects[1].mesh->vertices.size()) /
                          static_cast<double>(scene.objects[0].mesh->vertices.size() + scene.objects[1].mesh->vertices.size());
     EXPECT_EQ(share > 0.05, sharp_bands == 24);
-    EXPECT_EQ(find_curvature(scene).most > 100.0, sharp_bands == 24) << share;
+    EXPECT_EQ(find_curvature(scene).limit > 100.0, sharp_bands == 24) << share;
   }
-  EXPECT_EQ(find_curvature(TouchScene{}).most, 0.0);
+  EXPECT_EQ(find_curvature(TouchScene{}).limit, 0.0);
 }
 
 TEST(TeachBuilder, RepliesToTheNewestRequest) {
@@ -283,7 +283,7 @@ TEST(TeachBuilder, RepliesToTheNewestRequest) {
   std::optional<TeachShapes> made;
   while (!made || made->choice.view != TeachView::tree) {
     std::this_thread::yield();
-    if (auto next = builder.take_made()) made = std::move(next);
+    if (auto next = builder.take_shapes()) made = std::move(next);
   }
   EXPECT_EQ(made->choice, (TeachChoice{TeachView::tree, 1}));
   EXPECT_GT(builder.tree_depth(), 1);
@@ -296,7 +296,7 @@ TEST(TeachBuilder, IsBusyUntilWhatWasRequestedIsThere) {
     TeachBuilder builder(teach_scene());
     builder.request({TeachView::grid, 0}, teach_probe());
     while (builder.is_busy()) std::this_thread::yield();
-    ASSERT_TRUE(builder.take_made()) << n;
+    ASSERT_TRUE(builder.take_shapes()) << n;
   }
 }
 
@@ -304,7 +304,7 @@ TEST(TeachBuilder, ASceneThatCannotBePreparedSaysWhy) {
   TeachBuilder builder(TouchScene{});
   builder.request({TeachView::grid, 0}, {});
   std::optional<TeachShapes> made;
-  while (!(made = builder.take_made())) std::this_thread::yield();
+  while (!(made = builder.take_shapes())) std::this_thread::yield();
   EXPECT_EQ(made->caption.find("grid: "), 0U) << made->caption;
 }
 

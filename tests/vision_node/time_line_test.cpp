@@ -68,15 +68,15 @@ TEST(TimeLine, TicksOfOneKindAreNoNearerThanAColumn) {
 TEST(TimeLine, ItsPlaceIsAShareOfThePicture) {
   struct Row {
     PictureSize size;
-    double reserve_px;
+    double strip_height_px;
   };
   for (const Row& row : {Row{{1000, 300}, 22.0}, Row{{1000, 800}, 44.0}, Row{{2000, 4000}, 80.0}}) {
     const TimeLinePlace place = place_time_line(row.size);
-    EXPECT_NEAR(place.reserve_px, row.reserve_px, 1e-9);
+    EXPECT_NEAR(place.strip_height_px, row.strip_height_px, 1e-9);
     EXPECT_NEAR(place.left_px, 0.07 * row.size.width_px, 1e-9);
     EXPECT_NEAR(place.width_px, 0.86 * row.size.width_px, 1e-9);
-    EXPECT_NEAR(place.height_px, 0.34 * row.reserve_px, 1e-9);
-    EXPECT_NEAR(place.bottom_px, 0.33 * row.reserve_px, 1e-9);
+    EXPECT_NEAR(place.height_px, 0.34 * row.strip_height_px, 1e-9);
+    EXPECT_NEAR(place.bottom_px, 0.33 * row.strip_height_px, 1e-9);
     EXPECT_NEAR(place.share_at(0.07 * row.size.width_px + 0.43 * row.size.width_px), 0.5, 1e-9);
   }
   EXPECT_EQ(TimeLinePlace{}.share_at(3.0), 0.0) << "a line without length";
@@ -95,8 +95,8 @@ TEST(TimeLine, LiesAtTheLowerEdgeOfAnyPicture) {
   for (const PictureSize size : {PictureSize{320, 180}, PictureSize{1280, 720}, PictureSize{640, 2160}}) {
     const TimeLinePlace place = place_time_line(size);
     EXPECT_GT(place.bottom_px, 0.0);
-    EXPECT_LT(place.bottom_px + place.height_px, place.reserve_px);
-    EXPECT_LT(place.reserve_px, 0.25 * size.height_px);
+    EXPECT_LT(place.bottom_px + place.height_px, place.strip_height_px);
+    EXPECT_LT(place.strip_height_px, 0.25 * size.height_px);
     EXPECT_EQ(place.share_at(-100.0), 0.0);
     EXPECT_NEAR(place.share_at(0.5 * size.width_px), 0.5, 1e-9);
     EXPECT_EQ(place.share_at(size.width_px), 1.0);

@@ -72,7 +72,7 @@ TEST(TouchMenu, ClosedItDoesNothing) {
   EXPECT_EQ(menu.receive(Vec3::Zero(), 0), std::nullopt);
   EXPECT_EQ(menu.receive(Vec3::Zero(), 1), std::nullopt);
   EXPECT_EQ(menu.choose(), std::nullopt);
-  EXPECT_EQ(menu.find_behind(Vec3::UnitZ(), Vec3::Zero()), std::nullopt);
+  EXPECT_EQ(menu.find_ray_point(Vec3::UnitZ(), Vec3::Zero()), std::nullopt);
 }
 
 TEST(TouchMenu, ThePointerFindsItWhereItIsSeen) {
@@ -81,11 +81,11 @@ TEST(TouchMenu, ThePointerFindsItWhereItIsSeen) {
   menu.open(screen, Vec3::Zero());
   const Vec3 eye = compute_eye_position(screen, Eye::centre);
   const Vec3 there = menu.pose() * place_entry(Entry::redo);
-  const auto found = menu.find_behind(eye, eye + 0.3 * (there - eye));
+  const auto found = menu.find_ray_point(eye, eye + 0.3 * (there - eye));
   ASSERT_TRUE(found);
   EXPECT_LE((*found - there).norm(), 1e-12);
-  EXPECT_FALSE(menu.find_behind(eye, Vec3(menu.pose() * Vec3(0.2, 0, 0))));
-  EXPECT_FALSE(menu.find_behind(eye, Vec3(eye + (eye - there)))) << "behind the viewer";
+  EXPECT_FALSE(menu.find_ray_point(eye, Vec3(menu.pose() * Vec3(0.2, 0, 0))));
+  EXPECT_FALSE(menu.find_ray_point(eye, Vec3(eye + (eye - there)))) << "behind the viewer";
 }
 
 }  // namespace

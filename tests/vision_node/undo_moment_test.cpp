@@ -30,22 +30,22 @@ TEST(CarveMoments, OfAnotherListAreFoundByThePressesOfTheFile) {
   const std::vector<CarvedPress> saved = {press_at(1), press_at(2), press_at(1)};
   const CarveList list = list_of({1, 2, 1, 3});
   const CarveMoments moments(list, 7, saved);
-  EXPECT_EQ(moments.find_serial({.saved = 0}), 0U);
-  EXPECT_EQ(moments.find_serial({.saved = 1}), 2U) << "the whole press";
-  EXPECT_EQ(moments.find_serial({.saved = 2}), 4U);
-  EXPECT_EQ(moments.find_serial({.saved = 3}), 6U) << "the same place once more";
-  EXPECT_EQ(moments.find_serial({.saved = 9}), 6U);
-  EXPECT_EQ(moments.find_serial({.saved = 1, .source = 7, .serial = 5}), 5U);
+  EXPECT_EQ(moments.find_serial({.saved_presses = 0}), 0U);
+  EXPECT_EQ(moments.find_serial({.saved_presses = 1}), 2U) << "the whole press";
+  EXPECT_EQ(moments.find_serial({.saved_presses = 2}), 4U);
+  EXPECT_EQ(moments.find_serial({.saved_presses = 3}), 6U) << "the same place once more";
+  EXPECT_EQ(moments.find_serial({.saved_presses = 9}), 6U);
+  EXPECT_EQ(moments.find_serial({.saved_presses = 1, .source = 7, .serial = 5}), 5U);
 }
 
 TEST(CarveMoments, PressesThatAreNotInTheListDoNotMatter) {
   const CarveMoments moments(list_of({2}), 7, {press_at(1), press_at(2)});
-  EXPECT_EQ(moments.find_serial({.saved = 1}), 0U);
-  EXPECT_EQ(moments.find_serial({.saved = 2}), 2U);
+  EXPECT_EQ(moments.find_serial({.saved_presses = 1}), 0U);
+  EXPECT_EQ(moments.find_serial({.saved_presses = 2}), 2U);
   // The first carve of a press changed nothing, and is not in the list: only its second carve is.
   CarveList list;
   list.add({.object = 0, .serial = 1, .carve = carve_at(1.5), .begins = true});
-  EXPECT_EQ(CarveMoments(list, 7, {press_at(1)}).find_serial({.saved = 1}), 1U);
+  EXPECT_EQ(CarveMoments(list, 7, {press_at(1)}).find_serial({.saved_presses = 1}), 1U);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Seen {
 
 // Counts the clusters that are not left out, and, in those that are, the triangles that would be seen.
 Seen look(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
-  const DetailFrame frame = frame_detail(mesh);
+  const DetailFrame frame = make_detail_frame(mesh);
   DetailLevel level = make_full_level(mesh, frame);
   divide_into_clusters(level);
   const StereoScreen screen = compute_screen(framing, kSquare);

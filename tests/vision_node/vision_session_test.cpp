@@ -228,7 +228,7 @@ testing::AssertionResult draws_for_a_tracked_head(double longer) {
   const StereoScreen after = vision.view->screen();
   const double scale = before.distance_m / kDeskDistance;
   HAPTON_LOOK(std::abs(after.distance_m - 0.7 * scale) < 1e-9) << after.distance_m;
-  HAPTON_LOOK((after.eyes_aside_m - scale * Vec2(0.12, 0.05)).norm() < 1e-9) << after.eyes_aside_m.transpose();
+  HAPTON_LOOK((after.eyes_offset_m - scale * Vec2(0.12, 0.05)).norm() < 1e-9) << after.eyes_offset_m.transpose();
   const std::string told = head->describe(vision.clock.now_ns());
   HAPTON_LOOK(told.find("the head stays where it was") != std::string::npos) << told;
   return testing::AssertionSuccess();
@@ -359,7 +359,7 @@ TEST(VisionSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
   const GoneFolder nowhere;
   const auto ended = vision.session->run(vision.stop);
   ASSERT_TRUE(ended) << ended.error().what;
-  const std::string& line = vision.session->step().happened();
+  const std::string& line = vision.session->step().recent_event();
   EXPECT_TRUE(line.starts_with("NO SCREENSHOT: cannot write the screenshot hapton_001.png")) << line;
 }
 

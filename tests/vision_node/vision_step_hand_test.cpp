@@ -22,7 +22,7 @@ WindowEvent left_button(WindowEvent::Kind kind) {
 
 TEST_F(VisionStepTest, TheHandIsTakenWhereTheDeviceIs) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.p_WD = Vec3(0.03, 0.01, -0.02);
   step.receive(state);
@@ -49,7 +49,7 @@ TEST_F(VisionStepTest, ALedHandThatTouchesTheBackOfASheetComesOutBesideItFirst) 
     return is_on_sheet(x, y) ? sheet_m : std::numeric_limits<double>::infinity();
   });
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.visual_offset_m = Vec3(0.0, 0.0, -0.003);
   state.p_WD = seen.place({310.0, 365.0}, sheet_m) - state.visual_offset_m;

@@ -9,7 +9,7 @@ namespace {
 
 TEST_F(VisionStepTest, WithoutTheHubNothingIsSaidOfTheLastForce) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.contact = true;
   state.object = 0;
@@ -18,7 +18,7 @@ TEST_F(VisionStepTest, WithoutTheHubNothingIsSaidOfTheLastForce) {
   ASSERT_TRUE(step.wants_picture(0, where_));
   EXPECT_NE(step.compose(0).hud.find("1.25 N"), std::string::npos);
   step.end_frame(0, 5 * kMs, where_);
-  step.lost();
+  step.note_loss();
   ASSERT_TRUE(step.wants_picture(1000 * kMs, where_)) << "though nothing moves";
   const std::string hud = step.compose(1000 * kMs).hud;
   EXPECT_NE(hud.find("waiting for the hub"), std::string::npos) << hud;
@@ -29,7 +29,7 @@ TEST_F(VisionStepTest, WithoutALimitEverythingThatMovesIsDrawn) {
   VisionStepSettings unlimited = settings();
   unlimited.max_rate_hz = 0.0;
   VisionStep step(unlimited);
-  step.joined();
+  step.note_join();
   int pictures = 0;
   for (int ms = 0; ms < 100; ++ms) {
     step.receive(state_at(0.001 * ms, static_cast<std::uint64_t>(ms)));
@@ -64,7 +64,7 @@ TEST_F(VisionStepTest, WhatTheStylusHoldsAndTheStereoModeAreInTheCornerAtOnce) {
   VisionStepSettings with_names = settings();
   with_names.names = {{"hood", "tin"}, {"peg", "steel"}};
   VisionStep step(with_names);
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1));
   ASSERT_TRUE(turn(step, 0));
   ASSERT_FALSE(turn(step, 20 * kMs));
@@ -87,7 +87,7 @@ TEST_F(VisionStepTest, AnotherSceneHasItsOwnViewAndItsOwnNames) {
   VisionStepSettings first = settings();
   first.names = {{"hood", "tin"}, {"glass", ""}};
   VisionStep step(first);
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.contact = true;
   state.object = 0;

@@ -11,14 +11,14 @@ namespace {
 
 TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.status = ProbeStatus::no_haptics;
   step.receive(state);
   step.set_preparing(2.0, 0);
   EXPECT_NE(step.compose(0).hud.find("prepares the scene, 2 s"), std::string::npos);
-  step.lost();
-  step.joined();
+  step.note_loss();
+  step.note_join();
   step.receive(state);
   step.request_redraw();
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
@@ -27,7 +27,7 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
 // A haptics node that has been silent for so long counts as ended.
 TEST_F(VisionStepTest, AHapticsNodeThatHasBeenSilentForThreeSecondsPreparesNothing) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.status = ProbeStatus::no_haptics;
   step.receive(state);
@@ -47,7 +47,7 @@ TEST_F(VisionStepTest, ANoticeSaysHowFarAwayTheSceneIsAsItIsTurnedNow) {
   aside.p_SO = Vec3(2.0, 0.0, 0.0);
   aside.scene_radius_m = 0.05;
   VisionStep step(aside);
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   step.receive(state);
   EXPECT_EQ(step.compose(0).notice, "");
@@ -64,7 +64,7 @@ TEST_F(VisionStepTest, TheHudNamesTheTouchedObjectOfTheSameScene) {
   VisionStepSettings with_names = settings();
   with_names.names = {{"hood", "tin"}, {"glass", ""}};
   VisionStep step(with_names);
-  step.joined();
+  step.note_join();
   ProbeState state = state_at(0.0, 1);
   state.contact = true;
   state.object = 0;
@@ -87,7 +87,7 @@ TEST_F(VisionStepTest, TheHudDoesNotNameWhatIsHeldInAnotherScene) {
   VisionStepSettings with_names = settings();
   with_names.names = {{"hood", "tin"}};
   VisionStep step(with_names);
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1));
   step.set_held_object(0);
   EXPECT_NE(step.compose(0).hud.find("holding hood"), std::string::npos);
@@ -98,7 +98,7 @@ TEST_F(VisionStepTest, TheHudDoesNotNameWhatIsHeldInAnotherScene) {
 
 TEST_F(VisionStepTest, ATurnedKnobIsDrawnAndSentAndAStillOneIsNot) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1, 0));
   while (step.take_message(0)) {
   }
@@ -140,7 +140,7 @@ TEST_F(VisionStepTest, DrawsWhatMovesAtMostAtTheLimit) {
 
 TEST_F(VisionStepTest, AMovedCameraIsDrawnAndNotSent) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   while (step.take_message(0)) {
   }
   ASSERT_TRUE(turn(step, 0));
@@ -234,7 +234,7 @@ TEST_F(VisionStepTest, KeysMoveTheHeadBeforeTheScreenAndTheHudSaysWhereItIs) {
 
 TEST_F(VisionStepTest, PlotsAreSwitchedByAKeyAndKeepThePictureGoing) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.0, 1), 0);
   ASSERT_TRUE(turn(step, 0));
   EXPECT_TRUE(step.compose(0).plots.empty());
@@ -250,7 +250,7 @@ TEST_F(VisionStepTest, PlotsAreSwitchedByAKeyAndKeepThePictureGoing) {
   EXPECT_GE(pictures, 9);
   EXPECT_LE(pictures, 11);
   EXPECT_TRUE(step.is_scene_at_rest(1030 * kMs)) << "the scene itself is not drawn again";
-  step.lost();
+  step.note_loss();
   for (int ms = 1030; ms < 1430; ms += 10) turn(step, ms * kMs);
   EXPECT_FALSE(turn(step, 1900 * kMs)) << "nothing new comes";
 }
@@ -320,7 +320,7 @@ TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
 
 TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.01, 41));
   step.receive(state_at(0.02, 42));
   ASSERT_TRUE(step.wants_picture(0, where_));
@@ -330,16 +330,16 @@ TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
   EXPECT_EQ(drawn->echo_sample, 42u);
   EXPECT_EQ(drawn->echo_sample_time_ns, 42 * kMs);
   EXPECT_FALSE(drawn->unchanged);
-  EXPECT_FALSE(step.take_unseen());
+  EXPECT_FALSE(step.take_unchanged_ack());
   EXPECT_FALSE(step.wants_picture(50 * kMs, where_));
-  EXPECT_FALSE(step.take_unseen()) << "no state has come since";
+  EXPECT_FALSE(step.take_unchanged_ack()) << "no state has come since";
 }
 
 TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
   VisionStepSettings slow = settings();
   slow.max_rate_hz = 20.0;
   VisionStep step(slow);
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.01, 41));
   step.compose(0);
   EXPECT_EQ(step.end_frame(0, 5 * kMs, where_)->rest_ns, 45 * kMs);
@@ -348,21 +348,21 @@ TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
 
 TEST_F(VisionStepTest, AnUnchangedStateIsReportedOnce) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.01, 41));
   ASSERT_TRUE(turn(step, 0));
   step.receive(state_at(0.01 + 1e-9, 42));
   ASSERT_FALSE(turn(step, 100 * kMs));
-  const auto same = step.take_unseen();
+  const auto same = step.take_unchanged_ack();
   ASSERT_TRUE(same);
   EXPECT_TRUE(same->unchanged);
   EXPECT_EQ(same->echo_sample, 42U);
-  EXPECT_FALSE(step.take_unseen());
+  EXPECT_FALSE(step.take_unchanged_ack());
 }
 
 TEST_F(VisionStepTest, OnlyAStateThatWasComparedIsReportedAsUnchanged) {
   VisionStep step(settings());
-  step.joined();
+  step.note_join();
   step.receive(state_at(0.01, 41));
   ASSERT_TRUE(turn(step, 0));
   ProbeState state = state_at(0.01, 42);
@@ -371,7 +371,7 @@ TEST_F(VisionStepTest, OnlyAStateThatWasComparedIsReportedAsUnchanged) {
   ASSERT_TRUE(turn(step, 500 * kMs)) << "it looks the same, but for the numbers in the corner";
   step.receive(state_at(0.05, 43));
   ASSERT_FALSE(turn(step, 501 * kMs)) << "too soon";
-  EXPECT_FALSE(step.take_unseen());
+  EXPECT_FALSE(step.take_unchanged_ack());
 }
 
 TEST_F(VisionStepTest, WithoutAHubThereIsAPictureButNoReport) {

@@ -9,9 +9,9 @@ namespace {
 TEST(VisionStep, WhatHasJustHappenedIsInTheCornerAtOnce) {
   VisionStep step{VisionStepSettings()};
   (void)step.compose(0);
-  step.set_happened("exported to /a: b.vtp");
+  step.set_recent_event("exported to /a: b.vtp");
   EXPECT_NE(step.compose(1).hud.find("exported to /a: b.vtp"), std::string::npos);
-  step.set_happened("");
+  step.set_recent_event("");
   EXPECT_EQ(step.compose(2).hud.find("exported"), std::string::npos);
 }
 

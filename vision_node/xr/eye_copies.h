@@ -18,8 +18,8 @@ class EyeCopies {
   EyeCopies(const EyeCopies&) = delete;
   EyeCopies& operator=(const EyeCopies&) = delete;
 
-  // Call it when a new frame has been drawn into the framebuffer; that is what is copied next. each: size of one eye's image.
-  void take(std::uint32_t framebuffer, PictureSize each);
+  // Call it when a new frame has been drawn into the framebuffer; that is what is copied next. eye_size: size of one eye's image.
+  void take(std::uint32_t framebuffer, PictureSize eye_size);
   // Copies an eye's image (0: left) into a GL_TEXTURE_2D of one eye's size.
   void copy_to_texture(std::size_t eye, std::uint32_t texture);
   // Copies the left eye's image into the window's back buffer; the rest of the window becomes black.
@@ -28,10 +28,10 @@ class EyeCopies {
   void release();
 
  private:
-  std::uint32_t source_ = 0;  // framebuffer with both images, one sample a pixel
-  PictureSize each_;
-  GlTarget resolved_;       // the images, if the given framebuffer has several samples a pixel
-  std::uint32_t into_ = 0;  // framebuffer for the texture that is written
+  std::uint32_t source_framebuffer_ = 0;  // framebuffer with both images, one sample a pixel
+  PictureSize eye_size_;
+  GlTarget resolved_;                     // the images, if the given framebuffer has several samples a pixel
+  std::uint32_t target_framebuffer_ = 0;  // framebuffer for the texture that is written
 };
 
 }  // namespace hapton

@@ -21,9 +21,9 @@ bool is_possible(const FieldOfView& fov) {
 }
 
 HeadsetDepths find_headset_depths(const Framing& framing, const Vec3& p_WE) {
-  const double away_m = (framing.p_WC - p_WE).norm();
+  const double distance_m = (framing.p_WC - p_WE).norm();
   HeadsetDepths depths;
-  depths.plane_m = std::max(kNearestPlaneM, away_m);
+  depths.plane_m = std::max(kNearestPlaneM, distance_m);
   depths.near_m = kNearestM;
   depths.far_m = depths.plane_m + framing.depth_m;
   return depths;
@@ -40,7 +40,7 @@ StereoScreen look_through(const EyeInFrame& eye_in_W, const HeadsetDepths& depth
   screen.width_m = depths.plane_m * (right - left);
   screen.height_m = depths.plane_m * (up - down);
   screen.distance_m = depths.plane_m;
-  screen.eyes_aside_m = -middle;
+  screen.eyes_offset_m = -middle;
   screen.ipd_m = 0.0;
   screen.near_m = depths.near_m;
   screen.far_m = depths.far_m;

@@ -92,10 +92,10 @@ struct Headset::Runtime {
   // Returns false and marks the runtime as lost if the call failed.
   bool check(XrResult result, std::string_view call) {
     if (XR_SUCCEEDED(result)) return true;
-    lose(fmt::format("{}: {}", call, openxr_name(result)));
+    mark_lost(fmt::format("{}: {}", call, openxr_name(result)));
     return false;
   }
-  void lose(std::string why) {
+  void mark_lost(std::string why) {
     if (loss.empty()) loss = std::move(why);
     is_running = has_frame = false;
   }
@@ -104,11 +104,11 @@ struct Headset::Runtime {
   Result<void> find_system();
   Result<void> make_session(const GlxWindow& window);
   Result<void> check_graphics() const;
-  Result<void> make_space(RoomSpace wanted);
+  Result<void> make_space(RoomSpace room);
   Result<void> make_swapchains();
   void handle_state(XrSessionState state);
-  void locate();
-  bool fill(const CopyEye& copy, std::array<XrCompositionLayerProjectionView, 2>& shown);
+  void locate_eyes();
+  bool fill_swapchains(const CopyEye& copy, std::array<XrCompositionLayerProjectionView, 2>& shown);
   void finish_frame(const XrCompositionLayerProjection* layer);
   void destroy();
 };
@@ -117,12 +117,12 @@ Result<void> Headset::Runtime::make_instance() {
   // The loader prints several lines for an error that we explain in one. XR_LOADER_DEBUG=all shows them.
   setenv("XR_LOADER_DEBUG", "none", 0);
   std::uint32_t count = 0;
-  if (const XrResult got = xrEnumerateInstanceExtensionProperties(nullptr, 0, &count, nullptr); XR_FAILED(got)) {
-    return tl::unexpected(explain_openxr(got, "xrEnumerateInstanceExtensionProperties"));
+  if (const XrResult result = xrEnumerateInstanceExtensionProperties(nullptr, 0, &count, nullptr); XR_FAILED(result)) {
+    return tl::unexpected(explain_openxr(result, "xrEnumerateInstanceExtensionProperties"));
   }
   std::vector<XrExtensionProperties> known(count, make_struct<XrExtensionProperties>(XR_TYPE_EXTENSION_PROPERTIES));
-  if (const XrResult got = xrEnumerateInstanceExtensionProperties(nullptr, count, &count, known.data()); XR_FAILED(got)) {
-    return tl::unexpected(explain_openxr(got, "xrEnumerateInstanceExtensionProperties"));
+  if (const XrResult result = xrEnumerateInstanceExtensionProperties(nullptr, count, &count, known.data()); XR_FAILED(result)) {
+    return tl::unexpected(explain_openxr(result, "xrEnumerateInstanceExtensionProperties"));
   }
   const auto is_opengl = [](const XrExtensionProperties& each) {
     return std::strcmp(each.extensionName, XR_KHR_OPENGL_ENABLE_EXTENSION_NAME) == 0;
@@ -132,12 +132,12 @@ Result<void> Headset::Runtime::make_instance() {
                 XR_KHR_OPENGL_ENABLE_EXTENSION_NAME);
   }
   const char* const extensions[] = {XR_KHR_OPENGL_ENABLE_EXTENSION_NAME};
-  auto wanted = make_struct<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
-  std::strcpy(wanted.applicationInfo.applicationName, "Hapton");
-  wanted.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-  wanted.enabledExtensionCount = 1;
-  wanted.enabledExtensionNames = extensions;
-  if (const XrResult made = xrCreateInstance(&wanted, &instance); XR_FAILED(made))
+  auto info = make_struct<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
+  std::strcpy(info.applicationInfo.applicationName, "Hapton");
+  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
+  info.enabledExtensionCount = 1;
+  info.enabledExtensionNames = extensions;
+  if (const XrResult made = xrCreateInstance(&info, &instance); XR_FAILED(made))
     return tl::unexpected(explain_openxr(made, "xrCreateInstance"));
   auto facts = make_struct<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
   if (XR_SUCCEEDED(xrGetInstanceProperties(instance, &facts))) name = facts.runtimeName;
@@ -145,9 +145,9 @@ Result<void> Headset::Runtime::make_instance() {
 }
 
 Result<void> Headset::Runtime::find_system() {
-  auto wanted = make_struct<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
-  wanted.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
-  if (const XrResult found = xrGetSystem(instance, &wanted, &system); XR_FAILED(found)) {
+  auto info = make_struct<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
+  info.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
+  if (const XrResult found = xrGetSystem(instance, &info, &system); XR_FAILED(found)) {
     return tl::unexpected(explain_openxr(found, "xrGetSystem"));
   }
   std::array<XrViewConfigurationView, 2> each = {make_struct<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW),
@@ -171,20 +171,20 @@ Result<void> Headset::Runtime::find_system() {
 Result<void> Headset::Runtime::check_graphics() const {
   PFN_xrGetOpenGLGraphicsRequirementsKHR get_requirements = nullptr;
   xrGetInstanceProcAddr(instance, "xrGetOpenGLGraphicsRequirementsKHR", reinterpret_cast<PFN_xrVoidFunction*>(&get_requirements));
-  auto wanted = make_struct<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
+  auto requirements = make_struct<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
   if (get_requirements == nullptr)
     return tl::unexpected(explain_openxr(XR_ERROR_FUNCTION_UNSUPPORTED, "xrGetOpenGLGraphicsRequirementsKHR"));
-  if (const XrResult got = get_requirements(instance, system, &wanted); XR_FAILED(got)) {
-    return tl::unexpected(explain_openxr(got, "xrGetOpenGLGraphicsRequirementsKHR"));
+  if (const XrResult result = get_requirements(instance, system, &requirements); XR_FAILED(result)) {
+    return tl::unexpected(explain_openxr(result, "xrGetOpenGLGraphicsRequirementsKHR"));
   }
   GLint major = 0;
   GLint minor = 0;
   glGetIntegerv(GL_MAJOR_VERSION, &major);
   glGetIntegerv(GL_MINOR_VERSION, &minor);
   const XrVersion ours = XR_MAKE_VERSION(static_cast<std::uint64_t>(major), static_cast<std::uint64_t>(minor), 0);
-  if (ours >= wanted.minApiVersionSupported) return {};
+  if (ours >= requirements.minApiVersionSupported) return {};
   return fail("--stereo openxr: the OpenXR runtime needs OpenGL {}, and this display has {}; install a newer graphics driver",
-              version_text(wanted.minApiVersionSupported), version_text(ours));
+              version_text(requirements.minApiVersionSupported), version_text(ours));
 }
 
 Result<void> Headset::Runtime::make_session(const GlxWindow& window) {
@@ -195,20 +195,20 @@ Result<void> Headset::Runtime::make_session(const GlxWindow& window) {
   binding.glxFBConfig = static_cast<GLXFBConfig>(window.framebuffer_config);
   binding.glxDrawable = window.drawable;
   binding.glxContext = static_cast<GLXContext>(window.context);
-  auto wanted = make_struct<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
-  wanted.next = &binding;
-  wanted.systemId = system;
-  if (const XrResult made = xrCreateSession(instance, &wanted, &session); XR_FAILED(made)) {
+  auto info = make_struct<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
+  info.next = &binding;
+  info.systemId = system;
+  if (const XrResult made = xrCreateSession(instance, &info, &session); XR_FAILED(made)) {
     return tl::unexpected(explain_openxr(made, "xrCreateSession"));
   }
   return {};
 }
 
 Result<void> Headset::Runtime::make_space(RoomSpace room) {
-  auto wanted = make_struct<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
-  wanted.referenceSpaceType = room == RoomSpace::stage ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL;
-  wanted.poseInReferenceSpace = kNoMotion;
-  const XrResult made = xrCreateReferenceSpace(session, &wanted, &space);
+  auto info = make_struct<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
+  info.referenceSpaceType = room == RoomSpace::stage ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL;
+  info.poseInReferenceSpace = kNoMotion;
+  const XrResult made = xrCreateReferenceSpace(session, &info, &space);
   if (XR_SUCCEEDED(made)) return {};
   if (made == XR_ERROR_REFERENCE_SPACE_UNSUPPORTED) {
     return fail("--room stage: the OpenXR runtime does not know where the floor is; set up its room, or use --room local");
@@ -219,28 +219,28 @@ Result<void> Headset::Runtime::make_space(RoomSpace room) {
 Result<void> Headset::Runtime::make_swapchains() {
   std::uint32_t count = 0;
   std::vector<std::int64_t> formats;
-  XrResult got = xrEnumerateSwapchainFormats(session, 0, &count, nullptr);
-  if (XR_SUCCEEDED(got)) {
+  XrResult result = xrEnumerateSwapchainFormats(session, 0, &count, nullptr);
+  if (XR_SUCCEEDED(result)) {
     formats.resize(count);
-    got = xrEnumerateSwapchainFormats(session, count, &count, formats.data());
+    result = xrEnumerateSwapchainFormats(session, count, &count, formats.data());
   }
   const auto format = choose_format(formats);
-  if (XR_FAILED(got)) return tl::unexpected(explain_openxr(got, "xrEnumerateSwapchainFormats"));
+  if (XR_FAILED(result)) return tl::unexpected(explain_openxr(result, "xrEnumerateSwapchainFormats"));
   if (!format)
     return fail("--stereo openxr: the OpenXR runtime offers no texture with 8 bits a colour; make another runtime the active one");
-  auto wanted = make_struct<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
-  wanted.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT;
-  wanted.format = *format;
-  wanted.sampleCount = wanted.faceCount = wanted.arraySize = wanted.mipCount = 1;
-  wanted.width = static_cast<std::uint32_t>(size.width_px);
-  wanted.height = static_cast<std::uint32_t>(size.height_px);
+  auto info = make_struct<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
+  info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT;
+  info.format = *format;
+  info.sampleCount = info.faceCount = info.arraySize = info.mipCount = 1;
+  info.width = static_cast<std::uint32_t>(size.width_px);
+  info.height = static_cast<std::uint32_t>(size.height_px);
   for (Swapchain& chain : swapchains) {
-    got = xrCreateSwapchain(session, &wanted, &chain.handle);
-    if (XR_SUCCEEDED(got)) got = xrEnumerateSwapchainImages(chain.handle, 0, &count, nullptr);
-    if (XR_FAILED(got)) return tl::unexpected(explain_openxr(got, "xrCreateSwapchain"));
+    result = xrCreateSwapchain(session, &info, &chain.handle);
+    if (XR_SUCCEEDED(result)) result = xrEnumerateSwapchainImages(chain.handle, 0, &count, nullptr);
+    if (XR_FAILED(result)) return tl::unexpected(explain_openxr(result, "xrCreateSwapchain"));
     chain.images.assign(count, make_struct<XrSwapchainImageOpenGLKHR>(XR_TYPE_SWAPCHAIN_IMAGE_OPENGL_KHR));
-    got = xrEnumerateSwapchainImages(chain.handle, count, &count, reinterpret_cast<XrSwapchainImageBaseHeader*>(chain.images.data()));
-    if (XR_FAILED(got)) return tl::unexpected(explain_openxr(got, "xrEnumerateSwapchainImages"));
+    result = xrEnumerateSwapchainImages(chain.handle, count, &count, reinterpret_cast<XrSwapchainImageBaseHeader*>(chain.images.data()));
+    if (XR_FAILED(result)) return tl::unexpected(explain_openxr(result, "xrEnumerateSwapchainImages"));
   }
   return {};
 }
@@ -248,9 +248,9 @@ Result<void> Headset::Runtime::make_swapchains() {
 void Headset::Runtime::handle_state(XrSessionState state) {
   switch (state) {
     case XR_SESSION_STATE_READY: {
-      auto wanted = make_struct<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
-      wanted.primaryViewConfigurationType = kStereo;
-      is_running = check(xrBeginSession(session, &wanted), "xrBeginSession");
+      auto info = make_struct<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
+      info.primaryViewConfigurationType = kStereo;
+      is_running = check(xrBeginSession(session, &info), "xrBeginSession");
       break;
     }
     case XR_SESSION_STATE_STOPPING:
@@ -262,7 +262,7 @@ void Headset::Runtime::handle_state(XrSessionState state) {
       has_ended = true;
       break;
     case XR_SESSION_STATE_LOSS_PENDING:
-      lose("the runtime is about to end");
+      mark_lost("the runtime is about to end");
       break;
     default:
       break;
@@ -270,29 +270,29 @@ void Headset::Runtime::handle_state(XrSessionState state) {
 }
 
 // Sets `views` and `eyes` for the time of the frame. If a pose is not known or not rigid, they stay as they are.
-void Headset::Runtime::locate() {
-  auto wanted = make_struct<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
-  wanted.viewConfigurationType = kStereo;
-  wanted.displayTime = frame_time;
-  wanted.space = space;
+void Headset::Runtime::locate_eyes() {
+  auto info = make_struct<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
+  info.viewConfigurationType = kStereo;
+  info.displayTime = frame_time;
+  info.space = space;
   auto state = make_struct<XrViewState>(XR_TYPE_VIEW_STATE);
-  std::array<XrView, 2> found = {make_struct<XrView>(XR_TYPE_VIEW), make_struct<XrView>(XR_TYPE_VIEW)};
+  std::array<XrView, 2> new_views = {make_struct<XrView>(XR_TYPE_VIEW), make_struct<XrView>(XR_TYPE_VIEW)};
   std::uint32_t count = 0;
-  if (!check(xrLocateViews(session, &wanted, &state, found.size(), &count, found.data()), "xrLocateViews")) return;
+  if (!check(xrLocateViews(session, &info, &state, new_views.size(), &count, new_views.data()), "xrLocateViews")) return;
   constexpr XrViewStateFlags kKnown = XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT;
-  if (count != found.size() || (state.viewStateFlags & kKnown) != kKnown) return;
-  std::array<EyeInFrame, 2> seen;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto X_LE = to_pose(found[i].pose);
-    if (!X_LE || !is_possible(to_fov(found[i].fov))) return;
-    seen[i] = {*X_LE, to_fov(found[i].fov)};
+  if (count != new_views.size() || (state.viewStateFlags & kKnown) != kKnown) return;
+  std::array<EyeInFrame, 2> new_eyes;
+  for (std::size_t i = 0; i < new_views.size(); ++i) {
+    const auto X_LE = to_pose(new_views[i].pose);
+    if (!X_LE || !is_possible(to_fov(new_views[i].fov))) return;
+    new_eyes[i] = {*X_LE, to_fov(new_views[i].fov)};
   }
-  views = found;
-  eyes = seen;
+  views = new_views;
+  eyes = new_eyes;
   has_eyes = true;
 }
 
-bool Headset::Runtime::fill(const CopyEye& copy, std::array<XrCompositionLayerProjectionView, 2>& shown) {
+bool Headset::Runtime::fill_swapchains(const CopyEye& copy, std::array<XrCompositionLayerProjectionView, 2>& shown) {
   for (std::size_t eye = 0; eye < swapchains.size(); ++eye) {
     const Swapchain& chain = swapchains[eye];
     std::uint32_t index = 0;
@@ -365,7 +365,7 @@ void Headset::poll_events() {
     auto event = make_struct<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
     const XrResult polled = xrPollEvent(runtime_->instance, &event);
     if (polled == XR_EVENT_UNAVAILABLE || !runtime_->check(polled, "xrPollEvent")) return;
-    if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) runtime_->lose("the runtime is about to end");
+    if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) runtime_->mark_lost("the runtime is about to end");
     if (event.type != XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) continue;
     XrEventDataSessionStateChanged changed;
     std::memcpy(&changed, &event, sizeof changed);
@@ -381,13 +381,13 @@ const std::array<EyeInFrame, 2>& Headset::eyes() const { return runtime_->eyes; 
 
 bool Headset::begin_frame() {
   Runtime& runtime = *runtime_;
-  auto due = make_struct<XrFrameState>(XR_TYPE_FRAME_STATE);
-  if (!runtime.check(xrWaitFrame(runtime.session, nullptr, &due), "xrWaitFrame")) return false;
+  auto frame_state = make_struct<XrFrameState>(XR_TYPE_FRAME_STATE);
+  if (!runtime.check(xrWaitFrame(runtime.session, nullptr, &frame_state), "xrWaitFrame")) return false;
   if (!runtime.check(xrBeginFrame(runtime.session, nullptr), "xrBeginFrame")) return false;
   runtime.has_frame = true;
-  runtime.frame_time = due.predictedDisplayTime;
-  if (due.shouldRender != XR_FALSE) runtime.locate();
-  if (due.shouldRender != XR_FALSE && runtime.has_eyes && !is_lost()) return true;
+  runtime.frame_time = frame_state.predictedDisplayTime;
+  if (frame_state.shouldRender != XR_FALSE) runtime.locate_eyes();
+  if (frame_state.shouldRender != XR_FALSE && runtime.has_eyes && !is_lost()) return true;
   if (runtime.has_frame) runtime.finish_frame(nullptr);
   return false;
 }
@@ -397,7 +397,7 @@ void Headset::end_frame(const CopyEye& copy) {
   if (!runtime.has_frame) return;
   std::array<XrCompositionLayerProjectionView, 2> shown;
   if (!copy) return runtime.finish_frame(nullptr);
-  if (!runtime.fill(copy, shown)) return;
+  if (!runtime.fill_swapchains(copy, shown)) return;
   auto layer = make_struct<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
   layer.space = runtime.space;
   layer.viewCount = shown.size();

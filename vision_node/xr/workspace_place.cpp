@@ -7,12 +7,12 @@ namespace {
 
 // If the horizontal part of the unit view direction is at least this (up to 60 degrees up or down), that direction gives the heading.
 // Otherwise the direction from the left to the right ear does, which is exact if the head has no roll.
-constexpr double kLevelEnough = 0.5;
+constexpr double kMinLevelPart = 0.5;
 
 double find_heading_rad(const Pose& X_LH) {
   const Vec3 ahead = -X_LH.linear().col(2);
   const Vec3 right = X_LH.linear().col(0);
-  if (std::hypot(ahead.x(), ahead.z()) >= kLevelEnough) return std::atan2(-ahead.x(), -ahead.z());
+  if (std::hypot(ahead.x(), ahead.z()) >= kMinLevelPart) return std::atan2(-ahead.x(), -ahead.z());
   return std::atan2(-right.z(), right.x());
 }
 
@@ -26,7 +26,7 @@ Pose find_viewer_origin(const Pose& X_LH, RoomSpace space) {
 
 void WorkspacePlace::recentre(const Pose& X_LH) {
   X_LO_ = find_viewer_origin(X_LH, space_);
-  moved_m_.setZero();
+  viewer_motion_m_.setZero();
 }
 
 }  // namespace hapton

@@ -21,15 +21,15 @@ class WorkspacePlace {
   // Places the workspace relative to the viewer as X_OW says, and undoes all moves. X_LH: pose of the head. Pre: it is rigid.
   void recentre(const Pose& X_LH);
   // Moves the viewer relative to the workspace, along the axes of O: the workspace moves in the opposite direction.
-  void move_viewer(const Vec3& by_m) { moved_m_ += by_m; }
+  void move_viewer(const Vec3& by_m) { viewer_motion_m_ += by_m; }
 
-  Pose X_LW() const { return X_LO_ * Eigen::Translation3d(-moved_m_) * X_OW_; }
+  Pose X_LW() const { return X_LO_ * Eigen::Translation3d(-viewer_motion_m_) * X_OW_; }
 
  private:
   Pose X_OW_;
   RoomSpace space_;
   Pose X_LO_ = Pose::Identity();
-  Vec3 moved_m_ = Vec3::Zero();  // sum of all moves since the last recentre()
+  Vec3 viewer_motion_m_ = Vec3::Zero();  // sum of all moves since the last recentre()
 };
 
 }  // namespace hapton
