@@ -29,30 +29,30 @@ int main(int argc, char** argv) {
   ShapeOutbox outbox;
   std::vector<ShapePart::Displacement> shape(rest.size());
   Datagram datagram;
-  int given = 0, rejected = 0;
+  int given_count = 0, rejected_count = 0;
   const std::int64_t begin_ns = clock.now_ns();
   for (double t = 0.0; t < seconds; t = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns)) {
-    const double at = 0.045 * std::sin(1.5 * t);
+    const double swelling_x_m = 0.045 * std::sin(1.5 * t);
     for (std::size_t v = 0; v < rest.size(); ++v) {
-      const double r = std::fmin(1.0, std::hypot(rest[v].x() - at, rest[v].y()) / 0.03);
+      const double r = std::fmin(1.0, std::hypot(rest[v].x() - swelling_x_m, rest[v].y()) / 0.03);
       shape[v] = {0.0F, 0.0F, static_cast<float>(0.012 * std::pow(1.0 - r * r, 2) * std::fmax(0.0, rest[v].z() / 0.02))};
     }
     if (const auto number = outbox.give("block", shape, kShapeS); !number)
       return std::fprintf(stderr, "%s\n", number.error().what.c_str()), 1;
-    ++given;
+    ++given_count;
     const std::int64_t next_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * kShapeS);
     while (clock.now_ns() < next_ns) {
       outbox.send(client, clock.now_ns());
       if (!client.receive(datagram, clock.now_ns() + ShapeOutbox::kEveryNs)) continue;
       outbox.take(datagram.message);
       if (const auto* reply = std::get_if<ShapeReply>(&datagram.message); reply != nullptr && reply->rejection[0] != '\0') {
-        if (++rejected == 1) std::fprintf(stderr, "%s\n", reply->rejection.data());
+        if (++rejected_count == 1) std::fprintf(stderr, "%s\n", reply->rejection.data());
       }
     }
   }
   // deform_object() sends the last shape, the surface at rest, until haptics_node has confirmed it.
   const auto takes_s = deform_object(client, clock, outbox, "block", std::vector<ShapePart::Displacement>(rest.size()), 0.5);
   if (!takes_s) return std::fprintf(stderr, "%s\n", takes_s.error().what.c_str()), 1;
-  std::printf("%d shapes given, %d rejected; back at rest in %.2f s\n", given, rejected, *takes_s);
-  return rejected > 0;
+  std::printf("%d shapes given, %d rejected; back at rest in %.2f s\n", given_count, rejected_count, *takes_s);
+  return rejected_count > 0;
 }

@@ -29,14 +29,14 @@ int main() {
   const ChannelEffect channel;
 
   std::printf("x_m,y_m,fx_n,fy_n\n");
-  double most_n = 0.0;
+  double max_force_n = 0.0;
   Vec3 hand(-0.1, 0.004, 0.0);
   touch.reset({.p_WD = hand});
   for (int k = 0; k < 2000; ++k) {
     hand.x() += 1e-4;  // 0.1 m/s at 1 kHz
     const Vec3 force_n = touch.step({.p_WD = hand}).force_n + channel.force({.p_SD = hand, .time_s = 1e-3 * k});
-    most_n = std::max(most_n, force_n.norm());
+    max_force_n = std::max(max_force_n, force_n.norm());
     if (k % 100 == 0) std::printf("%.3f,%.3f,%.3f,%.3f\n", hand.x(), hand.y(), force_n.x(), force_n.y());
   }
-  return most_n > 0.5 && most_n < 10.0 ? 0 : 1;
+  return max_force_n > 0.5 && max_force_n < 10.0 ? 0 : 1;
 }

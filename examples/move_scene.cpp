@@ -27,29 +27,29 @@ int main(int argc, char** argv) {
   HubClient& client = (*hub)->client();
   const Clock& clock = (*hub)->clock();
   // Revisions continue from the one in use, which the hub's first state gives.
-  std::uint32_t before = 0;
+  std::uint32_t start_revision = 0;
   Datagram datagram;
   for (const std::int64_t end_ns = clock.now_ns() + kNanosecondsPerSecond; clock.now_ns() < end_ns;) {
     if (!client.receive(datagram, end_ns)) continue;
-    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) before = view->revision;
+    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) start_revision = view->revision;
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr) continue;
-    before = std::max(before, probe->view_revision);
+    start_revision = std::max(start_revision, probe->view_revision);
     break;
   }
   const auto moves = static_cast<std::uint32_t>(50.0 * seconds);  // 50 a second: small steps, as a hand may be in contact
-  std::uint32_t felt = before;
+  std::uint32_t felt_revision = start_revision;
   std::int64_t next_ns = clock.now_ns();
-  for (std::uint32_t k = 1; k <= moves || (felt < before + moves && k < moves + 100); ++k) {
+  for (std::uint32_t k = 1; k <= moves || (felt_revision < start_revision + moves && k < moves + 100); ++k) {
     // Only the newest pose counts. The last one is sent again until forces use it, in case a datagram was lost.
     const std::uint32_t revision = std::min(k, moves);
-    client.send(turn_about_y(before + revision, 2.0 * std::numbers::pi * revision / moves));
+    client.send(turn_about_y(start_revision + revision, 2.0 * std::numbers::pi * revision / moves));
     next_ns += 20 * kNanosecondsPerMillisecond;
     while (client.receive(datagram, next_ns)) {
       if (std::holds_alternative<ViewRejected>(datagram.message)) return std::fprintf(stderr, "the pose is not rigid\n"), 1;
-      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) felt = probe->view_revision;
+      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) felt_revision = probe->view_revision;
     }
   }
-  std::printf("%u poses sent; the forces are those of pose %u\n", moves, felt - before);
-  return felt == before + moves ? 0 : 1;
+  std::printf("%u poses sent; the forces are those of pose %u\n", moves, felt_revision - start_revision);
+  return felt_revision == start_revision + moves ? 0 : 1;
 }

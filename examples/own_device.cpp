@@ -35,18 +35,18 @@ class PaddleDevice final : public Device {
 int main() {
   PaddleDevice device;
   SafetyGovernor governor(device.limits());
-  double most_n = 0.0;
+  double max_written_n = 0.0;
   DeviceSample sample;
   for (std::int64_t now_ns = 1'000'000; now_ns < 3'000'000'000; now_ns += 1'000'000) {  // your loop waits for each tick
     sample = device.read(now_ns);
     governor.observe(sample, device.status());
     // A wall at 20 mm, and nonsense from second 2 on: the governor lets neither 500 N nor NaN reach the motor.
-    double wanted_n = std::min(0.0, -800.0 * (sample.p_WD.x() - 0.02));
-    if (now_ns > 2'000'000'000) wanted_n = now_ns % 2'000'000 == 0 ? 500.0 : std::nan("");
-    device.write(governor.step(WrenchCommand{.wrench = {.force_n = {wanted_n, 0.0, 0.0}}, .sample_time_ns = now_ns}, now_ns), now_ns);
-    most_n = std::max(most_n, governor.output().force_n.norm());
+    double requested_n = std::min(0.0, -800.0 * (sample.p_WD.x() - 0.02));
+    if (now_ns > 2'000'000'000) requested_n = now_ns % 2'000'000 == 0 ? 500.0 : std::nan("");
+    device.write(governor.step(WrenchCommand{.wrench = {.force_n = {requested_n, 0.0, 0.0}}, .sample_time_ns = now_ns}, now_ns), now_ns);
+    max_written_n = std::max(max_written_n, governor.output().force_n.norm());
   }
-  std::printf("at most %.2f N; %llu commands not finite; ends in '%s'\n", most_n,
+  std::printf("at most %.2f N; %llu commands not finite; ends in '%s'\n", max_written_n,
               static_cast<unsigned long long>(governor.counters().not_finite), std::string(to_string(governor.fault())).c_str());
-  return most_n <= 2.0 && governor.counters().not_finite > 0 ? 0 : 1;
+  return max_written_n <= 2.0 && governor.counters().not_finite > 0 ? 0 : 1;
 }

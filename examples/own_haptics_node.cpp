@@ -37,9 +37,10 @@ int main(int argc, char** argv) {
     if (!newest) continue;
 
     reply.force_n = -150.0 * newest->p_WD;  // your force, N, frame W
-    const std::uint64_t passed = newest->sample - reply.echo_sample;
+    const std::uint64_t sample_step = newest->sample - reply.echo_sample;
     // Bit i: sample echo_sample - 1 - i got a reply as well. From these bits the hub counts lost replies.
-    reply.replied_before = replies == 0 || passed - 1 >= 63 ? 0 : reply.replied_before << passed | std::uint64_t{1} << (passed - 1);
+    reply.replied_before =
+        replies == 0 || sample_step - 1 >= 63 ? 0 : reply.replied_before << sample_step | std::uint64_t{1} << (sample_step - 1);
     reply.echo_sample = newest->sample;
     reply.echo_sample_time_ns = newest->sample_time_ns;  // so that the hub measures the round trip on its own clock
     reply.skipped_samples = states - 1;

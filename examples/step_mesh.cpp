@@ -36,8 +36,8 @@ int main(int argc, char** argv) {
   SteadyClock clock;
   LatencyHistogram step_times;
   constexpr std::int64_t kPeriodNs = 100'000;
-  double most_n = 0.0;
-  int contacts = 0;
+  double max_force_n = 0.0;
+  int contact_steps = 0;
   const std::int64_t start_ns = clock.now_ns();
   for (int k = 1; k <= 10'000; ++k) {
     clock.sleep_until_ns(start_ns + k * kPeriodNs);
@@ -45,11 +45,11 @@ int main(int argc, char** argv) {
     const std::int64_t begin_ns = clock.now_ns();
     const TouchOutput felt = touch.step({.p_WD = hand, .dt_s = 1e-4});
     step_times.record(clock.now_ns() - begin_ns);
-    contacts += felt.contact;
-    most_n = std::max(most_n, felt.force_n.norm());
+    contact_steps += felt.contact;
+    max_force_n = std::max(max_force_n, felt.force_n.norm());
   }
   const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - start_ns);
-  std::printf("%.0f steps/s, %d in contact, at most %.2f N; step p50 %.2f us, p99 %.2f us\n", 10'000 / seconds, contacts, most_n,
+  std::printf("%.0f steps/s, %d in contact, at most %.2f N; step p50 %.2f us, p99 %.2f us\n", 10'000 / seconds, contact_steps, max_force_n,
               1e-3 * step_times.quantile_ns(0.5), 1e-3 * step_times.quantile_ns(0.99));
-  return contacts > 0 ? 0 : 1;
+  return contact_steps > 0 ? 0 : 1;
 }
