@@ -46,7 +46,7 @@ class PythonDeform {
 
 // Pre: the GIL is released. The loop runs at most twice: at most one stage waits, and only that stage can begin while `shape` is prepared.
 Result<double> PythonDeform::hand_over(const std::vector<Vec3>& shape, double over_s) {
-  const std::scoped_lock prepares(prepare_mutex_);
+  const std::scoped_lock prepare_lock(prepare_mutex_);
   for (;;) {
     std::vector<Vec3> from;
     std::uint64_t serial = 0;
@@ -115,7 +115,7 @@ py::dict PythonDeform::step(const Doubles& positions, const Doubles& dt_s) {
   double* forces = force_n.mutable_data();
   double* proxies = proxy_m.mutable_data();
   bool* contacts = contact.mutable_data();
-  std::int64_t* took_ns = step_ns.mutable_data();
+  std::int64_t* step_times_ns = step_ns.mutable_data();
   {
     const py::gil_scoped_release gil_released;
     const SteadyClock clock;
@@ -129,7 +129,7 @@ py::dict PythonDeform::step(const Doubles& positions, const Doubles& dt_s) {
       }
       const std::int64_t begin_ns = clock.now_ns();
       const MethodOutput felt = method_->step({.p_SD = points[i], .dt_s = dt, .time_s = time_s_});
-      took_ns[i] = clock.now_ns() - begin_ns;
+      step_times_ns[i] = clock.now_ns() - begin_ns;
       Eigen::Map<Vec3>(forces + 3 * i) = felt.force_n;
       Eigen::Map<Vec3>(proxies + 3 * i) = felt.p_SP;
       contacts[i] = felt.contact;

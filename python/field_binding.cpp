@@ -28,25 +28,26 @@ Vec3 read_direction(const Doubles& array, const char* name) {
   return direction.normalized();
 }
 
-PythonField make_spring(const Doubles& centre, double stiffness, double most_n) {
-  return {SpringEffect{read_point(centre, "centre_m"), check_number(stiffness, "stiffness_n_per_m"), check_number(most_n, "max_force_n")}};
+PythonField make_spring(const Doubles& centre, double stiffness, double max_force_n) {
+  return {
+      SpringEffect{read_point(centre, "centre_m"), check_number(stiffness, "stiffness_n_per_m"), check_number(max_force_n, "max_force_n")}};
 }
 
-PythonField make_viscous(double damping, double most_n) {
+PythonField make_viscous(double damping, double max_force_n) {
   ViscousEffect law;
   law.damping_ns_per_m = check_number(damping, "damping_ns_per_m");
-  law.max_force_n = check_number(most_n, "max_force_n");
+  law.max_force_n = check_number(max_force_n, "max_force_n");
   return {law};
 }
 
-PythonField make_mass(double mass_kg, double filter_s, double most_n) {
+PythonField make_mass(double mass_kg, double filter_s, double max_force_n) {
   if (!(filter_s >= MassEffect::kMinFilterS && filter_s <= kMaxFilterS)) {
     raise_value_error(fmt::format("filter_s is {}; give at least {} s, at most {}", filter_s, MassEffect::kMinFilterS, kMaxFilterS));
   }
   if (!(mass_kg >= 0.0 && mass_kg <= kMaxMassKg))
     raise_value_error(fmt::format("mass_kg is {}; give at least 0, at most {}", mass_kg, kMaxMassKg));
   MassField field;
-  field.law = {.mass_kg = mass_kg, .filter_s = filter_s, .max_force_n = check_number(most_n, "max_force_n")};
+  field.law = {.mass_kg = mass_kg, .filter_s = filter_s, .max_force_n = check_number(max_force_n, "max_force_n")};
   return {field};
 }
 
@@ -64,21 +65,21 @@ PythonField make_sine(const Doubles& direction, double amplitude_n, double frequ
   return {law};
 }
 
-PythonField make_wall(const Doubles& point, const Doubles& normal, double stiffness, double damping, double most_n) {
+PythonField make_wall(const Doubles& point, const Doubles& normal, double stiffness, double damping, double max_force_n) {
   return {WallField{read_point(point, "point_m"), read_direction(normal, "normal"), check_number(stiffness, "stiffness_n_per_m"),
-                    check_number(damping, "damping_ns_per_m"), check_number(most_n, "max_force_n")}};
+                    check_number(damping, "damping_ns_per_m"), check_number(max_force_n, "max_force_n")}};
 }
 
-PythonField make_channel(const Doubles& point, const Doubles& direction, double stiffness, double damping, double most_n) {
+PythonField make_channel(const Doubles& point, const Doubles& direction, double stiffness, double damping, double max_force_n) {
   return {ChannelField{read_point(point, "point_m"), read_direction(direction, "direction"), check_number(stiffness, "stiffness_n_per_m"),
-                       check_number(damping, "damping_ns_per_m"), check_number(most_n, "max_force_n")}};
+                       check_number(damping, "damping_ns_per_m"), check_number(max_force_n, "max_force_n")}};
 }
 
 PythonField make_pulse(const Doubles& force, double duration_s, double delay_s) {
   return {PulseField{read_point(force, "force_n"), check_number(duration_s, "duration_s", false), check_number(delay_s, "delay_s")}};
 }
 
-PythonField make_expression(const std::string& fx, const std::string& fy, const std::string& fz, double most_n,
+PythonField make_expression(const std::string& fx, const std::string& fy, const std::string& fz, double max_force_n,
                             const py::kwargs& constants) {
   std::map<std::string, double> numbers;
   for (const auto& [name, value] : constants) {
@@ -88,7 +89,7 @@ PythonField make_expression(const std::string& fx, const std::string& fy, const 
       raise_value_error(fmt::format("the constant {} is not a number", name.cast<std::string>()));
     }
   }
-  auto made = ExpressionField::make({fx, fy, fz}, numbers, check_number(most_n, "max_force_n"));
+  auto made = ExpressionField::make({fx, fy, fz}, numbers, check_number(max_force_n, "max_force_n"));
   if (!made) raise_value_error(made.error().what);
   return {std::move(*made)};
 }

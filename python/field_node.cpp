@@ -80,11 +80,11 @@ void FieldNode::reply(const DeviceState& state) noexcept {
   const double dt_s = seconds_between(last_ns_, state.sample_time_ns);
   if (dt_s < 0.0) follow_clock_back(state.sample_time_ns);
   last_ns_ = state.sample_time_ns;
-  Vec3 wanted_n = law_->step(state.p_WD, dt_s);
+  Vec3 requested_n = law_->step(state.p_WD, dt_s);
   const bool has_expired = has_watch_expired();
-  if (has_expired) wanted_n.setZero();
+  if (has_expired) requested_n.setZero();
   if (std::exchange(had_watch_expired_, has_expired) != has_expired) fade_.begin();
-  const Vec3 force_n = fade_.step(wanted_n, true, std::max(dt_s, 1e-6));
+  const Vec3 force_n = fade_.step(requested_n, true, std::max(dt_s, 1e-6));
   link_->reply(force_n);
   note(state, force_n);
 }

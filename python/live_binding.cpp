@@ -180,10 +180,10 @@ double move_object(LiveClient& client, const ObjectKey& object, const std::optio
     read(*rotation_deg, "rotation_deg", degrees.data(), 3);
     target.rotation = turn_by_degrees(degrees);
   }
-  const std::string named = name_of(object);
+  const std::string object_name = name_of(object);
   auto seconds = [&] {
     const py::gil_scoped_release gil_released;
-    return client.move_object(named, target);
+    return client.move_object(object_name, target);
   }();
   return value_or_raise(std::move(seconds));
 }
@@ -193,10 +193,10 @@ std::optional<double> set_shape(LiveClient& client, const ObjectKey& object, con
   std::vector<ShapePart::Displacement> shape;
   shape.reserve(points.size());
   for (const Vec3& p : points) shape.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
-  const std::string named = name_of(object);
+  const std::string object_name = name_of(object);
   auto seconds = [&] {
     const py::gil_scoped_release gil_released;
-    return client.set_shape(named, shape, over_s, wait);
+    return client.set_shape(object_name, shape, over_s, wait);
   }();
   const double takes_s = value_or_raise(std::move(seconds));
   return wait ? std::optional(takes_s) : std::nullopt;
@@ -240,24 +240,24 @@ std::string change_settings(LiveClient& client, const std::optional<std::string>
 }
 
 py::dict describe_node(FieldNode& node) {
-  const FieldNodeState now = node.state();
+  const FieldNodeState node_state = node.state();
   py::dict state;
-  state["sample"] = now.sample;
-  state["t_s"] = now.t_s;
-  state["position_m"] = make_point(now.p_WD);
-  state["velocity_m_per_s"] = make_point(now.v_WD);
-  state["force_n"] = make_point(now.force_n);
-  state["buttons"] = now.buttons;
-  state["joined"] = now.is_joined;
-  state["replies"] = now.replies;
-  state["answers"] = now.replies;  // former name of "replies"
-  state["superseded"] = now.superseded;
-  state["changes"] = now.changes;
-  state["changed_sample"] = now.changed_sample;
-  state["watch_over"] = now.has_watch_expired;
-  state["rate_hz"] = now.rate_hz;
-  state["compute_p50_us"] = now.compute_p50_us;
-  state["compute_p99_us"] = now.compute_p99_us;
+  state["sample"] = node_state.sample;
+  state["t_s"] = node_state.t_s;
+  state["position_m"] = make_point(node_state.p_WD);
+  state["velocity_m_per_s"] = make_point(node_state.v_WD);
+  state["force_n"] = make_point(node_state.force_n);
+  state["buttons"] = node_state.buttons;
+  state["joined"] = node_state.is_joined;
+  state["replies"] = node_state.replies;
+  state["answers"] = node_state.replies;  // former name of "replies"
+  state["superseded"] = node_state.superseded;
+  state["changes"] = node_state.changes;
+  state["changed_sample"] = node_state.changed_sample;
+  state["watch_over"] = node_state.has_watch_expired;
+  state["rate_hz"] = node_state.rate_hz;
+  state["compute_p50_us"] = node_state.compute_p50_us;
+  state["compute_p99_us"] = node_state.compute_p99_us;
   return state;
 }
 
@@ -455,7 +455,7 @@ std::unique_ptr<FieldNode> open_field_node(const std::string& hub, const std::st
 }
 
 std::optional<std::uint64_t> set_fields(FieldNode& node, const py::iterable& fields, const std::optional<std::string>& mark) {
-  if (const auto taken = node.set(read_fields(fields)); !taken) raise_value_error(taken.error().what);
+  if (const auto accepted = node.set(read_fields(fields)); !accepted) raise_value_error(accepted.error().what);
   if (!mark) return std::nullopt;
   auto sample = [&] {
     const py::gil_scoped_release gil_released;

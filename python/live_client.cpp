@@ -9,11 +9,11 @@
 namespace hapton::python {
 namespace {
 
-constexpr double kClientPatienceS = 5.0;
+constexpr double kClientJoinTimeoutS = 5.0;
 constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // longest time that a marker waits before it is sent
 constexpr std::size_t kMaxCarves = 1'000'000;                       // the limit of Sculpture
-constexpr auto kMovePatience = std::chrono::seconds(3);
-constexpr double kShapePatienceS = 5.0;
+constexpr auto kMoveTimeout = std::chrono::seconds(3);
+constexpr double kShapeTimeoutS = 5.0;
 constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // repeated until the forces use it: a datagram may be lost
 
 }  // namespace
@@ -22,7 +22,7 @@ Result<std::unique_ptr<LiveClient>> LiveClient::open(const std::string& hub, con
   const HubConnection::Settings settings{.hub = hub, .key_file = key_file};
   auto connection = HubConnection::open(NodeRole::vision, settings);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kClientPatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kClientJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   return std::unique_ptr<LiveClient>(new LiveClient(std::move(*connection), settings));
 }
 
@@ -65,8 +65,8 @@ Result<double> LiveClient::move_object(std::string_view object, const MoveTarget
   const auto request = make_move_request(object, target);
   if (!request) return tl::unexpected(request.error());
   if (is_stopping_.load()) return fail("this client is closed");
-  const auto reply = moves_.request(*request, kMovePatience);
-  if (!reply) return fail("no haptics node replied in {} s; start haptics_node; an earlier version does not reply", kMovePatience.count());
+  const auto reply = moves_.request(*request, kMoveTimeout);
+  if (!reply) return fail("no haptics node replied in {} s; start haptics_node; an earlier version does not reply", kMoveTimeout.count());
   if (reply->rejection[0] == '\0' && !object.starts_with('#')) {
     const std::scoped_lock lock(mutex_);
     known_moves_.note_name(object, reply->object);
@@ -79,7 +79,7 @@ Result<double> LiveClient::set_shape(std::string_view object, std::span<const Sh
   if (is_stopping_.load()) return fail("this client is closed");
   const auto shape = shapes_.give(object, displacements_m, over_s, waits);
   if (!shape) return tl::unexpected(shape.error());
-  return waits ? shapes_.wait_for(*shape, kShapePatienceS) : Result<double>(0.0);
+  return waits ? shapes_.wait_for(*shape, kShapeTimeoutS) : Result<double>(0.0);
 }
 
 std::string LiveClient::take_shape_rejection() {
@@ -102,7 +102,7 @@ Result<std::string> LiveClient::set(const SettingsChange& change, const std::str
   const auto tool =
       HubConnection::open(NodeRole::tool, {.hub = settings_.hub, .key_file = key_file.empty() ? settings_.key_file : key_file});
   if (!tool) return tl::unexpected(tool.error());
-  if (const auto joined = (*tool)->wait_until_joined(kClientPatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*tool)->wait_until_joined(kClientJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   return apply_settings((*tool)->client(), (*tool)->clock(), *request, settings_.hub);
 }
 

@@ -51,14 +51,14 @@ MethodSettings read_method(const std::string& name, const py::kwargs& keywords) 
   MethodSettings settings;
   settings.name = name;
   for (const auto& [key, value] : keywords) {
-    const auto given = key.cast<std::string>();
-    const Keyword* known = nullptr;
-    for (const Keyword& keyword : kKeywords) known = given == keyword.name ? &keyword : known;
-    if (known == nullptr) throw py::type_error(fmt::format("there is no setting '{}'; choose from: {}", given, keyword_names()));
+    const auto keyword_name = key.cast<std::string>();
+    const Keyword* match = nullptr;
+    for (const Keyword& keyword : kKeywords) match = keyword_name == keyword.name ? &keyword : match;
+    if (match == nullptr) throw py::type_error(fmt::format("there is no setting '{}'; choose from: {}", keyword_name, keyword_names()));
     try {
-      known->read(settings, value);
+      match->read(settings, value);
     } catch (const py::cast_error&) {
-      throw py::type_error(fmt::format("{} has the wrong type for this setting", given));
+      throw py::type_error(fmt::format("{} has the wrong type for this setting", keyword_name));
     }
   }
   return settings;

@@ -7,9 +7,9 @@ constexpr double kJoinTimeoutS = 5.0;  // a free choice
 
 // Bit i: sample `now` - 1 - i had a reply. `before`: the same mask for sample `last`, the last one with a reply.
 std::uint64_t shift_replied(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
-  const std::uint64_t passed = now - last;
-  if (passed == 0 || passed > 63) return 0;
-  return before << passed | std::uint64_t{1} << (passed - 1);
+  const std::uint64_t sample_step = now - last;
+  if (sample_step == 0 || sample_step > 63) return 0;
+  return before << sample_step | std::uint64_t{1} << (sample_step - 1);
 }
 
 }  // namespace
@@ -43,10 +43,10 @@ void NodeLink::reply(const Vec3& force_n) noexcept {
   command_.echo_sample = state_.sample;
   command_.echo_sample_time_ns = state_.sample_time_ns;
   command_.skipped_samples = skipped_;
-  const std::int64_t spent_ns = std::max<std::int64_t>(connection_->clock().now_ns() - arrival_ns_, 0);
-  command_.compute_ns = static_cast<std::uint32_t>(std::min<std::int64_t>(spent_ns, std::numeric_limits<std::uint32_t>::max()));
+  const std::int64_t compute_ns = std::max<std::int64_t>(connection_->clock().now_ns() - arrival_ns_, 0);
+  command_.compute_ns = static_cast<std::uint32_t>(std::min<std::int64_t>(compute_ns, std::numeric_limits<std::uint32_t>::max()));
   connection_->client().send(command_);
-  compute_times_.record(spent_ns);
+  compute_times_.record(compute_ns);
   superseded_ += skipped_;
   skipped_ = 0;
   ++replies_;

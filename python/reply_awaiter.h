@@ -61,11 +61,11 @@ class ReplyAwaiter {
 using Markers = ReplyAwaiter<Marker, MarkerReply>;
 // Blocks until the mark is recorded. Returns its sample's number. Error, one line: a text that is not allowed, a rejection, or no reply.
 inline Result<std::uint64_t> request_mark(Markers& markers, std::string_view text) {
-  constexpr std::chrono::seconds kPatience{2};
+  constexpr std::chrono::seconds kMarkTimeout{2};
   const auto marker = make_marker(text);
   if (!marker) return tl::unexpected(marker.error());
-  const auto reply = markers.request(*marker, kPatience);
-  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kPatience.count());
+  const auto reply = markers.request(*marker, kMarkTimeout);
+  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkTimeout.count());
   return read_reply(*reply);
 }
 

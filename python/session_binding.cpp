@@ -40,8 +40,8 @@ template <class Number>
 py::array_t<Number> give_away(std::vector<Number>&& numbers, std::vector<py::ssize_t> shape) {
   auto owned = std::make_unique<std::vector<Number>>(std::move(numbers));
   const py::capsule owner(owned.get(), [](void* vector) { delete static_cast<std::vector<Number>*>(vector); });
-  const std::vector<Number>& kept = *owned.release();
-  return py::array_t<Number>(std::move(shape), kept.data(), owner);
+  const std::vector<Number>& moved_numbers = *owned.release();
+  return py::array_t<Number>(std::move(shape), moved_numbers.data(), owner);
 }
 
 py::array_t<double> give_away(std::vector<double>&& numbers) {
@@ -59,13 +59,13 @@ class Shapes {
   const std::vector<RecordedShape>& rows() const { return rows_; }
   // A dict: for each key (process, object), an array of the shape (shapes, vertices, 3).
   py::dict give_vertices() {
-    py::dict given;
-    for (auto& [of, array] : arrays_) {
+    py::dict vertices_by_key;
+    for (auto& [key, array] : arrays_) {
       const auto vertices = static_cast<py::ssize_t>(array.vertices);
       const auto shapes = static_cast<py::ssize_t>(array.numbers.size()) / (3 * vertices);
-      given[py::make_tuple(of.first, of.second)] = give_away(std::move(array.numbers), {shapes, vertices, 3});
+      vertices_by_key[py::make_tuple(key.first, key.second)] = give_away(std::move(array.numbers), {shapes, vertices, 3});
     }
-    return given;
+    return vertices_by_key;
   }
 
  private:

@@ -181,9 +181,9 @@ std::unique_ptr<PythonTool> make_tool_from_scene(const std::string& path, const 
   }
   const Scene loaded = value_or_raise(std::move(scene));
   warn_of_libraries(loaded);
-  const std::optional<SceneTool> held = value_or_raise(std::move(tool));
-  if (!held) raise_value_error(fmt::format("{} has no [tool]; give tool='FILE'", path));
-  return std::make_unique<PythonTool>(*held->mesh, loaded.touch_scene(), rotational_nm_per_rad);
+  const std::optional<SceneTool> loaded_tool = value_or_raise(std::move(tool));
+  if (!loaded_tool) raise_value_error(fmt::format("{} has no [tool]; give tool='FILE'", path));
+  return std::make_unique<PythonTool>(*loaded_tool->mesh, loaded.touch_scene(), rotational_nm_per_rad);
 }
 
 }  // namespace

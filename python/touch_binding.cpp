@@ -54,8 +54,8 @@ struct Batch {
 };
 
 // Raises an error unless there is one number for all positions, or one for each.
-void check_count(py::ssize_t given, std::size_t positions, const char* name) {
-  const auto count = static_cast<std::size_t>(given);
+void check_count(py::ssize_t size, std::size_t positions, const char* name) {
+  const auto count = static_cast<std::size_t>(size);
   if (count == 1 || count == positions) return;
   raise_value_error(fmt::format("{} has {} numbers; give one, or one for each position", name, count));
 }
