@@ -17,7 +17,7 @@ Result<PosedMesh> make_posed_mesh(const ObjectSpec& object, const std::filesyste
   for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->unsealed_vertices : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
   if (!object.morphs.empty()) {
-    for (const Vec3& vertex : (*loaded)->vertices_before) posed.vertices_before.push_back(pose(vertex));
+    for (const Vec3& vertex : (*loaded)->unsealed_vertices) posed.unsealed_vertices.push_back(pose(vertex));
   }
   posed.map = (*loaded)->map;
   if (posed.map.mesh != nullptr) {
@@ -33,7 +33,7 @@ void apply_fit(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
   for (PosedMesh& posed : meshes) {
     fit.apply(posed.mesh, posed.sealed);
     for (Vec3& vertex : posed.map.vertices) vertex = fit.apply(vertex);
-    for (Vec3& vertex : posed.vertices_before) vertex = fit.apply(vertex);
+    for (Vec3& vertex : posed.unsealed_vertices) vertex = fit.apply(vertex);
   }
 }
 

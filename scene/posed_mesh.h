@@ -15,7 +15,7 @@
 
 namespace hapton {
 
-// A mesh in the pose that a scene file gives it. Frame: S; apply_fit moves `mesh`, `sealed`, `map` and `vertices_before`.
+// A mesh in the pose that a scene file gives it. Frame: S; apply_fit moves `mesh`, `sealed`, `map` and `unsealed_vertices`.
 struct PosedMesh {
   TriangleMesh mesh;
   SealReport sealed;
@@ -24,7 +24,7 @@ struct PosedMesh {
   std::shared_ptr<const MeshAppearance> appearance;
   MapSource map = {};                      // if there are maps
   std::vector<Vec3> in_file = {};          // if an animation deforms it: the vertices in the file's frame, before the pose
-  std::vector<Vec3> vertices_before = {};  // if morphs of the scene file deform it, and cracks were sealed: the vertices before that
+  std::vector<Vec3> unsealed_vertices = {};  // if morphs of the scene file deform it, and cracks were sealed: the vertices before that
 };
 
 // folder: that of the scene file. notes: receives lines for the log. Error: as MeshCache::load. RT: set-up only.

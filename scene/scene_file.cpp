@@ -305,8 +305,8 @@ Result<SceneObject> make_object(FeltObject& felt, PosedMesh& posed, const SceneF
   if (!deformation) return tl::unexpected(deformation.error());
   if (*deformation != nullptr) {
     // The hash is that of the mesh in its file, because vision_node does not seal cracks.
-    const bool is_sealed = !posed.vertices_before.empty();
-    const std::uint64_t hash = hash_deformation(is_sealed ? deform_others(object, fitted, posed.vertices_before) : **deformation);
+    const bool is_sealed = !posed.unsealed_vertices.empty();
+    const std::uint64_t hash = hash_deformation(is_sealed ? deform_others(object, fitted, posed.unsealed_vertices) : **deformation);
     scene.given_hash = combine_hashes(scene.given_hash, hash);
   }
   std::shared_ptr<const CommandedObject> commanded;
