@@ -22,8 +22,8 @@ struct PosedMesh {
   Eigen::AlignedBox3d box;       // box of the mesh before cracks were sealed, and before the fit
   std::uint64_t given_hash = 0;  // hash of the mesh before sealing, and of its pose
   std::shared_ptr<const MeshAppearance> appearance;
-  MapSource map = {};                      // if there are maps
-  std::vector<Vec3> in_file = {};          // if an animation deforms it: the vertices in the file's frame, before the pose
+  MapSource map = {};                        // if there are maps
+  std::vector<Vec3> in_file = {};            // if an animation deforms it: the vertices in the file's frame, before the pose
   std::vector<Vec3> unsealed_vertices = {};  // if morphs of the scene file deform it, and cracks were sealed: the vertices before that
 };
 
