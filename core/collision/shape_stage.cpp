@@ -116,8 +116,8 @@ StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<Shap
   shape(0.0);
 }
 
-// Takes the oldest stage that is no longer used. displacement_between() needs the motion of the stage before the present one also after that
-// stage has been returned. It is swapped, because the step may neither copy nor free it.
+// Takes the oldest stage that is no longer used. displacement_between() needs the motion of the stage before the present one also after
+// that stage has been returned. It is swapped, because the step may neither copy nor free it.
 std::unique_ptr<ShapeStage> StreamedGeometry::take_retired() noexcept {
   if (retired_count_ == 0) {
     if (ended_.stage != nullptr) ended_motion_.swap(ended_.stage->motion_local);
