@@ -124,7 +124,7 @@ TEST_P(SealedFiles, LoseTheirCracks) {
   EXPECT_EQ(report->flaws.topology.boundary_edges, GetParam().boundary_edges);
   EXPECT_EQ(report->sealed.boundary_edges, GetParam().boundary_edges);
   EXPECT_LE(report->sealed.boundary_edges_left, GetParam().most_left);
-  EXPECT_EQ(report->left.open + report->left.cracks, report->sealed.boundary_edges_left);
+  EXPECT_EQ(report->borders_left.open + report->borders_left.cracks, report->sealed.boundary_edges_left);
   EXPECT_EQ(report->is_closed_for_touch(), GetParam().is_closed);
 }
 

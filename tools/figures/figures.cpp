@@ -99,7 +99,7 @@ Result<Figure> draw_algorithm_1() {
       least = s.distance;
       nearest = &t;
     }
-    if (nearest != nullptr) flat.add(P, 0.0035 * nearest->face);
+    if (nearest != nullptr) flat.add(P, 0.0035 * nearest->face_normal);
   }
   std::string script = begin("algorithm1", 1000, 660) + outline_of(outline).block("solid") + planes.block("planes") +
                        smooth.block("smooth") + probes.block("probes") + vcps.block("vcps") + flat.block("flat");

@@ -137,7 +137,7 @@ TEST(MedianTree, VisitsWhatIsOpenAndCountsWhatIsFinished) {
         if (!is_taken[i] && (points[i] - p).norm() < 0.3) all.push_back(i);
       }
       std::vector<std::uint32_t> found;
-      tree.visit_open([&](const MedianNode& node) { return node.open != 0 && squared_distance(node, p) < 0.1; },
+      tree.visit_open([&](const MedianNode& node) { return node.open_items != 0 && squared_distance(node, p) < 0.1; },
                       [&](std::uint32_t i) {
                         if (is_taken[i] || !((points[i] - p).norm() < 0.3)) return false;
                         found.push_back(i);
@@ -146,7 +146,7 @@ TEST(MedianTree, VisitsWhatIsOpenAndCountsWhatIsFinished) {
                       });
       EXPECT_EQ(found, all) << seed;
       for (const MedianNode& node : tree.nodes()) {
-        EXPECT_EQ(node.open, std::count(is_taken.begin() + node.first, is_taken.begin() + node.last, false)) << seed;
+        EXPECT_EQ(node.open_items, std::count(is_taken.begin() + node.first, is_taken.begin() + node.last, false)) << seed;
       }
     }
   }
