@@ -37,12 +37,8 @@ Finding explain_failure(const KnownVendorLibrary& library, const LibraryReply& r
   const auto informative_failure = std::find_if_not(reply.failures.begin(), reply.failures.end(), is_absent);
   if (informative_failure != reply.failures.end()) return problem(name, informative_failure->error, informative_failure->hint);
   if (device != nullptr) {
-    std::string names;
-    for (const LibraryFailure& failure : reply.failures) names += fmt::format("{}{}", names.empty() ? "" : ", ", failure.file);
-    return problem(
-        name,
-        fmt::format("{} needs it, and it is not here: {}", device->name, reply.failures.empty() ? names : reply.failures.front().error),
-        fmt::format("install {}", library.source));
+    const std::string reason = reply.failures.empty() ? "" : ": " + reply.failures.front().error;
+    return problem(name, fmt::format("{} needs it, and it is not here{}", device->name, reason), fmt::format("install {}", library.source));
   }
   return note(name, fmt::format("not installed; it is for {}", library.devices));
 }

@@ -17,10 +17,10 @@ TEST(ProcessStats, SeeOneDescriptorAndOneThreadMore) {
   const auto wait = [&] { const std::lock_guard pass(gate); };
   // A sanitizer starts its own thread together with `first`, which keeps running: a thread that was joined may still count for a moment.
   std::thread first(wait);
-  const auto before = read_process_figures(::getpid());
+  const auto before = read_process_stats(::getpid());
   const int opened = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   std::thread second(wait);
-  const auto with = read_process_figures(::getpid());
+  const auto with = read_process_stats(::getpid());
   gate.unlock();
   first.join();
   second.join();
@@ -31,7 +31,7 @@ TEST(ProcessStats, SeeOneDescriptorAndOneThreadMore) {
   EXPECT_EQ(with->threads, before->threads + 1);
 }
 
-TEST(ProcessStats, AnUnknownProcessIsAnError) { EXPECT_FALSE(read_process_figures(-1)); }
+TEST(ProcessStats, AnUnknownProcessIsAnError) { EXPECT_FALSE(read_process_stats(-1)); }
 
 }  // namespace
 }  // namespace hapton
