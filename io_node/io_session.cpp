@@ -190,6 +190,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   Result<void> reported = started_ ? supervise(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
   network.join();
+  print_events();  // keeps a latched fault before the rest, which may take seconds
   device_thread_.stop();
   network_.record_remaining_cycles();
   stale_force_watchdog_.stop();
@@ -311,10 +312,10 @@ void IoSession::print_events() {
   }
 }
 
-// A device fault ends this hub, and DeviceHub saves it.
+// DeviceHub removes the fault `device` again if the process ends by itself.
 void IoSession::keep_latch(const ServoEvent& event) {
   if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
-  if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;
+  if (event.kind != ServoEvent::Kind::latched) return;
   if (const auto kept = latch_file_->keep(event.fault); !kept) {
     log_warning("{}the latched fault could not be saved, so a restart would reset it: {}", prefix_, kept.error().what);
   }

@@ -17,8 +17,10 @@ constexpr double kMaxAcceleration = 1e6;  // m/s^2
 void TextureVoice::begin() noexcept {
   if (is_fresh_) return;
   const std::uint64_t noise_count = noise_count_;
+  const double interval_s = interval_s_;
   *this = {};
   noise_count_ = noise_count;
+  interval_s_ = interval_s;
 }
 
 void TextureVoice::advance(const RecordedTexture& texture, double speed_m_per_s, double dt_s) noexcept {
@@ -43,12 +45,13 @@ void TextureVoice::advance(const RecordedTexture& texture, double speed_m_per_s,
 
 Vec3 TextureVoice::force(const RecordedTexture& texture, const Vec3& v_SD, const Vec3& normal, double pressed_n, double dt_s) noexcept {
   dt_s = std::max(dt_s, 0.0);
-  if (is_fresh_) interval_s_ = dt_s;
+  if (interval_s_ == 0.0) interval_s_ = dt_s;
   is_fresh_ = false;
   const double share = dt_s / (dt_s + kSmoothS);
   velocity_ += share * (v_SD - v_SD.dot(normal) * normal - velocity_);
   pressed_n_ += share * (pressed_n - pressed_n_);
-  interval_s_ += share * (dt_s - interval_s_);
+  const double interval_s = std::min(dt_s, 2.0 * interval_s_);  // a longer gap counts as one missed step
+  interval_s_ += interval_s / (interval_s + kIntervalS) * (interval_s - interval_s_);
   const Vec3 across = normal.cross(velocity_);
   const double speed_m_per_s = across.norm();
   advance(texture, speed_m_per_s, dt_s);

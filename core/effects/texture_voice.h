@@ -10,16 +10,18 @@
 namespace hapton {
 
 // The running signal of a recorded texture. Speed, direction and normal force are smoothed over kSmoothS; the models run at their own rate,
-// and BandLimitedSignal reads them at that of the steps, whatever it is: the spectrum is that of the models up to about 0.9 of half the
-// lower rate. Frame: S. Units: SI. RT: yes. Threads: one.
+// and BandLimitedSignal reads them at that of the steps, whatever it is: the spectrum is that of the models up to 0.74 to 0.99 of half the
+// lower rate, depending on the ratio of the rates. Frame: S. Units: SI. RT: yes. Threads: one.
 class TextureVoice {
  public:
   // Smooths noise of positions at speeds of some mm/s; the toolkit of the models smooths over as much (20 Hz).
   static constexpr double kSmoothS = 0.008;
+  // Smooths the time between steps, which determines the stride and the delay of the signal: a step that is late must not change them.
+  static constexpr double kIntervalS = 0.25;
   // Most samples of the models in one step. After a step so long that more are due, the others are left out.
   static constexpr int kMaxSamples = 32;
 
-  // Called when the contact begins: the signal starts from silence, and the noise goes on.
+  // Called when the contact begins: the signal starts from silence; the noise and the time between steps go on.
   void begin() noexcept;
   // Changes the frame of v_SD and normal: a vector with the coordinates v in the frame before has turn * v in the new one.
   void turn(const Mat3& turn) noexcept { velocity_ = turn * velocity_; }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -88,6 +89,31 @@ TEST(TextureVoice, HasTheSpectrumWithUnevenSteps) {
     if (n > 2000) signal.push_back(force_n.y() / texture.mass_kg);
   }
   EXPECT_LT(worst_band_db(*models, made::interpolated(*models, 0.13, 2.7), signal, kRateHz, 4096), 1.0);
+}
+
+// Two voices at one speed: in one, every 100th step is missed, so that the next one takes twice the time. A change of the signal's delay
+// would differ by the whole amplitude.
+TEST(TextureVoice, ALateStepLeavesTheSignalAsItIs) {
+  for (const auto& [model_hz, rate_hz] : {std::pair(1000.0, 1000.0), std::pair(2000.0, 1000.0), std::pair(10000.0, 2000.0)}) {
+    const RecordedTexture texture = {.models = made::texture(model_hz, 20, 0), .mass_kg = 0.01, .max_force_n = 10.0};
+    ASSERT_NE(texture.models, nullptr);
+    const double dt_s = 1.0 / rate_hz;
+    TextureVoice even, late;
+    const auto step = [&](TextureVoice& voice, double step_s) {
+      return voice.force(texture, {0.13, 0, 0}, Vec3::UnitZ(), 2.7, step_s).y();
+    };
+    double largest_n = 0.0;
+    for (int n = 1; n < 5000; ++n) {
+      const double even_n = step(even, dt_s);
+      if (n % 100 == 99) continue;
+      const double late_n = step(late, n % 100 == 0 ? 2.0 * dt_s : dt_s);
+      largest_n = std::max(largest_n, std::fabs(even_n));
+      if (n > 500) {
+        ASSERT_NEAR(late_n, even_n, 1e-6 * largest_n) << model_hz << " Hz read at " << rate_hz << " Hz, step " << n;
+      }
+    }
+    EXPECT_GT(largest_n, 0.0);
+  }
 }
 
 TEST(TextureVoice, ActsAcrossTheMotionWithinItsBounds) {
