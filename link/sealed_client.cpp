@@ -35,7 +35,7 @@ bool SealedClient::send(const Address& to, std::span<const std::byte> datagram) 
       held_bytes_ = datagram.size();
     }
     take_finished();
-    if (is_held && held_bytes_ == 0) return true;  // sent in the session that was just agreed on
+    if (is_held && held_bytes_ == 0) return was_held_sent_;  // in the session that was just agreed on
   }
   return !channel_.is_open() || transmit(datagram);
 }
@@ -132,7 +132,7 @@ void SealedClient::change_over() noexcept {
   last_received_ns_ = clock_.now_ns();
   timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.replied_request_ns(), 0, kMaxTripNs);
   rekey_ns_ = last_received_ns_ + options_.rekey_every_ns;
-  if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
+  was_held_sent_ = held_bytes_ != 0 && transmit(std::span(held_).first(held_bytes_));
   held_bytes_ = 0;
 }
 

@@ -86,6 +86,7 @@ class SealedClient final : public Endpoint {
   bool has_received_ = false;  // since last_received_ns_
   bool may_retry_ = false;     // one request in reply to a retry for each regular request
   std::size_t held_bytes_ = 0;
+  bool was_held_sent_ = false;  // whether the system accepted what was held when the session began
   std::array<std::byte, kMaxDatagramBytes> held_ = {};
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};
   std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};

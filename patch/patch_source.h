@@ -39,7 +39,7 @@ class PatchSource {
     std::uint64_t repeated = 0;        // ... of them, sent before
     std::uint64_t held = 0;            // parts that the hub has
     std::uint64_t bytes = 0;           // of IP packets, estimated
-    std::uint64_t moves_repeated = 0;  // moves that this hub was sent before
+    std::uint64_t moves_repeated = 0;  // moves that were sent before, since they were last due anew
   };
 
   // epoch: for each scene and start one more than the last, never 0.

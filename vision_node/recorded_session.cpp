@@ -82,24 +82,25 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
 
 // Takes the screenshot of --at.
 Result<void> RecordedSession::take_moment_screenshot(const StopSignal& stop) {
-  if (auto completed = complete_moment(stop); !completed || stop.stop_requested()) return completed;
-  return window_.take_screenshot(options_.screenshot);
+  const auto completed = complete_moment(stop);
+  if (!completed) return tl::unexpected(completed.error());
+  return *completed ? window_.take_screenshot(options_.screenshot) : Result<void>();
 }
 
-// Draws the moment, after waiting for the teaching view and for carved objects, which other threads compute. If a stop is
-// requested, it draws nothing.
-Result<void> RecordedSession::complete_moment(const StopSignal& stop) {
+// Draws the moment, after waiting for the teaching view and for carved objects, which other threads compute. False: a stop was requested
+// before, and nothing was drawn.
+Result<bool> RecordedSession::complete_moment(const StopSignal& stop) {
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other threads; a free choice
   window_.finish_teaching(stop);
   while (!stop.stop_requested() && carved_ != nullptr && !carved_->is_up_to_date()) {
     show_carved();
     clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   }
-  if (stop.stop_requested()) return {};
-  if (auto shown = show_moment(); !shown) return shown;
+  if (stop.stop_requested()) return false;
+  if (auto shown = show_moment(); !shown) return tl::unexpected(shown.error());
   window_.step().request_redraw();  // so that the texts in the picture are those of this moment
   draw();
-  return {};
+  return true;
 }
 
 // Writes the pictures of a video one after the other: each shows its own moment, however long it takes to draw.
@@ -114,8 +115,9 @@ Result<void> RecordedSession::write_frames(const StopSignal& stop) {
     if (t_s > end_s) break;
     player_.seek(t_s);
     if (auto shown = show_moment(); !shown) return shown;
-    if (auto completed = complete_moment(stop); !completed) return completed;
-    if (stop.stop_requested()) break;
+    const auto completed = complete_moment(stop);
+    if (!completed) return tl::unexpected(completed.error());
+    if (!*completed) break;
     if (auto saved = view_.save_png(folder->next()); !saved) return saved;
   }
   print_text("{}\n", folder->describe(options_.frame_rate_hz));

@@ -61,7 +61,7 @@ class RecordedSession {
   Result<void> draw_if_wanted();
   void draw();
   Result<void> take_moment_screenshot(const StopSignal& stop);
-  Result<void> complete_moment(const StopSignal& stop);
+  Result<bool> complete_moment(const StopSignal& stop);
   Result<void> write_frames(const StopSignal& stop);
   double moment_share() const { return find_time_line_share(index_, player_.moment_s()); }
 
