@@ -32,11 +32,10 @@ Pose KeyframeMotion::pose_at(double time_s) const noexcept {
   const double time = loops_ && time_s > 0.0 ? std::fmod(time_s, duration_s()) : time_s;
   const auto later = [](double t, const Keyframe& one) { return t < one.time_s; };
   const auto after = std::upper_bound(keyframes_.begin(), keyframes_.end(), time, later);
-  const Keyframe& to = after == keyframes_.end() ? keyframes_.back() : *after;
-  const Keyframe& from = after == keyframes_.begin() ? keyframes_.front() : *(after - 1);
-  const double length = to.time_s - from.time_s;
-  const double share = length > 0.0 ? (time - from.time_s) / length : 0.0;
-  return pose_of(keyframe_between(from, to, share), pivot_S_);
+  if (after == keyframes_.begin()) return pose_of(keyframes_.front(), pivot_S_);
+  if (after == keyframes_.end()) return pose_of(keyframes_.back(), pivot_S_);
+  const Keyframe& from = *(after - 1);
+  return pose_of(keyframe_between(from, *after, (time - from.time_s) / (after->time_s - from.time_s)), pivot_S_);
 }
 
 double KeyframeMotion::fastest_m_per_s(std::size_t i, double radius_m) const {
