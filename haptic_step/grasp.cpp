@@ -35,9 +35,7 @@ Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t bu
 
 void Grasp::place(int object, const Pose& X_SO) {
   moved_[static_cast<std::size_t>(object)] = X_SO;
-  request_.object = object;
-  set_pose(X_SO, false);
-  request_.object = -1;
+  set_pose(object, X_SO, false);
 }
 
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
@@ -68,14 +66,14 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       if (!has_tool() || !may_leave_) return Change::none;
       tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
-      set_pose(request_.X_SD.inverse(Eigen::Isometry) * request_.moved, true);
+      set_pose(request_.object, request_.X_SD.inverse(Eigen::Isometry) * request_.moved, true);
       return Change::picked_up;
     case Phase::held:
       if (is_held_down) return Change::none;
       tool_ = nullptr;
       request_.moved = rigid(X_SP_ * request_.X_SD.inverse(Eigen::Isometry) * request_.moved);
       moved_[static_cast<std::size_t>(request_.object)] = request_.moved;
-      set_pose(request_.moved, false);
+      set_pose(request_.object, request_.moved, false);
       send(GraspRequest::Kind::put_down);
       phase_ = Phase::waiting;
       return Change::put_down;
@@ -83,7 +81,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       if (!is_answered) return Change::none;
       // A reply to put_down means that the scene could not be built.
       moved_[static_cast<std::size_t>(request_.object)] = before_;
-      set_pose(before_, false);
+      set_pose(request_.object, before_, false);
       phase_ = Phase::idle;
       has_resume_contact_ = true;
       return Change::returned;
@@ -131,7 +129,7 @@ void Grasp::move(const ObjectPose& pose) noexcept {
   request_.moved.translation() = pose.p_m;
   request_.moved.linear() = pose.q.normalized().toRotationMatrix();
   moved_[static_cast<std::size_t>(pose.object)] = request_.moved;
-  set_pose(request_.moved, false);
+  set_pose(request_.object, request_.moved, false);
   send(GraspRequest::Kind::put_down);
   phase_ = Phase::waiting;
 }
@@ -157,8 +155,8 @@ void Grasp::send(GraspRequest::Kind kind) noexcept {
   link_.requests.publish(request_);
 }
 
-void Grasp::set_pose(const Pose& pose, bool is_held) noexcept {
-  ObjectPose& shown = poses_[static_cast<std::size_t>(request_.object)];
+void Grasp::set_pose(int object, const Pose& pose, bool is_held) noexcept {
+  ObjectPose& shown = poses_[static_cast<std::size_t>(object)];
   shown.serial = ++pose_serial_;
   shown.is_held = is_held;
   shown.p_m = pose.translation();

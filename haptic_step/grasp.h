@@ -125,7 +125,7 @@ class Grasp {
   void note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept;
   void begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept;
   void send(GraspRequest::Kind kind) noexcept;
-  void set_pose(const Pose& pose, bool is_held) noexcept;
+  void set_pose(int object, const Pose& pose, bool is_held) noexcept;
 
   GraspLink& link_;
   std::vector<bool> movable_;
