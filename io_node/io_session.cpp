@@ -240,12 +240,11 @@ void IoSession::watch_scheduling(bool is_due) {
   usage->waited_s += device->waited_s;
   usage->voluntary_switches += device->voluntary_switches;
   usage->involuntary_switches += device->involuntary_switches;
-  const bool was_near = scheduling_monitor_.figures().near_throttling > 0;
   const double limit = scheduling_monitor_.update(*usage, network_.spin().spun_ns() + network_.reply_spin().spun_ns(), clock_.now_ns());
   // The spin that keeps ticks on time comes first; the spin for replies gets what is left.
   network_.spin().set_limit(std::min(limit, options_.spin_share));
   network_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
-  if (!was_near && scheduling_monitor_.figures().near_throttling > 0) {
+  if (scheduling_monitor_.has_come_near_throttling()) {
     log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
                 100.0 * scheduling_monitor_.figures().realtime_share);
   }

@@ -21,13 +21,14 @@ double SchedulingMonitor::update(const ThreadUsage& usage, std::int64_t spun_ns,
   const Reading last = last_.value_or(now);
   if (!first_) first_ = now;
   last_ = now;
+  has_come_near_ = false;
   const double passed_s = kSecondsPerNanosecond * static_cast<double>(now_ns - last.now_ns);
   if (passed_s <= 0.0) return figures_.spin_limit;
   const double recent_run_share = (usage.run_s - last.usage.run_s) / passed_s;
   const double recent_spun_share = kSecondsPerNanosecond * static_cast<double>(spun_ns - last.spun_ns) / passed_s;
   figures_.spin_limit =
       std::clamp(kMaxUsedShare * figures_.realtime_share - std::max(0.0, recent_run_share - recent_spun_share), 0.0, requested_spin_share_);
-  figures_.near_throttling += recent_run_share >= kNearThrottlingShare * figures_.realtime_share ? 1 : 0;
+  if (recent_run_share >= kNearThrottlingShare * figures_.realtime_share) has_come_near_ = figures_.near_throttling++ == 0;
 
   const double total_s = kSecondsPerNanosecond * static_cast<double>(now_ns - first_->now_ns);
   figures_.is_known = true;

@@ -37,6 +37,8 @@ class SchedulingMonitor {
   double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
 
   const SchedulingStats& figures() const { return figures_; }
+  // Whether the last update() was the first that found the loop near the kernel's limit.
+  bool has_come_near_throttling() const { return has_come_near_; }
 
  private:
   struct Reading {
@@ -49,6 +51,7 @@ class SchedulingMonitor {
   std::optional<Reading> first_;
   std::optional<Reading> last_;
   SchedulingStats figures_;
+  bool has_come_near_ = false;
 };
 
 }  // namespace hapton

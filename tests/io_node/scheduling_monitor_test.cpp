@@ -44,8 +44,13 @@ TEST(SchedulingMonitor, CountsWhenThrottlingIsNear) {
   watch.update(ran(0.0), 0, kSecondNs);
   watch.update(ran(0.4), 0, 2 * kSecondNs);
   EXPECT_EQ(watch.figures().near_throttling, 0U);
+  EXPECT_FALSE(watch.has_come_near_throttling());
   watch.update(ran(0.89), 0, 3 * kSecondNs);
   EXPECT_EQ(watch.figures().near_throttling, 1U);
+  EXPECT_TRUE(watch.has_come_near_throttling());
+  watch.update(ran(1.38), 0, 4 * kSecondNs);
+  EXPECT_EQ(watch.figures().near_throttling, 2U);
+  EXPECT_FALSE(watch.has_come_near_throttling()) << "not for the first time";
 }
 
 }  // namespace
