@@ -78,6 +78,19 @@ TEST(ShapeIndex, AnotherProcessBeginsAtRest) {
   EXPECT_EQ(index.find(0, 3.1, kAheadS, 1'400'000'000), nullptr) << "in its own scene time";
 }
 
+// Before the first shape was recorded, the one that comes first counts, though another process follows within the time ahead.
+TEST(ShapeIndex, BeforeAllShapesTheFirstProcessCounts) {
+  ShapeIndex index;
+  index.add(ForceCommand{.scene_time_ns = 0});
+  index.add(shape_start(7, 800), 1.0);
+  EXPECT_EQ(serial_at(index, 0.9), 7U) << "the only one";
+  index.add(shape_start(0, 0, 0, 6), 1.05);
+  index.add(shape_start(1, 850, 0, 6), 1.08);
+  ASSERT_EQ(index.all().size(), 3U);
+  EXPECT_EQ(serial_at(index, 0.9), 7U);
+  EXPECT_EQ(serial_at(index, 0.7), 0U) << "farther ahead than that";
+}
+
 // The start of a shape is repeated, and its parts come on request.
 TEST(ShapeIndex, AShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
   ShapeIndex index;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <signal.h>
 #include <sys/ptrace.h>
 #include <sys/wait.h>
@@ -246,6 +247,17 @@ TEST_F(WatchdogProcessTest, AProgramThatIsNotThereIsOneClearLine) {
   EXPECT_NE(started.error().what.find("/nowhere/hapton_watchdog"), std::string::npos);
   EXPECT_NE(started.error().what.find("--watchdog off"), std::string::npos);
   EXPECT_FALSE(watchdog.is_started());
+}
+
+// A node tries to start it again for as long as it runs. Blocks that the thread keeps for later use count as used, so a few tries come
+// first.
+TEST_F(WatchdogProcessTest, TryingToStartItTakesNoMoreMemoryEachTime) {
+  const auto used_after = [&](int tries) {
+    for (int n = 0; n < tries; ++n) EXPECT_FALSE(watchdog.start(memory, "/nowhere/hapton_watchdog", 0));
+    return ::mallinfo2().uordblks;
+  };
+  const std::size_t before = used_after(20);
+  EXPECT_LT(used_after(200), before + 4096);
 }
 
 }  // namespace

@@ -259,6 +259,18 @@ TEST(SurfaceAdjacency, FewPairsAreTestedWhereThousandsOfTrianglesMeet) {
   }
 }
 
+// The triangles beside a thin one are nearer to each other than kMinAngle, although the fan is flat and goes round once.
+TEST(SurfaceAdjacency, BesideAThinTriangleNothingIsWalkable) {
+  for (const double share : {0.5, 2.0}) {
+    TriangleMesh mesh = fan(7, 1, 0.0, 0);
+    const double angle = std::atan2(mesh.vertices[1].y(), mesh.vertices[1].x()) + share * SurfaceAdjacency::kMinAngle;
+    mesh.vertices[2] = 0.4 * Vec3(std::cos(angle), std::sin(angle), 0.0);
+    expect_as_brute_force(mesh, "thin");
+    const SurfaceAdjacency adjacency = adjacency_of(mesh);
+    for (const std::uint32_t beside : {1U, 6U}) EXPECT_EQ(adjacency.is_walkable(beside), share > 1.0) << share;
+  }
+}
+
 // Large fans that go once or twice round: some triangles are folded onto others, moved, or repeat a vertex; some fans meet a sphere.
 TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
   std::mt19937_64 random(240);

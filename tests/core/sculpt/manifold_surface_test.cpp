@@ -132,6 +132,18 @@ TEST(ManifoldSurface, OfASmoothBodyIsThatOfSurfaceNets) {
   EXPECT_EQ(corners_of(surface), corners_of(net_of(grid.nodes())));
 }
 
+// Two columns of one node each stand diagonally on a plate of four nodes. The contours between them separate what is inside, and not what
+// is outside, so each column ends in four vertices of its own.
+TEST(ManifoldSurface, AcrossADiagonalTheBodyIsNotJoined) {
+  MadeGrid grid(6);
+  for (int y = 2; y < 4; ++y) {
+    for (int x = 2; x < 4; ++x) grid.at(x, y, 2) = -1.0F;
+  }
+  grid.at(2, 2, 3) = grid.at(3, 3, 3) = -1.0F;
+  const ManifoldSurface surface = make_manifold_surface(grid.nodes());
+  EXPECT_EQ(std::count_if(surface.positions.begin(), surface.positions.end(), [](const auto& p) { return p.z() > 3.0F; }), 8);
+}
+
 TEST(ManifoldSurface, OfNothingIsEmpty) { EXPECT_TRUE(make_manifold_surface(MadeGrid(4).nodes()).quads.empty()); }
 
 }  // namespace
