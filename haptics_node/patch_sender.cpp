@@ -28,8 +28,7 @@ constexpr auto kSenderPollPeriod = std::chrono::milliseconds(4);
 // half a round trip. A move takes another half. The rest is for jitter and, if the round trip is short, for sending the move again.
 constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
 constexpr double kLeadTrips = 1.25;
-constexpr double kMaxLeadTripS = 2.0;           // a longer round trip counts as this
-constexpr double kVelocityTimeConstantS = 0.1;  // time constant of the mean of the hand's velocity
+constexpr double kMaxLeadTripS = 2.0;  // a longer round trip counts as this
 constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
 const char* find_scene_obstacle(const TouchScene& scene) {
@@ -319,8 +318,7 @@ void PatchSender::follow_hand(const Hand& hand) {
   for (std::size_t body = 0; body < hand_motions_.size(); ++body) {
     HandMotion& motion = hand_motions_[body];
     const Vec3 p_OD = pose_of(body, 1e-9 * static_cast<double>(hand.scene_time_ns)).inverse(Eigen::Isometry) * p_SD;
-    const Vec3 moved = p_OD - std::exchange(motion.p_SD, p_OD);
-    if (dt_s > 0.0 && dt_s < 1.0) motion.v_SD += std::min(dt_s / kVelocityTimeConstantS, 1.0) * (moved / dt_s - motion.v_SD);
+    motion.follow(p_OD, dt_s);
     source_->aim(motion, body);
   }
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <queue>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "core/force/deforming_method.h"
@@ -60,6 +61,11 @@ double compute_bytes(const Message& message) {
 }
 
 }  // namespace
+
+void HandMotion::follow(const Vec3& p, double dt_s) noexcept {
+  const Vec3 moved = p - std::exchange(p_SD, p);
+  if (dt_s > 0.0 && dt_s < 1.0) v_SD += std::min(dt_s / kMeanS, 1.0) * (moved / dt_s - v_SD);
+}
 
 PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t scene_hash, std::uint32_t epoch, const Options& options)
     : scene_(std::move(scene)),

@@ -15,8 +15,14 @@ namespace hapton {
 
 // Position and velocity of the hand, in frame S or that of a body.
 struct HandMotion {
+  static constexpr double kMeanS = 0.1;  // time constant of the mean of the velocity
+
   Vec3 p_SD = Vec3::Zero();
   Vec3 v_SD = Vec3::Zero();  // m/s
+
+  // Takes the position in the next sample, dt_s after the last one. The velocity stays if dt_s is 0 or less (the first sample), or 1 s or
+  // more. RT: yes.
+  void follow(const Vec3& p, double dt_s) noexcept;
 };
 
 // Decides which part of a scene goes to the hub next, within a bandwidth: of the parts that the hub does not have, the one nearest to the

@@ -8,7 +8,6 @@
 namespace hapton {
 namespace {
 
-constexpr double kVelocityS = 0.1;    // time constant of the mean of the hand's velocity, as in haptics_node
 constexpr double kFirstStepS = 1e-3;  // duration of the first step, which has no sample before it
 
 // The size of the largest status: one that reports every tile as received.
@@ -73,8 +72,7 @@ void RemotePatch::send_status(std::int64_t now_ns) {
 void RemotePatch::follow_hand(const SampleOnTheWay& sample) {
   const double dt_s = hand_ns_ ? 1e-9 * static_cast<double>(sample.time_ns - *hand_ns_) : 0.0;
   hand_ns_ = sample.time_ns;
-  const Vec3 moved = sample.p_WD - std::exchange(hand_.p_SD, sample.p_WD);
-  if (dt_s > 0.0 && dt_s < 1.0) hand_.v_SD += std::min(dt_s / kVelocityS, 1.0) * (moved / dt_s - hand_.v_SD);
+  hand_.follow(sample.p_WD, dt_s);
   source_.aim(hand_);
 }
 

@@ -87,6 +87,23 @@ TEST_F(PatchSourceTest, TheBeginningComesFirstAndEachCellBeforeItsTiles) {
   EXPECT_EQ(listed.size(), source->scene().tiles.size());
 }
 
+TEST(HandMotion, ItsVelocityIsAMeanOfATenthOfASecond) {
+  HandMotion hand;
+  hand.follow(Vec3(0.5, 0.0, 0.0), 0.0);
+  EXPECT_EQ(hand.v_SD, Vec3(Vec3::Zero())) << "the first sample";
+  hand.follow(Vec3(0.51, 0.0, 0.0), 0.025);
+  EXPECT_NEAR(hand.v_SD.x(), 0.25 * 0.4, 1e-12);
+  hand.follow(Vec3(0.51, 0.0, 0.0), 0.05);
+  EXPECT_NEAR(hand.v_SD.x(), 0.05, 1e-12) << "half of it is the newest";
+  hand.follow(Vec3(0.51, 0.08, 0.0), 0.4);
+  EXPECT_NEAR(hand.v_SD.x(), 0.0, 1e-12) << "a rare sample says all";
+  EXPECT_NEAR(hand.v_SD.y(), 0.2, 1e-12);
+  hand.follow(Vec3(0.9, 0.0, 0.0), 1.0);
+  hand.follow(Vec3(0.8, 0.0, 0.0), -0.1);
+  EXPECT_NEAR(hand.v_SD.y(), 0.2, 1e-12);
+  EXPECT_EQ(hand.p_SD, Vec3(0.8, 0.0, 0.0));
+}
+
 // Where the hand will be in 0.1 s plus a round trip, and half way there, counts too, but as farther away by half of how far ahead it is.
 TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
   const Vec3 hand(0.01, -0.01, 0.0);
