@@ -146,7 +146,7 @@ void HostileProgram::move(const Wrench& out) noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     // A position that is too far out is moved back slowly.
     if (std::abs(p_m_[axis]) > 0.45 && motion_ != Motion::jump && std::abs(p_m_[axis]) < 1.0)
-      p_m_[axis] -= std::copysign(std::min(0.2 * speed * passed_s, 0.01), p_m_[axis]);
+      p_m_[axis] -= std::copysign(0.2 * speed * passed_s, p_m_[axis]);
   }
   if (motion_ != Motion::mass && passed_s > 0.0) v_m_per_s_ = (p_m_ - before) / passed_s;
   step_.sample.p_WD = p_m_;
