@@ -79,6 +79,9 @@ TEST(StiffnessAdviser, HasNoAdviceOnWhatItDoesNotKnow) {
   unknown.device = {'h', 'a', 'p', 'l', 'y'};
   EXPECT_FALSE(advise_stiffness(unknown));
   EXPECT_FALSE(advise_stiffness({}));
+  LoopFacts without_rate = kSimulated;
+  without_rate.servo_rate_hz = 0.0;
+  EXPECT_FALSE(advise_stiffness(without_rate));
 }
 
 TEST(StiffnessAdviser, WarnsOnceAndAgainWhenTheLoopIsMuchSlower) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/mesh_shapes.h"
 #include "tests/scene/sample_files.h"
 #include "tests/support/scratch_folder.h"
 
@@ -75,6 +76,15 @@ TEST(SceneReport, SaysWhatCanBeCarved) {
   const auto json = nlohmann::json::parse(to_json(*report));
   EXPECT_TRUE(json["objects"][0]["carve_button"].is_null());
   EXPECT_EQ(json["objects"][1]["carve_button"], 1);
+}
+
+TEST(SceneReport, CountsTheButtonThatCarvesFromOne) {
+  const ScratchFolder folder;
+  folder.write("a.obj", sample::obj(make_icosphere(0.02, 3)));
+  const auto report = make_scene_report(folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\nsculpt = true\ncarve_button = 3\n"));
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), HasSubstr("can be carved by button 3: "));
+  EXPECT_EQ(nlohmann::json::parse(to_json(*report))["objects"][0]["carve_button"], 3);
 }
 
 TEST(SceneReport, CountsOneObjectAsOne) {

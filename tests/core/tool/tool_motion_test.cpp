@@ -176,6 +176,33 @@ TEST(ToolAndMotion, ASqueezedToolKeepsThePartBackUntilThereIsRoom) {
   EXPECT_EQ(before_n, Vec3(Vec3::Zero()));
 }
 
+// The part must not jump where the tool is no longer in its way.
+TEST(ToolAndMotion, APartThatWasKeptBackCatchesUpAtABoundedSpeed) {
+  const TriangleMesh ceiling = scaled_and_moved(kSlab, 1.0, {0.0, 0.0, 0.05});
+  const auto step = make_moving_step(kCube, {ceiling, kSlab}, {0, 1});
+  Pose hand = moved_by({0.0, 0.0, 0.025});
+  Pose X_SO = Pose::Identity();
+  step->reset({.X_WD = hand});
+  ToolOutput out;
+  for (int n = 1; n <= 600; ++n) {
+    X_SO = moved_by({0.0, 0.0, 2.5e-5 * n});  // 5 mm farther than there is room
+    out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+  }
+  ASSERT_TRUE(out.proxy.is_squeezed);
+  const auto height = [&] { return step->proxy().part_placement(0).position.z(); };
+  constexpr double kMost = ToolProxy::kCatchUp * ToolProxy::kContactOffset;
+  const double first = height();
+  hand = moved_by({0.25, 0.0, 0.025});
+  int steps = 0;
+  for (double before = first; out.proxy.is_squeezed && steps < 1000; ++steps) {
+    out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+    ASSERT_LE(height() - before, kMost * (1.0 + 1e-9)) << steps;
+    before = height();
+  }
+  EXPECT_FALSE(out.proxy.is_squeezed);
+  EXPECT_NEAR(steps, (height() - first) / kMost, 2.0) << "and not more slowly";
+}
+
 TEST(ToolAndMotion, APartThatIsKeptBackKeepsNoOtherBack) {
   const TriangleMesh ceiling = scaled_and_moved(kSlab, 1.0, {0.0, 0.0, 0.05});
   const TriangleMesh wall = make_box({0.02, 0.2, 0.01}, 2);

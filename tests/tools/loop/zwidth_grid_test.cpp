@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "closed_loop/random_stability.h"
 #include "tools/loop/measured_latency.h"
 #include "tools/loop/zwidth_plot.h"
 
@@ -127,6 +128,19 @@ TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   jittered.jitters_ms = {1e-3};
   const double exact = measure_cell(still, 0).zwidth.stiffness.value;
   EXPECT_NEAR(measure_cell(jittered, 0).zwidth.stiffness.value, exact, 0.02 * exact);
+}
+
+// The mean delay is measured over the same time.
+TEST(ZWidthGrid, OverALinkWithJitterItIsSimulatedForNinetyOfTheLongestDelays) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  const ZWidthGrid grid{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {400.0}, .jitters_ms = {200.0}};
+  const LinkFaults way = {.delay_ns = 200'000'000, .jitter_ns = 200'000'000};
+  RandomLoop loop{.period_ns = 10'000'000, .to_law = way, .from_law = way, .seed = grid.seed};
+  const double in_default_time_s = measure_mean_delay_s(loop);
+  loop.seconds = 90.0 * 0.8;
+  EXPECT_EQ(measure_cell(grid, 0).mean_delay_s, measure_mean_delay_s(loop));
+  EXPECT_NE(measure_mean_delay_s(loop), in_default_time_s);
 }
 
 // There are 200 samples, and only one in ten thousand has a force.
