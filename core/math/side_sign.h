@@ -6,11 +6,12 @@
 
 namespace hapton {
 
-// Exact signs for points that move among triangles, zero only for a triangle without area, or an edge or segment without length. Where the
-// given points lie exactly in a plane, or on a line through an edge, all moving points are treated as shifted in one common direction by an
-// infinitesimal amount (Edelsbrunner & Muecke 1990, simulation of simplicity; we shift only the moving points, all alike). So a chain of
-// segments crosses a closed surface like one in general position: it never passes through an edge without a crossing, and of two segments
-// that end at a point of the surface, from either side, only one crosses it. Pre: see orient3d. RT: yes.
+// Exact signs for points that move among triangles. Zero or undetermined only for a triangle without area, an edge or segment without
+// length, and a segment parallel to the edge that it passes, which crosses no triangle at that edge. Where the given points lie exactly in
+// a plane, or on a line through an edge, all moving points are treated as shifted in one common direction by an infinitesimal amount
+// (Edelsbrunner & Muecke 1990, simulation of simplicity; we shift only the moving points, all alike). So a chain of segments crosses a
+// closed surface like one in general position: it never passes through an edge without a crossing, and where one segment ends, and the next
+// begins, at a point of the surface, only one of them crosses it. Pre: see orient3d. RT: yes.
 
 // The direction of the shift, chosen so that no symmetry of a mesh is aligned with it: powers of the reciprocal of a root of x^4 = x + 1,
 // with mixed signs.
