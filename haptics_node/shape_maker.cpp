@@ -57,8 +57,9 @@ bool ShapeMaker::work() {
     return true;
   }
   auto made = std::make_unique<MadeShape>(MadeShape{wanted, std::move(*stage)});
-  // Only the loop takes a shape, and only this function offers one. If the previous offer is still there, it was not taken, and the new
-  // stage begins at the right place. Otherwise the next call makes the stage again, from where the shape that was taken ends.
+  // Only the loop that replies to the device takes a shape, and only this function offers one. If the previous offer is still there, it was
+  // not taken, and the new stage begins at the right place. Otherwise the next call makes the stage again, from where the shape that was
+  // taken ends.
   MadeShape* before = offered_;
   if (!made_.compare_exchange_strong(before, made.get(), std::memory_order_acq_rel)) {
     note_taken();

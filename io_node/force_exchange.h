@@ -15,8 +15,9 @@
 
 namespace hapton {
 
-// Exchanges samples for forces with the haptics node: sends it the samples, posts the newest force to the device side, which governs and
-// writes it, and measures how long that took. Frames: world. Units: ns of the hub's clock. RT: yes. Threads: the network side's.
+// Exchanges samples for forces with the haptics node: sends it the samples, and posts the newest force to the device side, which governs it
+// and writes it to the motors. This class measures how long that took. Frames: world. Units: ns of the hub's clock. RT: yes. Threads: the
+// network side's.
 class ForceExchange {
  public:
   // Pre: all outlive this. Measurements go into stats.
@@ -28,7 +29,8 @@ class ForceExchange {
   // Notes a cycle of the device side. is_newest false: a newer cycle has been read already, so this sample is never sent.
   void add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept;
   // Sends the newest sample to the haptics node. While the force is computed on the device side, that node needs samples only to follow the
-  // hand: kThinnedHz a second, one at once when a button is pressed or released, and all of them until it has resumed (request_resume).
+  // hand. It then gets kThinnedHz a second, one at once when a button is pressed or released, and all of them until it has resumed
+  // (request_resume).
   void send(const DeviceCycle& cycle) noexcept;
   // The force for the newest sample may still arrive.
   bool is_awaited() const noexcept { return !responses_.has_newest_reply() && peers_.has_haptics(); }
@@ -40,9 +42,9 @@ class ForceExchange {
 
   void on_haptics_joined() noexcept;
   void on_haptics_left() noexcept { responses_.excuse_waiting(); }
-  // The haptics node is to resume from the current position of the probe: the next states carry that position, as for a node that has just
-  // joined. If this is called while the force is local, no request is made when that ends; otherwise one is made with the first sample that
-  // has no local force. Replies to samples before the request are not felt: they were computed for a probe elsewhere.
+  // The haptics node is to resume from the current position of the probe: the next DeviceState messages contain that position, as for a
+  // node that has just joined. When the force stops being local, this is called with the first sample without a local force, unless it was
+  // called already while the force was local. Replies to samples before the request are not felt: they were computed for a probe elsewhere.
   void request_resume() noexcept {
     history_.note_resume_request();
     is_resume_requested_ = true;
@@ -50,7 +52,8 @@ class ForceExchange {
   // The haptics node has replied since the last request to resume, or since it joined.
   bool has_resumed() const noexcept { return !history_.is_haptics_new(); }
   bool is_local() const noexcept { return is_local_; }
-  // Median of the newest round trips, s: those of 0.6 s, or of 1.6 s while the haptics node gets few samples; below 0: too few so far.
+  // Median, s, of the round trips in the last 0.6 s, or in the last 1.6 s while the haptics node gets few samples. Below 0: there are too
+  // few so far.
   double find_round_trip_s() const noexcept { return find_median_s(kNewestTrips); }
   // The same over 3.2 s (8 s while samples are few), or since the haptics node joined: a change shorter than half of that has no effect.
   double find_lasting_round_trip_s() const noexcept { return find_median_s(kTrips); }
@@ -61,6 +64,7 @@ class ForceExchange {
 
   // The scene was turned: the last position of the probe is no longer valid.
   void forget_probe_position() noexcept { history_.forget_probe_position(); }
+  // To be called periodically: declares samples lost that have had no reply for too long after a later one had.
   void settle(std::int64_t now_ns) noexcept { responses_.settle(now_ns); }
   // Settles the samples without a reply at the end of a run. sample_ns: time of the newest sample.
   void close(std::int64_t sample_ns) noexcept { responses_.close(is_haptics_alive(sample_ns)); }
@@ -79,7 +83,8 @@ class ForceExchange {
 
   // Samples a second while the force is local: the haptics node needs to know only where the hand goes (decision 116).
   static constexpr double kThinnedHz = 20.0;
-  // Timeout of a haptics node meanwhile: five samples, so that a node that waits for its slot does not get it between two of them.
+  // Timeout of the haptics node meanwhile: five samples, so that a second haptics node, which waits for the slot of the first in HubPeers,
+  // does not get that slot between two samples.
   static constexpr std::int64_t kThinnedTimeoutNs = 5 * static_cast<std::int64_t>(1e9 / kThinnedHz);
 
   bool is_thinned(const DeviceCycle& cycle) const noexcept;
@@ -104,7 +109,8 @@ class ForceExchange {
 
   double find_median_s(std::size_t max_trips) const noexcept;
 
-  // One round trip in 20 ms is kept: 0.6 s of them for advice and the change back to remote forces, 3.2 s for patches (decision 197).
+  // One round trip in 20 ms is kept: 0.6 s of them tell the user how late replies are, and decide on the change back to remote
+  // forces; 3.2 s of them decide on the change to patches (decision 197).
   static constexpr std::size_t kNewestTrips = 32;
   static constexpr std::size_t kTrips = 160;
   std::array<float, kTrips> trips_s_ = {};

@@ -33,7 +33,8 @@ struct TransportKeys {
   Key responder_to_initiator = {};
 };
 
-// Seal and open as Noise's cipher functions do: nonce n, associated data ad. Bytes in `into`: payload + kTagBytes, sealed - kTagBytes.
+// Seal and open as Noise's cipher functions do: nonce n, associated data ad. encrypt writes payload.size() + kTagBytes
+// bytes to `into`, decrypt sealed.size() - kTagBytes. decrypt returns false if `sealed` is too short or its tag is wrong.
 void encrypt(const Key& key, std::uint64_t n, std::span<const std::uint8_t> ad, std::span<const std::uint8_t> payload,
              std::uint8_t* into) noexcept;
 bool decrypt(const Key& key, std::uint64_t n, std::span<const std::uint8_t> ad, std::span<const std::uint8_t> sealed,
@@ -50,11 +51,14 @@ class HandshakeState {
   // Begins a handshake, on either side. own_secret: 32 random bytes for this handshake alone. Pre: seal::start_crypto() succeeded.
   void begin(const Key& psk, std::span<const std::uint8_t> prologue, const Key& own_secret) noexcept;
 
-  // For the initiator: writes "psk, e" and the payload; reads the reply. Bytes in `into`: payload + kMessageOverhead, message less that.
+  // For the initiator: writes "psk, e" and the payload; reads the reply. Writing puts payload.size() + kMessageOverhead bytes into `into`,
+  // on either side, and reading message.size() - kMessageOverhead.
   void write_first(std::span<const std::uint8_t> payload, std::uint8_t* into) noexcept;
   bool read_second(std::span<const std::uint8_t> message, std::uint8_t* into) noexcept;
 
-  // For the responder. False: made without the psk, changed, or for another prologue, as in read_second; then only begin may follow.
+  // For the responder. read_first and read_second return false if the message was made without the psk, was changed, or is for another
+  // prologue; read_second and write_second also if no secret can be computed from the other side's public key. After false only begin may
+  // follow.
   bool read_first(std::span<const std::uint8_t> message, std::uint8_t* into) noexcept;
   bool write_second(std::span<const std::uint8_t> payload, std::uint8_t* into) noexcept;
 

@@ -7,9 +7,8 @@
 
 namespace hapton {
 
-// The dead man's switch: what must be held for force. A device that senses a hand must report that it is held (a device without such a
-// sensor always reports so). A button can be required as well; no requirement can be removed.
-// RT: yes.
+// The dead man's switch: what the user must hold so that there can be force. A device that senses a hand must report that it is held (a
+// device without such a sensor always reports so). A button can be required as well; no requirement can be removed. RT: yes.
 class DeadMansSwitch {
  public:
   // Buttons are counted from 1 to 32; any other number changes nothing.

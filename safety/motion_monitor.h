@@ -16,12 +16,13 @@ class MotionMonitor {
   // The distance that a hand at 3 m/s moves in 1.7 ms, so time stamps may be wrong by that time. A smaller loss of encoder counts is not
   // detected and shifts all walls.
   static constexpr double kJumpM = 0.005;
-  // Choices: 16 encoder counts of the gimbals of a Model A (1/512 turn); eight turns a second.
+  // 16 encoder counts, each 1/512 turn, of the gimbals of a PHANToM Model A; a free choice.
   static constexpr double kJumpRad = 0.2;
+  // Eight turns a second; a free choice.
   static constexpr double kFastestTurnRadPerS = 50.0;
-  // At 3 m/s a hand crosses most of a Model A's workspace in this time.
+  // At 3 m/s a hand crosses most of the workspace of a PHANToM Model A in this time.
   static constexpr std::int64_t kGapNs = 100'000'000;
-  // Time constant of the velocity filter: one encoder count in one cycle (1/800 in at 10 kHz) would otherwise read as 0.3 m/s.
+  // Time constant of the velocity filter: without it, one encoder count of 1/800 in within one cycle at 10 kHz would read as 0.3 m/s.
   static constexpr double kSmoothS = 0.004;
 
   enum class Verdict : std::uint8_t { fine, invalid_pose, jump };
@@ -46,7 +47,7 @@ class MotionMonitor {
   void set_at_rest() noexcept;
 
   Vec3 p_WD_ = Vec3::Zero();
-  Quat q_WT_ = Quat::Identity();
+  Quat q_WT_ = Quat::Identity();  // orientation of the stylus
   Vec3 moved_m_ = Vec3::Zero();
   Vec3 turned_rad_ = Vec3::Zero();
   Vec3 velocity_m_per_s_ = Vec3::Zero();

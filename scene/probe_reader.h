@@ -15,12 +15,12 @@ struct ProbeSpec {
   std::string name;
   std::optional<double> radius_m = {};  // 0: a point
   std::optional<std::string> method = {};
-  std::optional<double> shading = {};
-  std::size_t line = 0;  // in the scene file
+  std::optional<double> shading = {};  // 0: the force has the direction of face normals; 1: of smooth normals
+  std::size_t line = 0;                // in the scene file
 };
 
-// The probe of this name; for an empty name the first one, or null if there are no probes. Error, one line: no probe has this name. RT:
-// set-up only.
+// The probe of this name; for an empty name the first one, or null if there are no probes. Error, one line: a name is given, but no
+// probe has it. RT: set-up only.
 Result<const ProbeSpec*> find_probe(const std::vector<ProbeSpec>& probes, std::string_view name);
 
 // "probe 'left': radius 0.002 m, method proxy".

@@ -39,7 +39,7 @@ struct SceneSpec {
   std::vector<ObjectSpec> objects;
   MaterialSpecs materials;
   std::vector<EffectSpec> effects;
-  std::vector<LibraryEffect> libraries;
+  std::vector<LibraryEffect> libraries;  // effects from plug-ins
   std::optional<ObjectSpec> tool;
   std::optional<Vec3> fit_m;
   std::optional<SceneFit> workspace;  // in place of fit_m
@@ -101,7 +101,7 @@ Result<void> read_tool(const toml::table& table, SceneSpec& spec) {
   return {};
 }
 
-// Turns the objects by the rotation of [workspace], so that the rest of it is a SceneFit.
+// Turns the objects by the inverse of the rotation of [workspace]; its position and its scale, which are left, are then a SceneFit.
 Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
   const auto workspace = read_workspace(table);
   if (!workspace) return tl::unexpected(workspace.error());
@@ -140,7 +140,8 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   return spec;
 }
 
-// Fits all meshes together into the box of spec.fit_m, or applies [workspace] to them, whatever parts of them it contains.
+// Fits all meshes together into the box of spec.fit_m, or, if there is a [workspace], moves and scales them by that: even if
+// parts of them are then outside of the device's workspace.
 Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
   if (spec.workspace) {
     apply_fit(*spec.workspace, meshes);
@@ -174,7 +175,7 @@ Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folde
   return {};
 }
 
-// Adds the effects. One that names an object is placed at it, by the box of the mesh that is touched.
+// Adds the effects. If an effect names an object, it is placed at the bounding box of the mesh with which that object is touched.
 Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
   for (const EffectSpec& effect : spec.effects) {
     scene.effects.push_back({.name = effect.name, .effect = effect.effect, .on = effect.on});
@@ -216,6 +217,7 @@ Result<std::vector<ObjectSpec>> split_objects(const SceneSpec& spec, const std::
   return objects;
 }
 
+// An object as it is felt: with its material.
 struct FeltObject {
   ObjectSpec object;
   MaterialSpec material;
@@ -270,13 +272,14 @@ Result<std::optional<SculptSettings>> make_felt_sculpt(const ObjectSpec& object,
   return std::optional(*made);
 }
 
-// The line in the scene file of what deforms the object.
+// The number of the line in the scene file that makes the object deform.
 std::size_t deforms_line(const ObjectSpec& object) {
   if (object.program_shape.is_on) return object.program_shape.line;
   return object.morphs.empty() ? object.motion.animation_line : object.morphs.front().line;
 }
 
-// Snap pulls towards the plane of the last contact after contact has ended. On a surface that deforms, nothing tells where it is then.
+// Snap pulls towards the plane of the last contact after contact has ended. If the surface deforms,
+// that plane moves, and nothing says where it is after contact.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
                                                                const TriangleMesh& mesh, std::vector<std::string>& notes) {
   if ((object.deforms() || object.program_shape.is_on) && material.effects.snap.is_on()) {
@@ -348,6 +351,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   TextureCache textures(folder);
   Result<std::vector<FeltObject>> felt = find_materials(spec, folder, cache, scene.notes);
   if (!felt) return tl::unexpected(felt.error());
+  // Checks the number of triangles of all objects together before their meshes are copied.
   for (const FeltObject& one : *felt) {
     if (const auto counted = cache.count(folder, one.object, scene.notes); !counted) return tl::unexpected(counted.error());
   }

@@ -19,7 +19,8 @@ struct Similarity {
 
 Similarity pose_of(const ObjectSpec& object);  // from the object's mesh to S
 
-// Moves an object and its keyframes: every pose X of it becomes by * X. RT: set-up only.
-void move_by(const Similarity& by, ObjectSpec& object);
+// Applies the transform to an object and its keyframes, after the pose that each of them has. The object's scale is multiplied by that of
+// the transform. RT: set-up only.
+void move_by(const Similarity& transform, ObjectSpec& object);
 
 }  // namespace hapton

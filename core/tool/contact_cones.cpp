@@ -6,9 +6,11 @@
 namespace hapton {
 namespace {
 
-// Share of the distance between device and tool: a round whose corrections are no larger ends the iteration.
+// A round of the iteration corrects the forces of each contact once. The iteration ends after a round in which no correction is larger than
+// this share of the distance between device and tool.
 constexpr double kMaxCorrectionShare = 0x1p-20;
-// In levers of the tool: a contact is the same as in the last step if its point and its normal, taken together, have moved by less.
+// A contact counts as the same as in the last step if its point and its normal, taken together, have moved by less than this times the
+// lever of the tool: the root of the coupling's rotational stiffness divided by its linear stiffness.
 constexpr double kMaxSameContactDistance = 0.25;
 // Share of the largest normal force: a contact that pushes with less does not count when the slip of the tool is measured.
 constexpr double kMinForceShare = 0x1p-10;
@@ -26,7 +28,7 @@ bool ContactCones::has(int index) const noexcept {
                      [index](const Contact& contact) { return contact.index == index; });
 }
 
-void ContactCones::add(const LocalContacts& local, const Vec6& from, bool is_static, int index, double normal,
+void ContactCones::add(const LocalContacts& local, const Vec6& slip_start, bool is_static, int index, double normal,
                        const Vec3& tangential) noexcept {
   if (count_ == kMax || has(index)) return;
   const auto i = static_cast<std::size_t>(index);
@@ -45,7 +47,7 @@ void ContactCones::add(const LocalContacts& local, const Vec6& from, bool is_sta
   for (std::size_t k = 0; k < 2; ++k) {
     const Vec6 row = wrench(contact.tangents[k], found.arm);
     contact.tangent_rows[k] = scale.cwiseProduct(row);
-    contact.from[k] = row.dot(from);
+    contact.slip_start[k] = row.dot(slip_start);
   }
   const auto& [a, b] = contact.tangent_rows;
   contact.tangent_compliance = std::max(a.squaredNorm(), b.squaredNorm()) + std::abs(a.dot(b));
@@ -59,7 +61,7 @@ void ContactCones::add(const LocalContacts& local, const Vec6& from, bool is_sta
   }
 }
 
-void ContactCones::add_previous(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
+void ContactCones::add_previous(const LocalContacts& local, const Vec6& slip_start, bool is_static) noexcept {
   const double lever_squared = local.stiffness[3];
   for (std::size_t k = 0; k < previous_count_; ++k) {
     const PreviousContact& previous = previous_[k];
@@ -72,7 +74,7 @@ void ContactCones::add_previous(const LocalContacts& local, const Vec6& from, bo
       least_squared = distance_squared;
       nearest = static_cast<int>(i);
     }
-    if (nearest >= 0) add(local, from, is_static, nearest, previous.normal, previous.tangential);
+    if (nearest >= 0) add(local, slip_start, is_static, nearest, previous.normal, previous.tangential);
   }
 }
 
@@ -85,7 +87,7 @@ double ContactCones::correct(Contact& contact) noexcept {
   contact.normal = normal;
   std::array<double, 2> unlimited;
   for (std::size_t k = 0; k < 2; ++k) {
-    const double slip = contact.tangent_rows[k].dot(scaled_motion_) - contact.from[k];
+    const double slip = contact.tangent_rows[k].dot(scaled_motion_) - contact.slip_start[k];
     unlimited[k] = contact.tangential[k] - slip / contact.tangent_compliance;
   }
   const double length = std::sqrt(unlimited[0] * unlimited[0] + unlimited[1] * unlimited[1]);
@@ -110,7 +112,7 @@ void ContactCones::iterate(const Vec6& goal) noexcept {
 }
 
 // Adds the contact whose bound is violated most. False: no bound is violated, or there is no room for another contact.
-bool ContactCones::add_violated(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
+bool ContactCones::add_violated(const LocalContacts& local, const Vec6& slip_start, bool is_static) noexcept {
   int worst = -1;
   double most = local.tolerance;
   for (std::size_t i = 0; i < local.count; ++i) {
@@ -120,7 +122,7 @@ bool ContactCones::add_violated(const LocalContacts& local, const Vec6& from, bo
     worst = static_cast<int>(i);
   }
   if (worst < 0 || count_ == kMax) return false;
-  add(local, from, is_static, worst, 0.0, Vec3::Zero());
+  add(local, slip_start, is_static, worst, 0.0, Vec3::Zero());
   return true;
 }
 
@@ -136,25 +138,25 @@ void ContactCones::store_results(const LocalContacts& local) noexcept {
     const Vec3 tangential = contact.tangential[0] * contact.tangents[0] + contact.tangential[1] * contact.tangents[1];
     previous_[previous_count_++] = {local.contacts[n].arm, local.bounds[n].row.head<3>().normalized(), contact.normal, tangential};
     if (contact.normal < kMinForceShare * largest) continue;
-    slip_ = std::max(slip_, std::hypot(contact.tangent_rows[0].dot(scaled_motion_) - contact.from[0],
-                                       contact.tangent_rows[1].dot(scaled_motion_) - contact.from[1]));
+    slip_ = std::max(slip_, std::hypot(contact.tangent_rows[0].dot(scaled_motion_) - contact.slip_start[0],
+                                       contact.tangent_rows[1].dot(scaled_motion_) - contact.slip_start[1]));
   }
 }
 
-void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
-                         bool is_static) noexcept {
+void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& slip_start,
+                         const LocalContacts::Solution& frictionless, bool is_static) noexcept {
   const Vec6 goal = wanted.cwiseQuotient(local.plain_inverse_root);
   scaled_motion_ = goal;
   count_ = 0;
   rounds_ = 0;
-  add_previous(local, from, is_static);
+  add_previous(local, slip_start, is_static);
   for (std::size_t k = 0; k < static_cast<std::size_t>(frictionless.active_count); ++k) {
-    add(local, from, is_static, frictionless.active[k], 0.0, Vec3::Zero());
+    add(local, slip_start, is_static, frictionless.active[k], 0.0, Vec3::Zero());
   }
   for (std::size_t set = 0; set < kMaxSets; ++set) {
     iterate(goal);
     motion_ = local.plain_inverse_root.cwiseProduct(scaled_motion_);
-    if (rounds_ == kMaxRounds || !add_violated(local, from, is_static)) break;
+    if (rounds_ == kMaxRounds || !add_violated(local, slip_start, is_static)) break;
   }
   store_results(local);
 }

@@ -10,8 +10,8 @@ namespace hapton {
 // The forces of contacts on a rigid tool under Coulomb friction, and the pose at which they hold the tool.
 //
 // Each contact exerts a normal force that is not negative, and a tangential force of at most the coefficient times the normal force,
-// against the slip of its point since the tool was at `from`. Nonlinear Gauss-Seidel iteration (Jourdan, Alart & Jean 1998): corrects the
-// forces of one contact after another while those of the others stay, until the corrections are negligible. Even if kMaxRounds end it
+// against the slip of its point since the tool was at `slip_start`. Nonlinear Gauss-Seidel iteration (Jourdan, Alart & Jean 1998): corrects
+// the forces of one contact after another while those of the others stay, until the corrections are negligible. Even if kMaxRounds end it
 // first, the coupling balances exactly the sum of these forces: friction stays within its coefficient, and no contact attracts.
 //
 // Frame: local units; forces are divided by the coupling's linear stiffness. RT: yes. Threads: one.
@@ -21,17 +21,17 @@ class ContactCones {
   static constexpr int kMaxRounds = 120;      // of the iteration in a step; the next step continues from its forces
   static constexpr std::size_t kMaxSets = 6;  // runs of the iteration; after each, the contact violated most is added
 
-  // Finds where the contacts hold the tool while the device is at `wanted`. wanted, from: motions from local.proxy. frictionless: result of
-  // local.solve(); its contacts and those that pushed in the last step are considered first. The iteration starts from the forces of the
-  // last step. is_static: static friction coefficients, otherwise dynamic ones.
-  void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
+  // Finds where the contacts hold the tool while the device is at `wanted`. wanted, slip_start: motions from local.proxy. frictionless:
+  // result of local.solve(); its contacts and those that pushed in the last step are considered first. The iteration starts from the forces
+  // of the last step. is_static: static friction coefficients, otherwise dynamic ones.
+  void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& slip_start, const LocalContacts::Solution& frictionless,
              bool is_static) noexcept;
   // The next step does not start from the forces of the last one.
   void forget() noexcept { previous_count_ = 0; }
 
   // Results of the last step:
-  const Vec6& motion() const noexcept { return motion_; }      // from local.proxy; may violate bounds by what the limits above left
-  double slip() const noexcept { return slip_; }               // largest since `from`, of contacts with at least 2^-10 of the largest force
+  const Vec6& motion() const noexcept { return motion_; }  // from local.proxy; may violate bounds by what the limits above left
+  double slip() const noexcept { return slip_; }  // largest since `slip_start`, of contacts with at least 2^-10 of the largest force
   bool holds() const noexcept { return previous_count_ > 0; }  // a contact pushes
   int rounds() const noexcept { return rounds_; }
 
@@ -42,8 +42,8 @@ class ContactCones {
     Vec6 normal_row = Vec6::Zero();
     std::array<Vec6, 2> tangent_rows = {};
     std::array<Vec3, 2> tangents = {};
-    std::array<double, 2> from = {};  // displacement of its point along the tangents at `from`
-    double least = 0.0;               // as MotionBound::least
+    std::array<double, 2> slip_start = {};  // displacement of its point along the tangents at `slip_start`
+    double least = 0.0;                     // as MotionBound::least
     double coefficient = 0.0;
     double normal_compliance = 1.0;
     double tangent_compliance = 1.0;        // an upper bound of that in any tangential direction
@@ -58,9 +58,9 @@ class ContactCones {
   };
 
   bool has(int index) const noexcept;
-  void add(const LocalContacts& local, const Vec6& from, bool is_static, int index, double normal, const Vec3& tangential) noexcept;
-  void add_previous(const LocalContacts& local, const Vec6& from, bool is_static) noexcept;
-  bool add_violated(const LocalContacts& local, const Vec6& from, bool is_static) noexcept;
+  void add(const LocalContacts& local, const Vec6& slip_start, bool is_static, int index, double normal, const Vec3& tangential) noexcept;
+  void add_previous(const LocalContacts& local, const Vec6& slip_start, bool is_static) noexcept;
+  bool add_violated(const LocalContacts& local, const Vec6& slip_start, bool is_static) noexcept;
   double correct(Contact& contact) noexcept;
   void iterate(const Vec6& goal) noexcept;
   void store_results(const LocalContacts& local) noexcept;

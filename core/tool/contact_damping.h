@@ -24,27 +24,30 @@ struct DampingCoefficients {
 //   D_i = -w_i C_i u_i,   w_i = f_i / sum_j f_j max(0, n_i . n_j),
 // where u_i is the velocity of the tool relative to the surface at the contact point, and C_i is the damping along the normal and along the
 // surface. The weights w_i distribute the damping of one face over its contacts in proportion to their forces, whatever their number and
-// objects; contacts with different normals share less. If the sum over all contacts exceeds, in some direction of translation, the largest
-// coefficient of the touched materials, the sum is scaled down to that coefficient: the tool is damped no more than by one surface. The
-// normal and the tangential part of D_i are each at most f_i, so damping vanishes with the contact force and never attracts.
+// objects. Contacts share damping only as far as their normals agree: those with orthogonal normals are each damped in full. If the sum
+// over all contacts exceeds, in some direction of translation, the largest coefficient of the touched materials, the sum is scaled down to
+// that coefficient: the tool is damped no more than by one surface. For each contact, the normal and the tangential component of D_i are
+// each at most f_i, so damping vanishes with the contact force and never attracts.
 //
 // Force and torque are F = -G v, where v is the twist of the tool about the grip point and G = sum_i J_i^T w_i C_i J_i is a 6 x 6 matrix,
 // symmetric and positive semidefinite. The distribution of a force over more than three contacts of a face is not unique and may change
 // from step to step, as may the set of contacts, while the spring force stays the same. Therefore G is low-pass filtered with the time
-// constant kSmoothS: it starts at zero when contact begins, decays in steps in which no contact is known although the tool is held, and is
-// dropped when contact ends.
+// constant kSmoothS: it starts at zero when contact begins, decays in steps in which the tool is in contact although no contact is known
+// (for example because LocalContacts::solve finds no solution), and is dropped when contact ends.
 //
-// Velocities: of the device relative to each part of the scene, filtered (SmoothVelocity). A jump of a part, i.e. a motion of it
+// A part of the scene consists of surfaces that move together: part 0 is everything at rest, and the others are the moving parts.
+// Velocities: of the device relative to each part, filtered (SmoothVelocity). A jump of a part, i.e. a motion of it
 // relative to the tool faster than kJumpMPerS, does not count as velocity.
 // Frame: S; SI units, but local units in placements and where said. RT: all but construction, which is set-up only. Threads: one.
 // Bound: for damping and for viscosity, for each part, the smaller of the sum of its contact forces and kMaxEffectForceN; the torque is at
-// most this force times the longest arm. What remains of contacts that ended while others last decays from at most their last force.
+// most this force times the longest arm. If a part is no longer touched while others are, its last contact forces count, and decay as its
+// damping does.
 // Passivity: dissipative, relative to the surfaces.
 class ContactDamping {
  public:
   static constexpr Passivity kPassivity = Passivity::dissipative;
-  static constexpr double kSmoothS = 0.005;       // time constant of the filter of G; a choice
-  static constexpr double kJumpMPerS = 1.0;       // four times the fastest surface (kMaxSurfaceSpeed); a choice
+  static constexpr double kSmoothS = 0.005;       // time constant of the filter of G; a free choice
+  static constexpr double kJumpMPerS = 1.0;       // four times the fastest surface (kMaxSurfaceSpeed); a free choice
   static constexpr std::size_t kMaxContacts = 6;  // active at once
 
   struct Contact {
@@ -101,7 +104,8 @@ class ContactDamping {
     double remaining = 1.0;    // share of its damping that has not decayed since it was last touched
     Vec6 force = Vec6::Zero();
   };
-  // The parts touched in this step, then those touched shortly before.
+  // The parts touched in this step, then those touched shortly before: room for at least two of them, even if each contact of this step is
+  // on a part of its own.
   struct TouchedParts {
     std::array<TouchedPart, kMaxContacts + 2> all;
     std::size_t count = 0;

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "tests/haptics_node/sender_stage.h"
+#include "tests/haptics_node/sender_with_hub.h"
 #include "tests/support/log_of.h"
 
 namespace hapton {
@@ -13,41 +13,41 @@ namespace {
 
 // The scene is much larger than the reach and is moved by 6 m. Away from the hand the hub has nothing.
 TEST(PatchSenderHand, WhatIsNearTheHandIsSentAlsoWhereTheSceneWasMoved) {
-  SenderStage stage(true, scene_of(made::sheet(10.0, 0.0, 150)));
-  stage.p_WD = Vec3(8.0, 8.0, 0.0);
-  stage.X_WS = {1, 0, 0, 6, 0, 1, 0, 0, 0, 0, 1, 0};
+  SenderWithHub setup(true, scene_of(made::sheet(10.0, 0.0, 150)));
+  setup.p_WD = Vec3(8.0, 8.0, 0.0);
+  setup.X_WS = {1, 0, 0, 6, 0, 1, 0, 0, 0, 0, 1, 0};
   const Vec3 p_SD(2.0, 8.0, 0.0);
-  EXPECT_TRUE(stage.receive_until([&] { return stage.store.has_begun() && stage.store.known_radius(p_SD) > 0.5; }));
-  EXPECT_LT(stage.store.known_radius(Vec3(-8.0, -8.0, 0.0)), 0.5);
+  EXPECT_TRUE(setup.receive_until([&] { return setup.store.has_begun() && setup.store.known_radius(p_SD) > 0.5; }));
+  EXPECT_LT(setup.store.known_radius(Vec3(-8.0, -8.0, 0.0)), 0.5);
 }
 
 TEST(PatchSenderHand, MovesBeginLaterTheLongerTheRoundTripOfTheHubIs) {
-  SenderStage stage;
-  const std::int64_t now_ns = stage.clock.now_ns();
-  EXPECT_EQ(stage.sender.find_lead_ns(now_ns), 0) << "the hub computes no force";
+  SenderWithHub setup;
+  const std::int64_t now_ns = setup.clock.now_ns();
+  EXPECT_EQ(setup.sender.find_lead_ns(now_ns), 0) << "the hub computes no force";
   PatchStatus status;
   status.is_wanted = true;
   for (const auto& [round_trip_s, lead_ms] : {std::pair(0.0F, 120.0), std::pair(0.2F, 370.0), std::pair(100.0F, 2620.0)}) {
     status.round_trip_s = round_trip_s;
-    stage.sender.accept(status, now_ns);
-    EXPECT_NEAR(1e-6 * static_cast<double>(stage.sender.find_lead_ns(now_ns)), lead_ms, 1e-3);
+    setup.sender.accept(status, now_ns);
+    EXPECT_NEAR(1e-6 * static_cast<double>(setup.sender.find_lead_ns(now_ns)), lead_ms, 1e-3);
   }
-  EXPECT_EQ(stage.sender.round_trip_ns(), 2'000'000'000) << "a longer one counts as this";
-  EXPECT_EQ(stage.sender.find_lead_ns(now_ns + 1'000'000'000), 0) << "it has not asked for a second";
+  EXPECT_EQ(setup.sender.round_trip_ns(), 2'000'000'000) << "a longer one counts as this";
+  EXPECT_EQ(setup.sender.find_lead_ns(now_ns + 1'000'000'000), 0) << "it has not asked for a second";
   status.is_wanted = false;
-  stage.sender.accept(status, now_ns);
-  EXPECT_EQ(stage.sender.find_lead_ns(now_ns), 0);
+  setup.sender.accept(status, now_ns);
+  EXPECT_EQ(setup.sender.find_lead_ns(now_ns), 0);
 }
 
 TEST(PatchSenderHand, ThatTheHubIsTooOldForEffectsIsReportedOnce) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.effects = {ConstantEffect{.force_n = {0, 0, 1}}};
-  SenderStage stage(true, scene);
-  stage.knows_effects = false;
+  SenderWithHub setup(true, scene);
+  setup.knows_effects = false;
   const std::string log = log_of([&] {
-    EXPECT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
-    stage.request += 2;
-    stage.receive_for(std::chrono::milliseconds(200));
+    EXPECT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
+    setup.request += 2;
+    setup.receive_for(std::chrono::milliseconds(200));
   });
   const std::size_t first = log.find("io_node is of an earlier version, which cannot compute effects itself");
   ASSERT_NE(first, std::string::npos) << log;

@@ -13,7 +13,7 @@
 
 #include "patch/patch_store.h"
 #include "runtime/clock.h"
-#include "tests/haptics_node/sender_stage.h"
+#include "tests/haptics_node/sender_with_hub.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_scene.h"
 
@@ -27,104 +27,104 @@ std::uint32_t epoch_of(const Message& part) {
 }
 
 TEST(PatchSender, SendsNothingBeforeTheHubWantsIt) {
-  SenderStage stage;
-  stage.sender.note_hand({}, kAtW);
+  SenderWithHub setup;
+  setup.sender.note_hand({}, kIdentityPose);
   std::this_thread::sleep_for(std::chrono::milliseconds(150));
-  EXPECT_EQ(stage.sender.front(), nullptr);
-  EXPECT_FALSE(stage.sender.is_wanted(stage.clock.now_ns()));
+  EXPECT_EQ(setup.sender.front(), nullptr);
+  EXPECT_FALSE(setup.sender.is_wanted(setup.clock.now_ns()));
 }
 
 TEST(PatchSender, SendsTheWholeSceneAndThenNothingMore) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  EXPECT_EQ(stage.store.begin().scene_hash, 7U);
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 800U);
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  EXPECT_EQ(setup.store.begin().scene_hash, 7U);
+  EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 800U);
   // Parts that arrived are confirmed, so that after a while none is sent again.
   int before = -1;
-  EXPECT_TRUE(stage.receive_until([&] {
-    stage.receive_for(std::chrono::milliseconds(300));
-    return std::exchange(before, stage.received) == stage.received;
+  EXPECT_TRUE(setup.receive_until([&] {
+    setup.receive_for(std::chrono::milliseconds(300));
+    return std::exchange(before, setup.received) == setup.received;
   }));
-  const PatchSource::Counts counts = stage.sender.counts();
+  const PatchSource::Counts counts = setup.sender.counts();
   EXPECT_EQ(counts.held, counts.sent - counts.repeated);
 }
 
 TEST(PatchSender, StopsWhenTheHubDoesNotWantItAnyMore) {
-  SenderStage stage;
-  stage.want();
-  EXPECT_TRUE(stage.sender.is_wanted(stage.clock.now_ns()));
-  stage.sender.accept({}, stage.clock.now_ns());
-  EXPECT_FALSE(stage.sender.is_wanted(stage.clock.now_ns()));
+  SenderWithHub setup;
+  setup.want();
+  EXPECT_TRUE(setup.sender.is_wanted(setup.clock.now_ns()));
+  setup.sender.accept({}, setup.clock.now_ns());
+  EXPECT_FALSE(setup.sender.is_wanted(setup.clock.now_ns()));
 }
 
 TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  const std::uint32_t epoch = stage.store.status().epoch;
-  stage.sender.set_offered(false);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
-  stage.sender.set_offered(true);
-  EXPECT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  const std::uint32_t epoch = setup.store.status().epoch;
+  setup.sender.set_offered(false);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 1; }));
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
+  setup.sender.set_offered(true);
+  EXPECT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 2 && setup.is_whole(); }));
 }
 
 // A scene is read again: the hub gets the parts of the new scene, with its own materials, and no part of the scene before.
 TEST(PatchSender, AnotherSceneIsOfferedAsAnEpochOfItsOwn) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  const std::uint32_t epoch = stage.store.status().epoch;
-  stage.sender.set_materials({{.stiffness_n_per_m = 321.0}});
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  const std::uint32_t epoch = setup.store.status().epoch;
+  setup.sender.set_materials({{.stiffness_n_per_m = 321.0}});
   TouchScene other = scene_of(made::sheet(0.05, 0.0, 10));
   other.objects[0].material.stiffness_n_per_m = 654.0;
-  stage.sender.set_scene(other, 8);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1 && stage.is_whole(); }));
-  EXPECT_EQ(stage.store.begin().scene_hash, 8U);
-  const PatchStore::Piece piece = stage.store.make_piece(Vec3::Zero(), 1.0, 100'000);
+  setup.sender.set_scene(other, 8);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 1 && setup.is_whole(); }));
+  EXPECT_EQ(setup.store.begin().scene_hash, 8U);
+  const PatchStore::Piece piece = setup.store.make_piece(Vec3::Zero(), 1.0, 100'000);
   EXPECT_EQ(piece.triangles, 200U);
   EXPECT_EQ(piece.scene.objects.at(0).material.stiffness_n_per_m, 654.0);
 }
 
 // The scene changes to one that parts cannot represent, and back. The method may be taken over before or after the change.
 TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanHoldIt) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  const std::uint32_t epoch = stage.store.status().epoch;
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  const std::uint32_t epoch = setup.store.status().epoch;
   TouchScene carved = scene_of(made::sheet(0.05, 0.0, 20));
   carved.objects[0].sculpt.emplace();
-  stage.sender.set_offered(true);
-  stage.sender.set_scene(carved, 8);
-  EXPECT_FALSE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "objects of the scene can be carved");
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
-  stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 9);
-  stage.sender.set_offered(true);
-  EXPECT_TRUE(stage.sender.is_offered());
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 200U);
+  setup.sender.set_offered(true);
+  setup.sender.set_scene(carved, 8);
+  EXPECT_FALSE(setup.sender.is_offered());
+  EXPECT_EQ(setup.sender.obstacle(), "objects of the scene can be carved");
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 1; }));
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
+  setup.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 9);
+  setup.sender.set_offered(true);
+  EXPECT_TRUE(setup.sender.is_offered());
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 2 && setup.is_whole(); }));
+  EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 200U);
 }
 
 // The hub keeps the parts that it has: none of them is sent again.
 TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  const std::uint32_t epoch = stage.store.status().epoch;
-  const std::uint64_t sent = stage.sender.counts().sent;
-  const auto stiffness = [&] { return stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material; };
-  stage.sender.set_materials({{.stiffness_n_per_m = 321.0, .friction_static = 0.3}});
-  ASSERT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  const std::uint32_t epoch = setup.store.status().epoch;
+  const std::uint64_t sent = setup.sender.counts().sent;
+  const auto stiffness = [&] { return setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material; };
+  setup.sender.set_materials({{.stiffness_n_per_m = 321.0, .friction_static = 0.3}});
+  ASSERT_TRUE(setup.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
   EXPECT_EQ(stiffness().friction_static, 0.3);
-  EXPECT_EQ(stage.store.status().epoch, epoch);
-  stage.receive_for(std::chrono::milliseconds(300));
-  EXPECT_LE(stage.sender.counts().sent, sent + 2);
+  EXPECT_EQ(setup.store.status().epoch, epoch);
+  setup.receive_for(std::chrono::milliseconds(300));
+  EXPECT_LE(setup.sender.counts().sent, sent + 2);
   // A new epoch has these materials, too, though its tiles are those of before.
-  stage.sender.set_offered(false);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
-  stage.sender.set_offered(true);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
-  EXPECT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
+  setup.sender.set_offered(false);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 1; }));
+  setup.sender.set_offered(true);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 2 && setup.is_whole(); }));
+  EXPECT_TRUE(setup.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
 }
 
 // Freeing a large scene takes so long that meanwhile the next scene comes, and a change of its material.
@@ -136,15 +136,15 @@ TEST(PatchSender, WhileASceneIsFreedTheNextOneComesWithItsMaterials) {
   };
   TouchScene first;
   first.objects.push_back({std::shared_ptr<const TriangleMesh>(new TriangleMesh(made::sheet(0.05, 0.0, 20)), free), {}});
-  SenderStage stage(true, std::move(first));
+  SenderWithHub setup(true, std::move(first));
   meanwhile = [&] {
-    stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 9);
-    stage.sender.set_materials({{.stiffness_n_per_m = 321.0}});
+    setup.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 9);
+    setup.sender.set_materials({{.stiffness_n_per_m = 321.0}});
   };
-  stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 20)), 8);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole() && stage.store.begin().scene_hash == 9U; }));
-  EXPECT_TRUE(stage.receive_until(
-      [&] { return stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material.stiffness_n_per_m == 321.0; }));
+  setup.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 20)), 8);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole() && setup.store.begin().scene_hash == 9U; }));
+  EXPECT_TRUE(setup.receive_until(
+      [&] { return setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material.stiffness_n_per_m == 321.0; }));
 }
 
 // A hub that does not know effects would compute other forces.
@@ -152,17 +152,17 @@ TEST(PatchSender, ASceneWithEffectsIsForHubsThatKnowThem) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
   scene.effects = {ConstantEffect{.force_n = {0, 0, 1}}};
-  SenderStage stage(true, scene);
-  stage.knows_effects = false;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.triangles(), 0U);
-  EXPECT_EQ(stage.store.begin().effect_bytes, 0U);
-  stage.knows_effects = true;
-  stage.request += 2;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole() && stage.store.has_bodies(); }));
-  EXPECT_EQ(stage.triangles(), 800U);
-  EXPECT_NE(stage.store.make_bodies(0)->effects, nullptr);
+  SenderWithHub setup(true, scene);
+  setup.knows_effects = false;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.triangles(), 0U);
+  EXPECT_EQ(setup.store.begin().effect_bytes, 0U);
+  setup.knows_effects = true;
+  setup.request += 2;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole() && setup.store.has_bodies(); }));
+  EXPECT_EQ(setup.triangles(), 800U);
+  EXPECT_NE(setup.store.make_bodies(0)->effects, nullptr);
 }
 
 // An image of more than a million texels.
@@ -172,13 +172,13 @@ TEST(PatchSender, ASceneWithMoreEffectsThanTheHubKeepsIsNotOffered) {
   maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(1);
   maps.height.image = std::make_shared<const SurfaceImage>(1100, 1000, std::vector<float>(1'100'000, 0.5F));
   maps.height.at_black = -1e-3;
-  SenderStage stage(true, scene);
-  ASSERT_TRUE(stage.receive_until([&] { return !stage.sender.obstacle().empty(); }));
-  EXPECT_EQ(stage.sender.obstacle(), "images of effects of the scene are more than the hub keeps (2 MB)");
+  SenderWithHub setup(true, scene);
+  ASSERT_TRUE(setup.receive_until([&] { return !setup.sender.obstacle().empty(); }));
+  EXPECT_EQ(setup.sender.obstacle(), "images of effects of the scene are more than the hub keeps (2 MB)");
 
   TouchScene many = scene_of(made::sheet(0.05, 0.0, 2));
   many.effects.resize(257, ConstantEffect());
-  EXPECT_EQ(SenderStage(true, many).sender.obstacle(), "the scene has more than 256 effects in free space");
+  EXPECT_EQ(SenderWithHub(true, many).sender.obstacle(), "the scene has more than 256 effects in free space");
 }
 
 // Otherwise the hub would wait for effects that it has rejected, and no message would say why the force stays remote.
@@ -190,17 +190,17 @@ TEST(PatchSender, ASceneWithAnEffectThatTheHubRejectsIsNotOffered) {
   maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(std::move(triangles));
   maps.height.image = std::make_shared<const SurfaceImage>(2, 2, std::vector<float>(4, 0.5F));
   maps.height.at_black = -1e-3;
-  SenderStage stage(true, scene);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
-  EXPECT_EQ(stage.sender.obstacle(), "an effect of the scene has a number that the hub does not take");
-  EXPECT_EQ(stage.store.begin().effect_bytes, 0U);
+  SenderWithHub setup(true, scene);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
+  EXPECT_EQ(setup.sender.obstacle(), "an effect of the scene has a number that the hub does not take");
+  EXPECT_EQ(setup.store.begin().effect_bytes, 0U);
 }
 
 // The hub would keep only some parts of it, and would treat the rest as unknown.
 TEST(PatchSender, ASceneThatTheHubCannotKeepIsNeverOffered) {
-  SenderStage stage(true, scene_of(made::sheet(0.05, 0.0, 520)));
-  EXPECT_FALSE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "the scene has more triangles than the hub keeps (about 500,000)");
+  SenderWithHub setup(true, scene_of(made::sheet(0.05, 0.0, 520)));
+  EXPECT_FALSE(setup.sender.is_offered());
+  EXPECT_EQ(setup.sender.obstacle(), "the scene has more triangles than the hub keeps (about 500,000)");
 }
 
 // Large triangles cross each other everywhere: one place has too many of them for the datagram of a part.
@@ -212,15 +212,15 @@ TEST(PatchSender, ASceneWithTooManyTrianglesInOnePlaceIsNotOffered) {
     for (int corner = 0; corner < 3; ++corner) mesh.vertices.emplace_back(place(random), place(random), place(random));
     mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
-  SenderStage stage(true, scene_of(std::move(mesh)));
-  EXPECT_TRUE(stage.sender.is_offered()) << "not known before it is divided";
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
-  EXPECT_FALSE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "too many triangles of the scene overlap in one place");
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.store.counts().parts, 1U) << "the beginning alone";
-  stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 8);
-  EXPECT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  SenderWithHub setup(true, scene_of(std::move(mesh)));
+  EXPECT_TRUE(setup.sender.is_offered()) << "not known before it is divided";
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
+  EXPECT_FALSE(setup.sender.is_offered());
+  EXPECT_EQ(setup.sender.obstacle(), "too many triangles of the scene overlap in one place");
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.store.counts().parts, 1U) << "the beginning alone";
+  setup.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 8);
+  EXPECT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
 }
 
 std::shared_ptr<const KeyframeMotion> slow_motion(std::size_t keys = 2) {
@@ -245,11 +245,11 @@ TEST(PatchSender, ASceneThatMovesIsOfferedWithItsBodies) {
   scene.objects[1].motion = slow_motion(100);
   scene.objects.push_back({made::shared(made::box(Vec3(0.02, 0, 0.01), Vec3(0.03, 0.01, 0.02))), {}});
   scene.objects[2].command_pivot = Vec3(0.025, 0.005, 0.01);
-  SenderStage stage(true, scene);
-  EXPECT_TRUE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "");
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies(); }));
-  const auto bodies = stage.store.make_bodies(3);
+  SenderWithHub setup(true, scene);
+  EXPECT_TRUE(setup.sender.is_offered());
+  EXPECT_EQ(setup.sender.obstacle(), "");
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_bodies(); }));
+  const auto bodies = setup.store.make_bodies(3);
   ASSERT_EQ(bodies->bodies.size(), 3U);
   EXPECT_EQ(bodies->generation, 3U);
   ASSERT_TRUE(bodies->bodies[1].keyframes);
@@ -257,19 +257,19 @@ TEST(PatchSender, ASceneThatMovesIsOfferedWithItsBodies) {
   EXPECT_TRUE(bodies->bodies[2].is_commanded);
   EXPECT_EQ(bodies->bodies[2].object, 2);
   for (const std::uint32_t body : {0U, 1U, 2U}) {
-    EXPECT_TRUE(stage.receive_until([&] { return std::isinf(stage.store.known_radius(Vec3::Zero(), body)); })) << body;
+    EXPECT_TRUE(setup.receive_until([&] { return std::isinf(setup.store.known_radius(Vec3::Zero(), body)); })) << body;
   }
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000, 1).triangles, 12U);
+  EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 100'000, 1).triangles, 12U);
 }
 
 TEST(PatchSender, KnowsHowLongTheHubTakesForAShape) {
-  SenderStage stage(true);
-  EXPECT_EQ(stage.sender.shape_ns_per_vertex(), 0);
+  SenderWithHub setup(true);
+  EXPECT_EQ(setup.sender.shape_ns_per_vertex(), 0);
   PatchStatus status;
   for (const auto& [said_s, known_ns] : {std::pair(2.5e-5F, 25'000), std::pair(1e9F, 1'000'000), std::pair(0.0F, 0)}) {
     status.shape_s_per_vertex = said_s;
-    stage.sender.accept(status, stage.clock.now_ns());
-    EXPECT_NEAR(static_cast<double>(stage.sender.shape_ns_per_vertex()), known_ns, 1.0);
+    setup.sender.accept(status, setup.clock.now_ns());
+    EXPECT_NEAR(static_cast<double>(setup.sender.shape_ns_per_vertex()), known_ns, 1.0);
   }
 }
 
@@ -277,27 +277,27 @@ TEST(PatchSender, KnowsHowLongTheHubTakesForAShape) {
 TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].command_pivot = Vec3::Zero();
-  SenderStage stage(true, scene);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies(); }));
-  EXPECT_EQ(stage.sender.find_lead_ns(stage.clock.now_ns()), 120'000'000);
-  EXPECT_TRUE(stage.moves.empty());
+  SenderWithHub setup(true, scene);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_bodies(); }));
+  EXPECT_EQ(setup.sender.find_lead_ns(setup.clock.now_ns()), 120'000'000);
+  EXPECT_TRUE(setup.moves.empty());
   const ObjectMove move{.source = 3, .serial = 1, .object = 0, .start_ns = 1, .end_ns = 2};
-  stage.sender.note_move(move, stage.clock.now_ns());
-  ASSERT_TRUE(stage.receive_until([&] { return stage.moves.size() >= 2; }));
-  EXPECT_EQ(stage.moves.front().serial, 1U);
-  (void)stage.confirmed.take(move);
-  stage.receive_for(std::chrono::milliseconds(50));
-  const std::size_t before = stage.moves.size();
-  stage.receive_for(std::chrono::milliseconds(400));
-  EXPECT_EQ(stage.moves.size(), before);
+  setup.sender.note_move(move, setup.clock.now_ns());
+  ASSERT_TRUE(setup.receive_until([&] { return setup.moves.size() >= 2; }));
+  EXPECT_EQ(setup.moves.front().serial, 1U);
+  (void)setup.confirmed.take(move);
+  setup.receive_for(std::chrono::milliseconds(50));
+  const std::size_t before = setup.moves.size();
+  setup.receive_for(std::chrono::milliseconds(400));
+  EXPECT_EQ(setup.moves.size(), before);
   // A hub that has restarted knows nothing of the move.
-  stage.confirmed.clear();
-  EXPECT_TRUE(stage.receive_until([&] { return stage.moves.size() > before; }));
+  setup.confirmed.clear();
+  EXPECT_TRUE(setup.receive_until([&] { return setup.moves.size() > before; }));
 }
 
 // Each reason has its own line of text.
 TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
-  const auto obstacle_of = [](const TouchScene& scene) { return std::string(SenderStage(true, scene).sender.obstacle()); };
+  const auto obstacle_of = [](const TouchScene& scene) { return std::string(SenderWithHub(true, scene).sender.obstacle()); };
   TouchScene many;
   for (int n = 0; n < 32; ++n) {
     many.objects.push_back({made::shared(made::box(Vec3(0.02 * n, 0, 0), Vec3(0.02 * n + 0.01, 0.01, 0.01))), {}});
@@ -324,16 +324,16 @@ TEST(PatchSender, ASceneThatDeformsIsOfferedIfItCanBeFelt) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects.push_back({made::shared(made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02))), {}});
   scene.objects[1].deformation = slow_deformation(100);
-  SenderStage stage(true, scene);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies() && std::isinf(stage.store.known_radius(Vec3::Zero(), 1)); }));
-  EXPECT_TRUE(stage.store.make_bodies(0)->bodies[1].deforms);
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.objects.front().deformation->keys().size(), 100U);
+  SenderWithHub setup(true, scene);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_bodies() && std::isinf(setup.store.known_radius(Vec3::Zero(), 1)); }));
+  EXPECT_TRUE(setup.store.make_bodies(0)->bodies[1].deforms);
+  EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.objects.front().deformation->keys().size(), 100U);
   // Three triangles at an edge: not walkable.
   TriangleMesh mesh = made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02));
   mesh.vertices.emplace_back(0.03, 0.03, 0.03);
   mesh.triangles.push_back({mesh.triangles[0][0], mesh.triangles[0][1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
   scene.objects[1].mesh = made::shared(std::move(mesh));
-  SenderStage other(true, scene);
+  SenderWithHub other(true, scene);
   ASSERT_TRUE(other.receive_until([&] { return other.store.has_begun(); }));
   EXPECT_EQ(other.sender.obstacle(), "an object that deforms cannot be felt from parts of the scene");
 }
@@ -343,18 +343,18 @@ TEST(PatchSender, WhatProgramsDeformIsSentWithTheShapeThatItHas) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects.push_back({made::shared(made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02))), {}});
   scene.objects[1].stream_reach_m = 0.002;
-  SenderStage stage(true, scene);
-  stage.sender.note_shape({.source = 3, .serial = 5, .object = 1, .total = 8});
-  stage.sender.note_shape({.source = 3, .serial = 6, .object = 0, .total = 8});
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies() && stage.store.find_stream(1) != nullptr; }));
-  EXPECT_EQ(stage.store.find_stream(1)->shape_serial(), 5U);
-  EXPECT_FALSE(std::isinf(stage.store.known_radius(Vec3::Zero(), 1))) << "the shape has not come";
+  SenderWithHub setup(true, scene);
+  setup.sender.note_shape({.source = 3, .serial = 5, .object = 1, .total = 8});
+  setup.sender.note_shape({.source = 3, .serial = 6, .object = 0, .total = 8});
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_bodies() && setup.store.find_stream(1) != nullptr; }));
+  EXPECT_EQ(setup.store.find_stream(1)->shape_serial(), 5U);
+  EXPECT_FALSE(std::isinf(setup.store.known_radius(Vec3::Zero(), 1))) << "the shape has not come";
   // Two vertices that coincide on the grid may move apart.
   TriangleMesh mesh = *scene.objects[1].mesh;
   mesh.vertices.push_back(mesh.vertices[0] + Vec3(1e-10, 0, 0));
   mesh.triangles[0][0] = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   scene.objects[1].mesh = made::shared(std::move(mesh));
-  SenderStage other(true, scene);
+  SenderWithHub other(true, scene);
   ASSERT_TRUE(other.receive_until([&] { return other.store.has_begun(); }));
   EXPECT_EQ(other.sender.obstacle(), "an object of the scene deforms and comes apart");
 }
@@ -362,10 +362,10 @@ TEST(PatchSender, WhatProgramsDeformIsSentWithTheShapeThatItHas) {
 TEST(PatchSender, ASceneThatCanBeCarvedIsNeverOffered) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1};
-  SenderStage stage(true, scene);
-  stage.sender.set_offered(true);
-  EXPECT_FALSE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "objects of the scene can be carved");
+  SenderWithHub setup(true, scene);
+  setup.sender.set_offered(true);
+  EXPECT_FALSE(setup.sender.is_offered());
+  EXPECT_EQ(setup.sender.obstacle(), "objects of the scene can be carved");
 }
 
 TEST(PatchSender, OffersWhatPartsServe) {
@@ -376,110 +376,110 @@ TEST(PatchSender, OffersWhatPartsServe) {
 }
 
 TEST(PatchSender, PartsAreWithdrawnOnceTheHubHasConfirmedIt) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  EXPECT_EQ(stage.store.begin().method_serial, 0U);
-  stage.want();
-  EXPECT_FALSE(stage.sender.is_withdrawn(0));
-  stage.sender.set_withdrawn(true, 0);
-  stage.want();
-  EXPECT_FALSE(stage.sender.is_withdrawn(0)) << "the hub has parts";
-  EXPECT_TRUE(stage.sender.is_withdrawn(1)) << "another hub has none";
-  const std::uint32_t epoch = stage.store.status().epoch;
-  EXPECT_TRUE(stage.lose_until([&] { return stage.sender.front() != nullptr && epoch_of(*stage.sender.front()) == epoch + 1; }));
-  EXPECT_FALSE(stage.sender.is_withdrawn(0)) << "it is not confirmed";
-  ASSERT_TRUE(stage.receive_until([&] { return stage.sender.is_withdrawn(0); }));
-  EXPECT_EQ(stage.store.status().epoch, epoch + 1);
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.store.status().epoch, epoch + 1);
-  EXPECT_EQ(stage.triangles(), 0U);
-  stage.sender.set_withdrawn(false, 31);
-  EXPECT_FALSE(stage.sender.is_withdrawn(0));
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
-  EXPECT_EQ(stage.store.begin().method_serial, 31U);
-  EXPECT_EQ(stage.triangles(), 800U);
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  EXPECT_EQ(setup.store.begin().method_serial, 0U);
+  setup.want();
+  EXPECT_FALSE(setup.sender.is_withdrawn(0));
+  setup.sender.set_withdrawn(true, 0);
+  setup.want();
+  EXPECT_FALSE(setup.sender.is_withdrawn(0)) << "the hub has parts";
+  EXPECT_TRUE(setup.sender.is_withdrawn(1)) << "another hub has none";
+  const std::uint32_t epoch = setup.store.status().epoch;
+  EXPECT_TRUE(setup.lose_until([&] { return setup.sender.front() != nullptr && epoch_of(*setup.sender.front()) == epoch + 1; }));
+  EXPECT_FALSE(setup.sender.is_withdrawn(0)) << "it is not confirmed";
+  ASSERT_TRUE(setup.receive_until([&] { return setup.sender.is_withdrawn(0); }));
+  EXPECT_EQ(setup.store.status().epoch, epoch + 1);
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.store.status().epoch, epoch + 1);
+  EXPECT_EQ(setup.triangles(), 0U);
+  setup.sender.set_withdrawn(false, 31);
+  EXPECT_FALSE(setup.sender.is_withdrawn(0));
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 2 && setup.is_whole(); }));
+  EXPECT_EQ(setup.store.begin().method_serial, 31U);
+  EXPECT_EQ(setup.triangles(), 800U);
   // What the hub confirmed before says nothing of what it has now.
-  stage.sender.set_withdrawn(true, 31);
-  stage.want();
-  EXPECT_FALSE(stage.sender.is_withdrawn(0));
-  ASSERT_TRUE(stage.receive_until([&] { return stage.sender.is_withdrawn(0); }));
-  EXPECT_EQ(stage.triangles(), 0U);
+  setup.sender.set_withdrawn(true, 31);
+  setup.want();
+  EXPECT_FALSE(setup.sender.is_withdrawn(0));
+  ASSERT_TRUE(setup.receive_until([&] { return setup.sender.is_withdrawn(0); }));
+  EXPECT_EQ(setup.triangles(), 0U);
 }
 
 TEST(PatchSender, WhatWasMadeBeforeAWithdrawalIsNeverSent) {
-  SenderStage stage;
-  for (int n = 0; n < 6000 && stage.sender.front() == nullptr; ++n) {
-    stage.want();
+  SenderWithHub setup;
+  for (int n = 0; n < 6000 && setup.sender.front() == nullptr; ++n) {
+    setup.want();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  ASSERT_NE(stage.sender.front(), nullptr);
-  const std::uint32_t epoch = epoch_of(*stage.sender.front());
-  stage.sender.set_withdrawn(true, 0);
-  EXPECT_TRUE(stage.sender.front() == nullptr || epoch_of(*stage.sender.front()) > epoch);
-  EXPECT_TRUE(stage.sender.is_withdrawn(0)) << "the hub was sent none";
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
-  EXPECT_EQ(stage.store.status().epoch, epoch + 1);
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.triangles(), 0U);
-  EXPECT_TRUE(stage.sender.is_withdrawn(0));
+  ASSERT_NE(setup.sender.front(), nullptr);
+  const std::uint32_t epoch = epoch_of(*setup.sender.front());
+  setup.sender.set_withdrawn(true, 0);
+  EXPECT_TRUE(setup.sender.front() == nullptr || epoch_of(*setup.sender.front()) > epoch);
+  EXPECT_TRUE(setup.sender.is_withdrawn(0)) << "the hub was sent none";
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
+  EXPECT_EQ(setup.store.status().epoch, epoch + 1);
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.triangles(), 0U);
+  EXPECT_TRUE(setup.sender.is_withdrawn(0));
 }
 
 TEST(PatchSender, AHubThatWantsNoPartsNeedNotConfirmThatItHasNone) {
-  SenderStage stage;
-  stage.sender.set_withdrawn(true, 0);
-  EXPECT_TRUE(stage.sender.is_withdrawn(0)) << "nothing was sent";
-  stage.sender.set_withdrawn(false, 0);
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  stage.sender.accept({.epoch = stage.store.status().epoch, .request = 9}, stage.clock.now_ns());
-  stage.sender.set_withdrawn(true, 0);
-  EXPECT_TRUE(stage.sender.is_withdrawn(0));
+  SenderWithHub setup;
+  setup.sender.set_withdrawn(true, 0);
+  EXPECT_TRUE(setup.sender.is_withdrawn(0)) << "nothing was sent";
+  setup.sender.set_withdrawn(false, 0);
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  setup.sender.accept({.epoch = setup.store.status().epoch, .request = 9}, setup.clock.now_ns());
+  setup.sender.set_withdrawn(true, 0);
+  EXPECT_TRUE(setup.sender.is_withdrawn(0));
   // The hub wants parts again: it then gets an epoch without any.
-  stage.request = 11;
-  stage.store.clear();
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
-  EXPECT_EQ(stage.store.begin().request, 11U);
-  stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.triangles(), 0U);
+  setup.request = 11;
+  setup.store.clear();
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
+  EXPECT_EQ(setup.store.begin().request, 11U);
+  setup.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(setup.triangles(), 0U);
 }
 
 // The hub has dropped its parts, and accepts nothing that was sent before its new request.
 TEST(PatchSender, EachRequestGetsAnEpochOfItsOwn) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  EXPECT_EQ(stage.store.begin().request, 9U);
-  const std::uint32_t epoch = stage.store.status().epoch;
-  stage.request = 11;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1 && stage.is_whole(); }));
-  EXPECT_EQ(stage.store.begin().request, 11U);
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  EXPECT_EQ(setup.store.begin().request, 9U);
+  const std::uint32_t epoch = setup.store.status().epoch;
+  setup.request = 11;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 1 && setup.is_whole(); }));
+  EXPECT_EQ(setup.store.begin().request, 11U);
 }
 
 // Such a hub may still compute forces from its parts.
 TEST(PatchSender, PartsAreWithdrawnFromAHubThatHasNotBeenHeardOfForLong) {
-  SenderStage stage;
-  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
-  const std::uint32_t epoch = stage.store.status().epoch;
+  SenderWithHub setup;
+  ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
+  const std::uint32_t epoch = setup.store.status().epoch;
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
-  ASSERT_FALSE(stage.sender.is_wanted(stage.clock.now_ns()));
-  stage.sender.set_withdrawn(true, 0);
-  const auto is_new = [&] { return stage.sender.front() != nullptr && epoch_of(*stage.sender.front()) == epoch + 1; };
-  ASSERT_TRUE(stage.lose_until(is_new));
-  stage.sender.pop();
-  ASSERT_TRUE(stage.lose_until(is_new)) << "again, as it may be lost";
-  EXPECT_FALSE(stage.sender.is_withdrawn(0));
-  EXPECT_TRUE(stage.receive_until([&] { return stage.sender.is_withdrawn(0); }));
+  ASSERT_FALSE(setup.sender.is_wanted(setup.clock.now_ns()));
+  setup.sender.set_withdrawn(true, 0);
+  const auto is_new = [&] { return setup.sender.front() != nullptr && epoch_of(*setup.sender.front()) == epoch + 1; };
+  ASSERT_TRUE(setup.lose_until(is_new));
+  setup.sender.pop();
+  ASSERT_TRUE(setup.lose_until(is_new)) << "again, as it may be lost";
+  EXPECT_FALSE(setup.sender.is_withdrawn(0));
+  EXPECT_TRUE(setup.receive_until([&] { return setup.sender.is_withdrawn(0); }));
 }
 
 TEST(PatchSender, TheReplyLoopsCallsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  SenderStage stage;
-  stage.want();
+  SenderWithHub setup;
+  setup.want();
   const PatchStatus status{.is_wanted = true};
   const AllocationGuard guard;
   for (int n = 0; n < 100; ++n) {
-    stage.sender.accept(status, n);
-    stage.sender.note_hand({}, kAtW);
-    if (stage.sender.front() != nullptr) stage.sender.pop();
-    stage.sender.set_withdrawn(n % 3 == 0 && !stage.sender.is_withdrawn(0), static_cast<std::uint32_t>(n));
+    setup.sender.accept(status, n);
+    setup.sender.note_hand({}, kIdentityPose);
+    if (setup.sender.front() != nullptr) setup.sender.pop();
+    setup.sender.set_withdrawn(n % 3 == 0 && !setup.sender.is_withdrawn(0), static_cast<std::uint32_t>(n));
   }
   EXPECT_EQ(guard.count(), 0U);
 }

@@ -1,4 +1,4 @@
-// hapton doctor on the sysfs of a real kernel, with devices that are plugged in and unplugged.
+// hapton doctor in a QEMU guest: on the sysfs of a real kernel, with devices that are plugged in and unplugged.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -11,7 +11,11 @@
 namespace hapton::guest {
 namespace {
 
-std::string look() { return doctor::to_text(doctor::diagnose(doctor::Machine("/", {}, {}), std::vector<std::string>{"devices"}), false); }
+std::string look() {
+  const doctor::Machine machine("/", doctor::Machine::Queries{}, doctor::Machine::Settings{});
+  constexpr bool kWithColours = false;
+  return doctor::to_text(doctor::diagnose(machine, std::vector<std::string>{"devices"}), kWithColours);
+}
 
 bool says(const std::string& text) {
   return wait_until([&] { return look().find(text) != std::string::npos; });
@@ -19,7 +23,8 @@ bool says(const std::string& text) {
 
 TEST(GuestDoctor, SeesDevicesComeAndGo) {
   EXPECT_TRUE(says("none is plugged in")) << look();
-  VirtualWooden wooden(false);
+  constexpr bool kHasWrist = false;
+  VirtualWooden wooden(kHasWrist);  // its name is W8
   VirtualHaptonHid hapton_hid;
   VirtualSpaceMouse mouse;
   wooden.plug_in();

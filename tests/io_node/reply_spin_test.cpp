@@ -40,6 +40,7 @@ TEST_F(SpinningNetworkLoops, SpinUntilTheForceIsThere) {
 TEST_F(SpinningNetworkLoops, SleepForAForceThatComesLaterThanThat) {
   run_with(300 * kUs, 500);
   EXPECT_GT(network->collect_stats().forces, 450U);
+  // No force comes during a spin of 150 us, so only the waits of one SpinTrial spin; all later ones sleep.
   EXPECT_GT(network->reply_spin().spun_ns(), SpinTrial::kWaits * 140 * kUs);
   EXPECT_LT(network->reply_spin().spun_ns(), SpinTrial::kWaits * 160 * kUs);
 }

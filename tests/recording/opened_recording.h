@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A made recording with its index and rows.
+// A MadeRecording, opened: with its index, and with its samples, which RecordingRows reads as rows.
 struct OpenedRecording {
   explicit OpenedRecording(MadeRecording&& recording = MadeRecording()) : file(recording.write(scratch)), index(read()) {
     auto opened = RecordingRows::open(file, index);

@@ -29,6 +29,7 @@ TEST(TrajectoryCsv, PositionsReadBackEqualToTheBit) {
   }
 }
 
+// Frame T is that of the stylus (docs/frames.md): q_WT is its orientation in the world.
 TEST(TrajectoryCsv, ReadsPositions) {
   const auto rows = parse_trajectory_csv("# made by hand\nt_s,x_m,y_m,z_m\n0,1,2,3\n\n# half way\n0.5, +1e-3 ,-2.5,.25\r\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
@@ -54,13 +55,7 @@ TEST(TrajectoryCsv, ReadsAndNormalisesQuaternions) {
   EXPECT_TRUE((*rows)[0].has_turn);
 }
 
-struct Bad {
-  const char* text;
-  const char* place;
-  const char* reason;
-};
-
-// Spreadsheets on Windows save files with such a mark.
+// Spreadsheets on Windows begin CSV files with a byte order mark.
 TEST(TrajectoryCsv, AByteOrderMarkIsPassedOver) {
   const auto rows = parse_trajectory_csv("\xEF\xBB\xBFt_s,x_m,y_m,z_m\r\n0.5,1,2,3\r\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
@@ -74,6 +69,12 @@ TEST(TrajectoryCsv, QuotesNothingThatATerminalWouldObey) {
   EXPECT_EQ(rows.error().what,
             "a.csv:2: '?[2J" + std::string(36, 'x') + "...' in column y_m is not a finite number; write one like 0.0125");
 }
+
+struct Bad {
+  const char* text;
+  const char* place;
+  const char* reason;
+};
 
 TEST(TrajectoryCsv, SaysWhatIsWrongAndWhere) {
   const Bad cases[] = {
@@ -119,7 +120,8 @@ TEST(TrajectoryCsv, ReadsAFileAndNamesAMissingOne) {
   EXPECT_FALSE(read_trajectory_csv(testing::TempDir()));
 }
 
-// A sparse file, as `truncate` makes one: reading it once took all memory, and a signal ended the program.
+// The file is sparse, as the command `truncate` makes it: large, but nearly nothing of it is on the disk. An earlier version read such a
+// file until all memory was in use, and was then ended by a signal.
 TEST(TrajectoryCsv, AFileThatIsTooLargeIsNotRead) {
   const ScratchFolder folder;
   const auto path = folder.write("huge.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n");

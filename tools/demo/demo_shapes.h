@@ -28,7 +28,7 @@ constexpr double kHalfSideM = 0.070;  // half of the wall's side
 // The ball that the step with the heavy mesh generates, because it is too large for a shipped file.
 namespace demo_heavy {
 constexpr double kRadiusM = 0.060;             // radius of the ball
-constexpr double kCurvatureM = 0.008;          // curvature_radius_m of make_rough_sphere; a free choice
+constexpr double kCurvatureRadiusM = 0.008;    // curvature_radius_m of make_rough_sphere; a free choice
 constexpr double kWavelengthM = 0.012;         // wavelength_m of make_rough_sphere; a free choice
 constexpr std::size_t kTriangles = 1'000'000;  // at least so many; the smallest such icosphere has 1,310,720
 }  // namespace demo_heavy

@@ -11,12 +11,14 @@
 namespace hapton {
 namespace {
 
-// Servo rate of the tour: a step is 1 ms.
+// Servo rate of the tour: a cycle takes 1 ms.
 constexpr const char* kRateHz = "1000";
 
 // Writes the mesh that is too large to be shipped, and a scene file for it.
 Result<std::filesystem::path> write_heavy_scene(const std::filesystem::path& folder) {
-  const auto mesh = make_rough_sphere(demo_heavy::kRadiusM, demo_heavy::kCurvatureM, demo_heavy::kWavelengthM, demo_heavy::kTriangles, 1);
+  constexpr std::uint64_t kSeed = 1;
+  const auto mesh =
+      make_rough_sphere(demo_heavy::kRadiusM, demo_heavy::kCurvatureRadiusM, demo_heavy::kWavelengthM, demo_heavy::kTriangles, kSeed);
   if (const auto written = write_ply(folder / "heavy.ply", mesh); !written) return tl::unexpected(written.error());
   const auto scene = folder / "heavy.toml";
   const auto written =
@@ -69,6 +71,7 @@ Result<void> DemoSystem::start_hub() {
   return io_->wait_for("hub on ");
 }
 
+// `hapton relay` imitates a network between the haptics node and the hub, with the flags of the step.
 Result<void> DemoSystem::start_relay(const DemoStep& step) {
   std::vector<std::string> words = {"--seed", "1"};
   words.insert(words.end(), step.relay.begin(), step.relay.end());
@@ -80,6 +83,7 @@ Result<void> DemoSystem::start_relay(const DemoStep& step) {
 }
 
 Result<void> DemoSystem::start_haptics() {
+  // --build-at-once: the structures of the objects are built before the hand comes near them, not while it does.
   auto haptics = LocalNode::start(
       settings_.out, "haptics_node", find_own_folder() / "haptics_node",
       {"--hub", nodes_hub_, "--scene", scene_.string(), "--build-at-once", "--cpu", fmt::format("{}", settings_.cpu), "--spin", "0"});
@@ -91,11 +95,13 @@ Result<void> DemoSystem::start_haptics() {
 Result<void> DemoSystem::start(const DemoStep& step) {
   if (const auto prepared = prepare(step); !prepared) return prepared;
   if (const auto started = step.relay.empty() ? Result<void>() : start_relay(step); !started) return started;
-  // The haptics node is ready before the hub and its simulated hand start, so that the hand does not pass the surface unnoticed.
+  // The haptics node is ready before the hub and its simulated hand start, because a hand that is
+  // inside a body before there is a method feels nothing until it has left.
   if (const auto started = start_haptics(); !started) return started;
   return start_hub();
 }
 
+// The vision node connects to the hub directly: a relay is only between the hub and the haptics node.
 Result<void> DemoSystem::start_vision(const DemoStep& step) {
   std::vector<std::string> words = {"--hub", hub_, "--scene", scene_.string()};
   words.insert(words.end(), step.vision.begin(), step.vision.end());

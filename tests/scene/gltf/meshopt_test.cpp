@@ -89,7 +89,8 @@ TEST(Meshopt, UndoesFilters) {
   }
 }
 
-// Instances have such rotations. A quaternion and its negative are the same rotation.
+// Instances of a mesh (EXT_mesh_gpu_instancing) can have rotations that are stored in this way. A quaternion and its negative are the same
+// rotation.
 TEST(Meshopt, UndoesTheFilterOfRotations) {
   std::vector<Eigen::Vector4f> rotations;
   for (int n = 0; n < 8; ++n) rotations.push_back(Eigen::Vector4f(1.0F, 0.3F * static_cast<float>(n), -0.5F, 0.2F).normalized());
@@ -141,7 +142,7 @@ TEST(Meshopt, ViewsOfTheSameBytesAreBoundedTogether) {
   for (int v = 0; v < 64; ++v) root["bufferViews"].push_back(view);
   gltf::Buffers buffers(root, packed, ".");
   EXPECT_TRUE(buffers.view(0, "here"));
-  EXPECT_TRUE(buffers.view(0, "here")) << "it is unfolded once";
+  EXPECT_TRUE(buffers.view(0, "here")) << "it is decompressed once";
   std::string error;
   for (int v = 1; v < 64 && error.empty(); ++v) {
     if (const auto read = buffers.view(v, "here"); !read) error = read.error().what;
@@ -152,7 +153,7 @@ TEST(Meshopt, ViewsOfTheSameBytesAreBoundedTogether) {
 TEST(Meshopt, SaysWhatIsWrong) {
   const auto error_of = [](const gltf::Json& json) {
     const auto layout = gltf::meshopt_layout_of(json, "here");
-    return layout ? "it was taken" : layout.error().what;
+    return layout ? "it was accepted" : layout.error().what;
   };
   EXPECT_THAT(error_of({{"mode", "ZIP"}, {"count", 1}, {"byteStride", 4}}), HasSubstr("mode is 'ZIP'"));
   EXPECT_THAT(error_of({{"mode", "INDICES"}, {"count", 1}, {"byteStride", 3}}), HasSubstr("byteStride is 3"));

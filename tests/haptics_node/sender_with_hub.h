@@ -16,11 +16,12 @@
 
 namespace hapton {
 
-inline constexpr std::array<float, 12> kAtW = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+inline constexpr std::array<float, 12> kIdentityPose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-// A PatchSender, and a hub that requests the parts of the scene.
-struct SenderStage {
-  explicit SenderStage(bool is_offered = true, TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20)))
+// A PatchSender, and the side of the hub, which requests the parts of the scene. The probe is a point, the hash of the scene is 7, and
+// at least the parts up to 1 m from the hand are sent. is_offered: the method in use can be computed from parts, so the hub gets them.
+struct SenderWithHub {
+  explicit SenderWithHub(bool is_offered = true, TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20)))
       : sender(std::move(scene), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0}) {}
 
   void want() {
@@ -38,6 +39,7 @@ struct SenderStage {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
       want();
       for (const Message* part = sender.front(); part != nullptr; part = sender.front()) {
+        // All that is sent is a part of the scene or a move of an object that programs move.
         if (!store.accept_part(*part)) moves.push_back(std::get<ObjectMove>(*part));
         ++received;
         sender.pop();
@@ -45,7 +47,7 @@ struct SenderStage {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
-  // Loses what is sent, and sends nothing from the hub, until holds(). False: it did not hold within 30 s.
+  // Until holds(), loses all that the sender sends, and sends no status of the hub. Returns false if it did not hold within 30 s.
   bool lose_until(const auto& holds) {
     for (int n = 0; n < 6000 && !holds(); ++n) {
       for (; sender.front() != nullptr && !holds(); sender.pop()) {
@@ -65,11 +67,11 @@ struct SenderStage {
   PatchSender sender;
   PatchStore store;
   std::vector<ObjectMove> moves;
-  MoveTable confirmed;
+  MoveTable confirmed;  // the moves that the hub confirms with its status
   std::uint32_t request = 9;
   bool knows_effects = true;
   Vec3 p_WD = Vec3::Zero();
-  std::array<float, 12> X_WS = kAtW;
+  std::array<float, 12> X_WS = kIdentityPose;
   std::uint64_t sample = 0;
   int received = 0;
 };
