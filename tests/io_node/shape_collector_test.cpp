@@ -25,6 +25,7 @@ TEST_F(NetworkLoops, ARecordingRequestsTheShapeWithWhichItBegins) {
   run(50);
   EXPECT_TRUE(shape_statuses.empty()) << "its parts may be on their way";
   say(kHaptics, part_of(7, 5, 200, 0));
+  say(kHaptics, part_of(7, 5, 128, 64));  // not of this shape: another number of vertices
   run(30);
   ASSERT_EQ(shape_statuses.size(), 1U);
   EXPECT_EQ(shape_statuses[0].first, at(kHaptics));
@@ -46,25 +47,27 @@ TEST_F(NetworkLoops, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
   const auto start = [this](std::uint32_t source, std::uint32_t serial, std::int32_t object) {
     say(kHaptics, ShapeStart{.source = source, .serial = serial, .object = object, .total = 64});
   };
+  start(7, 2, 0);
   start(7, 2, 4);
   start(7, 3, 1);
   say(kHaptics, part_of(7, 4, 64, 0, 1));  // a part of the next shape of object 1, which has not begun
   run(80);
-  ASSERT_EQ(shape_statuses.size(), 1U);
-  EXPECT_EQ(shape_statuses[0].second.object, 4);
-  EXPECT_EQ(shape_statuses[0].second.serial, 2U);
-  EXPECT_EQ(shape_statuses[0].second.first, 0U) << "nothing of it has come";
+  ASSERT_EQ(shape_statuses.size(), 2U);
+  EXPECT_EQ(shape_statuses[0].second.object, 0);
+  EXPECT_EQ(shape_statuses[1].second.object, 4);
+  EXPECT_EQ(shape_statuses[1].second.serial, 2U);
+  EXPECT_EQ(shape_statuses[1].second.first, 0U) << "nothing of it has come";
   start(7, 4, 1);
-  say(kHaptics, part_of(7, 2, 64, 0, 4));
+  for (const std::int32_t object : {0, 4}) say(kHaptics, part_of(7, 2, 64, 0, object));
   run(300);
-  EXPECT_EQ(shape_statuses.size(), 1U) << "all is there";
+  EXPECT_EQ(shape_statuses.size(), 2U) << "all is there";
   start(9, 1, 4);
   run(80);
-  ASSERT_EQ(shape_statuses.size(), 2U) << "another process";
-  EXPECT_EQ(shape_statuses[1].second.source, 9U);
+  ASSERT_EQ(shape_statuses.size(), 3U) << "another process";
+  EXPECT_EQ(shape_statuses[2].second.source, 9U);
   for (std::int32_t object = 10; object < 30; ++object) start(9, 5, object);
   run(80);
-  EXPECT_LE(shape_statuses.size(), 2U + ShapePart::kMaxObjects);
+  EXPECT_EQ(shape_statuses.size(), 3U + ShapePart::kMaxObjects - 1) << "one of each new object that there is room for";
 }
 
 TEST_F(NetworkLoops, WithoutARecordingNoShapesAreRequested) {
