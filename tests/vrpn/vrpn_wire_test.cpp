@@ -179,6 +179,21 @@ TEST(VrpnWire, ANumberIsABodyOfEightBytes) {
   }
 }
 
+TEST(VrpnWire, StatesOfButtonsAreACountAndAWordForEach) {
+  const auto buttons = [](std::string_view body) {
+    const Bytes bytes = hex(body);
+    return buttons_of({1, 2, bytes});
+  };
+  EXPECT_EQ(buttons("00000003 00000000 00000001 00000002"), 0b110U);
+  EXPECT_EQ(buttons("00000000"), 0U);
+  EXPECT_EQ(buttons("00000001"), std::nullopt);
+  EXPECT_EQ(buttons("00000001 00000001 00000001"), std::nullopt);
+  EXPECT_EQ(buttons("0000"), std::nullopt);
+  std::string many = "00000021 ";
+  for (int n = 0; n < 33; ++n) many += n == 0 ? "00000000" : "00000001";
+  EXPECT_EQ(buttons(many), 0xfffffffeU) << "a button beyond the 32nd has no bit";
+}
+
 TEST(VrpnWire, APoseIsReadWhereItIsWritten) {
   Bytes out;
   append_position(out, kHeader, 7, {1.5, -2.25, 1e-3}, Quat(0.1, 0.2, 0.3, 0.4));
