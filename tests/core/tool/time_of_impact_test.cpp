@@ -59,5 +59,23 @@ TEST_F(TimeOfImpact, ParallelEdgesAreLeftToTheirEnds) {
   EXPECT_EQ(bound_time_of_impact(pair, measure_gap(pair, motion.from), motion, 7.5e-7, 1.0), 1.0);
 }
 
+// A vertex circles above a face: every advance has the same length, because the bound does not know that it never comes nearer.
+TEST_F(TimeOfImpact, ThePairIsLeftAfterTheLargestNumberOfAdvancesOrAShortOne) {
+  constexpr double kFloor = 5e-6;
+  const RigidMotion motion{{}, Vec3::Zero(), {0.0, 0.0, 0.5}};
+  const auto time_for = [&](double advance_share) {
+    const double height = kFloor + 0.5 * advance_share * advance_share * motion.turn.squaredNorm() * 0.1;
+    FeaturePair pair;
+    pair.kind = Kind::vertex_face;
+    pair.tool = {Vec3(0.1, 0.0, height), Vec3::Zero(), Vec3::Zero()};
+    pair.scene = {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)};
+    return bound_time_of_impact(pair, measure_gap(pair, motion.from), motion, kFloor, 1.0);
+  };
+  EXPECT_NEAR(time_for(0.02), kMaxAdvances * 0.02, 1e-6);
+  EXPECT_NEAR(time_for(1.1 * 0x1p-12), kMaxAdvances * 1.1 * 0x1p-12, 1e-6);
+  EXPECT_NEAR(time_for(0.9 * 0x1p-12), 2 * 0.9 * 0x1p-12, 1e-6);
+  EXPECT_EQ(time_for(0.04), 1.0);
+}
+
 }  // namespace
 }  // namespace hapton
