@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/geometry/corner_normals.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/smooth_surface.h"
@@ -37,6 +38,33 @@ TEST(SplitLarge, SplittingStopsAtItsLimitAndSaysSo) {
   EXPECT_FALSE(report.split.complete);
   EXPECT_LE(surface->face_count, 81920U + 100000U);
   EXPECT_NE(report.split.describe().find("limit"), std::string::npos);
+}
+
+// On a sphere whose corners have its normals, the normal at the middle of an edge is that of the sphere too.
+TEST(SplitLarge, NewVerticesAndNormalsAreTheMeansOfTheTwoThatTheListsName) {
+  const TriangleMesh sphere = make_icosphere(1.0, 2);
+  CornerNormalReport report;
+  ShadedMesh mesh = fill_corner_normals(sphere, std::vector<std::uint32_t>(sphere.triangles.size(), 0), 1.0, report);
+  mesh.normals = mesh.vertices;
+  mesh.corner_normals = mesh.triangles;
+  const std::size_t before = mesh.vertices.size();
+  const SplitReport split = split_large(mesh, 0.2, 1 << 20);
+  const std::size_t edges = 3 * sphere.triangles.size() / 2;
+  ASSERT_EQ(split.edges, edges) << "each is halved once";
+  EXPECT_EQ(split.triangles, 3 * sphere.triangles.size());
+  ASSERT_EQ(mesh.vertices.size(), before + edges);
+  ASSERT_EQ(mesh.normals.size(), before + edges);
+  ASSERT_EQ(mesh.middle_vertices.size(), edges);
+  ASSERT_EQ(mesh.middle_normals.size(), edges);
+  EXPECT_EQ(mesh.first_middle_normal, before);
+  for (std::size_t e = 0; e < edges; ++e) {
+    const auto [a, b] = mesh.middle_vertices[e];
+    EXPECT_EQ(mesh.vertices[before + e], Vec3(0.5 * mesh.vertices[a] + 0.5 * mesh.vertices[b]));
+    EXPECT_EQ(mesh.normals[before + e], middle_normal_of(mesh, mesh.middle_normals[e]));
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) EXPECT_LT((mesh.normal(t, k) - mesh.corner(t, k).normalized()).norm(), 1e-15);
+  }
 }
 
 }  // namespace
