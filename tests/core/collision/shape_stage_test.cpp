@@ -89,6 +89,29 @@ TEST(StreamedGeometry, GoesStraightFromEachShapeToTheNext) {
   one.expect_shape(bent);
 }
 
+// The stage before the present one is kept until it is replaced: vertices moved in it.
+TEST(StreamedGeometry, CountsTheMemoryOfAllItsStages) {
+  const Streamed one(made::sphere(0.05, 12, 0.05));
+  const auto wide = one.mapped([](const Vec3& p) { return Vec3(1.2 * p); });
+  const auto bytes_of = [](const ShapeStage& stage) {
+    std::size_t bytes = (stage.begin.size() + stage.to.size()) * sizeof(Vec3);
+    bytes += (stage.begin_local.size() + stage.motion_local.size()) * sizeof(double);
+    for (const WideBvh& tree : stage.trees) bytes += tree.bytes();
+    return bytes;
+  };
+  const std::size_t rest = bytes_of(one.surface->present()) + one.surface->present().begin_local.size() * sizeof(double);
+  EXPECT_GE(one.surface->bytes(), rest);
+  EXPECT_LT(one.surface->bytes(), rest + rest / 4);
+  auto next = one.stage_to(wide);
+  const std::size_t both = rest + bytes_of(*next);
+  (void)one.surface->offer(std::move(next), 0.5, 1.0);
+  for (const double time_s : {0.5, 1.2}) {
+    one.surface->shape(time_s);
+    EXPECT_GE(one.surface->bytes(), both) << time_s;
+    EXPECT_LT(one.surface->bytes(), both + both / 4) << time_s;
+  }
+}
+
 // The vertices have a constant speed in both stages, wherever the samples are relative to the moment at which the stages change.
 TEST(StreamedGeometry, KnowsHowFarAVertexMovedAlsoWhereAStageEndsBetween) {
   const Streamed one(made::sheet(0.05, 0.0, 4));
