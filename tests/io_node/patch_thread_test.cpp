@@ -133,6 +133,9 @@ TEST(PatchThread, ANewEpochReplacesTheOneBefore) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
+  stage.serial = 0;
+  stage.send(PatchBegin{0, 0, stage.tiled.grid.origin_m, stage.tiled.grid.step_m, 0.0, 7}, kEpoch + 1);
+  ASSERT_TRUE(stage.step_until([](const auto& force) { return !force; })) << "its patches are dropped before those of the new epoch come";
   stage.send_all(kEpoch + 1);
   EXPECT_TRUE(stage.step_until([&](const auto& force) {
     (void)stage.thread.take_status();
