@@ -1,6 +1,8 @@
 // Carves that include undos: what a datagram may contain.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/link/codec_fixture.h"
 
 namespace hapton {
@@ -41,6 +43,20 @@ TEST_F(CarveCodecTest, AnUndoNamesCarvesBeforeIt) {
   EXPECT_EQ(with([](Carves& m) { m.carves[1].undone_last = 0xFFFFFFFF; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](Carves& m) { m.carves[1].undone_last = 1; }), DecodeStatus::bad_value) << "the last is before the first";
   EXPECT_EQ(with([](Carves& m) { m.carves[1].undone_first = 7; }), DecodeStatus::ok) << "one carve";
+}
+
+// A carve between the largest number and the next float is short.
+TEST_F(CarveCodecTest, BothEndsAreWithinTheLargestNumber) {
+  const auto large = static_cast<float>(kMaxWireMagnitude);
+  const float larger = std::nextafter(large, 2.0F * large);
+  const auto with_ends = [&](float from, float to) {
+    return with([&](Carves& m) { m.carves[0].from_m = {0.0F, from, 0.0F}, m.carves[0].to_m = {0.0F, to, 0.0F}; });
+  };
+  EXPECT_EQ(with_ends(large, large), DecodeStatus::ok);
+  EXPECT_EQ(with_ends(larger, large), DecodeStatus::bad_value);
+  EXPECT_EQ(with_ends(large, larger), DecodeStatus::bad_value);
+  EXPECT_EQ(with_ends(-larger, -large), DecodeStatus::bad_value);
+  EXPECT_EQ(with_ends(-large, std::nanf("")), DecodeStatus::bad_value);
 }
 
 TEST_F(CarveCodecTest, ARequestNamesAProcessAndACarve) {

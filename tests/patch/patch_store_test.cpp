@@ -230,7 +230,8 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
       [](PatchBody& body) {
         body.loops = true, body.keys[1].p_S = body.keys[0].p_S, body.keys[1].turn = Quat(Eigen::AngleAxisd(1e-3, Vec3::UnitX()));
       },
-      [](PatchBody& body) { body.motion = PatchBody::Motion::still, body.all_keys = body.key_count = 0; }};
+      [](PatchBody& body) { body.motion = PatchBody::Motion::still, body.all_keys = body.key_count = 0; },
+      [](PatchBody& body) { body.keys[1].time_s = 0.39; }};
   for (std::size_t n = 0; n < changes.size(); ++n) {
     Moving moving;
     const std::uint64_t parts = moving.store.counts().parts;
@@ -240,6 +241,8 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
       EXPECT_EQ(moving.store.counts().parts, parts) << n;
     }
   }
+  Moving slower;
+  EXPECT_TRUE(slower.takes([](PatchBody& body) { body.keys[1].time_s = 2.0, body.keys[1].p_S.x() = 0.4; }));
   Moving moving;
   EXPECT_TRUE(moving.takes([](PatchBody&) {}));
   const std::uint64_t rejected = moving.store.counts().rejected;

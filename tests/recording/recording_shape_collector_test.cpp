@@ -120,6 +120,20 @@ TEST_F(ShapeCollectorTest, AFileWithAnyNumberOfPartsTakesLittleMemory) {
   EXPECT_EQ(taken, std::vector<std::string>({"0.1000?"}));
 }
 
+// The hub sends shapes on to vision nodes, and receives what cannot be read.
+TEST_F(ShapeCollectorTest, OnlyReadableDatagramsThatTheHubReceivedCount) {
+  SessionEntry entry;
+  entry.kind = SessionEntry::Kind::sent;
+  const Datagram part_1{{.session = 1, .sender = 0}, ObjectShape{.source = 5, .serial = 1, .part = {.total = 3}}};
+  const Datagram start_1{{.session = 1, .sender = 0}, ShapeStart{.source = 5, .serial = 1, .total = 3}};
+  collector.add(entry, &part_1, take);
+  collector.add(entry, &start_1, take);
+  entry.kind = SessionEntry::Kind::received;
+  collector.add(entry, nullptr, take);
+  collector.finish(take);
+  EXPECT_TRUE(taken.empty());
+}
+
 // A hub asks for parts again for a picture that begins later, long after the shape was handed on.
 TEST_F(ShapeCollectorTest, PartsThatAreSentAgainDelayNoLaterShape) {
   for (const std::uint32_t serial : {1U, 2U}) {
