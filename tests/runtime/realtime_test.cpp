@@ -8,6 +8,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -113,6 +114,23 @@ TEST(RealtimeTest, WhoMayNotOpenTheWakeUpLatencyIsToldSo) {
   EXPECT_EXIT(say_why(), testing::ExitedWithCode(0), "");
 }
 
+// Under a finite limit, memory that is taken later is not locked: taking it would fail.
+TEST(RealtimeTest, WhoMayLockWithoutALimitLocksAllMemory) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto lock_under = [](rlim_t most_bytes) {
+    constexpr uid_t kNobody = 65534;
+    const rlimit limit = {.rlim_cur = most_bytes, .rlim_max = most_bytes};
+    // Only a privileged user may remove a limit.
+    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0) std::_Exit(most_bytes == RLIM_INFINITY ? 0 : 2);
+    if (geteuid() == 0 && setuid(kNobody) != 0) std::_Exit(2);
+    const auto report = enter_realtime({.mode = RealtimeMode::attempt, .priority = 0, .low_dma_latency = false});
+    const RealtimeItem* item = report ? find_item(*report, "memory lock") : nullptr;
+    std::_Exit(item != nullptr && item->requested == (most_bytes == RLIM_INFINITY ? "all" : "present") ? 0 : 1);
+  };
+  EXPECT_EXIT(lock_under(1 << 16), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(lock_under(RLIM_INFINITY), testing::ExitedWithCode(0), "");
+}
+
 TEST(RealtimeTest, TheShareOfRealTimeThreadsIsSaidInPercent) {
   RealtimeReport report;
   report.items.push_back({.name = "priority", .requested = "SCHED_FIFO 80", .obtained = true, .reason = {}, .remedy = {}});
@@ -140,7 +158,12 @@ TEST(RealtimeTest, TheSharedCpuIsOneThatThisProcessMayUse) {
   CPU_CLR(static_cast<std::size_t>(cpu), &set);
   std::thread([&] {
     ASSERT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
-    EXPECT_NE(find_shared_cpu(), cpu);
+    EXPECT_LT(find_shared_cpu(), cpu) << "the last one";
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(cpu), &one);
+    ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+    EXPECT_EQ(find_shared_cpu(), -1) << "there is only one";
   }).join();
 }
 

@@ -4,10 +4,21 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cstddef>
+#include <fstream>
+#include <string>
+
 #include "tests/support/open_files.h"
 
 namespace hapton {
 namespace {
+
+std::size_t count_mapped_pages() {
+  std::ifstream maps("/proc/self/maps");
+  std::size_t count = 0;
+  for (std::string line; std::getline(maps, line);) count += line.find("memfd:hapton-heartbeat") != std::string::npos ? 1 : 0;
+  return count;
+}
 
 TEST(HeartbeatMemoryTest, OneSideSeesWhatTheOtherWrites) {
   HeartbeatMemory ours;
@@ -48,7 +59,9 @@ TEST(HeartbeatMemoryTest, IsClosedAgain) {
     ASSERT_TRUE(ours.make());
     HeartbeatMemory theirs;
     ASSERT_TRUE(theirs.open(::dup(ours.file())));
+    EXPECT_EQ(count_mapped_pages(), 2U);
   }));
+  EXPECT_EQ(count_mapped_pages(), 0U);
 }
 
 }  // namespace
