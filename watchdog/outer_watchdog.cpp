@@ -39,7 +39,7 @@ void ForceCutter::close_device() noexcept {
 // A device that gets the same /dev node later counts as another device: it is not opened until the page names a device again.
 void ForceCutter::close_if_unplugged() noexcept {
   pollfd device = {.fd = device_, .events = 0, .revents = 0};
-  if (device_ < 0 || ::poll(&device, 1, 0) <= 0 || (device.revents & (POLLERR | POLLHUP)) == 0) return;
+  if (device_ < 0 || ::poll(&device, 1, 0) != 1 || (device.revents & (POLLERR | POLLHUP)) == 0) return;
   close_device();
   is_unplugged_ = true;
 }
