@@ -22,6 +22,15 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+TEST_F(GraspTaskTest, EachObjectHasANumberAndAMovableOneAPoseFromTheStart) {
+  const Grasp other(link, {true, false, true}, 1U);
+  ASSERT_EQ(other.poses().size(), 3U);
+  for (std::size_t o = 0; o < 3; ++o) {
+    EXPECT_EQ(other.poses()[o].object, static_cast<std::int32_t>(o));
+    EXPECT_EQ(other.poses()[o].serial, o == 1 ? 0U : 1U);
+  }
+}
+
 TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);

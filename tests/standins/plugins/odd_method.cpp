@@ -1,8 +1,8 @@
 // A force method: floor and proxy at y = 0, with the stiffness of the first object's material. Parameters: does=nan|nan_proxy|odd_object|
 // exception, from call after=CALLS on; does=reject; does=tell: the force is the velocity, and the proxy's x, y and z are the time, the
 // buttons and the x component of the stylus's axis y; does=reset_exception|material_exception, in these calls. It aborts when it is
-// destroyed without having been created, and when it is called after it gave NaN. Compiled with ODD_IS_BARE it has only what a method must
-// have.
+// destroyed without having been created, when it is called after it gave NaN, and when the output is not as hapton_plugin.h says. Compiled
+// with ODD_IS_BARE it has only what a method must have.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -55,6 +55,7 @@ void reset(void* method, const double*) {
 
 void step(void* method, const hapton_method_input* input, hapton_method_output* output) {
   Floor& floor = *static_cast<Floor*>(method);
+  if (output->object != -1 || output->contact != 0 || output->force_n[2] != 0.0 || output->proxy_m[0] != input->position_m[0]) std::abort();
   const bool is_odd = floor.calls++ >= floor.after;
   if (is_odd && floor.does == "exception") throw std::runtime_error("through the boundary");
   if (input->position_m[1] < 0.0) {
