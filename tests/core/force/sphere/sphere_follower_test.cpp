@@ -209,6 +209,30 @@ TEST(SphereFollower, TakesOverACentreInContactAndNoneThatIsTooNear) {
   EXPECT_FALSE(stage.follower->is_tracking());
 }
 
+// At the end of a narrow crease. To leave one of its walls alone would lead into the other one.
+TEST(SphereFollower, TakesOverACentreBetweenWallsThatItTouches) {
+  constexpr double kAngle = 0.3;
+  const Vec3 floor_normal = Vec3::UnitZ();
+  const Vec3 wall_normal(std::sin(kAngle), 0.0, -std::cos(kAngle));
+  TriangleMesh mesh = crease(kAngle);
+  mesh.vertices.insert(mesh.vertices.end(), {{-1.0, 0.0, -1.0}, {3.0, 0.0, -1.0}, {1.0, 0.0, 3.0}});
+  for (const std::size_t end_wall : {0U, 2U, 4U}) {
+    TriangleMesh ordered = mesh;
+    ordered.triangles.insert(ordered.triangles.begin() + static_cast<std::ptrdiff_t>(end_wall), {6, 8, 7});
+    for (const bool is_in_floor : {false, true}) {
+      Stage stage(ordered, kOffset);
+      const Vec3& other = is_in_floor ? wall_normal : floor_normal;
+      const Vec3& out = is_in_floor ? floor_normal : wall_normal;
+      const double short_by = 0x1p-36;
+      const Vec3 place = stage.geometry.to_local({kOffset / std::tan(0.5 * kAngle), kOffset, kOffset});
+      const Vec3 along_other = (out - other.dot(out) * other).normalized();
+      ASSERT_TRUE(stage.follower->start(place - 0.5 * short_by * along_other, false, short_by)) << end_wall;
+      EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
+      EXPECT_LT((stage.follower->centre() - place).norm(), kNear);
+    }
+  }
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 
 class OverBumps : public testing::TestWithParam<std::uint64_t> {};
