@@ -303,11 +303,11 @@ TEST_F(SessionEvents, OfTheSceneAndTheLoopAreTold) {
   }
 }
 
-// The fault is kept for the next start, except that of a device that has failed, which must be started again anyway.
+// The fault is kept for the next start. That of a device that has failed, too: DeviceHub removes it if the process ends by itself.
 TEST_F(SessionEvents, ALatchedFaultIsKeptUntilItsReset) {
   const LatchFile kept(scratch.path() / "latched");
   log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::device)}, &kept);
-  EXPECT_EQ(kept.read(), SafetyFault::none);
+  EXPECT_EQ(kept.read(), SafetyFault::device);
   log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::jump)}, &kept);
   EXPECT_EQ(kept.read(), SafetyFault::jump);
   log_with({fault_event(ServoEvent::Kind::reset_rejected, SafetyFault::jump)}, &kept);
