@@ -15,8 +15,8 @@ constexpr int kRounds = 6;
 // edge, changes the planes: then the program is solved again in every second round. With friction a part does not hold the proxy like a
 // plane, and more rounds make the force less steady.
 constexpr int kFrictionlessRounds = 12;
-// A part is not felt again if its device point has moved by at most the larger of two distances: kToleranceInShares times the longest share
-// plus kRounding times the coordinates (whose rounding is 2^-53), and kToleranceInLifts times the lift.
+// A part takes no further step if its device point has moved by at most the larger of two distances: kToleranceInShares times the longest
+// share plus kRounding times the coordinates (whose rounding is 2^-53), and kToleranceInLifts times the lift.
 constexpr double kToleranceInShares = 0x1p-26;
 constexpr double kRounding = 0x1p-46;
 constexpr double kToleranceInLifts = 0.25;
