@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <string>
 #include <thread>
@@ -397,7 +398,7 @@ TEST_F(SealedHubTest, WhatIsSentAsASessionBeginsIsSentOnce) {
       begun_by_send += node.seal_counts().handshakes == 1 ? 1 : 0;
       arrived.merge(hub_receives());
       if (hub_endpoint_.sent() != std::exchange(replied, hub_endpoint_.sent())) (void)node.receive(into, 0);
-      std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the worker finishes here, so the next send takes its result
     }
     arrived.merge(hub_receives());
     EXPECT_EQ(arrived.size(), 1U) << "the newest datagram, once";
