@@ -222,7 +222,7 @@ void worker_replies_to_request(benchmark::State& state) {
   HubHandshake::Agreement agreement;
   for (auto _ : state) {
     hub.agree(request, 1);
-    if (!hub.poll(agreement) || !agreement.went_well) state.SkipWithError("no agreement");
+    if (!hub.poll(agreement) || !agreement.is_valid) state.SkipWithError("no agreement");
   }
 }
 

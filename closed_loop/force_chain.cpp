@@ -97,7 +97,7 @@ void ForceChain::run_gate(const std::optional<WrenchCommand>& command, std::int6
     case Gate::filter:
       if (command) filter_.take(*command, now_ns);
       filter_.times_out(now_ns);
-      write(filter_.is_live() ? filter_.wanted().force_n : Vec3(Vec3::Zero()), now_ns);
+      write(filter_.is_live() ? filter_.wrench().force_n : Vec3(Vec3::Zero()), now_ns);
       return;
     case Gate::governor:
       write(governor_->step(command, now_ns).force_n, now_ns);

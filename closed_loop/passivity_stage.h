@@ -43,7 +43,7 @@ class PassivityStage final : public ForceStage {
 
  private:
   void advance(std::int64_t now_ns) noexcept {
-    if (last_ns_ && now_ns > *last_ns_) controller_.held(written_n_, 1e-9 * static_cast<double>(now_ns - *last_ns_));
+    if (last_ns_ && now_ns > *last_ns_) controller_.note_applied(written_n_, 1e-9 * static_cast<double>(now_ns - *last_ns_));
     last_ns_ = now_ns;
   }
 

@@ -88,7 +88,7 @@ class DeviceExchange {
   }
 
   // Driver: whether the servo had read or written in the kServoTimeoutNs before now_ns, as far as the last call of wrench() found out.
-  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoTimeoutNs; }
+  bool is_servo_alive(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoTimeoutNs; }
 
  private:
   struct Command {

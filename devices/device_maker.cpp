@@ -79,8 +79,8 @@ std::string names_that_take(bool DeviceMaker::*takes) {
 Result<void> check_settings(const DeviceMaker& maker, const DeviceSettings& settings) {
   const auto check = [&](bool is_given, bool DeviceMaker::*takes, std::string_view flag) -> Result<void> {
     if (!is_given || maker.*takes) return {};
-    const std::string takers = names_that_take(takes);
-    return fail("{} applies to --device {}, not to {}; change one or leave {} out", flag, takers, maker.name, flag);
+    const std::string names = names_that_take(takes);
+    return fail("{} applies to --device {}, not to {}; change one or leave {} out", flag, names, maker.name, flag);
   };
   if (auto checked = check(!settings.trajectory.empty(), &DeviceMaker::takes_trajectory, "--trajectory"); !checked) return checked;
   if (auto checked = check(settings.loop, &DeviceMaker::takes_trajectory, "--loop"); !checked) return checked;

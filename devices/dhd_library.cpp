@@ -18,7 +18,7 @@ std::string_view name_of_force_off_cause(int cause) {
 }
 
 const System& find_system(int type) {
-  static const std::array<System, 12> all = {{
+  static const std::array<System, 12> systems = {{
       {33, "omega.3", 12.0, 6.0, 0.0, {0.08, 0.055, 0.08}},
       {34, "omega.6", 12.0, 6.0, 0.0, {0.08, 0.055, 0.08}},
       {36, "omega.6 (left)", 12.0, 6.0, 0.0, {0.08, 0.055, 0.08}},
@@ -32,10 +32,10 @@ const System& find_system(int type) {
       {kFalcon, "Falcon", 8.0, 4.0, 0.0, {0.05, 0.05, 0.05}},
       {-1, "", 3.0, 1.5, 0.0, {0.05, 0.05, 0.05}},
   }};
-  for (const System& system : all) {
+  for (const System& system : systems) {
     if (system.type == type) return system;
   }
-  return all.back();
+  return systems.back();
 }
 
 Result<Library> load(const std::string& file) {

@@ -22,8 +22,8 @@ constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
 constexpr int kTicksPerStatusCheck =
     100;  // 10 times a second: soon enough for a person who reads the status, and each check is a USB transfer
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // between two log lines about the same state
-constexpr int kMaxFailuresInARow = 10;                            // failed calls; so many lost USB packets mean an unplugged cable
+constexpr std::int64_t kLogPeriodNs = 10 * kNanosecondsPerSecond;  // between two log lines about the same state
+constexpr int kMaxFailuresInARow = 10;                             // failed calls; so many lost USB packets mean an unplugged cable
 // These values are our choice, see docs/vendor-devices.md.
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;
@@ -87,8 +87,8 @@ class ForceDimensionDevice final : public VendorDevice {
   int ticks_to_check_ = 0;
   bool is_force_off_ = false;
   std::int64_t next_reopen_ns_ = 0;
-  std::int64_t next_line_ns_ = 0;
-  std::string reported_;  // why it could not be opened again, as logged last
+  std::int64_t next_log_ns_ = 0;
+  std::string logged_reason_;  // why it could not be opened again, as logged last
 };
 
 ForceDimensionDevice::~ForceDimensionDevice() {
@@ -289,8 +289,8 @@ void ForceDimensionDevice::check_status(std::int64_t now_ns) {
   const bool was_off = std::exchange(is_force_off_, status[dhd::kStatusForce] == 0);
   if (!is_force_off_) return;
   exchange_.restart_ramp();
-  if (!was_off && now_ns >= next_line_ns_) {
-    next_line_ns_ = now_ns + kSayEveryNs;
+  if (!was_off && now_ns >= next_log_ns_) {
+    next_log_ns_ = now_ns + kLogPeriodNs;
     log_warning("{} has released its force: {}; it returns by itself, or with the device's force button", model_,
                 status[dhd::kStatusPower] == 0 ? "its power is off" : dhd::name_of_force_off_cause(status[dhd::kStatusForceOffCause]));
   }
@@ -302,7 +302,7 @@ void ForceDimensionDevice::log_away(std::int64_t now_ns, const std::string& why)
   log_warning("{} is disconnected ({}); trying to reconnect", model_, why);
   dhd_.close(id_);
   is_open_ = false;
-  reported_.clear();
+  logged_reason_.clear();
   next_reopen_ns_ = now_ns + kReopenEveryNs / 4;
   publish(DeviceStatus::away, now_ns);
 }
@@ -311,7 +311,7 @@ void ForceDimensionDevice::try_to_reopen(std::int64_t now_ns) {
   if (now_ns < next_reopen_ns_) return;
   next_reopen_ns_ = now_ns + kReopenEveryNs;
   if (const auto opened = open(); !opened) {
-    if (std::exchange(reported_, opened.error().what) != opened.error().what)
+    if (std::exchange(logged_reason_, opened.error().what) != opened.error().what)
       log_info("{}: trying to reconnect: {}", model_, opened.error().what);
     return;
   }

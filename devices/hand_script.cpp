@@ -25,7 +25,8 @@ constexpr double kLeadSpeed = 0.6;      // of a led hand, which must not jump wh
 }  // namespace
 
 HandScript::HandScript(const Options& options) : options_(options), random_(options.seed), hand_m_(options.start_m) {
-  for (const TrajectoryRow& row : options_.path) has_turns_ = has_turns_ || row.has_turn || row.q_WT.coeffs() != Quat::Identity().coeffs();
+  for (const TrajectoryRow& row : options_.path)
+    has_orientations_ = has_orientations_ || row.has_turn || row.q_WT.coeffs() != Quat::Identity().coeffs();
   enter(first_phase());
 }
 
@@ -44,15 +45,15 @@ void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
 }
 
 void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
-  std::array<Vec3, kMaxAims> taken;
+  std::array<Vec3, kMaxAims> aims_within;
   std::size_t count = 0;
   for (const Vec3& p : p_WA) {
     const bool is_within =
         p.allFinite() && (p - options_.workspace_min_m).minCoeff() >= 0.0 && (options_.workspace_max_m - p).minCoeff() >= 0.0;
-    if (is_within && count < taken.size()) taken[count++] = p;
+    if (is_within && count < aims_within.size()) aims_within[count++] = p;
   }
-  if (count == aim_count_ && std::equal(taken.begin(), taken.begin() + count, aims_m_.begin())) return;
-  aims_m_ = taken;
+  if (count == aim_count_ && std::equal(aims_within.begin(), aims_within.begin() + count, aims_m_.begin())) return;
+  aims_m_ = aims_within;
   aim_count_ = count;
   // The hand is on its way to an old aim, at which there may be nothing now.
   if (phase_ == Phase::travel || phase_ == Phase::approach) enter(Phase::travel);
@@ -65,10 +66,11 @@ void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
     normal_ = filtered_force_n_ / force;
     contact_m_ = p_WD;
   }
-  lost_s_ = force < kLostN ? lost_s_ + kStepS : 0.0;
+  contact_lost_s_ = force < kLostN ? contact_lost_s_ + kStepS : 0.0;
 }
 
-// Aims in front of one of the given surface points; without any, in front of a point of the front plane, at most reach_m_ off its middle.
+// Aims in front of one of the given surface points; without any, in front of a point of the front plane, at most search_share_ off its
+// middle.
 void HandScript::choose_aim() noexcept {
   const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
   const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
@@ -78,7 +80,7 @@ void HandScript::choose_aim() noexcept {
     aim_m_ = Vec3(at.x(), at.y(), std::max(front, at.z()));
     return;
   }
-  const double radius = reach_m_ * std::sqrt(uniform(0.0, 1.0));
+  const double radius = search_share_ * std::sqrt(uniform(0.0, 1.0));
   const double angle = uniform(0.0, 2.0 * std::numbers::pi);
   aim_m_ = middle + half.cwiseProduct(Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.9));
 }
@@ -108,7 +110,7 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     case Phase::tap:
       taps_left_ = static_cast<int>(uniform(3.0, 6.0));
-      striking_ = false;
+      is_striking_ = false;
       aim_m_ = within_workspace(contact_m_ + kLiftM * normal_);
       phase_end_s_ = 4.0;  // surfaces may touch the probe on all sides, so that no lift ends the contact
       break;
@@ -131,13 +133,13 @@ void HandScript::enter(Phase phase) noexcept {
 
 bool HandScript::move_towards(const Vec3& goal, double speed_m_per_s) noexcept {
   const Vec3 motion = goal - hand_m_;
-  const double left_m = motion.norm();
+  const double distance_m = motion.norm();
   const double step_m = speed_m_per_s * kStepS;
-  if (left_m <= step_m) {
+  if (distance_m <= step_m) {
     hand_m_ = goal;
     return true;
   }
-  hand_m_ += motion * (step_m / left_m);
+  hand_m_ += motion * (step_m / distance_m);
   return false;
 }
 
@@ -200,54 +202,54 @@ void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
 }
 
 void HandScript::tap(const Vec3& p_WD) noexcept {
-  if (!striking_) {
-    if (move_towards(aim_m_, kStrikeSpeed) && filtered_force_n_.norm() < kLostN) striking_ = true;
+  if (!is_striking_) {
+    if (move_towards(aim_m_, kStrikeSpeed) && filtered_force_n_.norm() < kLostN) is_striking_ = true;
     return;
   }
-  const bool missed = move_towards(within_workspace(aim_m_ - (kLiftM + kStrikeDepthM) * normal_), kStrikeSpeed);
+  const bool is_at_end = move_towards(within_workspace(aim_m_ - (kLiftM + kStrikeDepthM) * normal_), kStrikeSpeed);
   if (filtered_force_n_.norm() > kTouchN) {
     aim_m_ = within_workspace(p_WD + kLiftM * normal_);
-    striking_ = false;
+    is_striking_ = false;
     --taps_left_;
-  } else if (missed) {
+  } else if (is_at_end) {
     taps_left_ = 0;
   }
 }
 
 void HandScript::advance_phase(const Vec3& p_WD) noexcept {
-  const bool touching = filtered_force_n_.norm() > kTouchN;
-  const bool over = phase_s_ >= phase_end_s_;
+  const bool is_touching = filtered_force_n_.norm() > kTouchN;
+  const bool is_phase_over = phase_s_ >= phase_end_s_;
   switch (phase_) {
     case Phase::travel:
-      if (touching) return enter(Phase::press);
+      if (is_touching) return enter(Phase::press);
       if (move_towards(aim_m_, kTravelSpeed)) enter(Phase::approach);
       return;
     case Phase::approach: {
-      if (touching) return enter(Phase::press);
+      if (is_touching) return enter(Phase::press);
       const Vec3 end(aim_m_.x(), aim_m_.y(), options_.workspace_min_m.z());
       if (!move_towards(end, kApproachSpeed)) return;
       // The approach met nothing: searches nearer to the middle, and after the smallest radius everywhere.
-      reach_m_ = reach_m_ < 0.05 ? 0.9 : 0.5 * reach_m_;
+      search_share_ = search_share_ < 0.05 ? 0.9 : 0.5 * search_share_;
       normal_ = Vec3::UnitZ();
       return enter(Phase::leave);
     }
     case Phase::press:
       rub(p_WD, 0.0);
-      if (lost_s_ > kLostS) return enter(Phase::leave);
-      if (over) enter(Phase::slide);
+      if (contact_lost_s_ > kLostS) return enter(Phase::leave);
+      if (is_phase_over) enter(Phase::slide);
       return;
     case Phase::slide:
       rub(p_WD, 0.0);
-      if (lost_s_ > kLostS) return enter(Phase::leave);
-      if (over) enter(Phase::tap);
+      if (contact_lost_s_ > kLostS) return enter(Phase::leave);
+      if (is_phase_over) enter(Phase::tap);
       return;
     case Phase::tap:
       tap(p_WD);
-      if (taps_left_ <= 0 || over) enter(Phase::circle);
+      if (taps_left_ <= 0 || is_phase_over) enter(Phase::circle);
       return;
     case Phase::circle:
       rub(p_WD, turn_rad_per_s_);
-      if (lost_s_ > kLostS || over) enter(Phase::leave);
+      if (contact_lost_s_ > kLostS || is_phase_over) enter(Phase::leave);
       return;
     case Phase::leave:
       if (move_towards(aim_m_, kTravelSpeed)) enter(Phase::travel);
@@ -263,16 +265,16 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
 
 HandIntention HandScript::intention() noexcept {
   hand_m_ = within_workspace(hand_m_);
-  const double turn = 2.0 * std::numbers::pi * tilted_s_;
+  const double turn = 2.0 * std::numbers::pi * tilt_time_s_;
   HandIntention next{hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
-  if (phase_ == Phase::path && has_turns_) next.q_WT = turn_of_path();
+  if (phase_ == Phase::path && has_orientations_) next.q_WT = turn_of_path();
   if (phase_ == Phase::path && path_s_ >= 0.0) next.buttons = options_.path[path_row_].buttons;
   return next;
 }
 
 HandIntention HandScript::step(const Vec3& p_WD, const Vec3& force_n) noexcept {
   phase_s_ += kStepS;
-  if (phase_ != Phase::led) tilted_s_ += kStepS;
+  if (phase_ != Phase::led) tilt_time_s_ += kStepS;
   feel(p_WD, force_n);
   advance_phase(p_WD);
   return intention();

@@ -79,7 +79,7 @@ class HandScript {
   Phase phase_ = Phase::travel;
   double phase_s_ = 0.0;
   double phase_end_s_ = 0.0;
-  double tilted_s_ = 0.0;        // time of the script's tilt; stands still while the hand is led, which then holds the stylus still
+  double tilt_time_s_ = 0.0;     // time of the script's tilt; stands still while the hand is led, which then holds the stylus still
   Vec3 hand_m_;                  // the intended position, moved step by step
   Vec3 aim_m_ = Vec3::Zero();    // the goal of travel and of leave, or the upper position of a tap
   Vec3 normal_ = Vec3::UnitZ();  // normal of the surface touched last
@@ -92,13 +92,13 @@ class HandScript {
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;
-  double lost_s_ = 0.0;       // time since the last contact
-  double reach_m_ = 0.3;      // how far from the middle the hand searches: not metres, a share of half the workspace
-  bool has_turns_ = false;    // the path has orientations
-  double path_s_ = 0.0;       // time since the first row of the path; below 0: the hand is on the way there
-  std::size_t path_row_ = 0;  // the last row that has been reached
+  double contact_lost_s_ = 0.0;    // time since the last contact
+  double search_share_ = 0.3;      // how far from the middle the hand searches: not metres, a share of half the workspace
+  bool has_orientations_ = false;  // the path has orientations
+  double path_s_ = 0.0;            // time since the first row of the path; below 0: the hand is on the way there
+  std::size_t path_row_ = 0;       // the last row that has been reached
   int taps_left_ = 0;
-  bool striking_ = false;
+  bool is_striking_ = false;
 };
 
 }  // namespace hapton

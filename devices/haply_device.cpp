@@ -63,7 +63,7 @@ class HaplyDevice final : public VendorDevice {
 
  private:
   void run();
-  Result<void> judge_version(const Result<std::string>& text);
+  Result<void> check_version(const Result<std::string>& text);
   bool tick();
   void take(const haply::State& state, std::int64_t now_ns);
   void publish(DeviceStatus status, std::int64_t now_ns);
@@ -80,8 +80,8 @@ class HaplyDevice final : public VendorDevice {
   // Used by the thread alone.
   std::unique_ptr<WebSocketEndpoint> socket_;
   DeviceExchange::Reading reading_;
-  std::string said_;
-  std::string told_;  // why the service cannot be used, as logged last
+  std::string message_;
+  std::string logged_reason_;  // why the service cannot be used, as logged last
   haply::Session session_;
   bool is_version_missing_ = false;
   bool is_scale_logged_ = false;
@@ -91,7 +91,7 @@ class HaplyDevice final : public VendorDevice {
 };
 
 // Error: the service has another version, which would accept our messages and ignore their forces.
-Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
+Result<void> HaplyDevice::check_version(const Result<std::string>& text) {
   const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
   if (!version) {
     if (std::exchange(is_version_missing_, true)) return {};  // already logged
@@ -100,7 +100,7 @@ Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
     return {};
   }
   is_version_missing_ = false;
-  if (const std::string why = haply::why_unknown(*version); !why.empty()) {
+  if (const std::string why = haply::describe_version_problem(*version); !why.empty()) {
     return fail("the Haply Inverse Service at {} is version {}.{}; {}", to_string(service_), version->major, version->minor, why);
   }
   return {};
@@ -112,11 +112,11 @@ Result<void> HaplyDevice::open() {
   const Result<std::string> version = read_http(service_, "/version", kConnectPatienceNs);
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
   if (!socket) return fail("the Haply Inverse Service does not reply at {}; {}", socket.error().what, kRemedy);
-  if (const auto judged = judge_version(version); !judged) return judged;
-  if (!(*socket)->receive(said_, kConnectPatienceNs)) {
+  if (const auto checked = check_version(version); !checked) return checked;
+  if (!(*socket)->receive(message_, kConnectPatienceNs)) {
     return fail("the Haply Inverse Service at {} sends no data: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
   }
-  const auto inventory = haply::read_state(said_);
+  const auto inventory = haply::read_state(message_);
   if (!inventory) return tl::unexpected(inventory.error());
   const auto arm =
       std::find_if(inventory->arms.begin(), inventory->arms.end(), [&](const haply::Arm& each) { return id_.empty() || each.id == id_; });
@@ -161,8 +161,8 @@ void HaplyDevice::run() {
   }
   if (socket_ == nullptr) return;
   // Sends zero force as the last message and waits for the reply, since data in transit may be lost when a connection closes.
-  if (socket_->receive(said_, kReplyPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kReplyPatienceNs)) {
-    socket_->receive(said_, kReplyPatienceNs);
+  if (socket_->receive(message_, kReplyPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kReplyPatienceNs)) {
+    socket_->receive(message_, kReplyPatienceNs);
   }
   socket_->close(kReplyPatienceNs);
 }
@@ -173,19 +173,19 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
   next_try_ns_ = now_ns + kRetryEveryNs;
   if (const auto opened = open(); !opened) {
     // Logs each reason once, not every second.
-    if (std::exchange(told_, opened.error().what) != opened.error().what) log_info("searching: {}", told_);
+    if (std::exchange(logged_reason_, opened.error().what) != opened.error().what) log_info("searching: {}", logged_reason_);
     return;
   }
-  told_.clear();
+  logged_reason_.clear();
   log_info("reconnected to the Haply Inverse Service, device {}", id_);
 }
 
 // Receives the reply to the last message, then sends the next. False: the connection is closed.
 bool HaplyDevice::tick() {
-  if (!socket_->receive(said_, kReplyPatienceNs)) return false;
+  if (!socket_->receive(message_, kReplyPatienceNs)) return false;
   const std::int64_t now_ns = clock_.now_ns();
   // A state that cannot be read is ignored.
-  if (const auto state = haply::read_state(said_)) take(*state, now_ns);
+  if (const auto state = haply::read_state(message_)) take(*state, now_ns);
   return socket_->send(haply::force_message(id_, session_.force_from_w(exchange_.wrench(now_ns).force_n)), kReplyPatienceNs);
 }
 

@@ -129,13 +129,13 @@ Result<State> read_state(std::string_view text) {
 Result<Version> read_version(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
   const Json* data = find(json, "data");
-  const std::string said = hapton::haply::text(data != nullptr ? data : &json, "project_version");
+  const std::string version_text = hapton::haply::text(data != nullptr ? data : &json, "project_version");
   Version version;
-  if (std::sscanf(said.c_str(), "%d.%d", &version.major, &version.minor) != 2) return fail("no project_version in its reply");
+  if (std::sscanf(version_text.c_str(), "%d.%d", &version.major, &version.minor) != 2) return fail("no project_version in its reply");
   return version;
 }
 
-std::string why_unknown(const Version& version) {
+std::string describe_version_problem(const Version& version) {
   const bool is_old = version.major < 3 || (version.major == 3 && version.minor < 5);
   if (is_old) return "this io_node needs 3.5 or later, which has another message format: update the service with the Haply Hub";
   return version.major > 3 ? "this io_node knows 3.5 and later versions of 3 only: install one of them, or a newer Hapton" : "";

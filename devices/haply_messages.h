@@ -19,13 +19,14 @@ Vec3 force_from_w(const Vec3& force_n);
 Quat to_w(const Quat& q);
 
 // The version of the service, from its reply at /version. Error: the reply names no version. The messages here are those of 3.5 and later
-// versions of 3; why_unknown: why the service has to be another version, and what to do, for a person; empty for these versions.
+// versions of 3; describe_version_problem: why the service has to be another version, and what to do, for a person; empty for these
+// versions.
 struct Version {
   int major = 0;
   int minor = 0;
 };
 Result<Version> read_version(std::string_view text);
-std::string why_unknown(const Version& version);
+std::string describe_version_problem(const Version& version);
 
 // Where an application put the device: p -> position_m + rotation (scale p). A field is none until a message has it.
 struct Placement {

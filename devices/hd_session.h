@@ -45,7 +45,7 @@ class Session {
 
   Library hd_;
   mutable std::mutex mutex_;
-  int users_ = 0;
+  int attached_count_ = 0;
 };
 
 }  // namespace hapton::hd

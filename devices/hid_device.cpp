@@ -76,11 +76,11 @@ void HidDevice::on_report(std::span<const std::uint8_t> report, std::int64_t now
   if (!backend_->decode(report, now_ns, reading_)) return;
   if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverTimeoutNs) exchange_.restart_ramp();
   reading_.sample.time_ns = now_ns;
-  has_news_ = true;
+  has_new_state_ = true;
 }
 
 void HidDevice::on_drained(std::int64_t) noexcept {
-  if (!std::exchange(has_news_, false)) return;
+  if (!std::exchange(has_new_state_, false)) return;
   {
     const std::lock_guard lock(driver_mutex_);
     exchange_.publish(reading_);
@@ -133,7 +133,7 @@ void HidDevice::run_writer() noexcept {
 bool HidDevice::may_exert(std::int64_t now_ns) noexcept {
   const bool is_first = std::exchange(is_first_report_, false);
   const bool is_known = reading_.status == DeviceStatus::ready && now_ns - reading_.sample.time_ns <= DeviceExchange::kDriverTimeoutNs;
-  return is_known && !is_first && exchange_.is_servo_there(now_ns) && !exchange_.is_cut();
+  return is_known && !is_first && exchange_.is_servo_alive(now_ns) && !exchange_.is_cut();
 }
 
 // Waits for a command, or until the force has to be repeated. Commands that have piled up count as one.

@@ -73,7 +73,7 @@ class HidDevice final : public Device, private HidListener {
   // Held while a report is decoded or encoded and while a device is set up, never during a read or a write; the servo does not lock it.
   std::mutex driver_mutex_;
   DeviceExchange::Reading reading_;
-  bool has_news_ = false;
+  bool has_new_state_ = false;
   bool is_first_report_ = true;                       // no report has been written to the device since it was opened
   DeviceStatus logged_status_ = DeviceStatus::ready;  // the last one logged
   HeartbeatPage* heartbeat_page_ = nullptr;

@@ -25,7 +25,7 @@ constexpr double kMNmPerNm = 1e3;
 constexpr auto kPollPeriod = std::chrono::milliseconds(20);  // how often the keeper checks errors and calibration
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // each attempt interrupts the others
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // between two log lines about the same state
+constexpr std::int64_t kLogPeriodNs = 10 * kNanosecondsPerSecond;                // between two log lines about the same state
 // The library's scheduler calls a thousand times a second. Without a call for this time, it or the device has stopped.
 constexpr std::int64_t kSchedulerTimeoutNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerConditionCheck = 100;                                   // of temperature and calibration
@@ -37,7 +37,7 @@ constexpr double kContinuousShare = 0.25;  // of the maximum force
 constexpr double kMaxTorqueNm = 0.1;
 constexpr double kMaxSpeedMPerS = 5.0;
 
-std::string text_or(const char* text, const char* otherwise) { return text != nullptr && *text != '\0' ? text : otherwise; }
+std::string text_or(const char* text, const char* fallback) { return text != nullptr && *text != '\0' ? text : fallback; }
 
 enum class Calibration : std::uint8_t { unknown, good, updating, at_neutral_pose, in_inkwell, by_moving };
 
@@ -82,7 +82,7 @@ class OpenHapticsDevice final : public VendorDevice {
   std::string read_model() const { return text_or(hd_.get_string(hd::kModelType), "unknown model"); }
   std::string read_serial() const { return text_or(hd_.get_string(hd::kSerialNumber), ""); }
   void read_texts();
-  double get(hd::Enum what, double otherwise) const;
+  double get(hd::Enum what, double fallback) const;
 
   // The scheduler's thread.
   static hd::Enum on_tick(void* self) noexcept;
@@ -106,7 +106,7 @@ class OpenHapticsDevice final : public VendorDevice {
   DeviceLimits limits_;
   Vec3 middle_m_ = Vec3::Zero();
   std::string model_, serial_, firmware_;
-  hd::Enum styles_ = 0;
+  hd::Enum calibration_styles_ = 0;
   bool has_torque_ = false;
   SteadyClock clock_;
 
@@ -129,8 +129,8 @@ class OpenHapticsDevice final : public VendorDevice {
   bool is_open_ = false;  // used by the keeper's thread
   Calibration logged_calibration_ = Calibration::unknown;
   std::int64_t next_reopen_ns_ = 0;
-  std::int64_t next_error_line_ns_ = 0;
-  std::string reported_;  // why it could not be opened again, as logged last
+  std::int64_t next_error_log_ns_ = 0;
+  std::string logged_reason_;  // why it could not be opened again, as logged last
 };
 
 OpenHapticsDevice::~OpenHapticsDevice() {
@@ -144,10 +144,10 @@ DeviceCondition OpenHapticsDevice::condition() const noexcept {
   return {model_, serial_, firmware_, newest.is_calibrated, newest.motor_temperature};
 }
 
-double OpenHapticsDevice::get(hd::Enum what, double otherwise) const {
-  double value = otherwise;
+double OpenHapticsDevice::get(hd::Enum what, double fallback) const {
+  double value = fallback;
   hd_.get_doubles(what, &value);
-  return hd_.get_error().code == hd::kSuccess && std::isfinite(value) ? value : otherwise;
+  return hd_.get_error().code == hd::kSuccess && std::isfinite(value) ? value : fallback;
 }
 
 void OpenHapticsDevice::read_texts() {
@@ -203,7 +203,7 @@ Result<void> OpenHapticsDevice::set_up() {
   if (const auto limits = is_first ? read_limits() : Result<void>(); !limits) return limits;
   int styles = 0;
   hd_.get_integers(hd::kCalibrationStyle, &styles);
-  styles_ = static_cast<hd::Enum>(styles);
+  calibration_styles_ = static_cast<hd::Enum>(styles);
   for (const hd::Enum capability : {hd::kForceOutput, hd::kMaxForceClamping, hd::kSoftwareForceLimit, hd::kForceRamping}) {
     hd_.enable(capability);
     // Not all devices have all of these; a device without force output exerts no force, which is harmless.
@@ -308,10 +308,10 @@ void OpenHapticsDevice::check_calibration() noexcept {
   const bool needs_update = result == hd::kCalibrationNeedsUpdate;
   const bool needs_user = needs_update || result == hd::kCalibrationNeedsManualInput;  // else the check itself failed
   const bool is_button_down = reading_.sample.buttons != 0;
-  if ((styles_ & hd::kStyleAuto) != 0) {
+  if ((calibration_styles_ & hd::kStyleAuto) != 0) {
     if (needs_update) hd_.update_calibration(hd::kStyleAuto);
     calibration_.store(needs_update ? Calibration::updating : Calibration::by_moving, std::memory_order_relaxed);
-  } else if ((styles_ & hd::kStyleInkwell) != 0) {
+  } else if ((calibration_styles_ & hd::kStyleInkwell) != 0) {
     if (needs_update) hd_.update_calibration(hd::kStyleInkwell);
     calibration_.store(Calibration::in_inkwell, std::memory_order_relaxed);
   } else {
@@ -358,10 +358,10 @@ void OpenHapticsDevice::log_calibration() {
 }
 
 void OpenHapticsDevice::log_errors(std::int64_t now_ns) {
-  if (now_ns < next_error_line_ns_) return;
+  if (now_ns < next_error_log_ns_) return;
   const hd::Enum error = force_error_.exchange(hd::kSuccess, std::memory_order_relaxed);
   if (error == hd::kSuccess) return;
-  next_error_line_ns_ = now_ns + kSayEveryNs;
+  next_error_log_ns_ = now_ns + kLogPeriodNs;
   const std::string_view remedy = hd::remedy_for_error(error);
   log_warning("{} reports {}; its force was released{}{}", model_, hd::name_of_error(error), remedy.empty() ? "" : "; ", remedy);
 }
@@ -379,7 +379,7 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
                 error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler has stopped");
     session_->detach(attached_);
     is_open_ = false;
-    reported_.clear();
+    logged_reason_.clear();
     // The scheduler no longer runs: this is the last reading until the device is back.
     reading_.status = DeviceStatus::away;
     exchange_.publish(reading_);
@@ -389,7 +389,7 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
   next_reopen_ns_ = now_ns + (session_->has_users() ? kReopenBesideOthersEveryNs : kReopenEveryNs);
   if (const auto opened = open(); opened) {
     log_info("{} is back", model_);
-  } else if (std::exchange(reported_, opened.error().what) != opened.error().what) {
+  } else if (std::exchange(logged_reason_, opened.error().what) != opened.error().what) {
     log_info("{}: trying to reconnect: {}", model_, opened.error().what);
   }
 }

@@ -12,8 +12,8 @@ constexpr double kMaxTorqueNm = 1000.0;        // likewise
 constexpr double kMaxNumber = 1e9;             // limit of each value without one of its own
 constexpr double kQuaternionTolerance = 1e-3;  // of the squared length: single precision, or numbers with four digits
 
-DeviceStatus to_status(std::int32_t said) noexcept {
-  switch (said) {
+DeviceStatus to_status(std::int32_t plugin_status) noexcept {
+  switch (plugin_status) {
     case HAPTON_DEVICE_READY:
       return DeviceStatus::ready;
     case HAPTON_DEVICE_AWAY:
@@ -99,18 +99,18 @@ Result<void> PluginDevice::take_limits(const hapton_device_limits& limits) {
 DeviceSample PluginDevice::read(std::int64_t now_ns) noexcept {
   last_.time_ns = now_ns;
   if (status_ == DeviceStatus::fault) return last_;
-  hapton_device_sample said = {};
-  said.orientation[0] = 1.0;
-  said.is_held = 1;
+  hapton_device_sample plugin_sample = {};
+  plugin_sample.orientation[0] = 1.0;
+  plugin_sample.is_held = 1;
   std::int32_t status = HAPTON_DEVICE_FAULT;
-  if (!call_plugin([&] { status = api_.read(device_, now_ns, &said); })) status = HAPTON_DEVICE_FAULT;
+  if (!call_plugin([&] { status = api_.read(device_, now_ns, &plugin_sample); })) status = HAPTON_DEVICE_FAULT;
   status_ = to_status(status);
   if (status_ != DeviceStatus::ready) return last_;
   last_ = {.time_ns = now_ns,
-           .p_WD = to_vector(said.position_m),
-           .q_WT = to_orientation(said.orientation),
-           .buttons = said.buttons,
-           .is_held = said.is_held != 0};
+           .p_WD = to_vector(plugin_sample.position_m),
+           .q_WT = to_orientation(plugin_sample.orientation),
+           .buttons = plugin_sample.buttons,
+           .is_held = plugin_sample.is_held != 0};
   return last_;
 }
 

@@ -46,9 +46,9 @@ class ReplayDevice final : public Device {
   Options options_;
   DeviceLimits limits_;
   DeviceStatus status_ = DeviceStatus::ready;
-  bool is_open_ = false;  // it is repeated, and jumps from its last row to its first
-  double turn_s_ = 0.0;   // length of one round of a loop
-  std::size_t row_ = 0;   // the last row that the last read had reached
+  bool jumps_at_seam_ = false;  // it is repeated, and jumps from its last row to its first
+  double loop_s_ = 0.0;         // length of one round of a loop
+  std::size_t row_ = 0;         // the last row that the last read had reached
   double played_to_s_ = 0.0;
   std::int64_t zero_ns_ = -1;
 };

@@ -66,7 +66,7 @@ void SimulatedPhantom::begin_hand_step() noexcept {
 }
 
 // Rounds the gimbal angles to encoder steps; an orientation from a path is not rounded.
-Quat SimulatedPhantom::wanted_turn() const noexcept {
+Quat SimulatedPhantom::target_orientation() const noexcept {
   const auto turn_by_gimbals = [](const Vec3& rad) {
     return Quat(Eigen::AngleAxisd(rad.x(), Vec3::UnitY()) * Eigen::AngleAxisd(rad.y(), Vec3::UnitX()) *
                 Eigen::AngleAxisd(rad.z(), Vec3::UnitZ()));
@@ -80,7 +80,7 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
     zero_ns_ = now_ns;
     device_ns_ = 0;
     begin_hand_step();
-    turn_.begin_at(wanted_turn());
+    turn_.begin_at(target_orientation());
   }
   const bool is_cut = is_cut_.load(std::memory_order_acquire) || (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load() != 0);
   force_n_ = is_cut ? Vec3(Vec3::Zero()) : written_n_;
@@ -88,27 +88,27 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
   zero_ns_ += std::max<std::int64_t>(0, now_ns - zero_ns_ - device_ns_ - kLongestPauseNs);
   const std::int64_t end_ns = now_ns - zero_ns_;
   while (device_ns_ < end_ns) {
-    const std::int64_t hand_step_end = (device_ns_ / HandScript::kStepNs + 1) * HandScript::kStepNs;
-    const std::int64_t next = std::min(end_ns, hand_step_end);
+    const std::int64_t hand_step_end_ns = (device_ns_ / HandScript::kStepNs + 1) * HandScript::kStepNs;
+    const std::int64_t next_ns = std::min(end_ns, hand_step_end_ns);
     for (int axis = 0; axis < 3; ++axis) {
       dynamics_.advance(axes_[axis], {force_n_[axis], hand_m_[axis], hand_m_per_s_[axis]},
-                        {limits_.workspace_min_m[axis], limits_.workspace_max_m[axis]}, device_ns_, next - device_ns_);
+                        {limits_.workspace_min_m[axis], limits_.workspace_max_m[axis]}, device_ns_, next_ns - device_ns_);
     }
-    if (has_torque_) turn_.advance(device_ns_, next, wanted_turn(), torque_nm_);
-    hand_m_ += hand_m_per_s_ * (1e-9 * static_cast<double>(next - device_ns_));
-    device_ns_ = next;
-    if (next == hand_step_end) begin_hand_step();
+    if (has_torque_) turn_.advance(device_ns_, next_ns, target_orientation(), torque_nm_);
+    hand_m_ += hand_m_per_s_ * (1e-9 * static_cast<double>(next_ns - device_ns_));
+    device_ns_ = next_ns;
+    if (next_ns == hand_step_end_ns) begin_hand_step();
   }
 }
 
 DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
   advance_to(now_ns);
-  const Vec3 exact = exact_position_m();
+  const Vec3 exact_m = exact_position_m();
   DeviceSample sample;
   sample.time_ns = now_ns;
-  for (int axis = 0; axis < 3; ++axis) sample.p_WD[axis] = to_grid(exact[axis], model_a::kPositionStepM);
+  for (int axis = 0; axis < 3; ++axis) sample.p_WD[axis] = to_grid(exact_m[axis], model_a::kPositionStepM);
   sample.buttons = buttons_ | pressed_buttons_;
-  sample.q_WT = has_torque_ ? turn_.q_WT() : wanted_turn();
+  sample.q_WT = has_torque_ ? turn_.q_WT() : target_orientation();
   return sample;
 }
 

@@ -63,7 +63,7 @@ class SimulatedPhantom final : public Device {
  private:
   void advance_to(std::int64_t now_ns) noexcept;
   void begin_hand_step() noexcept;
-  Quat wanted_turn() const noexcept;
+  Quat target_orientation() const noexcept;
 
   DeviceLimits limits_;
   StylusDynamics dynamics_;

@@ -22,7 +22,7 @@ DeviceLimits make_limits() {
           .workspace_max_m = kHalfWorkspaceM};
 }
 
-Vec3 to_speed(const Vec3& share, double full) noexcept { return full * share.norm() * share; }
+Vec3 to_speed(const Vec3& share, double full_speed) noexcept { return full_speed * share.norm() * share; }
 
 }  // namespace
 
@@ -31,18 +31,18 @@ SpaceMouseDevice::SpaceMouseDevice(std::unique_ptr<SpaceMouseReader> reader) : r
 }
 
 DeviceSample SpaceMouseDevice::read(std::int64_t now_ns) noexcept {
-  const SpaceMouseState held = reader_->state(now_ns);
+  const SpaceMouseState mouse = reader_->state(now_ns);
   const double step_s = read_ns_ < 0 ? 0.0 : std::clamp(1e-9 * static_cast<double>(now_ns - read_ns_), 0.0, kLongestStepS);
   read_ns_ = now_ns;
   if (reader_->is_there()) {
-    const Vec3 speed = to_speed(held.push, kFullSpeedMPerS) + force_n_ / kOilNsPerM;
+    const Vec3 speed = to_speed(mouse.push, kFullSpeedMPerS) + force_n_ / kDampingNsPerM;
     sample_.p_WD = (sample_.p_WD + step_s * speed).cwiseMax(limits_.workspace_min_m).cwiseMin(limits_.workspace_max_m);
-    const Vec3 turn = step_s * to_speed(held.turn, kFullTurnRadPerS);
+    const Vec3 turn = step_s * to_speed(mouse.turn, kFullTurnRadPerS);
     if (const double angle = turn.norm(); angle > 0.0) {
       sample_.q_WT = (Quat(Eigen::AngleAxisd(angle, turn / angle)) * sample_.q_WT).normalized();
     }
   }
-  sample_.buttons = held.buttons;
+  sample_.buttons = mouse.buttons;
   sample_.time_ns = now_ns;
   return sample_;
 }

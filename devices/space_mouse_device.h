@@ -11,7 +11,7 @@ namespace hapton {
 
 // A SpaceMouse as a 6-DOF input device. The displacement of the cap sets the velocity of the device point (rate control), by its square for
 // fine control near the centre; when the cap is released, the point stays. There are no motors: a force that is written moves the point
-// against a viscous resistance (kOilNsPerM), so that the point comes to rest near a surface that it was pushed into.
+// against a viscous resistance (kDampingNsPerM), so that the point comes to rest near a surface that it was pushed into.
 // RT and Threads: as Device says.
 class SpaceMouseDevice final : public Device {
  public:
@@ -19,7 +19,7 @@ class SpaceMouseDevice final : public Device {
   static constexpr double kFullSpeedMPerS = 0.15;
   static constexpr double kFullTurnRadPerS = 1.5;
   // At full speed the point goes 7.5 mm into a wall of 1000 N/m.
-  static constexpr double kOilNsPerM = 50.0;
+  static constexpr double kDampingNsPerM = 50.0;
 
   // Pre: the reader is open.
   explicit SpaceMouseDevice(std::unique_ptr<SpaceMouseReader> reader);

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kX = 0, kV = 1, kY = 2, kW = 3, kHand = 4, kHandSpeed = 5, kForce = 6;
+constexpr int kDevice = 0, kDeviceSpeed = 1, kStylus = 2, kStylusSpeed = 3, kHand = 4, kHandSpeed = 5, kForce = 6;
 // Two or three events are expected in a cell, under 1/100 of the fastest period. If rounding repeats them, the mass rests until its end.
 constexpr int kMaxEventsPerCell = 16;
 
@@ -28,41 +28,42 @@ StylusDynamics::StylusDynamics(const StylusModel& model)
     : model_(model),
       k_s_(model.structure_stiffness_n_per_m()),
       b_s_(model.structure_damping_n_s_per_m()),
-      sliding_(make_steps(false)),
-      pinned_(make_steps(true)) {}
+      sliding_steps_(make_steps(false)),
+      pinned_steps_(make_steps(true)) {}
 
-StylusDynamics::Steps StylusDynamics::make_steps(bool pinned) const {
+StylusDynamics::Steps StylusDynamics::make_steps(bool is_pinned) const {
   const double m = model_.device_mass_kg;
   const double mass = model_.stylus_mass_kg + model_.hand_mass_kg;
   const double k_h = model_.hand_stiffness_n_per_m;
   const double b_h = model_.hand_damping_n_s_per_m;
   Eigen::Matrix<double, 7, 7> a = Eigen::Matrix<double, 7, 7>::Zero();
-  if (!pinned) {
-    a(kX, kV) = 1.0;
-    a(kV, kX) = -k_s_ / m;
-    a(kV, kV) = -(model_.device_damping_n_s_per_m + b_s_) / m;
-    a(kV, kY) = k_s_ / m;
-    a(kV, kW) = b_s_ / m;
-    a(kV, kForce) = 1.0 / m;
+  if (!is_pinned) {
+    a(kDevice, kDeviceSpeed) = 1.0;
+    a(kDeviceSpeed, kDevice) = -k_s_ / m;
+    a(kDeviceSpeed, kDeviceSpeed) = -(model_.device_damping_n_s_per_m + b_s_) / m;
+    a(kDeviceSpeed, kStylus) = k_s_ / m;
+    a(kDeviceSpeed, kStylusSpeed) = b_s_ / m;
+    a(kDeviceSpeed, kForce) = 1.0 / m;
   }
-  a(kY, kW) = 1.0;
-  a(kW, kX) = k_s_ / mass;
-  a(kW, kV) = b_s_ / mass;
-  a(kW, kY) = -(k_s_ + k_h) / mass;
-  a(kW, kW) = -(b_s_ + b_h) / mass;
-  a(kW, kHand) = k_h / mass;
-  a(kW, kHandSpeed) = b_h / mass;
+  a(kStylus, kStylusSpeed) = 1.0;
+  a(kStylusSpeed, kDevice) = k_s_ / mass;
+  a(kStylusSpeed, kDeviceSpeed) = b_s_ / mass;
+  a(kStylusSpeed, kStylus) = -(k_s_ + k_h) / mass;
+  a(kStylusSpeed, kStylusSpeed) = -(b_s_ + b_h) / mass;
+  a(kStylusSpeed, kHand) = k_h / mass;
+  a(kStylusSpeed, kHandSpeed) = b_h / mass;
   a(kHand, kHandSpeed) = 1.0;
   Steps steps;
   for (int bit = 0; bit <= kGridBits; ++bit) {
-    const Eigen::Matrix<double, 7, 7> over = compute_exponential(a * std::ldexp(1e-9, bit));
-    steps[bit] = over.topRows<4>();
+    const Eigen::Matrix<double, 7, 7> transition = compute_exponential(a * std::ldexp(1e-9, bit));
+    steps[bit] = transition.topRows<4>();
   }
   return steps;
 }
 
 double StylusDynamics::net_force_n(const Eigen::Vector4d& state, double force_n) const noexcept {
-  return force_n + k_s_ * (state[kY] - state[kX]) + b_s_ * (state[kW] - state[kV]) - model_.device_damping_n_s_per_m * state[kV];
+  return force_n + k_s_ * (state[kStylus] - state[kDevice]) + b_s_ * (state[kStylusSpeed] - state[kDeviceSpeed]) -
+         model_.device_damping_n_s_per_m * state[kDeviceSpeed];
 }
 
 // Goes on until left_ns is used up (false) or event(state) has become true within the last 1 ns (true).
@@ -74,19 +75,19 @@ bool StylusDynamics::run(const Steps& steps, Eigen::Vector4d& state, Input& inpu
     input[0] += input[1] * std::ldexp(1e-9, bit);
     left_ns -= std::int64_t{1} << bit;
   };
-  bool bracketed = false;
+  bool is_bracketed = false;
   for (int bit = kGridBits; bit >= 0; --bit) {
     if ((std::int64_t{1} << bit) > left_ns) continue;
     const Eigen::Vector4d next = stepped(bit);
     if (event(next)) {
-      bracketed = true;
+      is_bracketed = true;
       if (bit == 0) accept(0, next);
       continue;
     }
     accept(bit, next);
-    if (bracketed && bit == 0) accept(0, stepped(0));
+    if (is_bracketed && bit == 0) accept(0, stepped(0));
   }
-  return bracketed;
+  return is_bracketed;
 }
 
 void StylusDynamics::cross_grid_cell(Eigen::Vector4d& state, Input& input, const AxisStops& stops, std::int64_t left_ns) const noexcept {
@@ -94,43 +95,44 @@ void StylusDynamics::cross_grid_cell(Eigen::Vector4d& state, Input& input, const
   const double friction_n = model_.friction_n;
   for (int events = 0; left_ns > 0; ++events) {
     // The forces up to which the device mass is held: friction in both directions, a stop without limit.
-    const double hold_up = state[kX] >= stops.high_m ? HUGE_VAL : friction_n;
-    const double hold_down = state[kX] <= stops.low_m ? -HUGE_VAL : -friction_n;
+    const double max_held_n = state[kDevice] >= stops.high_m ? HUGE_VAL : friction_n;
+    const double min_held_n = state[kDevice] <= stops.low_m ? -HUGE_VAL : -friction_n;
     const double net_n = net_force_n(state, force_n);
-    const bool at_rest = state[kV] == 0.0;
-    if ((at_rest && net_n <= hold_up && net_n >= hold_down) || events >= kMaxEventsPerCell) {
-      state[kV] = 0.0;
+    const bool is_at_rest = state[kDeviceSpeed] == 0.0;
+    if ((is_at_rest && net_n <= max_held_n && net_n >= min_held_n) || events >= kMaxEventsPerCell) {
+      state[kDeviceSpeed] = 0.0;
       const bool may_break = events < kMaxEventsPerCell;
-      run(pinned_, state, input, left_ns, [&](const Eigen::Vector4d& s) {
+      run(pinned_steps_, state, input, left_ns, [&](const Eigen::Vector4d& s) {
         const double n = net_force_n(s, force_n);
-        return may_break && (n > hold_up || n < hold_down);
+        return may_break && (n > max_held_n || n < min_held_n);
       });
       continue;
     }
-    const double direction = std::copysign(1.0, at_rest ? net_n : state[kV]);
+    const double direction = std::copysign(1.0, is_at_rest ? net_n : state[kDeviceSpeed]);
     const double stop_m = direction > 0.0 ? stops.high_m : stops.low_m;
     input[2] = force_n - direction * friction_n;
-    const bool stopped = run(sliding_, state, input, left_ns,
-                             [&](const Eigen::Vector4d& s) { return direction * s[kV] < 0.0 || direction * (s[kX] - stop_m) > 0.0; });
+    const bool is_stopped = run(sliding_steps_, state, input, left_ns, [&](const Eigen::Vector4d& s) {
+      return direction * s[kDeviceSpeed] < 0.0 || direction * (s[kDevice] - stop_m) > 0.0;
+    });
     input[2] = force_n;
-    if (!stopped) return;
-    if (direction * (state[kX] - stop_m) >= 0.0) state[kX] = stop_m;
-    state[kV] = 0.0;
+    if (!is_stopped) return;
+    if (direction * (state[kDevice] - stop_m) >= 0.0) state[kDevice] = stop_m;
+    state[kDeviceSpeed] = 0.0;
   }
 }
 
-void StylusDynamics::advance(AxisState& axis, const AxisInput& held, const AxisStops& stops, std::int64_t start_ns,
+void StylusDynamics::advance(AxisState& axis, const AxisInput& axis_input, const AxisStops& stops, std::int64_t start_ns,
                              std::int64_t duration_ns) const noexcept {
   constexpr std::int64_t kCell = std::int64_t{1} << kGridBits;
   Eigen::Vector4d state(axis.device_m, axis.device_m_per_s, axis.stylus_m, axis.stylus_m_per_s);
-  Input input(held.hand_m, held.hand_m_per_s, held.force_n);
+  Input input(axis_input.hand_m, axis_input.hand_m_per_s, axis_input.force_n);
   for (std::int64_t now = start_ns, end = start_ns + duration_ns; now < end;) {
     const std::int64_t next = std::min(end, (now / kCell + 1) * kCell);
     cross_grid_cell(state, input, stops, next - now);
-    input[0] = held.hand_m + held.hand_m_per_s * 1e-9 * static_cast<double>(next - start_ns);
+    input[0] = axis_input.hand_m + axis_input.hand_m_per_s * 1e-9 * static_cast<double>(next - start_ns);
     now = next;
   }
-  axis = {state[kX], state[kV], state[kY], state[kW]};
+  axis = {state[kDevice], state[kDeviceSpeed], state[kStylus], state[kStylusSpeed]};
 }
 
 double StylusDynamics::energy_j(const AxisState& s, double hand_m) const noexcept {

@@ -78,7 +78,7 @@ class StylusDynamics {
   using Step = Eigen::Matrix<double, 4, 7>;       // [state transition | input response]
   using Steps = std::array<Step, kGridBits + 1>;  // over 2^k ns
 
-  Steps make_steps(bool pinned) const;
+  Steps make_steps(bool is_pinned) const;
   double net_force_n(const Eigen::Vector4d& state, double force_n) const noexcept;
   template <class Event>
   bool run(const Steps& steps, Eigen::Vector4d& state, Input& input, std::int64_t& left_ns, Event event) const noexcept;
@@ -87,8 +87,8 @@ class StylusDynamics {
   StylusModel model_;
   double k_s_ = 0.0;
   double b_s_ = 0.0;
-  Steps sliding_;
-  Steps pinned_;
+  Steps sliding_steps_;
+  Steps pinned_steps_;
 };
 
 }  // namespace hapton

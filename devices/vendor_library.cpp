@@ -83,9 +83,9 @@ std::string hint_for_load_error(std::string_view file, std::string_view error) {
   return "the line above is the loader's; `ldd FILE` says more";
 }
 
-VendorLibrary VendorLibrary::try_open(const KnownVendorLibrary& known, const std::string& file, std::vector<FailedLoad>& failures) {
+VendorLibrary VendorLibrary::try_open(const KnownVendorLibrary& vendor, const std::string& file, std::vector<FailedLoad>& failures) {
   VendorLibrary library;
-  std::vector<std::string> names(known.file_names.begin(), known.file_names.end());
+  std::vector<std::string> names(vendor.file_names.begin(), vendor.file_names.end());
   if (!file.empty()) names = {file};
   for (const std::string& name : names) {
     // Binds all symbols now: a missing one is reported here instead of ending the program at its first call.
@@ -94,25 +94,25 @@ VendorLibrary VendorLibrary::try_open(const KnownVendorLibrary& known, const std
       library.file_ = name;
       return library;
     }
-    const char* said = ::dlerror();
-    const std::string error = said != nullptr ? said : "the loader gave no reason";
+    const char* message = ::dlerror();
+    const std::string error = message != nullptr ? message : "the loader gave no reason";
     failures.push_back({name, error, hint_for_load_error(name, error)});
   }
   return library;
 }
 
-Result<VendorLibrary> VendorLibrary::open(const KnownVendorLibrary& known, const std::string& file) {
+Result<VendorLibrary> VendorLibrary::open(const KnownVendorLibrary& vendor, const std::string& file) {
   std::vector<FailedLoad> failures;
-  VendorLibrary library = try_open(known, file, failures);
+  VendorLibrary library = try_open(vendor, file, failures);
   if (!library.file_.empty()) return library;
   // The error of a file that exists but does not load says more than that of a missing file.
-  const FailedLoad* telling = &failures.front();
+  const FailedLoad* clearest = &failures.front();
   std::vector<std::string> errors;
   for (const FailedLoad& failure : failures) {
     errors.push_back(failure.error);
-    if (!failure.error.starts_with(failure.file + ": cannot open") && telling == &failures.front()) telling = &failure;
+    if (!failure.error.starts_with(failure.file + ": cannot open") && clearest == &failures.front()) clearest = &failure;
   }
-  return fail("{} cannot be loaded ({}); {}. It comes with {}", known.name, fmt::join(errors, "; "), telling->hint, known.source);
+  return fail("{} cannot be loaded ({}); {}. It comes with {}", vendor.name, fmt::join(errors, "; "), clearest->hint, vendor.source);
 }
 
 void* VendorLibrary::address_of(const char* symbol) const noexcept { return ::dlsym(handle_, symbol); }

@@ -41,7 +41,7 @@ void put_int16(std::span<std::uint8_t> into, std::size_t byte, double value) noe
   into[byte + 1] = static_cast<std::uint8_t>(rounded >> 8);
 }
 
-std::int16_t less(std::int16_t a, std::int16_t b) noexcept {
+std::int16_t subtract_modulo(std::int16_t a, std::int16_t b) noexcept {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(a) - static_cast<std::uint16_t>(b));
 }
 
@@ -72,18 +72,20 @@ Result<void> WoodenHapticsBackend::on_open(HidTransport& transport) {
   }
   report_bytes_ = bytes;
   if (serial_.empty()) serial_ = device.serial;
-  is_new_ = true;
+  is_first_report_ = true;
   still_ns_ = 0;
   gravity_share_ = 0.0;
   return {};
 }
 
 // ready while the counts have the same zero as before. If the electronics restarted: calibrating, until the arm has rested.
-DeviceStatus WoodenHapticsBackend::follow_zero(const Counts& counts, std::int64_t now_ns) noexcept {
+DeviceStatus WoodenHapticsBackend::update_zero(const Counts& counts, std::int64_t now_ns) noexcept {
   const auto arm_differs = [](const Counts& a, const Counts& b, int by) {
-    return std::abs(less(a[0], b[0])) > by || std::abs(less(a[1], b[1])) > by || std::abs(less(a[2], b[2])) > by;
+    return std::abs(subtract_modulo(a[0], b[0])) > by || std::abs(subtract_modulo(a[1], b[1])) > by ||
+           std::abs(subtract_modulo(a[2], b[2])) > by;
   };
-  if (std::exchange(is_new_, false) && has_counts_ && !arm_differs(counts, {}, kNearZero) && arm_differs(counts, counts_, kMovedCounts)) {
+  if (std::exchange(is_first_report_, false) && has_counts_ && !arm_differs(counts, {}, kNearZero) &&
+      arm_differs(counts, counts_, kMovedCounts)) {
     is_zero_lost_ = true;
   }
   has_counts_ = true;
@@ -94,7 +96,7 @@ DeviceStatus WoodenHapticsBackend::follow_zero(const Counts& counts, std::int64_
     still_ns_ = now_ns;
   }
   if (now_ns - still_ns_ < kRestNs) return DeviceStatus::calibrating;
-  zero_ = counts;
+  rest_counts_ = counts;
   is_zero_lost_ = false;
   return DeviceStatus::ready;
 }
@@ -108,9 +110,10 @@ bool WoodenHapticsBackend::decode(std::span<const std::uint8_t> report, std::int
   Counts counts = {};
   const std::size_t encoders = report_bytes_ == kLongReport ? 6 : 3;
   for (std::size_t n = 0; n < encoders; ++n) counts[n] = int16_at(report, 2 * n);
-  reading.status = follow_zero(counts, now_ns);
+  reading.status = update_zero(counts, now_ns);
   reading.is_calibrated = reading.status == DeviceStatus::ready;
-  angles_rad_ = kinematics_.angles_rad({less(counts[0], zero_[0]), less(counts[1], zero_[1]), less(counts[2], zero_[2])});
+  angles_rad_ = kinematics_.angles_rad({subtract_modulo(counts[0], rest_counts_[0]), subtract_modulo(counts[1], rest_counts_[1]),
+                                        subtract_modulo(counts[2], rest_counts_[2])});
   reading.sample.p_WD = to_world(position_m());
   reading.sample.q_WT = compute_orientation();
   return true;
@@ -121,7 +124,7 @@ Quat WoodenHapticsBackend::compute_orientation() const noexcept {
   Quat q = base_in_world() * kinematics_.lower_arm(angles_rad_);
   for (std::size_t n = 0; n < 3; ++n) {
     const WoodenWrist::Joint& joint = settings_.wrist->joints[n];
-    const double turned = 2.0 * std::numbers::pi * less(counts_[3 + n], zero_[3 + n]) / joint.counts_per_turn;
+    const double turned = 2.0 * std::numbers::pi * subtract_modulo(counts_[3 + n], rest_counts_[3 + n]) / joint.counts_per_turn;
     q = q * Quat(Eigen::AngleAxisd(joint.direction * turned + joint.offset_rad, joint.axis));
   }
   return q.normalized();
@@ -129,7 +132,7 @@ Quat WoodenHapticsBackend::compute_orientation() const noexcept {
 
 // The current for the weight of the arm comes first, so that the arm does not sink when a force needs all the current.
 Vec3 WoodenHapticsBackend::compute_currents_a(const Vec3& force_n, bool is_live, std::int64_t now_ns) noexcept {
-  const double passed_s = std::clamp(1e-9 * static_cast<double>(now_ns - std::exchange(encoded_ns_, now_ns)), 0.0, 0.01);
+  const double passed_s = std::clamp(1e-9 * static_cast<double>(now_ns - std::exchange(last_encode_ns_, now_ns)), 0.0, 0.01);
   gravity_share_ = is_live && settings_.has_gravity_compensation ? std::min(gravity_share_ + passed_s / kGravityRampS, 1.0) : 0.0;
   if (!is_live || !force_n.allFinite()) return Vec3::Zero();
   const double limit = settings_.max_current_a;

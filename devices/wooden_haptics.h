@@ -41,7 +41,7 @@ class WoodenHapticsBackend final : public HidBackend {
 
   Vec3 position_m() const noexcept { return kinematics_.position_m(angles_rad_); }
   Quat compute_orientation() const noexcept;
-  DeviceStatus follow_zero(const Counts& counts, std::int64_t now_ns) noexcept;
+  DeviceStatus update_zero(const Counts& counts, std::int64_t now_ns) noexcept;
   Vec3 compute_currents_a(const Vec3& force_n, bool is_live, std::int64_t now_ns) noexcept;
 
   WoodenSettings settings_;
@@ -50,15 +50,15 @@ class WoodenHapticsBackend final : public HidBackend {
   std::size_t report_bytes_ = 8;
 
   Counts counts_ = {};        // the counts in the newest report
-  Counts zero_ = {};          // the counts in the rest pose
+  Counts rest_counts_ = {};   // the counts in the rest pose
   Counts still_counts_ = {};  // the arm has been within one count of these since still_ns_; 0: unknown
   std::int64_t still_ns_ = 0;
-  bool has_counts_ = false;  // a report has been decoded, perhaps before the device was opened again
-  bool is_new_ = true;       // no report has been decoded since the device was opened
+  bool has_counts_ = false;      // a report has been decoded, perhaps before the device was opened again
+  bool is_first_report_ = true;  // no report has been decoded since the device was opened
   bool is_zero_lost_ = false;
   Vec3 angles_rad_ = Vec3::Zero();
   double gravity_share_ = 0.0;
-  std::int64_t encoded_ns_ = 0;
+  std::int64_t last_encode_ns_ = 0;
 };
 
 // settings.id: serial number, path, or index among such devices (from 0); settings.file: see read_wooden_settings. RT: set-up only. Error:

@@ -18,15 +18,15 @@ Pose relative(const Pose& X_WS, const Pose& X_WD) { return X_WS.inverse(Eigen::I
 
 // Keeps the rotation of a product of many poses a rotation, despite rounding errors.
 Pose rigid(const Pose& pose) {
-  Pose kept = pose;
-  kept.linear() = Quat(pose.linear()).normalized().toRotationMatrix();
-  return kept;
+  Pose normalized = pose;
+  normalized.linear() = Quat(pose.linear()).normalized().toRotationMatrix();
+  return normalized;
 }
 
 }  // namespace
 
 Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons)
-    : link_(link), movable_(movable), buttons_(buttons), moved_(movable.size(), Pose::Identity()), poses_(movable.size()) {
+    : link_(link), movable_(movable), buttons_(buttons), displacements_(movable.size(), Pose::Identity()), poses_(movable.size()) {
   for (std::size_t o = 0; o < poses_.size(); ++o) {
     poses_[o].object = static_cast<std::int32_t>(o);
     if (movable_[o]) poses_[o].serial = 1;
@@ -34,7 +34,7 @@ Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t bu
 }
 
 void Grasp::place(int object, const Pose& X_SO) {
-  moved_[static_cast<std::size_t>(object)] = X_SO;
+  displacements_[static_cast<std::size_t>(object)] = X_SO;
   set_pose(object, X_SO, false);
 }
 
@@ -66,22 +66,22 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       if (!has_tool() || !may_leave_) return Change::none;
       tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
-      set_pose(request_.object, request_.X_SD.inverse(Eigen::Isometry) * request_.moved, true);
+      set_pose(request_.object, request_.X_SD.inverse(Eigen::Isometry) * request_.displacement, true);
       return Change::picked_up;
     case Phase::held:
       if (is_held_down) return Change::none;
       tool_ = nullptr;
-      request_.moved = rigid(X_SP_ * request_.X_SD.inverse(Eigen::Isometry) * request_.moved);
-      moved_[static_cast<std::size_t>(request_.object)] = request_.moved;
-      set_pose(request_.object, request_.moved, false);
+      request_.displacement = rigid(X_SP_ * request_.X_SD.inverse(Eigen::Isometry) * request_.displacement);
+      displacements_[static_cast<std::size_t>(request_.object)] = request_.displacement;
+      set_pose(request_.object, request_.displacement, false);
       send(GraspRequest::Kind::put_down);
       phase_ = Phase::waiting;
       return Change::put_down;
     case Phase::waiting:
       if (!is_answered) return Change::none;
       // A reply to put_down means that the scene could not be built.
-      moved_[static_cast<std::size_t>(request_.object)] = before_;
-      set_pose(request_.object, before_, false);
+      displacements_[static_cast<std::size_t>(request_.object)] = displacement_before_;
+      set_pose(request_.object, displacement_before_, false);
       phase_ = Phase::idle;
       has_resume_contact_ = true;
       return Change::returned;
@@ -124,12 +124,12 @@ bool Grasp::may_move(const ObjectPose& pose) const noexcept {
 // Moves an object as if the stylus had held it and put it down there. The probe continues from its present position.
 void Grasp::move(const ObjectPose& pose) noexcept {
   request_.object = pose.object;
-  before_ = moved_[static_cast<std::size_t>(pose.object)];
-  request_.moved = Pose::Identity();
-  request_.moved.translation() = pose.p_m;
-  request_.moved.linear() = pose.q.normalized().toRotationMatrix();
-  moved_[static_cast<std::size_t>(pose.object)] = request_.moved;
-  set_pose(request_.object, request_.moved, false);
+  displacement_before_ = displacements_[static_cast<std::size_t>(pose.object)];
+  request_.displacement = Pose::Identity();
+  request_.displacement.translation() = pose.p_m;
+  request_.displacement.linear() = pose.q.normalized().toRotationMatrix();
+  displacements_[static_cast<std::size_t>(pose.object)] = request_.displacement;
+  set_pose(request_.object, request_.displacement, false);
   send(GraspRequest::Kind::put_down);
   phase_ = Phase::waiting;
 }
@@ -142,7 +142,7 @@ void Grasp::note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& 
 
 void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept {
   request_.object = object;
-  request_.moved = before_ = moved_[static_cast<std::size_t>(object)];
+  request_.displacement = displacement_before_ = displacements_[static_cast<std::size_t>(object)];
   note_stylus(state, X_WS, visual_offset_m);
   was_early_ = false;
   send(GraspRequest::Kind::pick_up);
@@ -156,11 +156,11 @@ void Grasp::send(GraspRequest::Kind kind) noexcept {
 }
 
 void Grasp::set_pose(int object, const Pose& pose, bool is_held) noexcept {
-  ObjectPose& shown = poses_[static_cast<std::size_t>(object)];
-  shown.serial = ++pose_serial_;
-  shown.is_held = is_held;
-  shown.p_m = pose.translation();
-  shown.q = Quat(pose.linear()).normalized();
+  ObjectPose& announced = poses_[static_cast<std::size_t>(object)];
+  announced.serial = ++pose_serial_;
+  announced.is_held = is_held;
+  announced.p_m = pose.translation();
+  announced.q = Quat(pose.linear()).normalized();
 }
 
 void Grasp::note_pose(const Pose& X_WP, const Pose& X_WS) noexcept {

@@ -17,9 +17,9 @@ struct GraspRequest {
 
   std::uint32_t serial = 0;  // counts requests, from 1
   Kind kind = Kind::cancel_pick_up;
-  int object = -1;                // the object's number in the scene
-  Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
-  Pose moved = Pose::Identity();  // where the object is, frame S: the transform of its points from where the scene file places them
+  int object = -1;                       // the object's number in the scene
+  Pose X_SD = Pose::Identity();          // pick_up: the stylus when the object was picked up
+  Pose displacement = Pose::Identity();  // where the object is, frame S: the transform of its points from where the scene file places them
 };
 
 // The reply of the slow task: to a pick_up the tool, which the step holds until its next request. Null: there is none; the log says why.
@@ -140,8 +140,8 @@ class Grasp {
   Pose X_SP_ = Pose::Identity();  // the tool's pose, frame S
   bool has_resume_contact_ = false;
   std::optional<ObjectPose> requested_pose_;
-  std::vector<Pose> moved_;         // of each object, as GraspRequest::moved
-  Pose before_ = Pose::Identity();  // the same of request_.object, before it was picked up or moved
+  std::vector<Pose> displacements_;              // of each object, as GraspRequest::displacement
+  Pose displacement_before_ = Pose::Identity();  // the same of request_.object, before it was picked up or moved
   std::vector<ObjectPose> poses_;
   std::uint32_t pose_serial_ = 1;
 };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFirstStepS = 1e-3;  // of a sample without one before it: a cycle at 1 kHz is assumed
 // The longest gap after which this node still uses its own contact: the hub sends 20 samples a second meanwhile, and some are lost.
-constexpr std::int64_t kOwnPlaceNs = 200'000'000;
+constexpr std::int64_t kMaxOwnContactGapNs = 200'000'000;
 
 // Whether the hand has moved from one sample to the next on a path that the probe, or the tool, may follow.
 bool is_motion_known(const TouchInput& from, const DeviceState& to, std::int64_t gap_ns, bool is_tool) noexcept {
@@ -62,14 +62,14 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     ++counts_.skipped;
   }
   const std::int64_t gap_ns = ns_between(last_time_ns_, state.sample_time_ns);
-  if (running_ && state.is_resumed && !state_.is_resumed) {
+  if (is_running_ && state.is_resumed && !state_.is_resumed) {
     // The hub has computed the force and wants this node to continue at the hub's probe. If objects can be picked up, that probe may be
     // from before one was put down: this node also keeps its own contact, but not after a longer gap, as the hand may have gone around it.
-    restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kOwnPlaceNs);
-    begins_within_ = true;
-  } else if (running_ && !is_thinned_ && are_finite(input_, state) && !is_motion_known(input_, state, gap_ns, tool_ != nullptr)) {
+    restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kMaxOwnContactGapNs);
+    begins_within_session_ = true;
+  } else if (is_running_ && !is_thinned_ && are_finite(input_, state) && !is_motion_known(input_, state, gap_ns, tool_ != nullptr)) {
     restart_here(output_.contact);
-    begins_within_ = true;
+    begins_within_session_ = true;
   }
   state_ = state;
   has_state_ = true;
@@ -80,8 +80,8 @@ ForceCommand HapticsStep::reply() noexcept {
   const std::int64_t step_ns = ns_between(last_time_ns_, state_.sample_time_ns);
   // In a new session a tool continues from its last pose, if the scene has not turned and the hand is still near.
   const bool is_tool_near =
-      !running_ && tool_ != nullptr && input_.X_WS.matrix() == X_WS_.matrix() && is_motion_known(input_, state_, kLongGapNs, true);
-  input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
+      !is_running_ && tool_ != nullptr && input_.X_WS.matrix() == X_WS_.matrix() && is_motion_known(input_, state_, kLongGapNs, true);
+  input_.dt_s = is_running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
   input_.p_WD = state_.p_WD;
   input_.q_WT = state_.q_WT;
   input_.X_WS = X_WS_;
@@ -89,7 +89,7 @@ ForceCommand HapticsStep::reply() noexcept {
   last_time_ns_ = state_.sample_time_ns;
   advance_scene(step_ns);
   ForceCommand reply;
-  const bool begins = !running_;
+  const bool begins = !is_running_;
   reply.carve_serial = touch_->newest_carve_serial();
   if (tool_ != nullptr || grasp_ != nullptr) reply.haptons = 0;
   if (grasp_ != nullptr) update_grasp();
@@ -106,7 +106,7 @@ ForceCommand HapticsStep::reply() noexcept {
   // In every reply of a scene with layers: that it is set does not indicate contact.
   if (touch_->has_layers()) reply.held_offset_m = touch_->held_offset().value_or(reply.visual_offset_m);
   last_sample_ = state_.sample;
-  begins_within_ = false;
+  begins_within_session_ = false;
   ++counts_.replied;
   counts_.contact_steps += reply.contact ? 1 : 0;
   counts_.max_force_n = std::max(counts_.max_force_n, reply.force_n.norm());
@@ -138,7 +138,8 @@ std::unique_ptr<ShapeStage> HapticsStep::deform(int object, std::unique_ptr<Shap
 }
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
-  if ((running_ || begins_within_) && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMaxSceneStepNs);
+  if ((is_running_ || begins_within_session_) && touch_->has_motion())
+    scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMaxSceneStepNs);
   // While the hub computes the force, its scene time determines where moving objects are.
   if (state_.scene_time_ns >= 0 && touch_->has_motion()) scene_time_ns_ = state_.scene_time_ns;
   scene_time_ns_ = std::exchange(next_scene_time_ns_, std::nullopt).value_or(scene_time_ns_);
@@ -147,7 +148,7 @@ void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
 
 void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   bool is_free_start = false;
-  if (!running_) {
+  if (!is_running_) {
     const TouchInput start = make_start();
     is_free_start = start.p_WD == input_.p_WD;
     begin_at(start);
@@ -156,16 +157,17 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   }
   output_ = touch_->step(input_);
   // If there is no contact at the hub's probe, the probe starts where this node had contact, if it had any.
-  const bool begins = !std::exchange(running_, true) && state_.is_resumed && !output_.contact;
-  const std::optional<Vec3> own = find_own_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
-  free_starts_ += is_free_start && !(begins && own) ? 1 : 0;
-  if (begins && own) {
+  const bool begins = !std::exchange(is_running_, true) && state_.is_resumed && !output_.contact;
+  const std::optional<Vec3> own_start =
+      find_own_start(std::exchange(resume_p_WP_, std::nullopt), resume_outward_W_, input_.p_WD, offset_m_);
+  free_starts_ += is_free_start && !(begins && own_start) ? 1 : 0;
+  if (begins && own_start) {
     TouchInput start = input_;
-    start.p_WD = *own;
+    start.p_WD = *own_start;
     begin_at(start);
     output_ = touch_->step(input_);
     // As in make_start(): a recording of this session does not contain this start.
-    if (!begins_within_) replied_before_ = kUnknownBefore;
+    if (!begins_within_session_) replied_before_ = kUnknownBefore;
   }
   reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
   reply.contact = output_.contact || fade_.is_active();
@@ -186,12 +188,12 @@ void HapticsStep::begin_at(const TouchInput& start) noexcept {
 // Picks up the object that is touched, or puts down the one that is held.
 void HapticsStep::update_grasp() noexcept {
   // The probe begins anew, and its contact is not known yet: an object that is moved now would lose this contact.
-  if (!running_ && tool_ == nullptr) return grasp_->skip_sample(state_);
+  if (!is_running_ && tool_ == nullptr) return grasp_->skip_sample(state_);
   const int touched = tool_ == nullptr && output_.contact ? output_.object : -1;
   const Grasp::Change change = grasp_->update(state_, X_WS_, touched, output_.visual_offset_m);
   if (change == Grasp::Change::none) return;
   tool_ = grasp_->tool();
-  is_tool_blocked_ = is_tool_held_ = false;
+  is_tool_blocked_ = is_tool_in_contact_ = false;
   fade_.begin();
   torque_fade_.begin();
   // A recording counts this as a change of method.
@@ -208,21 +210,21 @@ void HapticsStep::return_probe() noexcept {
   TouchInput here = input_;
   here.dt_s = 0.0;
   if (!(touch_->step(here).visual_offset_m.norm() > kResumeReachM)) return;
-  TouchInput beside = here;
-  if (start) beside.p_WD = start->p_W + offset_m_ * start->outward;
-  touch_->reset((beside.p_WD - input_.p_WD).norm() <= kResumeReachM ? beside : here);
+  TouchInput off_surface = here;
+  if (start) off_surface.p_WD = start->p_W + offset_m_ * start->outward;
+  touch_->reset((off_surface.p_WD - input_.p_WD).norm() <= kResumeReachM ? off_surface : here);
   touch_->step(here);
 }
 
 // An object was put down, and the slow task is building the scene with it. The present method still has the object at its old place, so
 // only the effects in free space act.
 void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
-  if (running_) {
+  if (is_running_) {
     remember_reply();
   } else {
     touch_->reset_effects(input_);
   }
-  running_ = true;
+  is_running_ = true;
   const Vec3 effects_n = touch_->step_in_space(input_);
   reply.force_n = fade_.step(effects_n, !effects_n.isZero(0.0), input_.dt_s);
   reply.contact = !effects_n.isZero(0.0) || fade_.is_active();
@@ -252,7 +254,7 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
 // far meanwhile, it may have gone around something, and the tool would pull it back: then the tool begins anew. The effects of the scene
 // in free space act at the grip point.
 void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
-  if (running_) {
+  if (is_running_) {
     remember_reply();
   } else {
     touch_->reset_effects(input_);
@@ -264,84 +266,85 @@ void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
     free_starts_ += grasp_ == nullptr && !(is_near && tool_->is_known()) ? 1 : 0;
   }
   const bool was_known = tool_->is_known();
-  running_ = true;
+  is_running_ = true;
   ToolInput input;
   input.X_WD.translation() = state_.p_WD;
   input.X_WD.linear() = state_.q_WT.toRotationMatrix();
   input.X_WS = X_WS_;
   place_parts();
   input.X_SO = X_SO_;
-  const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
+  const ToolOutput tool_output = tool_->step(input, state_.sample_time_ns);
   // The object that was picked up gives its first force now. It may already be in contact with something, so this force fades in.
   if (grasp_ != nullptr && !was_known && tool_->is_known()) {
     fade_.begin();
     torque_fade_.begin();
   }
-  is_tool_blocked_ = felt.proxy.is_blocked;
-  is_tool_held_ = felt.contact;
-  if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);
-  if (felt.contact) counts_.most_haptons = std::max(counts_.most_haptons, felt.proxy.haptons);
+  is_tool_blocked_ = tool_output.proxy.is_blocked;
+  is_tool_in_contact_ = tool_output.contact;
+  if (tool_output.contact) counts_.haptons += static_cast<std::uint64_t>(tool_output.proxy.haptons);
+  if (tool_output.contact) counts_.most_haptons = std::max(counts_.most_haptons, tool_output.proxy.haptons);
   const Vec3 effects_n = touch_->step_in_space(input_);
-  const bool is_felt = felt.contact || !effects_n.isZero(0.0);
-  reply.force_n = fade_.step(felt.force_n + effects_n, is_felt, input_.dt_s);
-  reply.torque_nm = felt.torque_nm;
-  if (felt.contact) reply.haptons = static_cast<std::uint32_t>(felt.proxy.haptons);
+  const bool is_felt = tool_output.contact || !effects_n.isZero(0.0);
+  reply.force_n = fade_.step(tool_output.force_n + effects_n, is_felt, input_.dt_s);
+  reply.torque_nm = tool_output.torque_nm;
+  if (tool_output.contact) reply.haptons = static_cast<std::uint32_t>(tool_output.proxy.haptons);
   reply.contact = is_felt || fade_.is_active();
   if (grasp_ != nullptr) {
-    grasp_->note_pose(felt.X_WP, X_WS_);
+    grasp_->note_pose(tool_output.X_WP, X_WS_);
     reply.object = grasp_->object();
   }
-  reply.visual_offset_m = felt.X_WP.translation() - state_.p_WD;
-  reply.visual_turn = turn_between(state_.q_WT, Quat(felt.X_WP.linear()));
+  reply.visual_offset_m = tool_output.X_WP.translation() - state_.p_WD;
+  reply.visual_turn = turn_between(state_.q_WT, Quat(tool_output.X_WP.linear()));
   note_push(reply);
 }
 
 // The effects of shared libraries are independent of the method: they neither fade when it changes nor move its probe.
 void HapticsStep::add_effects(ForceCommand& reply, bool begins) noexcept {
   if (begins) effects_->reset();
-  const PluginForce added = effects_->step({.sample = state_.sample,
-                                            .time_ns = state_.sample_time_ns,
-                                            .dt_s = input_.dt_s,
-                                            .p_WD = state_.p_WD,
-                                            .q_WT = state_.q_WT,
-                                            .buttons = state_.buttons,
-                                            .X_WS = X_WS_,
-                                            .contact = reply.contact,
-                                            .p_WP = state_.p_WD + reply.visual_offset_m,
-                                            .force_n = reply.force_n});
-  reply.force_n += added.force_n;
-  reply.torque_nm += added.torque_nm;
-  reply.contact = reply.contact || !added.force_n.isZero(0.0) || !added.torque_nm.isZero(0.0);
+  const PluginForce plugin_force = effects_->step({.sample = state_.sample,
+                                                   .time_ns = state_.sample_time_ns,
+                                                   .dt_s = input_.dt_s,
+                                                   .p_WD = state_.p_WD,
+                                                   .q_WT = state_.q_WT,
+                                                   .buttons = state_.buttons,
+                                                   .X_WS = X_WS_,
+                                                   .contact = reply.contact,
+                                                   .p_WP = state_.p_WD + reply.visual_offset_m,
+                                                   .force_n = reply.force_n});
+  reply.force_n += plugin_force.force_n;
+  reply.torque_nm += plugin_force.torque_nm;
+  reply.contact = reply.contact || !plugin_force.force_n.isZero(0.0) || !plugin_force.torque_nm.isZero(0.0);
 }
 
 // Where the probe starts: at the device, or off the surface, on the side on which it was in contact.
 TouchInput HapticsStep::make_start() noexcept {
-  const std::optional<Vec3> at = state_.is_resumed ? find_start(state_.p_WP, input_.p_WD, offset_m_)
-                                                   : find_own_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
+  const std::optional<Vec3> at = state_.is_resumed
+                                     ? find_start(state_.p_WP, input_.p_WD, offset_m_)
+                                     : find_own_start(std::exchange(resume_p_WP_, std::nullopt), resume_outward_W_, input_.p_WD, offset_m_);
   TouchInput start = input_;
   if (!at) return start;
   start.p_WD = *at;
   // This start depends on an earlier session, which a recording of this one does not contain.
-  if (!state_.is_resumed && !begins_within_) replied_before_ = kUnknownBefore;
+  if (!state_.is_resumed && !begins_within_session_) replied_before_ = kUnknownBefore;
   return start;
 }
 
 void HapticsStep::announce_start() noexcept {
-  const std::optional<Vec3> p_WP = p_WP_;
+  const std::optional<Vec3> p_WP = resume_p_WP_;
   const std::uint64_t replied_before = replied_before_;
   input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS, .time_s = 1e-9 * static_cast<double>(scene_time_ns_)};
   touch_->reset(make_start());
   touch_->step(input_);
-  p_WP_ = p_WP;
+  resume_p_WP_ = p_WP;
   replied_before_ = replied_before;
 }
 
 void HapticsStep::resume() noexcept {
-  if (running_) return restart_here(output_.contact);
+  if (is_running_) return restart_here(output_.contact);
   // The session that has just ended had no reply: the probe still rests where it did before that session.
-  const std::optional<Vec3> p_WP = p_WP_;
+  const std::optional<Vec3> p_WP = resume_p_WP_;
   restart();
-  p_WP_ = p_WP;
+  resume_p_WP_ = p_WP;
 }
 
 Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().value_or(output_.visual_offset_m); }
@@ -350,8 +353,8 @@ Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().va
 void HapticsStep::restart_here(bool is_felt) noexcept {
   const Vec3 held_m = held_offset();
   restart();
-  if (is_felt && input_.X_WS.matrix() == X_WS_.matrix()) p_WP_ = input_.p_WD + held_m;
-  outward_W_ = held_m;
+  if (is_felt && input_.X_WS.matrix() == X_WS_.matrix()) resume_p_WP_ = input_.p_WD + held_m;
+  resume_outward_W_ = held_m;
 }
 
 // Shifts the known replies by the number of samples passed, and adds the last one.
@@ -365,8 +368,8 @@ void HapticsStep::remember_reply() noexcept {
 }
 
 Vec3 HapticsStep::p_STouching() const noexcept {
-  const bool is_made_of_a_mesh = tool_ != nullptr && grasp_ == nullptr;
-  const Vec3 p_W = is_made_of_a_mesh ? Vec3(input_.p_WD + input_.q_WT * tool_->vertex_m()) : input_.p_WD;
+  const bool is_mesh_tool = tool_ != nullptr && grasp_ == nullptr;
+  const Vec3 p_W = is_mesh_tool ? Vec3(input_.p_WD + input_.q_WT * tool_->vertex_m()) : input_.p_WD;
   return input_.X_WS.inverse(Eigen::Isometry) * p_W;
 }
 
@@ -378,7 +381,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
   }
   ++counts_.views_applied;
   // A vision node that joins sends the present pose again: the scene has not turned then.
-  if (pose->matrix() != X_WS_.matrix()) p_WP_.reset();
+  if (pose->matrix() != X_WS_.matrix()) resume_p_WP_.reset();
   X_WS_ = *pose;
   view_ = view;
   return true;
@@ -391,11 +394,11 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   touch_->copy_commands(*touch);
   touch_->exchange_carves(*touch);
   const std::optional<Grasp::ResumeContact> put_down = grasp_ != nullptr ? grasp_->take_resume_contact(X_WS_) : std::nullopt;
-  if (put_down && !running_) {
-    p_WP_ = put_down->p_W;
-    outward_W_ = put_down->outward;
+  if (put_down && !is_running_) {
+    resume_p_WP_ = put_down->p_W;
+    resume_outward_W_ = put_down->outward;
   }
-  if (running_) {
+  if (is_running_) {
     TouchInput start = input_;
     if (put_down && (put_down->p_W - input_.p_WD).norm() <= kResumeReachM) {
       start.p_WD = put_down->p_W + offset_m_ * put_down->outward;
@@ -423,14 +426,14 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
 
 bool HapticsStep::restore_carves(Sculpture& other, std::uint32_t newest) noexcept {
   if (!touch_->restore_carves(other, newest)) return false;
-  if (running_ && (output_.contact || fade_.is_active())) fade_.begin();
+  if (is_running_ && (output_.contact || fade_.is_active())) fade_.begin();
   return true;
 }
 
 void HapticsStep::set_materials(std::span<const Material> materials, const ToolMaterials& of_tool) noexcept {
   tool_->set_materials(of_tool);
   set_materials(materials);
-  if (!running_ || !is_tool_held_) return;
+  if (!is_running_ || !is_tool_in_contact_) return;
   fade_.begin();
   torque_fade_.begin();
 }
@@ -438,7 +441,7 @@ void HapticsStep::set_materials(std::span<const Material> materials, const ToolM
 void HapticsStep::set_materials(std::span<const Material> materials) noexcept {
   ++counts_.materials_taken;
   touch_->set_materials(materials);
-  if (running_ && (output_.contact || fade_.is_active())) fade_.begin();
+  if (is_running_ && (output_.contact || fade_.is_active())) fade_.begin();
 }
 
 }  // namespace hapton

@@ -67,12 +67,12 @@ class HapticsStep {
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
-  bool is_running() const noexcept { return running_; }
+  bool is_running() const noexcept { return is_running_; }
   // How often the probe, or a rigid tool, started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
   // A point of what touches, at the last reply, frame S: the device point, or a vertex of the tool of hold() in the device's pose. Contact.
   Vec3 p_STouching() const noexcept;
-  bool has_contact() const noexcept { return output_.contact || is_tool_held_; }
+  bool has_contact() const noexcept { return output_.contact || is_tool_in_contact_; }
 
   // Tells the method where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
   // is_running().
@@ -127,9 +127,9 @@ class HapticsStep {
 
   // Forgets contact and time.
   void restart() noexcept {
-    running_ = begins_within_ = false;
+    is_running_ = begins_within_session_ = false;
     replied_before_ = 0;
-    p_WP_.reset();
+    resume_p_WP_.reset();
     fade_.forget();
     torque_fade_.forget();
   }
@@ -167,17 +167,17 @@ class HapticsStep {
   Grasp* grasp_ = nullptr;
   PluginEffects* effects_ = nullptr;  // null: none
   bool is_tool_blocked_ = false;
-  bool is_tool_held_ = false;  // by a surface, in the last reply
+  bool is_tool_in_contact_ = false;  // by a surface, in the last reply
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;
   DeviceState state_;
-  TouchInput input_;               // the input of the last reply
-  TouchOutput output_;             // the method's output at the last reply, without fade and tool
-  ForceFade fade_;                 // fades the difference from an earlier method, N
-  ForceFade torque_fade_;          // the same for the torque, Nm
-  std::optional<Vec3> p_WP_;       // where the probe rested when the session ended, or an object was put down
-  Vec3 outward_W_ = Vec3::Zero();  // from the device point to there, at that time
+  TouchInput input_;                      // the input of the last reply
+  TouchOutput output_;                    // the method's output at the last reply, without fade and tool
+  ForceFade fade_;                        // fades the difference from an earlier method, N
+  ForceFade torque_fade_;                 // the same for the torque, Nm
+  std::optional<Vec3> resume_p_WP_;       // where the probe rested when the session ended, or an object was put down
+  Vec3 resume_outward_W_ = Vec3::Zero();  // from the device point to there, at that time
   std::int64_t last_time_ns_ = 0;
   std::int64_t scene_time_ns_ = 0;
   std::optional<std::int64_t> next_scene_time_ns_;
@@ -186,9 +186,9 @@ class HapticsStep {
   std::uint32_t skipped_ = 0;
   std::uint32_t free_starts_ = 0;
   bool has_state_ = false;
-  bool running_ = false;        // there was a last reply
-  bool is_thinned_ = false;     // see set_thinned
-  bool begins_within_ = false;  // not running, since the probe begins anew within a session
+  bool is_running_ = false;             // there was a last reply
+  bool is_thinned_ = false;             // see set_thinned
+  bool begins_within_session_ = false;  // not running, since the probe begins anew within a session
   HapticsCounts counts_;
 };
 

@@ -69,7 +69,7 @@ bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange&
 }
 
 // A change of all objects replaces the changes of single objects: removes these values from them.
-void forget_each(MaterialState& state, std::uint32_t bits) {
+void remove_from_each(MaterialState& state, std::uint32_t bits) {
   for (MaterialState::Object& one : objects_of(state)) remove(bits, one.change);
   const auto known = objects_of(state);
   const auto end = std::remove_if(known.begin(), known.end(), [](const MaterialState::Object& one) { return one.change.given == 0; });
@@ -77,8 +77,8 @@ void forget_each(MaterialState& state, std::uint32_t bits) {
   state.object_count = static_cast<std::uint32_t>(end - known.begin());
 }
 
-Material tuned_material(const Material& given, std::int32_t object, const MaterialState& state) {
-  Material material = given;
+Material tuned_material(const Material& scene_material, std::int32_t object, const MaterialState& state) {
+  Material material = scene_material;
   for (std::size_t i = 0; i < state.object_count; ++i) {
     if (state.objects[i].object == kAllObjects || state.objects[i].object == object) apply(state.objects[i].change, material);
   }
@@ -120,40 +120,40 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
     const std::vector<std::string_view> known(names_.begin(), names_.end());
     return fail("the scene has no object '{}'{}", printable(name), similar_word_hint(name, known));
   }
-  MaterialState changed = state_;
+  MaterialState new_state = state_;
   bool has_room = true;
   if (name.empty()) {
-    forget_each(changed, request.change.given);
-    has_room = merge_into(changed, kAllObjects, request.change);
+    remove_from_each(new_state, request.change.given);
+    has_room = merge_into(new_state, kAllObjects, request.change);
   } else {
-    for (const std::size_t o : objects) has_room = has_room && merge_into(changed, static_cast<std::int32_t>(o), request.change);
+    for (const std::size_t o : objects) has_room = has_room && merge_into(new_state, static_cast<std::int32_t>(o), request.change);
   }
   if (!has_room) {
     return fail("no more than {} objects can be changed one by one: change all, or the scene file", MaterialState::kMaxObjects);
   }
   Result<void> first_misfit;
-  bool some_fit = false;
+  bool any_fits = false;
   for (const std::size_t o : objects) {
-    const Material& given = scene_.objects[o].material;
-    const auto fits =
-        check_material(tuned_material(given, static_cast<std::int32_t>(o), changed), given, scene_.objects[o].effects, names_[o]);
-    some_fit = some_fit || fits;
+    const Material& scene_material = scene_.objects[o].material;
+    const auto fits = check_material(tuned_material(scene_material, static_cast<std::int32_t>(o), new_state), scene_material,
+                                     scene_.objects[o].effects, names_[o]);
+    any_fits = any_fits || fits;
     if (!fits && first_misfit) first_misfit = fits;
   }
-  if (!first_misfit && some_fit && name.empty()) {
+  if (!first_misfit && any_fits && name.empty()) {
     return fail("{}; or change one of the others (--object NAME)", first_misfit.error().what);
   }
   if (!first_misfit) return first_misfit;
-  state_ = changed;
-  last_ = objects;
+  state_ = new_state;
+  last_objects_ = objects;
   return {};
 }
 
 std::string MaterialTuning::describe_last() const {
-  if (last_.empty()) return {};
-  const Material material = tuned_material(scene_.objects[last_[0]].material, static_cast<std::int32_t>(last_[0]), state_);
-  const std::string which =
-      last_.size() == 1 ? fmt::format("object '{}'", printable(names_[last_[0]])) : fmt::format("{} objects, the first", last_.size());
+  if (last_objects_.empty()) return {};
+  const Material material = tuned_material(scene_.objects[last_objects_[0]].material, static_cast<std::int32_t>(last_objects_[0]), state_);
+  const std::string which = last_objects_.size() == 1 ? fmt::format("object '{}'", printable(names_[last_objects_[0]]))
+                                                      : fmt::format("{} objects, the first", last_objects_.size());
   return fmt::format("{}: stiffness {:g} N/m, damping {:g} Ns/m, friction {:g} / {:g} (static / dynamic)", which,
                      material.stiffness_n_per_m, material.damping_ns_per_m, material.friction_static, material.friction_dynamic);
 }

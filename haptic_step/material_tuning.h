@@ -30,7 +30,7 @@ class MaterialTuning {
   // scene.
   void follow(const MaterialState& state) {
     state_ = state;
-    last_.clear();
+    last_objects_.clear();
   }
   // The scene was replaced by another one: there are no changes.
   void follow(const Scene& scene);
@@ -47,7 +47,7 @@ class MaterialTuning {
   TouchScene scene_;
   std::vector<std::string> names_;
   MaterialState state_;
-  std::vector<std::size_t> last_;  // objects of the last request
+  std::vector<std::size_t> last_objects_;  // objects of the last request
 };
 
 }  // namespace hapton

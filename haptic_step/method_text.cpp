@@ -40,8 +40,8 @@ std::string write(bool value) { return value ? "1" : "0"; }
 
 // Splits "NAME=VALUE"; without '=' the value is empty.
 std::pair<std::string, std::string> split(const std::string& word) {
-  const std::size_t sign = word.find('=');
-  return {word.substr(0, sign), sign == std::string::npos ? "" : word.substr(sign + 1)};
+  const std::size_t equals = word.find('=');
+  return {word.substr(0, equals), equals == std::string::npos ? "" : word.substr(equals + 1)};
 }
 
 template <class T>
@@ -61,12 +61,12 @@ bool read(const std::string& text, std::array<int, 3>& value) {
 
 std::string to_text(const MethodSettings& settings) {
   std::string text = "name=" + settings.name;
-  const MethodSettings by_default;
-  std::string plain;
-  for_each_setting(by_default, [&](const char* name, const auto& value) { plain += fmt::format(" {}={}\n", name, write(value)); });
+  const MethodSettings defaults;
+  std::string default_words;
+  for_each_setting(defaults, [&](const char* name, const auto& value) { default_words += fmt::format(" {}={}\n", name, write(value)); });
   for_each_setting(settings, [&](const char* name, const auto& value) {
     const std::string word = fmt::format(" {}={}", name, write(value));
-    if (plain.find(word + "\n") == std::string::npos) text += word;
+    if (default_words.find(word + "\n") == std::string::npos) text += word;
   });
   return text;
 }
@@ -77,13 +77,13 @@ Result<MethodSettings> parse_method_text(std::string_view text) {
   for (std::string word; words >> word;) {
     const auto [name, value] = split(word);
     const auto is_read = [&name = name, &value = value](const char* known, auto& into) { return name == known && read(value, into); };
-    bool is_good = name == "effects" || name == "cut";  // notes of a haptics node on plug-ins, which are no settings
+    bool is_understood = name == "effects" || name == "cut";  // notes of a haptics node on plug-ins, which are no settings
     if (name == "name") {
       settings.name = value;
-      is_good = !value.empty();
+      is_understood = !value.empty();
     }
-    for_each_setting(settings, [&](const char* known, auto& into) { is_good = is_good || is_read(known, into); });
-    if (!is_good) return fail("method settings: '{}' is not understood; was it recorded by another build?", word);
+    for_each_setting(settings, [&](const char* known, auto& into) { is_understood = is_understood || is_read(known, into); });
+    if (!is_understood) return fail("method settings: '{}' is not understood; was it recorded by another build?", word);
   }
   return settings;
 }
@@ -108,8 +108,8 @@ std::optional<ToolCoupling> parse_tool_text(std::string_view text) {
       return std::nullopt;
     }
   }
-  const bool is_good = coupling.stiffness_n_per_m >= 0.0 && coupling.rotational_stiffness_nm_per_rad >= 0.0;
-  return is_good ? std::optional(coupling) : std::nullopt;
+  const bool is_valid = coupling.stiffness_n_per_m >= 0.0 && coupling.rotational_stiffness_nm_per_rad >= 0.0;
+  return is_valid ? std::optional(coupling) : std::nullopt;
 }
 
 std::string_view effects_in(std::string_view method_text) {

@@ -16,7 +16,7 @@ namespace {
 
 // Formats without heap; a text that is too long is cut off.
 template <class... Args>
-void say(HapticsSetup::Text& into, fmt::format_string<Args...> text, Args&&... args) noexcept {
+void format_into(HapticsSetup::Text& into, fmt::format_string<Args...> text, Args&&... args) noexcept {
   std::array<char, std::tuple_size_v<HapticsSetup::Text> - 1> line;
   const auto end = fmt::format_to_n(line.data(), line.size(), text, std::forward<Args>(args)...);
   put_text({line.data(), std::min(end.size, line.size())}, into);
@@ -59,15 +59,15 @@ ObjectMover::Found ObjectMover::find(const MoveRequest& request) const noexcept 
 }
 
 void ObjectMover::request(const MoveRequest& request) noexcept {
-  const Waiting fresh{request, find(request).object};
+  const Waiting waiting{request, find(request).object};
   const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
-  const auto same = std::find_if(waiting_.begin(), end, [&](const Waiting& one) { return one.object == fresh.object; });
-  if (same != end) {
-    if (same->request.request == request.request) return;
+  const auto earlier = std::find_if(waiting_.begin(), end, [&](const Waiting& one) { return one.object == waiting.object; });
+  if (earlier != end) {
+    if (earlier->request.request == request.request) return;
     // A repeated request that was already carried out must not replace a newer one.
-    if (recall(request.request) == nullptr) {
-      remember_overtaken(*same);
-      *same = fresh;
+    if (find_reply(request.request) == nullptr) {
+      reject_overtaken(*earlier);
+      *earlier = waiting;
     }
     return;
   }
@@ -75,102 +75,103 @@ void ObjectMover::request(const MoveRequest& request) noexcept {
     ++overflows_;
     return;
   }
-  waiting_[waiting_count_++] = fresh;
+  waiting_[waiting_count_++] = waiting;
 }
 
-// Whether enough time has passed since the start of the last move, if that move has not begun (kMaxAhead).
+// Whether enough time has passed since the start of the last move, if that move has not begun (kMaxFutureMoves).
 bool ObjectMover::may_begin(const Waiting& waiting, std::int64_t start_ns) const noexcept {
-  const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
-  return own == moves_.end() || own->serial == 0 || start_ns < own->start_ns || start_ns - own->start_ns >= lead_ns_ / kMaxAhead;
+  const auto newest_move = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
+  return newest_move == moves_.end() || newest_move->serial == 0 || start_ns < newest_move->start_ns ||
+         start_ns - newest_move->start_ns >= lead_ns_ / kMaxFutureMoves;
 }
 
-ObjectMover::Done ObjectMover::work(HapticsStep& step) noexcept {
+ObjectMover::Outcome ObjectMover::carry_out(HapticsStep& step) noexcept {
   const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
   const std::int64_t start_ns = step.scene_time_ns() + lead_ns_;
   const auto next = std::find_if(waiting_.begin(), end, [&](const Waiting& one) { return may_begin(one, start_ns); });
   if (next == end) return {};
-  const Waiting first = *next;
+  const Waiting waiting = *next;
   std::move(next + 1, end, next);
   --waiting_count_;
-  Done done;
-  if (const MoveReply* known = recall(first.request.request)) {
-    done.reply = *known;
-    return done;
+  Outcome outcome;
+  if (const MoveReply* earlier_reply = find_reply(waiting.request.request)) {
+    outcome.reply = *earlier_reply;
+    return outcome;
   }
-  done.reply.request = first.request.request;
-  if (first.object < 0 || objects_[static_cast<std::size_t>(first.object)] == nullptr) {
-    reject_unknown(first.request, done.reply.rejection);
+  outcome.reply.request = waiting.request.request;
+  if (waiting.object < 0 || objects_[static_cast<std::size_t>(waiting.object)] == nullptr) {
+    reject_unknown(waiting.request, outcome.reply.rejection);
   } else {
-    move(step, first, done);
+    move(step, waiting, outcome);
   }
-  remember(done.reply);
-  return done;
+  add_reply(outcome.reply);
+  return outcome;
 }
 
-void ObjectMover::move(HapticsStep& step, const Waiting& waiting, Done& done) noexcept {
+void ObjectMover::move(HapticsStep& step, const Waiting& waiting, Outcome& outcome) noexcept {
   const CommandedMotion* motion = step.touch().find_commanded(waiting.object);
   const CommandedObject& object = *objects_[static_cast<std::size_t>(waiting.object)];
-  if (motion == nullptr) return say(done.reply.rejection, "the method in use does not move objects");
+  if (motion == nullptr) return format_into(outcome.reply.rejection, "the method in use does not move objects");
   const std::int64_t start_ns = step.scene_time_ns() + lead_ns_;
   const MoveRequest& requested = waiting.request;
   const Keyframe from = motion->keyframe_at(1e-9 * static_cast<double>(start_ns));
   const Keyframe to = object.place(requested.p_m, requested.q, from);
   const double seconds = compute_move_time_s(from, to, requested.over_s.value_or(0.0), object.radius_m(), kMaxSurfaceSpeed);
   if (!(seconds <= MoveRequest::kMaxSeconds)) {
-    return say(done.reply.rejection, "'{}' would need {:.3g} s at {:g} m/s: it may take a day at most", name_of(waiting.object), seconds,
-               kMaxSurfaceSpeed);
+    return format_into(outcome.reply.rejection, "'{}' would need {:.3g} s at {:g} m/s: it may take a day at most", name_of(waiting.object),
+                       seconds, kMaxSurfaceSpeed);
   }
-  const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
-  own->serial = static_cast<std::uint32_t>(step.counts().moves_taken) + 1;
-  own->start_ns = start_ns;
-  own->end_ns = start_ns + static_cast<std::int64_t>(std::ceil(1e9 * seconds));
-  own->from_p_m = from.p_S;
-  own->from_q = from.turn;
-  own->to_p_m = to.p_S;
-  own->to_q = to.turn;
-  step.command(waiting.object, to_command(*own));
-  done.reply.object = waiting.object;
-  done.reply.over_s = seconds;
-  done.reply.serial = own->serial;
-  done.move = *own;
+  const auto newest_move = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
+  newest_move->serial = static_cast<std::uint32_t>(step.counts().moves_taken) + 1;
+  newest_move->start_ns = start_ns;
+  newest_move->end_ns = start_ns + static_cast<std::int64_t>(std::ceil(1e9 * seconds));
+  newest_move->from_p_m = from.p_S;
+  newest_move->from_q = from.turn;
+  newest_move->to_p_m = to.p_S;
+  newest_move->to_q = to.turn;
+  step.command(waiting.object, to_command(*newest_move));
+  outcome.reply.object = waiting.object;
+  outcome.reply.over_s = seconds;
+  outcome.reply.serial = newest_move->serial;
+  outcome.move = *newest_move;
 }
 
-void ObjectMover::reject_unknown(const MoveRequest& request, HapticsSetup::Text& why) const noexcept {
+void ObjectMover::reject_unknown(const MoveRequest& request, HapticsSetup::Text& rejection) const noexcept {
   const std::string_view name = text_of(request.object);
   const Found found = find(request);
   if (found.object >= 0) {
-    say(why, "programs may not move '{}': give it moved_by = \"program\" in the scene file", name_of(found.object));
+    format_into(rejection, "programs may not move '{}': give it moved_by = \"program\" in the scene file", name_of(found.object));
   } else if (found.count > 1) {
-    say(why, "{} objects are named '{}': give the number of one, from 0", found.count, name);
+    format_into(rejection, "{} objects are named '{}': give the number of one, from 0", found.count, name);
   } else if (name.empty()) {
-    say(why, "there is no object {}: the scene has {}, numbered from 0", request.number, names_.size());
+    format_into(rejection, "there is no object {}: the scene has {}, numbered from 0", request.number, names_.size());
   } else if (moves_.empty()) {
-    say(why, "there is no object '{}', and none that programs may move (moved_by = \"program\" in the scene file)", name);
+    format_into(rejection, "there is no object '{}', and none that programs may move (moved_by = \"program\" in the scene file)", name);
   } else {
-    say(why, "there is no object '{}'; programs may move '{}'{}", name, name_of(moves_.front().object),
-        moves_.size() > 1 ? " and others" : "");
+    format_into(rejection, "there is no object '{}'; programs may move '{}'{}", name, name_of(moves_.front().object),
+                moves_.size() > 1 ? " and others" : "");
   }
 }
 
-const MoveReply* ObjectMover::recall(std::uint32_t request) const noexcept {
-  const auto known = std::find_if(replies_.begin(), replies_.end(), [&](const MoveReply& one) { return one.request == request; });
-  return known != replies_.end() ? &*known : nullptr;
+const MoveReply* ObjectMover::find_reply(std::uint32_t request) const noexcept {
+  const auto earlier_reply = std::find_if(replies_.begin(), replies_.end(), [&](const MoveReply& one) { return one.request == request; });
+  return earlier_reply != replies_.end() ? &*earlier_reply : nullptr;
 }
 
-void ObjectMover::remember(const MoveReply& reply) noexcept {
+void ObjectMover::add_reply(const MoveReply& reply) noexcept {
   replies_[next_reply_] = reply;
-  next_reply_ = (next_reply_ + 1) % kRemembered;
+  next_reply_ = (next_reply_ + 1) % kMaxReplies;
 }
 
-void ObjectMover::remember_overtaken(const Waiting& waiting) noexcept {
+void ObjectMover::reject_overtaken(const Waiting& waiting) noexcept {
   MoveReply reply{.request = waiting.request.request};
   if (waiting.object >= 0) {
     reply.object = waiting.object;
-    say(reply.rejection, "a newer request for '{}' replaced this one", name_of(waiting.object));
+    format_into(reply.rejection, "a newer request for '{}' replaced this one", name_of(waiting.object));
   } else {
     reject_unknown(waiting.request, reply.rejection);
   }
-  remember(reply);
+  add_reply(reply);
 }
 
 }  // namespace hapton

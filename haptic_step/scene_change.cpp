@@ -37,17 +37,17 @@ SceneChange compare_scenes(const Scene& before, const Scene& after) {
   if (before.objects.size() != after.objects.size()) return SceneChange::shape;
   bool has_same_materials = true;
   bool has_same_names = true;
-  TouchScene recoloured = after.touch_scene();
+  TouchScene with_old_materials = after.touch_scene();
   for (std::size_t o = 0; o < before.objects.size(); ++o) {
     const SceneObject& a = before.objects[o];
     const SceneObject& b = after.objects[o];
     if (!is_same_shape(a, b)) return SceneChange::shape;
     has_same_materials = has_same_materials && is_same_material(a.material, b.material);
     has_same_names = has_same_names && a.name == b.name && a.material_name == b.material_name;
-    recoloured.objects[o].material = a.material;
+    with_old_materials.objects[o].material = a.material;
   }
   // Shapes and materials are the same here, so only effects can make the hashes differ.
-  if (hash_scene(before.touch_scene()) != hash_scene(recoloured)) return SceneChange::effects;
+  if (hash_scene(before.touch_scene()) != hash_scene(with_old_materials)) return SceneChange::effects;
   if (!has_same_names) return has_same_materials ? SceneChange::names : SceneChange::effects;
   return has_same_materials ? SceneChange::none : SceneChange::materials;
 }

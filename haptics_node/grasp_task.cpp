@@ -145,7 +145,7 @@ void GraspTask::put_down(const GraspRequest& request) {
   const auto number = static_cast<std::size_t>(request.object);
   SceneObject& object = scene_.objects[number];
   const SceneObject before = object;
-  move_object(request.moved, loaded_scene_.objects[number], object);
+  move_object(request.displacement, loaded_scene_.objects[number], object);
   objects_.replace(number, object.mesh);
   const auto made = make_placed_scene(scene_, options_.coupling_n_per_m, ++revision_, request.serial);
   made->touch.built = objects_.build();

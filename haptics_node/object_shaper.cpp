@@ -190,7 +190,7 @@ std::optional<Message> ObjectShaper::take_resend(std::int64_t now_ns) noexcept {
     const auto is_it = [&](const Object::Announced& one) { return one.serial == resend.serial && one.made != nullptr; };
     const auto found = std::find_if(announced.begin(), announced.end(), is_it);
     if (found == announced.end() || resend.first >= resend.end) continue;
-    const std::uint32_t first = std::exchange(resend.first, resend.first + ShapePart::kMaxHere);
+    const std::uint32_t first = std::exchange(resend.first, resend.first + ShapePart::kVerticesPerPart);
     return make_part(*resend.object, resend.serial, found->made->wanted, first, now_ns);
   }
   return std::nullopt;
@@ -292,12 +292,12 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
   if (now_ns < next_part_ns_) return std::nullopt;
   if (auto resend = take_resend(now_ns)) return resend;
   if (!is_whole) {
-    const std::uint32_t first = std::exchange(sending_->sent_until, sending_->sent_until + ShapePart::kMaxHere);
+    const std::uint32_t first = std::exchange(sending_->sent_until, sending_->sent_until + ShapePart::kVerticesPerPart);
     return make_part(*sending_, serial_, sending_->next->wanted, first, now_ns);
   }
   for (const auto& object : objects_) {
     if (object->resend_from >= object->start.total || object->announced_count == 0) continue;
-    const std::uint32_t first = std::exchange(object->resend_from, object->resend_from + ShapePart::kMaxHere);
+    const std::uint32_t first = std::exchange(object->resend_from, object->resend_from + ShapePart::kVerticesPerPart);
     return make_part(*object, object->start.serial, object->present().made->wanted, first, now_ns);
   }
   return std::nullopt;

@@ -56,11 +56,11 @@ const char* find_scene_obstacle(const TouchScene& scene) {
 // Why the parts cannot hold all of the scene; empty: they can.
 const char* find_obstacle(const TiledScene& tiles, double probe_radius_m) {
   if (tiles.tiles.size() > PatchStore::kMaxTiles) return kTooLarge;
-  if (tiles.has_unlisted) return "too many triangles of the scene overlap in one place";
+  if (tiles.has_unlisted_tiles) return "too many triangles of the scene overlap in one place";
   if (tiles.displaced.size() > PatchStore::kMaxDisplaced) return "the shapes of the objects that deform are more than the hub keeps";
   if (tiles.effects.size() > PatchEffects::kMaxAllBytes) return "images of effects of the scene are more than the hub keeps (2 MB)";
   if (!tiles.effects.empty() && !decode_effects(tiles.effects)) return "an effect of the scene has a number that the hub does not take";
-  if (tiles.has_parting) return "an object of the scene deforms and comes apart";
+  if (tiles.comes_apart) return "an object of the scene deforms and comes apart";
   return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object that deforms cannot be felt from parts of the scene";
 }
 

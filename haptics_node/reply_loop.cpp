@@ -353,16 +353,16 @@ void ReplyLoop::move_objects() {
   if (now_ns < next_move_ns_) return;
   next_move_ns_ = now_ns + kMoveEveryNs;
   if (patch_sender_ != nullptr) mover_->set_lead_ns(patch_sender_->find_lead_ns(now_ns));
-  const ObjectMover::Done done = mover_->work(step_);
-  if (done.reply.request == 0) return;  // the next one is not due yet
-  if (done.move) hub_.send(*done.move);
-  if (done.move && patch_sender_ != nullptr) patch_sender_->note_move(*done.move, now_ns);
-  hub_.send(done.reply);
-  if (done.move) {
+  const ObjectMover::Outcome outcome = mover_->carry_out(step_);
+  if (outcome.reply.request == 0) return;  // the next one is not due yet
+  if (outcome.move) hub_.send(*outcome.move);
+  if (outcome.move && patch_sender_ != nullptr) patch_sender_->note_move(*outcome.move, now_ns);
+  hub_.send(outcome.reply);
+  if (outcome.move) {
     move_repeats_ = kSetupRepeats;
     repeat_move_ns_ = now_ns + kSetupRepeatNs;
   }
-  report_move(done);
+  report_move(outcome);
 }
 
 // Sends the newest move again soon, because a datagram may be lost.
@@ -375,16 +375,16 @@ void ReplyLoop::repeat_move() noexcept {
 }
 
 // A program that sends poses without pause is logged once.
-void ReplyLoop::report_move(const ObjectMover::Done& done) {
+void ReplyLoop::report_move(const ObjectMover::Outcome& outcome) {
   const std::int64_t now_ns = clock_.now_ns();
-  if (done.reply.rejection[0] != '\0') {
+  if (outcome.reply.rejection[0] != '\0') {
     if (now_ns - move_rejected_ns_ < kNanosecondsPerSecond && move_rejected_ns_ != 0) return;
     move_rejected_ns_ = now_ns;
-    log_warning("a program's request was rejected: {}", done.reply.rejection.data());
-  } else if (done.move) {
+    log_warning("a program's request was rejected: {}", outcome.reply.rejection.data());
+  } else if (outcome.move) {
     const bool is_first = last_move_ns_ == 0 || now_ns - last_move_ns_ > kNanosecondsPerSecond;
     last_move_ns_ = now_ns;
-    if (is_first) log_info("a program moves {}, in {:.3g} s", mover_->name_of(done.reply.object), done.reply.over_s);
+    if (is_first) log_info("a program moves {}, in {:.3g} s", mover_->name_of(outcome.reply.object), outcome.reply.over_s);
   }
 }
 

@@ -114,7 +114,7 @@ class ReplyLoop {
   void request_undo(const CarveUndo& request) noexcept;
   void undo_carves();
   void send_carves();
-  void report_move(const ObjectMover::Done& done);
+  void report_move(const ObjectMover::Outcome& outcome);
   void report_plugins();
   bool is_method_cut_off() const noexcept;
   void show_plugins();

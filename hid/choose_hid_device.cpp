@@ -77,17 +77,17 @@ bool has_twin(std::span<const HidDescription> devices, const HidDescription& cho
 
 Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind,
                                              bool had_twin) {
-  std::vector<HidDescription> same(devices.begin(), devices.end());
-  std::erase_if(same, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
-  if (same.empty()) {
+  std::vector<HidDescription> candidates(devices.begin(), devices.end());
+  std::erase_if(candidates, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
+  if (candidates.empty()) {
     return fail("the {} used before ({}) is not among the {} HID devices that are plugged in; plug it in again", to_string(kind),
                 chosen.serial.empty() ? "no serial number" : chosen.serial, devices.size());
   }
-  if (same.size() == 1 && !had_twin) return choose_hid_device(same, kind, "");
-  const bool is_at_its_node = std::ranges::any_of(same, [&](const HidDescription& device) { return device.path == chosen.path; });
-  if (is_at_its_node) return choose_hid_device(same, kind, chosen.path);
+  if (candidates.size() == 1 && !had_twin) return choose_hid_device(candidates, kind, "");
+  const bool is_at_its_node = std::ranges::any_of(candidates, [&](const HidDescription& device) { return device.path == chosen.path; });
+  if (is_at_its_node) return choose_hid_device(candidates, kind, chosen.path);
   return fail("the {} from before was {}; a device that looks the same may be another one: {}; start this program again to use it",
-              to_string(kind), chosen.path, list(same));
+              to_string(kind), chosen.path, list(candidates));
 }
 
 Result<HidDescription> HidChoice::choose(std::span<const HidDescription> devices) const {

@@ -58,12 +58,12 @@ class Reader {
         globals_.id = static_cast<std::uint8_t>(value);
         return value != 0 && value <= 0xFF;
       case kPush:
-        saved_.push_back(globals_);
-        return saved_.size() <= kMaxNested;
+        global_stack_.push_back(globals_);
+        return global_stack_.size() <= kMaxNested;
       case kPop:
-        if (saved_.empty()) return false;
-        globals_ = saved_.back();
-        saved_.pop_back();
+        if (global_stack_.empty()) return false;
+        globals_ = global_stack_.back();
+        global_stack_.pop_back();
         return true;
       case kUsage:
         if (!usage_) usage_ = value;
@@ -116,7 +116,7 @@ class Reader {
   }
 
   Globals globals_;
-  std::vector<Globals> saved_;
+  std::vector<Globals> global_stack_;
   std::optional<std::uint32_t> usage_;
   std::size_t depth_ = 0;
   std::vector<HidLayout::Usage> applications_;

@@ -70,9 +70,9 @@ void HidPort::run() noexcept {
       transport->note_gone();
       const bool has_failed = has_write_failed_.load(std::memory_order_acquire);
       log_warning("{}: {}; waiting for it to return", name_, has_failed ? "a write to it failed" : "unplugged");
-      reported_.clear();
+      logged_failure_.clear();
     }
-    await_next_look();
+    await_next_search();
     if (ends_.load(std::memory_order_acquire)) return;
     if (const auto found = search(); !found) {
       report_failure(found.error());
@@ -97,7 +97,7 @@ void HidPort::read_until_gone(HidTransport& transport) noexcept {
   }
 }
 
-void HidPort::await_next_look() noexcept {
+void HidPort::await_next_search() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + kSearchPeriodNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < until_ns && !ends_.load(std::memory_order_acquire); now_ns = clock_.now_ns()) {
     clock_.sleep_until_ns(std::min(now_ns + kShortSleepNs, until_ns));
@@ -106,7 +106,7 @@ void HidPort::await_next_look() noexcept {
 
 // Logs each reason once, not at each of the four searches a second.
 void HidPort::report_failure(const Error& error) {
-  if (std::exchange(reported_, error.what) != error.what) log_info("{}: searching: {}", name_, error.what);
+  if (std::exchange(logged_failure_, error.what) != error.what) log_info("{}: searching: {}", name_, error.what);
 }
 
 }  // namespace hapton

@@ -59,7 +59,7 @@ class HidPort {
   Result<void> search();
   void run() noexcept;
   void read_until_gone(HidTransport& transport) noexcept;
-  void await_next_look() noexcept;
+  void await_next_search() noexcept;
   void set_transport(std::shared_ptr<HidTransport> transport) noexcept;
   void report_failure(const Error& error);
 
@@ -70,7 +70,7 @@ class HidPort {
   SteadyClock clock_;
   mutable std::mutex mutex_;
   std::shared_ptr<HidTransport> transport_;
-  std::string reported_;  // the last failure in the log, which is not logged again
+  std::string logged_failure_;  // the last failure in the log, which is not logged again
   std::atomic<bool> has_write_failed_{false};
   std::atomic<bool> ends_{false};
   std::thread thread_;

@@ -19,7 +19,7 @@ double int16_at(std::span<const std::uint8_t> report, std::size_t byte) noexcept
 // The deflection beyond the dead band, as a share of the travel beyond it: so nothing jumps at the edge of the dead band.
 double share(double counts) noexcept {
   const double beyond = std::max(std::abs(counts) - SpaceMouseDecoder::kDeadBand, 0.0);
-  const double travel = SpaceMouseDecoder::kFullWay - SpaceMouseDecoder::kDeadBand;
+  const double travel = SpaceMouseDecoder::kFullDeflection - SpaceMouseDecoder::kDeadBand;
   return std::copysign(std::min(beyond / travel, 1.0), counts);
 }
 

@@ -24,8 +24,8 @@ struct SpaceMouseState {
 // Source: report descriptor of the SpaceNavigator (046d:c626), captures by spacenavd, VRPN and PySpaceMouse.
 class SpaceMouseDecoder {
  public:
-  static constexpr double kFullWay = 350.0;  // counts
-  static constexpr double kDeadBand = 10.0;  // counts
+  static constexpr double kFullDeflection = 350.0;  // counts
+  static constexpr double kDeadBand = 10.0;         // counts
   // While the cap is held, a report comes every 16 ms, by radio as well: a few lost reports do not count as a release.
   static constexpr std::int64_t kStaleNs = 200'000'000;
 

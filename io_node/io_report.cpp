@@ -60,7 +60,7 @@ Counters count_forces(const ServoStats& stats) {
           {"missed_machine_stalled", to_int64(missed_by(stats, MissCause::machine_stalled))},
           {"command_timeouts", to_int64(stats.governor.counters.command_timeouts)},
           {"clamped", to_int64(stats.governor.counters.clamped)},
-          {"rate_limited", to_int64(stats.governor.counters.slewed)},
+          {"rate_limited", to_int64(stats.governor.counters.rate_limited)},
           {"not_finite", to_int64(stats.governor.counters.not_finite)},
           {"rejected_old", to_int64(stats.governor.counters.rejected_old)},
           {"rejected_future", to_int64(stats.governor.counters.rejected_future)},
@@ -87,7 +87,7 @@ Counters count_datagrams(const ServoStats& stats) {
           {"rejected_unknown_session", to_int64(stats.seal.unknown_session)},
           {"rejected_replayed", to_int64(stats.seal.replayed)},
           {"rejected_forged", to_int64(stats.seal.forged)},
-          {"rejected_no_slot", to_int64(stats.seal.no_place)},
+          {"rejected_no_slot", to_int64(stats.seal.no_slot)},
           {"unknown_peers", to_int64(stats.socket.unknown_peers)},
           {"dropped_by_kernel", to_int64(stats.socket.dropped)},
           {"floods", to_int64(stats.socket.floods)},
@@ -133,11 +133,11 @@ void add_counters(LatencyReport& report, const ServoStats& stats) {
 // The state and counters of the safety governor.
 void add_safety(LatencyReport& report, const GovernorStats& g) {
   const GovernorCounters& c = g.counters;
-  report.counters["workspace_limited"] = to_int64(c.stopped);
-  report.counters["speed_limited"] = to_int64(c.braked);
+  report.counters["workspace_limited"] = to_int64(c.workspace_limited);
+  report.counters["speed_limited"] = to_int64(c.speed_limited);
   report.counters["energy_damped"] = to_int64(c.damped);
   report.counters["passivity_limited"] = to_int64(c.kept_passive);
-  report.counters["thermal_limited"] = to_int64(c.cooled);
+  report.counters["thermal_limited"] = to_int64(c.thermal_limited);
   report.counters["dead_mans_switch_releases"] = to_int64(c.releases);
   report.counters["invalid_poses"] = to_int64(c.bad_samples);
   report.counters["faults_latched"] = to_int64(c.latched);
@@ -372,7 +372,7 @@ std::string describe_run(const ServoStats& stats, const SchedulingStats& schedul
   text +=
       fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
                   stats.responses.late, stats.responses.lost, stats.responses.superseded, stats.responses.reordered, stats.missed_cycles,
-                  stats.governor.counters.command_timeouts, stats.governor.counters.clamped, stats.governor.counters.slewed);
+                  stats.governor.counters.command_timeouts, stats.governor.counters.clamped, stats.governor.counters.rate_limited);
   if (const GovernorStats& g = stats.governor; g.counters.latched > 0) {
     text += fmt::format("faults: {} latched, {} reset, {} resets rejected; now: {}\n", g.counters.latched, g.counters.resets,
                         g.counters.resets_rejected, describe(g.fault));
@@ -382,7 +382,7 @@ std::string describe_run(const ServoStats& stats, const SchedulingStats& schedul
         "rejected without a reply: {} with another key, {} of another version, {} forged, {} replayed, {} of an unknown session, "
         "{} malformed, {} replayed handshakes, {} handshakes above the rate limit\n",
         stats.seal.wrong_key, stats.seal.wrong_version, stats.seal.forged, stats.seal.replayed,
-        stats.seal.unknown_session + stats.seal.no_place, stats.seal.malformed + stats.seal.oversized, stats.seal.replayed_handshakes,
+        stats.seal.unknown_session + stats.seal.no_slot, stats.seal.malformed + stats.seal.oversized, stats.seal.replayed_handshakes,
         stats.seal.too_many_handshakes);
   }
   if (stats.missed_cycles + stats.caught_up_cycles > 0) {

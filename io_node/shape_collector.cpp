@@ -36,7 +36,7 @@ void ShapeCollector::note(const ShapeStart& start, Arrival arrival, std::int64_t
 ShapeStatus ShapeCollector::make_request(const NewestShape& newest) const noexcept {
   std::uint32_t part = 0;
   while (newest.received[part]) ++part;
-  return {.source = source_, .serial = newest.serial, .object = newest.object, .first = part * ShapePart::kMaxHere};
+  return {.source = source_, .serial = newest.serial, .object = newest.object, .first = part * ShapePart::kVerticesPerPart};
 }
 
 void ShapeCollector::request_if_due(std::int64_t now_ns) noexcept {

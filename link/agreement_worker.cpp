@@ -32,7 +32,7 @@ void begin(AgreementTask& task) noexcept {
 void make_request(AgreementTask& task) noexcept {
   begin(task);
   task.state.write_first({}, task.first.data());
-  task.went_well = true;
+  task.is_valid = true;
 }
 
 void take_keys(AgreementTask& task) noexcept {
@@ -45,8 +45,8 @@ void take_keys(AgreementTask& task) noexcept {
 
 void read_reply(AgreementTask& task) noexcept {
   std::array<std::uint8_t, sizeof task.connection> payload;
-  task.went_well = task.state.read_second(task.second, payload.data());
-  if (!task.went_well) return;
+  task.is_valid = task.state.read_second(task.second, payload.data());
+  if (!task.is_valid) return;
   task.connection = seal::load<std::uint32_t>(payload.data());
   take_keys(task);
 }
@@ -56,12 +56,12 @@ void reply_to_request(AgreementTask& task) noexcept {
   std::array<std::uint8_t, sizeof task.connection> payload;
   store(task.connection, payload.data());
   std::array<std::uint8_t, 1> none;
-  task.went_well = task.state.read_first(task.first, none.data()) && task.state.write_second(payload, task.second.data());
-  if (task.went_well) take_keys(task);
+  task.is_valid = task.state.read_first(task.first, none.data()) && task.state.write_second(payload, task.second.data());
+  if (task.is_valid) take_keys(task);
 }
 
 // A thread inherits the priority of its creator; this one must never keep a real-time loop from its CPU.
-void become_ordinary() noexcept {
+void drop_realtime_priority() noexcept {
   const sched_param none = {};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &none);
   pthread_setname_np(pthread_self(), "hapton-keys");
@@ -70,7 +70,7 @@ void become_ordinary() noexcept {
 }  // namespace
 
 void run_agreement(AgreementTask& task) noexcept {
-  task.went_well = false;
+  task.is_valid = false;
   switch (task.kind) {
     case AgreementTask::Kind::make_request:
       make_request(task);
@@ -108,7 +108,7 @@ AgreementWorker::~AgreementWorker() {
 }
 
 void AgreementWorker::work() noexcept {
-  become_ordinary();
+  drop_realtime_priority();
   while (true) {
     while (sem_wait(&queues_->wake) != 0) {
     }
@@ -121,8 +121,8 @@ void AgreementWorker::work() noexcept {
 }
 
 bool AgreementWorker::submit(const AgreementTask& task) noexcept {
-  if (under_way_ == kCapacity) return false;
-  ++under_way_;
+  if (pending_count_ == kCapacity) return false;
+  ++pending_count_;
   if (queues_->thread.joinable()) {
     queues_->requested.push(task);
     sem_post(&queues_->wake);
@@ -136,7 +136,7 @@ bool AgreementWorker::submit(const AgreementTask& task) noexcept {
 
 bool AgreementWorker::take(AgreementTask& task) noexcept {
   if (!queues_->done.pop(task)) return false;
-  --under_way_;
+  --pending_count_;
   return true;
 }
 

@@ -21,7 +21,7 @@ struct AgreementTask {
     reply_to_request,  // hub: psk, prologue, first, connection -> second, keys
   };
   Kind kind = Kind::make_request;
-  bool went_well = false;         // set when the task is finished: the message was valid
+  bool is_valid = false;          // set when the task is finished: the message was valid
   std::uint32_t number = 0;       // for the caller: comes back unchanged
   std::uint32_t connection = 0;   // the number of the session
   std::int64_t timestamp_ns = 0;  // for the caller: comes back unchanged
@@ -59,14 +59,14 @@ class AgreementWorker {
   // Gives the next finished task, in the order of submission. False: none is finished.
   bool take(AgreementTask& task) noexcept;
   // How many tasks are submitted and not yet taken.
-  std::size_t under_way() const noexcept { return under_way_; }
+  std::size_t pending_count() const noexcept { return pending_count_; }
 
  private:
   struct Queues;
   void work() noexcept;
 
   std::unique_ptr<Queues> queues_;
-  std::size_t under_way_ = 0;
+  std::size_t pending_count_ = 0;
 };
 
 }  // namespace hapton

@@ -20,22 +20,22 @@ class BudgetedEndpoint final : public Endpoint {
   // Pre: both outlive this.
   BudgetedEndpoint(Endpoint& inner, Clock& clock) : inner_(inner), clock_(clock) {}
 
-  void renew(std::uint32_t datagrams) noexcept { left_ = datagrams; }
+  void renew(std::uint32_t datagrams) noexcept { datagrams_left_ = datagrams; }
   // Sleeps for kShortestSleepNs: for a loop that has found work waiting for too many cycles in a row.
   void rest() noexcept { clock_.sleep_until_ns(clock_.now_ns() + kShortestSleepNs); }
   // Number of calls of receive() with a spent budget.
-  std::uint64_t spent() const noexcept { return spent_; }
+  std::uint64_t spent() const noexcept { return waits_without_budget_; }
 
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override { return inner_.send(to, datagram); }
 
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
-    if (left_ == 0) {
-      ++spent_;
+    if (datagrams_left_ == 0) {
+      ++waits_without_budget_;
       clock_.sleep_until_ns(std::max(deadline_ns, clock_.now_ns() + kShortestSleepNs));
       return {};
     }
     const Received received = inner_.receive(into, deadline_ns);
-    left_ -= received.bytes > 0 ? 1 : 0;
+    datagrams_left_ -= received.bytes > 0 ? 1 : 0;
     return received;
   }
 
@@ -47,8 +47,8 @@ class BudgetedEndpoint final : public Endpoint {
  private:
   Endpoint& inner_;
   Clock& clock_;
-  std::uint32_t left_ = 0xFFFFFFFF;
-  std::uint64_t spent_ = 0;
+  std::uint32_t datagrams_left_ = 0xFFFFFFFF;
+  std::uint64_t waits_without_budget_ = 0;
 };
 
 }  // namespace hapton

@@ -36,8 +36,8 @@ class ClockOffset {
  private:
   bool is_known_ = false;
   std::int64_t offset_ns_ = 0;
-  std::int64_t bound_ns_ = 0;
-  std::int64_t taken_ns_ = 0;
+  std::int64_t error_bound_ns_ = 0;
+  std::int64_t exchange_ns_ = 0;
 };
 
 }  // namespace hapton

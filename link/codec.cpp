@@ -46,13 +46,13 @@ DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Da
   return status;
 }
 
-DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
-  const int kinds = std::apply([&](const auto&... kind) { return (static_cast<int>((e.*kind.has)()) + ...); }, kMessageKinds);
+DecodeStatus read_any(const wire::Envelope& envelope, Datagram& datagram) {
+  const int kinds = std::apply([&](const auto&... kind) { return (static_cast<int>((envelope.*kind.has)()) + ...); }, kMessageKinds);
   if (kinds > 1) return DecodeStatus::bad_value;
   DecodeStatus status = DecodeStatus::unknown_message;
   visit_kinds([&](const auto& kind) {
-    if (!(e.*kind.has)()) return false;
-    status = read_message<typename std::decay_t<decltype(kind)>::Ours>(e, (e.*kind.get)(), datagram);
+    if (!(envelope.*kind.has)()) return false;
+    status = read_message<typename std::decay_t<decltype(kind)>::Ours>(envelope, (envelope.*kind.get)(), datagram);
     return true;
   });
   return status;
@@ -232,15 +232,15 @@ struct Codec::Wire {
     reserve_all(incoming);
   }
 
-  static void reserve_all(wire::Envelope& e) {
-    reserve_unknown(e);
+  static void reserve_all(wire::Envelope& envelope) {
+    reserve_unknown(envelope);
     visit_kinds([&](const auto& kind) {
-      auto& message = *(e.*kind.make)();
+      auto& message = *(envelope.*kind.make)();
       reserve_unknown(message);
       reserve(message);
       return false;
     });
-    e.Clear();
+    envelope.Clear();
   }
 };
 
@@ -269,23 +269,23 @@ Codec& Codec::operator=(Codec&&) noexcept = default;
 
 std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) noexcept {
   if (const std::size_t bytes = encode_round_trip(datagram, into); bytes != 0) return bytes;
-  wire::Envelope& e = wire_->outgoing;
-  e.Clear();
-  e.set_version(kProtocolVersion);
-  e.set_session(datagram.header.session);
-  e.set_sender(datagram.header.sender);
-  e.set_sequence(datagram.header.sequence);
-  e.set_send_time_ns(datagram.header.send_time_ns);
+  wire::Envelope& envelope = wire_->outgoing;
+  envelope.Clear();
+  envelope.set_version(kProtocolVersion);
+  envelope.set_session(datagram.header.session);
+  envelope.set_sender(datagram.header.sender);
+  envelope.set_sequence(datagram.header.sequence);
+  envelope.set_send_time_ns(datagram.header.send_time_ns);
   visit_kinds([&](const auto& kind) {
     const auto* message = std::get_if<typename std::decay_t<decltype(kind)>::Ours>(&datagram.message);
-    if (message != nullptr) write(*message, *(e.*kind.make)());
+    if (message != nullptr) write(*message, *(envelope.*kind.make)());
     return message != nullptr;
   });
-  const std::size_t bytes = e.ByteSizeLong();
+  const std::size_t bytes = envelope.ByteSizeLong();
   if (bytes > into.size() || bytes > kMaxDatagramBytes) {
     return 0;
   }
-  e.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(into.data()));
+  envelope.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(into.data()));
   return bytes;
 }
 
@@ -301,14 +301,14 @@ DecodeStatus Codec::decode(std::span<const std::byte> bytes, Datagram& datagram)
   if (*version != kProtocolVersion) {
     return DecodeStatus::wrong_version;
   }
-  wire::Envelope& e = wire_->incoming;
-  if (!is_well_framed(bytes) || !e.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+  wire::Envelope& envelope = wire_->incoming;
+  if (!is_well_framed(bytes) || !envelope.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return DecodeStatus::truncated;
   }
-  if (e.version() != kProtocolVersion) {
+  if (envelope.version() != kProtocolVersion) {
     return DecodeStatus::wrong_version;
   }
-  return read_any(e, datagram);
+  return read_any(envelope, datagram);
 }
 
 }  // namespace hapton

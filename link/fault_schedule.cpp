@@ -10,9 +10,9 @@ std::size_t FaultSchedule::find_phase(std::int64_t elapsed_ns) const noexcept {
     total_ns = is_endless ? FaultPhase::kForever : total_ns + phase.duration_ns;
   }
   if (repeat && !is_endless && total_ns > 0) elapsed_ns %= total_ns;
-  std::size_t place = 0;
-  while (place < phases.size() && elapsed_ns >= phases[place].duration_ns) elapsed_ns -= phases[place++].duration_ns;
-  return place;
+  std::size_t phase = 0;
+  while (phase < phases.size() && elapsed_ns >= phases[phase].duration_ns) elapsed_ns -= phases[phase++].duration_ns;
+  return phase;
 }
 
 }  // namespace hapton

@@ -45,29 +45,29 @@ void FloodFilter::note_sent(const Address& to, std::span<const std::byte> datagr
 }
 
 // A peer that agrees on one session after another displaces other such peers, but none to which data has been sent.
-void FloodFilter::remember(const Known& known) noexcept {
-  Known* place = &known_[last_known_];
-  if (!place->is(known.address, known.session)) {
+void FloodFilter::remember(const KnownPeer& known) noexcept {
+  KnownPeer* entry = &known_[last_known_];
+  if (!entry->is(known.address, known.session)) {
     const auto found =
-        std::find_if(known_.begin(), known_.end(), [&](const Known& other) { return other.is(known.address, known.session); });
-    const auto goes_first = [&](const Known& a, const Known& b) {
+        std::find_if(known_.begin(), known_.end(), [&](const KnownPeer& other) { return other.is(known.address, known.session); });
+    const auto is_replaced_before = [&](const KnownPeer& a, const KnownPeer& b) {
       const bool is_a_kept = a.was_sent_data && known.time_ns - a.time_ns <= kKnownNs;
       const bool is_b_kept = b.was_sent_data && known.time_ns - b.time_ns <= kKnownNs;
       return is_a_kept != is_b_kept ? is_b_kept : a.time_ns < b.time_ns;
     };
-    place = found != known_.end() ? &*found : &*std::min_element(known_.begin(), known_.end(), goes_first);
+    entry = found != known_.end() ? &*found : &*std::min_element(known_.begin(), known_.end(), is_replaced_before);
   }
-  const bool is_same = place->is(known.address, known.session);
-  if (!is_same || known.time_ns - place->time_ns > kKnownNs) ++known_changes_;
-  const bool was_sent_data = known.was_sent_data || (is_same && place->was_sent_data);
-  *place = known;
-  place->was_sent_data = was_sent_data;
-  last_known_ = static_cast<std::size_t>(place - known_.data());
+  const bool is_same = entry->is(known.address, known.session);
+  if (!is_same || known.time_ns - entry->time_ns > kKnownNs) ++known_changes_;
+  const bool was_sent_data = known.was_sent_data || (is_same && entry->was_sent_data);
+  *entry = known;
+  entry->was_sent_data = was_sent_data;
+  last_known_ = static_cast<std::size_t>(entry - known_.data());
 }
 
 bool FloodFilter::is_known(const Address& from, std::uint32_t session) const noexcept {
   if (known_[last_known_].is(from, session)) return true;
-  return std::any_of(known_.begin(), known_.end(), [&](const Known& known) { return known.is(from, session); });
+  return std::any_of(known_.begin(), known_.end(), [&](const KnownPeer& known) { return known.is(from, session); });
 }
 
 void FloodFilter::note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept {
@@ -80,38 +80,38 @@ void FloodFilter::note_received(const Address& from, std::span<const std::byte> 
 }
 
 FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t now_ns) noexcept {
-  if (now_ns < due_ns_) {
-    may_hasten_ = false;
+  if (now_ns < period_end_ns_) {
+    may_admit_early_ = false;
     return install();
   }
-  may_hasten_ = true;
-  const std::uint32_t newly_dropped = period_ns_ == 0 ? 0 : dropped - dropped_;
-  dropped_ = dropped;
+  may_admit_early_ = true;
+  const std::uint32_t newly_dropped = period_begin_ns_ == 0 ? 0 : dropped - last_dropped_;
+  last_dropped_ = dropped;
   counts_.dropped += newly_dropped;
-  counts_.filtered += is_shut_ ? newly_dropped : 0;
-  const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - period_ns_, 1));
+  counts_.filtered += is_installed_ ? newly_dropped : 0;
+  const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - period_begin_ns_, 1));
   const double rate_per_s = static_cast<double>(unknown_datagrams_ + newly_dropped) / passed_s;
-  const bool is_loud = unknown_datagrams_ + newly_dropped >= kFlood;
+  const bool is_flood = unknown_datagrams_ + newly_dropped >= kFloodDatagrams;
   unknown_datagrams_ = 0;
-  period_ns_ = now_ns;
-  due_ns_ = now_ns + kPeriodNs;
+  period_begin_ns_ = now_ns;
+  period_end_ns_ = now_ns + kPeriodNs;
   // The rate rises within a period and falls over many (to half in 34, 0.2 s), so that the passed share does not vary with the scheduler.
   rate_per_s_ = std::max(rate_per_s, 0.98 * rate_per_s_);
-  if (is_loud) {
-    loud_ns_ = now_ns;
+  if (is_flood) {
+    last_flood_ns_ = now_ns;
     counts_.flood_per_s = rate_per_s_;
   }
-  if (!is_shut_ && !is_loud) return Action::none;
-  if (is_shut_ && now_ns - loud_ns_ > kQuietNs) {
-    is_shut_ = false;
+  if (!is_installed_ && !is_flood) return Action::none;
+  if (is_installed_ && now_ns - last_flood_ns_ > kQuietNs) {
+    is_installed_ = false;
     rate_per_s_ = 0.0;
     return Action::remove;
   }
-  counts_.floods += is_shut_ ? 0 : 1;
+  counts_.floods += is_installed_ ? 0 : 1;
   // Installs another filter program only if the known peers changed or the rate doubled or fell to a quarter: each is a system call.
   const bool is_same =
-      is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
-  is_shut_ = true;
+      is_installed_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
+  is_installed_ = true;
   return is_same ? Action::none : install();
 }
 
@@ -127,22 +127,22 @@ void FloodFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_tru
 }
 
 // Adds instructions that pass the datagrams of `known`: from its address, in its session. Others go on to the instructions that follow.
-void FloodFilter::add_known(const Known& known) noexcept {
+void FloodFilter::add_known(const KnownPeer& known) noexcept {
   const bool v4 = is_v4(known.address);
   const std::uint8_t words = v4 ? 1 : 4;
   const std::uint32_t source = kNetwork + (v4 ? 12 : 8);
   // Instructions after the port: version 3, two for each word, session 2, 1 to pass.
-  const auto left = [&](std::uint8_t done) { return static_cast<std::uint8_t>(3 + 2 * words + 2 + 1 - done); };
+  const auto instructions_left = [&](std::uint8_t done) { return static_cast<std::uint8_t>(3 + 2 * words + 2 + 1 - done); };
   add(BPF_LD | BPF_H | BPF_ABS, 0);
-  add(BPF_JMP | BPF_JEQ | BPF_K, known.address.port, 0, left(0));
+  add(BPF_JMP | BPF_JEQ | BPF_K, known.address.port, 0, instructions_left(0));
   add(BPF_LD | BPF_B | BPF_ABS, kNetwork);
   add(BPF_ALU | BPF_AND | BPF_K, 0xF0);
-  add(BPF_JMP | BPF_JEQ | BPF_K, v4 ? 0x40 : 0x60, 0, left(3));
+  add(BPF_JMP | BPF_JEQ | BPF_K, v4 ? 0x40 : 0x60, 0, instructions_left(3));
   std::uint8_t done = 3;
   for (std::uint8_t word = 0; word < words; ++word) {
     done = static_cast<std::uint8_t>(done + 2);
     add(BPF_LD | BPF_W | BPF_ABS, source + 4U * word);
-    add(BPF_JMP | BPF_JEQ | BPF_K, word_at(known.address, v4 ? 12 : 4U * word), 0, left(done));
+    add(BPF_JMP | BPF_JEQ | BPF_K, word_at(known.address, v4 ? 12 : 4U * word), 0, instructions_left(done));
   }
   add(BPF_LD | BPF_W | BPF_ABS, kUdpHeaderBytes + static_cast<std::uint32_t>(seal::kConnectionAt));
   add(BPF_JMP | BPF_JEQ | BPF_K, known.session, 0, 1);
@@ -154,10 +154,10 @@ void FloodFilter::build(double passed_share) noexcept {
   // Data datagrams of this version and a possible length are compared with the known addresses and sessions; all others pass at random.
   const std::uint32_t lead =
       0x08000000U | (static_cast<std::uint32_t>(kProtocolVersion) << 16) | (static_cast<std::uint32_t>(seal::Kind::data) << 8);
-  std::array<const Known*, kKnown> passing = {};
+  std::array<const KnownPeer*, kMaxKnownPeers> passing = {};
   std::size_t count = 0;
-  for (const Known& known : known_) {
-    if (known.time_ns > 0 && period_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
+  for (const KnownPeer& known : known_) {
+    if (known.time_ns > 0 && period_begin_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
   }
   // A conditional jump of a filter reaches 255 instructions, an unconditional jump all of them.
   add(BPF_LD | BPF_W | BPF_LEN, 0);
@@ -172,8 +172,8 @@ void FloodFilter::build(double passed_share) noexcept {
   const std::size_t other_kind = program_size_;
   add(BPF_JMP | BPF_JA, 0);
   for (std::size_t n = 0; n < count; ++n) add_known(*passing[n]);
-  const std::size_t chance = program_size_;
-  for (const std::size_t jump : {too_short, too_long, other_kind}) program_[jump].k = static_cast<std::uint32_t>(chance - jump - 1);
+  const std::size_t random_pass = program_size_;
+  for (const std::size_t jump : {too_short, too_long, other_kind}) program_[jump].k = static_cast<std::uint32_t>(random_pass - jump - 1);
   add(BPF_LD | BPF_W | BPF_ABS, kRandom);
   add(BPF_JMP | BPF_JGT | BPF_K, static_cast<std::uint32_t>(passed_share * std::numeric_limits<std::uint32_t>::max()), 1, 0);
   add(BPF_RET | BPF_K, kAll);

@@ -45,7 +45,7 @@ ClientHandshake::~ClientHandshake() {
 void ClientHandshake::begin() noexcept {
   forget_attempts();
   cookie_ = {};
-  ++round_;
+  ++handshake_number_;
   is_pending_ = true;
 }
 
@@ -61,7 +61,7 @@ void ClientHandshake::write_prologue(std::int64_t timestamp_ns, std::uint8_t* in
 bool ClientHandshake::start_request(std::int64_t now_ns) noexcept {
   AgreementTask task;
   task.kind = AgreementTask::Kind::make_request;
-  task.number = round_;
+  task.number = handshake_number_;
   task.timestamp_ns = std::max(now_ns, last_timestamp_ns_ + 1);
   task.psk = psk_;
   write_prologue(task.timestamp_ns, task.prologue.data());
@@ -72,7 +72,7 @@ bool ClientHandshake::start_request(std::int64_t now_ns) noexcept {
 
 ClientHandshake::Finished ClientHandshake::poll(std::span<std::byte> into) noexcept {
   for (AgreementTask task; worker_.take(task);) {
-    if (task.number != round_ || !is_pending_ || !task.went_well) continue;
+    if (task.number != handshake_number_ || !is_pending_ || !task.is_valid) continue;
     if (task.kind == AgreementTask::Kind::make_request) {
       write_request(task, bytes_of(into));
       return Finished::request;
@@ -95,8 +95,8 @@ void ClientHandshake::write_request(const AgreementTask& task, std::uint8_t* out
 }
 
 ClientHandshake::Attempt* ClientHandshake::find_attempt(std::int64_t timestamp_ns) noexcept {
-  const auto is_it = [&](const Attempt& attempt) { return attempt.is_open && attempt.timestamp_ns == timestamp_ns; };
-  const auto found = std::find_if(attempts_.begin(), attempts_.end(), is_it);
+  const auto is_match = [&](const Attempt& attempt) { return attempt.is_open && attempt.timestamp_ns == timestamp_ns; };
+  const auto found = std::find_if(attempts_.begin(), attempts_.end(), is_match);
   return found == attempts_.end() ? nullptr : &*found;
 }
 
@@ -118,7 +118,7 @@ bool ClientHandshake::read_reply(std::span<const std::byte> reply) noexcept {
   if (is_again) return true;
   AgreementTask task;
   task.kind = AgreementTask::Kind::read_reply;
-  task.number = round_;
+  task.number = handshake_number_;
   std::copy_n(in + kSecondAt, kSecondBytes, task.second.begin());
   task.state = attempt->state;
   if (!worker_.submit(task)) return false;
@@ -152,11 +152,11 @@ HubHandshake::Verdict HubHandshake::check_request(std::span<const std::byte> req
   if (!is_signed(handshake_key(*role), in, kRequestTagAt)) return Verdict::wrong_key;
   if (!times_.accept(*role, load<std::uint64_t>(in + kHostAt), load<std::int64_t>(in + kRequestTimestampAt))) return Verdict::replayed;
   const std::int64_t period = now_ns / kCookieTimeNs;
-  const auto is_good = [&](std::int64_t of_period) {
+  const auto has_cookie_of = [&](std::int64_t of_period) {
     const Cookie cookie = make_cookie(from, of_period);
     return sodium_memcmp(cookie.data(), in + kRequestCookieAt, cookie.size()) == 0;
   };
-  return is_good(period) || is_good(period - 1) ? Verdict::shows_cookie : Verdict::wants_cookie;
+  return has_cookie_of(period) || has_cookie_of(period - 1) ? Verdict::shows_cookie : Verdict::wants_cookie;
 }
 
 std::size_t HubHandshake::write_retry(std::span<const std::byte> request, const Address& to, std::int64_t now_ns,
@@ -197,8 +197,8 @@ bool HubHandshake::poll(Agreement& agreement) noexcept {
   AgreementTask task;
   if (!worker_.take(task)) return false;
   agreement.connection = task.connection;
-  agreement.went_well = task.went_well;
-  if (!task.went_well) return true;
+  agreement.is_valid = task.is_valid;
+  if (!task.is_valid) return true;
   std::uint8_t* const out = bytes_of(std::span<std::byte>(agreement.reply));
   write_lead(Kind::reply, out);
   store(task.timestamp_ns, out + kTimestampAt);

@@ -56,7 +56,7 @@ class ClientHandshake {
   // Starts to make a request, which poll() returns later. False if the worker has no room. Pre: is_pending().
   bool start_request(std::int64_t now_ns) noexcept;
   // The worker has a task, or a result to take: call poll() soon.
-  bool is_working() const noexcept { return worker_.under_way() != 0; }
+  bool is_working() const noexcept { return worker_.pending_count() != 0; }
 
   // Takes the next result of the worker; call it until there is none. Pre: into holds seal::kRequestBytes.
   Finished poll(std::span<std::byte> into) noexcept;
@@ -91,7 +91,7 @@ class ClientHandshake {
   AgreementWorker worker_;
   std::array<Attempt, kAttempts> attempts_ = {};
   std::size_t next_attempt_ = 0;
-  std::uint32_t round_ = 0;  // number of the handshake: results for earlier ones are dropped
+  std::uint32_t handshake_number_ = 0;  // number of the handshake: results for earlier ones are dropped
   std::int64_t last_timestamp_ns_ = 0;
   std::int64_t replied_request_ns_ = 0;
   seal::Cookie cookie_ = {};
@@ -117,7 +117,7 @@ class HubHandshake {
   // A handshake that the worker has finished.
   struct Agreement {
     std::uint32_t connection = 0;
-    bool went_well = false;  // false: the request was made without the psk, in spite of its valid tag
+    bool is_valid = false;  // false: the request was made without the psk, in spite of its valid tag
     std::array<std::byte, seal::kReplyBytes> reply = {};
     SealedChannel channel;
   };
@@ -139,7 +139,7 @@ class HubHandshake {
 
   // Starts to agree on a session with this connection number. False if the worker has no room. Pre: check_request returned shows_cookie.
   bool agree(std::span<const std::byte> request, std::uint32_t connection) noexcept;
-  bool is_working() const noexcept { return worker_.under_way() != 0; }
+  bool is_working() const noexcept { return worker_.pending_count() != 0; }
   // Takes the next finished handshake; false if there is none.
   bool poll(Agreement& agreement) noexcept;
 

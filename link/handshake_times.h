@@ -22,12 +22,12 @@ class HandshakeTimes {
   // Returns true, and notes the time, if it is later than all before of this role and host. Pre: role is a node's.
   bool accept(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns) noexcept {
     auto& entries = entries_[static_cast<std::size_t>(role) - kFirstKeyRole];
-    const auto known = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.turn != 0 && e.host == host; });
+    const auto known = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.number != 0 && e.host == host; });
     if (known != entries.end() && timestamp_ns <= known->timestamp_ns) return false;
-    Entry& entry = known != entries.end()
-                       ? *known
-                       : *std::min_element(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.turn < b.turn; });
-    entry = {host, timestamp_ns, ++turn_};
+    Entry& entry = known != entries.end() ? *known : *std::min_element(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      return a.number < b.number;
+    });
+    entry = {host, timestamp_ns, ++newest_number_};
     return true;
   }
 
@@ -35,10 +35,10 @@ class HandshakeTimes {
   struct Entry {
     std::uint64_t host = 0;
     std::int64_t timestamp_ns = std::numeric_limits<std::int64_t>::min();
-    std::uint64_t turn = 0;  // number of the newest handshake accepted from this host; 0: free
+    std::uint64_t number = 0;  // number of the newest handshake accepted from this host; 0: free
   };
   std::array<std::array<Entry, kHosts>, kNodeKeyRoles> entries_ = {};
-  std::uint64_t turn_ = 0;
+  std::uint64_t newest_number_ = 0;
 };
 
 }  // namespace hapton

@@ -32,11 +32,11 @@ class HttpExchange {
     parser_.body_limit(kMaxBytes);
     error_code result;
     stream_.expires_after(std::chrono::nanoseconds(timeout_ns));
-    stream_.async_connect(tcp::endpoint(to_asio(to), to.port), [&](const error_code& connected) {
-      if (result = connected; result) return;
-      http::async_write(stream_, request_, [&](const error_code& written, std::size_t) {
-        if (result = written; result) return;
-        http::async_read(stream_, buffer_, parser_, [&](const error_code& read, std::size_t) { result = read; });
+    stream_.async_connect(tcp::endpoint(to_asio(to), to.port), [&](const error_code& connect_error) {
+      if (result = connect_error; result) return;
+      http::async_write(stream_, request_, [&](const error_code& write_error, std::size_t) {
+        if (result = write_error; result) return;
+        http::async_read(stream_, buffer_, parser_, [&](const error_code& read_error, std::size_t) { result = read_error; });
       });
     });
     context_.run();

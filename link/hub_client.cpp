@@ -24,8 +24,8 @@ void HubClient::leave() noexcept {
 }
 
 JoinState HubClient::state() const noexcept {
-  const bool silent = state_ != JoinState::joining && clock_.now_ns() - last_received_ns_ > kHubTimeoutNs;
-  return silent ? JoinState::joining : state_;
+  const bool is_hub_silent = state_ != JoinState::joining && clock_.now_ns() - last_received_ns_ > kHubTimeoutNs;
+  return is_hub_silent ? JoinState::joining : state_;
 }
 
 bool HubClient::send(const Message& message) noexcept {

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kJoinTurnNs = 20 * kNanosecondsPerMillisecond;  // between two checks of the state
+constexpr std::int64_t kJoinCheckPeriodNs = 20 * kNanosecondsPerMillisecond;  // between two checks of the state
 // Longer than the hub keeps the place of a haptics node that has just died (HubPeers::kHapticsTimeoutNs).
 constexpr std::int64_t kRejectedNs = 200 * kNanosecondsPerMillisecond;
 
@@ -50,7 +50,7 @@ Result<void> HubConnection::wait_until_joined(double seconds) {
   Datagram ignored;
   std::int64_t rejected_ns = end_ns;
   while (client_->state() != JoinState::joined && clock_.now_ns() < std::min(end_ns, rejected_ns)) {
-    client_->receive(ignored, clock_.now_ns() + kJoinTurnNs);
+    client_->receive(ignored, clock_.now_ns() + kJoinCheckPeriodNs);
     if (client_->state() != JoinState::rejected) rejected_ns = end_ns;
     if (client_->state() == JoinState::rejected && rejected_ns == end_ns) rejected_ns = clock_.now_ns() + kRejectedNs;
   }

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kNowhere = HubPeers::kCapacity;
+constexpr std::size_t kNoSlot = HubPeers::kCapacity;
 
 bool may_send(NodeRole role, const Message& message) {
   if (std::holds_alternative<Marker>(message)) return true;
@@ -53,9 +53,9 @@ HubPeers::HubPeers(Endpoint& endpoint, const Clock& clock, std::uint64_t session
     : endpoint_(endpoint), clock_(clock), session_(session), sender_(make_random_id()), servo_rate_hz_(servo_rate_hz) {}
 
 HubPeers::~HubPeers() {
-  for (std::size_t place = 0; place < kCapacity; ++place) {
-    if (peers_[place].present) {
-      send_to(place, Bye{});
+  for (std::size_t slot = 0; slot < kCapacity; ++slot) {
+    if (peers_[slot].present) {
+      send_to(slot, Bye{});
     }
   }
 }
@@ -101,12 +101,12 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
     ++counts_.other_session;
     return {};
   }
-  const std::size_t place = find(datagram.header.sender);
-  if (place == kNowhere || peers_[place].address != from) {
+  const std::size_t slot = find(datagram.header.sender);
+  if (slot == kNoSlot || peers_[slot].address != from) {
     ++counts_.unknown_peers;
     return {};
   }
-  Peer& peer = peers_[place];
+  Peer& peer = peers_[slot];
   if (peer.key_role != key_role) {
     ++counts_.role_violations;
     return {};
@@ -117,14 +117,14 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
   }
   peer.last_received_ns = now_ns;
   if (std::holds_alternative<Bye>(datagram.message)) {
-    return leave(place, now_ns);
+    return leave(slot, now_ns);
   }
   if (!may_send(peer.role, datagram.message)) {
     ++counts_.wrong_role;
     return {};
   }
   const Arrival order = peer.order.note(peer.tracker, arrival, datagram.message, datagram.header.sequence);
-  return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = place, .arrival = order, .receive_time_ns = now_ns};
+  return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = slot, .arrival = order, .receive_time_ns = now_ns};
 }
 
 PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {
@@ -137,11 +137,11 @@ PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& 
     return {};
   }
   const std::size_t known = find(header.sender);
-  if (known == kNowhere) {
-    const std::size_t place = find_place(role, from, now_ns);
-    if (place == kNowhere) return reject(from, role, now_ns);
-    const PeerEvent joined = join(place, header, role, from, now_ns);
-    peers_[place].key_role = key_role;
+  if (known == kNoSlot) {
+    const std::size_t slot = find_slot(role, from, now_ns);
+    if (slot == kNoSlot) return reject(from, role, now_ns);
+    const PeerEvent joined = join(slot, header, role, from, now_ns);
+    peers_[slot].key_role = key_role;
     return joined;
   }
   Peer& peer = peers_[known];
@@ -158,17 +158,17 @@ PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& 
 PeerEvent HubPeers::reject(const Address& to, NodeRole role, std::int64_t now_ns) noexcept {
   ++counts_.rejections;
   transmit(to, ++rejection_sequence_, Welcome{false, servo_rate_hz_}, now_ns);
-  return {.kind = PeerEvent::Kind::rejected, .role = role, .peer = kNowhere, .receive_time_ns = now_ns};
+  return {.kind = PeerEvent::Kind::rejected, .role = role, .peer = kNoSlot, .receive_time_ns = now_ns};
 }
 
-PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
+PeerEvent HubPeers::join(std::size_t slot, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
   // If a peer was dropped and returns, the hub's sequence numbers continue: the peer would treat lower ones as old. Another peer may have
-  // taken its place meanwhile, so no peer's numbers begin below the highest number that any replaced peer has got.
+  // taken its slot meanwhile, so no peer's numbers begin below the highest number that any replaced peer has got.
   const auto known = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.sender == header.sender; });
-  Peer& peer = peers_[place];
+  Peer& peer = peers_[slot];
   const std::uint64_t sent = std::max({known != peers_.end() ? known->sent : 0, sent_to_replaced_, peer.sent});
   sent_to_replaced_ = std::max(sent_to_replaced_, peer.sent);
-  const bool replaced = peer.present;
+  const bool is_replaced = peer.present;
   peer = Peer();
   peer.sent = sent;
   peer.present = true;
@@ -178,20 +178,20 @@ PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role,
   peer.joined_ns = now_ns;
   peer.last_received_ns = now_ns;
   peer.tracker.track(header.sender, header.sequence);
-  send_to(place, Welcome{true, servo_rate_hz_});
-  return {.kind = PeerEvent::Kind::joined, .role = role, .peer = place, .replaced = replaced, .receive_time_ns = now_ns};
+  send_to(slot, Welcome{true, servo_rate_hz_});
+  return {.kind = PeerEvent::Kind::joined, .role = role, .peer = slot, .replaced = is_replaced, .receive_time_ns = now_ns};
 }
 
-PeerEvent HubPeers::leave(std::size_t place, std::int64_t now_ns) noexcept {
-  peers_[place].present = false;
-  return {.kind = PeerEvent::Kind::left, .role = peers_[place].role, .peer = place, .receive_time_ns = now_ns};
+PeerEvent HubPeers::leave(std::size_t slot, std::int64_t now_ns) noexcept {
+  peers_[slot].present = false;
+  return {.kind = PeerEvent::Kind::left, .role = peers_[slot].role, .peer = slot, .receive_time_ns = now_ns};
 }
 
 PeerEvent HubPeers::drop_timed_out(std::int64_t now_ns) noexcept {
-  for (std::size_t place = 0; place < kCapacity; ++place) {
-    if (peers_[place].present && now_ns - peers_[place].last_received_ns > kPeerTimeoutNs) {
+  for (std::size_t slot = 0; slot < kCapacity; ++slot) {
+    if (peers_[slot].present && now_ns - peers_[slot].last_received_ns > kPeerTimeoutNs) {
       ++counts_.timeouts;
-      return leave(place, now_ns);
+      return leave(slot, now_ns);
     }
   }
   return {};
@@ -202,43 +202,43 @@ std::size_t HubPeers::find(std::uint64_t sender) const noexcept {
   return static_cast<std::size_t>(found - peers_.begin());
 }
 
-std::size_t HubPeers::find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept {
+std::size_t HubPeers::find_slot(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept {
   if (role == NodeRole::haptics) {
     const Peer& holder = peers_[kHapticsSlot];
     // Two running processes cannot share an address: a haptics node at the holder's address is its successor.
     const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_received_ns > haptics_timeout_ns_;
-    return is_free ? kHapticsSlot : kNowhere;
+    return is_free ? kHapticsSlot : kNoSlot;
   }
-  std::size_t free_place = kNowhere;
-  for (std::size_t place = kHapticsSlot + 1; place < kCapacity; ++place) {
-    if (peers_[place].present && peers_[place].address == from) {
-      return place;
+  std::size_t free_slot = kNoSlot;
+  for (std::size_t slot = kHapticsSlot + 1; slot < kCapacity; ++slot) {
+    if (peers_[slot].present && peers_[slot].address == from) {
+      return slot;
     }
-    if (!peers_[place].present && free_place == kNowhere) {
-      free_place = place;
+    if (!peers_[slot].present && free_slot == kNoSlot) {
+      free_slot = slot;
     }
   }
-  return free_place;
+  return free_slot;
 }
 
 std::size_t HubPeers::send_to_role(NodeRole role, const Message& message) noexcept {
   std::size_t reached = 0;
-  for (std::size_t place = 0; place < kCapacity; ++place) {
-    if (peers_[place].present && peers_[place].role == role && send_to(place, message)) {
+  for (std::size_t slot = 0; slot < kCapacity; ++slot) {
+    if (peers_[slot].present && peers_[slot].role == role && send_to(slot, message)) {
       ++reached;
     }
   }
   return reached;
 }
 
-bool HubPeers::send_to(std::size_t place, const Message& message) noexcept {
-  if (place >= kCapacity || !peers_[place].present) {
+bool HubPeers::send_to(std::size_t slot, const Message& message) noexcept {
+  if (slot >= kCapacity || !peers_[slot].present) {
     return false;
   }
-  Peer& peer = peers_[place];
-  const bool sent = transmit(peer.address, ++peer.sent, message, clock_.now_ns());
-  peer.send_failures += sent ? 0 : 1;
-  return sent;
+  Peer& peer = peers_[slot];
+  const bool is_sent = transmit(peer.address, ++peer.sent, message, clock_.now_ns());
+  peer.send_failures += is_sent ? 0 : 1;
+  return is_sent;
 }
 
 bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message& message, std::int64_t now_ns) noexcept {
@@ -247,9 +247,9 @@ bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message
   std::array<std::byte, kMaxDatagramBytes> bytes;
   const std::size_t size = codec_.encode(outgoing_, bytes);
   if (size == 0) return false;
-  const bool sent = endpoint_.send(to, std::span(bytes).first(size));
-  if (tap_ != nullptr && sent) tap_->on_sent(to, std::span(bytes).first(size), now_ns);
-  return sent;
+  const bool is_sent = endpoint_.send(to, std::span(bytes).first(size));
+  if (tap_ != nullptr && is_sent) tap_->on_sent(to, std::span(bytes).first(size), now_ns);
+  return is_sent;
 }
 
 std::size_t HubPeers::count(NodeRole role) const noexcept {

@@ -108,7 +108,7 @@ class HubPeers {
   // The rate that Welcome reports from now on.
   void set_servo_rate_hz(double servo_rate_hz) noexcept { servo_rate_hz_ = servo_rate_hz; }
 
-  const Peer& peer(std::size_t place) const noexcept { return peers_[place]; }
+  const Peer& peer(std::size_t slot) const noexcept { return peers_[slot]; }
   std::size_t count(NodeRole role) const noexcept;
   bool has_haptics() const noexcept { return peers_[kHapticsSlot].present; }
   std::uint64_t session() const noexcept { return session_; }
@@ -121,12 +121,12 @@ class HubPeers {
  private:
   PeerEvent welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   PeerEvent reject(const Address& to, NodeRole role, std::int64_t now_ns) noexcept;
-  PeerEvent join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
-  PeerEvent leave(std::size_t place, std::int64_t now_ns) noexcept;
+  PeerEvent join(std::size_t slot, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
+  PeerEvent leave(std::size_t slot, std::int64_t now_ns) noexcept;
   void reject_view(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   PeerEvent accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   std::size_t find(std::uint64_t sender) const noexcept;
-  std::size_t find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept;
+  std::size_t find_slot(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept;
   bool transmit(const Address& to, std::uint64_t sequence, const Message& message, std::int64_t now_ns) noexcept;
 
   Endpoint& endpoint_;

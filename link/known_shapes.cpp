@@ -12,8 +12,8 @@ KnownShapes::KnownShapes(const std::vector<std::uint32_t>& totals) {
 }
 
 void KnownShapes::add_object(std::size_t object, std::uint32_t total) {
-  Object& own = objects_[object];
-  if (own.total != total) own = {.total = total};
+  Object& record = objects_[object];
+  if (record.total != total) record = {.total = total};
 }
 
 void KnownShapes::keep_objects(const std::set<std::size_t>& objects) {
@@ -44,8 +44,8 @@ void KnownShapes::take(const ObjectShape& shape, Arrival arrival) {
   Object* const found = find_object(shape.object, shape.part.total);
   if (found == nullptr || !note_source(shape.source, arrival)) return;
   Object& object = *found;
-  const bool is_past = !object.starts.empty() && shape.serial < object.starts.front().serial;
-  if (is_past) return;
+  const bool is_outdated = !object.starts.empty() && shape.serial < object.starts.front().serial;
+  if (is_outdated) return;
   object.shapes.try_emplace(shape.serial, shape.part.total).first->second.add(shape.part);
   if (object.shapes.size() > kMaxShapes) object.shapes.erase(object.shapes.begin());
 }
@@ -72,17 +72,19 @@ const ShapeParts* KnownShapes::find_whole(const Object& object, std::uint32_t se
 std::optional<KnownShapes::Place> KnownShapes::find(std::size_t object, std::int64_t scene_time_ns) const {
   const Object* const found = find_object(object);
   if (found == nullptr) return std::nullopt;
-  const Object& own = *found;
-  if (own.starts.empty()) return Place();  // no shape has been announced: the object is at rest
-  const ShapeStart* start = &own.starts.front();
-  for (const ShapeStart& one : own.starts) {
+  const Object& record = *found;
+  if (record.starts.empty()) return Place();  // no shape has been announced: the object is at rest
+  const ShapeStart* start = &record.starts.front();
+  for (const ShapeStart& one : record.starts) {
     if (one.start_ns < scene_time_ns) start = &one;
   }
   const std::int64_t passed_ns = scene_time_ns - start->start_ns;
-  const std::int64_t whole_ns = start->end_ns - start->start_ns;
-  const double share = passed_ns <= 0 ? 0.0 : passed_ns >= whole_ns ? 1.0 : static_cast<double>(passed_ns) / static_cast<double>(whole_ns);
-  const bool knows_before = is_known(own, start->before);
-  const bool knows_to = is_known(own, start->serial);
+  const std::int64_t duration_ns = start->end_ns - start->start_ns;
+  const double share = passed_ns <= 0             ? 0.0
+                       : passed_ns >= duration_ns ? 1.0
+                                                  : static_cast<double>(passed_ns) / static_cast<double>(duration_ns);
+  const bool knows_before = is_known(record, start->before);
+  const bool knows_to = is_known(record, start->serial);
   if (knows_before && knows_to) return Place{start->before, start->serial, share};
   if (knows_to) return Place{start->serial, start->serial, 1.0};
   if (knows_before) return Place{start->before, start->before, 1.0};
@@ -90,23 +92,24 @@ std::optional<KnownShapes::Place> KnownShapes::find(std::size_t object, std::int
 }
 
 const ShapeStart* KnownShapes::newest_start(std::size_t object) const {
-  const Object* const own = find_object(object);
-  return own != nullptr && !own->starts.empty() ? &own->starts.back() : nullptr;
+  const Object* const record = find_object(object);
+  return record != nullptr && !record->starts.empty() ? &record->starts.back() : nullptr;
 }
 
 const ShapeStart* KnownShapes::find_start(std::size_t object, std::uint32_t serial) const {
-  const Object* const own = find_object(object);
-  if (own == nullptr) return nullptr;
-  const auto found = std::find_if(own->starts.begin(), own->starts.end(), [&](const ShapeStart& one) { return one.serial == serial; });
-  return found != own->starts.end() ? &*found : nullptr;
+  const Object* const record = find_object(object);
+  if (record == nullptr) return nullptr;
+  const auto found =
+      std::find_if(record->starts.begin(), record->starts.end(), [&](const ShapeStart& one) { return one.serial == serial; });
+  return found != record->starts.end() ? &*found : nullptr;
 }
 
 const ShapeStart* KnownShapes::find_next(std::size_t object, std::uint32_t serial, std::int64_t scene_time_ns) const {
-  const Object* const own = find_object(object);
+  const Object* const record = find_object(object);
   const ShapeStart* next = nullptr;
-  for (std::size_t n = 0; own != nullptr && n < own->starts.size(); ++n) {
-    const ShapeStart& start = own->starts[n];
-    if (start.serial <= serial || find_whole(*own, start.serial) == nullptr) continue;
+  for (std::size_t n = 0; record != nullptr && n < record->starts.size(); ++n) {
+    const ShapeStart& start = record->starts[n];
+    if (start.serial <= serial || find_whole(*record, start.serial) == nullptr) continue;
     next = &start;
     if (start.end_ns > scene_time_ns) break;
   }
@@ -114,10 +117,10 @@ const ShapeStart* KnownShapes::find_next(std::size_t object, std::uint32_t seria
 }
 
 std::vector<ShapePart::Displacement> KnownShapes::displacements_m(std::size_t object, const Place& place) const {
-  const Object& own = objects_.at(object);
-  const std::vector<ShapePart::Displacement> at_rest(own.total);
+  const Object& record = objects_.at(object);
+  const std::vector<ShapePart::Displacement> at_rest(record.total);
   const auto shape_of = [&](std::uint32_t serial) {
-    return serial == 0 ? std::span<const ShapePart::Displacement>(at_rest) : own.shapes.at(serial).displacements_m();
+    return serial == 0 ? std::span<const ShapePart::Displacement>(at_rest) : record.shapes.at(serial).displacements_m();
   };
   const auto before = shape_of(place.before);
   const auto to = shape_of(place.to);
@@ -160,17 +163,17 @@ void KnownShapes::request_runs(std::size_t object, const ShapeStart& start, cons
     into.push_back({.source = process_,
                     .serial = start.serial,
                     .object = static_cast<std::int32_t>(object),
-                    .first = first * ShapePart::kMaxHere,
-                    .count = (part - first) * ShapePart::kMaxHere});
+                    .first = first * ShapePart::kVerticesPerPart,
+                    .count = (part - first) * ShapePart::kVerticesPerPart});
   }
 }
 
 void KnownShapes::take_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into) {
   for (auto& [number, object] : objects_) {
     if (object.starts.empty()) continue;
-    object.ahead_ns.erase(object.ahead_ns.begin(), object.ahead_ns.lower_bound(object.starts.front().serial));
+    object.request_ahead_ns.erase(object.request_ahead_ns.begin(), object.request_ahead_ns.lower_bound(object.starts.front().serial));
     for (const ShapeStart& start : object.starts) {
-      const auto [due, is_new] = object.ahead_ns.try_emplace(start.serial, now_ns + kReorderedNs);
+      const auto [due, is_new] = object.request_ahead_ns.try_emplace(start.serial, now_ns + kReorderedNs);
       if (is_new || due->second == 0 || now_ns < due->second) continue;
       due->second = 0;
       const auto parts = object.shapes.find(start.serial);

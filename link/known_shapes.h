@@ -69,8 +69,8 @@ class KnownShapes {
     std::uint32_t total = 0;             // vertices
     std::deque<ShapeStart> starts = {};  // the newest, by serial
     std::map<std::uint32_t, ShapeParts> shapes = {};
-    std::int64_t request_ns = 0;                          // no request before this time; 0: not set since its newest start
-    std::map<std::uint32_t, std::int64_t> ahead_ns = {};  // by serial: when to request it ahead; 0: done
+    std::int64_t request_ns = 0;                                  // no request before this time; 0: not set since its newest start
+    std::map<std::uint32_t, std::int64_t> request_ahead_ns = {};  // by serial: when to request it ahead; 0: done
   };
 
   Object* find_object(std::int32_t object, std::uint32_t total);

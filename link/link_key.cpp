@@ -35,8 +35,8 @@ class Descriptor {
 };
 
 // How systemd gives a credential to a service that is not root: root owns the file, and its access list shows as group read permission.
-bool is_systemd_credential(const struct stat& found) {
-  return found.st_uid == 0 && found.st_gid == 0 && (found.st_mode & 07777) == (S_IRUSR | S_IRGRP);
+bool is_systemd_credential(const struct stat& file_stat) {
+  return file_stat.st_uid == 0 && file_stat.st_gid == 0 && (file_stat.st_mode & 07777) == (S_IRUSR | S_IRGRP);
 }
 
 // "hapton-vision", NUL-padded.
@@ -70,10 +70,10 @@ static_assert(sizeof(KeyFile) == kKeyFileBytes);
 // Anyone who may write to a folder on a file's path can replace the file; in a folder with the sticky bit (/tmp) only the file's owner can.
 Result<void> check_folders_above(const std::filesystem::path& path, const std::filesystem::path& named) {
   for (std::filesystem::path folder = path.parent_path(); !folder.empty(); folder = folder.parent_path()) {
-    struct stat found = {};
-    if (stat(folder.c_str(), &found) == 0 && (found.st_mode & S_IWOTH) != 0 && (found.st_mode & S_ISVTX) == 0) {
+    struct stat file_stat = {};
+    if (stat(folder.c_str(), &file_stat) == 0 && (file_stat.st_mode & S_IWOTH) != 0 && (file_stat.st_mode & S_ISVTX) == 0) {
       return fail("{}: anyone can replace the key, as the folder {} is writable by all (mode {:04o}); fix it with: chmod o-w {}",
-                  named.string(), folder.string(), found.st_mode & 07777, folder.string());
+                  named.string(), folder.string(), file_stat.st_mode & 07777, folder.string());
     }
     if (folder == folder.root_path()) break;
   }
@@ -101,18 +101,18 @@ Result<void> check_size(const std::filesystem::path& path, off_t bytes) {
   return fail("{}: has {} bytes, but a key file has {}; make one with: hapton keygen FILE", path.string(), bytes, kKeyFileBytes);
 }
 
-Result<void> check(const std::filesystem::path& path, const struct stat& found) {
-  if (!S_ISREG(found.st_mode)) return fail("{}: is not a regular file; make a key with: hapton keygen FILE", path.string());
-  const bool is_credential = is_systemd_credential(found);
-  if (found.st_uid != geteuid() && !is_credential) {
+Result<void> check(const std::filesystem::path& path, const struct stat& file_stat) {
+  if (!S_ISREG(file_stat.st_mode)) return fail("{}: is not a regular file; make a key with: hapton keygen FILE", path.string());
+  const bool is_credential = is_systemd_credential(file_stat);
+  if (file_stat.st_uid != geteuid() && !is_credential) {
     return fail("{}: belongs to user {}, and this program runs as user {}; a key file must belong to its user: chown {} {}", path.string(),
-                found.st_uid, geteuid(), geteuid(), path.string());
+                file_stat.st_uid, geteuid(), geteuid(), path.string());
   }
-  if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0 && !is_credential) {
-    return fail("{}: is readable by other users (mode {:04o}); fix it with: chmod 600 {}", path.string(), found.st_mode & 07777,
+  if ((file_stat.st_mode & (S_IRWXG | S_IRWXO)) != 0 && !is_credential) {
+    return fail("{}: is readable by other users (mode {:04o}); fix it with: chmod 600 {}", path.string(), file_stat.st_mode & 07777,
                 path.string());
   }
-  return check_size(path, found.st_size);
+  return check_size(path, file_stat.st_size);
 }
 
 // Returns 0, or the errno of what failed; after a failure the file does not exist, unless it existed before.
@@ -149,9 +149,9 @@ Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
     if (errno == EACCES) return fail("{}: no permission to read the key; ask its owner for a copy", path.string());
     return fail("{}: the key cannot be read: {}; make one with: hapton keygen {}", path.string(), std::strerror(errno), path.string());
   }
-  struct stat found = {};
-  if (fstat(file.number(), &found) != 0) return fail("{}: the key cannot be read: {}", path.string(), std::strerror(errno));
-  if (const auto good = check(path, found); !good) return tl::unexpected(good.error());
+  struct stat file_stat = {};
+  if (fstat(file.number(), &file_stat) != 0) return fail("{}: the key cannot be read: {}", path.string(), std::strerror(errno));
+  if (const auto good = check(path, file_stat); !good) return tl::unexpected(good.error());
   if (const auto good = check_folders(path); !good) return tl::unexpected(good.error());
   KeyFile key;
   if (read(file.number(), &key, sizeof key) != static_cast<ssize_t>(sizeof key)) {
@@ -240,13 +240,13 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
     if (error) return fail_to_share(path, error.value());
     // Writes a temporary file and then links it to the final name, which succeeds only once: no process reads half a key, and all
     // processes read the same key.
-    const std::filesystem::path beside =
+    const std::filesystem::path temporary =
         folder / fmt::format("master.{}.{:016x}", getpid(), (std::uint64_t{randombytes_random()} << 32) | randombytes_random());
-    if (const int failure = write_new_file(beside, make_master()); failure != 0) return fail_to_share(beside, failure);
-    const bool named = link(beside.c_str(), path.c_str()) == 0 || errno == EEXIST;
+    if (const int failure = write_new_file(temporary, make_master()); failure != 0) return fail_to_share(temporary, failure);
+    const bool has_key_file = link(temporary.c_str(), path.c_str()) == 0 || errno == EEXIST;
     const int failure = errno;
-    unlink(beside.c_str());
-    if (!named) return fail_to_share(path, failure);
+    unlink(temporary.c_str());
+    if (!has_key_file) return fail_to_share(path, failure);
   }
   return read_key_file(path);
 }

@@ -93,8 +93,8 @@ struct MetricsEndpoint::State {
       is_waiting = true;
       state.is_requested.store(true, std::memory_order_release);
       timer.expires_after(std::chrono::nanoseconds(kFreshNs));
-      timer.async_wait([self = shared_from_this()](const error_code& ended) {
-        if (!ended) self->reply_if_waiting();
+      timer.async_wait([self = shared_from_this()](const error_code& wait_error) {
+        if (!wait_error) self->reply_if_waiting();
       });
     }
 
@@ -134,8 +134,8 @@ struct MetricsEndpoint::State {
       }
       // No descriptor is free: the pending client would be reported again at once.
       pause.expires_after(kAcceptPause);
-      pause.async_wait([this](const error_code& ended) {
-        if (!ended) listen();
+      pause.async_wait([this](const error_code& wait_error) {
+        if (!wait_error) listen();
       });
     });
   }

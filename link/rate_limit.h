@@ -14,21 +14,22 @@ class TokenBucket {
  public:
   constexpr TokenBucket() = default;
   constexpr TokenBucket(std::int64_t per_second, std::int64_t burst)
-      : nanoseconds_each_(1'000'000'000 / per_second), most_ns_(nanoseconds_each_ * burst), filled_ns_(most_ns_) {}
+      : token_ns_(1'000'000'000 / per_second), capacity_ns_(token_ns_ * burst), level_ns_(capacity_ns_) {}
 
   bool take(std::int64_t now_ns) noexcept {
     // A clock that goes back adds no tokens.
-    if (now_ns > last_ns_) filled_ns_ = std::min(most_ns_, now_ns - last_ns_ > most_ns_ ? most_ns_ : filled_ns_ + (now_ns - last_ns_));
+    if (now_ns > last_ns_)
+      level_ns_ = std::min(capacity_ns_, now_ns - last_ns_ > capacity_ns_ ? capacity_ns_ : level_ns_ + (now_ns - last_ns_));
     last_ns_ = std::max(last_ns_, now_ns);
-    if (filled_ns_ < nanoseconds_each_) return false;
-    filled_ns_ -= nanoseconds_each_;
+    if (level_ns_ < token_ns_) return false;
+    level_ns_ -= token_ns_;
     return true;
   }
 
  private:
-  std::int64_t nanoseconds_each_ = 1;
-  std::int64_t most_ns_ = 0;
-  std::int64_t filled_ns_ = 0;
+  std::int64_t token_ns_ = 1;
+  std::int64_t capacity_ns_ = 0;
+  std::int64_t level_ns_ = 0;
   std::int64_t last_ns_ = 0;
 };
 
@@ -49,10 +50,10 @@ class SourceLimit {
     buckets_.fill(TokenBucket(rates.source_per_second, rates.source_burst));
   }
 
-  bool take(const Address& from, std::int64_t now_ns) noexcept { return buckets_[place_of(from)].take(now_ns) && all_.take(now_ns); }
+  bool take(const Address& from, std::int64_t now_ns) noexcept { return buckets_[bucket_of(from)].take(now_ns) && all_.take(now_ns); }
 
  private:
-  std::size_t place_of(const Address& from) const noexcept {
+  std::size_t bucket_of(const Address& from) const noexcept {
     std::uint64_t hash = seed_;
     for (const std::uint8_t byte : from.ip) hash = (hash ^ byte) * 0x9E3779B97F4A7C15U + (hash >> 29);
     return (hash >> 32) % kSources;

@@ -14,7 +14,7 @@ std::string_view describe(Rejection rejection) noexcept {
       return "replayed handshakes";
     case Rejection::too_many_handshakes:
       return "handshakes beyond the rate limit";
-    case Rejection::no_place:
+    case Rejection::no_slot:
       return "handshakes above the hub's capacity";
     case Rejection::unknown_session:
       return "datagrams of an unknown session";
@@ -34,16 +34,16 @@ std::optional<Flood> RejectionMonitor::take(std::int64_t now_ns) noexcept {
   if (now_ns - since_ns_ < kEveryNs) return std::nullopt;
   std::optional<Flood> flood;
   std::uint64_t noted = 0;
-  for (const Seen& seen : seen_) noted += seen.count;
+  for (const NotedRejections& of_kind : rejections_) noted += of_kind.count;
   // Each noted rejection stands for this many, counting those that the kernel filtered.
   const double weight = noted == 0 ? 0.0 : static_cast<double>(noted + filtered_) / static_cast<double>(noted);
   for (std::size_t n = 0; n < kRejections; ++n) {
     const auto rejection = static_cast<Rejection>(n);
-    const double per_second = 1e9 * weight * static_cast<double>(seen_[n].count) / static_cast<double>(now_ns - since_ns_);
+    const double per_second = 1e9 * weight * static_cast<double>(rejections_[n].count) / static_cast<double>(now_ns - since_ns_);
     if (per_second <= is_flood_above(rejection) || (flood && per_second <= flood->per_second)) continue;
-    flood = Flood{rejection, seen_[n].from, seen_[n].is_from_several, per_second, filtered_ > noted};
+    flood = Flood{rejection, rejections_[n].from, rejections_[n].is_from_several, per_second, filtered_ > noted};
   }
-  seen_ = {};
+  rejections_ = {};
   filtered_ = 0;
   since_ns_ = now_ns;
   return flood;

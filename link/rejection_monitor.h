@@ -17,7 +17,7 @@ enum class Rejection : std::uint8_t {
   wrong_key,            // a handshake without the key of its role
   replayed_handshake,   // a handshake that is no later than one seen before
   too_many_handshakes,  // a valid handshake above the rate limit or the capacity for handshakes
-  no_place,             // a valid handshake, and no free slot
+  no_slot,              // a valid handshake, and no free slot
   unknown_session,      // for an unknown session, or from another address than its own
   replayed,             // seen before, or too old to check
   forged,               // for a known session, and not by its peer
@@ -50,10 +50,10 @@ class RejectionMonitor {
   }
 
   void note(Rejection rejection, const Address& from, std::uint64_t count = 1) noexcept {
-    Seen& seen = seen_[static_cast<std::size_t>(rejection)];
-    seen.is_from_several = seen.is_from_several || (seen.count != 0 && seen.from != from);
-    seen.from = from;
-    seen.count += count;
+    NotedRejections& of_kind = rejections_[static_cast<std::size_t>(rejection)];
+    of_kind.is_from_several = of_kind.is_from_several || (of_kind.count != 0 && of_kind.from != from);
+    of_kind.from = from;
+    of_kind.count += count;
   }
 
   // Adds rejections that the kernel dropped at random, unseen: each kind gets its share of them, as among the noted ones.
@@ -63,12 +63,12 @@ class RejectionMonitor {
   std::optional<Flood> take(std::int64_t now_ns) noexcept;
 
  private:
-  struct Seen {
+  struct NotedRejections {
     std::uint64_t count = 0;
     Address from;
     bool is_from_several = false;
   };
-  std::array<Seen, kRejections> seen_ = {};
+  std::array<NotedRejections, kRejections> rejections_ = {};
   std::uint64_t filtered_ = 0;
   std::int64_t since_ns_ = 0;
   bool has_begun_ = false;

@@ -200,11 +200,11 @@ void RelayEndpoint::State::apply_faults(Direction direction, const udp::endpoint
   count.held_back += fate.held_back ? 1 : 0;
   count.duplicated += fate.copies > 1 ? 1 : 0;
   count.corrupted += fate.corrupt ? 1 : 0;
-  std::array<std::byte, kMaxBytes> spoilt;
+  std::array<std::byte, kMaxBytes> corrupted;
   if (fate.corrupt) {
-    std::copy(bytes.begin(), bytes.end(), spoilt.begin());
-    bytes = std::span(spoilt).first(bytes.size());
-    damage_bytes(std::span(spoilt).first(bytes.size()), fate.damage);
+    std::copy(bytes.begin(), bytes.end(), corrupted.begin());
+    bytes = std::span(corrupted).first(bytes.size());
+    damage_bytes(std::span(corrupted).first(bytes.size()), fate.damage);
   }
   for (std::size_t copy = 0; copy < fate.copies; ++copy) {
     if (fate.due_ns[copy] <= now_ns) {

@@ -233,28 +233,28 @@ void lay_out_held_offset(Wire& wire, Offset& offset_m) {
 }
 
 template <class Wire, class Message>
-void lay_out_force_command(Wire& wire, Message& m) {
-  wire.number(1, m.echo_sample);
-  lay_out_time(wire, 2, m.echo_sample_time_ns);
-  lay_out_vector(wire, 3, m.force_n);
-  lay_out_vector(wire, 4, m.visual_offset_m);
-  wire.flag(5, m.contact);
-  wire.number(6, m.compute_ns);
-  wire.number(7, m.skipped_samples);
-  wire.number(8, m.view_revision);
-  wire.number(9, m.method_serial);
-  wire.number(10, m.replied_before);
-  wire.number(11, m.material_serial);
-  lay_out_touched(wire, m.object);
-  lay_out_vector(wire, 13, m.torque_nm);
-  lay_out_vector(wire, 14, m.visual_turn);
-  lay_out_time(wire, 15, m.scene_time_ns);
-  wire.number(16, m.move_serial);
-  wire.number(17, m.carve_serial);
-  lay_out_push(wire, m.push);
-  wire.number(20, m.shape_serial);
-  lay_out_haptons(wire, m.haptons);
-  lay_out_held_offset(wire, m.held_offset_m);
+void lay_out_force_command(Wire& wire, Message& message) {
+  wire.number(1, message.echo_sample);
+  lay_out_time(wire, 2, message.echo_sample_time_ns);
+  lay_out_vector(wire, 3, message.force_n);
+  lay_out_vector(wire, 4, message.visual_offset_m);
+  wire.flag(5, message.contact);
+  wire.number(6, message.compute_ns);
+  wire.number(7, message.skipped_samples);
+  wire.number(8, message.view_revision);
+  wire.number(9, message.method_serial);
+  wire.number(10, message.replied_before);
+  wire.number(11, message.material_serial);
+  lay_out_touched(wire, message.object);
+  lay_out_vector(wire, 13, message.torque_nm);
+  lay_out_vector(wire, 14, message.visual_turn);
+  lay_out_time(wire, 15, message.scene_time_ns);
+  wire.number(16, message.move_serial);
+  wire.number(17, message.carve_serial);
+  lay_out_push(wire, message.push);
+  wire.number(20, message.shape_serial);
+  lay_out_haptons(wire, message.haptons);
+  lay_out_held_offset(wire, message.held_offset_m);
 }
 
 template <class Wire, class Message>

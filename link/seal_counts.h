@@ -18,12 +18,12 @@ struct SealCounts {
   std::uint64_t unknown_session = 0;      // for an unknown session, or from another address than its own
   std::uint64_t replayed = 0;             // seen before, or too old to check
   std::uint64_t forged = 0;               // for an existing session, but not from its peer
-  std::uint64_t no_place = 0;             // valid handshakes that found no free slot, or whose address is in use by another role
+  std::uint64_t no_slot = 0;              // valid handshakes that found no free slot, or whose address is in use by another role
   std::uint64_t oversized = 0;            // longer than kMaxDatagramBytes, or empty
 
   std::uint64_t rejected() const {
     return malformed + wrong_version + wrong_key + replayed_handshakes + too_many_handshakes + unknown_session + replayed + forged +
-           no_place + oversized;
+           no_slot + oversized;
   }
 };
 

@@ -142,9 +142,9 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
     ++counts_.unknown_session;
     return 0;
   }
-  const SealedKind found = classify_sealed(datagram);
-  if (found.status == OpenStatus::opened && found.kind != seal::Kind::data) {
-    receive_handshake(found.kind, datagram);
+  const SealedKind sealed = classify_sealed(datagram);
+  if (sealed.status == OpenStatus::opened && sealed.kind != seal::Kind::data) {
+    receive_handshake(sealed.kind, datagram);
     return 0;
   }
   std::size_t bytes = 0;
@@ -161,10 +161,10 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
 
 void SealedClient::receive_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
   if (!handshake_.is_pending()) return;  // a late reply to an earlier request is not a fault
-  const bool is_good =
+  const bool is_valid =
       (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::reply && handshake_.read_reply(datagram));
-  counts_.wrong_key += is_good ? 0 : 1;
-  if (!is_good) return;
+  counts_.wrong_key += is_valid ? 0 : 1;
+  if (!is_valid) return;
   if (kind == seal::Kind::retry && std::exchange(may_retry_, false)) request(clock_.now_ns());
   take_finished();
 }

@@ -41,8 +41,8 @@ std::uint64_t& counter_of(Rejection rejection, SealCounts& counts) noexcept {
       return counts.replayed_handshakes;
     case Rejection::too_many_handshakes:
       return counts.too_many_handshakes;
-    case Rejection::no_place:
-      return counts.no_place;
+    case Rejection::no_slot:
+      return counts.no_slot;
     case Rejection::unknown_session:
       return counts.unknown_session;
     case Rejection::replayed:
@@ -62,7 +62,7 @@ std::array<SourceLimit, kNodeKeyRoles> make_limits() {
   return {make(), make(), make(), make()};
 }
 
-static_assert(std::accumulate(SealedHub::kRolePlaces.begin(), SealedHub::kRolePlaces.end(), std::size_t{0}) == SealedHub::kPlaces);
+static_assert(std::accumulate(SealedHub::kRoleSlots.begin(), SealedHub::kRoleSlots.end(), std::size_t{0}) == SealedHub::kSlots);
 
 }  // namespace
 
@@ -82,18 +82,18 @@ SealCounts SealedHub::seal_counts() const noexcept {
 
 void SealedHub::reject(Rejection rejection, const Address& from) noexcept {
   ++counter_of(rejection, counts_);
-  watch_.note(rejection, from);
+  rejection_monitor_.note(rejection, from);
 }
 
 // The worst flood of rejected datagrams, counting those that the socket rejected or filtered.
 std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
   const SocketCounts socket = endpoint_.socket_counts();
   const std::uint64_t oversized = socket.oversized - oversized_noted_;
-  if (oversized != 0) watch_.note(Rejection::oversized, socket.last_oversized, oversized);
-  watch_.note_filtered(socket.filtered - filtered_noted_);
+  if (oversized != 0) rejection_monitor_.note(Rejection::oversized, socket.last_oversized, oversized);
+  rejection_monitor_.note_filtered(socket.filtered - filtered_noted_);
   oversized_noted_ = socket.oversized;
   filtered_noted_ = socket.filtered;
-  return watch_.take(now_ns);
+  return rejection_monitor_.take(now_ns);
 }
 
 bool SealedHub::send(const Address& to, std::span<const std::byte> datagram) noexcept {
@@ -118,21 +118,21 @@ Received SealedHub::receive(std::span<std::byte> into, std::int64_t deadline_ns)
 
 // The size of the opened data; 0 if rejected or part of a handshake.
 std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept {
-  const SealedKind found = classify_sealed(datagram);
-  if (found.status != OpenStatus::opened) {
-    reject(rejection_of(found.status), from);
+  const SealedKind sealed = classify_sealed(datagram);
+  if (sealed.status != OpenStatus::opened) {
+    reject(rejection_of(sealed.status), from);
     return 0;
   }
-  if (found.kind == seal::Kind::request) {
+  if (sealed.kind == seal::Kind::request) {
     receive_request(datagram, from);
     take_agreements();
     return 0;
   }
-  if (found.kind != seal::Kind::data) {
+  if (sealed.kind != seal::Kind::data) {
     reject(Rejection::malformed, from);  // only a hub sends these
     return 0;
   }
-  Session& session = sessions_[seal::load<std::uint32_t>(seal::bytes_of(datagram) + seal::kConnectionAt) % kPlaces];
+  Session& session = sessions_[seal::load<std::uint32_t>(seal::bytes_of(datagram) + seal::kConnectionAt) % kSlots];
   if (session.state == State::free || session.state == State::agreeing || session.address != from) {
     reject(Rejection::unknown_session, from);
     return 0;
@@ -199,11 +199,11 @@ void SealedHub::agree(std::span<const std::byte> request, const Address& from, s
     return;
   }
   if (!agreement_limits_[index_of(role)].take(from, now_ns)) return reject(Rejection::too_many_handshakes, from);
-  if (is_taken_by_another_role(from, role, now_ns)) return reject(Rejection::no_place, from);
-  Session* const session = find_place(places_of(role, sessions_), now_ns);
-  if (session == nullptr) return reject(Rejection::no_place, from);
-  const auto place = static_cast<std::uint32_t>(session - sessions_.data());
-  const std::uint32_t connection = ++generation_ * static_cast<std::uint32_t>(kPlaces) + place;
+  if (is_taken_by_another_role(from, role, now_ns)) return reject(Rejection::no_slot, from);
+  Session* const session = find_slot(slots_of(role, sessions_), now_ns);
+  if (session == nullptr) return reject(Rejection::no_slot, from);
+  const auto slot = static_cast<std::uint32_t>(session - sessions_.data());
+  const std::uint32_t connection = ++generation_ * static_cast<std::uint32_t>(kSlots) + slot;
   if (!handshake_.agree(request, connection)) return reject(Rejection::too_many_handshakes, from);
   *session = Session();
   session->state = State::agreeing;
@@ -216,10 +216,10 @@ void SealedHub::agree(std::span<const std::byte> request, const Address& from, s
 void SealedHub::take_agreements() noexcept {
   if (!handshake_.is_working()) return;
   for (HubHandshake::Agreement agreed; handshake_.poll(agreed);) {
-    Session& session = sessions_[agreed.connection % kPlaces];
+    Session& session = sessions_[agreed.connection % kSlots];
     // Its slot may have been reused by now.
     if (session.state != State::agreeing || session.connection != agreed.connection) continue;
-    if (!agreed.went_well) {
+    if (!agreed.is_valid) {
       reject(Rejection::wrong_key, session.address);
       session = Session();
       continue;
@@ -232,61 +232,61 @@ void SealedHub::take_agreements() noexcept {
 }
 
 SealedHub::Session* SealedHub::find_live(const Address& address) noexcept {
-  const auto is_it = [&](const Session& session) { return session.state == State::live && session.address == address; };
+  const auto is_match = [&](const Session& session) { return session.state == State::live && session.address == address; };
   std::uint8_t& hint = hints_[address.port % hints_.size()];
-  if (is_it(sessions_[hint])) return &sessions_[hint];
-  const auto found = std::find_if(sessions_.begin(), sessions_.end(), is_it);
+  if (is_match(sessions_[hint])) return &sessions_[hint];
+  const auto found = std::find_if(sessions_.begin(), sessions_.end(), is_match);
   if (found == sessions_.end()) return nullptr;
   hint = static_cast<std::uint8_t>(found - sessions_.begin());
   return &*found;
 }
 
-std::span<SealedHub::Session> SealedHub::places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept {
-  const auto before = kRolePlaces.begin() + static_cast<std::ptrdiff_t>(index_of(role));
-  return std::span(sessions).subspan(std::accumulate(kRolePlaces.begin(), before, std::size_t{0}), *before);
+std::span<SealedHub::Session> SealedHub::slots_of(KeyRole role, std::array<Session, kSlots>& sessions) noexcept {
+  const auto before = kRoleSlots.begin() + static_cast<std::ptrdiff_t>(index_of(role));
+  return std::span(sessions).subspan(std::accumulate(kRoleSlots.begin(), before, std::size_t{0}), *before);
 }
 
 // With many candidates the oldest one's slot; otherwise a free one, that of a peer silent for long, or the oldest candidate's; else null.
-SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_t now_ns) noexcept {
-  Session* free_place = nullptr;
+SealedHub::Session* SealedHub::find_slot(std::span<Session> slots, std::int64_t now_ns) noexcept {
+  Session* free_slot = nullptr;
   Session* oldest_candidate = nullptr;
-  Session* quietest = nullptr;
+  Session* longest_silent = nullptr;
   std::size_t candidates = 0;
   const auto older = [](const Session& session, const Session* than) {
     return than == nullptr || session.last_received_ns < than->last_received_ns;
   };
-  for (Session& session : places) {
+  for (Session& session : slots) {
     const bool is_over = session.state == State::retiring && now_ns >= session.ends_ns;
     if (session.state == State::free || is_over) {
-      free_place = free_place == nullptr ? &session : free_place;
+      free_slot = free_slot == nullptr ? &session : free_slot;
     } else if (session.state == State::candidate || session.state == State::agreeing) {
       ++candidates;
       if (older(session, oldest_candidate)) oldest_candidate = &session;
-    } else if (session.state == State::live && now_ns - session.last_received_ns > kIdleNs && older(session, quietest)) {
-      quietest = &session;
+    } else if (session.state == State::live && now_ns - session.last_received_ns > kIdleNs && older(session, longest_silent)) {
+      longest_silent = &session;
     }
   }
-  if (candidates >= most_candidates(places)) return oldest_candidate;
-  if (free_place != nullptr) return free_place;
-  return quietest != nullptr ? quietest : oldest_candidate;
+  if (candidates >= max_candidates(slots)) return oldest_candidate;
+  if (free_slot != nullptr) return free_slot;
+  return longest_silent != nullptr ? longest_silent : oldest_candidate;
 }
 
-// The last reply to this address may still be under way. If all places for candidates are taken, an address that has a candidate gets no
+// The last reply to this address may still be under way. If all slots for candidates are taken, an address that has a candidate gets no
 // further one, so that far nodes do not displace each other's candidates; candidates older than any round trip do not count.
 bool SealedHub::had_reply_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept {
   std::int64_t wait_ns = 0;
   std::int64_t newest_ns = 0;
-  std::size_t young = 0;
-  const std::span<Session> places = places_of(role, sessions_);
-  for (const Session& session : places) {
+  std::size_t recent_candidates = 0;
+  const std::span<Session> slots = slots_of(role, sessions_);
+  for (const Session& session : slots) {
     const bool is_unused = session.state == State::candidate || session.state == State::agreeing;
     if (!is_unused || now_ns - session.last_received_ns >= kReplyLivesNs) continue;
-    ++young;
+    ++recent_candidates;
     if (session.address != address) continue;
     wait_ns = wait_ns == 0 ? kReplyEveryNs : std::min(2 * wait_ns, kMaxReplyEveryNs);
     newest_ns = std::max(newest_ns, session.last_received_ns);
   }
-  return wait_ns != 0 && (now_ns - newest_ns < wait_ns || young >= most_candidates(places));
+  return wait_ns != 0 && (now_ns - newest_ns < wait_ns || recent_candidates >= max_candidates(slots));
 }
 
 // An address belongs to one program. A holder of another role's key who can forge that address must not end that program's session.

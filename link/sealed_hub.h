@@ -30,14 +30,14 @@ namespace hapton {
 //              slots for candidates are taken, an address that has a reply gets no other for kReplyLivesNs.
 //   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. Datagrams of the old one
 //              are opened for another kOverlapNs, unless the new one is replaced, too, so that none under way is lost. Each role has its
-//              own slots (kRolePlaces), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
+//              own slots (kRoleSlots), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
 //              cannot keep another role out. When no slot is free, the session that has been silent longest, for more than kIdleNs, is
 //              dropped; if there is none, the oldest in which nothing was opened yet; if there is none either, the request is rejected.
 // RT: yes with a worker thread; construction and destruction set-up only. Threads: one.
 class SealedHub final : public Endpoint {
  public:
-  static constexpr std::size_t kPlaces = 64;  // four times HubPeers::kCapacity: old and new sessions, and nodes that come again
-  static constexpr std::array<std::size_t, kNodeKeyRoles> kRolePlaces = {8, 24, 24, 8};  // for haptics, vision, tool, operator
+  static constexpr std::size_t kSlots = 64;  // four times HubPeers::kCapacity: old and new sessions, and nodes that come again
+  static constexpr std::array<std::size_t, kNodeKeyRoles> kRoleSlots = {8, 24, 24, 8};  // for haptics, vision, tool, operator
   static constexpr std::int64_t kIdleNs = 2 * kNanosecondsPerSecond;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
   static constexpr std::int64_t kReplyEveryNs = 100 * kNanosecondsPerMillisecond;
@@ -85,10 +85,10 @@ class SealedHub final : public Endpoint {
   void agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
   void take_agreements() noexcept;
   Session* find_live(const Address& address) noexcept;
-  static std::span<Session> places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept;
-  static std::size_t most_candidates(std::span<const Session> places) noexcept { return places.size() / 2; }
+  static std::span<Session> slots_of(KeyRole role, std::array<Session, kSlots>& sessions) noexcept;
+  static std::size_t max_candidates(std::span<const Session> slots) noexcept { return slots.size() / 2; }
   bool had_reply_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept;
-  static Session* find_place(std::span<Session> places, std::int64_t now_ns) noexcept;
+  static Session* find_slot(std::span<Session> slots, std::int64_t now_ns) noexcept;
   bool is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept;
 
   Endpoint& endpoint_;
@@ -96,10 +96,10 @@ class SealedHub final : public Endpoint {
   HubHandshake handshake_;
   std::array<SourceLimit, kNodeKeyRoles> retry_limits_;  // by role
   std::array<SourceLimit, kNodeKeyRoles> agreement_limits_;
-  RejectionMonitor watch_;
+  RejectionMonitor rejection_monitor_;
   std::uint64_t oversized_noted_ = 0;
   std::uint64_t filtered_noted_ = 0;
-  std::array<Session, kPlaces> sessions_ = {};
+  std::array<Session, kSlots> sessions_ = {};
   std::array<std::uint8_t, 16> hints_ = {};  // slot that was last sent to, by the lower bits of the port
   std::uint32_t generation_ = 0;             // the upper bits of a connection's number; the lower ones are its slot
   SealCounts counts_;

@@ -4,14 +4,14 @@ namespace hapton {
 
 Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence, bool may_restart) noexcept {
   ++counts_.received;
-  const bool first_ever = counts_.received == 1;
-  if (first_ever || sender != sender_) {
-    if (!first_ever && sender == previous_sender_) {
+  const bool is_first = counts_.received == 1;
+  if (is_first || sender != sender_) {
+    if (!is_first && sender == previous_sender_) {
       ++counts_.stale;
       return Arrival::stale;
     }
-    counts_.restarts += first_ever ? 0 : 1;
-    previous_sender_ = first_ever ? sender : sender_;
+    counts_.restarts += is_first ? 0 : 1;
+    previous_sender_ = is_first ? sender : sender_;
     sender_ = sender;
     start(sequence);
     return Arrival::newest;

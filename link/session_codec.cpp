@@ -185,33 +185,33 @@ void SessionCodec::append(const SessionHeader& header, std::string& to) {
 }
 
 void SessionCodec::append(const SessionEntry& entry, std::string& to) {
-  session::Entry& e = wire_->entry;
-  e.Clear();
-  e.set_time_ns(entry.time_ns);
+  session::Entry& wire_entry = wire_->entry;
+  wire_entry.Clear();
+  wire_entry.set_time_ns(entry.time_ns);
   switch (entry.kind) {
     case SessionEntry::Kind::received:
-      write(entry.peer, entry.datagram, *e.mutable_received());
+      write(entry.peer, entry.datagram, *wire_entry.mutable_received());
       break;
     case SessionEntry::Kind::sent:
-      write(entry.peer, entry.datagram, *e.mutable_sent());
+      write(entry.peer, entry.datagram, *wire_entry.mutable_sent());
       break;
     case SessionEntry::Kind::cycle:
-      write(entry.cycle, *e.mutable_cycle());
+      write(entry.cycle, *wire_entry.mutable_cycle());
       break;
     case SessionEntry::Kind::fault:
-      e.set_fault(static_cast<session::Fault>(entry.fault));
+      wire_entry.set_fault(static_cast<session::Fault>(entry.fault));
       break;
     case SessionEntry::Kind::dropped:
-      e.set_dropped(entry.dropped);
+      wire_entry.set_dropped(entry.dropped);
       break;
     case SessionEntry::Kind::marker:
-      write(entry.marker, *e.mutable_marker());
+      write(entry.marker, *wire_entry.mutable_marker());
       break;
     case SessionEntry::Kind::end:
-      e.set_end(true);
+      wire_entry.set_end(true);
       break;
   }
-  append_checked(e, to);
+  append_checked(wire_entry, to);
 }
 
 void SessionCodec::append_alone(const CycleNote& cycle, std::string& to) {
@@ -258,30 +258,30 @@ SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionHeader& hea
 SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionEntry& entry) {
   const Frame frame = find_frame(bytes);
   if (frame.read.status != Status::ok) return frame.read;
-  session::Entry& e = wire_->entry;
-  if (!e.ParseFromArray(frame.message.data(), static_cast<int>(frame.message.size()))) return {Status::damaged, 0};
+  session::Entry& wire_entry = wire_->entry;
+  if (!wire_entry.ParseFromArray(frame.message.data(), static_cast<int>(frame.message.size()))) return {Status::damaged, 0};
   entry = {};
-  entry.time_ns = e.time_ns();
+  entry.time_ns = wire_entry.time_ns();
   bool is_good = true;
-  if (e.has_received()) {
+  if (wire_entry.has_received()) {
     entry.kind = SessionEntry::Kind::received;
-    is_good = hapton::read(e.received(), entry);
-  } else if (e.has_sent()) {
+    is_good = hapton::read(wire_entry.received(), entry);
+  } else if (wire_entry.has_sent()) {
     entry.kind = SessionEntry::Kind::sent;
-    is_good = hapton::read(e.sent(), entry);
-  } else if (e.has_cycle()) {
+    is_good = hapton::read(wire_entry.sent(), entry);
+  } else if (wire_entry.has_cycle()) {
     entry.kind = SessionEntry::Kind::cycle;
-    is_good = hapton::read(e.cycle(), entry.cycle);
-  } else if (e.has_fault()) {
+    is_good = hapton::read(wire_entry.cycle(), entry.cycle);
+  } else if (wire_entry.has_fault()) {
     entry.kind = SessionEntry::Kind::fault;
-    entry.fault = static_cast<SessionFault>(std::clamp<int>(e.fault(), 0, 255));
-  } else if (e.has_dropped()) {
+    entry.fault = static_cast<SessionFault>(std::clamp<int>(wire_entry.fault(), 0, 255));
+  } else if (wire_entry.has_dropped()) {
     entry.kind = SessionEntry::Kind::dropped;
-    entry.dropped = e.dropped();
-  } else if (e.has_marker()) {
+    entry.dropped = wire_entry.dropped();
+  } else if (wire_entry.has_marker()) {
     entry.kind = SessionEntry::Kind::marker;
-    is_good = hapton::read(e.marker(), entry.marker);
-  } else if (e.end()) {
+    is_good = hapton::read(wire_entry.marker(), entry.marker);
+  } else if (wire_entry.end()) {
     entry.kind = SessionEntry::Kind::end;
   } else {
     return {Status::unknown, frame.read.bytes};

@@ -29,7 +29,8 @@ bool read_part(const Message& from, ShapePart& to) {
   to = {};
   to.total = from.total();
   to.first = from.first();
-  if (to.total == 0 || to.total > ShapePart::kMaxVertices || to.first >= to.total || to.first % ShapePart::kMaxHere != 0) return false;
+  if (to.total == 0 || to.total > ShapePart::kMaxVertices || to.first >= to.total || to.first % ShapePart::kVerticesPerPart != 0)
+    return false;
   const std::string& bytes = from.displacements();
   if (bytes.size() != to.count() * kBytesOfOne) return false;
   std::memcpy(to.displacements_m.data(), bytes.data(), bytes.size());
@@ -126,8 +127,8 @@ bool read(const wire::ShapeStatus& from, ShapeStatus& to) {
   to.serial = from.serial();
   to.first = from.first();
   to.count = from.count();
-  if (to.source == 0 || to.serial == 0 || to.first >= ShapePart::kMaxVertices || to.first % ShapePart::kMaxHere != 0) return false;
-  if (to.count > ShapePart::kMaxParts * ShapePart::kMaxHere || to.count % ShapePart::kMaxHere != 0) return false;
+  if (to.source == 0 || to.serial == 0 || to.first >= ShapePart::kMaxVertices || to.first % ShapePart::kVerticesPerPart != 0) return false;
+  if (to.count > ShapePart::kMaxParts * ShapePart::kVerticesPerPart || to.count % ShapePart::kVerticesPerPart != 0) return false;
   return read_object_number(from.object(), to.object);
 }
 

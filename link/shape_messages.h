@@ -8,21 +8,22 @@ namespace hapton {
 // Those messages of link/messages.h that concern objects that programs deform.
 
 // Displacements of some vertices of an object that programs deform (`deformed_by = "program"` in the scene file), from their positions
-// at rest: in m of the mesh, before scale and pose, like those of a morph. A shape is sent in parts that begin at multiples of kMaxHere.
+// at rest: in m of the mesh, before scale and pose, like those of a morph. A shape is sent in parts that begin at multiples of
+// kVerticesPerPart.
 struct ShapePart {
   static constexpr std::size_t kMaxObjects = 8;          // in a scene
-  static constexpr std::uint32_t kMaxHere = 64;          // 768 bytes: a part is one datagram
+  static constexpr std::uint32_t kVerticesPerPart = 64;  // 768 bytes: a part is one datagram
   static constexpr std::uint32_t kMaxVertices = 10'000;  // a step moves them in 57 us (decision 191)
-  static constexpr std::uint32_t kMaxParts = (kMaxVertices + kMaxHere - 1) / kMaxHere;
+  static constexpr std::uint32_t kMaxParts = (kMaxVertices + kVerticesPerPart - 1) / kVerticesPerPart;
   using Displacement = std::array<float, 3>;
 
   std::uint32_t total = 0;  // vertices of the mesh, 1 to kMaxVertices
   std::uint32_t first = 0;  // the first vertex in this part
-  std::array<Displacement, kMaxHere> displacements_m = {};
+  std::array<Displacement, kVerticesPerPart> displacements_m = {};
 
-  std::uint32_t number() const { return first / kMaxHere; }
-  std::uint32_t count() const { return first < total ? (total - first < kMaxHere ? total - first : kMaxHere) : 0; }
-  static std::uint32_t count_parts(std::uint32_t total) { return (total + kMaxHere - 1) / kMaxHere; }
+  std::uint32_t number() const { return first / kVerticesPerPart; }
+  std::uint32_t count() const { return first < total ? (total - first < kVerticesPerPart ? total - first : kVerticesPerPart) : 0; }
+  static std::uint32_t count_parts(std::uint32_t total) { return (total + kVerticesPerPart - 1) / kVerticesPerPart; }
 };
 
 // The same type as HapticsSetup::Text.
@@ -78,7 +79,7 @@ struct ShapeStatus {
   std::uint32_t serial = 0;  // of that shape
   std::int32_t object = 0;   // its number in the scene
   std::uint32_t first = 0;   // the first vertex that is missing
-  std::uint32_t count = 0;   // vertices to send from `first` on, a multiple of kMaxHere; 0: all
+  std::uint32_t count = 0;   // vertices to send from `first` on, a multiple of kVerticesPerPart; 0: all
 };
 
 }  // namespace hapton

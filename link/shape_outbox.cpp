@@ -60,17 +60,17 @@ void ShapeOutbox::send(HubClient& client, std::int64_t now_ns) {
   const std::scoped_lock lock(mutex_);
   if (shapes_.empty() || now_ns < next_send_ns_) return;
   next_send_ns_ = now_ns + kEveryNs;
-  std::size_t left = kPartsAtOnce;
+  std::size_t parts_left = kPartsAtOnce;
   for (Shape& shape : shapes_) {
     if (shape.is_needed && shape.next >= shape.displacements_m.size() && now_ns >= shape.repeat_ns) shape.next = 0;
-    while (left > 0 && shape.next < shape.displacements_m.size()) {
+    while (parts_left > 0 && shape.next < shape.displacements_m.size()) {
       shape.head.part = make_shape_part(shape.displacements_m, shape.next);
       client.send(shape.head);
-      shape.next += ShapePart::kMaxHere;
+      shape.next += ShapePart::kVerticesPerPart;
       shape.repeat_ns = now_ns + kRepeatNs;
-      --left;
+      --parts_left;
     }
-    if (left == 0) break;
+    if (parts_left == 0) break;
   }
   std::erase_if(shapes_, [&](const Shape& one) { return is_done(one); });
 }
@@ -86,7 +86,7 @@ void ShapeOutbox::take(const Message& message) {
   std::erase_if(replies_, [&](const ShapeReply& one) { return one.shape == reply->shape; });
   if (replies_.size() == kMaxReplies) replies_.erase(replies_.begin());
   replies_.push_back(*reply);
-  came_.notify_all();
+  reply_arrived_.notify_all();
 }
 
 bool ShapeOutbox::is_empty() const {
@@ -118,7 +118,7 @@ Result<double> ShapeOutbox::end_wait(std::uint32_t shape, double seconds) {
 
 Result<double> ShapeOutbox::wait_for(std::uint32_t shape, double seconds) {
   std::unique_lock lock(mutex_);
-  came_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return reply_to(shape) != nullptr; });
+  reply_arrived_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return reply_to(shape) != nullptr; });
   return end_wait(shape, seconds);
 }
 

@@ -66,7 +66,7 @@ class ShapeOutbox {
   bool is_done(const Shape& shape) const { return shape.next >= shape.displacements_m.size() && !shape.is_needed; }
 
   mutable std::mutex mutex_;  // guards all members below
-  std::condition_variable came_;
+  std::condition_variable reply_arrived_;
   std::uint32_t stream_;
   std::uint32_t newest_ = 0;
   std::vector<Shape> shapes_;        // to be sent; for each object at most one that has begun, and one that waits

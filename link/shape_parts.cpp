@@ -13,7 +13,7 @@ bool ShapeParts::add(const ShapePart& part) noexcept {
 
 std::uint32_t ShapeParts::first_missing() const noexcept {
   for (std::uint32_t part = 0; part < ShapePart::count_parts(total()); ++part) {
-    if (!received_[part]) return part * ShapePart::kMaxHere;
+    if (!received_[part]) return part * ShapePart::kVerticesPerPart;
   }
   return total();
 }

@@ -35,7 +35,7 @@ class ShapeParts {
   std::bitset<ShapePart::kMaxParts> received_;
 };
 
-// Makes the part that begins at `first`. Pre: `first` is a vertex, and a multiple of ShapePart::kMaxHere. RT: yes.
+// Makes the part that begins at `first`. Pre: `first` is a vertex, and a multiple of ShapePart::kVerticesPerPart. RT: yes.
 ShapePart make_shape_part(std::span<const ShapePart::Displacement> displacements_m, std::uint32_t first) noexcept;
 
 }  // namespace hapton

@@ -211,10 +211,10 @@ void SocketStreams::flush(Connection& connection) {
 
 void SocketStreams::poll_until(std::int64_t deadline_ns) {
   // ppoll ignores a negative descriptor.
-  const bool accepts = monotonic_ns() >= accepts_from_ns_;
+  const bool may_accept = monotonic_ns() >= accepts_from_ns_;
   const auto all =
-      std::to_array<pollfd>({{waker_.get(), POLLIN, 0}, {accepts ? listening_.get() : -1, POLLIN, 0}, {datagrams_.get(), POLLIN, 0}});
-  if (!accepts) deadline_ns = std::min(deadline_ns, accepts_from_ns_);
+      std::to_array<pollfd>({{waker_.get(), POLLIN, 0}, {may_accept ? listening_.get() : -1, POLLIN, 0}, {datagrams_.get(), POLLIN, 0}});
+  if (!may_accept) deadline_ns = std::min(deadline_ns, accepts_from_ns_);
   polled_.assign(all.begin(), all.end());
   bool is_one_closing = false;
   for (const Connection& connection : connections_) {

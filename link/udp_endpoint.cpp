@@ -174,11 +174,11 @@ const UdpEndpoint::Timer* UdpEndpoint::find_timer(std::int64_t deadline_ns) cons
 }
 
 bool UdpEndpoint::wait_readable_prepared(const Timer& timer) noexcept {
-  std::array<pollfd, 2> either = {
+  std::array<pollfd, 2> waited_for = {
       {{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0}, {.fd = timer.file, .events = POLLIN, .revents = 0}}};
-  while (ppoll(either.data(), either.size(), nullptr, nullptr) <= 0) {
+  while (ppoll(waited_for.data(), waited_for.size(), nullptr, nullptr) <= 0) {
   }
-  return either[0].revents != 0;
+  return waited_for[0].revents != 0;
 }
 
 bool UdpEndpoint::wait_readable(std::int64_t deadline_ns) noexcept {
@@ -250,16 +250,16 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   std::int64_t now_ns = monotonic_ns();
   if (filters_floods_ && filter_.is_due(now_ns)) update_filter(now_ns);
   for (int passed_over = 0; passed_over < kMaxPassedOver; now_ns = monotonic_ns()) {
-    const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
-    const bool is_past = deadline_ns <= now_ns;
+    const bool is_deadline_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
+    const bool is_deadline_past = deadline_ns <= now_ns;
     // After a wait that found nothing, no other system call is needed.
-    if (!is_past && !is_far && !wait_readable(deadline_ns)) return {};
+    if (!is_deadline_past && !is_deadline_far && !wait_readable(deadline_ns)) return {};
     Received received;
-    const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);
-    if (attempt == Attempt::received || (attempt == Attempt::nothing && is_past)) {
+    const Attempt attempt = try_receive(into, is_deadline_far ? 0 : MSG_DONTWAIT, received);
+    if (attempt == Attempt::received || (attempt == Attempt::nothing && is_deadline_past)) {
       return received;
     }
-    passed_over += is_past ? 1 : 0;
+    passed_over += is_deadline_past ? 1 : 0;
   }
   return {};
 }
@@ -271,11 +271,11 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   if (!local) {
     return tl::unexpected(local.error());
   }
-  const udp::endpoint wanted = to_endpoint<udp::endpoint>(*local);
+  const udp::endpoint local_endpoint = to_endpoint<udp::endpoint>(*local);
   auto made = make_with_context<UdpEndpoint>(filters_floods);
   if (!made) return fail("cannot listen on UDP {}: {}", to_string(*local), made.error().what);
   std::unique_ptr<UdpEndpoint>& endpoint = *made;
-  const error_code error = endpoint->open(wanted);
+  const error_code error = endpoint->open(local_endpoint);
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port with --bind", to_string(*local));
   }

@@ -26,10 +26,10 @@ class BeastEndpoint final : public WebSocketEndpoint {
     // The stream's own time limits are off: every byte would restart them.
     stream_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(), websocket::stream_base::none(), false});
     stream_.read_message_max(kMaxMessageBytes);
-    const bool is_there = run(timeout_ns, [&](auto&& done) {
+    const bool is_connected = run(timeout_ns, [&](auto&& done) {
       lowest().async_connect(tcp::endpoint(to_asio(to), to.port), [done](const error_code& error) { done(error); });
     });
-    if (!is_there) return false;
+    if (!is_connected) return false;
     error_code ignored;
     lowest().socket().set_option(tcp::no_delay(true), ignored);
     return run(timeout_ns,
@@ -45,10 +45,10 @@ class BeastEndpoint final : public WebSocketEndpoint {
 
   bool receive(std::string& into, std::int64_t timeout_ns) override {
     buffer_.clear();
-    const bool is_there =
+    const bool is_received =
         run(timeout_ns, [&](auto&& done) { stream_.async_read(buffer_, [done](const error_code& error, std::size_t) { done(error); }); });
-    if (is_there) into = beast::buffers_to_string(buffer_.cdata());
-    return is_there;
+    if (is_received) into = beast::buffers_to_string(buffer_.cdata());
+    return is_received;
   }
 
   bool close(std::int64_t timeout_ns) override {

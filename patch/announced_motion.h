@@ -37,9 +37,9 @@ class AnnouncedMotion {
     if (is_as_announced) return motion_.begin(move);
     const double begin_s = std::max(now_s, move.from.time_s);
     const double left_s = std::max(move.to.time_s - begin_s, 0.0);
-    CommandedMove late = make_move(motion_, move.serial, begin_s, move.to, left_s, radius_m_, kMaxSurfaceSpeed);
+    CommandedMove late_move = make_move(motion_, move.serial, begin_s, move.to, left_s, radius_m_, kMaxSurfaceSpeed);
     ++late_;
-    return motion_.begin(late);
+    return motion_.begin(late_move);
   }
 
   Pose pose_at(double time_s) const noexcept { return motion_.pose_at(time_s); }

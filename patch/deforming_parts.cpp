@@ -46,7 +46,7 @@ bool DeformingParts::accept(const PatchDeformation& part) {
   const std::size_t each = PatchDeformation::numbers_of_key(part.target_count);
   for (std::size_t n = 0; n < part.key_count; ++n) {
     MorphKey& key = keys_[part.first_key + n];
-    keys_there_ += key.weights.empty() ? 1 : 0;
+    received_keys_ += key.weights.empty() ? 1 : 0;
     const double* const numbers = part.keys.data() + n * each;
     key = {numbers[0], std::vector<double>(numbers + 1, numbers + each)};
   }

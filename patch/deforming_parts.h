@@ -34,7 +34,7 @@ class DeformingParts {
   void note_displaced() noexcept { ++displaced_; }
   // True if nothing is missing of what was announced.
   bool is_whole() const noexcept {
-    return has_begun() && keys_there_ == head_.all_keys && tiles_ >= head_.tile_count && displaced_ >= head_.displaced_count;
+    return has_begun() && received_keys_ == head_.all_keys && tiles_ >= head_.tile_count && displaced_ >= head_.displaced_count;
   }
 
   // Pre: is_whole(). Null: no body may deform like this: faster than kMaxSurfaceSpeed, or with weights that are out of order.
@@ -45,7 +45,7 @@ class DeformingParts {
 
   PatchDeformation head_;  // the part that came first
   std::vector<MorphKey> keys_;
-  std::uint32_t keys_there_ = 0;
+  std::uint32_t received_keys_ = 0;
   std::uint32_t tiles_ = 0;
   std::uint32_t displaced_ = 0;
 };

@@ -21,8 +21,8 @@ class NumberWriter {
   void finite(double number) { numbers_.push_back(number); }
   void amount(double number) { numbers_.push_back(number); }
   void positive(double number) { numbers_.push_back(number); }
-  void force(double number_n) { numbers_.push_back(number_n); }
-  void force_or_none(double number_n) { numbers_.push_back(number_n); }
+  void force(double force_n) { numbers_.push_back(force_n); }
+  void force_or_none(double force_n) { numbers_.push_back(force_n); }
   void point(const Vec3& p) {
     for (int k = 0; k < 3; ++k) numbers_.push_back(p[k]);
   }
@@ -52,11 +52,11 @@ class NumberReader {
   void finite(double& number) { take(number, -kMax, kMax); }
   void amount(double& number) { take(number, 0.0, kMax); }
   void positive(double& number) { take(number, std::numeric_limits<double>::min(), kMax); }
-  void force(double& number_n) { take(number_n, 0.0, kMaxEffectForceN); }
+  void force(double& force_n) { take(force_n, 0.0, kMaxEffectForceN); }
   // Infinity means that there is no such force.
-  void force_or_none(double& number_n) {
-    take(number_n, 0.0, std::numeric_limits<double>::infinity());
-    is_good_ = is_good_ && (std::isinf(number_n) || number_n <= kMaxEffectForceN);
+  void force_or_none(double& force_n) {
+    take(force_n, 0.0, std::numeric_limits<double>::infinity());
+    is_good_ = is_good_ && (std::isinf(force_n) || force_n <= kMaxEffectForceN);
   }
   void point(Vec3& p) {
     for (int k = 0; k < 3; ++k) finite(p[k]);

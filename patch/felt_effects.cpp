@@ -55,17 +55,18 @@ MapFinder* FeltEffects::find_maps(int object) const noexcept {
 }
 
 void FeltEffects::continue_hand_motion(const FeltEffects& other) noexcept {
-  if (!other.has_last_) return;
+  if (!other.has_last_input_) return;
   effects_.continue_hand_motion(other.effects_);
-  last_ = other.last_;
-  has_last_ = true;
+  last_input_ = other.last_input_;
+  has_last_input_ = true;
 }
 
 // A motion of the scene must not count as a motion of the hand.
 void FeltEffects::compensate_scene_motion(const TouchInput& input) noexcept {
-  if (has_last_ && last_.X_WS.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_.p_WD));
-  last_ = input;
-  has_last_ = true;
+  if (has_last_input_ && last_input_.X_WS.matrix() != input.X_WS.matrix())
+    effects_.note_scene_moved(to_frame(input.X_WS, last_input_.p_WD));
+  last_input_ = input;
+  has_last_input_ = true;
 }
 
 void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::optional<PatchOutput>& output) noexcept {
@@ -82,27 +83,27 @@ void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::op
     contact.p_SP += input.X_WS.linear().transpose() * output->visual_offset_m;
     contact.contact = true;
     // Past the edge of a patch the output names no object, unless another body is touched: the object touched last stays.
-    if (!output->is_beyond || output->object >= 0) touched_ = output->object;
-    contact.object = touched_;
-    const int frame = frame_of(touched_);
+    if (!output->is_beyond || output->object >= 0) touched_object_ = output->object;
+    contact.object = touched_object_;
+    const int frame = frame_of(touched_object_);
     const bool moves = frame != EffectStep::kStill;
-    if (moves) place = bodies.place(bodies_[static_cast<std::size_t>(frame)], touched_);
+    if (moves) place = bodies.place(bodies_[static_cast<std::size_t>(frame)], touched_object_);
     if (place) contact.place = &*place;
-    if (MapFinder* const finder = find_maps(touched_); finder != nullptr) {
+    if (MapFinder* const finder = find_maps(touched_object_); finder != nullptr) {
       const std::size_t body = moves ? bodies_[static_cast<std::size_t>(frame)] : 0;
-      effects_.set_drag(static_cast<std::size_t>(touched_), {.stiffness_n_per_m = bodies.stiffness(body, touched_)});
+      effects_.set_drag(static_cast<std::size_t>(touched_object_), {.stiffness_n_per_m = bodies.stiffness(body, touched_object_)});
       const Vec3 p_OP = moves ? to_frame(X_SF_[static_cast<std::size_t>(frame)], contact.p_SP) : contact.p_SP;
       contact.map = &map.emplace(finder->find(place ? place->p_rest : p_OP));
     }
   } else {
-    touched_ = -1;
+    touched_object_ = -1;
   }
-  const EffectResult felt = effects_.step(p_SD, input.dt_s, contact, input.buttons);
+  const EffectResult result = effects_.step(p_SD, input.dt_s, contact, input.buttons);
   if (!output) return;
-  output->force_n = felt.is_felt ? Vec3(input.X_WS.linear() * felt.force_n) : Vec3(Vec3::Zero());
-  if (output->contact && felt.p_SP != contact.p_SP)
-    output->held_offset_m = std::exchange(output->visual_offset_m, input.X_WS.linear() * (felt.p_SP - p_SD));
-  output->contact = felt.is_felt;
+  output->force_n = result.is_felt ? Vec3(input.X_WS.linear() * result.force_n) : Vec3(Vec3::Zero());
+  if (output->contact && result.p_SP != contact.p_SP)
+    output->held_offset_m = std::exchange(output->visual_offset_m, input.X_WS.linear() * (result.p_SP - p_SD));
+  output->contact = result.is_felt;
 }
 
 }  // namespace hapton

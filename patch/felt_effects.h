@@ -49,9 +49,9 @@ class FeltEffects {
   EffectStep effects_;
   std::vector<Pose> X_SF_;                        // poses of these bodies at the newest sample
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has no images
-  TouchInput last_;                               // input of the last step
-  bool has_last_ = false;
-  int touched_ = -1;  // object of the last contact within a patch
+  TouchInput last_input_;                         // input of the last step
+  bool has_last_input_ = false;
+  int touched_object_ = -1;  // object of the last contact within a patch
 };
 
 }  // namespace hapton

@@ -16,7 +16,7 @@ std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodie
   if (bodies != nullptr && bodies->effects != nullptr && bodies_->effects != nullptr)
     bodies_->effects->continue_hand_motion(*bodies->effects);
   has_arrived_ = false;
-  are_new_ = true;
+  has_new_bodies_ = true;
   proxy_.set_extent(bodies_->extent_m);
   proxy_.forget();
   for (std::size_t b = 0; b < body_count(); ++b) {
@@ -37,9 +37,9 @@ void PatchChain::note_move(const ObjectMove& move) noexcept {
   for (std::size_t b = 1; b < body_count(); ++b) {
     if (!bodies_->bodies[b].is_commanded || bodies_->bodies[b].object != move.object) continue;
     AnnouncedMotion& motion = commanded_[b];
-    const std::uint64_t late = motion.late();
+    const std::uint64_t late_before = motion.late();
     (void)(has_arrived_ ? motion.accept_in_contact(to_command(move), time_s_) : motion.accept(to_command(move)));
-    late_moves_ += motion.late() - late;
+    late_moves_ += motion.late() - late_before;
   }
 }
 
@@ -72,9 +72,9 @@ void PatchChain::set_generation(std::uint32_t generation) noexcept {
 
 Pose PatchChain::pose_of(std::size_t body, double time_s) const noexcept {
   if (bodies_ == nullptr || body >= bodies_->bodies.size()) return Pose::Identity();
-  const PatchBodyMotion& own = bodies_->bodies[body];
-  if (own.is_commanded) return commanded_[body].pose_at(time_s);
-  return own.keyframes != nullptr ? own.keyframes->pose_at(time_s) : Pose(Pose::Identity());
+  const PatchBodyMotion& body_motion = bodies_->bodies[body];
+  if (body_motion.is_commanded) return commanded_[body].pose_at(time_s);
+  return body_motion.keyframes != nullptr ? body_motion.keyframes->pose_at(time_s) : Pose(Pose::Identity());
 }
 
 void PatchChain::start_at(const Vec3& p_SP, const Vec3& outward, double age_s, double time_s) noexcept {
@@ -91,7 +91,7 @@ void PatchChain::start_body(std::size_t body, const Start& start, double age_s) 
 
 // Called once the places of the new bodies are known. Body 0, which stands still, has already continued from the proxy.
 void PatchChain::start_new_bodies() noexcept {
-  are_new_ = false;
+  has_new_bodies_ = false;
   if (!start_) return;
   for (std::size_t b = 1; b < body_count(); ++b) start_body(b, *start_, 0.0);
   proxy_.go_on_from(start_->p_SP);
@@ -150,9 +150,9 @@ std::optional<PatchOutput> PatchChain::step_bodies(const TouchInput& input) noex
 }
 
 // A part for which no force can be computed yet gives none: its proxy is reported where the device point is.
-class PatchChain::Felt final : public FeltParts {
+class PatchChain::ChainParts final : public FeltParts {
  public:
-  Felt(PatchChain& chain, const TouchInput& input) : chain_(chain), input_(input) {}
+  ChainParts(PatchChain& chain, const TouchInput& input) : chain_(chain), input_(input) {}
 
   Pose pose(std::size_t part) const noexcept override { return chain_.pose_of(part, input_.time_s); }
   void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { (void)resume(part, X_SO, p_S); }
@@ -171,7 +171,7 @@ class PatchChain::Felt final : public FeltParts {
     MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_S};
     chain_.has_force_[part] = felt.has_value();
     if (!felt) {
-      chain_.has_all_ = false;
+      chain_.has_all_forces_ = false;
       return output;
     }
     // A correction begins the same sample again: no other patch has taken over.
@@ -202,13 +202,13 @@ class PatchChain::Felt final : public FeltParts {
 std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexcept {
   const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
   if (!p_SD.allFinite()) return std::nullopt;
-  if (are_new_ && is_ready()) start_new_bodies();
-  has_all_ = true;
+  if (has_new_bodies_ && is_ready()) start_new_bodies();
+  has_all_forces_ = true;
   had_force_ = has_force_;
-  Felt bodies(*this, input);
+  ChainParts bodies(*this, input);
   const MethodOutput felt = proxy_.step(bodies, body_count(), true, p_SD, input.dt_s);
   PatchOutput& sum = bodies.sum;
-  if (!has_all_ || !is_ready()) {
+  if (!has_all_forces_ || !is_ready()) {
     has_arrived_ = false;
     return std::nullopt;
   }

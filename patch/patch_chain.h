@@ -77,8 +77,8 @@ class PatchChain {
   std::uint64_t late_moves() const noexcept { return late_moves_; }
 
  private:
-  class Felt;    // the bodies, in one sample
-  class Places;  // likewise, for effects
+  class ChainParts;  // the bodies, in one sample
+  class Places;      // likewise, for effects
 
   // A place of the proxy, frame S, at a scene time.
   struct Start {
@@ -104,13 +104,13 @@ class PatchChain {
   std::unique_ptr<PatchMaterials> materials_;
   std::size_t most_bodies_ = 1;  // the most bodies that there were at a time
   CommonProxy proxy_{kLinks, 1.0};
-  std::optional<Start> start_;  // none: it is not known where the proxy is
-  bool are_new_ = false;        // bodies have come that have not begun at start_ yet
+  std::optional<Start> start_;   // none: it is not known where the proxy is
+  bool has_new_bodies_ = false;  // bodies have come that have not begun at start_ yet
   std::uint32_t generation_ = 0;
   bool has_arrived_ = false;
   std::array<bool, kLinks> has_force_ = {};  // whether each body had a force in this step
   std::array<bool, kLinks> had_force_ = {};  // and in the one before
-  bool has_all_ = false;                     // in this step every link had a force
+  bool has_all_forces_ = false;              // in this step every link had a force
   double time_s_ = 0.0;                      // of the last step
   std::uint64_t late_moves_ = 0;
 };

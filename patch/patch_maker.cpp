@@ -21,10 +21,10 @@ constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid; round
 constexpr double kVelocityS = 0.02;        // time constant of the hand's velocity
 constexpr std::int64_t kRetryNs = 50 * kNanosecondsPerMillisecond;  // after a shape that no patch could be made of; a free choice
 constexpr double kMinSpeed = 0.05;                                  // m/s: a hand at rest may start to move
-constexpr double kTimeShare = 0.5;  // share of the time until the hand leaves a patch that making the next one may take
-constexpr double kMakeShare = 0.3;  // weight of the newest duration in the mean
-constexpr double kPathShare = 1.5;  // ratio of a patch's radius to PathBall::radius_m: the proxy may go around an obstacle
-constexpr double kWiden = 2.0;      // factor on that radius for each patch that did not reach the hand
+constexpr double kTimeShare = 0.5;     // share of the time until the hand leaves a patch that making the next one may take
+constexpr double kNewestWeight = 0.3;  // weight of the newest duration in the mean
+constexpr double kPathRatio = 1.5;     // ratio of a patch's radius to PathBall::radius_m: the proxy may go around an obstacle
+constexpr double kWiden = 2.0;         // factor on that radius for each patch that did not reach the hand
 constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // then a patch over the path counts as not reaching the hand
 
 }  // namespace
@@ -39,54 +39,56 @@ void PatchMaker::note_hand(const PatchHandState& hand) noexcept {
 }
 
 void PatchMaker::note_made(double seconds) noexcept {
-  if (triangles_ < few_ / 2 || !(seconds > 0.0)) return;
-  triangle_s_ += kMakeShare * (seconds / static_cast<double>(triangles_) - triangle_s_);
+  if (triangles_ < few_triangles_ / 2 || !(seconds > 0.0)) return;
+  s_per_triangle_ += kNewestWeight * (seconds / static_cast<double>(triangles_) - s_per_triangle_);
 }
 
-bool PatchMaker::is_left() const noexcept { return !p_SC_ || (std::isfinite(radius_m_) && distance_m() >= kLeaveShare * radius_m_); }
+bool PatchMaker::is_hand_leaving() const noexcept {
+  return !p_SC_ || (std::isfinite(radius_m_) && distance_m() >= kLeaveShare * radius_m_);
+}
 
 // The number of triangles for which there is time before the hand leaves the newest patch.
 std::size_t PatchMaker::affordable() const noexcept {
-  if (!p_SC_) return few_;
+  if (!p_SC_) return few_triangles_;
   const double room_m = std::max(radius_m_ - distance_m(), 0.0);
-  const double count = kTimeShare * room_m / std::max(v_SD_.norm(), kMinSpeed) / triangle_s_;
-  return static_cast<std::size_t>(std::clamp(count, static_cast<double>(few_), static_cast<double>(kMaxTriangles)));
+  const double count = kTimeShare * room_m / std::max(v_SD_.norm(), kMinSpeed) / s_per_triangle_;
+  return static_cast<std::size_t>(std::clamp(count, static_cast<double>(few_triangles_), static_cast<double>(kMaxTriangles)));
 }
 
 bool PatchMaker::can_grow() const noexcept { return is_limited_ && affordable() >= kMoreTriangles * triangles_; }
 
 std::unique_ptr<Patch> PatchMaker::make_if_due(const PatchStore& store, std::uint32_t generation) {
   if (!has_hand_ || !store.has_begun() || (failed_at_ == store.revision() && hand_.scene_time_ns < retry_ns_)) return nullptr;
-  return hand_.is_beyond ? make_over_path(store, generation) : make_if_left(store, generation);
+  return hand_.is_beyond ? make_over_path(store, generation) : make_if_leaving(store, generation);
 }
 
-std::unique_ptr<Patch> PatchMaker::make_if_left(const PatchStore& store, std::uint32_t generation) {
-  if (!is_left() && !can_grow() && made_from_ == store.revision()) return nullptr;
-  made_from_ = store.revision();
+std::unique_ptr<Patch> PatchMaker::make_if_leaving(const PatchStore& store, std::uint32_t generation) {
+  if (!is_hand_leaving() && !can_grow() && made_revision_ == store.revision()) return nullptr;
+  made_revision_ = store.revision();
   const Vec3 ahead = hand_.p_SD + kLeadS * v_SD_;
-  const double here_m = store.known_radius(hand_.p_SD, body_);
-  const double ahead_m = store.known_radius(ahead, body_);
-  const bool leads = ahead_m >= here_m && ahead_m > (ahead - hand_.p_SD).norm();
-  const double known_m = leads ? ahead_m : here_m;
+  const double known_here_m = store.known_radius(hand_.p_SD, body_);
+  const double known_ahead_m = store.known_radius(ahead, body_);
+  const bool is_ahead = known_ahead_m >= known_here_m && known_ahead_m > (ahead - hand_.p_SD).norm();
+  const double known_m = is_ahead ? known_ahead_m : known_here_m;
   const bool has_grown = known_m > kGrowth * radius_m_ && (!is_limited_ || can_grow());
-  if (!(known_m > 0.0) || !(is_left() || has_grown)) return nullptr;
-  return make(store, leads ? ahead : hand_.p_SD, known_m, 0.0, generation);
+  if (!(known_m > 0.0) || !(is_hand_leaving() || has_grown)) return nullptr;
+  return make(store, is_ahead ? ahead : hand_.p_SD, known_m, 0.0, generation);
 }
 
 std::unique_ptr<Patch> PatchMaker::make_over_path(const PatchStore& store, std::uint32_t generation) {
   const PathBall& ball = hand_.path;
   const double known_m = store.known_radius(ball.p_SC, body_);
-  if (known_m < kPathShare * ball.radius_m) return make_without_path(store, generation);
-  const bool covers = p_SC_ && radius_m_ >= (ball.p_SC - *p_SC_).norm() + widening_ * kPathShare * ball.radius_m;
+  if (known_m < kPathRatio * ball.radius_m) return make_without_path(store, generation);
+  const bool covers = p_SC_ && radius_m_ >= (ball.p_SC - *p_SC_).norm() + widening_ * kPathRatio * ball.radius_m;
   if (covers && hand_.time_ns - made_ns_ < kPatienceNs) return nullptr;
   if (covers) widening_ *= kWiden;
-  return make(store, ball.p_SC, known_m, widening_ * kPathShare * ball.radius_m, generation);
+  return make(store, ball.p_SC, known_m, widening_ * kPathRatio * ball.radius_m, generation);
 }
 
 // Parts of the scene along the path are missing: makes a patch at the hand; contact continues from above the plane (see PatchTouch).
 std::unique_ptr<Patch> PatchMaker::make_without_path(const PatchStore& store, std::uint32_t generation) {
   if (!is_path_incomplete_) p_SC_.reset();
-  auto patch = make_if_left(store, generation);
+  auto patch = make_if_leaving(store, generation);
   if (patch != nullptr) patch->is_path_incomplete = is_path_incomplete_ = true;
   return patch;
 }
@@ -109,12 +111,13 @@ std::unique_ptr<PatchShape> PatchMaker::make_stage_if_due(const PatchStore& stor
   return stream != nullptr ? shaper_.make_next(*stream, store.shapes(), hand_.scene_time_ns) : nullptr;
 }
 
-// least_m: the patch gets all triangles that this radius needs, even if there is no time for so many.
-std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m,
+// min_radius_m: the patch gets all triangles that this radius needs, even if there is no time for so many.
+std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_SC, double known_m, double min_radius_m,
                                         std::uint32_t generation) {
-  std::size_t most = affordable();
-  PatchStore::Piece piece = store.make_piece(p_SC, known_m, most, body_);
-  while (piece.radius_m < std::min(least_m, known_m) && most < kMaxTriangles) piece = store.make_piece(p_SC, known_m, most *= 2, body_);
+  std::size_t max_triangles = affordable();
+  PatchStore::Piece piece = store.make_piece(p_SC, known_m, max_triangles, body_);
+  while (piece.radius_m < std::min(min_radius_m, known_m) && max_triangles < kMaxTriangles)
+    piece = store.make_piece(p_SC, known_m, max_triangles *= 2, body_);
   auto patch = std::make_unique<Patch>();
   patch->p_SC = p_SC;
   patch->radius_m = piece.radius_m;
@@ -141,7 +144,7 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
   radius_m_ = piece.radius_m;
   triangles_ = piece.triangles;
   is_limited_ = piece.radius_m < known_m;
-  made_from_ = store.revision();
+  made_revision_ = store.revision();
   made_ns_ = hand_.time_ns;
   is_path_incomplete_ = false;
   return patch;

@@ -22,8 +22,8 @@ class PatchMaker {
   static constexpr std::size_t kMaxTriangles = PatchStore::kMaxTiles * PatchTile::kMaxTriangles;  // of the largest scene
   static constexpr double kFirstMakeS = 1e-6;  // time to make a patch, for each triangle, before the first measurement
 
-  // few: the value to use for kFewTriangles. body: its number in the scene; the hand is given in its frame.
-  explicit PatchMaker(std::size_t few = kFewTriangles, std::uint32_t body = 0) : few_(few), body_(body) {}
+  // few_triangles: the value to use for kFewTriangles. body: its number in the scene; the hand is given in its frame.
+  explicit PatchMaker(std::size_t few_triangles = kFewTriangles, std::uint32_t body = 0) : few_triangles_(few_triangles), body_(body) {}
 
   // Takes the position of the hand. Pre: times of one clock, in ascending order.
   void note_hand(const PatchHandState& hand) noexcept;
@@ -46,17 +46,17 @@ class PatchMaker {
   double radius_m() const noexcept { return radius_m_; }
 
  private:
-  std::unique_ptr<Patch> make_if_left(const PatchStore& store, std::uint32_t generation);
+  std::unique_ptr<Patch> make_if_leaving(const PatchStore& store, std::uint32_t generation);
   std::unique_ptr<Patch> make_over_path(const PatchStore& store, std::uint32_t generation);
   std::unique_ptr<Patch> make_without_path(const PatchStore& store, std::uint32_t generation);
-  std::unique_ptr<Patch> make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m, std::uint32_t generation);
+  std::unique_ptr<Patch> make(const PatchStore& store, const Vec3& p_SC, double known_m, double min_radius_m, std::uint32_t generation);
   Result<std::unique_ptr<ForceMethod>> make_touch(const PatchStore& store, const TouchScene& scene, Patch& patch);
   double distance_m() const noexcept { return (hand_.p_SD - *p_SC_).norm(); }
-  bool is_left() const noexcept;
+  bool is_hand_leaving() const noexcept;
   bool can_grow() const noexcept;
   std::size_t affordable() const noexcept;
 
-  std::size_t few_;
+  std::size_t few_triangles_;
   std::uint32_t body_;
   PatchHandState hand_;
   Vec3 v_SD_ = Vec3::Zero();
@@ -66,14 +66,14 @@ class PatchMaker {
   double radius_m_ = 0.0;
   std::size_t triangles_ = 0;
   bool is_limited_ = false;                 // there was no time for all triangles that were known
-  std::uint64_t made_from_ = 0;             // PatchStore::revision() when it was made
+  std::uint64_t made_revision_ = 0;         // PatchStore::revision() when it was made
   std::int64_t made_ns_ = 0;                // PatchHandState::time_ns when it was made
   bool is_path_incomplete_ = false;         // Patch::is_path_incomplete
   std::optional<std::uint64_t> failed_at_;  // PatchStore::revision() at which no patch could be made
   std::int64_t retry_ns_ = 0;               // the scene time from which it is tried again at that revision
   double widening_ = 1.0;                   // power of kWiden
   PatchShaper shaper_;                      // makes the stages of a body that programs deform
-  double triangle_s_ = kFirstMakeS;         // mean time to make a patch, for each triangle
+  double s_per_triangle_ = kFirstMakeS;     // mean time to make a patch, for each triangle
 };
 
 }  // namespace hapton

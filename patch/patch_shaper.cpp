@@ -9,9 +9,9 @@ std::unique_ptr<ShapeStage> PatchShaper::make_stage(const StreamedParts& parts, 
   serial_ = serial;
   const auto displacements_m = shapes.displacements_m(static_cast<std::size_t>(parts.object()), {serial, serial, 1.0});
   std::vector<Vec3> to = parts.vertices_at(stager_->rest(), displacements_m);
-  auto stage = stager_->make(base_, to);
+  auto stage = stager_->make(base_vertices_, to);
   if (!stage) return nullptr;
-  base_ = std::move(to);
+  base_vertices_ = std::move(to);
   return std::move(*stage);
 }
 
@@ -25,7 +25,7 @@ Result<std::unique_ptr<StreamedMethod>> PatchShaper::make(const MethodSettings& 
   if (!method) return method;
   ++number_;
   stager_ = (*method)->share_stager();
-  base_.assign(stager_->rest().begin(), stager_->rest().end());
+  base_vertices_.assign(stager_->rest().begin(), stager_->rest().end());
   serial_ = 0;
   // The surface has had this shape since before the first step: its stage takes no time.
   if (place->before != 0) {

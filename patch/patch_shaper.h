@@ -40,7 +40,7 @@ class PatchShaper {
   std::unique_ptr<ShapeStage> make_stage(const StreamedParts& parts, const KnownShapes& shapes, std::uint32_t serial);
 
   std::shared_ptr<const ShapeStager> stager_;  // null: there is no patch
-  std::vector<Vec3> base_;                     // where the newest stage ends
+  std::vector<Vec3> base_vertices_;            // where the newest stage ends
   std::uint32_t serial_ = 0;                   // serial of that shape, or of a later one that was left out
   std::uint32_t number_ = 0;
 };

@@ -76,7 +76,7 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
   begin_.body_count = static_cast<std::uint32_t>(std::max<std::size_t>(scene_.bodies.size(), 1));
   begin_.effect_bytes = static_cast<std::uint32_t>(scene_.effects.size());
   hands_.resize(begin_.body_count);
-  ahead_.resize(begin_.body_count);
+  hand_ahead_.resize(begin_.body_count);
   for (std::uint32_t b = 0; begin_.body_count > 1 && b < begin_.body_count; ++b) {
     const KeyframeMotion* motion = scene_.bodies[b].group.motion.get();
     const std::size_t keys = motion != nullptr ? motion->keyframes().size() : 1;
@@ -92,8 +92,8 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
   }
   items_.resize(item_of_material(0));
   for (const PatchTile& tile : scene_.tiles) {
-    if (tile.object >= of_tiles_.size()) of_tiles_.resize(tile.object + 1);
-    of_tiles_[tile.object] = material_of(tile);
+    if (tile.object >= tile_materials_.size()) tile_materials_.resize(tile.object + 1);
+    tile_materials_[tile.object] = material_of(tile);
   }
 }
 
@@ -158,22 +158,22 @@ void PatchSource::note_shape(std::int32_t object, std::uint32_t serial) {
 }
 
 void PatchSource::set_materials(const std::vector<Material>& materials) {
-  for (std::uint32_t object = 0; object < std::min(materials.size(), of_tiles_.size()); ++object) {
-    auto known = std::find_if(tuned_.begin(), tuned_.end(), [&](const TunedObject& one) { return one.object == object; });
-    if (is_same(known != tuned_.end() ? known->material : of_tiles_[object], materials[object])) continue;
-    if (known == tuned_.end()) {
-      known = tuned_.insert(known, {object, materials[object]});
-      items_.resize(item_of_material(tuned_.size()));
+  for (std::uint32_t object = 0; object < std::min(materials.size(), tile_materials_.size()); ++object) {
+    auto known = std::find_if(tuned_objects_.begin(), tuned_objects_.end(), [&](const TunedObject& one) { return one.object == object; });
+    if (is_same(known != tuned_objects_.end() ? known->material : tile_materials_[object], materials[object])) continue;
+    if (known == tuned_objects_.end()) {
+      known = tuned_objects_.insert(known, {object, materials[object]});
+      items_.resize(item_of_material(tuned_objects_.size()));
     }
     known->material = materials[object];
-    items_[item_of_material(static_cast<std::size_t>(known - tuned_.begin()))] = Item();
+    items_[item_of_material(static_cast<std::size_t>(known - tuned_objects_.begin()))] = Item();
   }
   planned_ns_ = 0;
 }
 
 // From the box to the hand or to its expected places; such a place counts as farther away, by half its distance from the hand.
 double PatchSource::distance_of(const Box& bounds, std::uint32_t body) const noexcept {
-  const std::array<Vec3, 3>& ahead = ahead_[body];
+  const std::array<Vec3, 3>& ahead = hand_ahead_[body];
   double nearest = std::sqrt(bounds.distance_squared(ahead[0]));
   for (std::size_t i = 1; i < ahead.size(); ++i) {
     nearest = std::min(nearest, std::sqrt(bounds.distance_squared(ahead[i])) + 0.5 * (ahead[i] - ahead[0]).norm());
@@ -183,8 +183,8 @@ double PatchSource::distance_of(const Box& bounds, std::uint32_t body) const noe
 
 // A part is sent if it is within this distance of the hand, in steps of the grid; a moving body may also come towards the hand.
 double PatchSource::reach_of(std::uint32_t body) const noexcept {
-  const double moves = scene_.bodies[body].moves() ? kMaxSurfaceSpeed : 0.0;
-  return (options_.least_reach_m + 2.0 * (0.1 + round_trip_s_) * (options_.fastest_m_per_s + moves)) / scene_.grid.step_m;
+  const double body_m_per_s = scene_.bodies[body].moves() ? kMaxSurfaceSpeed : 0.0;
+  return (options_.least_reach_m + 2.0 * (0.1 + round_trip_s_) * (options_.fastest_m_per_s + body_m_per_s)) / scene_.grid.step_m;
 }
 
 void PatchSource::plan(std::int64_t now_ns) {
@@ -211,22 +211,22 @@ void PatchSource::plan_deforming(std::uint32_t body, Add&& add) {
   for (std::size_t part = 0; part < weight_parts_.size(); ++part) {
     if (weight_parts_[part].body == body) add(item_of_weights(part));
   }
-  const TileBody& own = scene_.bodies[body];
-  for (std::size_t n = 0; n < own.tile_count; ++n) add(item_of_tile(own.first_tile + n));
-  for (std::size_t n = 0; n < own.displaced_count; ++n) add(item_of_displaced(own.first_displaced + n));
-  for (std::size_t n = 0; n < own.stream_count; ++n) add(item_of_stream(own.first_stream + n));
+  const TileBody& deforming_body = scene_.bodies[body];
+  for (std::size_t n = 0; n < deforming_body.tile_count; ++n) add(item_of_tile(deforming_body.first_tile + n));
+  for (std::size_t n = 0; n < deforming_body.displaced_count; ++n) add(item_of_displaced(deforming_body.first_displaced + n));
+  for (std::size_t n = 0; n < deforming_body.stream_count; ++n) add(item_of_stream(deforming_body.first_stream + n));
 }
 
 // Plans the cells nearest to the hand first, each cell before its tiles: a tile without its cell is of no use.
 void PatchSource::plan_tiles(std::int64_t now_ns) {
   const double lead_s = 0.1 + round_trip_s_;
-  for (std::size_t body = 0; body < ahead_.size(); ++body) {
-    for (std::size_t i = 0; i < ahead_[body].size(); ++i) {
-      ahead_[body][i] = scene_.grid.to_steps(hands_[body].p_SD + static_cast<double>(i) / 2.0 * lead_s * hands_[body].v_SD);
+  for (std::size_t body = 0; body < hand_ahead_.size(); ++body) {
+    for (std::size_t i = 0; i < hand_ahead_[body].size(); ++i) {
+      hand_ahead_[body][i] = scene_.grid.to_steps(hands_[body].p_SD + static_cast<double>(i) / 2.0 * lead_s * hands_[body].v_SD);
     }
   }
-  using Near = std::pair<double, std::size_t>;
-  std::priority_queue<Near, std::vector<Near>, std::greater<>> nearest;
+  using AtDistance = std::pair<double, std::size_t>;
+  std::priority_queue<AtDistance, std::vector<AtDistance>, std::greater<>> nearest;
   const auto consider = [&](const Box& bounds, std::uint32_t body, std::size_t key) {
     const double distance = distance_of(bounds, body);
     if (distance <= reach_of(body)) nearest.emplace(distance, key);
@@ -239,12 +239,13 @@ void PatchSource::plan_tiles(std::int64_t now_ns) {
     if (body.root >= 0) consider_node(static_cast<std::size_t>(body.root));
   }
   // Parts that have not been sent come before parts that may have arrived.
-  std::vector<std::size_t> again;
+  std::vector<std::size_t> repeated_items;
   const auto add = [&](std::size_t item) {
-    if (items_[item].state == State::missing && planned_.size() < kPlanned) planned_.push_back(item);
-    if (items_[item].state == State::sent && again.size() < kPlanned && is_due(items_[item], now_ns)) again.push_back(item);
+    if (items_[item].state == State::missing && planned_.size() < kMaxPlanned) planned_.push_back(item);
+    if (items_[item].state == State::sent && repeated_items.size() < kMaxPlanned && is_due(items_[item], now_ns))
+      repeated_items.push_back(item);
   };
-  while (!nearest.empty() && planned_.size() < kPlanned) {
+  while (!nearest.empty() && planned_.size() < kMaxPlanned) {
     const std::size_t key = nearest.top().second;
     nearest.pop();
     if (key >= first_body) {
@@ -260,7 +261,7 @@ void PatchSource::plan_tiles(std::int64_t now_ns) {
       for (const std::uint32_t tile : scene_.cells[cell].tiles) add(item_of_tile(tile));
     }
   }
-  planned_.insert(planned_.end(), again.begin(), again.end());
+  planned_.insert(planned_.end(), repeated_items.begin(), repeated_items.end());
 }
 
 PatchBody PatchSource::make_body(const BodyPart& part) const {
@@ -324,7 +325,7 @@ PatchSource::MoveItem* PatchSource::find_due_move(std::int64_t now_ns) noexcept 
 }
 
 std::optional<Message> PatchSource::take_move(MoveItem& item, std::int64_t now_ns) {
-  if (!pay(item.move, now_ns)) return std::nullopt;
+  if (!spend_credit(item.move, now_ns)) return std::nullopt;
   counts_.moves_repeated += item.sent_ns >= 0 ? 1 : 0;
   item.sent_ns = now_ns;
   // The hub confirms only the last 64 moves of all objects: an older move would be repeated without end.
@@ -345,7 +346,7 @@ Message PatchSource::make_message(std::size_t item) {
     return effects;
   }
   if (item >= item_of_material(0)) {
-    const auto& [object, material] = tuned_[item - item_of_material(0)];
+    const auto& [object, material] = tuned_objects_[item - item_of_material(0)];
     return PatchMaterial{begin_.epoch,
                          serial_,
                          object,
@@ -374,7 +375,7 @@ Message PatchSource::make_message(std::size_t item) {
   return tile;
 }
 
-bool PatchSource::pay(const Message& message, std::int64_t now_ns) noexcept {
+bool PatchSource::spend_credit(const Message& message, std::int64_t now_ns) noexcept {
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - credited_ns_, 0));
   credited_ns_ = now_ns;
   credit_bytes_ = std::min(kBurstBytes, credit_bytes_ + passed_s * options_.bits_per_s / 8.0);
@@ -392,18 +393,18 @@ std::optional<Message> PatchSource::take(std::int64_t now_ns) {
   while (!planned_.empty() && !is_due(items_[planned_.back()], now_ns)) planned_.pop_back();
   if (planned_.empty()) return std::nullopt;
   ++serial_;
-  const std::size_t at = planned_.back();
-  Message message = make_message(at);
-  if (!pay(message, now_ns)) {
+  const std::size_t item_index = planned_.back();
+  Message message = make_message(item_index);
+  if (!spend_credit(message, now_ns)) {
     --serial_;
     return std::nullopt;
   }
   planned_.pop_back();
-  Item& item = items_[at];
+  Item& item = items_[item_index];
   ++counts_.sent;
   counts_.repeated += item.serial != 0 ? 1 : 0;
   item = {State::sent, serial_, item.first_serial != 0 ? item.first_serial : serial_, now_ns};
-  in_flight_[serial_ % kSerials] = static_cast<std::uint32_t>(at);
+  in_flight_[serial_ % kSerials] = static_cast<std::uint32_t>(item_index);
   return message;
 }
 
@@ -424,9 +425,9 @@ bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m) {
   PatchSource source(scene, probe_radius_m, 0, 1, {.bits_per_s = 1e15, .least_reach_m = 1e6});
   PatchStore store;
   std::int64_t now_ns = kPlanEveryNs;
-  for (bool any = true; any; now_ns += kPlanEveryNs) {
-    any = false;
-    while (auto part = source.take(now_ns += 1000)) any = store.accept_part(*part) || any;
+  for (bool has_accepted_any = true; has_accepted_any; now_ns += kPlanEveryNs) {
+    has_accepted_any = false;
+    while (auto part = source.take(now_ns += 1000)) has_accepted_any = store.accept_part(*part) || has_accepted_any;
     source.accept(store.status());
   }
   MethodSettings settings;

@@ -77,7 +77,7 @@ class PatchSource {
 
  private:
   static constexpr std::size_t kSerials = 4096;  // serials remembered: eight times PatchStatus::kSerials
-  static constexpr std::size_t kPlanned = 64;
+  static constexpr std::size_t kMaxPlanned = 64;
 
   enum class State : std::uint8_t { missing, sent, held };
   struct Item {
@@ -130,26 +130,26 @@ class PatchSource {
   PatchDeformation make_deformation(const WeightPart& part) const;
   MoveItem* find_due_move(std::int64_t now_ns) noexcept;
   std::optional<Message> take_move(MoveItem& item, std::int64_t now_ns);
-  bool pay(const Message& message, std::int64_t now_ns) noexcept;
+  bool spend_credit(const Message& message, std::int64_t now_ns) noexcept;
 
   TiledScene scene_;
   PatchBegin begin_;
   Options options_;
-  std::vector<HandMotion> hands_;         // by body
-  std::vector<BodyPart> body_parts_;      // none where nothing moves
-  std::vector<WeightPart> weight_parts_;  // by body
-  std::vector<MoveItem> moves_;           // by object
-  std::vector<TunedObject> tuned_;        // objects that got another material than that of their tiles
-  std::vector<Material> of_tiles_;        // materials of the tiles, by object
-  std::vector<Item> items_;               // PatchBegin, bodies, effects, cells, tiles, weights, displacements, streams, materials
-  std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
+  std::vector<HandMotion> hands_;           // by body
+  std::vector<BodyPart> body_parts_;        // none where nothing moves
+  std::vector<WeightPart> weight_parts_;    // by body
+  std::vector<MoveItem> moves_;             // by object
+  std::vector<TunedObject> tuned_objects_;  // objects that got another material than that of their tiles
+  std::vector<Material> tile_materials_;    // materials of the tiles, by object
+  std::vector<Item> items_;                 // PatchBegin, bodies, effects, cells, tiles, weights, displacements, streams, materials
+  std::vector<std::uint32_t> in_flight_;    // by serial modulo kSerials: the item
   std::uint32_t serial_ = 0;
   double round_trip_s_ = 0.0;
   double credit_bytes_ = 0.0;
   std::int64_t credited_ns_ = 0;
   std::vector<std::size_t> planned_;  // items in reverse order: the last one is sent first
   std::int64_t planned_ns_ = 0;
-  std::vector<std::array<Vec3, 3>> ahead_;  // by body, in steps of the grid: where the hand is and may come to
+  std::vector<std::array<Vec3, 3>> hand_ahead_;  // by body, in steps of the grid: where the hand is and may come to
   Counts counts_;
 };
 

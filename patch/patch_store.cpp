@@ -14,8 +14,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kSmaller = 0.8;           // factor that reduces the radius of a piece with too many triangles
-constexpr std::size_t kMoreThanThere = 2;  // a piece may have this many times the triangles of the tiles at its centre
+constexpr double kShrink = 0.8;            // factor that reduces the radius of a piece with too many triangles
+constexpr std::size_t kMinOverCentre = 2;  // a piece may have this many times the triangles of the tiles at its centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // More than the tolerance of scenes (1e-9, scene/object_motion.cpp), so that a motion that a haptics node has accepted is accepted here.
@@ -192,24 +192,24 @@ void PatchStore::accept(const PatchBody& body) {
     ++counts_.rejected;
     return;
   }
-  Body& own = bodies_[body.body];
-  if (!own.has_begun) {
-    own.head = body;
-    own.keys.assign(body.all_keys, Keyframe());
-    own.has_key.assign(body.all_keys, false);
-    own.has_begun = true;
+  Body& known_body = bodies_[body.body];
+  if (!known_body.has_begun) {
+    known_body.head = body;
+    known_body.keys.assign(body.all_keys, Keyframe());
+    known_body.has_key.assign(body.all_keys, false);
+    known_body.has_begun = true;
   }
-  const bool fits = is_same_body(own.head, body) && body.first_key + body.key_count <= own.keys.size();
+  const bool fits = is_same_body(known_body.head, body) && body.first_key + body.key_count <= known_body.keys.size();
   if (fits) {
-    std::copy_n(body.keys.begin(), body.key_count, own.keys.begin() + body.first_key);
-    std::fill_n(own.has_key.begin() + body.first_key, body.key_count, true);
-    own.head.move_serial = std::max(own.head.move_serial, body.move_serial);
+    std::copy_n(body.keys.begin(), body.key_count, known_body.keys.begin() + body.first_key);
+    std::fill_n(known_body.has_key.begin() + body.first_key, body.key_count, true);
+    known_body.head.move_serial = std::max(known_body.head.move_serial, body.move_serial);
   }
-  if (!fits || !complete(own)) {
+  if (!fits || !complete(known_body)) {
     ++counts_.rejected;
     return;
   }
-  if (complete_deforming(own)) confirm(body.serial);
+  if (complete_deforming(known_body)) confirm(body.serial);
 }
 
 // False: no body may move like this; all that has come of it is dropped.
@@ -300,16 +300,16 @@ bool PatchStore::is_whole(const Cell& cell) const {
 PatchStore::Search PatchStore::search_at(const Vec3& p_S, std::uint32_t body) const {
   Search search{body, grid_.to_steps(p_S), 0.0};
   if (begin_->body_count == 1) return search;
-  const Body& own = bodies_[body];
-  if (!own.is_known) return search;
-  const Box bounds = has_triangles(own.head) ? Box{to_vector(own.head.lowest), to_vector(own.head.highest)} : Box();
-  search.least = std::sqrt(bounds.distance_squared(search.p));
+  const Body& known_body = bodies_[body];
+  if (!known_body.is_known) return search;
+  const Box bounds = has_triangles(known_body.head) ? Box{to_vector(known_body.head.lowest), to_vector(known_body.head.highest)} : Box();
+  search.least_distance = std::sqrt(bounds.distance_squared(search.p));
   return search;
 }
 
 // The distance, in steps, to the nearest place in this cell that is not fully known; `best` if that is less.
 double PatchStore::find_unknown(const CellKey& key, const Search& search, double best) const {
-  const double distance = std::max(search.least, std::sqrt(key.bounds().distance_squared(search.p)));
+  const double distance = std::max(search.least_distance, std::sqrt(key.bounds().distance_squared(search.p)));
   if (distance >= best) return best;
   const auto found = cells_.find(key_of(search.body, key));
   if (found == cells_.end()) return distance;
@@ -321,7 +321,7 @@ double PatchStore::find_unknown(const CellKey& key, const Search& search, double
 
 double PatchStore::known_radius(const Vec3& p_S, std::uint32_t body) const {
   if (bodies_[body].is_known && bodies_[body].head.deforms) {
-    return is_felt(bodies_[body]) ? kInfinity : grid_.step_m * search_at(p_S, body).least;
+    return is_felt(bodies_[body]) ? kInfinity : grid_.step_m * search_at(p_S, body).least_distance;
   }
   return grid_.step_m * find_unknown(CellKey(), search_at(p_S, body), kInfinity);
 }
@@ -342,29 +342,29 @@ void PatchStore::use_material_of(std::uint32_t object, Material& material) const
   if (tuned != materials_.end()) material = with_numbers_of(material, tuned->second);
 }
 
-PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body) const {
+PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double max_radius_m, std::size_t max_triangles, std::uint32_t body) const {
   Piece piece;
-  piece.radius_m = std::min(known_radius(p_S, body), most_m);
+  piece.radius_m = std::min(known_radius(p_S, body), max_radius_m);
   if (bodies_[body].head.deforms) return make_deforming(bodies_[body], piece.radius_m);
   const Search search = search_at(p_S, body);
-  std::unordered_set<std::uint32_t> near;
+  std::unordered_set<std::uint32_t> near_tiles;
   const auto find = [&](double radius_m) {
-    near.clear();
-    find_tiles(CellKey(), search, radius_m / grid_.step_m, near);
+    near_tiles.clear();
+    find_tiles(CellKey(), search, radius_m / grid_.step_m, near_tiles);
     std::size_t triangles = 0;
-    for (const std::uint32_t tile : near) triangles += tiles_.contains(tile) ? tiles_.at(tile).triangle_count : 0;
+    for (const std::uint32_t tile : near_tiles) triangles += tiles_.contains(tile) ? tiles_.at(tile).triangle_count : 0;
     return triangles;
   };
   // Where tiles overlap, the tiles at one point alone may have too many triangles.
-  most_triangles = std::max(most_triangles, kMoreThanThere * find(0.0));
+  max_triangles = std::max(max_triangles, kMinOverCentre * find(0.0));
   // A ball of twice the grid's diagonal contains the whole grid if its centre is anywhere near.
   const double widest_m = std::ldexp(grid_.step_m, kPatchGridBits + 2);
-  for (int smaller = 0; smaller < 100; ++smaller, piece.radius_m = std::min(kSmaller * piece.radius_m, widest_m)) {
+  for (int attempt = 0; attempt < 100; ++attempt, piece.radius_m = std::min(kShrink * piece.radius_m, widest_m)) {
     piece.triangles = find(piece.radius_m);
-    if (piece.triangles <= most_triangles) break;
+    if (piece.triangles <= max_triangles) break;
   }
   std::map<std::uint32_t, ObjectJoiner> objects;
-  std::vector<std::uint32_t> in_order(near.begin(), near.end());
+  std::vector<std::uint32_t> in_order(near_tiles.begin(), near_tiles.end());
   std::sort(in_order.begin(), in_order.end());
   for (const std::uint32_t number : in_order) {
     const auto tile = tiles_.find(number);

@@ -85,16 +85,17 @@ class PatchStore {
   // The parts of this epoch received so far. The caller sets is_wanted and round_trip_s.
   const PatchStatus& status() const noexcept { return status_; }
   // Changes whenever a part or a shape has been taken.
-  std::uint64_t revision() const noexcept { return counts_.parts + shape_news_; }
+  std::uint64_t revision() const noexcept { return counts_.parts + shape_revision_; }
   const Counts& counts() const noexcept { return counts_; }
 
   // The radius around a point within which no triangle of a body is missing here; infinity if none is missing. If the body deforms, it is
   // missing until all of it is there, and if programs deform it, until a shape is known that it has, or has had since. Pre: has_begun().
   double known_radius(const Vec3& p_S, std::uint32_t body = 0) const;
 
-  // The triangles around a point, up to its known radius and most_m. The radius is reduced until there are at most most_triangles, or twice
-  // as many as the tiles at the point itself have, if that is more. A body that deforms is in it as a whole, or not. Pre: has_begun().
-  Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body = 0) const;
+  // The triangles around a point, up to its known radius and max_radius_m. The radius is reduced until there are at most max_triangles, or
+  // twice as many as the tiles at the point itself have, if that is more. A body that deforms is in it as a whole, or not. Pre:
+  // has_begun().
+  Piece make_piece(const Vec3& p_S, double max_radius_m, std::size_t max_triangles, std::uint32_t body = 0) const;
 
   // True if all bodies are announced, and all effects are here. Before that nothing can be felt: a body that moves may be anywhere.
   bool has_bodies() const noexcept;
@@ -130,8 +131,8 @@ class PatchStore {
   };
   struct Search {
     std::uint32_t body = 0;
-    Vec3 p = Vec3::Zero();  // in steps
-    double least = 0.0;     // in steps; no point of the body is nearer than this
+    Vec3 p = Vec3::Zero();        // in steps
+    double least_distance = 0.0;  // in steps; no point of the body is nearer than this
   };
 
   void drop_parts();
@@ -171,7 +172,7 @@ class PatchStore {
   std::unordered_map<std::uint32_t, PatchTile> tiles_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, PatchDisplacements> displaced_;  // by tile and target
   KnownShapes shapes_;
-  std::uint64_t shape_news_ = 0;
+  std::uint64_t shape_revision_ = 0;
   PatchStatus status_;
   Counts counts_;
 };

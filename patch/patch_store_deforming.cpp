@@ -110,7 +110,7 @@ bool PatchStore::accept_shape(const Message& message, Arrival arrival) {
   } else {
     return false;
   }
-  ++shape_news_;
+  ++shape_revision_;
   return true;
 }
 

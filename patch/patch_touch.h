@@ -79,22 +79,22 @@ struct PatchHandState {
 // count as a difference between them.
 //
 // Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
-// stiffness of the surface and damping of its own, and is at most kMaxBeyond times the last force within the patch, without the surface's
-// damping. Without contact there is no force past the edge. When a patch reaches the stored positions, the proxy follows
-// them, kMaxFollowed in each step, until it has caught up: it is then where the whole scene would have it. A patch with is_path_incomplete
-// does not wait for that: in contact it takes over from a point above the plane, the higher the farther the hand went, and contact
-// continues with the surface met first from there. A hand that was free for kBeyondS past the edge starts again where it is.
+// stiffness of the surface and damping of its own, and is at most kMaxBeyondForceRatio times the last force within the patch, without the
+// surface's damping. Without contact there is no force past the edge. When a patch reaches the stored positions, the proxy follows them,
+// kMaxFollowed in each step, until it has caught up: it is then where the whole scene would have it. A patch with is_path_incomplete does
+// not wait for that: in contact it takes over from a point above the plane, the higher the farther the hand went, and contact continues
+// with the surface met first from there. A hand that was free for kBeyondS past the edge starts again where it is.
 //
 // Frames: W and S as named; for a body that moves (PatchChain), S and its frame in their place. Units: SI. RT: yes. Threads: one.
 class PatchTouch {
  public:
-  static constexpr int kMaxFollowed = 32;           // stored positions in one step: those of a second at 1 kHz in 32 steps
-  static constexpr double kBeyondS = 5.0;           // s, see above
-  static constexpr double kMaxBeyond = 2.0;         // largest force past the edge, over the last one within the patch
-  static constexpr double kBeyondDampingS = 0.005;  // damping of the plane over its stiffness
-  static constexpr double kRise = 0.25;             // height above the plane over the distance along it since the edge, ...
-  static constexpr double kMinRise = 2.0;           // ... and at least this many times the last penetration within the patch
-  static constexpr double kMaxRoom = 0.9;           // share of a patch's room above the hand in which a proxy may start
+  static constexpr int kMaxFollowed = 32;              // stored positions in one step: those of a second at 1 kHz in 32 steps
+  static constexpr double kBeyondS = 5.0;              // s, see above
+  static constexpr double kMaxBeyondForceRatio = 2.0;  // largest force past the edge, over the last one within the patch
+  static constexpr double kBeyondDampingS = 0.005;     // damping of the plane over its stiffness
+  static constexpr double kRisePerDistance = 0.25;     // height above the plane over the distance along it since the edge, ...
+  static constexpr double kMinRiseInDepths = 2.0;      // ... and at least this many times the last penetration within the patch
+  static constexpr double kMaxRoomShare = 0.9;         // share of a patch's room above the hand in which a proxy may start
 
   struct Counts {
     std::uint64_t steps = 0;
@@ -124,9 +124,9 @@ class PatchTouch {
   // Sets the proxy to exactly p_SP, which is on its side of the surface, to continue from there: its earlier path does not count.
   void go_on_from(const Vec3& p_SP) noexcept;
   // Takes the next motion of the surface of a patch that is here. One that comes late reaches the same shape at the same time, or as soon
-  // after it as kMaxSurfaceSpeed allows. False: it has to wait, because its patch is not here yet or too many stages wait. True: `stage`
+  // after it as kMaxSurfaceSpeed allows. False: it has to wait, because its patch is not here yet or too many stages wait. True: `shape`
   // then holds what is no longer used, to be destroyed elsewhere.
-  bool take(PatchShape& stage) noexcept;
+  bool take(PatchShape& shape) noexcept;
   // Uses other materials from the next step on, in which is_handed_over is set if the patch has one of their objects.
   void use_materials(const PatchMaterials& materials) noexcept;
   // True once a patch has reached the hand since the start. Until then the force has to come from elsewhere.
@@ -165,28 +165,28 @@ class PatchTouch {
 
  private:
   PathBall path_ball() const noexcept;
-  bool is_place(const Vec3& p_SD) const noexcept;
+  bool is_precise_enough(const Vec3& p_SD) const noexcept;
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
   bool reaches_next() const noexcept { return patch_ != nullptr && !path_.empty() && reaches(*patch_, path_.front().p_SD); }
   void take_offered(const DevicePath::Place& newest) noexcept;
   bool rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
   PatchOutput step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
   std::optional<PatchOutput> correct(const TouchInput& input, const Vec3& p_SD) noexcept;
-  void share(Patch& patch) noexcept;
+  void update_shared(Patch& patch) noexcept;
   const Material* find_material(int object) const noexcept;
   std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
-  double undamped_force_n(const TouchOutput& touched, double depth) const noexcept;
+  double undamped_force_n(const TouchOutput& touch_output, double depth) const noexcept;
   static bool tune(Patch& patch, const PatchMaterials& materials) noexcept;
 
   std::unique_ptr<Patch> patch_;
   std::unique_ptr<Patch> offered_;
   std::unique_ptr<Patch> retired_;
   std::uint32_t generation_ = 0;
-  bool is_placed_ = false;   // the proxy is known
-  bool is_over_ = false;     // patch_ holds the proxy; else it has to be handed over
-  bool is_on_grid_ = false;  // a patch held the proxy last
+  bool is_placed_ = false;       // the proxy is known
+  bool has_taken_over_ = false;  // patch_ holds the proxy; else it has to be handed over
+  bool is_on_grid_ = false;      // a patch held the proxy last
   bool has_arrived_ = false;
   Vec3 p_SP_ = Vec3::Zero();        // the proxy, when it was last within a patch
   Vec3 outward_S_ = Vec3::Zero();   // direction of its force, unit; zero: free
@@ -194,12 +194,12 @@ class PatchTouch {
   double force_n_ = 0.0;            // ... its magnitude, without damping
   Vec3 last_p_SD_ = Vec3::Zero();   // the device in the last step within a patch, or where that step ran out of work
   Vec3 newest_p_SD_ = Vec3::Zero();
-  Vec3 sample_from_ = Vec3::Zero();  // the device before this sample
+  Vec3 previous_p_SD_ = Vec3::Zero();  // the device before this sample
   bool is_shared_ = false;
   DevicePath path_;
   bool is_beyond_ = false;
   bool is_retuned_ = false;  // there are other materials since the last step
-  double beyond_s_ = 0.0;
+  double beyond_time_s_ = 0.0;
   Counts counts_;
 };
 

@@ -24,8 +24,8 @@ bool StreamedParts::join(const PatchTile& tile, const TileVertices& joined) {
   const PatchStream& named = vertices_.at(tile.tile);
   if (named.vertex_count != tile.vertex_count) return false;
   for (std::size_t v = 0; v < tile.vertex_count; ++v) {
-    if (joined[v] >= of_joined_.size()) of_joined_.resize(std::size_t{joined[v]} + 1);
-    of_joined_[joined[v]] = named.vertices[v];
+    if (joined[v] >= mesh_vertex_of_joined_.size()) mesh_vertex_of_joined_.resize(std::size_t{joined[v]} + 1);
+    mesh_vertex_of_joined_[joined[v]] = named.vertices[v];
   }
   return true;
 }
@@ -33,7 +33,7 @@ bool StreamedParts::join(const PatchTile& tile, const TileVertices& joined) {
 std::vector<Vec3> StreamedParts::vertices_at(std::span<const Vec3> rest, std::span<const ShapePart::Displacement> displacements_m) const {
   std::vector<Vec3> vertices(rest.begin(), rest.end());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    const ShapePart::Displacement& by_m = displacements_m[of_joined_[v]];
+    const ShapePart::Displacement& by_m = displacements_m[mesh_vertex_of_joined_[v]];
     vertices[v] += head_.to_scene * Vec3(by_m[0], by_m[1], by_m[2]);
   }
   return vertices;

@@ -45,7 +45,7 @@ class StreamedParts {
  private:
   PatchStream head_;  // the first part received, with the newest shape_serial of all
   std::map<std::uint32_t, PatchStream> vertices_;
-  std::vector<std::uint32_t> of_joined_;  // numbers of vertices in the object's mesh, by their numbers in the joined one
+  std::vector<std::uint32_t> mesh_vertex_of_joined_;  // numbers of vertices in the object's mesh, by their numbers in the joined one
   std::uint32_t tiles_ = 0;
 };
 

@@ -98,7 +98,7 @@ std::size_t find_cut(std::size_t count) {
   return tiles > 1 ? tiles / 2 * kWhole : count / 2;
 }
 
-void part(std::span<GridTriangle> triangles, const PatchTile& of_object, TiledScene& into) {
+void split_into_tiles(std::span<GridTriangle> triangles, const PatchTile& of_object, TiledScene& into) {
   if (triangles.empty()) return;
   PatchTile tile = of_object;
   Box bounds;
@@ -112,8 +112,8 @@ void part(std::span<GridTriangle> triangles, const PatchTile& of_object, TiledSc
   const std::size_t cut = find_cut(triangles.size());
   std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(cut), triangles.end(),
                    [axis](const GridTriangle& a, const GridTriangle& b) { return a.centre[axis] < b.centre[axis]; });
-  part(triangles.first(cut), of_object, into);
-  part(triangles.subspan(cut), of_object, into);
+  split_into_tiles(triangles.first(cut), of_object, into);
+  split_into_tiles(triangles.subspan(cut), of_object, into);
 }
 
 PatchTile tile_of(std::size_t object, const Material& material) {
@@ -134,52 +134,53 @@ class CellDivider {
 
   // first: the first of the body's tiles, which are the last ones of the scene so far.
   void divide(std::size_t first) {
-    std::vector<std::uint32_t> all(scene_.tiles.size() - first);
-    std::iota(all.begin(), all.end(), static_cast<std::uint32_t>(first));
+    std::vector<std::uint32_t> body_tiles(scene_.tiles.size() - first);
+    std::iota(body_tiles.begin(), body_tiles.end(), static_cast<std::uint32_t>(first));
     scene_.bodies[body_].root = static_cast<std::int32_t>(scene_.nodes.size());
-    open_.push_back({scene_.nodes.size(), std::move(all), {}});
+    open_nodes_.push_back({scene_.nodes.size(), std::move(body_tiles), {}});
     scene_.nodes.push_back({body_, CellKey()});
-    while (!open_.empty()) {
-      Open open = std::move(open_.front());
-      open_.pop_front();
+    while (!open_nodes_.empty()) {
+      OpenNode open = std::move(open_nodes_.front());
+      open_nodes_.pop_front();
       divide(open);
     }
   }
 
  private:
-  struct Open {
+  struct OpenNode {
     std::size_t node = 0;
     std::vector<std::uint32_t> tiles;  // those that overlap the node's cube
     std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
   };
 
-  void divide(Open& open) {
+  void divide(OpenNode& open) {
     const CellKey key = scene_.nodes[open.node].key;
     const bool can_divide = key.level < kPatchDeepestLevel && scene_.nodes.size() + 8 <= PatchStore::kMaxCells;
     if (open.tiles.size() <= kTilesInCell || !can_divide) return close(open);
-    std::array<std::vector<std::uint32_t>, 8> parts;
-    std::size_t together = 0;
+    std::array<std::vector<std::uint32_t>, 8> octant_tiles;
+    std::size_t tile_sum = 0;
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       const Box bounds = key.child(octant).bounds();
-      std::copy_if(open.tiles.begin(), open.tiles.end(), std::back_inserter(parts[octant]),
+      std::copy_if(open.tiles.begin(), open.tiles.end(), std::back_inserter(octant_tiles[octant]),
                    [&](std::uint32_t tile) { return scene_.tile_bounds[tile].overlaps(bounds); });
-      together += parts[octant].size();
+      tile_sum += octant_tiles[octant].size();
     }
-    if (together > kMaxSpread * open.tiles.size() && open.tiles.size() <= PatchCell::kMaxTiles) return close(open);
+    if (tile_sum > kMaxSpread * open.tiles.size() && open.tiles.size() <= PatchCell::kMaxTiles) return close(open);
     scene_.nodes[open.node].first_child = static_cast<std::int32_t>(scene_.nodes.size());
-    std::uint8_t& empty = open.empty_children[key.level];
+    std::uint8_t& empty_octants = open.empty_children[key.level];
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      if (parts[octant].empty()) empty = static_cast<std::uint8_t>(empty | (1U << octant));
+      if (octant_tiles[octant].empty()) empty_octants = static_cast<std::uint8_t>(empty_octants | (1U << octant));
     }
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       scene_.nodes.push_back({body_, key.child(octant)});
-      if (!parts[octant].empty()) open_.push_back({scene_.nodes.size() - 1, std::move(parts[octant]), open.empty_children});
+      if (!octant_tiles[octant].empty())
+        open_nodes_.push_back({scene_.nodes.size() - 1, std::move(octant_tiles[octant]), open.empty_children});
     }
   }
 
   // Makes a leaf. A leaf with more tiles than a datagram can list is never sent: to the hub its place stays unknown.
-  void close(Open& open) {
-    if (open.tiles.size() > PatchCell::kMaxTiles) scene_.has_unlisted = true;
+  void close(OpenNode& open) {
+    if (open.tiles.size() > PatchCell::kMaxTiles) scene_.has_unlisted_tiles = true;
     if (open.tiles.empty() || open.tiles.size() > PatchCell::kMaxTiles) return;
     scene_.nodes[open.node].cell = static_cast<std::int32_t>(scene_.cells.size());
     scene_.cells.push_back({body_, scene_.nodes[open.node].key, open.empty_children, std::move(open.tiles)});
@@ -187,13 +188,13 @@ class CellDivider {
 
   TiledScene& scene_;
   std::uint32_t body_;
-  std::deque<Open> open_;
+  std::deque<OpenNode> open_nodes_;
 };
 
 double radius_about(const Vec3& point, const TouchObject& object) {
-  double most = 0.0;
-  visit_shapes(object, [&](const Vec3& vertex) { most = std::max(most, (vertex - point).norm()); });
-  return most;
+  double radius = 0.0;
+  visit_shapes(object, [&](const Vec3& vertex) { radius = std::max(radius, (vertex - point).norm()); });
+  return radius;
 }
 
 // Adds to the scene how far each morph target moves the vertices of the tiles of a body.
@@ -201,43 +202,45 @@ class Displacer {
  public:
   Displacer(const TouchObject& object, TiledScene& tiled) : deformation_(*object.deformation), tiled_(tiled) {
     const std::vector<MorphTarget>& targets = deformation_.targets();
-    moved_.resize(object.mesh->vertices.size() * targets.size(), Vec3::Zero());
+    displacements_.resize(object.mesh->vertices.size() * targets.size(), Vec3::Zero());
     for (std::size_t j = 0; j < targets.size(); ++j) {
       for (std::size_t k = 0; k < targets[j].vertices.size(); ++k) {
-        moved_[targets[j].vertices[k] * targets.size() + j] = targets[j].displacements[k];
+        displacements_[targets[j].vertices[k] * targets.size() + j] = targets[j].displacements[k];
       }
     }
     for (std::size_t v = 0; v < object.mesh->vertices.size(); ++v) {
       const auto [known, is_new] = vertices_.try_emplace(tiled.grid.round(object.mesh->vertices[v]), v);
-      if (!is_new && !is_same_motion(known->second, v)) tiled.has_parting = true;
+      if (!is_new && !is_same_motion(known->second, v)) tiled.comes_apart = true;
     }
   }
 
   void add(const PatchTile& tile) {
     for (std::uint32_t j = 0; j < deformation_.targets().size(); ++j) {
       PatchDisplacements displaced{.tile = tile.tile, .target = j, .vertex_count = tile.vertex_count};
-      bool any = false;
+      bool moves_any_vertex = false;
       for (std::size_t v = 0; v < tile.vertex_count; ++v) {
-        const Vec3& by = moved(vertices_.at(read_vertex(tile, v)), j);
-        any = any || !by.isZero(0.0);
+        const Vec3& by = displacement(vertices_.at(read_vertex(tile, v)), j);
+        moves_any_vertex = moves_any_vertex || !by.isZero(0.0);
         for (int axis = 0; axis < 3; ++axis) displaced.by_m[3 * v + static_cast<std::size_t>(axis)] = static_cast<float>(by[axis]);
       }
-      if (any) tiled_.displaced.push_back(displaced);
+      if (moves_any_vertex) tiled_.displaced.push_back(displaced);
     }
   }
 
  private:
-  const Vec3& moved(std::size_t vertex, std::size_t target) const { return moved_[vertex * deformation_.targets().size() + target]; }
+  const Vec3& displacement(std::size_t vertex, std::size_t target) const {
+    return displacements_[vertex * deformation_.targets().size() + target];
+  }
   bool is_same_motion(std::size_t a, std::size_t b) const {
     for (std::size_t j = 0; j < deformation_.targets().size(); ++j) {
-      if (moved(a, j) != moved(b, j)) return false;
+      if (displacement(a, j) != displacement(b, j)) return false;
     }
     return true;
   }
 
   const MeshDeformation& deformation_;
   TiledScene& tiled_;
-  std::vector<Vec3> moved_;  // by vertex and target
+  std::vector<Vec3> displacements_;  // by vertex and target
   std::map<GridPoint, std::size_t> vertices_;
 };
 
@@ -269,7 +272,7 @@ void add_streams(const TouchObject& object, std::uint32_t number, TileBody& body
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!is_used[v]) continue;
     const auto [known, is_new] = vertices.try_emplace(tiled.grid.round(mesh.vertices[v]), v);
-    if (!is_new && mesh.vertices[known->second] != mesh.vertices[v]) tiled.has_parting = true;
+    if (!is_new && mesh.vertices[known->second] != mesh.vertices[v]) tiled.comes_apart = true;
     known->second = v;
   }
   body.bounds = bounds_in_steps(object, tiled.grid);
@@ -294,14 +297,14 @@ void add_streams(const TouchObject& object, std::uint32_t number, TileBody& body
 void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
   const std::size_t first = tiled.tiles.size();
   TileBody body;
-  const TouchObject* leader = group.objects.empty() ? nullptr : &scene.objects[static_cast<std::size_t>(group.objects.front())];
+  const TouchObject* first_object = group.objects.empty() ? nullptr : &scene.objects[static_cast<std::size_t>(group.objects.front())];
   if (group.motion != nullptr) body.pivot_m = group.motion->pivot();
-  if (leader != nullptr && leader->command_pivot) body.pivot_m = *leader->command_pivot;
+  if (first_object != nullptr && first_object->command_pivot) body.pivot_m = *first_object->command_pivot;
   for (const int object : group.objects) {
-    const TouchObject& own = scene.objects[static_cast<std::size_t>(object)];
-    if (group.moves()) body.radius_m = std::max(body.radius_m, radius_about(body.pivot_m, own));
-    std::vector<GridTriangle> triangles = to_grid(*own.mesh, tiled.grid);
-    part(triangles, tile_of(static_cast<std::size_t>(object), own.material), tiled);
+    const TouchObject& touch_object = scene.objects[static_cast<std::size_t>(object)];
+    if (group.moves()) body.radius_m = std::max(body.radius_m, radius_about(body.pivot_m, touch_object));
+    std::vector<GridTriangle> triangles = to_grid(*touch_object.mesh, tiled.grid);
+    split_into_tiles(triangles, tile_of(static_cast<std::size_t>(object), touch_object.material), tiled);
   }
   for (std::size_t tile = first; tile < tiled.tiles.size(); ++tile) {
     body.bounds.grow(tiled.tile_bounds[tile].low);
@@ -310,10 +313,10 @@ void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
   body.first_tile = static_cast<std::uint32_t>(first);
   body.tile_count = static_cast<std::uint32_t>(tiled.tiles.size() - first);
   const bool deforms = group.is_deforming;
-  if (deforms && leader->stream_reach_m) {
-    add_streams(*leader, static_cast<std::uint32_t>(group.objects.front()), body, tiled);
+  if (deforms && first_object->stream_reach_m) {
+    add_streams(*first_object, static_cast<std::uint32_t>(group.objects.front()), body, tiled);
   } else if (deforms) {
-    add_deformation(*leader, body, tiled);
+    add_deformation(*first_object, body, tiled);
   }
   body.group = std::move(group);
   tiled.bodies.push_back(std::move(body));

@@ -58,11 +58,11 @@ struct TiledScene {
   std::vector<TileBody> bodies;               // the first one stands still, and may be empty
   std::vector<TileNode> nodes;                // the root of each body comes before its other nodes
   std::vector<TileCell> cells;                // the leaves with triangles, each with no more tiles than one datagram lists
-  bool has_unlisted = false;                  // more tiles overlap in one place than a datagram can list: no cell has that place
+  bool has_unlisted_tiles = false;            // more tiles overlap in one place than a datagram can list: no cell has that place
   std::vector<PatchDisplacements> displaced;  // for bodies with a MeshDeformation; the sender sets epoch and serial
   std::vector<PatchStream> streams;           // for bodies that programs deform; the sender also sets shape_serial
   std::string effects;                        // the scene's effects, as encode_effects writes them
-  bool has_parting = false;                   // vertices at one point of the grid may move apart: the scene cannot be sent
+  bool comes_apart = false;                   // vertices at one point of the grid may move apart: the scene cannot be sent
 };
 
 // The message of a cell.

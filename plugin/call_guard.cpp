@@ -40,20 +40,20 @@ std::string describe_calls(const CallGuard& guard) {
   return text + (guard.cut_off() ? "; CUT OFF: " + describe(guard.cut_off()) + "\n" : "\n");
 }
 
-void CallGuard::judge(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept {
+void CallGuard::evaluate(std::int64_t spent_ns, bool has_returned, const PluginForce& plugin_force) noexcept {
   times_.record(std::max<std::int64_t>(0, spent_ns));
-  const CutOff fault = find_fault(spent_ns, has_returned, given);
+  const CutOff fault = find_fault(spent_ns, has_returned, plugin_force);
   if (fault) return cut(fault);
-  last_ = given;
-  most_n_ = std::max(most_n_, given.force_n.norm());
+  last_good_ = plugin_force;
+  largest_force_n_ = std::max(largest_force_n_, plugin_force.force_n.norm());
 }
 
-CutOff CallGuard::find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept {
+CutOff CallGuard::find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& plugin_force) noexcept {
   if (!has_returned) return {.reason = CutOff::Reason::exception};
-  if (!given.force_n.allFinite() || !given.torque_nm.allFinite()) return {.reason = CutOff::Reason::not_finite};
+  if (!plugin_force.force_n.allFinite() || !plugin_force.torque_nm.allFinite()) return {.reason = CutOff::Reason::not_finite};
   // If a component is so large that the norm overflows, the norm is infinite, and so above any limit.
-  const double force_n = given.force_n.norm();
-  const double torque_nm = given.torque_nm.norm();
+  const double force_n = plugin_force.force_n.norm();
+  const double torque_nm = plugin_force.torque_nm.norm();
   if (force_n > kRounding * max_force_n_) return {.reason = CutOff::Reason::too_strong, .value = force_n, .limit = max_force_n_};
   if (torque_nm > kRounding * max_torque_nm_)
     return {.reason = CutOff::Reason::too_strong, .value = torque_nm, .limit = max_torque_nm_, .is_torque = true};
@@ -66,14 +66,14 @@ CutOff CallGuard::find_fault(std::int64_t spent_ns, bool has_returned, const Plu
 
 void CallGuard::cut(const CutOff& cut_off) noexcept {
   cut_off_ = cut_off;
-  share_ = 1.0;
+  fade_share_ = 1.0;
 }
 
 PluginForce CallGuard::fade(double dt_s) noexcept {
-  if (share_ <= 0.0) return {};
-  share_ -= dt_s / kFadeS;
-  if (share_ <= 0.0) return {};
-  return {.force_n = share_ * last_.force_n, .torque_nm = share_ * last_.torque_nm};
+  if (fade_share_ <= 0.0) return {};
+  fade_share_ -= dt_s / kFadeS;
+  if (fade_share_ <= 0.0) return {};
+  return {.force_n = fade_share_ * last_good_.force_n, .torque_nm = fade_share_ * last_good_.torque_nm};
 }
 
 }  // namespace hapton

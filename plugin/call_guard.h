@@ -46,33 +46,33 @@ class CallGuard {
   CallGuard(const Clock& clock, std::int64_t budget_ns, double max_force_n, double max_torque_nm)
       : clock_(clock), budget_(budget_ns), max_force_n_(max_force_n), max_torque_nm_(max_torque_nm) {}
 
-  // Calls the plug-in, unless it is cut off, and returns the force to use. give: runs the plug-in and puts its result into the argument.
-  template <class Give>
-  PluginForce step(double dt_s, Give&& give) noexcept {
+  // Calls the plug-in, unless it is cut off, and returns the force to use. run: runs the plug-in and puts its result into the argument.
+  template <class Run>
+  PluginForce step(double dt_s, Run&& run) noexcept {
     if (!cut_off_) {
-      PluginForce given;
+      PluginForce plugin_force;
       const std::int64_t begin_ns = clock_.now_ns();
-      const bool has_returned = call_plugin([&] { give(given); });
-      judge(clock_.now_ns() - begin_ns, has_returned, given);
+      const bool has_returned = call_plugin([&] { run(plugin_force); });
+      evaluate(clock_.now_ns() - begin_ns, has_returned, plugin_force);
     }
-    return cut_off_ ? fade(dt_s) : last_;
+    return cut_off_ ? fade(dt_s) : last_good_;
   }
 
   // For a new session: forgets the last force, so that no force of the session before is felt.
   void forget() noexcept {
-    last_ = {};
-    share_ = 0.0;
+    last_good_ = {};
+    fade_share_ = 0.0;
   }
   // Cuts the plug-in off because of a fault that the caller has found.
   void cut(const CutOff& cut_off) noexcept;
 
   const CutOff& cut_off() const noexcept { return cut_off_; }
   const LatencyHistogram& times() const noexcept { return times_; }
-  double most_n() const noexcept { return most_n_; }
+  double most_n() const noexcept { return largest_force_n_; }
 
  private:
-  void judge(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept;
-  CutOff find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept;
+  void evaluate(std::int64_t spent_ns, bool has_returned, const PluginForce& plugin_force) noexcept;
+  CutOff find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& plugin_force) noexcept;
   PluginForce fade(double dt_s) noexcept;
 
   const Clock& clock_;
@@ -80,9 +80,9 @@ class CallGuard {
   double max_force_n_;
   double max_torque_nm_;
   LatencyHistogram times_;
-  PluginForce last_;    // the last good force
-  double share_ = 0.0;  // part of last_ that is still felt after the cut
-  double most_n_ = 0.0;
+  PluginForce last_good_;    // the last good force
+  double fade_share_ = 0.0;  // part of last_good_ that is still felt after the cut
+  double largest_force_n_ = 0.0;
   CutOff cut_off_;
 };
 

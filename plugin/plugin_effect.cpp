@@ -25,13 +25,13 @@ PluginEffect::~PluginEffect() {
 }
 
 PluginForce PluginEffect::step(const hapton_effect_input& input) noexcept {
-  return guard_.step(input.dt_s, [&](PluginForce& given) {
+  return guard_.step(input.dt_s, [&](PluginForce& plugin_force) {
     // The effect gets its own copy: whatever it writes to it, the next effect gets the measured values.
-    const hapton_effect_input own = input;
+    const hapton_effect_input input_copy = input;
     hapton_effect_output output = {};
-    api_.step(effect_, &own, &output);
-    given.force_n = Vec3(output.force_n[0], output.force_n[1], output.force_n[2]);
-    given.torque_nm = Vec3(output.torque_nm[0], output.torque_nm[1], output.torque_nm[2]);
+    api_.step(effect_, &input_copy, &output);
+    plugin_force.force_n = Vec3(output.force_n[0], output.force_n[1], output.force_n[2]);
+    plugin_force.torque_nm = Vec3(output.torque_nm[0], output.torque_nm[1], output.torque_nm[2]);
   });
 }
 

@@ -51,9 +51,9 @@ PluginForce PluginEffects::step(const EffectMoment& moment) noexcept {
   const hapton_effect_input input = make_input(moment);
   PluginForce sum;
   for (Entry& entry : effects_) {
-    const PluginForce given = entry.effect->step(input);
-    sum.force_n += given.force_n;
-    sum.torque_nm += given.torque_nm;
+    const PluginForce plugin_force = entry.effect->step(input);
+    sum.force_n += plugin_force.force_n;
+    sum.torque_nm += plugin_force.torque_nm;
   }
   return sum;
 }

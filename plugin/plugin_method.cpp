@@ -58,7 +58,7 @@ PluginMethod::~PluginMethod() {
 }
 
 // The velocity is that of the hand in the world: turning the scene does not change it.
-void PluginMethod::note_hand(const MethodInput& input, hapton_method_input& own) noexcept {
+void PluginMethod::note_hand(const MethodInput& input, hapton_method_input& plugin_input) noexcept {
   const TouchInput in_scene{.p_WD = input.p_SD, .buttons = input.buttons};
   const TouchInput& touch = input.touch != nullptr ? *input.touch : in_scene;
   velocity_.add(touch.p_WD, input.dt_s);
@@ -68,25 +68,25 @@ void PluginMethod::note_hand(const MethodInput& input, hapton_method_input& own)
   const Vec3 v_S = R_SW * velocity_.mean();
   const Quat q_ST = Quat(R_SW) * touch.q_WT;
   const double orientation[] = {q_ST.w(), q_ST.x(), q_ST.y(), q_ST.z()};
-  std::copy_n(orientation, 4, own.orientation);
-  std::copy_n(v_S.data(), 3, own.velocity_m_per_s);
-  own.time_s = time_s_;
-  own.buttons = touch.buttons;
+  std::copy_n(orientation, 4, plugin_input.orientation);
+  std::copy_n(v_S.data(), 3, plugin_input.velocity_m_per_s);
+  plugin_input.time_s = time_s_;
+  plugin_input.buttons = touch.buttons;
 }
 
-void PluginMethod::ask(const MethodInput& input, PluginForce& given) {
-  hapton_method_input own = {};
-  own.dt_s = input.dt_s;
-  note_hand(input, own);
+void PluginMethod::call_step(const MethodInput& input, PluginForce& plugin_force) {
+  hapton_method_input plugin_input = {};
+  plugin_input.dt_s = input.dt_s;
+  note_hand(input, plugin_input);
   hapton_method_output output = {};
-  for (int k = 0; k < 3; ++k) own.position_m[k] = output.proxy_m[k] = input.p_SD[k];
+  for (int k = 0; k < 3; ++k) plugin_input.position_m[k] = output.proxy_m[k] = input.p_SD[k];
   output.object = -1;
-  api_.step(method_, &own, &output);
-  asked_.contact = output.contact != 0;
-  asked_.p_SP = Vec3(output.proxy_m[0], output.proxy_m[1], output.proxy_m[2]);
-  asked_.object = output.object >= 0 && output.object < static_cast<int>(objects_.size()) ? output.object : -1;
-  if (asked_.contact) given.force_n = Vec3(output.force_n[0], output.force_n[1], output.force_n[2]);
-  if (!asked_.p_SP.allFinite()) given.force_n.setConstant(std::numeric_limits<double>::quiet_NaN());
+  api_.step(method_, &plugin_input, &output);
+  last_output_.contact = output.contact != 0;
+  last_output_.p_SP = Vec3(output.proxy_m[0], output.proxy_m[1], output.proxy_m[2]);
+  last_output_.object = output.object >= 0 && output.object < static_cast<int>(objects_.size()) ? output.object : -1;
+  if (last_output_.contact) plugin_force.force_n = Vec3(output.force_n[0], output.force_n[1], output.force_n[2]);
+  if (!last_output_.p_SP.allFinite()) plugin_force.force_n.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 MethodOutput PluginMethod::step(const MethodInput& input) noexcept {
@@ -94,13 +94,13 @@ MethodOutput PluginMethod::step(const MethodInput& input) noexcept {
   output.p_SP = input.p_SD;
   // A plug-in is called only for the step of a sample; a step without a duration belongs to none.
   if (!input.p_SD.allFinite() || !(input.dt_s > 0.0)) return output;
-  const PluginForce felt = guard_.step(input.dt_s, [&](PluginForce& given) { ask(input, given); });
-  output.force_n = felt.force_n;
-  output.contact = !felt.force_n.isZero(0.0);
-  if (guard_.cut_off() || !asked_.contact) return output;
+  const PluginForce guarded_force = guard_.step(input.dt_s, [&](PluginForce& plugin_force) { call_step(input, plugin_force); });
+  output.force_n = guarded_force.force_n;
+  output.contact = !guarded_force.force_n.isZero(0.0);
+  if (guard_.cut_off() || !last_output_.contact) return output;
   output.contact = true;
-  output.p_SP = asked_.p_SP;
-  output.object = asked_.object;
+  output.p_SP = last_output_.p_SP;
+  output.object = last_output_.object;
   return output;
 }
 

@@ -36,8 +36,8 @@ class PluginMethod final : public ForceMethod {
 
  private:
   PluginMethod(PluginFile file, const hapton_method_api& api, const TouchScene& scene, const Clock& clock, std::int64_t budget_ns);
-  void ask(const MethodInput& input, PluginForce& given);
-  void note_hand(const MethodInput& input, hapton_method_input& own) noexcept;
+  void call_step(const MethodInput& input, PluginForce& plugin_force);
+  void note_hand(const MethodInput& input, hapton_method_input& plugin_input) noexcept;
 
   PluginFile file_;
   const hapton_method_api& api_;
@@ -47,7 +47,7 @@ class PluginMethod final : public ForceMethod {
   std::vector<hapton_material> materials_;  // for set_materials
   void* method_ = nullptr;
   CallGuard guard_;
-  MethodOutput asked_;  // result of the last call
+  MethodOutput last_output_;  // result of the last call
   SmoothVelocity velocity_;
   double time_s_ = 0.0;  // since the first sample after reset
   bool has_sample_ = false;

@@ -73,7 +73,7 @@ void CycleTable::add(const SessionEntry& entry, const Datagram* datagram) {
   if (entry.kind == SessionEntry::Kind::marker) add_marker(entry.marker);
   const auto* force = datagram != nullptr ? std::get_if<ForceCommand>(&datagram->message) : nullptr;
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) add_force(*force, entry.time_ns);
-  give_out(entry.time_ns);
+  pass_complete(entry.time_ns);
 }
 
 void CycleTable::add_cycle(const SessionEntry& entry) {
@@ -82,21 +82,21 @@ void CycleTable::add_cycle(const SessionEntry& entry) {
     ++without_sample_;
     return;
   }
-  Waiting added;
-  added.time_ns = entry.time_ns;
-  CycleRow& row = added.row;
+  Waiting waiting;
+  waiting.time_ns = entry.time_ns;
+  CycleRow& row = waiting.row;
   row.sample_t_s = seconds_between(start_ns_, cycle.device->time_ns);
   row.sample = cycle.sample;
   row.p_WD = cycle.device->p_WD;
   row.q_WT = cycle.device->q_WT;
-  if (before_ && cycle.device->time_ns > before_->time_ns)
-    row.v_WD = (cycle.device->p_WD - before_->p_WD) / seconds_between(before_->time_ns, cycle.device->time_ns);
+  if (previous_sample_ && cycle.device->time_ns > previous_sample_->time_ns)
+    row.v_WD = (cycle.device->p_WD - previous_sample_->p_WD) / seconds_between(previous_sample_->time_ns, cycle.device->time_ns);
   // No sample counts as lost before the first row: a flight record begins somewhere within the session.
-  if (before_ && cycle.sample > sample_before_ + 1) row.lost = cycle.sample - sample_before_ - 1;
+  if (previous_sample_ && cycle.sample > previous_number_ + 1) row.lost = cycle.sample - previous_number_ - 1;
   lost_ += row.lost;
   gaps_ += row.lost > 0 ? 1 : 0;
-  sample_before_ = cycle.sample;
-  before_ = cycle.device;
+  previous_number_ = cycle.sample;
+  previous_sample_ = cycle.device;
   row.buttons = cycle.device->buttons;
   row.p_WP = row.wanted_n = row.wanted_nm = Vec3::Constant(kUnknown);
   row.q_WP.coeffs().setConstant(kUnknown);
@@ -116,10 +116,10 @@ void CycleTable::add_cycle(const SessionEntry& entry) {
     row.q_WP = row.q_WT;
     row.is_contact = !row.wanted_n.isZero(0.0);
     row.object = cycle.local->object;
-    added.is_complete = true;
+    waiting.is_complete = true;
   }
-  waiting_.push_back(std::move(added));
-  for (const auto& [force, time_ns] : std::exchange(early_, {})) add_force(force, time_ns);
+  waiting_.push_back(std::move(waiting));
+  for (const auto& [force, time_ns] : std::exchange(early_forces_, {})) add_force(force, time_ns);
 }
 
 // A cycle is recorded at its end, so a marker usually precedes its row. If that row was lost, the next one gets the marker.
@@ -138,8 +138,8 @@ void CycleTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), force.echo_sample, is_before);
   if (found == waiting_.end()) {
     // The cycle of this force is still to come. A force whose cycle was lost is dropped once kMaxEarly others wait.
-    early_.emplace_back(force, time_ns);
-    if (early_.size() > kMaxEarly) early_.pop_front();
+    early_forces_.emplace_back(force, time_ns);
+    if (early_forces_.size() > kMaxEarly) early_forces_.pop_front();
     return;
   }
   if (found->row.sample != force.echo_sample || found->is_complete) return;
@@ -157,12 +157,12 @@ void CycleTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   found->is_complete = true;
 }
 
-void CycleTable::give_out(std::int64_t now_ns) {
+void CycleTable::pass_complete(std::int64_t now_ns) {
   while (waiting_.size() > 1 && (waiting_.front().is_complete || seconds_between(waiting_.front().time_ns, now_ns) > latest_s_))
-    give_out_front();
+    pass_front();
 }
 
-void CycleTable::give_out_front() {
+void CycleTable::pass_front() {
   take_(waiting_.front().row);
   ++rows_;
   waiting_.pop_front();
@@ -184,7 +184,7 @@ void CycleTable::finish() {
   }
   if (!waiting_.empty())
     for (; !markers_.empty(); markers_.pop_front()) waiting_.back().row.markers.push_back(std::move(markers_.front().second));
-  while (!waiting_.empty()) give_out_front();
+  while (!waiting_.empty()) pass_front();
 }
 
 }  // namespace hapton

@@ -98,17 +98,17 @@ class CycleTable {
   void add_cycle(const SessionEntry& entry);
   void add_force(const ForceCommand& force, std::int64_t time_ns);
   void add_marker(const MarkerNote& marker);
-  void give_out(std::int64_t now_ns);
-  void give_out_front();
+  void pass_complete(std::int64_t now_ns);
+  void pass_front();
 
   std::int64_t start_ns_;
   Take take_;
   double latest_s_;
   std::deque<Waiting> waiting_;
   // Forces whose cycle is still to come (a cycle is recorded at its end), with the times at which they came.
-  std::deque<std::pair<ForceCommand, std::int64_t>> early_;
-  std::optional<CycleSample> before_;
-  std::uint64_t sample_before_ = 0;
+  std::deque<std::pair<ForceCommand, std::int64_t>> early_forces_;
+  std::optional<CycleSample> previous_sample_;
+  std::uint64_t previous_number_ = 0;
   std::string events_;                                         // faults for the next row
   std::deque<std::pair<std::uint64_t, std::string>> markers_;  // sample and text of those whose row is still to come
   std::uint64_t rows_ = 0;

@@ -89,8 +89,8 @@ void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, doubl
   if (carve_process_ != processes_.number()) {
     carve_process_ = processes_.number();
     has_carve_.clear();
-    made_before_ = 0;
-    if (carve_process_ == 0) made_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
+    last_earlier_carve_ = 0;
+    if (carve_process_ == 0) last_earlier_carve_ = carves.count == 0 ? carves.newest : carves.first - 1;
   }
   for (std::uint32_t n = 0; n < carves.count; ++n) {
     const std::uint32_t serial = carves.first + n;
@@ -98,7 +98,7 @@ void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, doubl
     if (serial >= has_carve_.size()) has_carve_.resize(serial + 1);
     if (has_carve_[serial]) continue;
     has_carve_[serial] = true;
-    carves_.push_back({.t_s = serial <= made_before_ ? std::numeric_limits<double>::quiet_NaN() : t_s,
+    carves_.push_back({.t_s = serial <= last_earlier_carve_ ? std::numeric_limits<double>::quiet_NaN() : t_s,
                        .sender = sender,
                        .process = *carve_process_,
                        .serial = serial,

@@ -77,7 +77,7 @@ class ObjectChanges {
   std::map<std::int32_t, std::uint32_t> move_serials_;  // the newest, by object
   std::vector<RecordedMove> moves_;
   std::optional<std::uint32_t> carve_process_;  // of the newest Carves
-  std::uint32_t made_before_ = 0;               // carves of this process up to this serial were made before the recording
+  std::uint32_t last_earlier_carve_ = 0;        // carves of this process up to this serial were made before the recording
   std::vector<bool> has_carve_;                 // by serial, of this process
   std::vector<RecordedCarve> carves_;
 };

@@ -46,11 +46,13 @@ bool is_same(const HapticsSetup& a, const HapticsSetup& b) {
 
 }  // namespace
 
-bool RecordingIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
+bool RecordingIndex::is_haptics(std::uint64_t sender) const {
+  return std::ranges::find(haptics_senders_, sender) != haptics_senders_.end();
+}
 
-bool RecordingIndex::note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said) {
-  const auto [at, is_first] = last.try_emplace(object, said);
-  return is_first || std::exchange(at->second, said) != said;
+bool RecordingIndex::note_message(std::map<std::int32_t, MessageId>& last, std::int32_t object, const MessageId& id) {
+  const auto [at, is_first] = last.try_emplace(object, id);
+  return is_first || std::exchange(at->second, id) != id;
 }
 
 void RecordingIndex::add_row(const CycleRow& row) {
@@ -77,19 +79,19 @@ void RecordingIndex::add_carves(const Carves& carves, double t_s) {
   const KnownCarves::News news = known_carves_.take(carves, Arrival::newest);
   if (!news.starts_anew && news.carves.empty()) return;
   const bool is_first = carves_.empty();
-  if (is_first) carved_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
-  if (news.starts_anew && !is_first) carved_before_ = 0;
+  if (is_first) last_earlier_carve_ = carves.count == 0 ? carves.newest : carves.first - 1;
+  if (news.starts_anew && !is_first) last_earlier_carve_ = 0;
   // Carves that were made before the recording are received during it, on the hub's request. They belong to its beginning.
-  std::vector<NumberedCarve> fresh;
-  for (std::uint32_t n = 0; n < news.carves.size(); ++n) fresh.push_back({news.first + n, news.carves[n]});
+  std::vector<NumberedCarve> new_carves;
+  for (std::uint32_t n = 0; n < news.carves.size(); ++n) new_carves.push_back({news.first + n, news.carves[n]});
   if (!is_first && !news.starts_anew) {
-    const auto later = std::ranges::find_if(fresh, [&](const NumberedCarve& one) { return one.serial > carved_before_; });
+    const auto later = std::ranges::find_if(new_carves, [&](const NumberedCarve& one) { return one.serial > last_earlier_carve_; });
     std::vector<NumberedCarve>& begin = carves_.front().message.carves;
-    begin.insert(begin.end(), fresh.begin(), later);
-    fresh.erase(fresh.begin(), later);
-    if (fresh.empty()) return;
+    begin.insert(begin.end(), new_carves.begin(), later);
+    new_carves.erase(new_carves.begin(), later);
+    if (new_carves.empty()) return;
   }
-  add_later(carves_, t_s, CarveNews{news.starts_anew, std::move(fresh)});
+  add_later(carves_, t_s, CarveNews{news.starts_anew, std::move(new_carves)});
 }
 
 void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uint64_t position) {
@@ -97,7 +99,7 @@ void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uin
   const std::uint64_t sender = datagram.header.sender;
   const auto* setup = std::get_if<HapticsSetup>(&message);
   const bool is_of_haptics = setup != nullptr || std::holds_alternative<ForceCommand>(message);
-  if (is_of_haptics && !is_haptics(sender)) haptics_.push_back(sender);
+  if (is_of_haptics && !is_haptics(sender)) haptics_senders_.push_back(sender);
   if (setup != nullptr) {
     add_view({setup->view_revision, setup->X_WS}, t_s);
     if (setups_.empty() || !is_same(setups_.back().message, *setup)) add_later(setups_, t_s, *setup);
@@ -105,7 +107,7 @@ void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uin
   // If the hub rejects this view, it sends back the one in use, which follows at once.
   if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&message)) {
-    if (note_said(last_moves_, move->object, {move->source, move->serial})) add_later(moves_, t_s, IndexedMove::of(*move));
+    if (note_message(last_moves_, move->object, {move->source, move->serial})) add_later(moves_, t_s, IndexedMove::of(*move));
   }
   if (const auto* carves = std::get_if<Carves>(&message)) add_carves(*carves, t_s);
   if (const auto* part = std::get_if<ObjectShape>(&message)) shapes_.add(*part, position);
@@ -113,7 +115,7 @@ void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uin
   if (const auto* force = std::get_if<ForceCommand>(&message)) shapes_.add(*force);
   if (!is_haptics(sender)) return;
   const auto* pose = std::get_if<ObjectPose>(&message);
-  if (pose != nullptr && note_said(last_poses_, pose->object, {sender, pose->serial})) add_later(poses_, t_s, *pose);
+  if (pose != nullptr && note_message(last_poses_, pose->object, {sender, pose->serial})) add_later(poses_, t_s, *pose);
   const auto* scene = std::get_if<SceneFacts>(&message);
   if (scene != nullptr && (scene_hashes_.empty() || scene_hashes_.back().message != scene->given_hash)) {
     add_later(scene_hashes_, t_s, scene->given_hash);

@@ -136,14 +136,14 @@ class RecordingIndex {
   };
 
   // The last message about an object by a haptics process, which repeats it once a second.
-  struct Said {
+  struct MessageId {
     std::uint64_t process = 0;  // ObjectMove::source, or the sender; another process has its own serials
     std::uint32_t serial = 0;
-    friend bool operator==(const Said&, const Said&) = default;
+    friend bool operator==(const MessageId&, const MessageId&) = default;
   };
 
   // False: the message is a repetition.
-  static bool note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said);
+  static bool note_message(std::map<std::int32_t, MessageId>& last, std::int32_t object, const MessageId& id);
   void add_row(const CycleRow& row);
   void add_received(const Datagram& datagram, double t_s, std::uint64_t position);
   void add_view(const View& view, double t_s);
@@ -163,11 +163,11 @@ class RecordingIndex {
   std::vector<Timed<IndexedMove>> moves_;
   std::vector<Timed<CarveNews>> carves_;
   ShapeIndex shapes_;
-  std::map<std::int32_t, Said> last_poses_;  // by object
-  std::map<std::int32_t, Said> last_moves_;  // likewise
+  std::map<std::int32_t, MessageId> last_poses_;  // by object
+  std::map<std::int32_t, MessageId> last_moves_;  // likewise
   KnownCarves known_carves_;
-  std::uint32_t carved_before_ = 0;     // carves of the first haptics process up to this serial precede the recording
-  std::vector<std::uint64_t> haptics_;  // sender numbers of the haptics nodes
+  std::uint32_t last_earlier_carve_ = 0;        // carves of the first haptics process up to this serial precede the recording
+  std::vector<std::uint64_t> haptics_senders_;  // sender numbers of the haptics nodes
 };
 
 }  // namespace hapton

@@ -89,11 +89,11 @@ const CycleRow* RecordingRows::at(double t_s) {
   return found == rows_->begin() ? &*found : &*std::prev(found);
 }
 
-const CycleRow* RecordingRows::replied_at(double t_s, double most_age_s) {
+const CycleRow* RecordingRows::replied_at(double t_s, double max_age_s) {
   go_to(t_s);
   for (auto one = find_after(t_s); one != rows_->begin();) {
     --one;
-    if (one->sample_t_s < t_s - most_age_s) break;
+    if (one->sample_t_s < t_s - max_age_s) break;
     if (has_reply(*one)) return &*one;
   }
   return nullptr;

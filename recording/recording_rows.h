@@ -31,8 +31,8 @@ class RecordingRows {
 
   // The newest sample until that time, or else the first of all. Null only if the file has changed. Valid until the next call.
   const CycleRow* at(double t_s);
-  // The newest sample until that time whose force came, at most most_age_s old; null: there is none. Pre: most_age_s is at most kBeforeS.
-  const CycleRow* replied_at(double t_s, double most_age_s);
+  // The newest sample until that time whose force came, at most max_age_s old; null: there is none. Pre: max_age_s is at most kBeforeS.
+  const CycleRow* replied_at(double t_s, double max_age_s);
   // Times of the first sample after t_s, and of the last one before it; none: there is none.
   std::optional<double> next_s(double t_s);
   std::optional<double> previous_s(double t_s);

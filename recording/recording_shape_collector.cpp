@@ -30,13 +30,13 @@ void RecordingShapeCollector::add(const SessionEntry& entry, const Datagram* dat
   processes_.add(datagram->message);
   if (processes_.number() != process_) begin_process(take);
   if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) {
-    if (part->serial <= closed_[part->object]) return;  // sent again at the request of a vision node
-    open(part->object, part->serial, part->part.total, take).parts.add(part->part);
+    if (part->serial <= passed_serials_[part->object]) return;  // sent again at the request of a vision node
+    find_or_add(part->object, part->serial, part->part.total, take).parts.add(part->part);
   } else if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) {
     // The haptics node repeats the newest ShapeStart of each object.
-    if (start->serial <= started_[start->object]) return;
-    started_[start->object] = start->serial;
-    Open& shape = open(start->object, start->serial, start->total, take);
+    if (start->serial <= started_serials_[start->object]) return;
+    started_serials_[start->object] = start->serial;
+    PendingShape& shape = find_or_add(start->object, start->serial, start->total, take);
     shape.is_started = true;
     shape.shape = {.t_s = seconds_between(start_ns_, entry.time_ns),
                    .time_ns = entry.time_ns,
@@ -46,38 +46,38 @@ void RecordingShapeCollector::add(const SessionEntry& entry, const Datagram* dat
   } else {
     return;
   }
-  hand_on_whole(take);
+  pass_whole(take);
 }
 
 void RecordingShapeCollector::begin_process(const Take& take) {
   finish(take);
   process_ = processes_.number();
-  started_.clear();
-  closed_.clear();
+  started_serials_.clear();
+  passed_serials_.clear();
   rows_.clear();
 }
 
-RecordingShapeCollector::Open& RecordingShapeCollector::open(std::int32_t object, std::uint32_t serial, std::uint32_t total,
-                                                             const Take& take) {
-  const auto found = std::ranges::find_if(open_, [&](const Open& one) { return one.object == object && one.serial == serial; });
-  if (found != open_.end()) return *found;
-  if (open_.size() == kMaxOpen) close_first(take);
-  open_.push_back({.object = object, .serial = serial, .parts = ShapeParts(std::min(total, ShapePart::kMaxVertices))});
-  return open_.back();
+RecordingShapeCollector::PendingShape& RecordingShapeCollector::find_or_add(std::int32_t object, std::uint32_t serial, std::uint32_t total,
+                                                                            const Take& take) {
+  const auto found = std::ranges::find_if(pending_, [&](const PendingShape& one) { return one.object == object && one.serial == serial; });
+  if (found != pending_.end()) return *found;
+  if (pending_.size() == kMaxPending) pass_first(take);
+  pending_.push_back({.object = object, .serial = serial, .parts = ShapeParts(std::min(total, ShapePart::kMaxVertices))});
+  return pending_.back();
 }
 
 // A shape without a ShapeStart was never applied, and is dropped.
-void RecordingShapeCollector::close_first(const Take& take) {
-  Open& one = open_.front();
+void RecordingShapeCollector::pass_first(const Take& take) {
+  PendingShape& one = pending_.front();
   if (one.is_started) {
     const bool is_whole = one.parts.total() == one.shape.start.total && one.parts.is_whole();
     one.shape.displacements_m = is_whole ? one.parts.displacements_m() : std::span<const ShapePart::Displacement>();
     one.shape.row = take_row(one.shape);
     take(one.shape);
-    std::uint32_t& closed = closed_[one.object];
-    closed = std::max(closed, one.serial);
+    std::uint32_t& passed_serial = passed_serials_[one.object];
+    passed_serial = std::max(passed_serial, one.serial);
   }
-  open_.pop_front();
+  pending_.pop_front();
 }
 
 std::optional<std::uint64_t> RecordingShapeCollector::take_row(const RecordedShape& shape) {
@@ -88,12 +88,12 @@ std::optional<std::uint64_t> RecordingShapeCollector::take_row(const RecordedSha
 }
 
 // Shapes are handed on in order: a shape that is not complete holds back later ones.
-void RecordingShapeCollector::hand_on_whole(const Take& take) {
-  while (!open_.empty() && open_.front().is_started && open_.front().parts.is_whole()) close_first(take);
+void RecordingShapeCollector::pass_whole(const Take& take) {
+  while (!pending_.empty() && pending_.front().is_started && pending_.front().parts.is_whole()) pass_first(take);
 }
 
 void RecordingShapeCollector::finish(const Take& take) {
-  while (!open_.empty()) close_first(take);
+  while (!pending_.empty()) pass_first(take);
 }
 
 }  // namespace hapton

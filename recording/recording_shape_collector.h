@@ -44,9 +44,9 @@ class RecordingShapeCollector {
 
  private:
   // Most shapes that wait for parts, their ShapeStart or an earlier shape: of at most 8 objects, a few each.
-  static constexpr std::size_t kMaxOpen = 64;
+  static constexpr std::size_t kMaxPending = 64;
 
-  struct Open {
+  struct PendingShape {
     std::int32_t object = 0;
     std::uint32_t serial = 0;
     ShapeParts parts;
@@ -54,17 +54,17 @@ class RecordingShapeCollector {
     RecordedShape shape = {};
   };
   void begin_process(const Take& take);
-  Open& open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take);
-  void close_first(const Take& take);
+  PendingShape& find_or_add(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take);
+  void pass_first(const Take& take);
   std::optional<std::uint64_t> take_row(const RecordedShape& shape);
-  void hand_on_whole(const Take& take);
+  void pass_whole(const Take& take);
 
   std::int64_t start_ns_;
   HapticsProcessCount processes_;
   std::uint32_t process_ = 0;  // of the shapes below
-  std::deque<Open> open_;
-  std::map<std::int32_t, std::uint32_t> started_;  // by object, the serial of the newest ShapeStart
-  std::map<std::int32_t, std::uint32_t> closed_;   // by object, the newest serial that `take` got
+  std::deque<PendingShape> pending_;
+  std::map<std::int32_t, std::uint32_t> started_serials_;  // by object, the serial of the newest ShapeStart
+  std::map<std::int32_t, std::uint32_t> passed_serials_;   // by object, the newest serial that `take` got
   struct Rows {
     std::size_t vertices = 0;  // of each shape in the array
     std::uint64_t count = 0;

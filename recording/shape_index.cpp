@@ -17,11 +17,11 @@ bool is_of(const ShapeStart& start, std::uint32_t source, std::int32_t object, s
 
 // Searches only where parts can still arrive: the last shapes, and the first, which may have begun before the recording.
 IndexedShape* ShapeIndex::find_shape(std::uint32_t source, std::int32_t object, std::uint32_t serial) {
-  const auto is_it = [&](const Timed<IndexedShape>& one) { return is_of(one.message.start, source, object, serial); };
+  const auto is_match = [&](const Timed<IndexedShape>& one) { return is_of(one.message.start, source, object, serial); };
   const auto last = shapes_.size() > kMaxOpen ? shapes_.end() - static_cast<std::ptrdiff_t>(kMaxOpen) : shapes_.begin();
-  if (const auto found = std::find_if(last, shapes_.end(), is_it); found != shapes_.end()) return &found->message;
+  if (const auto found = std::find_if(last, shapes_.end(), is_match); found != shapes_.end()) return &found->message;
   const auto first = shapes_.begin() + static_cast<std::ptrdiff_t>(std::min(kMaxFirst, shapes_.size()));
-  const auto found = std::find_if(shapes_.begin(), first, is_it);
+  const auto found = std::find_if(shapes_.begin(), first, is_match);
   return found != first ? &found->message : nullptr;
 }
 
@@ -35,21 +35,23 @@ const Timed<IndexedShape>* ShapeIndex::find_newest(std::uint32_t source, std::in
 
 // Parts that are sent again at the request of a vision node are left out.
 void ShapeIndex::add(const ObjectShape& shape, std::uint64_t position) {
-  auto parts = std::ranges::find_if(
-      open_, [&](const Parts& one) { return one.source == shape.source && one.object == shape.object && one.serial == shape.serial; });
-  if (parts == open_.end()) {
-    if (const IndexedShape* known = find_shape(shape.source, shape.object, shape.serial); known != nullptr && known->first_position) return;
-    open_.push_back({.source = shape.source, .serial = shape.serial, .object = shape.object, .first_position = position});
-    if (open_.size() > kMaxOpen) open_.pop_front();
-    parts = std::prev(open_.end());
+  auto parts = std::ranges::find_if(open_parts_, [&](const Parts& one) {
+    return one.source == shape.source && one.object == shape.object && one.serial == shape.serial;
+  });
+  if (parts == open_parts_.end()) {
+    if (const IndexedShape* indexed = find_shape(shape.source, shape.object, shape.serial); indexed != nullptr && indexed->first_position)
+      return;
+    open_parts_.push_back({.source = shape.source, .serial = shape.serial, .object = shape.object, .first_position = position});
+    if (open_parts_.size() > kMaxOpen) open_parts_.pop_front();
+    parts = std::prev(open_parts_.end());
   }
   if (shape.part.number() >= parts->received.size() || parts->received[shape.part.number()]) return;
   parts->received.set(shape.part.number());
   parts->last_position = position;
-  IndexedShape* known = find_shape(shape.source, shape.object, shape.serial);
-  if (known == nullptr) return;
-  known->first_position = parts->first_position;
-  known->last_position = position;
+  IndexedShape* indexed = find_shape(shape.source, shape.object, shape.serial);
+  if (indexed == nullptr) return;
+  indexed->first_position = parts->first_position;
+  indexed->last_position = position;
 }
 
 // The haptics node repeats the newest start of each object.
@@ -61,13 +63,14 @@ void ShapeIndex::add(const ShapeStart& start, double t_s) {
   const Timed<IndexedShape>* newest = find_newest(start.source, start.object);
   if (newest != nullptr && newest->message.start.serial >= start.serial) return;
   IndexedShape shape{.start = start};
-  const auto parts = std::ranges::find_if(open_, [&](const Parts& one) { return is_of(start, one.source, one.object, one.serial); });
-  if (parts != open_.end()) {
+  const auto parts = std::ranges::find_if(open_parts_, [&](const Parts& one) { return is_of(start, one.source, one.object, one.serial); });
+  if (parts != open_parts_.end()) {
     shape.first_position = parts->first_position;
     shape.last_position = parts->last_position;
   }
-  const bool was_before = is_first_process && newest == nullptr && first_scene_time_ns_ && start.start_ns < *first_scene_time_ns_;
-  if (was_before) {
+  const bool existed_before_recording =
+      is_first_process && newest == nullptr && first_scene_time_ns_ && start.start_ns < *first_scene_time_ns_;
+  if (existed_before_recording) {
     shapes_.insert(shapes_.begin(), {kBeforeAllS, shape});
     return;
   }

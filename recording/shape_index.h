@@ -49,7 +49,7 @@ class ShapeIndex {
     std::uint64_t first_position = 0;
     std::uint64_t last_position = 0;
   };
-  // Most shapes in open_, the newest of which parts have come: enough for a few incomplete ones of each of at most 8 objects.
+  // Most shapes in open_parts_, the newest of which parts have come: enough for a few incomplete ones of each of at most 8 objects.
   static constexpr std::size_t kMaxOpen = 64;
   static constexpr std::size_t kMaxFirst = 8;
 
@@ -57,7 +57,7 @@ class ShapeIndex {
   const Timed<IndexedShape>* find_newest(std::uint32_t source, std::int32_t object) const;
 
   std::vector<Timed<IndexedShape>> shapes_;
-  std::deque<Parts> open_;
+  std::deque<Parts> open_parts_;
   std::optional<std::int64_t> first_scene_time_ns_;
   std::uint32_t first_source_ = 0;
 };

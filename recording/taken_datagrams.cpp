@@ -24,20 +24,20 @@ bool TakenDatagrams::take(const SessionEntry& entry, const Datagram& datagram) n
   // A Hello belongs to no session.
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
     if (hello->role == NodeRole::haptics) {
-      joining_ = entry.peer;
-    } else if (joining_ == entry.peer) {
-      joining_.reset();
+      joining_haptics_ = entry.peer;
+    } else if (joining_haptics_ == entry.peer) {
+      joining_haptics_.reset();
     }
     return true;
   }
   if (session_ != 0 && datagram.header.session != session_) return false;
   if (entry.kind == SessionEntry::Kind::sent) {
     const auto* welcome = std::get_if<Welcome>(&datagram.message);
-    const bool has_joined = welcome != nullptr && welcome->accepted && joining_ == entry.peer;
-    if (has_joined || std::holds_alternative<DeviceState>(datagram.message)) haptics_ = entry.peer;
+    const bool has_joined = welcome != nullptr && welcome->accepted && joining_haptics_ == entry.peer;
+    if (has_joined || std::holds_alternative<DeviceState>(datagram.message)) haptics_address_ = entry.peer;
     return true;
   }
-  return !haptics_ || *haptics_ == entry.peer || !is_of_haptics(datagram.message);
+  return !haptics_address_ || *haptics_address_ == entry.peer || !is_of_haptics(datagram.message);
 }
 
 }  // namespace hapton

@@ -22,8 +22,8 @@ class TakenDatagrams {
 
  private:
   std::uint64_t session_;
-  std::optional<Address> joining_;  // the last haptics node that has said Hello
-  std::optional<Address> haptics_;  // none: not known
+  std::optional<Address> joining_haptics_;  // the last haptics node that has said Hello
+  std::optional<Address> haptics_address_;  // none: not known
 };
 
 }  // namespace hapton

@@ -16,18 +16,18 @@ std::optional<Vec3> PredictedSignal::predict(std::int64_t now_ns) const noexcept
 }
 
 bool DeadbandCoder::note(const Vec3& value, std::int64_t now_ns) noexcept {
-  noted_[count_++ % kSlopeRows] = {value, now_ns};
-  const std::optional<Vec3> predicted = known_.predict(now_ns);
-  return !predicted || (value - *predicted).norm() >= fraction_ * std::max(known_.value().norm(), least_);
+  recent_[count_++ % kSlopeRows] = {value, now_ns};
+  const std::optional<Vec3> predicted = receiver_.predict(now_ns);
+  return !predicted || (value - *predicted).norm() >= fraction_ * std::max(receiver_.value().norm(), min_norm_);
 }
 
 SignalUpdate DeadbandCoder::send() noexcept {
-  const Noted& last = noted_[(count_ - 1) % kSlopeRows];
-  const Noted& first = count_ < kSlopeRows ? noted_.front() : noted_[count_ % kSlopeRows];
+  const TimedValue& last = recent_[(count_ - 1) % kSlopeRows];
+  const TimedValue& first = count_ < kSlopeRows ? recent_.front() : recent_[count_ % kSlopeRows];
   SignalUpdate update{last.value};
   const std::int64_t passed_ns = last.time_ns - first.time_ns;
   if (prediction_ == Prediction::linear && passed_ns > 0) update.per_ns = (last.value - first.value) / static_cast<double>(passed_ns);
-  known_.update(update, last.time_ns);
+  receiver_.update(update, last.time_ns);
   return update;
 }
 

@@ -47,7 +47,7 @@ class DeadbandCoder {
 
   // fraction: Weber's; 0: each value is sent. least: a last value that is smaller counts as this.
   DeadbandCoder(double fraction, double least, Prediction prediction) noexcept
-      : fraction_(fraction), least_(least), prediction_(prediction) {}
+      : fraction_(fraction), min_norm_(least), prediction_(prediction) {}
 
   // Takes this period's value. True: it must be sent, because its difference from the receiver's prediction can be felt.
   bool note(const Vec3& value, std::int64_t now_ns) noexcept;
@@ -55,16 +55,16 @@ class DeadbandCoder {
   SignalUpdate send() noexcept;
 
  private:
-  struct Noted {
+  struct TimedValue {
     Vec3 value = Vec3::Zero();
     std::int64_t time_ns = 0;
   };
 
   double fraction_;
-  double least_;
+  double min_norm_;
   Prediction prediction_;
-  PredictedSignal known_;
-  std::array<Noted, kSlopeRows> noted_;  // a ring
+  PredictedSignal receiver_;
+  std::array<TimedValue, kSlopeRows> recent_;  // a ring
   std::size_t count_ = 0;
 };
 

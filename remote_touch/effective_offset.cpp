@@ -7,45 +7,45 @@
 namespace hapton {
 
 EffectiveOffset find_effective_offset(const std::vector<Vec3>& signal, const std::vector<Vec3>& reference, double period_s,
-                                      std::size_t most_late, double step_cost, double least) {
+                                      std::size_t max_delay, double step_cost, double min_norm) {
   const std::size_t count = std::min(signal.size(), reference.size());
   if (count == 0) return {};
-  const std::size_t width = most_late + 1;
+  const std::size_t width = max_delay + 1;
   // Before its first sample, the reference has the value of that sample.
-  const auto difference = [&](std::size_t i, std::size_t late) { return (signal[i] - reference[i >= late ? i - late : 0]).norm(); };
+  const auto difference = [&](std::size_t i, std::size_t delay) { return (signal[i] - reference[i >= delay ? i - delay : 0]).norm(); };
   std::vector<double> cost(width);
-  std::vector<double> next(width);
-  std::vector<std::int8_t> change(count * width, 0);  // by how much `late` differs from that of the sample before: -1, 0 or 1
-  for (std::size_t late = 0; late < width; ++late) cost[late] = difference(0, late);
+  std::vector<double> next_cost(width);
+  std::vector<std::int8_t> change(count * width, 0);  // by how much `delay` differs from that of the sample before: -1, 0 or 1
+  for (std::size_t delay = 0; delay < width; ++delay) cost[delay] = difference(0, delay);
   for (std::size_t i = 1; i < count; ++i) {
-    std::int8_t* const into = change.data() + i * width;
-    for (std::size_t late = 0; late < width; ++late) {
-      double best = cost[late];
-      if (late > 0 && cost[late - 1] + step_cost < best) {
-        best = cost[late - 1] + step_cost;
-        into[late] = 1;
+    std::int8_t* const change_row = change.data() + i * width;
+    for (std::size_t delay = 0; delay < width; ++delay) {
+      double best = cost[delay];
+      if (delay > 0 && cost[delay - 1] + step_cost < best) {
+        best = cost[delay - 1] + step_cost;
+        change_row[delay] = 1;
       }
-      if (late + 1 < width && cost[late + 1] + step_cost < best) {
-        best = cost[late + 1] + step_cost;
-        into[late] = -1;
+      if (delay + 1 < width && cost[delay + 1] + step_cost < best) {
+        best = cost[delay + 1] + step_cost;
+        change_row[delay] = -1;
       }
-      next[late] = best + difference(i, late);
+      next_cost[delay] = best + difference(i, delay);
     }
-    cost.swap(next);
+    cost.swap(next_cost);
   }
-  std::size_t late = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  std::size_t delay = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
   EffectiveOffset offset;
-  std::size_t counted = 0;
+  std::size_t compared = 0;
   for (std::size_t i = count; i-- > 0;) {
-    if (signal[i].norm() > least || reference[i].norm() > least) {
-      ++counted;
-      offset.time_s += period_s * static_cast<double>(late);
-      offset.value += difference(i, late);
+    if (signal[i].norm() > min_norm || reference[i].norm() > min_norm) {
+      ++compared;
+      offset.time_s += period_s * static_cast<double>(delay);
+      offset.value += difference(i, delay);
     }
-    late -= static_cast<std::size_t>(static_cast<std::ptrdiff_t>(change[i * width + late]));
+    delay -= static_cast<std::size_t>(static_cast<std::ptrdiff_t>(change[i * width + delay]));
   }
-  if (counted == 0) return {};
-  return {offset.time_s / static_cast<double>(counted), offset.value / static_cast<double>(counted)};
+  if (compared == 0) return {};
+  return {offset.time_s / static_cast<double>(compared), offset.value / static_cast<double>(compared)};
 }
 
 }  // namespace hapton

@@ -32,17 +32,17 @@ class NetworkPath {
     const Fate fate = injector_.draw(now_ns);
     if (fate.kind != Fate::Kind::passed) return;
     for (std::size_t copy = 0; copy < fate.copies; ++copy) {
-      under_way_.push_back({fate.due_ns[copy], ++order_, payload});
-      std::push_heap(under_way_.begin(), under_way_.end(), is_later);
+      in_flight_.push_back({fate.due_ns[copy], ++order_, payload});
+      std::push_heap(in_flight_.begin(), in_flight_.end(), is_later);
     }
   }
 
   // The next datagram that is due: the earliest one, and of several at the same time the one sent first.
   std::optional<Payload> receive(std::int64_t now_ns) {
-    if (under_way_.empty() || under_way_.front().due_ns > now_ns) return std::nullopt;
-    std::pop_heap(under_way_.begin(), under_way_.end(), is_later);
-    std::optional<Payload> payload(std::move(under_way_.back().payload));
-    under_way_.pop_back();
+    if (in_flight_.empty() || in_flight_.front().due_ns > now_ns) return std::nullopt;
+    std::pop_heap(in_flight_.begin(), in_flight_.end(), is_later);
+    std::optional<Payload> payload(std::move(in_flight_.back().payload));
+    in_flight_.pop_back();
     return payload;
   }
 
@@ -57,7 +57,7 @@ class NetworkPath {
   static bool is_later(const Item& a, const Item& b) noexcept { return a.due_ns != b.due_ns ? a.due_ns > b.due_ns : a.order > b.order; }
 
   FaultInjector injector_;
-  std::vector<Item> under_way_;  // a heap, the next one first
+  std::vector<Item> in_flight_;  // a heap, the next one first
   std::uint64_t order_ = 0;
   Traffic traffic_;
 };

@@ -20,11 +20,11 @@ RemoteDeadband::RemoteDeadband(std::shared_ptr<ForceMethod> method, const Remote
 RemoteStep RemoteDeadband::step(const Vec3& p_WD, std::int64_t now_ns) {
   send_motion(p_WD, now_ns);
   while (const auto motion = up_.receive(now_ns)) {
-    if (seen_ && motion->sent_ns <= seen_->sent_ns) continue;
-    seen_ = *motion;
-    seen_at_ns_ = now_ns;
+    if (received_motion_ && motion->sent_ns <= received_motion_->sent_ns) continue;
+    received_motion_ = *motion;
+    received_ns_ = now_ns;
   }
-  if (seen_) run_haptics(now_ns);
+  if (received_motion_) run_haptics(now_ns);
   while (const auto force = down_.receive(now_ns)) {
     if (force->sent_ns <= force_sent_ns_) continue;
     force_sent_ns_ = force->sent_ns;
@@ -44,26 +44,26 @@ Vec3 RemoteDeadband::measure_velocity(const Vec3& p_WD, std::int64_t now_ns) {
 
 void RemoteDeadband::send_motion(const Vec3& p_WD, std::int64_t now_ns) {
   const Vec3 v_WD = measure_velocity(p_WD, now_ns);
-  bool is_off = true;
-  if (told_) {
-    const Vec3 taken = told_->p_WD + 1e-9 * static_cast<double>(now_ns - told_->sent_ns) * told_->v_WD;
-    is_off = (p_WD - taken).norm() >= options_.fraction * kPositionM;
+  bool has_drifted = true;
+  if (sent_motion_) {
+    const Vec3 predicted = sent_motion_->p_WD + 1e-9 * static_cast<double>(now_ns - sent_motion_->sent_ns) * sent_motion_->v_WD;
+    has_drifted = (p_WD - predicted).norm() >= options_.fraction * kPositionM;
   }
-  if (!velocity_.note(v_WD, now_ns) && !is_off) return;
+  if (!velocity_.note(v_WD, now_ns) && !has_drifted) return;
   (void)velocity_.send();
-  told_ = Motion{now_ns, p_WD, v_WD};
-  up_.send(*told_, state_bytes_, now_ns);
+  sent_motion_ = Motion{now_ns, p_WD, v_WD};
+  up_.send(*sent_motion_, state_bytes_, now_ns);
 }
 
 void RemoteDeadband::run_haptics(std::int64_t now_ns) {
   TouchInput input;
-  input.p_WD = seen_->p_WD + 1e-9 * static_cast<double>(now_ns - seen_at_ns_) * seen_->v_WD;
-  if (stepped_ns_ < 0) {
+  input.p_WD = received_motion_->p_WD + 1e-9 * static_cast<double>(now_ns - received_ns_) * received_motion_->v_WD;
+  if (last_step_ns_ < 0) {
     step_.reset(input);
   } else {
-    input.dt_s = 1e-9 * static_cast<double>(now_ns - stepped_ns_);
+    input.dt_s = 1e-9 * static_cast<double>(now_ns - last_step_ns_);
   }
-  stepped_ns_ = now_ns;
+  last_step_ns_ = now_ns;
   const TouchOutput touch = step_.step(input);
   const bool has_changed = std::exchange(had_contact_, touch.contact) != touch.contact;
   if (!force_coder_.note(touch.force_n, now_ns) && !has_changed) return;

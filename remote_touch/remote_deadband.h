@@ -59,15 +59,15 @@ class RemoteDeadband final : public RemoteTouch {
   std::vector<std::pair<std::int64_t, Vec3>> recent_;  // a ring
   std::size_t samples_ = 0;
   DeadbandCoder velocity_;
-  std::optional<Motion> told_;  // the motion sent last
+  std::optional<Motion> sent_motion_;  // the motion sent last
   PredictedSignal force_;
   std::int64_t force_sent_ns_ = -1;
 
   // The haptics node.
   TouchStep step_;
-  std::optional<Motion> seen_;
-  std::int64_t seen_at_ns_ = 0;
-  std::int64_t stepped_ns_ = -1;
+  std::optional<Motion> received_motion_;
+  std::int64_t received_ns_ = 0;
+  std::int64_t last_step_ns_ = -1;
   DeadbandCoder force_coder_;
   bool had_contact_ = false;
 };

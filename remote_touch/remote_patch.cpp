@@ -37,17 +37,17 @@ RemoteStep RemotePatch::step(const Vec3& p_WD, std::int64_t now_ns) {
   run_haptics(now_ns);
   take_parts(now_ns);
   make_patches(p_WD, now_ns);
-  const double dt_s = before_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - before_ns_) : kFirstStepS;
-  before_ns_ = now_ns;
-  const auto touched = touch_.step({.p_WD = p_WD, .dt_s = dt_s});
-  const bool was_local = std::exchange(was_local_, touched.has_value());
-  if (!touched) {
+  const double dt_s = last_step_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - last_step_ns_) : kFirstStepS;
+  last_step_ns_ = now_ns;
+  const auto output = touch_.step({.p_WD = p_WD, .dt_s = dt_s});
+  const bool had_patch_force = std::exchange(had_patch_force_, output.has_value());
+  if (!output) {
     fade_.forget();
     return {Vec3::Zero(), now_ns};
   }
-  if (touched->is_handed_over || !was_local) fade_.begin();
-  fade_.begin_from(touched->difference_n);
-  return {fade_.step(touched->force_n, touched->contact, dt_s), now_ns};
+  if (output->is_handed_over || !had_patch_force) fade_.begin();
+  fade_.begin_from(output->difference_n);
+  return {fade_.step(output->force_n, output->contact, dt_s), now_ns};
 }
 
 bool RemotePatch::is_ready() const {
@@ -60,9 +60,9 @@ RemoteTraffic RemotePatch::traffic() const {
 }
 
 void RemotePatch::send_status(std::int64_t now_ns) {
-  if (status_ns_ > 0 && now_ns - status_ns_ < (has_news_ ? kSoonNs : kStatusNs)) return;
-  status_ns_ = now_ns;
-  has_news_ = false;
+  if (last_status_ns_ > 0 && now_ns - last_status_ns_ < (has_new_parts_ ? kSoonNs : kStatusNs)) return;
+  last_status_ns_ = now_ns;
+  has_new_parts_ = false;
   PatchStatus status = store_.status();
   status.is_wanted = true;
   status.round_trip_s = static_cast<float>(std::max(round_trip_s_, 0.0));
@@ -70,8 +70,8 @@ void RemotePatch::send_status(std::int64_t now_ns) {
 }
 
 void RemotePatch::follow_hand(const SampleOnTheWay& sample) {
-  const double dt_s = hand_ns_ ? 1e-9 * static_cast<double>(sample.time_ns - *hand_ns_) : 0.0;
-  hand_ns_ = sample.time_ns;
+  const double dt_s = last_sample_ns_ ? 1e-9 * static_cast<double>(sample.time_ns - *last_sample_ns_) : 0.0;
+  last_sample_ns_ = sample.time_ns;
   hand_.follow(sample.p_WD, dt_s);
   source_.aim(hand_);
 }
@@ -79,9 +79,9 @@ void RemotePatch::follow_hand(const SampleOnTheWay& sample) {
 void RemotePatch::run_haptics(std::int64_t now_ns) {
   while (const auto status = up_.receive(now_ns)) {
     source_.accept(*status);
-    is_asked_ = true;
+    is_requested_ = true;
   }
-  if (!is_asked_ || !hand_ns_ || now_ns - last_send_check_ns_ < kSendNs) return;
+  if (!is_requested_ || !last_sample_ns_ || now_ns - last_send_check_ns_ < kSendNs) return;
   last_send_check_ns_ = now_ns;
   while (const auto part = source_.take(now_ns)) {
     part_sent_ns_ = now_ns;
@@ -92,7 +92,7 @@ void RemotePatch::run_haptics(std::int64_t now_ns) {
 void RemotePatch::take_parts(std::int64_t now_ns) {
   while (const auto part = down_.receive(now_ns)) {
     (void)store_.accept_part(*part);
-    has_news_ = true;
+    has_new_parts_ = true;
   }
 }
 
@@ -100,11 +100,11 @@ void RemotePatch::take_parts(std::int64_t now_ns) {
 void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
   (void)touch_.take_retired();
   maker_.note_hand(touch_.hand_at(p_WD, now_ns));
-  if (made_ == nullptr) {
-    made_ = maker_.make_if_due(store_, 0);
-    made_ns_ = now_ns + std::max(kMinMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));
+  if (next_patch_ == nullptr) {
+    next_patch_ = maker_.make_if_due(store_, 0);
+    next_patch_ready_ns_ = now_ns + std::max(kMinMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));
   }
-  if (made_ != nullptr && now_ns >= made_ns_) (void)touch_.offer(std::move(made_));
+  if (next_patch_ != nullptr && now_ns >= next_patch_ready_ns_) (void)touch_.offer(std::move(next_patch_));
 }
 
 }  // namespace hapton

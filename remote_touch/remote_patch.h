@@ -57,8 +57,8 @@ class RemotePatch final : public RemoteTouch {
   // The haptics node.
   PatchSource source_;
   HandMotion hand_;
-  std::optional<std::int64_t> hand_ns_;
-  bool is_asked_ = false;
+  std::optional<std::int64_t> last_sample_ns_;
+  bool is_requested_ = false;
   std::int64_t last_send_check_ns_ = 0;
   std::int64_t part_sent_ns_ = -1;
 
@@ -67,14 +67,14 @@ class RemotePatch final : public RemoteTouch {
   PatchMaker maker_;
   PatchTouch touch_;
   ForceFade fade_;
-  std::unique_ptr<Patch> made_;
-  std::int64_t made_ns_ = 0;
-  std::int64_t status_ns_ = 0;
+  std::unique_ptr<Patch> next_patch_;
+  std::int64_t next_patch_ready_ns_ = 0;
+  std::int64_t last_status_ns_ = 0;
   std::int64_t now_ns_ = 0;
-  std::int64_t before_ns_ = 0;
+  std::int64_t last_step_ns_ = 0;
   double round_trip_s_ = -1.0;
-  bool has_news_ = false;
-  bool was_local_ = false;
+  bool has_new_parts_ = false;
+  bool had_patch_force_ = false;
 };
 
 }  // namespace hapton

@@ -32,15 +32,15 @@ constexpr double kMinLateS = 0.03;        // the largest delay considered is at 
 class Rig {
  public:
   // is_ideal: positions are not rounded to encoder steps.
-  Rig(const RemoteScene& scene, const RemoteDevice& device, const RemoteCase& which, bool is_ideal)
-      : law_(*which.method, make_remote_touch(*which.method, scene, which.network, which.settings),
+  Rig(const RemoteScene& scene, const RemoteDevice& device, const RemoteCase& remote_case, bool is_ideal)
+      : law_(*remote_case.method, make_remote_touch(*remote_case.method, scene, remote_case.network, remote_case.settings),
              {.limits = device.limits, .mechanics = mechanics_of(device.model)}, kPeriodNs),
         stage_({.device = mechanics_of(device.model),
                 .most_damping_ns_per_m = 250.0 * device.model.mass_kg,
                 .max_force_n = device.model.max_force_n}),
         chain_(law_, {.encoder_step_m = is_ideal ? 0.0 : device.model.encoder_step_m,
                       .max_force_n = device.model.max_force_n,
-                      .stage = which.method->is_passive && !which.method->has_governor ? &stage_ : nullptr}) {}
+                      .stage = remote_case.method->is_passive && !remote_case.method->has_governor ? &stage_ : nullptr}) {}
 
   RemoteLaw& law() { return law_; }
   ForceChain& chain() { return chain_; }
@@ -89,18 +89,18 @@ double largest_distance(std::span<const Vec3> positions) {
 }
 
 Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
-                                       const RemoteCase& which) {
-  Rig rig(scene, device, which, true);
+                                       const RemoteCase& remote_case) {
+  Rig rig(scene, device, remote_case, true);
   const Vec3 start = path.rows.front().device_m();
-  const auto ready_s = wait_for_scene(rig.law(), *which.method, start, which.round_trip_s);
+  const auto ready_s = wait_for_scene(rig.law(), *remote_case.method, start, remote_case.round_trip_s);
   if (!ready_s) return tl::unexpected(ready_s.error());
-  WholeScene whole(scene.near);
-  (void)whole.step(start, 0);
+  WholeScene whole_scene(scene.near);
+  (void)whole_scene.step(start, 0);
   PrescribedTouch touch;
   touch.ready_s = *ready_s;
-  MachineStalls stalls(which.stall_s, kPeriodS, which.network.seed);
-  std::optional<RemoteTraffic> before;
-  std::optional<RemoteTraffic> after;
+  MachineStalls stalls(remote_case.stall_s, kPeriodS, remote_case.network.seed);
+  std::optional<RemoteTraffic> traffic_before;
+  std::optional<RemoteTraffic> traffic_after;
   for (std::size_t i = 0; i < path.rows.size(); ++i) {
     const std::size_t missed = std::min(stalls.missed_before(i), path.rows.size() - 1 - i);
     i += missed;
@@ -108,25 +108,26 @@ Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath
     rig.law().skip(missed);
     const auto now_ns = static_cast<std::int64_t>(i + 1) * kPeriodNs;
     const Vec3 p_WD = path.rows[i].device_m();
-    if (i >= path.sliding && !before) before = rig.law().touch().traffic();
-    if (i >= path.leaving && !after) after = rig.law().touch().traffic();
+    if (i >= path.sliding && !traffic_before) traffic_before = rig.law().touch().traffic();
+    if (i >= path.leaving && !traffic_after) traffic_after = rig.law().touch().traffic();
     rig.chain().sample(p_WD, now_ns);
-    (void)whole.step(p_WD, now_ns);
-    const Vec3 zero_delay_n = shortened(whole.last().force_n, device.model.max_force_n);
-    touch.rows.push_back({p_WD, rig.chain().force_n(), zero_delay_n, whole.last().visual_offset_m.norm()});
+    (void)whole_scene.step(p_WD, now_ns);
+    const Vec3 zero_delay_n = shortened(whole_scene.last().force_n, device.model.max_force_n);
+    touch.rows.push_back({p_WD, rig.chain().force_n(), zero_delay_n, whole_scene.last().visual_offset_m.norm()});
   }
-  if (before && after) touch.rates = rates_of(*after - *before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
+  if (traffic_before && traffic_after)
+    touch.rates = rates_of(*traffic_after - *traffic_before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
   touch.scene_kb = 1e-3 * static_cast<double>(rig.law().touch().traffic().scene.bytes);
-  touch.force = compare_forces(touch.rows, kPeriodS, std::max(kLateShare * which.round_trip_s, kMinLateS));
+  touch.force = compare_forces(touch.rows, kPeriodS, std::max(kLateShare * remote_case.round_trip_s, kMinLateS));
   return touch;
 }
 
 Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
-                                        const RemoteCase& which, const std::vector<Vec3>* zero_delay) {
+                                        const RemoteCase& remote_case, const std::vector<Vec3>* zero_delay) {
   if (!(device.hand.stiffness_n_per_m > 0.0)) return fail("a hand without a spring cannot follow a path");
-  Rig rig(scene, device, which, false);
+  Rig rig(scene, device, remote_case, false);
   const Vec3 start = path.rows.front().device_m();
-  if (const auto ready_s = wait_for_scene(rig.law(), *which.method, start, which.round_trip_s); !ready_s)
+  if (const auto ready_s = wait_for_scene(rig.law(), *remote_case.method, start, remote_case.round_trip_s); !ready_s)
     return tl::unexpected(ready_s.error());
   LoopSimulation simulation(rig.chain(), {.device = device.model,
                                           .hand = device.hand,
@@ -161,12 +162,12 @@ double mean_force_n(std::span<const LoopRow> rows) {
 }
 
 // Whether a press comes to rest as in find_rest_stiffness (closed_loop/press.h), and on the wall: it holds kMinHeldN or more.
-Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, double stiffness_n_per_m) {
+Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& remote_case, double stiffness_n_per_m) {
   const auto scene = make_remote_scene(make_wall_mesh(), {.stiffness_n_per_m = stiffness_n_per_m, .two_sided = false});
   if (!scene) return tl::unexpected(scene.error());
-  Rig rig(*scene, device, which, false);
+  Rig rig(*scene, device, remote_case, false);
   const PressPath path = make_press_path(device.hand, {.wall_n_per_m = stiffness_n_per_m});
-  if (const auto ready_s = wait_for_scene(rig.law(), *which.method, path.start_m, which.round_trip_s); !ready_s)
+  if (const auto ready_s = wait_for_scene(rig.law(), *remote_case.method, path.start_m, remote_case.round_trip_s); !ready_s)
     return tl::unexpected(ready_s.error());
   LoopSimulation simulation(
       rig.chain(), {.device = device.model, .hand = device.hand, .period_ns = kPeriodNs, .path = path.path, .start_m = path.start_m});
@@ -180,16 +181,16 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
 
 }  // namespace
 
-Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m) {
+Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& remote_case, double most_n_per_m) {
   const ValueRange range = {.first = 10.0, .stride = 1.3, .most = most_n_per_m};
-  constexpr double kFine = 0.02;  // relative width at which the search ends
+  constexpr double kSearchWidth = 0.02;  // relative width at which the search ends
   std::optional<Error> error;
   const auto rests = [&](double stiffness_n_per_m) {
-    const auto found = comes_to_rest(device, which, stiffness_n_per_m);
+    const auto found = comes_to_rest(device, remote_case, stiffness_n_per_m);
     if (!found) error = found.error();
     return found.value_or(false);
   };
-  const double largest = find_largest_value(range, kFine, rests);
+  const double largest = find_largest_value(range, kSearchWidth, rests);
   if (error) return tl::unexpected(*error);
   return largest;
 }

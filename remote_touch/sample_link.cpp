@@ -21,10 +21,10 @@ std::optional<ReplyOnTheWay> SampleLink::exchange(const SampleOnTheWay& sample) 
     up_.send(sample, state_bytes_, now_ns);
   }
   received_.reset();
-  while (const auto came = up_.receive(now_ns)) {
-    const auto reply = haptics_.reply(*came);
+  while (const auto received_sample = up_.receive(now_ns)) {
+    const auto reply = haptics_.reply(*received_sample);
     if (!reply) continue;
-    received_ = *came;
+    received_ = *received_sample;
     down_.send(*reply, force_bytes_, now_ns);
   }
   std::optional<ReplyOnTheWay> newest;

@@ -32,11 +32,11 @@ bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {
 }
 
 // Whether the proxy stays near the device along the whole path: the hand slides over one surface, and does not get behind another one.
-bool is_followed(ForceMethod& method, const SlidePath& path, double most_m) {
+bool is_followed(ForceMethod& method, const SlidePath& path, double max_distance_m) {
   method.reset(path.rows.front().device_m());
   for (const SlideRow& row : path.rows) {
     const Vec3 p_SD = row.device_m();
-    if ((method.step({.p_SD = p_SD}).p_SP - p_SD).norm() > most_m) return false;
+    if ((method.step({.p_SD = p_SD}).p_SP - p_SD).norm() > max_distance_m) return false;
   }
   return true;
 }
@@ -70,14 +70,14 @@ SlidePath make_rows(Walker walker, const SlidePlan& plan) {
   for (double depth_m = -kClearanceM; depth_m < plan.depth_m; depth_m += per_row_m) path.rows.push_back(walker.row(depth_m));
   path.sliding = path.rows.size();
   // The hand slides to and fro on the same path. The stroke has the same length at every speed, and fits on a mesh of 100 mm.
-  const std::size_t there = std::max<std::size_t>(1, rows_of(plan.stroke_m / plan.speed_m_per_s, plan.period_s));
+  const std::size_t stroke_rows = std::max<std::size_t>(1, rows_of(plan.stroke_m / plan.speed_m_per_s, plan.period_s));
   for (std::size_t i = 0; i < rows_of(plan.slide_s, plan.period_s); ++i) {
-    const std::size_t step = (i + 1) % (2 * there);
-    if (i < there) {
+    const std::size_t step = (i + 1) % (2 * stroke_rows);
+    if (i < stroke_rows) {
       walker.advance(plan.speed_m_per_s * plan.period_s);
       path.rows.push_back(walker.row(plan.depth_m));
     } else {
-      const SlideRow row = path.rows[path.sliding - 1 + (step <= there ? step : 2 * there - step)];
+      const SlideRow row = path.rows[path.sliding - 1 + (step <= stroke_rows ? step : 2 * stroke_rows - step)];
       path.rows.push_back(row);
     }
   }
@@ -98,8 +98,8 @@ HandPath SlidePath::make_hand_path(double hand_n_per_m, double surface_n_per_m, 
   points.reserve(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const SlideRow& row = rows[i];
-    const double aim_m = row.depth_m > 0.0 ? row.depth_m * (1.0 + surface_n_per_m / hand_n_per_m) : row.depth_m;
-    points.push_back({.time_ns = std::llround(1e9 * period_s * static_cast<double>(i)), .p_WH = row.p_SQ - aim_m * row.outward_S});
+    const double hand_depth_m = row.depth_m > 0.0 ? row.depth_m * (1.0 + surface_n_per_m / hand_n_per_m) : row.depth_m;
+    points.push_back({.time_ns = std::llround(1e9 * period_s * static_cast<double>(i)), .p_WH = row.p_SQ - hand_depth_m * row.outward_S});
   }
   return HandPath(std::move(points));
 }

@@ -26,10 +26,10 @@ class ArrivalForecast {
     late_samples_ = is_late ? late_samples_ + 1 : 0;
     tick_ns_ = is_late ? tick_ns_ + period_ns_ : sample_ns;
     shortest_ns_ = std::min(shortest_ns_, arrival_ns - sample_ns);
-    if (++delays_ < kDelays) return;
+    if (++delay_count_ < kDelays) return;
     shortest_before_ns_ = shortest_ns_;
     shortest_ns_ = kNone;
-    delays_ = 0;
+    delay_count_ = 0;
   }
 
   // The forecast, receiver's clock. None: the newest sample does not follow the one before, the rate is unknown, or too few have arrived.
@@ -47,7 +47,7 @@ class ArrivalForecast {
   std::int64_t period_ns_ = 0;
   std::int64_t shortest_ns_ = kNone;         // shortest delay in this block of kDelays samples
   std::int64_t shortest_before_ns_ = kNone;  // the same, in the block before
-  std::uint32_t delays_ = 0;                 // delays in this block
+  std::uint32_t delay_count_ = 0;            // delays in this block
   std::uint32_t late_samples_ = 0;           // late samples in a row
   bool is_in_sequence_ = false;
 };

@@ -22,21 +22,21 @@ class ByteRing {
   bool push(std::span<const std::byte> head, std::span<const std::byte> body) noexcept {
     const std::size_t size = head.size() + body.size();
     const std::size_t end = end_.load(std::memory_order_relaxed);
-    const std::size_t to_wrap = bytes_.size() - place(end);
+    const std::size_t bytes_to_end = bytes_.size() - offset_of(end);
     // A record is contiguous: one that does not fit before the end of the memory is written at the beginning of the memory.
-    const std::size_t skipped = kPrefix + size <= to_wrap ? 0 : to_wrap;
-    const std::size_t taken = skipped + padded(kPrefix + size);
-    if (end + taken - begin_seen_ > bytes_.size()) begin_seen_ = begin_.load(std::memory_order_acquire);
-    if (end + taken - begin_seen_ > bytes_.size() || size >= kSkip) {
+    const std::size_t skipped = kPrefix + size <= bytes_to_end ? 0 : bytes_to_end;
+    const std::size_t record_bytes = skipped + padded(kPrefix + size);
+    if (end + record_bytes - known_begin_ > bytes_.size()) known_begin_ = begin_.load(std::memory_order_acquire);
+    if (end + record_bytes - known_begin_ > bytes_.size() || size >= kSkip) {
       dropped_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
-    if (skipped > 0) put_size(place(end), kSkip);
-    std::byte* to = bytes_.data() + place(end + skipped);
-    put_size(place(end + skipped), static_cast<std::uint32_t>(size));
+    if (skipped > 0) put_size(offset_of(end), kSkip);
+    std::byte* to = bytes_.data() + offset_of(end + skipped);
+    put_size(offset_of(end + skipped), static_cast<std::uint32_t>(size));
     if (!head.empty()) std::memcpy(to + kPrefix, head.data(), head.size());
     if (!body.empty()) std::memcpy(to + kPrefix + head.size(), body.data(), body.size());
-    end_.store(end + taken, std::memory_order_release);
+    end_.store(end + record_bytes, std::memory_order_release);
     return true;
   }
 
@@ -48,12 +48,12 @@ class ByteRing {
     const std::size_t end = end_.load(std::memory_order_acquire);
     while (begin != end) {
       std::uint32_t size = 0;
-      std::memcpy(&size, bytes_.data() + place(begin), sizeof size);
+      std::memcpy(&size, bytes_.data() + offset_of(begin), sizeof size);
       if (size == kSkip) {
-        begin += bytes_.size() - place(begin);
+        begin += bytes_.size() - offset_of(begin);
         continue;
       }
-      visit(std::span<const std::byte>(bytes_).subspan(place(begin) + kPrefix, size));
+      visit(std::span<const std::byte>(bytes_).subspan(offset_of(begin) + kPrefix, size));
       begin += padded(kPrefix + size);
       begin_.store(begin, std::memory_order_release);
       ++count;
@@ -69,13 +69,13 @@ class ByteRing {
   static constexpr std::uint32_t kSkip = std::numeric_limits<std::uint32_t>::max();
 
   static std::size_t padded(std::size_t size) noexcept { return (size + kPrefix - 1) / kPrefix * kPrefix; }
-  std::size_t place(std::size_t position) const noexcept { return position & (bytes_.size() - 1); }
+  std::size_t offset_of(std::size_t position) const noexcept { return position & (bytes_.size() - 1); }
   void put_size(std::size_t at, std::uint32_t size) noexcept { std::memcpy(bytes_.data() + at, &size, sizeof size); }
 
   std::vector<std::byte> bytes_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
-  std::size_t begin_seen_ = 0;  // the writer's copy of begin_, so that it seldom reads the other thread's cache line
+  std::size_t known_begin_ = 0;  // the writer's copy of begin_, so that it seldom reads the other thread's cache line
   std::atomic<std::uint64_t> dropped_{0};
 };
 

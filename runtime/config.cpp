@@ -42,10 +42,11 @@ Result<std::string> scalar_text(const toml::node& node) {
   return fail("is not a text, number, true or false");
 }
 
-// The file's keys as command-line arguments, without those that `given` overrides.
+// The file's keys as command-line arguments, without those that `command_line` overrides.
 class ConfigFile {
  public:
-  ConfigFile(std::string path, CLI::App& app, const std::vector<std::string>& given) : path_(std::move(path)), app_(app), given_(given) {}
+  ConfigFile(std::string path, CLI::App& app, const std::vector<std::string>& command_line)
+      : path_(std::move(path)), app_(app), command_line_(command_line) {}
 
   Result<std::vector<std::string>> arguments();
 
@@ -62,7 +63,7 @@ class ConfigFile {
 
   std::string path_;
   CLI::App& app_;
-  const std::vector<std::string>& given_;
+  const std::vector<std::string>& command_line_;
   std::vector<std::string> arguments_;
   std::vector<std::string> flags_;
 };
@@ -108,7 +109,8 @@ Result<void> ConfigFile::add(std::string_view key, const toml::node& node) {
   if (option == nullptr || key == "config" || key == "help" || key == "version") {
     return fail_at(node, fmt::format("unknown key '{}'{}; keys are the program's flags without dashes, see --help", key, suggest_key(key)));
   }
-  if (std::any_of(given_.begin(), given_.end(), [&](const std::string& given) { return names_option(given, *option); })) {
+  if (std::any_of(command_line_.begin(), command_line_.end(),
+                  [&](const std::string& argument) { return names_option(argument, *option); })) {
     return {};
   }
   flags_.push_back(flag);
@@ -144,14 +146,14 @@ std::string ConfigFile::origin_of(std::string_view message) const {
 }
 
 // Nullopt: there is no --config.
-std::optional<std::string> find_config_path(const std::vector<std::string>& given) {
+std::optional<std::string> find_config_path(const std::vector<std::string>& command_line) {
   constexpr std::string_view kFlag = "--config";
-  for (std::size_t i = 0; i < given.size() && given[i] != "--"; ++i) {
-    if (given[i] == kFlag && i + 1 < given.size()) {
-      return given[i + 1];
+  for (std::size_t i = 0; i < command_line.size() && command_line[i] != "--"; ++i) {
+    if (command_line[i] == kFlag && i + 1 < command_line.size()) {
+      return command_line[i + 1];
     }
-    if (given[i].starts_with("--config=")) {
-      return given[i].substr(kFlag.size() + 1);
+    if (command_line[i].starts_with("--config=")) {
+      return command_line[i].substr(kFlag.size() + 1);
     }
   }
   return std::nullopt;
@@ -238,9 +240,9 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
   for (int i = 1; i < argc; ++i) {
     arguments.emplace_back(argv[i]);
   }
-  const std::vector<std::string> given = arguments;
-  const std::optional<std::string> path = find_config_path(given);
-  ConfigFile file(path.value_or(""), app, given);
+  const std::vector<std::string> command_line = arguments;
+  const std::optional<std::string> path = find_config_path(command_line);
+  ConfigFile file(path.value_or(""), app, command_line);
   if (path) {
     const Result<std::vector<std::string>> from_file = file.arguments();
     if (!from_file) {

@@ -24,10 +24,10 @@ struct Attributes {
 }  // namespace
 
 bool enter_deadline(std::int64_t runtime_ns, std::int64_t period_ns) noexcept {
-  Attributes wanted;
-  wanted.runtime_ns = static_cast<std::uint64_t>(runtime_ns);
-  wanted.deadline_ns = wanted.period_ns = static_cast<std::uint64_t>(period_ns);
-  return ::syscall(SYS_sched_setattr, 0, &wanted, 0) == 0;
+  Attributes attributes;
+  attributes.runtime_ns = static_cast<std::uint64_t>(runtime_ns);
+  attributes.deadline_ns = attributes.period_ns = static_cast<std::uint64_t>(period_ns);
+  return ::syscall(SYS_sched_setattr, 0, &attributes, 0) == 0;
 }
 
 }  // namespace hapton

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-FileWatch::FileWatch(std::filesystem::path path) : path_(std::move(path)) { known_ = stamp_of_file().value_or(Stamp()); }
+FileWatch::FileWatch(std::filesystem::path path) : path_(std::move(path)) { accepted_stamp_ = stamp_of_file().value_or(Stamp()); }
 
 std::optional<FileWatch::Stamp> FileWatch::stamp_of_file() const {
   std::error_code error;
@@ -16,23 +16,23 @@ std::optional<FileWatch::Stamp> FileWatch::stamp_of_file() const {
 }
 
 FileWatch::State FileWatch::check() {
-  const std::optional<Stamp> now = stamp_of_file();
-  if (!now) {
-    seen_.reset();
+  const std::optional<Stamp> stamp = stamp_of_file();
+  if (!stamp) {
+    changed_stamp_.reset();
     return ++checks_without_file_ == 2 ? State::gone : State::unchanged;
   }
   checks_without_file_ = 0;
-  if (*now == known_) {
-    seen_.reset();
+  if (*stamp == accepted_stamp_) {
+    changed_stamp_.reset();
     return State::unchanged;
   }
-  if (std::exchange(seen_, now) != now) return State::waiting;
+  if (std::exchange(changed_stamp_, stamp) != stamp) return State::waiting;
   return State::changed;
 }
 
 void FileWatch::accept() {
-  known_ = seen_.value_or(known_);
-  seen_.reset();
+  accepted_stamp_ = changed_stamp_.value_or(accepted_stamp_);
+  changed_stamp_.reset();
 }
 
 }  // namespace hapton

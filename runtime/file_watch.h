@@ -36,8 +36,8 @@ class FileWatch {
   std::optional<Stamp> stamp_of_file() const;
 
   std::filesystem::path path_;
-  Stamp known_;
-  std::optional<Stamp> seen_;  // the file at the last check, if it had changed
+  Stamp accepted_stamp_;
+  std::optional<Stamp> changed_stamp_;  // the file at the last check, if it had changed
   int checks_without_file_ = 0;
 };
 

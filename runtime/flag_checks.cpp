@@ -20,14 +20,14 @@ std::optional<double> find_number(const std::string& text) {
 
 // Rejects text that is not a number, and numbers for which `rejection` returns a reason; `advice` ends both error messages.
 template <class Rejection>
-CLI::Validator check_number(Rejection rejection, const std::string& advice, const std::string& shown) {
+CLI::Validator check_number(Rejection rejection, const std::string& advice, const std::string& type_name) {
   return CLI::Validator(
       [rejection, advice](std::string& text) {
         const auto value = find_number(text);
         const std::string wrong = value ? rejection(*value) : "is not a number";
         return wrong.empty() ? std::string() : fmt::format("{} {}; give {}", text.empty() ? "''" : text, wrong, advice);
       },
-      shown);
+      type_name);
 }
 
 }  // namespace
@@ -55,17 +55,17 @@ CLI::Validator whole_number(std::int64_t least, std::uint64_t most) {
       [least, most](std::string& text) -> std::string {
         const auto number = find_number(text);
         if (!number || !std::isfinite(*number)) return {};
-        const bool below = text.starts_with('-');
-        std::string_view digits = std::string_view(text).substr(below || text.starts_with('+') ? 1 : 0);
-        const bool hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
-        if (hexadecimal) digits.remove_prefix(2);
+        const bool is_negative = text.starts_with('-');
+        std::string_view digits = std::string_view(text).substr(is_negative || text.starts_with('+') ? 1 : 0);
+        const bool is_hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
+        if (is_hexadecimal) digits.remove_prefix(2);
         std::uint64_t size = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, hexadecimal ? 16 : 10);
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, is_hexadecimal ? 16 : 10);
         const std::string advice = fmt::format("give a whole number from {} to {}", least, most);
         if (end != digits.data() + digits.size()) return fmt::format("{} is not a whole number in digits; {}", text, advice);
-        if (!hexadecimal && digits.size() > 1 && digits.front() == '0')
+        if (!is_hexadecimal && digits.size() > 1 && digits.front() == '0')
           return fmt::format("{} begins with a zero; {}, without it", text, advice);
-        const std::uint64_t most_size = below ? std::uint64_t{0} - static_cast<std::uint64_t>(least) : most;
+        const std::uint64_t most_size = is_negative ? std::uint64_t{0} - static_cast<std::uint64_t>(least) : most;
         const bool fits = error == std::errc() && size <= most_size;
         return fits ? std::string() : fmt::format("{} is out of range; {}", text, advice);
       },

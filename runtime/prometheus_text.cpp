@@ -31,11 +31,11 @@ constexpr std::array<std::int64_t, 19> kBoundsNs = {1'000,      2'000,       5'0
 
 // For each bound, how many durations were at most that long. A bucket of the histogram (1.6 % wide) that a bound divides does not count.
 std::array<std::uint64_t, kBoundsNs.size()> count_within(const LatencyHistogram& histogram) {
-  std::array<std::uint64_t, kBoundsNs.size()> within = {};
+  std::array<std::uint64_t, kBoundsNs.size()> cumulative = {};
   histogram.for_each_bucket([&](std::int64_t, std::int64_t upper_ns, std::uint64_t count) {
-    for (std::size_t i = 0; i < kBoundsNs.size(); ++i) within[i] += upper_ns - 1 <= kBoundsNs[i] ? count : 0;
+    for (std::size_t i = 0; i < kBoundsNs.size(); ++i) cumulative[i] += upper_ns - 1 <= kBoundsNs[i] ? count : 0;
   });
-  return within;
+  return cumulative;
 }
 
 std::string hops_text(const LatencyReport& report) {
@@ -43,10 +43,10 @@ std::string hops_text(const LatencyReport& report) {
   for (const LatencyHop& hop : report.hops) {
     const LatencyHistogram& h = hop.histogram;
     const std::string label = fmt::format("hop=\"{}\"", escaped(hop.name));
-    const auto within = count_within(h);
+    const auto cumulative = count_within(h);
     for (std::size_t i = 0; i < kBoundsNs.size(); ++i)
-      text +=
-          fmt::format("hapton_latency_seconds_bucket{{{},le=\"{:g}\"}} {}\n", label, 1e-9 * static_cast<double>(kBoundsNs[i]), within[i]);
+      text += fmt::format("hapton_latency_seconds_bucket{{{},le=\"{:g}\"}} {}\n", label, 1e-9 * static_cast<double>(kBoundsNs[i]),
+                          cumulative[i]);
     text += fmt::format("hapton_latency_seconds_bucket{{{},le=\"+Inf\"}} {}\n", label, h.count());
     text += fmt::format("hapton_latency_seconds_sum{{{}}} {:.9g}\n", label, 1e-9 * h.mean_ns() * static_cast<double>(h.count()));
     text += fmt::format("hapton_latency_seconds_count{{{}}} {}\n", label, h.count());

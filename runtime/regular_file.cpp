@@ -27,11 +27,11 @@ std::string read_all(int file, std::size_t max_bytes, std::string& bytes) {
   bytes.reserve(static_cast<std::size_t>(status.st_size));
   std::array<char, 65536> block;
   while (bytes.size() <= max_bytes) {
-    const ssize_t got = read(file, block.data(), block.size());
-    if (got == 0) return {};
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return std::strerror(errno);
-    bytes.append(block.data(), static_cast<std::size_t>(got));
+    const ssize_t read_size = read(file, block.data(), block.size());
+    if (read_size == 0) return {};
+    if (read_size < 0 && errno == EINTR) continue;
+    if (read_size < 0) return std::strerror(errno);
+    bytes.append(block.data(), static_cast<std::size_t>(read_size));
   }
   return "it grows while it is read";
 }

@@ -16,20 +16,20 @@ class SpinTrial {
 
   // Whether the next wait may spin. Called once for each wait.
   bool may_spin() noexcept {
-    if (paused_ == 0) return true;
-    --paused_;
+    if (pause_left_ == 0) return true;
+    --pause_left_;
     return false;
   }
 
-  // Called after each wait that did spin. arrived: the datagram came before the end of the spinning.
-  void note(bool arrived) noexcept {
-    arrivals_ += arrived ? 1 : 0;
+  // Called after each wait that did spin. has_arrived: the datagram came before the end of the spinning.
+  void note(bool has_arrived) noexcept {
+    arrivals_ += has_arrived ? 1 : 0;
     if (++waits_ < kWaits) return;
     if (2 * arrivals_ >= kWaits) {
-      pause_ = kFirstPause;
+      next_pause_ = kFirstPause;
     } else {
-      paused_ = pause_;
-      pause_ = std::min(2 * pause_, kLongestPause);
+      pause_left_ = next_pause_;
+      next_pause_ = std::min(2 * next_pause_, kLongestPause);
     }
     waits_ = arrivals_ = 0;
   }
@@ -37,8 +37,8 @@ class SpinTrial {
  private:
   std::uint32_t waits_ = 0;
   std::uint32_t arrivals_ = 0;
-  std::uint32_t paused_ = 0;  // further waits that must not spin
-  std::uint32_t pause_ = kFirstPause;
+  std::uint32_t pause_left_ = 0;  // further waits that must not spin
+  std::uint32_t next_pause_ = kFirstPause;
 };
 
 }  // namespace hapton

@@ -18,7 +18,7 @@ WorkerThreads::WorkerThreads(int size) {
 }
 
 WorkerThreads::~WorkerThreads() {
-  stop_.store(true, std::memory_order_relaxed);
+  must_stop_.store(true, std::memory_order_relaxed);
   calls_.fetch_add(1, std::memory_order_release);
   calls_.notify_all();
   for (std::thread& thread : threads_) thread.join();
@@ -28,25 +28,25 @@ void WorkerThreads::run_each(Function function, const void* context) noexcept {
   if (threads_.empty()) return function(context, 0);
   function_ = function;
   context_ = context;
-  busy_.store(static_cast<int>(threads_.size()), std::memory_order_relaxed);
+  busy_workers_.store(static_cast<int>(threads_.size()), std::memory_order_relaxed);
   calls_.fetch_add(1, std::memory_order_release);
   calls_.notify_all();
   function(context, 0);
-  for (int spins = 0; spins < kSpins && busy_.load(std::memory_order_acquire) != 0; ++spins) spin_pause();
-  for (int busy = busy_.load(std::memory_order_acquire); busy != 0; busy = busy_.load(std::memory_order_acquire)) {
-    busy_.wait(busy, std::memory_order_acquire);
+  for (int spins = 0; spins < kSpins && busy_workers_.load(std::memory_order_acquire) != 0; ++spins) spin_pause();
+  for (int busy = busy_workers_.load(std::memory_order_acquire); busy != 0; busy = busy_workers_.load(std::memory_order_acquire)) {
+    busy_workers_.wait(busy, std::memory_order_acquire);
   }
 }
 
 void WorkerThreads::serve(int worker) noexcept {
-  std::uint32_t seen = 0;
+  std::uint32_t served_calls = 0;
   for (;;) {
-    for (int spins = 0; spins < kSpins && calls_.load(std::memory_order_acquire) == seen; ++spins) spin_pause();
-    calls_.wait(seen, std::memory_order_acquire);
-    ++seen;  // a call begins only when the one before has ended, so none is missed
-    if (stop_.load(std::memory_order_relaxed)) return;
+    for (int spins = 0; spins < kSpins && calls_.load(std::memory_order_acquire) == served_calls; ++spins) spin_pause();
+    calls_.wait(served_calls, std::memory_order_acquire);
+    ++served_calls;  // a call begins only when the one before has ended, so none is missed
+    if (must_stop_.load(std::memory_order_relaxed)) return;
     function_(context_, worker);
-    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+    if (busy_workers_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_workers_.notify_one();
   }
 }
 

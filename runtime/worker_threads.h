@@ -29,8 +29,8 @@ class WorkerThreads final : public WorkerTeam {
   Function function_ = nullptr;  // the function of the call whose number is calls_
   const void* context_ = nullptr;
   std::atomic<std::uint32_t> calls_ = 0;
-  std::atomic<int> busy_ = 0;  // workers that have not finished
-  std::atomic<bool> stop_ = false;
+  std::atomic<int> busy_workers_ = 0;  // workers that have not finished
+  std::atomic<bool> must_stop_ = false;
   std::vector<std::thread> threads_;
 };
 

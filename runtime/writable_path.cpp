@@ -38,22 +38,22 @@ fs::path nearest_existing(const fs::path& folder) {
 }
 
 // Checks the length of the whole path, and of each name in it that does not exist yet: how long a name may be depends on the file system.
-// added: bytes that the last name has in addition until the file is complete (PartPath).
-Result<void> check_lengths(const fs::path& path, std::size_t added) {
+// extra_bytes: bytes that the last name has in addition until the file is complete (PartPath).
+Result<void> check_lengths(const fs::path& path, std::size_t extra_bytes) {
   const std::size_t size = path.native().size();
-  if (size + added >= PATH_MAX) {
+  if (size + extra_bytes >= PATH_MAX) {
     return fail("{} cannot be written: it has {} bytes, and {} are the most; give a shorter path", path.string(), size,
-                PATH_MAX - 1 - added);
+                PATH_MAX - 1 - extra_bytes);
   }
   const fs::path full = full_path(path);
-  const fs::path there = nearest_existing(full.parent_path());
-  const long longest = ::pathconf(there.c_str(), _PC_NAME_MAX);  // negative: no limit is known
-  const fs::path below = full.lexically_relative(there);
-  for (auto name = below.begin(); longest >= 0 && name != below.end(); ++name) {
-    const std::size_t added_here = std::next(name) == below.end() ? added : 0;
-    if (name->native().size() + added_here <= static_cast<std::size_t>(longest)) continue;
+  const fs::path existing = nearest_existing(full.parent_path());
+  const long longest = ::pathconf(existing.c_str(), _PC_NAME_MAX);  // negative: no limit is known
+  const fs::path missing = full.lexically_relative(existing);
+  for (auto name = missing.begin(); longest >= 0 && name != missing.end(); ++name) {
+    const std::size_t extra_bytes_here = std::next(name) == missing.end() ? extra_bytes : 0;
+    if (name->native().size() + extra_bytes_here <= static_cast<std::size_t>(longest)) continue;
     return fail("{} cannot be written: a name in it has {} bytes, and {} are the most; give a shorter one", path.string(),
-                name->native().size(), static_cast<std::size_t>(longest) - added_here);
+                name->native().size(), static_cast<std::size_t>(longest) - extra_bytes_here);
   }
   return {};
 }
@@ -79,17 +79,17 @@ Result<void> check_replaceable(const fs::path& file) {
 
 Result<void> check_writable_folder(const fs::path& folder) {
   if (auto fits = check_lengths(folder, 0); !fits) return fits;
-  const fs::path there = nearest_existing(folder);
-  if (is_broken_link(there)) {
+  const fs::path existing = nearest_existing(folder);
+  if (is_broken_link(existing)) {
     return fail("{} cannot be a folder: the link {} points to something that does not exist; make that, or give another place",
-                folder.string(), there.string());
+                folder.string(), existing.string());
   }
   std::error_code error;
-  if (!fs::is_directory(there, error)) {
-    return fail("{} cannot be a folder: {} is not a folder; give another place", folder.string(), there.string());
+  if (!fs::is_directory(existing, error)) {
+    return fail("{} cannot be a folder: {} is not a folder; give another place", folder.string(), existing.string());
   }
-  if (!may_write(there, W_OK | X_OK) || !can_create_in(there)) {
-    return fail("{} cannot be written: {}: {}; give a folder that may be written to", folder.string(), there.string(),
+  if (!may_write(existing, W_OK | X_OK) || !can_create_in(existing)) {
+    return fail("{} cannot be written: {}: {}; give a folder that may be written to", folder.string(), existing.string(),
                 std::strerror(errno));
   }
   return {};

@@ -24,21 +24,23 @@ class CommandFilter {
   enum class Verdict : std::uint8_t { accepted, force_not_finite, torque_not_finite, future, old };
 
   // Pre, here and below: now_ns >= 0 and never decreases from call to call.
-  Verdict take(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
+  Verdict take(const WrenchCommand& command, std::int64_t now_ns) noexcept;
   // True once for each command timeout: at the first call after it.
   bool times_out(std::int64_t now_ns) noexcept;
   // Ends the command that is in use.
   void release() noexcept { is_live_ = false; }
 
-  // A command is in use: wanted() is its wrench.
+  // A command is in use: wrench() is its wrench.
   bool is_live() const noexcept { return is_live_; }
-  const Wrench& wanted() const noexcept { return wanted_; }
+  const Wrench& wrench() const noexcept { return wrench_; }
   // Time until the command timeout of the last accepted command; below 0 after it.
-  double left_s(std::int64_t now_ns) const noexcept { return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - accepted_ns_)); }
+  double left_s(std::int64_t now_ns) const noexcept {
+    return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - accepted_sample_ns_));
+  }
 
  private:
-  Wrench wanted_;
-  std::int64_t accepted_ns_ = 0;  // sample_time_ns of the last accepted command
+  Wrench wrench_;
+  std::int64_t accepted_sample_ns_ = 0;  // sample_time_ns of the last accepted command
   bool has_accepted_ = false;
   bool is_live_ = false;
 };

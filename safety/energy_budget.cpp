@@ -21,9 +21,9 @@ double EnergyBudget::damping_n_s_per_m(double max_force_n, double speed_m_per_s,
 }
 
 double EnergyBudget::share(double max_force_n) const noexcept {
-  const double free = free_j(max_force_n);
-  if (spent_j_ <= free) return 1.0;
-  return std::max((most_j(max_force_n) - spent_j_) / (most_j(max_force_n) - free), 0.0);
+  const double free_limit_j = free_j(max_force_n);
+  if (spent_j_ <= free_limit_j) return 1.0;
+  return std::max((most_j(max_force_n) - spent_j_) / (most_j(max_force_n) - free_limit_j), 0.0);
 }
 
 }  // namespace hapton

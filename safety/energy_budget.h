@@ -36,7 +36,7 @@ class EnergyBudget {
   static constexpr double kSaturationM = 0.036;
 
   // The wrench was on the motors for passed_s.
-  void held(const Wrench& wrench, double passed_s) noexcept {
+  void note_applied(const Wrench& wrench, double passed_s) noexcept {
     force_n_s_ += passed_s * wrench.force_n;
     torque_nm_s_ += passed_s * wrench.torque_nm;
     passed_s_ += passed_s;

@@ -46,7 +46,7 @@ class PassivityController {
   explicit PassivityController(const Mechanics& device) noexcept : device_(device) {}
 
   // force_n was on the motors for passed_s.
-  void held(const Vec3& force_n, double passed_s) noexcept;
+  void note_applied(const Vec3& force_n, double passed_s) noexcept;
   // A sample: the device has moved by moved_m since the sample before.
   void observe(double max_force_n, const Vec3& moved_m) noexcept;
 

@@ -32,16 +32,16 @@ double SafetyGovernor::most_damping_n_s_per_m() const noexcept {
   return stiffness > 0.0 ? kDampingS * stiffness : limits_.device().max_force_n;
 }
 
-// Returns the time since the last call. The motors had the wrench out_ during that time.
+// Returns the time since the last call. The motors had the wrench output_ during that time.
 double SafetyGovernor::advance(std::int64_t now_ns) noexcept {
   now_ns = std::clamp(now_ns, std::int64_t{0}, kLatestNs);
   if (!std::exchange(has_begun_, true)) now_ns_ = now_ns;
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now_ns - now_ns_));
   now_ns_ = std::max(now_ns_, now_ns);
-  thermal_.held(out_.force_n, passed_s);
-  energy_.held(out_, passed_s);
-  if (passivity_) passivity_->held(out_.force_n, passed_s);
-  if (thermal_.load(limits_.device()) > ThermalBudget::kSpent) latch(SafetyFault::thermal);
+  thermal_.note_applied(output_.force_n, passed_s);
+  energy_.note_applied(output_, passed_s);
+  if (passivity_) passivity_->note_applied(output_.force_n, passed_s);
+  if (thermal_.load(limits_.device()) > ThermalBudget::kFaultLoad) latch(SafetyFault::thermal);
   return passed_s;
 }
 
@@ -52,14 +52,14 @@ void SafetyGovernor::latch(SafetyFault fault) noexcept {
   ++counters_.faults[static_cast<std::size_t>(fault)];
 }
 
-bool SafetyGovernor::is_cause_there() const noexcept {
+bool SafetyGovernor::has_cause() const noexcept {
   return status_ == DeviceStatus::fault || thermal_.load(limits_.device()) > kCoolAgain || temperature_ > kCoolAgain ||
-         !motion_.is_current(now_ns_) || SpeedLimit::is_soft(limits_.now(), motion_.speed_m_per_s());
+         !motion_.is_current(now_ns_) || SpeedLimit::is_soft(limits_.current(), motion_.speed_m_per_s());
 }
 
 bool SafetyGovernor::reset_faults() noexcept {
   if (fault_ == SafetyFault::none) return true;
-  if (is_cause_there()) {
+  if (has_cause()) {
     ++counters_.resets_rejected;
     return false;
   }
@@ -72,22 +72,22 @@ bool SafetyGovernor::reset_faults() noexcept {
 }
 
 void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) noexcept {
-  unheld_s_ += advance(sample.time_ns);
+  since_step_s_ += advance(sample.time_ns);
   status_ = status;
   if (status == DeviceStatus::fault) latch(SafetyFault::device);
-  const bool was_held = std::exchange(is_held_, dead_mans_switch_.is_held(sample));
-  if (was_held && !is_held_) ++counters_.releases;
+  const bool was_held = std::exchange(is_switch_held_, dead_mans_switch_.is_held(sample));
+  if (was_held && !is_switch_held_) ++counters_.releases;
   if (status == DeviceStatus::away || status == DeviceStatus::calibrating) {
     motion_.forget();
   } else {
     check_motion(sample);
   }
   // A gate that was closed, however briefly, is followed by a ramp up.
-  is_open_ = is_open_ && gate() == GovernorState::live;
+  is_gate_open_ = is_gate_open_ && gate() == GovernorState::live;
 }
 
 void SafetyGovernor::check_motion(const DeviceSample& sample) noexcept {
-  const DeviceLimits& limits = limits_.now();
+  const DeviceLimits& limits = limits_.current();
   switch (motion_.update(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
     case MotionMonitor::Verdict::fine:
       break;
@@ -100,7 +100,7 @@ void SafetyGovernor::check_motion(const DeviceSample& sample) noexcept {
       break;
   }
   if (SpeedLimit::is_exceeded(limits, motion_.speed_m_per_s())) latch(SafetyFault::speed);
-  energy_.observe(limits.max_force_n, out_, motion_.moved_m(), motion_.turned_rad());
+  energy_.observe(limits.max_force_n, output_, motion_.moved_m(), motion_.turned_rad());
   if (passivity_) passivity_->observe(limits.max_force_n, motion_.moved_m());
 }
 
@@ -109,8 +109,8 @@ void SafetyGovernor::observe_temperature(double temperature) noexcept {
   if (temperature >= kTooHot) latch(SafetyFault::thermal);
 }
 
-void SafetyGovernor::take(const WrenchCommand& wanted) noexcept {
-  switch (filter_.take(wanted, now_ns_)) {
+void SafetyGovernor::take(const WrenchCommand& command) noexcept {
+  switch (filter_.take(command, now_ns_)) {
     case CommandFilter::Verdict::accepted:
       ++counters_.accepted;
       is_accepted_ = true;
@@ -137,7 +137,7 @@ GovernorState SafetyGovernor::gate() const noexcept {
   if (status_ == DeviceStatus::away) return GovernorState::away;
   if (status_ == DeviceStatus::calibrating) return GovernorState::calibrating;
   if (!motion_.is_current(now_ns_)) return GovernorState::pose_timeout;
-  if (!is_held_) return GovernorState::switch_released;
+  if (!is_switch_held_) return GovernorState::switch_released;
   return filter_.is_live() ? GovernorState::live : GovernorState::no_command;
 }
 
@@ -148,18 +148,18 @@ GovernorState SafetyGovernor::state() const noexcept {
 
 // The share of max_force and of max_torque that the thermal budget and the energy budget allow.
 double SafetyGovernor::allowed_share() const noexcept {
-  const DeviceLimits& limits = limits_.now();
+  const DeviceLimits& limits = limits_.current();
   if (limits.max_force_n == 0.0) return 0.0;
   return std::min(thermal_.allowed_n(limits) / limits.max_force_n, energy_.share(limits.max_force_n));
 }
 
 // The requested force, limited and damped for the position and the motion of the device.
 Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
-  const DeviceLimits& limits = limits_.now();
+  const DeviceLimits& limits = limits_.current();
   const double most_damping = most_damping_n_s_per_m();
-  const Vec3 wanted_n = ramp * shortened(filter_.wanted().force_n, limits.max_force_n);
+  const Vec3 wanted_n = ramp * shortened(filter_.wrench().force_n, limits.max_force_n);
   Vec3 force_n = SpeedLimit::limit_force(limits, most_damping, wanted_n, motion_);
-  was_braked_ = SpeedLimit::is_soft(limits, motion_.speed_m_per_s());
+  was_speed_limited_ = SpeedLimit::is_soft(limits, motion_.speed_m_per_s());
   if (passivity_) {
     force_n = passivity_->shape(force_n, most_damping);
     was_kept_passive_ = passivity_->has_limited();
@@ -169,52 +169,52 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   was_damped_ = damping > 0.0;
   force_n = shortened(force_n, limits.max_force_n);
   const Vec3 inside_n = WorkspaceStop::shape(limits, force_n, motion_.p_WD());
-  was_stopped_ = inside_n != force_n;
+  was_workspace_limited_ = inside_n != force_n;
   return inside_n;
 }
 
-const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, std::int64_t now_ns) noexcept {
-  const double passed_s = std::exchange(unheld_s_, 0.0) + advance(now_ns);
+const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& command, std::int64_t now_ns) noexcept {
+  const double passed_s = std::exchange(since_step_s_, 0.0) + advance(now_ns);
   if (filter_.times_out(now_ns_)) {
     ++counters_.command_timeouts;
-    is_open_ = false;
+    is_gate_open_ = false;
   }
-  is_accepted_ = was_stopped_ = was_braked_ = was_damped_ = was_kept_passive_ = false;
-  if (wanted) take(*wanted);
-  const bool was_open = std::exchange(is_open_, gate() == GovernorState::live);
-  if (is_open_ && !was_open) ramp_up_.begin(now_ns_);
-  if (is_open_) {
+  is_accepted_ = was_workspace_limited_ = was_speed_limited_ = was_damped_ = was_kept_passive_ = false;
+  if (command) take(*command);
+  const bool was_open = std::exchange(is_gate_open_, gate() == GovernorState::live);
+  if (is_gate_open_ && !was_open) ramp_up_.begin(now_ns_);
+  if (is_gate_open_) {
     follow(ramp_up_.share(now_ns_), allowed_share(), filter_.left_s(now_ns_), passed_s);
   } else {
     follow(0.0, 0.0, 0.0, passed_s);
   }
-  if (is_accepted_ && is_open_) count_accepted();
-  return out_;
+  if (is_accepted_ && is_gate_open_) count_accepted();
+  return output_;
 }
 
 // ramp: share of the requested wrench; share: share of the limits that may be used; left_s: time until the output has to be zero.
 void SafetyGovernor::follow(double ramp, double share, double left_s, double passed_s) noexcept {
-  const DeviceLimits& limits = limits_.now();
+  const DeviceLimits& limits = limits_.current();
   const double limit_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);
-  out_.force_n = force_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), limit_n,
-                               {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
+  output_.force_n = force_slew_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), limit_n,
+                                       {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
   if (limits_.device().max_torque_nm == 0.0) return;
   const double limit_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
-  out_.torque_nm = torque_.follow(ramp * shortened(filter_.wanted().torque_nm, limits.max_torque_nm), limit_nm,
-                                  {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
+  output_.torque_nm = torque_slew_.follow(ramp * shortened(filter_.wrench().torque_nm, limits.max_torque_nm), limit_nm,
+                                          {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
 }
 
 void SafetyGovernor::count_accepted() noexcept {
-  const DeviceLimits& limits = limits_.now();
-  const double wanted_n = length_of(filter_.wanted().force_n);
+  const DeviceLimits& limits = limits_.current();
+  const double wanted_n = length_of(filter_.wrench().force_n);
   counters_.clamped += wanted_n > limits.max_force_n ? 1 : 0;
-  counters_.slewed += force_.was_cut() ? 1 : 0;
-  counters_.stopped += was_stopped_ ? 1 : 0;
-  counters_.braked += was_braked_ ? 1 : 0;
+  counters_.rate_limited += force_slew_.was_limited() ? 1 : 0;
+  counters_.workspace_limited += was_workspace_limited_ ? 1 : 0;
+  counters_.speed_limited += was_speed_limited_ ? 1 : 0;
   counters_.kept_passive += was_kept_passive_ ? 1 : 0;
   const double energy_n = limits.max_force_n * energy_.share(limits.max_force_n);
   counters_.damped += was_damped_ || energy_n < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
-  counters_.cooled += thermal_.allowed_n(limits) < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
+  counters_.thermal_limited += thermal_.allowed_n(limits) < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
 }
 
 }  // namespace hapton

@@ -21,20 +21,20 @@ namespace hapton {
 // What a governor has done, in numbers.
 struct GovernorCounters {
   std::uint64_t accepted = 0;
-  std::uint64_t not_finite = 0;        // forces and torques
-  std::uint64_t rejected_old = 0;      // repeated, reordered or older than the command timeout
-  std::uint64_t rejected_future = 0;   // replies to a sample that has not been taken
-  std::uint64_t command_timeouts = 0;  // command timeouts after an accepted force
-  std::uint64_t clamped = 0;           // accepted forces above the limit
-  std::uint64_t slewed = 0;            // accepted forces limited in rate
-  std::uint64_t bad_samples = 0;       // samples of the device with an invalid pose
-  std::uint64_t stopped = 0;           // accepted forces limited by the workspace
-  std::uint64_t braked = 0;            // ... by the speed limit
-  std::uint64_t damped = 0;            // ... by the energy budget
-  std::uint64_t kept_passive = 0;      // ... by the passivity controller
-  std::uint64_t cooled = 0;            // ... by the thermal budget
-  std::uint64_t releases = 0;          // times the dead man's switch was released
-  std::uint64_t latched = 0;           // faults that were latched
+  std::uint64_t not_finite = 0;         // forces and torques
+  std::uint64_t rejected_old = 0;       // repeated, reordered or older than the command timeout
+  std::uint64_t rejected_future = 0;    // replies to a sample that has not been taken
+  std::uint64_t command_timeouts = 0;   // command timeouts after an accepted force
+  std::uint64_t clamped = 0;            // accepted forces above the limit
+  std::uint64_t rate_limited = 0;       // accepted forces limited in rate
+  std::uint64_t bad_samples = 0;        // samples of the device with an invalid pose
+  std::uint64_t workspace_limited = 0;  // accepted forces limited by the workspace
+  std::uint64_t speed_limited = 0;      // ... by the speed limit
+  std::uint64_t damped = 0;             // ... by the energy budget
+  std::uint64_t kept_passive = 0;       // ... by the passivity controller
+  std::uint64_t thermal_limited = 0;    // ... by the thermal budget
+  std::uint64_t releases = 0;           // times the dead man's switch was released
+  std::uint64_t latched = 0;            // faults that were latched
   std::uint64_t resets = 0;
   std::uint64_t resets_rejected = 0;  // resets of a fault whose cause persisted
   std::array<std::uint64_t, kSafetyFaults> faults = {};
@@ -88,13 +88,13 @@ class SafetyGovernor {
   // The temperature of the motors as the device reports it: 0 cold .. 1 too hot; below 0: not reported.
   void observe_temperature(double temperature) noexcept;
 
-  // The wrench to write now: in reply to `wanted`, or without a new command. Write it unchanged.
-  const Wrench& step(const std::optional<WrenchCommand>& wanted, std::int64_t now_ns) noexcept;
+  // The wrench to write now: in reply to `command`, or without a new command. Write it unchanged.
+  const Wrench& step(const std::optional<WrenchCommand>& command, std::int64_t now_ns) noexcept;
 
   // Another barrier has released the force: it ramps up again with the next accepted command.
   void interrupt() noexcept {
     filter_.release();
-    is_open_ = false;
+    is_gate_open_ = false;
   }
 
   // Set-up: this fault was latched before this program started and has not been reset. It is latched again, and not counted again. After
@@ -109,15 +109,15 @@ class SafetyGovernor {
   // A dead man's switch is required, and held: a person is at the device. A disconnected device repeats its last sample, which proves
   // nothing.
   bool is_switch_held() const noexcept {
-    return dead_mans_switch_.required_buttons() != 0 && is_held_ && status_ == DeviceStatus::ready && motion_.is_current(now_ns_);
+    return dead_mans_switch_.required_buttons() != 0 && is_switch_held_ && status_ == DeviceStatus::ready && motion_.is_current(now_ns_);
   }
 
-  const Wrench& output() const noexcept { return out_; }
+  const Wrench& output() const noexcept { return output_; }
   SafetyFault fault() const noexcept { return fault_; }
   GovernorState state() const noexcept;
   // No valid command within the command timeout, or none yet: the force is zero or ramping down.
   bool has_timed_out() const noexcept { return !filter_.is_live(); }
-  const DeviceLimits& limits() const noexcept { return limits_.now(); }
+  const DeviceLimits& limits() const noexcept { return limits_.current(); }
   const DeviceLimits& device_limits() const noexcept { return limits_.device(); }
   const GovernorCounters& counters() const noexcept { return counters_; }
   // Load of the motors by limits(); where these allow no force, by the device's own continuous force.
@@ -134,8 +134,8 @@ class SafetyGovernor {
  private:
   double advance(std::int64_t now_ns) noexcept;
   void latch(SafetyFault fault) noexcept;
-  bool is_cause_there() const noexcept;
-  void take(const WrenchCommand& wanted) noexcept;
+  bool has_cause() const noexcept;
+  void take(const WrenchCommand& command) noexcept;
   void check_motion(const DeviceSample& sample) noexcept;
   GovernorState gate() const noexcept;
   double allowed_share() const noexcept;
@@ -151,26 +151,26 @@ class SafetyGovernor {
   ThermalBudget thermal_;
   EnergyBudget energy_;
   std::optional<PassivityController> passivity_;
-  SlewLimit force_;
-  SlewLimit torque_;
+  SlewLimit force_slew_;
+  SlewLimit torque_slew_;
   FaultDebouncer bad_forces_;
   FaultDebouncer bad_torques_;
   FaultDebouncer bad_samples_;
-  Wrench out_;
+  Wrench output_;
   GovernorCounters counters_;
   SafetyFault fault_ = SafetyFault::none;
   DeviceStatus status_ = DeviceStatus::ready;
   double temperature_ = -1.0;
-  bool is_held_ = true;
-  bool is_open_ = false;
-  bool is_accepted_ = false;  // a command was accepted in this step
-  bool was_stopped_ = false;  // ... and this stage limited its force
-  bool was_braked_ = false;
+  bool is_switch_held_ = true;
+  bool is_gate_open_ = false;
+  bool is_accepted_ = false;            // a command was accepted in this step
+  bool was_workspace_limited_ = false;  // ... and this stage limited its force
+  bool was_speed_limited_ = false;
   bool was_damped_ = false;
   bool was_kept_passive_ = false;
   bool has_begun_ = false;
   std::int64_t now_ns_ = 0;
-  double unheld_s_ = 0.0;  // time passed since the last step: it bounds the change in the next
+  double since_step_s_ = 0.0;  // time passed since the last step: it bounds the change in the next
 };
 
 }  // namespace hapton

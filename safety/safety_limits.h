@@ -36,7 +36,7 @@ class SafetyLimits {
   // RT: yes.
   void forbid_torque() noexcept;
 
-  const DeviceLimits& now() const noexcept { return now_; }
+  const DeviceLimits& current() const noexcept { return current_; }
   // The device's own, before tightening: releasing a force is never slowed down, and the thermal model needs the device's true ratings.
   const DeviceLimits& device() const noexcept { return device_; }
   double release_n_per_s() const noexcept { return device_.max_slew_n_per_s; }
@@ -44,7 +44,7 @@ class SafetyLimits {
 
  private:
   DeviceLimits device_;
-  DeviceLimits now_;
+  DeviceLimits current_;
 };
 
 }  // namespace hapton

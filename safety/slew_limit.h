@@ -17,28 +17,28 @@ class SlewLimit {
   // One step. Pre: finite; limit >= 0. Post: value() has changed by no more than the larger rate; |value()| <= limit, or it decreased by
   // the release rate.
   const Vec3& follow(const Vec3& goal, double limit, const Rates& rates) noexcept {
-    double left = rates.towards_goal;
+    double change_left = rates.towards_goal;
     const double length = length_of(value_);
     if (length > limit) {
       const double shrink = std::fmin(length - limit * kJustBelow, rates.release);
       // A remainder that is only rounding error becomes zero.
       value_ = length - shrink <= 1e-12 * length ? Vec3(Vec3::Zero()) : Vec3(value_ * ((length - shrink) / length));
-      left = std::fmax(left - shrink, 0.0);
+      change_left = std::fmax(change_left - shrink, 0.0);
     }
-    const Vec3 aim = shortened(goal, limit);
-    const Vec3 change = aim - value_;
+    const Vec3 limited_goal = shortened(goal, limit);
+    const Vec3 change = limited_goal - value_;
     const double change_length = length_of(change);
-    was_cut_ = change_length > left / kJustBelow;
-    value_ = was_cut_ ? Vec3(value_ + change * (left / change_length * kJustBelow)) : aim;
+    was_limited_ = change_length > change_left / kJustBelow;
+    value_ = was_limited_ ? Vec3(value_ + change * (change_left / change_length * kJustBelow)) : limited_goal;
     return value_;
   }
 
   const Vec3& value() const noexcept { return value_; }
-  bool was_cut() const noexcept { return was_cut_; }  // the last step did not reach the goal
+  bool was_limited() const noexcept { return was_limited_; }  // the last step did not reach the goal
 
  private:
   Vec3 value_ = Vec3::Zero();
-  bool was_cut_ = false;
+  bool was_limited_ = false;
 };
 
 }  // namespace hapton

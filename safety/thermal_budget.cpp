@@ -15,7 +15,7 @@ ThermalBudget::ThermalBudget(const DeviceLimits& device) {
   if (has_budget) time_constant_s_ = -device.peak_s / std::log1p(-squared(device.continuous_force_n / device.max_force_n));
 }
 
-void ThermalBudget::held(const Vec3& force_n, double passed_s) noexcept {
+void ThermalBudget::note_applied(const Vec3& force_n, double passed_s) noexcept {
   if (time_constant_s_ == 0.0) return;
   const double x = std::min(passed_s, kLongestHeldS) / time_constant_s_;
   const double share = x < 1e-4 ? x - 0.5 * x * x : -std::expm1(-x);
@@ -23,10 +23,10 @@ void ThermalBudget::held(const Vec3& force_n, double passed_s) noexcept {
 }
 
 double ThermalBudget::allowed_n(const DeviceLimits& limits) const noexcept {
-  const double left = (1.0 - load(limits)) / (1.0 - kFadeFrom);
-  if (left >= 1.0 || limits.continuous_force_n >= limits.max_force_n) return limits.max_force_n;
+  const double fade_share = (1.0 - load(limits)) / (1.0 - kFadeFrom);
+  if (fade_share >= 1.0 || limits.continuous_force_n >= limits.max_force_n) return limits.max_force_n;
   const double continuous = squared(limits.continuous_force_n);
-  return std::sqrt(continuous + (squared(limits.max_force_n) - continuous) * std::max(left, 0.0));
+  return std::sqrt(continuous + (squared(limits.max_force_n) - continuous) * std::max(fade_share, 0.0));
 }
 
 }  // namespace hapton

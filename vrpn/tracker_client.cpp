@@ -26,32 +26,34 @@ std::string printable(std::string_view name) {
 
 }  // namespace
 
-TrackerClient::TrackerClient(std::string_view device, std::int32_t sensor) : device_(device), sensor_(sensor) { append_cookie(out_); }
+TrackerClient::TrackerClient(std::string_view device, std::int32_t sensor) : device_(device), sensor_(sensor) {
+  append_cookie(bytes_to_send_);
+}
 
 bool TrackerClient::receive(std::span<const std::byte> bytes) {
-  in_.insert(in_.end(), bytes.begin(), bytes.end());
+  received_bytes_.insert(received_bytes_.end(), bytes.begin(), bytes.end());
   if (!is_connected_) {
-    if (in_.size() < kCookieBytes) return true;
+    if (received_bytes_.size() < kCookieBytes) return true;
     if (!take_cookie()) return false;
   }
-  std::span<const std::byte> rest(in_);
+  std::span<const std::byte> unread(received_bytes_);
   while (true) {
     Message message;
-    const ReadStatus status = read_message(rest, message, kMaxServerMessageBytes);
+    const ReadStatus status = read_message(unread, message, kMaxServerMessageBytes);
     if (status == ReadStatus::broken) return false;
     if (status == ReadStatus::incomplete) break;
     if (!receive_message(message)) return false;
   }
-  in_.erase(in_.begin(), in_.end() - static_cast<std::ptrdiff_t>(rest.size()));
+  received_bytes_.erase(received_bytes_.begin(), received_bytes_.end() - static_cast<std::ptrdiff_t>(unread.size()));
   return true;
 }
 
 bool TrackerClient::take_cookie() {
-  if (!is_cookie_good(std::span(in_).first(kCookieBytes))) return false;
-  in_.erase(in_.begin(), in_.begin() + kCookieBytes);
+  if (!is_cookie_good(std::span(received_bytes_).first(kCookieBytes))) return false;
+  received_bytes_.erase(received_bytes_.begin(), received_bytes_.begin() + kCookieBytes);
   is_connected_ = true;
-  append_description(out_, kSenderDescription, kSender, device_, {}, ++sequence_);
-  append_description(out_, kTypeDescription, kPingType, kPing, {}, ++sequence_);
+  append_description(bytes_to_send_, kSenderDescription, kSender, device_, {}, ++sequence_);
+  append_description(bytes_to_send_, kTypeDescription, kPingType, kPing, {}, ++sequence_);
   return true;
 }
 
@@ -66,7 +68,7 @@ bool TrackerClient::receive_message(const Message& message) {
     case kDisconnect:
       return false;
     default:
-      if (tracker_ != message.sender) return true;
+      if (tracker_id_ != message.sender) return true;
       if (position_type_ == message.type) receive_position(message);
       if (change_type_ == message.type || states_type_ == message.type) receive_buttons(message);
       return true;
@@ -77,19 +79,19 @@ bool TrackerClient::receive_message(const Message& message) {
 void TrackerClient::receive_sender(const Message& message) {
   const std::string_view name = name_of(message);
   if (name == device_) {
-    tracker_ = message.sender;
-  } else if (tracker_ == message.sender) {
-    tracker_.reset();
+    tracker_id_ = message.sender;
+  } else if (tracker_id_ == message.sender) {
+    tracker_id_.reset();
   }
-  const std::string shown = printable(name);
-  const bool is_known = std::find(devices_.begin(), devices_.end(), shown) != devices_.end();
-  if (!shown.empty() && !is_known && devices_.size() < kMaxDevices) devices_.push_back(shown);
+  const std::string printable_name = printable(name);
+  const bool is_known = std::find(devices_.begin(), devices_.end(), printable_name) != devices_.end();
+  if (!printable_name.empty() && !is_known && devices_.size() < kMaxDevices) devices_.push_back(printable_name);
 }
 
 void TrackerClient::receive_type(const Message& message) {
-  const std::pair<std::string_view, std::optional<std::int32_t>&> wanted[] = {
+  const std::pair<std::string_view, std::optional<std::int32_t>&> known_types[] = {
       {kPosition, position_type_}, {kButtonChange, change_type_}, {kButtonStates, states_type_}};
-  for (const auto& [name, number] : wanted) {
+  for (const auto& [name, number] : known_types) {
     if (name_of(message) == name) {
       number = message.sender;
     } else if (number == message.sender) {
@@ -123,7 +125,7 @@ void TrackerClient::receive_position(const Message& message) {
 
 std::optional<TrackerPose> TrackerClient::take_newest() { return std::exchange(newest_, std::nullopt); }
 
-void TrackerClient::ping() { append_empty(out_, {kSender, kPingType, {}, ++sequence_}); }
+void TrackerClient::ping() { append_empty(bytes_to_send_, {kSender, kPingType, {}, ++sequence_}); }
 
 std::string TrackerClient::describe_devices() const {
   std::string text;

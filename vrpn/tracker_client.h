@@ -43,7 +43,7 @@ class TrackerClient {
   // The devices that the server has named so far, in one line for the log: printable characters only.
   std::string describe_devices() const;
   // Bytes to send; the caller sends and removes them.
-  Bytes& out() { return out_; }
+  Bytes& out() { return bytes_to_send_; }
 
  private:
   bool take_cookie();
@@ -55,12 +55,12 @@ class TrackerClient {
 
   std::string device_;
   std::int32_t sensor_;
-  Bytes in_;
-  Bytes out_;
+  Bytes received_bytes_;
+  Bytes bytes_to_send_;
   bool is_connected_ = false;
   std::uint32_t sequence_ = 0;
   // The server's numbers for the device and for the types of messages that are read; none: the server has not named it yet.
-  std::optional<std::int32_t> tracker_;
+  std::optional<std::int32_t> tracker_id_;
   std::optional<std::int32_t> position_type_;
   std::optional<std::int32_t> change_type_;
   std::optional<std::int32_t> states_type_;

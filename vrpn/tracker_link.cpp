@@ -55,15 +55,15 @@ void TrackerLink::keep_connected(std::int64_t now_ns) {
   if (id_ == 0) {
     if (now_ns < retry_ns_) return;
     retry_ns_ = now_ns + kRetryNs;
-    received_ns_ = asked_ns_ = now_ns;
+    received_ns_ = last_ping_ns_ = now_ns;
     id_ = streams_->connect(server_);
     if (id_ != 0) client_.emplace(device_, sensor_);
     return;
   }
   if (now_ns - received_ns_ >= kReceiveTimeoutNs) return streams_->close(id_);
-  if (is_connected() && now_ns - std::max(received_ns_, asked_ns_) >= kPingNs) {
+  if (is_connected() && now_ns - std::max(received_ns_, last_ping_ns_) >= kPingNs) {
     client_->ping();
-    asked_ns_ = now_ns;
+    last_ping_ns_ = now_ns;
   }
 }
 

@@ -65,7 +65,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   StreamEndpoint::Id id_ = 0;            // 0: none
   bool has_arrived_ = false;             // something has arrived in the current read
   std::int64_t received_ns_ = 0;         // the newest bytes, or the beginning of the connection
-  std::int64_t asked_ns_ = 0;
+  std::int64_t last_ping_ns_ = 0;
   std::int64_t retry_ns_ = 0;
 };
 

@@ -56,7 +56,7 @@ void report(std::string_view what, const OuterWatchdog& watchdog, const ForceCut
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
-void watch(HeartbeatPage& page, WatchedProcess& process, bool reports) {
+void watch(HeartbeatPage& page, WatchedProcess& process, bool must_report) {
   SteadyClock clock;
   OuterWatchdog watchdog;
   ForceCutter cutter(page, process);
@@ -80,10 +80,10 @@ void watch(HeartbeatPage& page, WatchedProcess& process, bool reports) {
         clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kCheckPeriodNs);
         cutter.cut();
       }
-      if (reports) report("has ended", watchdog, cutter);
+      if (must_report) report("has ended", watchdog, cutter);
       return;
     }
-    if (reports && !is_reported)
+    if (must_report && !is_reported)
       report(verdict == OuterWatchdog::Verdict::frozen ? "is frozen" : "holds a force for too long", watchdog, cutter);
     is_reported = true;
     await_next_check(process.file);

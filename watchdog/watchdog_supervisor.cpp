@@ -63,13 +63,13 @@ bool WatchdogSupervisor::end() {
   for (; !has_ended && clock.now_ns() < until_ns; has_ended = ::waitpid(process_, nullptr, WNOHANG) != 0)
     clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
   if (has_ended) return true;
-  if (killed_ != 0) return false;
-  killed_ = process_;
+  if (killed_process_ != 0) return false;
+  killed_process_ = process_;
   return true;
 }
 
 std::optional<Result<void>> WatchdogSupervisor::restart_if_dead(std::int64_t now_ns) {
-  if (killed_ != 0 && ::waitpid(killed_, nullptr, WNOHANG) != 0) killed_ = 0;
+  if (killed_process_ != 0 && ::waitpid(killed_process_, nullptr, WNOHANG) != 0) killed_process_ = 0;
   if (started_ns_ == 0 || now_ns - started_ns_ < kPeerTimeoutNs) return std::nullopt;
   if (process_ > 0) {
     const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) != 0;

@@ -45,7 +45,7 @@ class WatchdogSupervisor {
   std::filesystem::path program_;
   int priority_ = 0;
   pid_t process_ = 0;
-  pid_t killed_ = 0;  // a watchdog that was killed and has not ended yet; 0: none
+  pid_t killed_process_ = 0;  // a watchdog that was killed and has not ended yet; 0: none
   std::int64_t started_ns_ = 0;
   std::uint64_t restarts_ = 0;
 };

@@ -124,12 +124,12 @@ TEST(HaplyMessages, TheVersionIsReadWithAndWithoutAnEnvelope) {
 }
 
 TEST(HaplyMessages, OtherVersionsAreNamedWithWhatToDo) {
-  EXPECT_EQ(why_unknown({3, 5}), "");
-  EXPECT_EQ(why_unknown({3, 12}), "");
+  EXPECT_EQ(describe_version_problem({3, 5}), "");
+  EXPECT_EQ(describe_version_problem({3, 12}), "");
   for (const Version old : {Version{2, 9}, Version{3, 0}, Version{3, 4}}) {
-    EXPECT_THAT(why_unknown(old), testing::HasSubstr("update the service"));
+    EXPECT_THAT(describe_version_problem(old), testing::HasSubstr("update the service"));
   }
-  EXPECT_THAT(why_unknown({4, 0}), testing::HasSubstr("a newer Hapton"));
+  EXPECT_THAT(describe_version_problem({4, 0}), testing::HasSubstr("a newer Hapton"));
 }
 
 // The service applies its transforms in this order: device, mount, workspace, application.

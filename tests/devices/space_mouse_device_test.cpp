@@ -98,7 +98,7 @@ TEST_F(SpaceMouseHand, StopsNearASurfaceThatItIsPushedInto) {
     before_m = depth_m();
     return rests > 100;
   }));
-  EXPECT_NEAR(0.05 - p().z(), SpaceMouseDevice::kFullSpeedMPerS * SpaceMouseDevice::kOilNsPerM / 1000.0, 1e-3);
+  EXPECT_NEAR(0.05 - p().z(), SpaceMouseDevice::kFullSpeedMPerS * SpaceMouseDevice::kDampingNsPerM / 1000.0, 1e-3);
 }
 
 TEST_F(SpaceMouseHand, UnpluggedStaysWhereItIs) {

@@ -130,7 +130,7 @@ class SimulatedHaptics {
   const Grasp& grasp() const { return *grasp_; }
   // Requests a shape of the first object, as a program does. Pre: programs may deform it.
   void deform(std::uint32_t shape, const std::vector<ShapePart::Displacement>& displacements_m, double over_s) {
-    for (std::uint32_t first = 0; first < displacements_m.size(); first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < displacements_m.size(); first += ShapePart::kVerticesPerPart) {
       shaper_->accept({.stream = 1, .shape = shape, .over_s = over_s, .part = make_shape_part(displacements_m, first)}, clock.now_ns());
     }
   }

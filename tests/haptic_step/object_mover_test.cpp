@@ -57,13 +57,13 @@ struct ObjectMoverTest : testing::Test {
   MoveRequest lift(double height_m, std::optional<double> over_s = std::nullopt) {
     return {.request = ++last_request, .object = {"plate"}, .p_m = Vec3(0, 0, height_m), .over_s = over_s};
   }
-  ObjectMover::Done send(const MoveRequest& request) {
+  ObjectMover::Outcome send(const MoveRequest& request) {
     mover.request(request);
     EXPECT_TRUE(mover.has_request());
-    return mover.work(step);
+    return mover.carry_out(step);
   }
   std::string rejection_of(const MoveRequest& request) {
-    const ObjectMover::Done done = send(request);
+    const ObjectMover::Outcome done = send(request);
     EXPECT_FALSE(done.move);
     EXPECT_EQ(done.reply.request, request.request);
     return done.reply.rejection.data();
@@ -76,7 +76,7 @@ struct ObjectMoverTest : testing::Test {
 // The felt motion, the announced motion and the reply agree.
 TEST_F(ObjectMoverTest, ARequestMovesTheObjectAndItsForce) {
   for (int i = 0; i < 10; ++i) reply_to();
-  const ObjectMover::Done done = send(lift(0.03, 0.4));
+  const ObjectMover::Outcome done = send(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
   EXPECT_STREQ(done.move->name.data(), "plate");
   EXPECT_STREQ(done.reply.rejection.data(), "");
@@ -105,10 +105,10 @@ TEST_F(ObjectMoverTest, ARequestMovesTheObjectAndItsForce) {
 
 TEST_F(ObjectMoverTest, MovesAreSlowedToTheLargestSurfaceSpeed) {
   reply_to();
-  const ObjectMover::Done slowed = send(lift(0.05, 0.01));
+  const ObjectMover::Outcome slowed = send(lift(0.05, 0.01));
   ASSERT_TRUE(slowed.move);
   EXPECT_NEAR(slowed.reply.over_s, 0.05 / kMaxSurfaceSpeed, 1e-9) << "not 0.01 s";
-  const ObjectMover::Done fastest = send(lift(0.05));
+  const ObjectMover::Outcome fastest = send(lift(0.05));
   EXPECT_NEAR(fastest.reply.over_s, 0.05 / kMaxSurfaceSpeed, 1e-9);
   double before = height();
   for (int i = 0; i < 300; ++i) {
@@ -143,7 +143,7 @@ TEST_F(ObjectMoverTest, AMissingPositionOrRotationIsUnchanged) {
   send(lift(0.02, 0.1));
   for (int i = 0; i < 200; ++i) reply_to();
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
-  const ObjectMover::Done done = send({.request = 5, .object = {"plate"}, .q = turned});
+  const ObjectMover::Outcome done = send({.request = 5, .object = {"plate"}, .q = turned});
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->to_p_m, Vec3(0, 0, 0.02));
   EXPECT_LT(done.move->to_q.angularDistance(turned), 1e-12);
@@ -152,10 +152,10 @@ TEST_F(ObjectMoverTest, AMissingPositionOrRotationIsUnchanged) {
 TEST_F(ObjectMoverTest, ARepeatedRequestGetsTheSameReplyAndNoNewMove) {
   reply_to();
   const MoveRequest first = lift(0.02, 0.5);
-  const ObjectMover::Done done = send(first);
+  const ObjectMover::Outcome done = send(first);
   const MoveRequest second = lift(-0.01, 0.5);
   send(second);
-  const ObjectMover::Done again = send(first);
+  const ObjectMover::Outcome again = send(first);
   EXPECT_FALSE(again.move) << "it would take over from the second";
   EXPECT_EQ(again.reply.serial, done.reply.serial);
   EXPECT_EQ(again.reply.over_s, done.reply.over_s);
@@ -169,7 +169,7 @@ TEST_F(ObjectMoverTest, ARepetitionOfARequestThatWaitsIsThatRequest) {
   reply_to();
   const MoveRequest only = lift(0.02, 0.5);
   for (int n = 0; n < 3; ++n) mover.request(only);
-  const ObjectMover::Done done = mover.work(step);
+  const ObjectMover::Outcome done = mover.carry_out(step);
   EXPECT_TRUE(done.move);
   EXPECT_EQ(done.reply.request, only.request);
   EXPECT_STREQ(done.reply.rejection.data(), "");
@@ -183,7 +183,7 @@ TEST_F(ObjectMoverTest, ARepetitionOfWhatWasCarriedOutDisplacesNothingNew) {
   const MoveRequest second = lift(-0.01, 0.5);
   mover.request(second);
   mover.request(first);
-  const ObjectMover::Done done = mover.work(step);
+  const ObjectMover::Outcome done = mover.carry_out(step);
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.reply.request, second.request);
   EXPECT_EQ(done.move->to_p_m, Vec3(0, 0, -0.01));
@@ -194,7 +194,7 @@ TEST_F(ObjectMoverTest, ATurnBeginsWhereTheOneBeforeHasEnded) {
   const Quat turned(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
   ASSERT_TRUE(send({.request = 5, .object = {"plate"}, .q = turned, .over_s = 0.1}).move);
   for (int i = 0; i < 400; ++i) reply_to();
-  const ObjectMover::Done back = send({.request = 6, .object = {"plate"}, .q = Quat::Identity(), .over_s = 0.1});
+  const ObjectMover::Outcome back = send({.request = 6, .object = {"plate"}, .q = Quat::Identity(), .over_s = 0.1});
   ASSERT_TRUE(back.move);
   EXPECT_LT(back.move->from_q.angularDistance(turned), 1e-9);
   const Pose before = step.touch().find_commanded(1)->pose_at(1e-9 * static_cast<double>(step.scene_time_ns()));
@@ -220,7 +220,7 @@ TEST_F(ObjectMoverTest, InvalidRequestsAreRejectedWithOneLine) {
   for (SceneObject& object : none.objects) object.commanded.reset();
   ObjectMover nothing(none, kSource);
   nothing.request(at("lid"));
-  EXPECT_THAT(nothing.work(step).reply.rejection.data(), HasSubstr("none that programs may move (moved_by = \"program\""));
+  EXPECT_THAT(nothing.carry_out(step).reply.rejection.data(), HasSubstr("none that programs may move (moved_by = \"program\""));
   EXPECT_TRUE(nothing.moves().empty());
 }
 
@@ -231,12 +231,12 @@ TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
   for (int n = 0; n < 5000; ++n) flood.push_back(lift(0.01 + 1e-6 * n));
   for (const MoveRequest& request : flood) mover.request(request);
   mover.request({.request = 1, .number = 3, .p_m = Vec3::Zero()});
-  const ObjectMover::Done done = mover.work(step);
+  const ObjectMover::Outcome done = mover.carry_out(step);
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.reply.request, flood.back().request);
-  EXPECT_EQ(mover.work(step).reply.object, 3);
+  EXPECT_EQ(mover.carry_out(step).reply.object, 3);
   EXPECT_FALSE(mover.has_request());
-  // This is one of the last kRemembered requests, whose replies are kept.
+  // This is one of the last kMaxReplies requests, whose replies are kept.
   EXPECT_THAT(send(flood[4990]).reply.rejection.data(), HasSubstr("a newer request for 'plate' replaced this one"));
   EXPECT_EQ(step.counts().moves_taken, 2U);
 }
@@ -267,7 +267,7 @@ TEST_F(ObjectMoverTest, UsesNoHeap) {
     MoveRequest request = requests[n % requests.size()];
     request.request = 1000 + n;
     mover.request(request);
-    if (n % 3 == 0) mover.work(step);
+    if (n % 3 == 0) mover.carry_out(step);
     reply_to();
   }
   EXPECT_EQ(guard.count(), 0U);
@@ -300,7 +300,7 @@ TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
 TEST_F(ObjectMoverTest, AMoveStartsAfterTheLead) {
   for (int i = 0; i < 10; ++i) reply_to();
   mover.set_lead_ns(100'000'000);
-  const ObjectMover::Done done = send(lift(0.03, 0.4));
+  const ObjectMover::Outcome done = send(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->start_ns, 109'000'000);
   EXPECT_EQ(done.move->end_ns, 509'000'000);
@@ -317,28 +317,28 @@ TEST_F(ObjectMoverTest, AMoveThatStartsBeforeThePendingOneIsNotDelayed) {
   mover.set_lead_ns(500'000'000);
   ASSERT_TRUE(send(lift(0.03, 0.1)).move);
   mover.set_lead_ns(498'000'000);
-  const ObjectMover::Done done = send(lift(0.02, 0.1));
+  const ObjectMover::Outcome done = send(lift(0.02, 0.1));
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->start_ns, 507'000'000);
   for (int i = 0; i < 1000; ++i) reply_to();
   EXPECT_NEAR(height(), 0.02, 1e-12);
 }
 
-// A program that sends poses without pause: at most kMaxAhead moves, half of what a CommandedMotion keeps, wait for their start, and the
-// object follows without a jump.
+// A program that sends poses without pause: at most kMaxFutureMoves moves, half of what a CommandedMotion keeps, wait for their start, and
+// the object follows without a jump.
 TEST_F(ObjectMoverTest, PendingMovesAreLimitedToHalfOfThoseKept) {
   mover.set_lead_ns(1'000'000'000);
   std::uint64_t moves = 0;
   double before = 0.0;
   for (int i = 0; i < 4000; ++i) {
     mover.request(lift(0.01 * std::sin(0.002 * i), 0.01));
-    const ObjectMover::Done done = mover.work(step);
+    const ObjectMover::Outcome done = mover.carry_out(step);
     moves += done.move ? 1 : 0;
     reply_to();
     ASSERT_LE(std::abs(height() - before), 1e-3 * kMaxSurfaceSpeed * (1.0 + 1e-9)) << i;
     before = height();
   }
-  EXPECT_LE(moves, std::uint64_t{4000} * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMaxAhead) / 1'000'000'000U + 2U);
+  EXPECT_LE(moves, std::uint64_t{4000} * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMaxFutureMoves) / 1'000'000'000U + 2U);
   EXPECT_GT(moves, 100U);
   EXPECT_NEAR(before, 0.01 * std::sin(0.002 * 3000), 0.001) << "it follows, a second later";
 }

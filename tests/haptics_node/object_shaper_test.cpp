@@ -60,7 +60,7 @@ class ObjectShaperTest : public testing::Test {
   static ShaperDisplacements raised(std::size_t count, double height_m) { return {count, {0.0F, 0.0F, static_cast<float>(height_m)}}; }
   void give(std::int32_t object, std::uint32_t shape, const ShaperDisplacements& displacements, double over_s = 0.0) {
     ShapeRequest request{.stream = 7, .shape = shape, .number = object, .over_s = over_s};
-    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kVerticesPerPart) {
       request.part = make_shape_part(displacements, first);
       shaper_.accept(request, now_ns_);
     }
@@ -227,7 +227,7 @@ TEST_F(ObjectShaperTest, PartsThatOvertakeOneAnotherLeaveNoShapeOut) {
   constexpr std::uint32_t kGiven = 20;
   const auto send = [&](std::uint32_t shape, std::uint32_t part) {
     ShapeRequest request{.stream = 7, .shape = shape, .over_s = 0.01};
-    request.part = make_shape_part(raised(169, 1e-4 * shape), part * ShapePart::kMaxHere);
+    request.part = make_shape_part(raised(169, 1e-4 * shape), part * ShapePart::kVerticesPerPart);
     shaper_.accept(request, now_ns_);
   };
   send(1, 0);
@@ -316,7 +316,7 @@ TEST_F(ObjectShaperTest, TheLoopUsesNoHeap) {
       for (int m = 0; m < 4; ++m) (void)shaper_.take_due(step_);
       if (n % 10 == 0) ++shape;
       ShapeRequest request{.stream = 7, .shape = shape, .over_s = 0.01};
-      for (std::uint32_t first = 0; first < next.size(); first += ShapePart::kMaxHere) {
+      for (std::uint32_t first = 0; first < next.size(); first += ShapePart::kVerticesPerPart) {
         request.part = make_shape_part(next, first);
         shaper_.accept(request, now_ns_);
       }

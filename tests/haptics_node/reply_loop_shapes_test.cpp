@@ -78,7 +78,7 @@ class ReplyLoopShapes : public ReplyLoopStage {
             const char* object = "skin", std::uint32_t leave_out = 1) {
     ShapeRequest request{.stream = stream, .shape = shape, .over_s = over_s};
     put_text(object, request.object);
-    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kVerticesPerPart) {
       if (first == leave_out) continue;
       request.part = make_shape_part(displacements, first);
       send(request);

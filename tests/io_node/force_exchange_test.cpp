@@ -25,11 +25,11 @@ TEST_F(NetworkLoops, TheWholeSlewOfACycleIsThereForItsForce) {
   force_reply.force_n = Vec3(0, 0, 3.9);  // 1.9 N more in one cycle; the device permits 2 N
   network->step();
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
-  EXPECT_EQ(stats().governor.counters.slewed, 0U);
+  EXPECT_EQ(stats().governor.counters.rate_limited, 0U);
   force_reply.force_n = Vec3(0, 0, 6.5);
   network->step();
   EXPECT_NEAR(device.written.back().force_n.z(), 5.9, 1e-9);
-  EXPECT_EQ(stats().governor.counters.slewed, 1U);
+  EXPECT_EQ(stats().governor.counters.rate_limited, 1U);
 }
 
 TEST_F(NetworkLoops, LateForcesAreCountedAndTheNewestWins) {
@@ -213,7 +213,7 @@ TEST_F(NetworkLoops, HostileForcesNeverReachTheMotorsAsTheyAre) {
     last_ns = written.time_ns;
   }
   EXPECT_GT(stats().governor.counters.clamped, 60U);
-  EXPECT_GT(stats().governor.counters.slewed, 0U);
+  EXPECT_GT(stats().governor.counters.rate_limited, 0U);
 }
 
 TEST_F(NetworkLoops, DuplicatesAndForgedEchoesAreIgnored) {

@@ -48,15 +48,15 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"missed_machine_stalled", &s.missed_by_cause[4]},
                                                                         {"command_timeouts", &g.command_timeouts},
                                                                         {"clamped", &g.clamped},
-                                                                        {"rate_limited", &g.slewed},
+                                                                        {"rate_limited", &g.rate_limited},
                                                                         {"not_finite", &g.not_finite},
                                                                         {"rejected_old", &g.rejected_old},
                                                                         {"rejected_future", &g.rejected_future},
-                                                                        {"workspace_limited", &g.stopped},
-                                                                        {"speed_limited", &g.braked},
+                                                                        {"workspace_limited", &g.workspace_limited},
+                                                                        {"speed_limited", &g.speed_limited},
                                                                         {"energy_damped", &g.damped},
                                                                         {"passivity_limited", &g.kept_passive},
-                                                                        {"thermal_limited", &g.cooled},
+                                                                        {"thermal_limited", &g.thermal_limited},
                                                                         {"dead_mans_switch_releases", &g.releases},
                                                                         {"invalid_poses", &g.bad_samples},
                                                                         {"faults_latched", &g.latched},
@@ -79,7 +79,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"rejected_unknown_session", &s.seal.unknown_session},
                                                                         {"rejected_replayed", &s.seal.replayed},
                                                                         {"rejected_forged", &s.seal.forged},
-                                                                        {"rejected_no_slot", &s.seal.no_place},
+                                                                        {"rejected_no_slot", &s.seal.no_slot},
                                                                         {"unknown_peers", &s.socket.unknown_peers},
                                                                         {"dropped_by_kernel", &s.socket.dropped},
                                                                         {"floods", &s.socket.floods},
@@ -248,7 +248,7 @@ TEST_F(IoReportNumbers, TheLinesAtTheEndNameEachCause) {
   stats->missed_by_cause = {0, 6, 0, 0, 8};
   stats->governor.counters.command_timeouts = 6;
   stats->governor.counters.clamped = 7;
-  stats->governor.counters.slewed = 8;
+  stats->governor.counters.rate_limited = 8;
   stats->seal = {.malformed = 60,
                  .wrong_version = 20,
                  .wrong_key = 10,
@@ -257,7 +257,7 @@ TEST_F(IoReportNumbers, TheLinesAtTheEndNameEachCause) {
                  .unknown_session = 50,
                  .replayed = 40,
                  .forged = 30,
-                 .no_place = 1,
+                 .no_slot = 1,
                  .oversized = 2};
   const std::string text = describe_run(*stats);
   EXPECT_THAT(text,

@@ -194,7 +194,7 @@ struct ShapedStage {
   void send_shape() {
     ++serial;
     const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, serial % 2 == 0 ? 0.0F : 1e-6F});
-    for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) {
       thread.push_shape(ObjectShape{.source = 5, .serial = serial, .object = 0, .part = make_shape_part(shape, first)}, Arrival::newest);
     }
     thread.push_shape(

@@ -37,10 +37,10 @@ TEST_P(AgreementWorkers, FinishTasksInOrder) {
   take_all(worker, tasks, AgreementWorker::kCapacity);
   for (std::uint32_t n = 0; n < tasks.size(); ++n) {
     EXPECT_EQ(tasks[n].number, n);
-    EXPECT_TRUE(tasks[n].went_well);
+    EXPECT_TRUE(tasks[n].is_valid);
     EXPECT_EQ(tasks[n].psk, seal::Secret{}) << "the key is still in it";
   }
-  EXPECT_EQ(worker.under_way(), 0U);
+  EXPECT_EQ(worker.pending_count(), 0U);
 }
 
 TEST_P(AgreementWorkers, TakeNoMoreThanTheyHaveRoomFor) {
@@ -71,13 +71,13 @@ TEST_P(AgreementWorkers, AgreeOnOneSession) {
   reply.first = done[0].first;
   hub.submit(reply);
   take_all(hub, done, 2);
-  ASSERT_TRUE(done[1].went_well);
+  ASSERT_TRUE(done[1].is_valid);
   AgreementTask read = done[0];
   read.kind = AgreementTask::Kind::read_reply;
   read.second = done[1].second;
   node.submit(read);
   take_all(node, done, 3);
-  ASSERT_TRUE(done[2].went_well);
+  ASSERT_TRUE(done[2].is_valid);
   EXPECT_EQ(done[2].connection, 1234U);
   EXPECT_EQ(done[1].keys.client_to_hub, done[2].keys.client_to_hub);
   EXPECT_EQ(done[1].keys.hub_to_client, done[2].keys.hub_to_client);

@@ -180,7 +180,7 @@ class RandomDatagrams {
 
   ShapePart draw_shape() {
     ShapePart part{.total = 1 + bits32() % ShapePart::kMaxVertices};
-    part.first = ShapePart::kMaxHere * (bits32() % ShapePart::count_parts(part.total));
+    part.first = ShapePart::kVerticesPerPart * (bits32() % ShapePart::count_parts(part.total));
     for (std::size_t v = 0; v < part.count(); ++v) {
       for (float& x : part.displacements_m[v]) x = static_cast<float>(number(-1, 1));
     }

@@ -124,14 +124,14 @@ struct FloodFilterTest : testing::Test {
 
 TEST_F(FloodFilterTest, AFewUnknownPeersAreNoFlood) {
   window(0);
-  for (int n = 0; n < 100; ++n) ASSERT_EQ(window(FloodFilter::kFlood - 1), FloodFilter::Action::none);
+  for (int n = 0; n < 100; ++n) ASSERT_EQ(window(FloodFilter::kFloodDatagrams - 1), FloodFilter::Action::none);
   EXPECT_EQ(filter.counts().floods, 0U);
 }
 
 TEST_F(FloodFilterTest, AFloodShutsAndItsEndOpensAfterAWhile) {
   window(0);
   EXPECT_EQ(window(500), FloodFilter::Action::install);
-  EXPECT_TRUE(filter.is_shut());
+  EXPECT_TRUE(filter.is_installed());
   EXPECT_GT(filter.program().size(), 5U);
   EXPECT_EQ(window(20, 480), FloodFilter::Action::none) << "the same flood needs no other program";
   EXPECT_EQ(window(20, 5000), FloodFilter::Action::install) << "a tenfold one does";
@@ -140,7 +140,7 @@ TEST_F(FloodFilterTest, AFloodShutsAndItsEndOpensAfterAWhile) {
     action = window(0);
   }
   EXPECT_NEAR(static_cast<double>(windows), static_cast<double>(FloodFilter::kQuietNs / FloodFilter::kPeriodNs), 2.0);
-  EXPECT_FALSE(filter.is_shut());
+  EXPECT_FALSE(filter.is_installed());
   EXPECT_EQ(filter.counts().floods, 1U);
   EXPECT_EQ(window(500), FloodFilter::Action::install);
   EXPECT_EQ(filter.counts().floods, 2U);

@@ -63,7 +63,7 @@ class HandshakeTest : public testing::Test {
   }
   Bytes reply(const Bytes& to) {
     HubHandshake::Agreement agreement = agree(hub_, to);
-    EXPECT_TRUE(agreement.went_well);
+    EXPECT_TRUE(agreement.is_valid);
     hub_channel_ = std::move(agreement.channel);
     return {agreement.reply.begin(), agreement.reply.end()};
   }
@@ -138,7 +138,7 @@ TEST_F(HandshakeTest, WithoutTheKeyNothingIsAccepted) {
   Bytes forged(seal::kRetryBytes);
   unknown.write_retry(with_cookie, from_, kNow, forged);
   EXPECT_FALSE(client_.read_retry(forged));
-  EXPECT_FALSE(agree(unknown, with_cookie).went_well);
+  EXPECT_FALSE(agree(unknown, with_cookie).is_valid);
   EXPECT_TRUE(client_.is_pending());
 }
 
@@ -166,7 +166,7 @@ TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   std::copy_n(seal::bytes_of(std::span(with_cookie)), seal::kPrologueBytes, task.prologue.begin());
   std::copy_n(seal::bytes_of(std::span(with_cookie)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
   run_agreement(task);
-  EXPECT_FALSE(task.went_well);
+  EXPECT_FALSE(task.is_valid);
   // The owner of this key poses as the node: it cannot read the reply.
   ClientHandshake vision_node(vision, kHost, Where::caller);
   vision_node.begin();
@@ -190,7 +190,7 @@ TEST_F(HandshakeTest, AKeyLearntLaterOpensNoRecordedDatagram) {
   std::copy_n(seal::bytes_of(std::span(with_cookie)), seal::kPrologueBytes, task.prologue.begin());
   std::copy_n(seal::bytes_of(std::span(with_cookie)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
   run_agreement(task);
-  ASSERT_TRUE(task.went_well);
+  ASSERT_TRUE(task.is_valid);
   SealedChannel later(task.keys, 5, SealedChannel::Side::hub);
   Bytes opened(kMaxDatagramBytes);
   std::size_t bytes = 0;

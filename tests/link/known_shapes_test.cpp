@@ -131,7 +131,7 @@ TEST_F(KnownShapesTest, TheNextShapeThatIsWholeIsFound) {
 // Each announced shape is requested once: one request for each run of missing parts.
 TEST_F(KnownShapesTest, MissingPartsAreRequestedAhead) {
   constexpr std::uint32_t kParts = 40;
-  KnownShapes known({kParts * ShapePart::kMaxHere - 3});
+  KnownShapes known({kParts * ShapePart::kVerticesPerPart - 3});
   const auto take_part = [&](std::uint32_t serial, std::uint32_t part) {
     known.take(ObjectShape{.source = 5, .serial = serial, .part = {.total = kParts * 64 - 3, .first = part * 64}}, Arrival::newest);
   };

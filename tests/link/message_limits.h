@@ -16,7 +16,7 @@ namespace hapton {
 inline void expect_sane(const ShapePart& part) {
   EXPECT_TRUE(part.total > 0 && part.total <= ShapePart::kMaxVertices);
   EXPECT_LT(part.first, part.total);
-  EXPECT_EQ(part.first % ShapePart::kMaxHere, 0U);
+  EXPECT_EQ(part.first % ShapePart::kVerticesPerPart, 0U);
   for (const ShapePart::Displacement& one : part.displacements_m) {
     for (const float x : one) EXPECT_TRUE(std::abs(x) <= 1e9F) << "finite as well";
   }
@@ -175,7 +175,7 @@ inline void expect_sane(const Datagram& datagram) {
     expect_time(start->end_ns);
   } else if (const auto* shape_status = std::get_if<ShapeStatus>(&datagram.message)) {
     EXPECT_TRUE(shape_status->source != 0 && shape_status->serial != 0 && shape_status->object >= 0);
-    EXPECT_EQ(shape_status->first % ShapePart::kMaxHere, 0U);
+    EXPECT_EQ(shape_status->first % ShapePart::kVerticesPerPart, 0U);
     EXPECT_LT(shape_status->first, ShapePart::kMaxVertices);
   } else if (const auto* shape_reply = std::get_if<ShapeReply>(&datagram.message)) {
     EXPECT_TRUE(shape_reply->stream != 0 && shape_reply->shape != 0 && shape_reply->over_s >= 0.0);

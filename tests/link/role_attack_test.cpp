@@ -121,7 +121,7 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
     std::copy_n(request, seal::kPrologueBytes, task.prologue.begin());
     std::copy_n(request + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
     run_agreement(task);
-    EXPECT_FALSE(task.went_well);
+    EXPECT_FALSE(task.is_valid);
     // The keys in the state after the failed handshake are the best guess that the attacker has.
     const noise::TransportKeys guess = task.state.split();
     seal::ChannelKeys keys;

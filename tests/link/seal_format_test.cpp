@@ -149,7 +149,7 @@ void lengthen(Carves& m) {
 void lengthen(CarveUndo& m) { m = {kMost32, kMost32}; }
 ShapePart make_long_part() {
   ShapePart part{.total = ShapePart::kMaxVertices};
-  part.first = (part.total / ShapePart::kMaxHere - 1) * ShapePart::kMaxHere;
+  part.first = (part.total / ShapePart::kVerticesPerPart - 1) * ShapePart::kVerticesPerPart;
   part.displacements_m.fill({0.1F, 0.2F, 0.3F});
   return part;
 }

@@ -211,7 +211,7 @@ TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
 // Sessions in which nothing was opened yet have half of a role's slots at most: the next request takes the slot of the oldest one,
 // although slots are free.
 TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
-  constexpr std::size_t kMax = SealedHub::kRolePlaces[0] / 2;  // half of the slots of haptics nodes
+  constexpr std::size_t kMax = SealedHub::kRoleSlots[0] / 2;  // half of the slots of haptics nodes
   std::vector<std::unique_ptr<Node>> nodes;
   for (std::size_t i = 0; i <= kMax; ++i) {
     nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::haptics));
@@ -229,15 +229,15 @@ TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
 
 TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoPlaceOfAnother) {
   std::vector<std::unique_ptr<Node>> crowd;
-  for (std::size_t i = 0; i < SealedHub::kPlaces; ++i) {
+  for (std::size_t i = 0; i < SealedHub::kSlots; ++i) {
     crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::tool));
     say(*crowd.back(), "mine");
     meet(*crowd.back());
     for (const auto& node : crowd) node->sealed.send(hub_at_, text("still here"));
     hub_receives();
   }
-  EXPECT_EQ(hub_->seal_counts().handshakes, SealedHub::kRolePlaces[2]);
-  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  EXPECT_EQ(hub_->seal_counts().handshakes, SealedHub::kRoleSlots[2]);
+  EXPECT_GT(hub_->seal_counts().no_slot, 0U);
   const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
   join(*haptics);
   const auto again = make_node(3, key_of(1), KeyRole::haptics);
@@ -274,9 +274,9 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
     return haptics->endpoint.arrived().back().bytes;
   };
   ASSERT_TRUE(intruder.read_retry(start_request(1)));
-  const std::uint64_t rejected = hub_->seal_counts().no_place;
+  const std::uint64_t rejected = hub_->seal_counts().no_slot;
   start_request(2);
-  EXPECT_EQ(hub_->seal_counts().no_place, rejected + 1);
+  EXPECT_EQ(hub_->seal_counts().no_slot, rejected + 1);
   EXPECT_TRUE(reply(*haptics, "still yours"));
   EXPECT_EQ(node_receives(*haptics), std::vector<std::string>{"still yours"});
 }

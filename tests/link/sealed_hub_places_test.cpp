@@ -33,7 +33,7 @@ class SealedPlaces : public SealedHubTest {
     run_for(others, ms);
   }
 
-  static constexpr std::size_t kPlacesOfHaptics = SealedHub::kRolePlaces[0];
+  static constexpr std::size_t kPlacesOfHaptics = SealedHub::kRoleSlots[0];
   std::vector<std::unique_ptr<Node>> nodes_;
 };
 
@@ -44,7 +44,7 @@ TEST_F(SealedPlaces, ASessionInUseKeepsItsPlace) {
   const auto late = make_haptics(200);
   say(*late, "any room?");
   EXPECT_TRUE(meet(*late).empty());
-  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  EXPECT_GT(hub_->seal_counts().no_slot, 0U);
   for (const auto& node : nodes_) EXPECT_TRUE(reply(*node, "you stay"));
 }
 
@@ -84,7 +84,7 @@ TEST_F(SealedPlaces, AnAddressThatIsSilentForLongMayBecomeAnotherRoles) {
   const auto vision = make_node(2);
   say(*vision, "hello");
   EXPECT_TRUE(meet(*vision).empty());
-  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  EXPECT_GT(hub_->seal_counts().no_slot, 0U);
   clock_.advance_ns(2 * SealedClient::kRequestPeriodNs);
   EXPECT_EQ(meet(*vision).count("hello"), 1U);
   EXPECT_TRUE(reply(*vision, "welcome"));

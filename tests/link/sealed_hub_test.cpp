@@ -329,7 +329,7 @@ TEST_F(SealedHubTest, ARestartedNodeAtTheSameAddressReplacesItsOwnSession) {
     join(*node);
     EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(life));
   }
-  EXPECT_EQ(hub_->seal_counts().no_place, 0U);
+  EXPECT_EQ(hub_->seal_counts().no_slot, 0U);
 }
 
 TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
@@ -346,14 +346,14 @@ TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
 
 TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
   std::vector<std::unique_ptr<Node>> crowd;
-  for (std::size_t i = 0; i < SealedHub::kRolePlaces[1]; ++i) {  // the slots of vision nodes
+  for (std::size_t i = 0; i < SealedHub::kRoleSlots[1]; ++i) {  // the slots of vision nodes
     crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
     join(*crowd.back());
   }
   const auto late = make_node(200);
   say(*late, "any room?");
   EXPECT_TRUE(meet(*late).empty());
-  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  EXPECT_GT(hub_->seal_counts().no_slot, 0U);
   for (const auto& node : crowd) EXPECT_TRUE(reply(*node, "you stay"));
   run_for({late.get()}, 2500);
   EXPECT_GT(replies_, 0);

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kHere = ShapePart::kMaxHere;
+constexpr std::uint32_t kHere = ShapePart::kVerticesPerPart;
 
 struct ShapeCodecTest : CodecTest {
   ShapeRequest good{.stream = 1, .shape = 2, .object = {"skin"}, .over_s = 0.03, .part = {.total = 150, .first = 128}};

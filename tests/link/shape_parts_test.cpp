@@ -22,7 +22,7 @@ TEST(ShapeParts, AreWholeOnceAllHaveComeInAnyOrder) {
     SCOPED_TRACE(testing::Message() << total << " vertices, seed 3");
     const Displacements sent = made_displacements(total);
     std::vector<std::uint32_t> firsts;
-    for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) firsts.push_back(first);
+    for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) firsts.push_back(first);
     std::shuffle(firsts.begin(), firsts.end(), std::mt19937_64(3));
     ShapeParts parts(total);
     EXPECT_TRUE(parts.is_empty());

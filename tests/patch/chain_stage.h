@@ -119,7 +119,7 @@ class ChainStage {
     return true;
   }
   void announce(const ShapeStart& start, const Shape& shape) {
-    for (std::uint32_t first = 0; first < shape.size(); first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < shape.size(); first += ShapePart::kVerticesPerPart) {
       const ObjectShape part{.source = start.source, .serial = start.serial, .object = start.object, .part = make_shape_part(shape, first)};
       (void)store_.accept_shape(part, Arrival::newest);
     }

@@ -233,7 +233,7 @@ TEST(DeformingPatch, HasTheShapesOfTheScene) {
 TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
   EXPECT_TRUE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.0));
   EXPECT_FALSE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.001)) << "a ball cannot feel what deforms";
-  EXPECT_FALSE(make_tiles(cushion_on_floor()).has_parting);
+  EXPECT_FALSE(make_tiles(cushion_on_floor()).comes_apart);
 
   // Vertices at the same position that move alike count as one.
   TouchScene doubled = cushion_on_floor();
@@ -250,7 +250,7 @@ TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
   }
   doubled.objects[1].deformation = std::make_shared<const MeshDeformation>(std::move(targets), own.keys(), own.loops());
   doubled.objects[1].mesh = made::shared(std::move(seam));
-  EXPECT_FALSE(make_tiles(doubled).has_parting);
+  EXPECT_FALSE(make_tiles(doubled).comes_apart);
 
   // Two sheets that share an edge at rest only.
   TouchScene parting;
@@ -269,7 +269,7 @@ TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
   parting.objects.push_back({made::shared(std::move(two)), Material()});
   parting.objects.back().deformation =
       std::make_shared<const MeshDeformation>(std::vector{up}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
-  EXPECT_TRUE(make_tiles(parting).has_parting);
+  EXPECT_TRUE(make_tiles(parting).comes_apart);
 }
 
 // A deformation that no scene can have is never felt.

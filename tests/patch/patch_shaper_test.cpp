@@ -28,7 +28,7 @@ struct PatchShaperTest : testing::Test {
   // Announces a shape: within 10 ms the whole sheet rises to z_m above its rest.
   void announce(std::uint32_t serial, std::int64_t start_ms, float z_m) {
     const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, z_m});
-    for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) {
       (void)store.accept_shape(ObjectShape{.source = 5, .serial = serial, .object = 1, .part = make_shape_part(shape, first)},
                                Arrival::newest);
     }

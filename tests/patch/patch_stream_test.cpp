@@ -127,7 +127,7 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
     ASSERT_TRUE(patch.has_value()) << n;
     EXPECT_TRUE(patch->force_n.allFinite());
     if (!patch->is_beyond) last_within_n = patch->force_n.norm();
-    EXPECT_LE(patch->force_n.norm(), PatchTouch::kMaxBeyond * last_within_n * (1.0 + 1e-12));
+    EXPECT_LE(patch->force_n.norm(), PatchTouch::kMaxBeyondForceRatio * last_within_n * (1.0 + 1e-12));
     beyond += patch->is_beyond ? 1 : 0;
   }
   EXPECT_GT(beyond, 100U);

@@ -238,7 +238,7 @@ TEST(StreamedPatch, IsKnownWhenAllOfItIsThereAndItsShape) {
 
   const auto announce = [&](std::uint32_t serial, bool has_shape) {
     const ChainStage::Shape shape = wave_of(scene, 1);
-    for (std::uint32_t first = 0; has_shape && first < shape.size(); first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; has_shape && first < shape.size(); first += ShapePart::kVerticesPerPart) {
       (void)store.accept_shape(ObjectShape{.source = 5, .serial = serial, .object = 1, .part = make_shape_part(shape, first)},
                                Arrival::newest);
     }
@@ -297,10 +297,10 @@ TEST(StreamedPatch, WhatCannotBeFeltOnTheGridIsNotSent) {
   for (const std::uint32_t corner : corners) mesh.vertices.push_back(mesh.vertices[corner]);
   mesh.triangles[0] = {first, first + 1, first + 2};
   torn.objects[1].mesh = made::shared(mesh);
-  EXPECT_FALSE(make_tiles(torn).has_parting) << "at the same place, they count as one";
+  EXPECT_FALSE(make_tiles(torn).comes_apart) << "at the same place, they count as one";
   mesh.vertices[first].x() += 0.1 * make_tiles(torn).grid.step_m;
   torn.objects[1].mesh = made::shared(mesh);
-  EXPECT_TRUE(make_tiles(torn).has_parting);
+  EXPECT_TRUE(make_tiles(torn).comes_apart);
 }
 
 TEST(StreamedPatch, TheStepsUseNoHeap) {

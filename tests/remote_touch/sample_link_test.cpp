@@ -187,8 +187,8 @@ TEST(MachineStalls, AreAsLongAndAsFarApartOnAverageAsTheySay) {
   }
   EXPECT_NEAR(missed / count, kMeanRows, 0.05 * kMeanRows);
   EXPECT_NEAR((static_cast<double>(row) - missed) / count, 1e3 * MachineStalls::kGapS, 0.05 * 1e3 * MachineStalls::kGapS);
-  EXPECT_LE(longest, static_cast<std::size_t>(MachineStalls::kLongest * kMeanRows));
-  EXPECT_GT(longest, static_cast<std::size_t>(0.8 * MachineStalls::kLongest * kMeanRows));
+  EXPECT_LE(longest, static_cast<std::size_t>(MachineStalls::kMaxOverMean * kMeanRows));
+  EXPECT_GT(longest, static_cast<std::size_t>(0.8 * MachineStalls::kMaxOverMean * kMeanRows));
 }
 
 }  // namespace

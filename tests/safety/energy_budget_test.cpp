@@ -10,7 +10,7 @@ constexpr double kMaxN = 10.0;  // 0.1 J free, 0.3 J at most, 0.02 W forgiven
 // force_n was on the motors for 1 ms while the device moved by moved_m along z.
 void give(EnergyBudget& budget, double force_n, double moved_m) {
   const Wrench wrench{Vec3(0, 0, force_n), Vec3::Zero()};
-  budget.held(wrench, 1e-3);
+  budget.note_applied(wrench, 1e-3);
   budget.observe(kMaxN, wrench, Vec3(0, 0, moved_m), Vec3::Zero());
 }
 
@@ -24,15 +24,15 @@ TEST(EnergyBudget, CountsEnergyGivenAndTaken) {
 
 TEST(EnergyBudget, TakesTheMeanOfTheForcesBetweenTwoSamples) {
   EnergyBudget budget;
-  budget.held({Vec3(0, 0, 2), Vec3::Zero()}, 0.75e-3);
-  budget.held({Vec3(0, 0, 6), Vec3::Zero()}, 0.25e-3);
+  budget.note_applied({Vec3(0, 0, 2), Vec3::Zero()}, 0.75e-3);
+  budget.note_applied({Vec3(0, 0, 6), Vec3::Zero()}, 0.25e-3);
   budget.observe(kMaxN, {}, Vec3(0, 0, 0.001), Vec3::Zero());
   EXPECT_NEAR(budget.spent_j(), 0.003 - 2e-5, 1e-12);
 }
 
 TEST(EnergyBudget, CountsTorqueAndTurn) {
   EnergyBudget budget;
-  budget.held({Vec3::Zero(), Vec3(0, 0.5, 0)}, 1e-3);
+  budget.note_applied({Vec3::Zero(), Vec3(0, 0.5, 0)}, 1e-3);
   budget.observe(kMaxN, {}, Vec3::Zero(), Vec3(0, 0.1, 0));
   EXPECT_NEAR(budget.spent_j(), 0.05 - 2e-5, 1e-12);
 }

@@ -84,7 +84,7 @@ TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsRenderedUnchanged) {
     EXPECT_LT(std::sqrt(output.error_n2 / output.felt_n2), 1e-6) << seed;
     EXPECT_LT(output.most_error_n, 1e-6) << seed;
     const GovernorCounters& counters = governor.counters();
-    EXPECT_EQ(counters.damped + counters.braked + counters.stopped + counters.cooled + counters.latched, 0U);
+    EXPECT_EQ(counters.damped + counters.speed_limited + counters.workspace_limited + counters.thermal_limited + counters.latched, 0U);
     // The governor is far from using up its energy or thermal budget, too.
     EXPECT_LT(governor.energy_spent_j(), 0.0);
     EXPECT_LT(governor.thermal_load(), 0.2);

@@ -22,7 +22,7 @@ struct OneAccount {
   explicit OneAccount(const PassivityController::Mechanics& device) : controller(device) {}
   void observe(const Vec3& moved_m) { controller.observe(kLimitN, moved_m); }
   Vec3 shape(const Vec3& wanted_n) { return controller.shape(wanted_n, 20.0); }
-  void held(const Vec3& force_n) { controller.held(force_n, kPeriodS); }
+  void held(const Vec3& force_n) { controller.note_applied(force_n, kPeriodS); }
 
   PassivityController controller;
 };
@@ -39,7 +39,7 @@ struct AccountForEachAxis {
     return sum;
   }
   void held(const Vec3& force_n) {
-    for (int i = 0; i < 2; ++i) axes[static_cast<std::size_t>(i)].held(force_n[i] * Vec3::Unit(i), kPeriodS);
+    for (int i = 0; i < 2; ++i) axes[static_cast<std::size_t>(i)].note_applied(force_n[i] * Vec3::Unit(i), kPeriodS);
   }
 
   std::vector<PassivityController> axes;

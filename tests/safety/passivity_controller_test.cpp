@@ -62,7 +62,7 @@ struct WallRun {
       moved = v * period_s + 0.5 * a * period_s * period_s;
       x += moved;
       v += a * period_s;
-      controller.held(Vec3(force, 0, 0), period_s);
+      controller.note_applied(Vec3(force, 0, 0), period_s);
       given_j += force * moved;
       most_excess_j = std::max(most_excess_j, std::abs(force * hand_n) * period_s * period_s / (2.0 * kMassKg));
       least_j = std::min(least_j, given_j);
@@ -163,21 +163,21 @@ TEST(PassivityController, WithoutItTheSameLoopIsASource) {
 
 TEST(PassivityController, ADeficitIsTakenBackByDamping) {
   PassivityController controller({.mass_kg = kMassKg});
-  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.note_applied(Vec3(1, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));  // a hand pulls the device away at 0.1 m/s
   EXPECT_DOUBLE_EQ(controller.given_j(), 1e-4);
   const Vec3 force = controller.shape(Vec3(0, 2, 0), 20.0);
   EXPECT_EQ(force.y(), 0.0) << "no credit: nothing along a direction in which it does not move";
   EXPECT_DOUBLE_EQ(force.x(), -1e-4 / (1e-3 * 0.01) * 0.1) << "the whole deficit within the period";
   EXPECT_TRUE(controller.has_limited());
-  controller.held(force, 1e-3);
+  controller.note_applied(force, 1e-3);
   controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));
   EXPECT_NEAR(controller.given_j(), 0.0, 1e-18);
 }
 
 TEST(PassivityController, DampingIsWhatTheDeviceBears) {
   PassivityController controller({.mass_kg = kMassKg});
-  controller.held(Vec3(10, 0, 0), 1e-3);
+  controller.note_applied(Vec3(10, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));
   EXPECT_DOUBLE_EQ(controller.shape(Vec3(0, 1e-9, 0), 3.0).x(), -3.0 * 0.1);
   EXPECT_DOUBLE_EQ(controller.shape(Vec3(0, 1e-9, 0), 1e9).x(), -kMassKg / 1e-3 * 0.1) << "no more than stops the mass";
@@ -185,15 +185,15 @@ TEST(PassivityController, DampingIsWhatTheDeviceBears) {
 
 TEST(PassivityController, CreditEndsWithTheContactAndADeficitStays) {
   PassivityController controller({.mass_kg = kMassKg});
-  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.note_applied(Vec3(1, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
   EXPECT_DOUBLE_EQ(controller.given_j(), -1e-3);
-  controller.held(Vec3::Zero(), 1e-3);
+  controller.note_applied(Vec3::Zero(), 1e-3);
   controller.observe(kMaxForceN, Vec3(1e-3, 0, 0));
   EXPECT_EQ(controller.given_j(), 0.0);
-  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.note_applied(Vec3(1, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(1e-3, 0, 0));
-  controller.held(Vec3::Zero(), 0.1);
+  controller.note_applied(Vec3::Zero(), 0.1);
   controller.observe(kMaxForceN, Vec3::Zero());
   EXPECT_DOUBLE_EQ(controller.given_j(), 1e-3);
 }
@@ -201,7 +201,7 @@ TEST(PassivityController, CreditEndsWithTheContactAndADeficitStays) {
 TEST(PassivityController, NoiseOfTheEncoderIsNoDissipation) {
   PassivityController noisy({.mass_kg = kMassKg, .damping_ns_per_m = 1.0, .friction_n = 0.1});
   for (int n = 0; n < 8000; ++n) {
-    noisy.held(Vec3(0, 1, 0), 1e-3);
+    noisy.note_applied(Vec3(0, 1, 0), 1e-3);
     noisy.observe(kMaxForceN, Vec3(n % 2 == 0 ? 3e-5 : -3e-5, 0, 0));
   }
   EXPECT_NEAR(noisy.given_j(), 0.0, 1e-18);
@@ -209,10 +209,10 @@ TEST(PassivityController, NoiseOfTheEncoderIsNoDissipation) {
 
 TEST(PassivityController, WhatARoundedPositionMayHideIsNoCredit) {
   PassivityController controller({.mass_kg = kMassKg, .position_step_m = 4e-5});
-  controller.held(Vec3(2, 0, 0), 1e-3);
+  controller.note_applied(Vec3(2, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
   EXPECT_DOUBLE_EQ(controller.given_j(), -2e-3 + 2.0 * 2e-5);
-  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.note_applied(Vec3(1, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3::Zero());
   EXPECT_DOUBLE_EQ(controller.given_j(), -2e-3 + 3.0 * 2e-5);
 }
@@ -220,7 +220,7 @@ TEST(PassivityController, WhatARoundedPositionMayHideIsNoCredit) {
 TEST(PassivityController, WhatTheDeviceDissipatesIsCredit) {
   PassivityController controller({.mass_kg = kMassKg, .damping_ns_per_m = 0.5, .friction_n = 0.1});
   for (int n = 0; n < PassivityController::kWindow; ++n) {
-    controller.held(Vec3(0, 1, 0), 1e-3);
+    controller.note_applied(Vec3(0, 1, 0), 1e-3);
     controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));
   }
   const double moved = 1e-4 * PassivityController::kWindow;
@@ -230,7 +230,7 @@ TEST(PassivityController, WhatTheDeviceDissipatesIsCredit) {
 TEST(PassivityController, CreditIsBounded) {
   PassivityController controller({.mass_kg = kMassKg});
   for (int n = 0; n < 1000; ++n) {
-    controller.held(Vec3(10, 0, 0), 1e-3);
+    controller.note_applied(Vec3(10, 0, 0), 1e-3);
     controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
   }
   EXPECT_DOUBLE_EQ(controller.given_j(), -PassivityController::kMaxCreditM * kMaxForceN);
@@ -241,7 +241,7 @@ TEST(PassivityController, AForceGetsTheWholeCreditAndInADeficitNothing) {
   constexpr double kCreditPeriodS = 1e-3;
   PassivityController controller({.mass_kg = kMassKg});
   const auto sample = [&](double force_n, double moved_m) {
-    controller.held(Vec3(force_n, 0, 0), kCreditPeriodS);
+    controller.note_applied(Vec3(force_n, 0, 0), kCreditPeriodS);
     controller.observe(kMaxForceN, Vec3(moved_m, 0, 0));
   };
   sample(1.0, -1e-3);

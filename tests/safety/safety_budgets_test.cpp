@@ -13,7 +13,7 @@ TEST(SafetyGovernor, AForceThatAcceleratesAFastDeviceFadesToDamping) {
     bench.press(1.0, 200);
     sweep(bench, speed, 50);
     EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
-    EXPECT_EQ(bench.governor.counters().braked > 0, speed > 1.2);
+    EXPECT_EQ(bench.governor.counters().speed_limited > 0, speed > 1.2);
     if (speed > 1.2) {
       EXPECT_LT(bench.out.force_n.z(), before - 0.1) << speed;
     } else {
@@ -31,7 +31,7 @@ TEST(SafetyGovernor, ASoftDeviceIsDampedNoMoreThanItsStiffnessBears) {
   bench.sample.p_WD.z() = -0.09;
   bench.press(1.0, 200);
   sweep(bench, 1.9, 50);
-  EXPECT_GT(bench.governor.counters().braked, 0U);
+  EXPECT_GT(bench.governor.counters().speed_limited, 0U);
   EXPECT_GT(bench.out.force_n.z(), -0.01) << "2 ms of 0.5 N/m, at 2 m/s";
 }
 
@@ -101,28 +101,28 @@ TEST(SafetyGovernor, EachForceIsCountedOnce) {
   stopped.press(4.0, 300);
   const GovernorCounters before = stopped.governor.counters();
   stopped.press(4.0, 7);
-  EXPECT_EQ(stopped.governor.counters().stopped, before.stopped + 7);
+  EXPECT_EQ(stopped.governor.counters().workspace_limited, before.workspace_limited + 7);
   EXPECT_EQ(stopped.governor.counters().clamped, before.clamped);
-  EXPECT_EQ(stopped.governor.counters().slewed, before.slewed);
+  EXPECT_EQ(stopped.governor.counters().rate_limited, before.rate_limited);
   stopped.press(9.0, 3);
   EXPECT_EQ(stopped.governor.counters().clamped, before.clamped + 3);
-  EXPECT_EQ(stopped.governor.counters().stopped, before.stopped + 10);
+  EXPECT_EQ(stopped.governor.counters().workspace_limited, before.workspace_limited + 10);
 
   Bench braked;
   braked.sample.p_WD.z() = -0.09;
   braked.press(1.0, 200);
   sweep(braked, 1.7, 30);
-  const std::uint64_t slow = braked.governor.counters().braked;
+  const std::uint64_t slow = braked.governor.counters().speed_limited;
   sweep(braked, 1.7, 7);
-  EXPECT_EQ(braked.governor.counters().braked, slow + 7);
+  EXPECT_EQ(braked.governor.counters().speed_limited, slow + 7);
 
   Bench slewed;
   slewed.press(-7.5, 300);
-  ASSERT_EQ(slewed.governor.counters().slewed, 0U);
+  ASSERT_EQ(slewed.governor.counters().rate_limited, 0U);
   slewed.press(7.5, 5);  // the slew limit allows 2 N in a cycle of 1 ms, so 15 N take eight cycles
-  EXPECT_EQ(slewed.governor.counters().slewed, 5U);
+  EXPECT_EQ(slewed.governor.counters().rate_limited, 5U);
   slewed.press(7.5, 5);
-  EXPECT_EQ(slewed.governor.counters().slewed, 7U) << "the eighth is there";
+  EXPECT_EQ(slewed.governor.counters().rate_limited, 7U) << "the eighth is there";
 }
 
 // The device moves where the force pushes it: all of the work would be energy that nobody put in.
@@ -169,7 +169,7 @@ TEST(SafetyGovernor, TheEndOfTheWorkspaceRemovesOutwardForceAndAddsNothing) {
   EXPECT_EQ(at(0.15, 0.0), 0.0);
   EXPECT_NEAR(at(-0.095, -4.0), -2.0, 1e-9);
   EXPECT_EQ(at(-0.1, -4.0), 0.0);
-  EXPECT_GT(bench.governor.counters().stopped, 200U);
+  EXPECT_GT(bench.governor.counters().workspace_limited, 200U);
 }
 
 TEST(SafetyGovernor, OnAShortAxisTheForceFadesOverATenthOfIt) {
@@ -202,11 +202,11 @@ TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {
   }
   EXPECT_EQ(at_peak_s, 8.0);
   EXPECT_NEAR(bench.out.force_n.z(), 2.0, 0.05);
-  EXPECT_GT(bench.governor.counters().cooled, 100'000U);
+  EXPECT_GT(bench.governor.counters().thermal_limited, 100'000U);
   EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
-  const std::uint64_t cooled = bench.governor.counters().cooled;
+  const std::uint64_t cooled = bench.governor.counters().thermal_limited;
   bench.press(0.1, 5);
-  EXPECT_EQ(bench.governor.counters().cooled, cooled) << "what the motors bear is not reduced";
+  EXPECT_EQ(bench.governor.counters().thermal_limited, cooled) << "what the motors bear is not reduced";
   bench.press(0.0, 60'000);
   EXPECT_LT(bench.governor.thermal_load(), 0.5);
   EXPECT_EQ(bench.press(8.0, 100).z(), 8.0);
@@ -247,10 +247,10 @@ TEST(SafetyGovernor, TheFirstForceAfterAReleaseIsNotCountedAsLimited) {
   bench.wait(50);
   bench.sample.p_WD.z() = 0.0;
   bench.now_ns += 200 * kMs;  // so long without a sample that this is not a jump
-  const std::uint64_t stopped = bench.governor.counters().stopped;
+  const std::uint64_t stopped = bench.governor.counters().workspace_limited;
   EXPECT_GT(stopped, 200U);
   EXPECT_GT(bench.press(1.0, 5).z(), 0.0);
-  EXPECT_EQ(bench.governor.counters().stopped, stopped);
+  EXPECT_EQ(bench.governor.counters().workspace_limited, stopped);
 }
 
 // The load is a share of the force that the motors bear; it has to be a number even if no force is allowed.

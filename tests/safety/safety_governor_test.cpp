@@ -15,7 +15,9 @@ TEST(SafetyGovernor, RampsInThenPassesAGoodForceUnchanged) {
   EXPECT_EQ(bench.press(2.0, 100), Vec3(0, 0, 2.0));
   EXPECT_EQ(bench.governor.state(), GovernorState::live);
   const GovernorCounters& counters = bench.governor.counters();
-  EXPECT_EQ(counters.clamped + counters.slewed + counters.command_timeouts + counters.damped + counters.stopped + counters.braked, 0U);
+  EXPECT_EQ(counters.clamped + counters.rate_limited + counters.command_timeouts + counters.damped + counters.workspace_limited +
+                counters.speed_limited,
+            0U);
 }
 
 TEST(SafetyGovernor, ClampsTheNormOfForceAndTorqueAndKeepsTheirDirections) {
@@ -67,7 +69,7 @@ TEST(SafetyGovernor, ChangesNoFasterThanTheSlew) {
     ASSERT_LE((bench.out.torque_nm - before.torque_nm).norm(), 0.1 + 1e-9);
     before = bench.out;
   }
-  EXPECT_GT(bench.governor.counters().slewed, 90U);
+  EXPECT_GT(bench.governor.counters().rate_limited, 90U);
 }
 
 // A latched fault sets the limit to zero at once, but the present force and torque fall no faster than their release rates.

@@ -46,25 +46,25 @@ void expect_no_looser(const DeviceLimits& after, const DeviceLimits& before) {
 TEST(SafetyLimits, EveryFieldCanBeTightenedAndNoneLoosened) {
   for (const auto field : kFields) {
     SafetyLimits limits(full());
-    const double own = limits.now().*field;
+    const double own = limits.current().*field;
     for (const double more : {2.0 * own, 1e8, 1e300, kInf, kNan, -kInf, 0.0, -1.0, 5e-324}) {
       DeviceLimits wanted;
       wanted.*field = more;
       limits.tighten(wanted);
-      ASSERT_EQ(limits.now().*field, own) << more;
+      ASSERT_EQ(limits.current().*field, own) << more;
     }
     DeviceLimits wanted;
     wanted.*field = 0.5 * own;
     limits.tighten(wanted);
-    EXPECT_EQ(limits.now().*field, 0.5 * own);
+    EXPECT_EQ(limits.current().*field, 0.5 * own);
     EXPECT_EQ(limits.device().*field, own);
     wanted.*field = 0.7 * own;
     limits.tighten(wanted);
-    EXPECT_EQ(limits.now().*field, 0.5 * own);
+    EXPECT_EQ(limits.current().*field, 0.5 * own);
     // The others are as they were.
     for (const auto other : kFields) {
       if (other != field) {
-        EXPECT_EQ(limits.now().*other, SafetyLimits(full()).now().*other);
+        EXPECT_EQ(limits.current().*other, SafetyLimits(full()).current().*other);
       }
     }
   }
@@ -76,8 +76,8 @@ TEST(SafetyLimits, WorkspacesShrinkToWhatBothHave) {
   wanted.workspace_min_m = Vec3(-0.05, -1.0, 0.5);
   wanted.workspace_max_m = Vec3(1.0, 0.02, 0.6);
   limits.tighten(wanted);
-  EXPECT_EQ(limits.now().workspace_min_m, Vec3(-0.05, -0.1, -0.1));
-  EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: the two ranges have nothing in common
+  EXPECT_EQ(limits.current().workspace_min_m, Vec3(-0.05, -0.1, -0.1));
+  EXPECT_EQ(limits.current().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: the two ranges have nothing in common
 }
 
 // An axis whose wanted range is empty, reversed, not a number or outside stays as it is; the other axes shrink.
@@ -93,8 +93,8 @@ TEST(SafetyLimits, AnAxisThatMakesNoSenseIsNotShrunk) {
       wanted.workspace_max_m[axis] = high;
       limits.tighten(wanted);
       for (int other = 0; other < 3; ++other) {
-        EXPECT_EQ(limits.now().workspace_min_m[other], other == axis ? -0.1 : -0.05) << low << " to " << high;
-        EXPECT_EQ(limits.now().workspace_max_m[other], other == axis ? 0.1 : 0.06) << low << " to " << high;
+        EXPECT_EQ(limits.current().workspace_min_m[other], other == axis ? -0.1 : -0.05) << low << " to " << high;
+        EXPECT_EQ(limits.current().workspace_max_m[other], other == axis ? 0.1 : 0.06) << low << " to " << high;
       }
     }
   }
@@ -105,15 +105,15 @@ TEST(SafetyLimits, AUsableLimitIsBetweenTheBounds) {
   for (const auto& [most_n, usable] : {std::pair(1e-9, false), std::pair(1.1e-9, true), std::pair(1e9, false), std::pair(0.9e9, true)}) {
     DeviceLimits device = full();
     device.max_force_n = most_n;
-    EXPECT_EQ(SafetyLimits(device).now().max_force_n, usable ? most_n : 0.0);
+    EXPECT_EQ(SafetyLimits(device).current().max_force_n, usable ? most_n : 0.0);
   }
   DeviceLimits device = full();
   device.max_stiffness_n_per_m = kNan;
-  EXPECT_EQ(SafetyLimits(device).now().max_stiffness_n_per_m, 0.0);
+  EXPECT_EQ(SafetyLimits(device).current().max_stiffness_n_per_m, 0.0);
   device.max_stiffness_n_per_m = 300.0;
-  EXPECT_EQ(SafetyLimits(device).now().max_stiffness_n_per_m, 300.0);
+  EXPECT_EQ(SafetyLimits(device).current().max_stiffness_n_per_m, 300.0);
   device.continuous_force_n = 9.0;
-  EXPECT_EQ(SafetyLimits(device).now().continuous_force_n, 8.0) << "no more than the largest";
+  EXPECT_EQ(SafetyLimits(device).current().continuous_force_n, 8.0) << "no more than the largest";
 }
 
 TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
@@ -121,7 +121,7 @@ TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
   for (int round = 0; round < 200; ++round) {
     SafetyLimits limits(full());
     for (int n = 0; n < 50; ++n) {
-      const DeviceLimits before = limits.now();
+      const DeviceLimits before = limits.current();
       DeviceLimits wanted;
       for (const auto field : kFields) {
         const double nasty[] = {kNan, kInf, -kInf, 0.0, -1.0, 1e300};
@@ -132,7 +132,7 @@ TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
       wanted.workspace_max_m = random.vector(0.2);
       if (random.once_in(5)) wanted.workspace_max_m.x() = kNan;
       limits.tighten(wanted);
-      expect_no_looser(limits.now(), before);
+      expect_no_looser(limits.current(), before);
     }
     EXPECT_EQ(limits.release_n_per_s(), 2000.0);
     EXPECT_EQ(limits.release_nm_per_s(), 100.0);
@@ -143,24 +143,24 @@ TEST(SafetyLimits, WhatMakesNoSenseGivesNothing) {
   for (const double nonsense : {kNan, kInf, 0.0, -1.0, 1e10, 5e-324}) {
     DeviceLimits device = full();
     device.max_force_n = nonsense;
-    EXPECT_EQ(SafetyLimits(device).now().max_force_n, 0.0);
-    EXPECT_EQ(SafetyLimits(device).now().max_torque_nm, 0.0);
+    EXPECT_EQ(SafetyLimits(device).current().max_force_n, 0.0);
+    EXPECT_EQ(SafetyLimits(device).current().max_torque_nm, 0.0);
     device = full();
     device.max_slew_n_per_s = nonsense;
-    EXPECT_EQ(SafetyLimits(device).now().max_force_n, 0.0);
+    EXPECT_EQ(SafetyLimits(device).current().max_force_n, 0.0);
     device = full();
     device.max_torque_nm = nonsense;
-    EXPECT_EQ(SafetyLimits(device).now().max_torque_nm, 0.0);
-    EXPECT_EQ(SafetyLimits(device).now().max_force_n, 8.0);
+    EXPECT_EQ(SafetyLimits(device).current().max_torque_nm, 0.0);
+    EXPECT_EQ(SafetyLimits(device).current().max_force_n, 8.0);
     device = full();
     device.max_speed_m_per_s = nonsense;
-    EXPECT_EQ(SafetyLimits(device).now().max_speed_m_per_s, kFastestHandMPerS);
+    EXPECT_EQ(SafetyLimits(device).current().max_speed_m_per_s, kFastestHandMPerS);
     device = full();
     device.continuous_force_n = nonsense;
-    EXPECT_EQ(SafetyLimits(device).now().continuous_force_n, 8.0);
+    EXPECT_EQ(SafetyLimits(device).current().continuous_force_n, 8.0);
     device = full();
     device.peak_s = nonsense;
-    EXPECT_EQ(SafetyLimits(device).now().peak_s, 0.0);
+    EXPECT_EQ(SafetyLimits(device).current().peak_s, 0.0);
   }
 }
 
@@ -169,9 +169,9 @@ TEST(SafetyLimits, ForbiddenIsForceAndTorqueForever) {
       DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 2000.0, .max_torque_nm = 0.5, .max_torque_slew_nm_per_s = 100.0});
   limits.forbid_force();
   limits.tighten({.max_force_n = 3.0, .max_torque_nm = 0.1, .continuous_force_n = 1.0});
-  EXPECT_EQ(limits.now().max_force_n, 0.0);
-  EXPECT_EQ(limits.now().continuous_force_n, 0.0);
-  EXPECT_EQ(limits.now().max_torque_nm, 0.0);
+  EXPECT_EQ(limits.current().max_force_n, 0.0);
+  EXPECT_EQ(limits.current().continuous_force_n, 0.0);
+  EXPECT_EQ(limits.current().max_torque_nm, 0.0);
   EXPECT_EQ(limits.device().max_force_n, 8.0) << "what is out is released as fast as before";
 }
 
@@ -180,8 +180,8 @@ TEST(SafetyLimits, AForbiddenTorqueLeavesTheForce) {
       DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 2000.0, .max_torque_nm = 0.5, .max_torque_slew_nm_per_s = 100.0});
   limits.forbid_torque();
   limits.tighten({.max_torque_nm = 0.1});
-  EXPECT_EQ(limits.now().max_torque_nm, 0.0);
-  EXPECT_EQ(limits.now().max_force_n, 8.0);
+  EXPECT_EQ(limits.current().max_torque_nm, 0.0);
+  EXPECT_EQ(limits.current().max_force_n, 8.0);
   EXPECT_EQ(limits.device().max_torque_nm, 0.5) << "what is out is released as fast as before";
 }
 
@@ -189,17 +189,17 @@ TEST(SafetyLimits, ADeviceTooSlowToReleaseGetsTheSlewThatReleases) {
   DeviceLimits device = full();
   device.max_slew_n_per_s = 1.0;
   device.max_torque_slew_nm_per_s = 0.0;
-  EXPECT_EQ(SafetyLimits(device).now().max_slew_n_per_s, 800.0);
-  EXPECT_EQ(SafetyLimits(device).now().max_torque_slew_nm_per_s, 50.0);
+  EXPECT_EQ(SafetyLimits(device).current().max_slew_n_per_s, 800.0);
+  EXPECT_EQ(SafetyLimits(device).current().max_torque_slew_nm_per_s, 50.0);
 }
 
 TEST(SafetyLimits, AnAxisWithoutEndsHasNone) {
   DeviceLimits device = full();
   device.workspace_max_m = Vec3(-0.1, kNan, 0.1);
   const SafetyLimits limits(device);
-  EXPECT_EQ(limits.now().workspace_max_m.x(), kInf);
-  EXPECT_EQ(limits.now().workspace_min_m.y(), -kInf);
-  EXPECT_EQ(limits.now().workspace_max_m.z(), 0.1);
+  EXPECT_EQ(limits.current().workspace_max_m.x(), kInf);
+  EXPECT_EQ(limits.current().workspace_min_m.y(), -kInf);
+  EXPECT_EQ(limits.current().workspace_max_m.z(), 0.1);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(CommandFilter, TakesWhatIsNewerThanTheLastAndNeitherOldNorOfTheFuture) {
     if (verdict == Verdict::accepted) accepted_n = force_n;
     EXPECT_EQ(filter.is_live(), accepted_n > 0.0);
     if (accepted_n > 0.0) {
-      EXPECT_EQ(filter.wanted().force_n.x(), accepted_n);
+      EXPECT_EQ(filter.wrench().force_n.x(), accepted_n);
     }
   }
 }

@@ -10,10 +10,10 @@ namespace {
 TEST(SlewLimit, FollowsAtItsRateAndArrivesExactly) {
   SlewLimit slew;
   EXPECT_NEAR(slew.follow(Vec3(0, 0, 1), 10.0, {0.4, 0.4}).z(), 0.4, 1e-9);
-  EXPECT_TRUE(slew.was_cut());
+  EXPECT_TRUE(slew.was_limited());
   slew.follow(Vec3(0, 0, 1), 10.0, {0.4, 0.4});
   EXPECT_EQ(slew.follow(Vec3(0, 0, 1), 10.0, {0.4, 0.4}), Vec3(0, 0, 1));
-  EXPECT_FALSE(slew.was_cut());
+  EXPECT_FALSE(slew.was_limited());
 }
 
 TEST(SlewLimit, ReachesTheMagnitudeLimitFirst) {

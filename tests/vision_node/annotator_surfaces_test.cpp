@@ -148,7 +148,7 @@ TEST_F(AnnotatorTest, MarksGoAlongWithASurfaceThatAProgramDeforms) {
   moved.take(ShapeStart{.source = 5, .serial = 1, .total = total, .start_ns = 1'000'000'000, .end_ns = 2'000'000'000}, Arrival::newest);
   touch_then(1.5, 1.0, Vec3::UnitX(), 0);
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm")) << "its vertices have not come";
-  for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) {
+  for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) {
     ObjectShape part{.source = 5, .serial = 1, .part = {.total = total, .first = first}};
     for (std::uint32_t v = 0; v < part.part.count(); ++v) {
       const Vec3& p = rest[first + v];

@@ -242,7 +242,7 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime)
   const auto request = moved.take_shape_request(1'000'000'000);
   ASSERT_TRUE(request);
   EXPECT_EQ(request->serial, 1U);
-  for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) {
+  for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) {
     ObjectShape part{.source = 5, .serial = 1, .part = {.total = total, .first = first}};
     part.part.displacements_m.fill({0.06F, 0.0F, 0.0F});
     moved.take(part, Arrival::newest);

@@ -63,7 +63,7 @@ TEST_F(RecordedMarksTest, AreWhereTheirObjectsAreAtTheMoment) {
   ObjectShape part{.source = 5, .serial = 1, .object = 1};
   part.part.total = static_cast<std::uint32_t>(scene.objects[1].mesh->vertices.size());
   part.part.displacements_m.fill({0.0F, 0.02F, 0.0F});
-  for (; part.part.first < part.part.total; part.part.first += ShapePart::kMaxHere) moved->take(part, Arrival::newest);
+  for (; part.part.first < part.part.total; part.part.first += ShapePart::kVerticesPerPart) moved->take(part, Arrival::newest);
   moved->take(ShapeStart{.source = 5, .serial = 1, .object = 1, .total = part.part.total, .start_ns = 0, .end_ns = 1000}, Arrival::newest);
   moved->set_time(2000);
   marks->show(2000, Pose::Identity());

@@ -216,9 +216,9 @@ struct ShapesRecording {
       if (before) before(now);
       const std::uint64_t first_at = start.start_ns == 0 ? sample + 3 : sample - 20;  // 0: a shape from before the recording
       for (const std::uint64_t at : {first_at, first_at + 200}) {
-        if (now < at || (now - at) * ShapePart::kMaxHere >= total || start.serial == 0) continue;
+        if (now < at || (now - at) * ShapePart::kVerticesPerPart >= total || start.serial == 0) continue;
         ObjectShape part{.source = start.source, .serial = start.serial, .object = start.object};
-        part.part = {.total = total, .first = static_cast<std::uint32_t>(now - at) * ShapePart::kMaxHere};
+        part.part = {.total = total, .first = static_cast<std::uint32_t>(now - at) * ShapePart::kVerticesPerPart};
         part.part.displacements_m.fill({right_m, 0.0F, 0.0F});
         recording.receive(MadeRecording::kHaptics, part, now);
       }

@@ -79,7 +79,7 @@ void print_stages(const GovernorCounters& g) {
              g.rejected_old, g.rejected_future, g.command_timeouts);
   fmt::print(
       "stages: {} clamped, {} rate-limited, {} limited by the workspace, {} by speed, {} by energy, {} by heat; switch released {} times\n",
-      g.clamped, g.slewed, g.stopped, g.braked, g.damped, g.cooled, g.releases);
+      g.clamped, g.rate_limited, g.workspace_limited, g.speed_limited, g.damped, g.thermal_limited, g.releases);
   fmt::print("device: {} invalid poses; faults: {} latched", g.bad_samples, g.latched);
   for (int fault = 1; fault < kSafetyFaults; ++fault) {
     fmt::print(", {} {}", g.faults[static_cast<std::size_t>(fault)], to_string(static_cast<SafetyFault>(fault)));

@@ -13,13 +13,13 @@ void add_to(GovernorCounters& sum, const GovernorCounters& more) {
   sum.rejected_future += more.rejected_future;
   sum.command_timeouts += more.command_timeouts;
   sum.clamped += more.clamped;
-  sum.slewed += more.slewed;
+  sum.rate_limited += more.rate_limited;
   sum.bad_samples += more.bad_samples;
-  sum.stopped += more.stopped;
-  sum.braked += more.braked;
+  sum.workspace_limited += more.workspace_limited;
+  sum.speed_limited += more.speed_limited;
   sum.damped += more.damped;
   sum.kept_passive += more.kept_passive;
-  sum.cooled += more.cooled;
+  sum.thermal_limited += more.thermal_limited;
   sum.releases += more.releases;
   sum.latched += more.latched;
   sum.resets += more.resets;

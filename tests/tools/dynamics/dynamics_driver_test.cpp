@@ -41,7 +41,7 @@ class Loop {
     step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand});
     const ForceCommand reply = step_->reply();
     if (sample_ % 4 == 0 && mover_->has_request()) {
-      const ObjectMover::Done done = mover_->work(*step_);
+      const ObjectMover::Outcome done = mover_->carry_out(*step_);
       if (done.move) serial_ = done.move->serial;
       later(link_ms_, [this, done] { driver_.take(done.reply); });
     }

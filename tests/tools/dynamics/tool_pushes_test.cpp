@@ -44,7 +44,7 @@ class ToolLoop {
     const ForceCommand reply = step_->reply();
     tool_->follow();
     if (sample_ % 4 == 0 && mover_->has_request()) {
-      const ObjectMover::Done done = mover_->work(*step_);
+      const ObjectMover::Outcome done = mover_->carry_out(*step_);
       later([this, done] { driver_.take(done.reply); });
     }
     const ProbeState state = {.sample = reply.echo_sample,

@@ -30,8 +30,8 @@ TEST(GovernorStress, HoldsAgainstHostilePrograms) {
   const GovernorCounters& g = count.governors;
   EXPECT_GT(static_cast<double>(count.turns_with_force), 0.25 * static_cast<double>(count.turns));
   for (const std::uint64_t stage :
-       {g.accepted, g.not_finite, g.rejected_old, g.rejected_future, g.command_timeouts, g.clamped, g.slewed, g.bad_samples, g.stopped,
-        g.braked, g.damped, g.cooled, g.releases, g.latched, g.resets, g.resets_rejected}) {
+       {g.accepted, g.not_finite, g.rejected_old, g.rejected_future, g.command_timeouts, g.clamped, g.rate_limited, g.bad_samples,
+        g.workspace_limited, g.speed_limited, g.damped, g.thermal_limited, g.releases, g.latched, g.resets, g.resets_rejected}) {
     EXPECT_GT(stage, 1000U);
   }
   for (int fault = 1; fault < kSafetyFaults; ++fault) EXPECT_GT(g.faults[static_cast<std::size_t>(fault)], 3U) << fault;

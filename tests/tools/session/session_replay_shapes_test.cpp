@@ -50,7 +50,7 @@ struct ShapesReplayTest : SessionReplayTest {
     auto stage = method->stager().make(method->current_stage().to, program_shape.vertices_of(rest, shape));
     ASSERT_TRUE(stage) << stage.error().what;
     ++serial;
-    for (std::uint32_t first = 0; first < shape.size(); first += ShapePart::kMaxHere) {
+    for (std::uint32_t first = 0; first < shape.size(); first += ShapePart::kVerticesPerPart) {
       announced.emplace_back(recorded.size(), ObjectShape{.source = 1, .serial = serial, .part = make_shape_part(shape, first)});
     }
     ShapeStart start{.source = 1, .serial = serial, .before = serial - 1, .total = static_cast<std::uint32_t>(shape.size())};
