@@ -87,7 +87,7 @@ struct DeviceHubLimits : testing::Test {
     std::ifstream file(scratch.path() / "out" / "report.json");
     return nlohmann::json::parse(file, nullptr, false);
   }
-  nlohmann::json report_of_a_moment() {
+  nlohmann::json report_of_a_short_run() {
     options.seconds = 0.1;
     const StopSignal stop;
     const auto hub = DeviceHub::open(options, clock);
@@ -126,16 +126,16 @@ TEST_F(DeviceHubLimits, AForceLimitOfZeroIsNoForceAtAll) {
 
 // The simulated hand presses no button.
 TEST_F(DeviceHubLimits, TheDeadMansSwitchHasToBeHeld) {
-  EXPECT_EQ(report_of_a_moment().at("notes").at("governor"), "no command");
+  EXPECT_EQ(report_of_a_short_run().at("notes").at("governor"), "no command");
   options.device.dead_mans_switch = 2;
-  EXPECT_EQ(report_of_a_moment().at("notes").at("governor"), "switch released");
+  EXPECT_EQ(report_of_a_short_run().at("notes").at("governor"), "switch released");
 }
 
 TEST_F(DeviceHubLimits, TheClutchHoldsTheDevicePoint) {
   replay(2);
   options.device.clutch_button = 2;
   options.record = (scratch.path() / "session.hapton").string();
-  (void)report_of_a_moment();
+  (void)report_of_a_short_run();
   auto reader = SessionReader::open(options.record);
   ASSERT_TRUE(reader) << reader.error().what;
   std::vector<double> z_m;

@@ -61,10 +61,10 @@ TEST_F(DeviceHubs, RunAndReport) {
   EXPECT_TRUE(std::filesystem::exists(scratch.path() / "out/report.json"));
 }
 
-TEST_F(DeviceHubs, SayWhyTheyCannotBe) {
-  const auto there = DeviceHub::open(options, clock);
-  ASSERT_TRUE(there);
-  options.bind = to_string((*there)->address());
+TEST_F(DeviceHubs, SayWhyTheyCannotBeOpened) {
+  const auto first = DeviceHub::open(options, clock);
+  ASSERT_TRUE(first);
+  options.bind = to_string((*first)->address());
   EXPECT_THAT(DeviceHub::open(options, clock).error().what, HasSubstr(options.bind));
   options.device.name = "replay";
   EXPECT_THAT(DeviceHub::open(options, clock).error().what, HasSubstr("--trajectory"));
@@ -89,14 +89,14 @@ TEST_F(DeviceHubs, WarnOfALimitAboveTheDevicesOwn) {
     EXPECT_TRUE(DeviceHub::open(options, clock));
     return testing::internal::GetCapturedStderr();
   };
-  constexpr char kLoose[] = "limits can only be tightened: the device's own apply";
-  EXPECT_THAT(log_of(1e3, 0.0), HasSubstr(kLoose));
-  EXPECT_THAT(log_of(0.5, 1e9), HasSubstr(kLoose));
-  EXPECT_THAT(log_of(0.5, 1.0), Not(HasSubstr(kLoose)));
-  EXPECT_THAT(log_of(std::numeric_limits<double>::infinity(), 0.0), Not(HasSubstr(kLoose)));
+  constexpr char kWarning[] = "limits can only be tightened: the device's own apply";
+  EXPECT_THAT(log_of(1e3, 0.0), HasSubstr(kWarning));
+  EXPECT_THAT(log_of(0.5, 1e9), HasSubstr(kWarning));
+  EXPECT_THAT(log_of(0.5, 1.0), Not(HasSubstr(kWarning)));
+  EXPECT_THAT(log_of(std::numeric_limits<double>::infinity(), 0.0), Not(HasSubstr(kWarning)));
 }
 
-TEST_F(DeviceHubs, ServeMetricsOnlyWhereTheyAreWanted) {
+TEST_F(DeviceHubs, ServeMetricsOnlyWhereAnAddressIsGiven) {
   const auto log_of = [&](const std::string& metrics) {
     options.metrics = metrics;
     testing::internal::CaptureStderr();

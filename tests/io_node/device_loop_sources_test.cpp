@@ -1,4 +1,4 @@
-// Where a force comes from, the sample of which time it belongs to, and who else holds the device, in the device loop.
+// In the device loop: the source of a force, the time of its sample, and a network side that still has its claim on the device.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -48,7 +48,7 @@ class TimedDevice final : public Device {
 };
 
 // The force of the device side, which the test sets.
-struct GivenTouch final : LocalTouch {
+struct SettableTouch final : LocalTouch {
   std::optional<LocalForce> step(const DeviceSample&) noexcept override { return force; }
   std::optional<LocalForce> force;
 };
@@ -60,9 +60,9 @@ struct DeviceLoopSources : testing::Test {
       clock.sleep_until_ns(loop->tick_ns());
       loop->begin_cycle();
       ASSERT_TRUE(loop->run_cycle());
-      for (DeviceCycle reported; loop->take_cycle(reported);) newest = reported;
+      for (DeviceCycle reported; loop->take_cycle(reported);) newest_cycle = reported;
       clock.advance_ns(100 * kUs);
-      if (reply_n) loop->post({{.force_n = *reply_n}, newest.sample.time_ns});
+      if (reply_n) loop->post({{.force_n = *reply_n}, newest_cycle.sample.time_ns});
     }
   }
   // Presses until a patch gives 2 N.
@@ -77,10 +77,10 @@ struct DeviceLoopSources : testing::Test {
 
   SimulatedClock clock;
   TimedDevice device{clock};
-  GivenTouch local;
+  SettableTouch local;
   std::unique_ptr<DeviceLoop> loop;
-  DeviceCycle newest;
-  static constexpr double kShareOfAStep = 1e-3 / ForceFade::kInContactS;
+  DeviceCycle newest_cycle;
+  static constexpr double kFadePerCycle = 1e-3 / ForceFade::kInContactS;  // share of a difference that fades in a cycle
 };
 
 // The governor alone would let the force rise by up to 2 N in one cycle.
@@ -89,7 +89,7 @@ TEST_F(DeviceLoopSources, WhereAnotherPatchTakesOverTheDifferenceFades) {
   local.force->force_n.z() = 3.0;
   local.force->is_handed_over = true;
   run(1);
-  EXPECT_NEAR(force_n(), 2.0 + kShareOfAStep, 1e-6);
+  EXPECT_NEAR(force_n(), 2.0 + kFadePerCycle, 1e-6);
   local.force->is_handed_over = false;
   run(49);
   EXPECT_NEAR(force_n(), 2.5, 1e-6);
@@ -103,7 +103,7 @@ TEST_F(DeviceLoopSources, AKnownDifferenceOfTwoPatchesFades) {
   local.force->force_n.z() = 3.0;
   local.force->difference_n = Vec3(0, 0, -1);
   run(1);
-  EXPECT_NEAR(force_n(), 2.0 + kShareOfAStep, 1e-6);
+  EXPECT_NEAR(force_n(), 2.0 + kFadePerCycle, 1e-6);
   local.force->difference_n.setZero();
   run(110);
   EXPECT_NEAR(force_n(), 3.0, 1e-9);
@@ -114,7 +114,7 @@ TEST_F(DeviceLoopSources, ASampleIsOfTheTimeAtWhichTheDeviceReturnedIt) {
   make();
   device.read_takes_ns = 300 * kUs;
   run(10);
-  EXPECT_EQ(newest.sample.time_ns, newest.tick_ns + 300 * kUs);
+  EXPECT_EQ(newest_cycle.sample.time_ns, newest_cycle.tick_ns + 300 * kUs);
   EXPECT_EQ(loop->collect_stats().device_read.max_ns(), 300 * kUs);
 }
 
@@ -152,7 +152,7 @@ TEST_F(DeviceLoopSources, AtTheEndANetworkSideThatIsStuckDoesNotKeepTheForceEith
       clock.advance_ns(kCommandTimeoutNs);
       EXPECT_FALSE(finishes ? loop->finish() : loop->hold()) << "the claim is taken";
     };
-    loop->post({{.force_n = Vec3(0, 0, 2.5)}, newest.sample.time_ns + 1});
+    loop->post({{.force_n = Vec3(0, 0, 2.5)}, newest_cycle.sample.time_ns + 1});
     EXPECT_TRUE(device.is_cut) << finishes;
   }
 }

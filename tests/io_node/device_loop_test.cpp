@@ -20,6 +20,8 @@
 namespace hapton {
 namespace {
 
+constexpr std::int64_t kLatestReleaseNs = 21 * kMs;  // kCommandTimeoutNs and one cycle
+
 // A device that does not move and records its calls. within_write is called in the middle of a write.
 class StillDevice final : public Device {
  public:
@@ -66,9 +68,9 @@ struct DeviceLoops : testing::Test {
     loop.begin_cycle();
     ASSERT_TRUE(loop.run_cycle());
     DeviceCycle reported;
-    while (loop.take_cycle(reported)) newest = reported;
+    while (loop.take_cycle(reported)) newest_cycle = reported;
     clock.advance_ns(100'000);
-    if (force_n) loop.post({{.force_n = *force_n}, newest.sample.time_ns});
+    if (force_n) loop.post({{.force_n = *force_n}, newest_cycle.sample.time_ns});
   }
   void press(int cycles = 200) {
     for (int n = 0; n < cycles; ++n) cycle(Vec3(0, 0, 2));
@@ -79,49 +81,49 @@ struct DeviceLoops : testing::Test {
   StillDevice device;
   HeartbeatPage page;
   DeviceLoop loop{device, clock, {}};
-  DeviceCycle newest;
+  DeviceCycle newest_cycle;
 };
 
 // The dead man's switch may have been released between the request and the cycle that grants it.
 TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
-  DeviceLoop held(device, clock, {.dead_mans_switch = 2});
+  DeviceLoop switch_loop(device, clock, {.dead_mans_switch = 2});
   const auto run = [&](int cycles) {
     for (int n = 0; n < cycles; ++n) {
-      clock.sleep_until_ns(held.tick_ns());
-      held.begin_cycle();
-      ASSERT_TRUE(held.run_cycle());
-      for (DeviceCycle reported; held.take_cycle(reported);) newest = reported;
+      clock.sleep_until_ns(switch_loop.tick_ns());
+      switch_loop.begin_cycle();
+      ASSERT_TRUE(switch_loop.run_cycle());
+      for (DeviceCycle reported; switch_loop.take_cycle(reported);) newest_cycle = reported;
     }
   };
   device.buttons = 1U << 1;
   run(100);
-  EXPECT_TRUE(held.latest().is_switch_held);
-  const auto latch = [&] {
+  EXPECT_TRUE(switch_loop.latest().is_switch_held);
+  const auto latch_fault = [&] {
     device.place.x() = -device.place.x();
     run(20);
-    ASSERT_NE(held.latest().governor.fault, SafetyFault::none);
+    ASSERT_NE(switch_loop.latest().governor.fault, SafetyFault::none);
   };
   device.place.x() = 0.08;
   run(1000);
-  (void)held.latest();
-  latch();
+  (void)switch_loop.latest();
+  latch_fault();
   device.buttons = 0;
-  held.reset_faults(ResetPresence::while_held);  // requested while the switch was held in the newest cycle
-  EXPECT_TRUE(held.latest().is_switch_held);
+  switch_loop.reset_faults(ResetPresence::while_held);  // requested while the switch was held in the newest cycle
+  EXPECT_TRUE(switch_loop.latest().is_switch_held);
   run(5);
-  EXPECT_NE(held.latest().governor.fault, SafetyFault::none);
-  EXPECT_FALSE(held.latest().is_switch_held);
-  EXPECT_EQ(held.collect_stats().resets_denied, 1U);
-  held.reset_faults(ResetPresence::known);
+  EXPECT_NE(switch_loop.latest().governor.fault, SafetyFault::none);
+  EXPECT_FALSE(switch_loop.latest().is_switch_held);
+  EXPECT_EQ(switch_loop.collect_stats().resets_denied, 1U);
+  switch_loop.reset_faults(ResetPresence::known);
   run(5);
-  EXPECT_EQ(held.latest().governor.fault, SafetyFault::none) << "who is known to be here needs no switch";
+  EXPECT_EQ(switch_loop.latest().governor.fault, SafetyFault::none) << "who is known to be here needs no switch";
   device.buttons = 1U << 1;
   run(1000);
-  latch();
-  held.reset_faults(ResetPresence::while_held);
+  latch_fault();
+  switch_loop.reset_faults(ResetPresence::while_held);
   run(5);
-  EXPECT_EQ(held.latest().governor.fault, SafetyFault::none);
-  EXPECT_EQ(held.collect_stats().resets_denied, 1U);
+  EXPECT_EQ(switch_loop.latest().governor.fault, SafetyFault::none);
+  EXPECT_EQ(switch_loop.collect_stats().resets_denied, 1U);
 }
 
 // The force ramps down first, and ramps up again after the reset.
@@ -161,7 +163,7 @@ TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   const DeviceSide& side = loop.latest();
   EXPECT_EQ(side.command_number, 200U);
   EXPECT_EQ(side.written.force_n, Vec3(0, 0, 2));
-  EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
+  EXPECT_EQ(device.written.back().second, newest_cycle.sample.time_ns + 100'000);
 }
 
 // If a write is interrupted in the middle, this errs on the safe side: whoever watches believes that the motors are still on.
@@ -170,7 +172,7 @@ TEST_F(DeviceLoops, AForceIsAnnouncedBeforeItIsWrittenAndZeroAfterIt) {
   device.within_write = [&] { announced.push_back(loop.force_sample_ns()); };
   press();
   ASSERT_FALSE(announced.empty());
-  EXPECT_EQ(announced.back(), newest.sample.time_ns);
+  EXPECT_EQ(announced.back(), newest_cycle.sample.time_ns);
   announced.clear();
   while (device.force_n() > 0.0) cycle(Vec3::Zero());
   ASSERT_FALSE(announced.empty());
@@ -183,33 +185,33 @@ TEST_F(DeviceLoops, ARampMissesNoCycleBetweenForces) {
   press();
   cycle(std::nullopt);
   clock.sleep_until_ns(loop.tick_ns() - 300 * kUs);
-  loop.post({{.force_n = Vec3(0, 0, 8)}, newest.sample.time_ns});
-  const double posted_n = device.force_n();
-  ASSERT_LT(posted_n, 8.0) << "the slew limit ramps it";
+  loop.post({{.force_n = Vec3(0, 0, 8)}, newest_cycle.sample.time_ns});
+  const double after_post_n = device.force_n();
+  ASSERT_LT(after_post_n, 8.0) << "the slew limit ramps it";
   cycle(std::nullopt);
-  const double own_n = device.force_n();
+  const double after_cycle_n = device.force_n();
   cycle(std::nullopt);
-  EXPECT_GT(device.force_n(), own_n);
+  EXPECT_GT(device.force_n(), after_cycle_n);
 }
 
-TEST_F(DeviceLoops, ReachesZeroInTimeByItself) {
+TEST_F(DeviceLoops, WithoutNewForcesTheForceReachesZeroInTime) {
   press();
-  const std::int64_t sample_ns = newest.sample.time_ns;
+  const std::int64_t sample_ns = newest_cycle.sample.time_ns;
   while (device.force_n() > 0.0 && clock.now_ns() - sample_ns < 100 * kMs) cycle(std::nullopt);
-  EXPECT_LE(clock.now_ns() - sample_ns, 21 * kMs);
-  EXPECT_LE(loop.collect_stats().longest_release_ns, 21 * kMs);
+  EXPECT_LE(clock.now_ns() - sample_ns, kLatestReleaseNs);
+  EXPECT_LE(loop.collect_stats().longest_release_ns, kLatestReleaseNs);
 }
 
-// Earlier the old force stayed for one or two cycles: the first cycle after a stall took it for a force that had come for this cycle.
+// In an earlier version the old force stayed for one or two cycles: the first cycle after a stall took it for this cycle's force.
 TEST_F(DeviceLoops, TheFirstCycleAfterAStallWritesZeroBeforeItDoesAnythingElse) {
   for (const std::int64_t stall_ns : {21 * kMs, 50 * kMs, 1116 * kMs}) {
     press();
     clock.advance_ns(stall_ns);
-    const std::int64_t thawed_ns = clock.now_ns();
+    const std::int64_t stall_end_ns = clock.now_ns();
     loop.begin_cycle();
     ASSERT_TRUE(loop.run_cycle());
     EXPECT_EQ(device.force_n(), 0.0) << stall_ns;
-    EXPECT_EQ(device.written.back().second, thawed_ns) << stall_ns;
+    EXPECT_EQ(device.written.back().second, stall_end_ns) << stall_ns;
     EXPECT_EQ(loop.force_sample_ns(), 0);
   }
 }
@@ -221,7 +223,7 @@ TEST_F(DeviceLoops, ALateForceIsNotHeldForLonger) {
   std::int64_t last_sample_ns = 0;
   for (int n = 0; n < 100; ++n) {
     cycle(std::nullopt);
-    samples.push_back(newest.sample.time_ns);
+    samples.push_back(newest_cycle.sample.time_ns);
     if (samples.size() > 15) {
       last_sample_ns = samples[samples.size() - 16];
       loop.post({{.force_n = Vec3(0, 0, 2)}, last_sample_ns});
@@ -229,25 +231,25 @@ TEST_F(DeviceLoops, ALateForceIsNotHeldForLonger) {
   }
   ASSERT_GT(device.force_n(), 0.0);
   while (device.force_n() > 0.0 && clock.now_ns() - last_sample_ns < 100 * kMs) cycle(std::nullopt);
-  EXPECT_LE(clock.now_ns() - last_sample_ns, 21 * kMs);
+  EXPECT_LE(clock.now_ns() - last_sample_ns, kLatestReleaseNs);
 }
 
 // The network side is preempted in the middle of a write and does not continue: the device side neither waits nor fails.
 TEST_F(DeviceLoops, ANetworkSideStuckInTheMiddleOfAWriteDoesNotKeepTheForce) {
   press();
-  const std::int64_t sample_ns = newest.sample.time_ns;
-  int turns = 0;
+  const std::int64_t sample_ns = newest_cycle.sample.time_ns;
+  int cycles = 0;
   device.within_write = [&] {
     device.within_write = nullptr;
-    while (!device.is_cut && turns < 1000) {
+    while (!device.is_cut && cycles < 1000) {
       clock.advance_ns(kMs);
       EXPECT_FALSE(loop.run_cycle()) << "the claim is taken";
-      ++turns;
+      ++cycles;
     }
   };
   loop.post({{.force_n = Vec3(0, 0, 2.5)}, sample_ns + 1});
   EXPECT_TRUE(device.is_cut);
-  EXPECT_LE(turns, 21);
+  EXPECT_LE(cycles, 21) << "20 ms and a cycle";
   EXPECT_EQ(device.force_n(), 0.0);
   EXPECT_EQ(loop.collect_stats().cuts, 1U);
   // The network side continues after all: the force does not jump, and ramps up once forces come again.
@@ -279,20 +281,20 @@ TEST_F(DeviceLoops, AForcePostedWhileACycleRunsIsServedAtItsEnd) {
   device.within_write = [&] {
     device.within_write = nullptr;
     number = loop.post({{.force_n = Vec3(0, 0, 2)}, clock.now_ns() - 1});
-    EXPECT_NE(loop.latest().command_number, number) << "within another's write";
+    EXPECT_NE(loop.latest().command_number, number) << "not during the write of the cycle";
   };
   ASSERT_TRUE(loop.run_cycle());
   EXPECT_EQ(loop.latest().command_number, number);
 }
 
-TEST_F(DeviceLoops, WhatTheWatchdogProcessCutComesBackWithARampAndOnlyFromZero) {
+TEST_F(DeviceLoops, AfterACutByTheWatchdogProcessTheForceRampsUpFromZero) {
   loop.set_heartbeat_page(&page);
   press();
   EXPECT_GT(page.heartbeat_ns.load(), 0);
-  EXPECT_EQ(page.force_sample_ns.load(), newest.sample.time_ns);
+  EXPECT_EQ(page.force_sample_ns.load(), newest_cycle.sample.time_ns);
   page.is_cut = 1;
   cycle(Vec3(0, 0, 2));
-  EXPECT_EQ(page.is_cut.load(), 1U) << "a force is out still";
+  EXPECT_EQ(page.is_cut.load(), 1U) << "the last force is still on the motors";
   clock.advance_ns(100 * kMs);
   cycle(std::nullopt);
   EXPECT_EQ(page.force_sample_ns.load(), 0);
@@ -301,7 +303,7 @@ TEST_F(DeviceLoops, WhatTheWatchdogProcessCutComesBackWithARampAndOnlyFromZero) 
   EXPECT_LT(device.force_n(), 0.1);
 }
 
-TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) {
+TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheirOrder) {
   for (std::size_t n = 0; n < 2 * DeviceLoop::kMaxQueuedCycles; ++n) {
     clock.sleep_until_ns(loop.tick_ns());
     loop.begin_cycle();
@@ -324,40 +326,40 @@ TEST_F(DeviceLoops, TheClutchTakesTheForceAwayAndMovesTheDevice) {
     clock.sleep_until_ns(clutched.tick_ns());
     clutched.begin_cycle();
     ASSERT_TRUE(clutched.run_cycle());
-    for (DeviceCycle reported; clutched.take_cycle(reported);) newest = reported;
+    for (DeviceCycle reported; clutched.take_cycle(reported);) newest_cycle = reported;
     clock.advance_ns(100'000);
-    clutched.post({{.force_n = force_n}, newest.sample.time_ns});
+    clutched.post({{.force_n = force_n}, newest_cycle.sample.time_ns});
   };
   const Vec3 place = device.place;
   for (int n = 0; n < 300; ++n) cycle_with({0, 0, 2});
   EXPECT_NEAR(device.force_n(), 2.0, 1e-9);
   device.buttons = 1U << 1;
-  double before_n = 2.0;
+  double last_force_n = 2.0;
   for (int n = 0; n < 50; ++n) {
     device.place.x() -= 1e-4;
     cycle_with({0, 0, 2});
-    EXPECT_EQ(newest.sample.p_WD, place + Vec3(-1e-4, 0, 0)) << "where it was when the button went down";
-    EXPECT_LE(device.force_n(), before_n + 1e-12) << n;
-    before_n = device.force_n();
-    if (n >= 11) {
+    EXPECT_EQ(newest_cycle.sample.p_WD, place + Vec3(-1e-4, 0, 0)) << "where it was when the button went down";
+    EXPECT_LE(device.force_n(), last_force_n + 1e-12) << n;
+    last_force_n = device.force_n();
+    if (n >= 11) {  // Clutch::kFadeOutS, 10 ms
       EXPECT_EQ(device.force_n(), 0.0) << n;
     }
   }
   device.buttons = 0;
   for (int n = 0; n < 200; ++n) {
     cycle_with({0, 0, 2});
-    EXPECT_EQ(newest.sample.p_WD, place + Vec3(-1e-4, 0, 0));
-    EXPECT_LE(device.force_n(), before_n + 2.0 * 1e-3 / Clutch::kFadeInS + 1e-9) << n;
-    before_n = device.force_n();
+    EXPECT_EQ(newest_cycle.sample.p_WD, place + Vec3(-1e-4, 0, 0));
+    EXPECT_LE(device.force_n(), last_force_n + 2.0 * 1e-3 / Clutch::kFadeInS + 1e-9) << n;
+    last_force_n = device.force_n();
   }
   EXPECT_NEAR(device.force_n(), 2.0, 1e-9);
   device.place.x() += 1e-3;
   cycle_with({0, 0, 2});
-  EXPECT_LT((newest.sample.p_WD - place - Vec3(9e-4, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((newest_cycle.sample.p_WD - place - Vec3(9e-4, 0, 0)).norm(), 1e-12);
 }
 
-// What the hand of a simulated device aims at is given in the frame of the scene. The device gets it in its own frame, where the clutch has
-// moved nothing.
+// A point at which the hand of a simulated device aims is in the frame of the scene. The device gets it in its own frame, without the
+// offset of the clutch.
 TEST_F(DeviceLoops, TheClutchMovesWhatTheHandAimsAt) {
   DeviceLoop clutched(device, clock, {.clutch_button = 1});
   const auto run = [&](const Vec3& place, std::uint32_t buttons) {
@@ -382,24 +384,24 @@ TEST_F(DeviceLoops, TheClutchMovesWhatTheHandAimsAt) {
 
 // A force that was released while no new force came leaves nothing that could fade.
 TEST_F(DeviceLoops, AfterAPauseOfTheForceNothingOfTheOldOneFades) {
-  class OneSide final : public LocalTouch {
+  class ConstantTouch final : public LocalTouch {
    public:
     std::optional<LocalForce> step(const DeviceSample&) noexcept override { return force; }
     std::optional<LocalForce> force = LocalForce{.force_n = Vec3(0, 0, 3), .contact = true};
   };
-  OneSide local;
+  ConstantTouch local;
   loop.set_local_touch(&local);
   for (int n = 0; n < 300; ++n) cycle(std::nullopt);
   ASSERT_NEAR(device.force_n(), 3.0, 1e-6);
   local.force.reset();
   for (int n = 0; n < 100; ++n) cycle(std::nullopt);
   ASSERT_EQ(device.force_n(), 0.0);
-  double most_n = 0.0;
+  double largest_force_n = 0.0;
   for (int n = 0; n < 300; ++n) {
     cycle(Vec3(0, 0, 1e-3));
-    most_n = std::max(most_n, device.force_n());
+    largest_force_n = std::max(largest_force_n, device.force_n());
   }
-  EXPECT_NEAR(most_n, 1e-3, 1e-6);
+  EXPECT_NEAR(largest_force_n, 1e-3, 1e-6);
 }
 
 TEST_F(DeviceLoops, TheGovernorSeesTheDeviceWhereItIs) {
@@ -409,12 +411,12 @@ TEST_F(DeviceLoops, TheGovernorSeesTheDeviceWhereItIs) {
       clock.sleep_until_ns(clutched.tick_ns());
       clutched.begin_cycle();
       ASSERT_TRUE(clutched.run_cycle());
-      for (DeviceCycle reported; clutched.take_cycle(reported);) newest = reported;
+      for (DeviceCycle reported; clutched.take_cycle(reported);) newest_cycle = reported;
       clock.advance_ns(100'000);
-      clutched.post({{.force_n = force_n}, newest.sample.time_ns});
+      clutched.post({{.force_n = force_n}, newest_cycle.sample.time_ns});
     }
   };
-  const auto lead = [&](double from, double to) {
+  const auto move_device = [&](double from, double to) {
     for (double x = from; std::abs(x - to) > 1e-9; x += to > from ? 1e-3 : -1e-3) {
       device.place.x() = x;
       run(1, Vec3::Zero());
@@ -422,11 +424,11 @@ TEST_F(DeviceLoops, TheGovernorSeesTheDeviceWhereItIs) {
     device.place.x() = to;
   };
   device.buttons = 1;
-  lead(0.01, -0.07);
+  move_device(0.01, -0.07);
   device.buttons = 0;
-  lead(-0.07, 0.05);
+  move_device(-0.07, 0.05);
   run(300, {2, 0, 0});
-  EXPECT_NEAR(newest.sample.p_WD.x(), 0.13, 1e-9) << "beyond the workspace, 0.1 m";
+  EXPECT_NEAR(newest_cycle.sample.p_WD.x(), 0.13, 1e-9) << "beyond the workspace, 0.1 m";
   EXPECT_NEAR(device.force_n(), 2.0, 1e-9) << "the device is within it";
 }
 
@@ -462,14 +464,14 @@ TEST(DeviceThreads, ReleasesTheForceWhenTheNetworkSideStops) {
 }
 
 // Both threads run as fast as they can: no force is lost, no thread waits for ever, and ThreadSanitizer can check this.
-TEST(DeviceThreads, CyclesAndForcesFromTwoThreadsNeverMeetInTheDevice) {
+TEST(DeviceThreads, TwoThreadsNeverWriteToTheDeviceAtTheSameTime) {
   SteadyClock clock;
   StillDevice device;
-  std::atomic<int> within{0};
-  std::atomic<int> meetings{0};
+  std::atomic<int> writers{0};
+  std::atomic<int> simultaneous_writes{0};
   device.within_write = [&] {
-    if (within.fetch_add(1) != 0) meetings.fetch_add(1);
-    within.fetch_sub(1);
+    if (writers.fetch_add(1) != 0) simultaneous_writes.fetch_add(1);
+    writers.fetch_sub(1);
   };
   const auto loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{.rate_hz = 10'000.0});
   DeviceThread thread(*loop, clock);
@@ -478,8 +480,8 @@ TEST(DeviceThreads, CyclesAndForcesFromTwoThreadsNeverMeetInTheDevice) {
   const std::int64_t end_ns = clock.now_ns() + 500 * kMs;
   while (clock.now_ns() < end_ns) number = loop->post({{.force_n = Vec3(0, 0, 1)}, clock.now_ns()});
   thread.stop();
-  EXPECT_EQ(loop->latest().command_number, number) << "the last force was left lying";
-  EXPECT_EQ(meetings.load(), 0);
+  EXPECT_EQ(loop->latest().command_number, number) << "the last force was not written";
+  EXPECT_EQ(simultaneous_writes.load(), 0);
 }
 
 }  // namespace

@@ -136,16 +136,16 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
 
 // Otherwise two hubs might open the same arm, and their forces would alternate on it.
 TEST_F(DevicesFiles, TwoOfOneKindNeedIdsThatDiffer) {
-  const auto pair = [](const std::string& left, const std::string& right) {
+  const auto two_devices = [](const std::string& left, const std::string& right) {
     return "[[device]]\nname = \"left\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n" + left +
            "[[device]]\nname = \"right\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n" + right;
   };
   const auto is_rejected = HasSubstr("'left' and 'right' are both hapton-hid: give each an id (hapton doctor lists them)");
-  EXPECT_THAT(rejection(pair("", "")), is_rejected);
-  EXPECT_THAT(rejection(pair("id = \"A\"\n", "")), is_rejected);
-  EXPECT_THAT(rejection(pair("", "id = \"A\"\n")), is_rejected);
-  EXPECT_THAT(rejection(pair("id = \"A\"\n", "id = \"A\"\n")), is_rejected);
-  EXPECT_EQ(rejection(pair("id = \"A\"\n", "id = \"B\"\n")), "it was read");
+  EXPECT_THAT(rejection(two_devices("", "")), is_rejected);
+  EXPECT_THAT(rejection(two_devices("id = \"A\"\n", "")), is_rejected);
+  EXPECT_THAT(rejection(two_devices("", "id = \"A\"\n")), is_rejected);
+  EXPECT_THAT(rejection(two_devices("id = \"A\"\n", "id = \"A\"\n")), is_rejected);
+  EXPECT_EQ(rejection(two_devices("id = \"A\"\n", "id = \"B\"\n")), "it was read");
   EXPECT_EQ(rejection(kLeft + "[[device]]\nname = \"right\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n"), "it was read");
 }
 
@@ -162,14 +162,14 @@ TEST_F(DevicesFiles, NumbersAreReadUpToTheirLimits) {
                         {"passive_friction_n", "-0.001", "0", "100", "100.001"},
                         {"passive_position_step_m", "-0.001", "0", "0.01", "0.0100001"},
                         {"seed", "-1", "0", "", ""}};
-  for (const Limits& of : all) {
-    for (const std::string& inside : {of.least, of.most}) {
+  for (const Limits& limits : all) {
+    for (const std::string& inside : {limits.least, limits.most}) {
       if (inside.empty()) continue;
-      EXPECT_EQ(rejection(kLeft + of.key + " = " + inside + "\n"), "it was read") << of.key << " = " << inside;
+      EXPECT_EQ(rejection(kLeft + limits.key + " = " + inside + "\n"), "it was read") << limits.key << " = " << inside;
     }
-    for (const std::string& outside : {of.below, of.above}) {
+    for (const std::string& outside : {limits.below, limits.above}) {
       if (outside.empty()) continue;
-      EXPECT_THAT(rejection(kLeft + of.key + " = " + outside + "\n"), HasSubstr(std::string("'") + of.key + "'")) << outside;
+      EXPECT_THAT(rejection(kLeft + limits.key + " = " + outside + "\n"), HasSubstr(std::string("'") + limits.key + "'")) << outside;
     }
   }
 }

@@ -18,10 +18,10 @@ struct Probe : testing::Test {
   SimulatedClock clock{1'000'000'000};
   ScriptedEndpoint endpoint{clock};
   EchoProbe probe{endpoint, clock, kResponder};
-  std::size_t bytes = 0;
+  std::size_t request_bytes = 0;
   void reply_after(std::int64_t delay_ns) {
     endpoint.on_send_raw = [this, delay_ns](const Address& to, std::span<const std::byte> sent) {
-      bytes = sent.size();
+      request_bytes = sent.size();
       endpoint.arrive_raw(clock.now_ns() + delay_ns, to, reply_to(sent));
     };
   }
@@ -39,8 +39,8 @@ TEST_F(Probe, MeasuresTheRoundTripOfADatagramAsLongAsADeviceState) {
   for (int n = 0; n < 10; ++n) probe.probe(clock.now_ns() + 300 * kUs);
   EXPECT_EQ(probe.counts().replied, 10U);
   EXPECT_EQ(probe.round_trip().max_ns(), 20 * kUs);
-  EXPECT_GT(bytes, 70U);
-  EXPECT_LT(bytes, 200U);
+  EXPECT_GT(request_bytes, 70U);
+  EXPECT_LT(request_bytes, 200U);
 }
 
 TEST_F(Probe, ALateReplyIsCountedAndNotTakenForTheNextOne) {

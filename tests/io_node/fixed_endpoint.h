@@ -41,9 +41,9 @@ class FixedEndpoint final : public Endpoint {
   }
 
   void say(std::uint16_t node, const Message& message, std::int64_t when_ns) noexcept {
-    said_.header = {5, 100ULL + node, ++sequence_, when_ns};
-    said_.message = message;
-    bytes_ = codec_.encode(said_, outgoing_);
+    sent_.header = {5, 100ULL + node, ++sequence_, when_ns};
+    sent_.message = message;
+    bytes_ = codec_.encode(sent_, outgoing_);
     when_ns_ = when_ns;
     from_ = node;
   }
@@ -54,7 +54,7 @@ class FixedEndpoint final : public Endpoint {
   SimulatedClock& clock_;
   Codec codec_;
   Datagram received_;
-  Datagram said_;
+  Datagram sent_;
   std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};
   std::size_t bytes_ = 0;
   std::int64_t when_ns_ = 0;

@@ -64,9 +64,9 @@ TEST_F(NetworkLoops, AnOvertakenForceIsNotWritten) {
   network->step();
   const DeviceState slow = states.back();
   network->step();
-  force(states.back(), 0);
+  reply_with_force(states.back(), 0);
   force_reply.force_n = Vec3(7, 0, 0);
-  force(slow, 100);
+  reply_with_force(slow, 100);
   run(3);
   EXPECT_EQ(device.written.back().force_n, Vec3(0, 0, 2));
   EXPECT_EQ(stats().responses.reordered, 1U);
@@ -92,17 +92,17 @@ TEST_F(NetworkLoops, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   local.is_touching = true;
   run(200);
   ASSERT_NEAR(device.written.back().force_n.z(), 1.0, 1e-9);
-  const DeviceState before = states.back();
-  EXPECT_FALSE(before.is_resumed);
+  const DeviceState sample_before = states.back();
+  EXPECT_FALSE(sample_before.is_resumed);
   local.is_touching = false;
   network->step();
   const DeviceState resumed = states.back();
   EXPECT_TRUE(resumed.is_resumed) << "with the first sample that has no local force";
   force_reply.force_n = Vec3(0, 0, 3);
-  force(before, 0);
+  reply_with_force(sample_before, 0);
   run(3);
   EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 1e-9);
-  force(resumed, 0);
+  reply_with_force(resumed, 0);
   run(1);
   EXPECT_NEAR(device.written.back().force_n.z(), 1.02, 1e-9) << "a hundredth of the difference, although four cycles passed";
 }
@@ -167,7 +167,7 @@ TEST_F(NetworkLoops, SamplesThatALateNetworkSideNeverSentAreNotLost) {
   make();
   join(kHaptics, NodeRole::haptics);
   network->use_device_thread();
-  const auto cycles = [&](int count) {
+  const auto run_device_cycles = [&](int count) {
     for (int n = 0; n < count; ++n) {
       clock.sleep_until_ns(network->device_loop().tick_ns());
       network->device_loop().begin_cycle();
@@ -177,18 +177,18 @@ TEST_F(NetworkLoops, SamplesThatALateNetworkSideNeverSentAreNotLost) {
   };
   for (int n = 0; n < 200; ++n) {
     if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
-    cycles(1);
+    run_device_cycles(1);
   }
   reply_delay_ns = -1;
-  cycles(1);
-  cycles(3);
+  run_device_cycles(1);
+  run_device_cycles(3);
   reply_delay_ns = 100 * kUs;
   force_reply.skipped_samples = 2;
-  cycles(3);
+  run_device_cycles(3);
   force_reply.skipped_samples = 0;
   for (int n = 0; n < 400; ++n) {
     if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
-    cycles(1);
+    run_device_cycles(1);
   }
   EXPECT_EQ(stats().responses.superseded, 2U);
   EXPECT_EQ(stats().responses.lost, 0U);
@@ -204,11 +204,12 @@ TEST_F(NetworkLoops, HostileForcesNeverReachTheMotorsAsTheyAre) {
   }
   Vec3 last = Vec3::Zero();
   std::int64_t last_ns = 0;
+  // The limits of BenchDevice: 8 N, and 2000 N/s.
   for (const auto& written : device.written) {
     ASSERT_TRUE(written.force_n.allFinite());
     ASSERT_LE(written.force_n.norm(), 8.0);
-    const double reach_n = last_ns > 0 ? 2000.0e-9 * static_cast<double>(written.time_ns - last_ns) : 8.0;
-    ASSERT_LE((written.force_n - last).norm(), reach_n + 1e-9);
+    const double allowed_change_n = last_ns > 0 ? 2000.0e-9 * static_cast<double>(written.time_ns - last_ns) : 8.0;
+    ASSERT_LE((written.force_n - last).norm(), allowed_change_n + 1e-9);
     last = written.force_n;
     last_ns = written.time_ns;
   }
@@ -220,7 +221,7 @@ TEST_F(NetworkLoops, DuplicatesAndForgedEchoesAreIgnored) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
-  const std::size_t written = device.written.size();
+  const std::size_t writes_before = device.written.size();
   ForceCommand forged = force_reply;
   forged.force_n = Vec3(8, 0, 0);
   forged.echo_sample = states.back().sample;
@@ -232,7 +233,7 @@ TEST_F(NetworkLoops, DuplicatesAndForgedEchoesAreIgnored) {
   say(kHaptics, forged);
   reply_delay_ns = -1;
   network->step();
-  EXPECT_EQ(device.written.size(), written);
+  EXPECT_EQ(device.written.size(), writes_before);
   EXPECT_EQ(stats().responses.duplicate, 1U);
   EXPECT_EQ(stats().responses.unknown, 2U);
 }

@@ -11,14 +11,14 @@ namespace hapton {
 namespace {
 
 // A hub whose datagrams take given times, and a node whose clock is ahead by a given offset.
-struct Ways : testing::Test {
+struct HopMeters : testing::Test {
   SimulatedClock clock{1'000'000'000};
   MemoryNetwork network{clock};
   std::unique_ptr<Endpoint> hub = *network.open(memory_address(1, 1));
   std::unique_ptr<Endpoint> node = *network.open(memory_address(2, 1));
   MeteredEndpoint metered{*hub, clock};
-  HopMeter ways{metered};
-  std::int64_t ahead_ns = 0;
+  HopMeter meter{metered};
+  std::int64_t node_ahead_ns = 0;
   std::uint64_t sample = 0;
 
   // One sample and its force: 2 us to encode, out_ns on the wire, 7 us in the node, back_ns on the wire, 3 us to decode.
@@ -29,24 +29,24 @@ struct Ways : testing::Test {
     command.echo_sample_time_ns = clock.now_ns();
     clock.advance_ns(2 * kUs);
     metered.send(node->local_address(), bytes);
-    ways.on_state_sent(sample, command.echo_sample_time_ns);
+    meter.on_state_sent(sample, command.echo_sample_time_ns);
     clock.advance_ns(out_ns + 7 * kUs);
     command.compute_ns = 7 * kUs;
     Header header;
-    header.send_time_ns = clock.now_ns() + ahead_ns;
+    header.send_time_ns = clock.now_ns() + node_ahead_ns;
     node->send(hub->local_address(), bytes);
     clock.advance_ns(back_ns);
     std::array<std::byte, kMaxDatagramBytes> buffer;
     metered.receive(buffer, 0);
     clock.advance_ns(3 * kUs);
-    ways.on_force(header, command, clock.now_ns());
+    meter.on_force(header, command, clock.now_ns());
     clock.advance_ns(kMs);
   }
-  const HopStats& stats() { return ways.collect(clock.now_ns()); }
+  const HopStats& stats() { return meter.collect(clock.now_ns()); }
 };
 
-TEST_F(Ways, OnOneHostAreExactAndAddUpToTheRoundTrip) {
-  ways.on_joined(HubPeers::kHapticsSlot, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
+TEST_F(HopMeters, OnOneHostAreExactAndAddUpToTheRoundTrip) {
+  meter.on_joined(HubPeers::kHapticsSlot, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
   exchange(10 * kUs, 40 * kUs);
   EXPECT_EQ(stats().encode.max_ns(), 2 * kUs);
   EXPECT_EQ(stats().wire_out.max_ns(), 10 * kUs);
@@ -57,13 +57,13 @@ TEST_F(Ways, OnOneHostAreExactAndAddUpToTheRoundTrip) {
   EXPECT_EQ(stats().link.bytes_received, 10U);
 }
 
-TEST_F(Ways, BetweenHostsUseTheOffsetOfTheClocks) {
-  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
-  ahead_ns = -3'600'000'000'000;
+TEST_F(HopMeters, BetweenHostsUseTheOffsetOfTheClocks) {
+  meter.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+  node_ahead_ns = -3'600'000'000'000;
   for (int n = 0; n < 20; ++n) exchange(30 * kUs, 30 * kUs);
   EXPECT_FALSE(stats().is_one_clock);
   ASSERT_TRUE(stats().is_offset_known);
-  EXPECT_NEAR(static_cast<double>(stats().clock_offset_ns - ahead_ns), 0.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(stats().clock_offset_ns - node_ahead_ns), 0.0, 1.0);
   EXPECT_NEAR(static_cast<double>(stats().clock_error_ns), 30.0 * kUs, 2.0 * kUs);
   EXPECT_EQ(stats().wire_out.count(), 20U);
   // A queue on the return path lengthens the return path and nothing else.
@@ -72,16 +72,16 @@ TEST_F(Ways, BetweenHostsUseTheOffsetOfTheClocks) {
   EXPECT_NEAR(static_cast<double>(stats().wire_back.max_ns()), 230.0 * kUs, 2.0);
 }
 
-TEST_F(Ways, ForgetTheClockOfANodeThatWasReplaced) {
-  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
-  ahead_ns = 5'000'000'000;
+TEST_F(HopMeters, ForgetTheClockOfANodeThatWasReplaced) {
+  meter.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+  node_ahead_ns = 5'000'000'000;
   exchange(30 * kUs, 30 * kUs);
-  ways.on_joined(HubPeers::kHapticsSlot, memory_address(3, 1));
+  meter.on_joined(HubPeers::kHapticsSlot, memory_address(3, 1));
   EXPECT_FALSE(stats().is_offset_known);
 }
 
-TEST_F(Ways, JitterIsTheDifferenceOfNeighbours) {
-  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+TEST_F(HopMeters, JitterIsTheDifferenceBetweenSuccessiveRoundTrips) {
+  meter.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
   exchange(10 * kUs, 10 * kUs);
   exchange(10 * kUs, 60 * kUs);
   exchange(10 * kUs, 60 * kUs);
@@ -90,8 +90,8 @@ TEST_F(Ways, JitterIsTheDifferenceOfNeighbours) {
   EXPECT_EQ(stats().jitter.min_ns(), 0);
 }
 
-TEST_F(Ways, UnknownTimesAreLeftOut) {
-  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+TEST_F(HopMeters, UnknownTimesAreLeftOut) {
+  meter.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
   for (const std::int64_t bad : {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     ForceCommand command;
     command.compute_ns = std::numeric_limits<std::uint32_t>::max();
@@ -99,23 +99,23 @@ TEST_F(Ways, UnknownTimesAreLeftOut) {
     Header header;
     header.send_time_ns = bad;
     command.echo_sample = 1;
-    ways.on_state_sent(1, clock.now_ns());
-    ways.on_force(header, command, clock.now_ns());
+    meter.on_state_sent(1, clock.now_ns());
+    meter.on_force(header, command, clock.now_ns());
     FrameAck drawn{1, bad, 30.0F, 5};
-    ways.on_probe_sent(1);
-    ways.on_frame_ack(header, drawn, 3);
-    ways.on_frame_ack(header, drawn, 1'000'000);
+    meter.on_probe_sent(1);
+    meter.on_frame_ack(header, drawn, 3);
+    meter.on_frame_ack(header, drawn, 1'000'000);
   }
   EXPECT_EQ(stats().wire_out.count(), 0U);
   EXPECT_EQ(stats().motion_to_photon.count(), 0U);
 }
 
-TEST_F(Ways, MotionToPhotonEndsWithTheFrameNotWithItsAcknowledgement) {
+TEST_F(HopMeters, MotionToPhotonEndsWithTheFrameNotWithItsAcknowledgement) {
   const std::array<std::byte, 10> bytes = {};
-  ways.on_joined(3, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
+  meter.on_joined(3, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
   const std::int64_t sample_ns = clock.now_ns();
   metered.send(node->local_address(), bytes);
-  ways.on_probe_sent(42);
+  meter.on_probe_sent(42);
   clock.advance_ns(9 * kMs);  // 1 ms until it arrives, 8 ms to draw
   Header header;
   header.send_time_ns = clock.now_ns();
@@ -123,12 +123,12 @@ TEST_F(Ways, MotionToPhotonEndsWithTheFrameNotWithItsAcknowledgement) {
   clock.advance_ns(5 * kMs);
   std::array<std::byte, kMaxDatagramBytes> buffer;
   metered.receive(buffer, 0);
-  ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 8 * kMs}, 3);
+  meter.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 8 * kMs}, 3);
   EXPECT_EQ(stats().motion_to_photon.max_ns(), 9 * kMs);
   EXPECT_EQ(stats().vision_draw.max_ns(), 8 * kMs);
-  ways.on_frame_ack(header, FrameAck{41, sample_ns, 60.0F, 8 * kMs}, 3);  // of a sample that was never sent
-  ways.on_frame_ack(header, FrameAck{0, sample_ns, 60.0F, 8 * kMs}, 3);   // names no sample
-  ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 0}, 3);        // does not report how long it drew
+  meter.on_frame_ack(header, FrameAck{41, sample_ns, 60.0F, 8 * kMs}, 3);  // of a sample that was never sent
+  meter.on_frame_ack(header, FrameAck{0, sample_ns, 60.0F, 8 * kMs}, 3);   // names no sample
+  meter.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 0}, 3);        // does not report how long it drew
   EXPECT_EQ(stats().motion_to_photon.count(), 1U);
 }
 

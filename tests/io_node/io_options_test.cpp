@@ -77,7 +77,7 @@ TEST(IoOptions, TheOldNameOfTheDeadMansSwitchCountsFromZero) {
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--devices", "two.toml", "--hold-button", "1"})));
 }
 
-TEST(IoOptions, WhatAllDevicesHaveInCommonGoesWithAFileOfThem) {
+TEST(IoOptions, OptionsForAllDevicesGoWithADevicesFile) {
   const auto options = std::get<IoOptions>(parse({"--devices", "desk.toml", "--rate", "2000", "--out", "/tmp"}));
   EXPECT_EQ(options.devices_file, "desk.toml");
   EXPECT_EQ(options.rate_hz, 2000.0);
@@ -142,7 +142,7 @@ TEST(IoOptions, NumbersHaveTheRangesThatHelpNames) {
       {"--cpu", "-1", "4095", "-2", "4096", [](const IoOptions& o) { return static_cast<double>(o.realtime.cpu); }},
   };
   for (const auto& range : ranges) expect_range(range, parse);
-  const OptionRange<IoOptions> of_the_controller[] = {
+  const OptionRange<IoOptions> controller_ranges[] = {
       {"--passive-damping", "0", "1000", "-0.1", "1001",
        [](const IoOptions& o) { return static_cast<double>(o.device.passive_damping_ns_per_m); }},
       {"--passive-friction", "0", "100", "-0.1", "100.1",
@@ -150,7 +150,7 @@ TEST(IoOptions, NumbersHaveTheRangesThatHelpNames) {
       {"--passive-step", "0", "0.01", "-0.001", "0.011",
        [](const IoOptions& o) { return static_cast<double>(o.device.passive_position_step_m); }},
   };
-  for (const auto& range : of_the_controller) expect_range(range, parse, {"--passive-mass", "0.1"});
+  for (const auto& range : controller_ranges) expect_range(range, parse, {"--passive-mass", "0.1"});
   EXPECT_NE(std::get<int>(parse({"--passive-damping", "1"})), 0) << "without the mass it means nothing";
 }
 

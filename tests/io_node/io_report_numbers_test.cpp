@@ -192,10 +192,10 @@ TEST_F(IoReportNumbers, EachRateAndShareIsUnderItsOwnName) {
 
 TEST_F(IoReportNumbers, EveryCounterIsDescribedAndNoOther) {
   scheduling.is_known = true;
-  std::set<std::string> counted, described;
-  for (const auto& [name, count] : report().counters) counted.insert(name);
+  std::set<std::string> reported, described;
+  for (const auto& [name, count] : report().counters) reported.insert(name);
   for (const auto& [name, text] : counter_descriptions()) described.emplace(name);
-  EXPECT_EQ(counted, described);
+  EXPECT_EQ(reported, described);
 }
 
 TEST_F(IoReportNumbers, ANodeHasItsOwnCounts) {
@@ -225,19 +225,20 @@ TEST_F(IoReportNumbers, ANodeHasItsOwnCounts) {
   EXPECT_EQ(report().nodes[0].seconds, 0.0);
 }
 
-TEST_F(IoReportNumbers, EachWayOfLoadingASceneIsTold) {
+TEST_F(IoReportNumbers, TheReportSaysHowTheSceneWasLoaded) {
   stats->setup.scene_hash = 1;
   const auto notes = [&](std::uint32_t loading) {
     stats->setup.scene_loading = loading;
     return report().notes;
   };
-  EXPECT_FALSE(notes(0).contains("scene_unit")) << "an older node does not say";
+  constexpr std::uint32_t kIsKnown = 1, kIsSealed = 2, kIsFitted = 4;  // bits of scene_loading (proto/hapton.proto); the unit is above them
+  EXPECT_FALSE(notes(0).contains("scene_unit")) << "an older node does not send it";
   const char* units[] = {"not given", "m", "cm", "mm", "in", "unknown"};
-  for (std::uint32_t unit = 0; unit < 6; ++unit) EXPECT_EQ(notes(1 + (unit << 3U)).at("scene_unit"), units[unit]);
-  EXPECT_EQ(notes(1 + 2).at("scene_sealed"), "yes");
-  EXPECT_EQ(notes(1 + 2).at("scene_fitted"), "no");
-  EXPECT_EQ(notes(1 + 4).at("scene_sealed"), "no");
-  EXPECT_EQ(notes(1 + 4).at("scene_fitted"), "yes");
+  for (std::uint32_t unit = 0; unit < 6; ++unit) EXPECT_EQ(notes(kIsKnown + (unit << 3U)).at("scene_unit"), units[unit]);
+  EXPECT_EQ(notes(kIsKnown + kIsSealed).at("scene_sealed"), "yes");
+  EXPECT_EQ(notes(kIsKnown + kIsSealed).at("scene_fitted"), "no");
+  EXPECT_EQ(notes(kIsKnown + kIsFitted).at("scene_sealed"), "no");
+  EXPECT_EQ(notes(kIsKnown + kIsFitted).at("scene_fitted"), "yes");
 }
 
 TEST_F(IoReportNumbers, TheLinesAtTheEndNameEachCause) {
@@ -257,8 +258,8 @@ TEST_F(IoReportNumbers, TheLinesAtTheEndNameEachCause) {
                  .unknown_session = 50,
                  .replayed = 40,
                  .forged = 30,
-                 .no_slot = 1,
-                 .oversized = 2};
+                 .no_slot = 1,     // counts as of an unknown session
+                 .oversized = 2};  // counts as malformed
   const std::string text = describe_run(*stats);
   EXPECT_THAT(text,
               HasSubstr("late 1, lost 2, superseded 3, reordered 4, missed cycles 5, command timeouts 6, clamped 7, rate-limited 8\n"));
@@ -296,9 +297,9 @@ TEST_F(IoReportNumbers, TheDevicesStateIsNamed) {
   EXPECT_EQ(report().notes.at("status_now"),
             "no force: replies of haptics_node take 41 ms, and a force lasts 20 ms; shorten the network path, or see docs/remote.md");
   stats->status = ProbeStatus::fault_latched;
-  EXPECT_EQ(report().notes.at("status_now"), "no force: a fault is latched") << "that is to be fixed first";
+  EXPECT_EQ(report().notes.at("status_now"), "no force: a fault is latched") << "the fault has to be fixed first";
   stats->status = ProbeStatus::ok;
-  EXPECT_EQ(report().notes.at("status_now"), "ok") << "computed here";
+  EXPECT_EQ(report().notes.at("status_now"), "ok") << "the force is computed here";
   stats->touched_object = 0;
   EXPECT_EQ(report().notes.at("touched_object"), "0");
   stats->touched_object = -1;

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::unique_ptr<ServoStats> two_seconds() {
+std::unique_ptr<ServoStats> stats_of_two_seconds() {
   auto stats = std::make_unique<ServoStats>();
   stats->start_ns = 5'000'000'000;
   stats->end_ns = 7'000'000'000;
@@ -47,7 +47,7 @@ TEST(IoReport, HoldsHopsRatesCountersAndTheRatioToTheBareEcho) {
   IoOptions options;
   options.echo_probe = "127.0.0.1:9";
   options.device.seed = 17;
-  const LatencyReport report = make_io_report(*two_seconds(), options, "real time: off");
+  const LatencyReport report = make_io_report(*stats_of_two_seconds(), options, "real time: off");
   EXPECT_EQ(report.program, "io_node");
   EXPECT_EQ(report.seconds, 2.0);
   EXPECT_EQ(report.rates_hz.at("samples"), 995.0);
@@ -69,7 +69,7 @@ TEST(IoReport, HoldsHopsRatesCountersAndTheRatioToTheBareEcho) {
 }
 
 TEST(IoReport, SaysWhatTheDeviceSaysOfItself) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   stats->device_status = DeviceStatus::calibrating;
   stats->device = {.model = "Touch", .serial = "SN1", .firmware = "192", .is_calibrated = false, .motor_temperature = 0.25};
   const LatencyReport report = make_io_report(*stats, {}, "");
@@ -79,11 +79,11 @@ TEST(IoReport, SaysWhatTheDeviceSaysOfItself) {
   EXPECT_EQ(report.notes.at("device_serial"), "SN1");
   EXPECT_EQ(report.notes.at("device_firmware"), "192");
   EXPECT_EQ(report.notes.at("motor_temperature"), "0.250");
-  EXPECT_FALSE(make_io_report(*two_seconds(), {}, "").notes.contains("motor_temperature"));
+  EXPECT_FALSE(make_io_report(*stats_of_two_seconds(), {}, "").notes.contains("motor_temperature"));
 }
 
-TEST(IoReport, SaysWithWhatItWasStartedWhereThatWasGiven) {
-  const LatencyReport bare = make_io_report(*two_seconds(), {}, "");
+TEST(IoReport, NamesTheOptionsWithWhichItWasStarted) {
+  const LatencyReport bare = make_io_report(*stats_of_two_seconds(), {}, "");
   for (const char* note : {"name", "device_id", "device_file", "trajectory", "echo_probe", "echo_bytes", "reach"}) {
     EXPECT_FALSE(bare.notes.contains(note)) << note;
   }
@@ -94,7 +94,7 @@ TEST(IoReport, SaysWithWhatItWasStartedWhereThatWasGiven) {
   options.device.trajectory = "t.csv";
   options.echo_probe = "127.0.0.1:9";
   options.echo_bytes = 200;
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   stats->reach = SceneReach::too_small;
   const LatencyReport report = make_io_report(*stats, options, "");
   EXPECT_EQ(report.notes.at("name"), "left");
@@ -107,7 +107,7 @@ TEST(IoReport, SaysWithWhatItWasStartedWhereThatWasGiven) {
 }
 
 TEST(IoReport, ASceneWhoseHashIsNotKnownYetIsNamedWithoutIt) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());
   std::copy_n("name=proxy", 10, stats->setup.method.begin());
   const LatencyReport report = make_io_report(*stats, {}, "");
@@ -117,12 +117,12 @@ TEST(IoReport, ASceneWhoseHashIsNotKnownYetIsNamedWithoutIt) {
 }
 
 TEST(IoReport, SaysWhichSceneWasTouchedAndWithWhat) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene"));
   stats->setup.scene_hash = 0xBEEF;
   EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene_shape_hash"));
   stats->scene_given_hash = 0xFACADE;
-  stats->setup.scene_loading = 1 + 2 + 4 + (3U << 3U);
+  stats->setup.scene_loading = 1 + 2 + 4 + (3U << 3U);  // known, sealed, fitted, in mm (proto/hapton.proto)
   std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());
   std::copy_n("name=proxy", 10, stats->setup.method.begin());
   stats->status = ProbeStatus::device_away;
@@ -140,7 +140,7 @@ TEST(IoReport, SaysWhichSceneWasTouchedAndWithWhat) {
 }
 
 TEST(IoReport, ClaimsNoEchoThatWasNotMeasured) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   stats->bare_echo.clear();
   const LatencyReport report = make_io_report(*stats, {}, "");
   EXPECT_FALSE(report.ratios.contains("round_trip_over_echo_p50"));
@@ -149,7 +149,7 @@ TEST(IoReport, ClaimsNoEchoThatWasNotMeasured) {
 }
 
 TEST(IoReport, SaysWhatTheGovernorDoes) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   stats->governor.state = GovernorState::latched;
   stats->governor.fault = SafetyFault::speed;
   stats->governor.counters.latched = 2;
@@ -172,7 +172,7 @@ TEST(IoReport, SaysWhatTheGovernorDoes) {
 }
 
 TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   PeerStats& haptics = stats->peers[0];
   haptics.present = true;
   haptics.role = NodeRole::haptics;
@@ -196,14 +196,14 @@ TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
 }
 
 TEST(IoReport, DescribesTheRunInLines) {
-  const std::string text = describe_run(*two_seconds());
+  const std::string text = describe_run(*stats_of_two_seconds());
   EXPECT_THAT(text, HasSubstr("1990 samples (995 Hz)"));
   EXPECT_THAT(text, HasSubstr("lost 3"));
   EXPECT_THAT(text, HasSubstr("missed cycles 10"));
 }
 
 TEST(IoReport, DescribesTheAgeAtEveryHop) {
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   stats->hops.wire_out.record(12'000);
   stats->device_to_drawn.record(30'000'000);
   const std::string text = describe_run(*stats);
@@ -221,10 +221,10 @@ TEST(IoReport, NamesNoDurationWhereNothingWasMeasured) {
 }
 
 // Every metric, hop and name in the expressions of the dashboard is one that we export.
-TEST(IoReport, TheDashboardAsksForMetricsThatAreThere) {
+TEST(IoReport, TheDashboardUsesExportedMetricsOnly) {
   IoOptions options;
   options.echo_probe = "127.0.0.1:9";
-  auto stats = two_seconds();
+  auto stats = stats_of_two_seconds();
   stats->peers[0].present = true;
   SchedulingStats scheduling;
   scheduling.is_known = true;
@@ -237,14 +237,14 @@ TEST(IoReport, TheDashboardAsksForMetricsThatAreThere) {
     for (const auto& target : panel.value("targets", nlohmann::json::array())) {
       const auto expression = target.at("expr").get<std::string>();
       const std::regex metric("hapton_[a-z_]+"), label("(hop|name)=\"([a-z0-9_]+)\"");
-      for (std::sregex_iterator found(expression.begin(), expression.end(), metric), end; found != end; ++found) {
+      for (std::sregex_iterator match(expression.begin(), expression.end(), metric), end; match != end; ++match) {
         ++count;
-        const bool is_there =
-            exported.find("\n" + found->str() + "{") != std::string::npos || exported.find("\n" + found->str() + " ") != std::string::npos;
-        EXPECT_TRUE(is_there) << found->str() << " in: " << expression;
+        const bool is_exported =
+            exported.find("\n" + match->str() + "{") != std::string::npos || exported.find("\n" + match->str() + " ") != std::string::npos;
+        EXPECT_TRUE(is_exported) << match->str() << " in: " << expression;
       }
-      for (std::sregex_iterator found(expression.begin(), expression.end(), label), end; found != end; ++found)
-        EXPECT_TRUE(exported.find(found->str()) != std::string::npos) << found->str() << " in: " << expression;
+      for (std::sregex_iterator match(expression.begin(), expression.end(), label), end; match != end; ++match)
+        EXPECT_TRUE(exported.find(match->str()) != std::string::npos) << match->str() << " in: " << expression;
     }
   }
   EXPECT_GT(count, 10U);

@@ -112,7 +112,7 @@ TEST_F(Sessions, EndsWithItsRecording) {
 }
 
 // A device that is away for 100 reads, is calibrated for 100 more, and is ready until a force has been written; then its recording ends.
-class Wayward final : public Device {
+class LateReadyDevice final : public Device {
  public:
   std::string_view name() const noexcept override { return "wayward"; }
   const DeviceLimits& limits() const noexcept override { return phantom_.limits(); }
@@ -121,18 +121,18 @@ class Wayward final : public Device {
     return phantom_.read(now_ns);
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
-    if (wrench.force_n != Vec3::Zero()) ++(reads_ < 200 ? forces_before : forces_after);
+    if (wrench.force_n != Vec3::Zero()) ++(reads_ < 200 ? forces_before_ready : forces_when_ready);
     phantom_.write(wrench, now_ns);
   }
   DeviceStatus status() const noexcept override {
     if (reads_ < 100) return DeviceStatus::away;
     if (reads_ < 200) return DeviceStatus::calibrating;
-    return forces_after == 0 ? DeviceStatus::ready : DeviceStatus::ended;
+    return forces_when_ready == 0 ? DeviceStatus::ready : DeviceStatus::ended;
   }
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
-  int forces_before = 0;
-  int forces_after = 0;
+  int forces_before_ready = 0;
+  int forces_when_ready = 0;
 
  private:
   SimulatedPhantom phantom_{{}};
@@ -141,14 +141,14 @@ class Wayward final : public Device {
 
 TEST_F(Sessions, GoesOnWhileTheDeviceIsAwayOrBeingCalibrated) {
   options.seconds = 0.0;
-  Wayward device;
+  LateReadyDevice device;
   EXPECT_TRUE(run(device));
-  EXPECT_EQ(device.forces_before, 0);
-  EXPECT_GT(device.forces_after, 0);
+  EXPECT_EQ(device.forces_before_ready, 0);
+  EXPECT_GT(device.forces_when_ready, 0);
 }
 
 // A device that returns one sample late.
-class Stumbling final : public Device {
+class OneSlowReadDevice final : public Device {
  public:
   std::string_view name() const noexcept override { return "stumbling"; }
   const DeviceLimits& limits() const noexcept override { return phantom_.limits(); }
@@ -167,7 +167,7 @@ class Stumbling final : public Device {
 
 TEST_F(Sessions, ACycleThatIsMissedEndsItWithAnErrorWhereThatIsRequested) {
   options.seconds = 0.0;
-  Stumbling device;
+  OneSlowReadDevice device;
   const auto ended = run(device, {.overrun = OverrunPolicy::stop});
   ASSERT_FALSE(ended);
   EXPECT_NE(ended.error().what.find("a cycle was missed"), std::string::npos) << ended.error().what;
@@ -176,10 +176,10 @@ TEST_F(Sessions, ACycleThatIsMissedEndsItWithAnErrorWhereThatIsRequested) {
 TEST_F(Sessions, EndsOnRequestAndReportsOnRequest) {
   options.seconds = 0.0;
   SimulatedPhantom device({});
-  std::atomic<bool> seen{false};
-  std::thread asker([&] {
+  std::atomic<bool> is_written{false};
+  std::thread requester([&] {
     // A request from before the session began is not answered, so it is repeated.
-    seen = wait_until([&] {
+    is_written = wait_until([&] {
       std::raise(SIGUSR1);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       return std::filesystem::exists(folder / "report.json");
@@ -187,8 +187,8 @@ TEST_F(Sessions, EndsOnRequestAndReportsOnRequest) {
     stop.request_stop();
   });
   EXPECT_TRUE(run(device));
-  asker.join();
-  EXPECT_TRUE(seen);
+  requester.join();
+  EXPECT_TRUE(is_written);
 }
 
 TEST_F(Sessions, AReportThatCannotBeWrittenIsAnError) {
@@ -229,10 +229,10 @@ struct SessionEvents : Sessions {
   }
 };
 
-TEST_F(SessionEvents, OfFaultsAreToldWithWhatToDo) {
+TEST_F(SessionEvents, OfFaultsAreLoggedWithTheRemedy) {
   using Kind = ServoEvent::Kind;
-  const std::string said = log_with({fault_event(Kind::latched), fault_event(Kind::reset), fault_event(Kind::reset_rejected),
-                                     fault_event(Kind::reset_without_right), fault_event(Kind::reset_without_person)});
+  const std::string log_text = log_with({fault_event(Kind::latched), fault_event(Kind::reset), fault_event(Kind::reset_rejected),
+                                         fault_event(Kind::reset_without_right), fault_event(Kind::reset_without_person)});
   for (const char* line :
        {"fault latched, no force: the device moved faster than its limit; fix the cause, then: hapton set --reset-faults "
         "(docs/safety.md)\n",
@@ -240,13 +240,13 @@ TEST_F(SessionEvents, OfFaultsAreToldWithWhatToDo) {
         "fault reset rejected: the tool at 10.0.0.7:5000 has no operator's key (hapton keygen --role operator)\n",
         "fault reset rejected: the operator at 10.0.0.7:5000 is on another host and no dead man's switch is held; reset it here, or while "
         "someone holds the switch (--dead-mans-switch)\n"}) {
-    EXPECT_THAT(said, testing::HasSubstr(line));
+    EXPECT_THAT(log_text, testing::HasSubstr(line));
   }
   options.device.name = "plugin:./pen.so";
   EXPECT_THAT(log_with({fault_event(Kind::latched)}), testing::HasSubstr("than its limit (device plugin:./pen.so); fix the cause"));
 }
 
-TEST_F(SessionEvents, OfThoseThatAreNotLetInAreToldWithWhatToDo) {
+TEST_F(SessionEvents, OfRejectedNodesAreLoggedWithTheRemedy) {
   using Kind = ServoEvent::Kind;
   ServoEvent flood = fault_event(Kind::flood);
   flood.flood = Rejection::forged;
@@ -255,7 +255,7 @@ TEST_F(SessionEvents, OfThoseThatAreNotLetInAreToldWithWhatToDo) {
   large_flood.is_from_several = large_flood.is_mostly_filtered = true;
   ServoEvent rejected = event_of(Kind::rejected);
   rejected.role = NodeRole::haptics;
-  const std::string said =
+  const std::string log_text =
       log_with({rejected, event_of(Kind::wrong_key), event_of(Kind::wrong_version), event_of(Kind::role_violation), flood, large_flood});
   for (const char* line :
        {"a haptics node was rejected: the hub has no free slot for it; it keeps trying\n",
@@ -269,11 +269,11 @@ TEST_F(SessionEvents, OfThoseThatAreNotLetInAreToldWithWhatToDo) {
         "flood of forged datagrams from 10.0.0.7:5000 and others, 2000 a second: dropped in the kernel (nodes may take longer to join); "
         "the "
         "force is not delayed\n"}) {
-    EXPECT_THAT(said, testing::HasSubstr(line));
+    EXPECT_THAT(log_text, testing::HasSubstr(line));
   }
 }
 
-TEST_F(SessionEvents, OfTheSceneAndTheLoopAreTold) {
+TEST_F(SessionEvents, OfTheSceneAndTheLoopAreLogged) {
   using Kind = ServoEvent::Kind;
   ServoEvent method = event_of(Kind::method_requested);
   std::copy_n("sweep", 5, method.method.begin());
@@ -287,7 +287,7 @@ TEST_F(SessionEvents, OfTheSceneAndTheLoopAreTold) {
                           Kind::force_from_haptics, Kind::away, Kind::calibrating, Kind::back}) {
     events.push_back(event_of(kind));
   }
-  const std::string said = log_with(events);
+  const std::string log_text = log_with(events);
   for (const char* line :
        {"left: servo rate now 4000 Hz\n", "left: method requested: sweep\n", "left: change of a material requested\n",
         "left: the scene is out of the device's reach: give its --unit, place it with a scene file (docs/scene-files.md), or leave out "
@@ -299,23 +299,23 @@ TEST_F(SessionEvents, OfTheSceneAndTheLoopAreTold) {
         "left: touch, round trip not known yet: the force comes from haptics_node again\n",
         "left: the device is disconnected; no force until it is back\n",
         "left: the device is being calibrated; no force until it is ready\n", "left: the device is ready; the force ramps up\n"}) {
-    EXPECT_THAT(said, testing::HasSubstr(line));
+    EXPECT_THAT(log_text, testing::HasSubstr(line));
   }
 }
 
 // The fault is kept for the next start. That of a device that has failed, too: DeviceHub removes it if the process ends by itself.
 TEST_F(SessionEvents, ALatchedFaultIsKeptUntilItsReset) {
-  const LatchFile kept(scratch.path() / "latched");
-  log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::device)}, &kept);
-  EXPECT_EQ(kept.read(), SafetyFault::device);
-  log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::jump)}, &kept);
-  EXPECT_EQ(kept.read(), SafetyFault::jump);
-  log_with({fault_event(ServoEvent::Kind::reset_rejected, SafetyFault::jump)}, &kept);
-  EXPECT_EQ(kept.read(), SafetyFault::jump);
-  log_with({fault_event(ServoEvent::Kind::reset, SafetyFault::jump)}, &kept);
-  EXPECT_EQ(kept.read(), SafetyFault::none);
-  const LatchFile nowhere("/proc/nowhere/latched");
-  EXPECT_THAT(log_with({fault_event(ServoEvent::Kind::latched)}, &nowhere),
+  const LatchFile latch_file(scratch.path() / "latched");
+  log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::device)}, &latch_file);
+  EXPECT_EQ(latch_file.read(), SafetyFault::device);
+  log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::jump)}, &latch_file);
+  EXPECT_EQ(latch_file.read(), SafetyFault::jump);
+  log_with({fault_event(ServoEvent::Kind::reset_rejected, SafetyFault::jump)}, &latch_file);
+  EXPECT_EQ(latch_file.read(), SafetyFault::jump);
+  log_with({fault_event(ServoEvent::Kind::reset, SafetyFault::jump)}, &latch_file);
+  EXPECT_EQ(latch_file.read(), SafetyFault::none);
+  const LatchFile unwritable("/proc/nowhere/latched");
+  EXPECT_THAT(log_with({fault_event(ServoEvent::Kind::latched)}, &unwritable),
               testing::HasSubstr("the latched fault could not be saved, so a restart would reset it: cannot write /proc/nowhere/latched"));
 }
 

@@ -45,7 +45,7 @@ TEST_F(Latch, WhatIsNotUnderstoodCountsAsAFault) {
   EXPECT_EQ(file.read(), SafetyFault::none);
 }
 
-TEST_F(Latch, WithoutAPlaceKeepsNothingAndSaysWhenItCannot) {
+TEST_F(Latch, WithoutAFileKeepsNothingAndSaysWhenItCannotWrite) {
   const LatchFile nowhere{std::filesystem::path()};
   EXPECT_TRUE(nowhere.keep(SafetyFault::speed));
   EXPECT_EQ(nowhere.read(), SafetyFault::none);

@@ -57,16 +57,16 @@ TEST(LocalPatch, GivesTheForceOfThePatch) {
 }
 
 // The velocity is that over the time between two samples. A gap of a second counts as 20 ms only, so that the device is not taken for slow.
-TEST(LocalPatch, DampingIsThatOfTheTimeThatHasPassed) {
+TEST(LocalPatch, DampingUsesTheTimeBetweenTheSamples) {
   constexpr double kDamping = 4.0;
   LocalPatch local;
   local.offer(sheet_patch(0.0, 1.0, {.stiffness_n_per_m = 500.0, .damping_ns_per_m = kDamping}));
   local.publish(orders_until(9000 * kMs));
   for (int n = 1; n <= 10; ++n) (void)local.step(sample_at(Vec3(0.001, 0.002, 0.001 - 3e-4 * n), n * kMs));
-  const auto at = [&](double z, std::int64_t ms) { return local.step(sample_at(Vec3(0.001, 0.002, z), ms * kMs))->force_n.z(); };
-  EXPECT_NEAR(at(-0.0022, 11), 500.0 * 0.0022 + kDamping * 2e-4 / 0.001, 1e-6);
-  EXPECT_NEAR(at(-0.0024, 16), 500.0 * 0.0024 + kDamping * 2e-4 / 0.005, 1e-6);
-  EXPECT_NEAR(at(-0.0034, 1016), 500.0 * 0.0034 + kDamping * 1e-3 / 0.020, 1e-6);
+  const auto force_z_n = [&](double z, std::int64_t ms) { return local.step(sample_at(Vec3(0.001, 0.002, z), ms * kMs))->force_n.z(); };
+  EXPECT_NEAR(force_z_n(-0.0022, 11), 500.0 * 0.0022 + kDamping * 2e-4 / 0.001, 1e-6);
+  EXPECT_NEAR(force_z_n(-0.0024, 16), 500.0 * 0.0024 + kDamping * 2e-4 / 0.005, 1e-6);
+  EXPECT_NEAR(force_z_n(-0.0034, 1016), 500.0 * 0.0034 + kDamping * 1e-3 / 0.020, 1e-6);
 }
 
 // The safety case: without haptics, patches alone give the force until PatchOrders::until_ns and no longer.
@@ -79,7 +79,7 @@ TEST(LocalPatch, EndsWhenHapticsIsSilentForTooLong) {
   EXPECT_FALSE(local.step(sample_at(Vec3(0, 0, 0.01), 5000 * kMs)));
 }
 
-// A hand that goes through the surface while haptics is silent is on the same side of it when haptics is heard again.
+// A hand that goes through the surface while haptics is silent is on the same side of it when haptics sends again.
 TEST(LocalPatch, TheSurfaceIsTheSameAfterATimeout) {
   LocalPatch local;
   local.offer(sheet_patch(0.0));
@@ -109,7 +109,7 @@ TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   LocalPatch local;
   local.publish(orders_until(100'000 * kMs));
-  std::uint64_t taken = 0;
+  std::uint64_t allocations = 0;
   for (int n = 1; n < 2000; ++n) {
     if (n % 100 == 1) local.offer(sheet_patch(0.0, n % 300 == 1 ? 0.02 : 1.0));
     local.free_retired();
@@ -117,9 +117,9 @@ TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
     AllocationGuard guard;
     (void)local.step(sample_at(Vec3(0.04 * std::sin(0.01 * n), 0.0, -0.002), n * kMs));
     (void)local.read_hand_state(hand);
-    taken += guard.count();
+    allocations += guard.count();
   }
-  EXPECT_EQ(taken, 0U);
+  EXPECT_EQ(allocations, 0U);
   EXPECT_GT(local.counts().handed_over, 5U);
 }
 
@@ -134,10 +134,10 @@ struct MovedFloor {
     bodies->bodies.resize(2);
     bodies->bodies[1] = {.is_commanded = true, .object = 0, .radius_m = 0.1};
     local.offer(std::move(bodies));
-    auto nothing = std::make_unique<Patch>();
-    nothing->radius_m = 1e9;
-    nothing->lift_m = 1e-7;
-    local.offer(std::move(nothing), 0);
+    auto empty_patch = std::make_unique<Patch>();
+    empty_patch->radius_m = 1e9;
+    empty_patch->lift_m = 1e-7;
+    local.offer(std::move(empty_patch), 0);
     auto floor = sheet_patch(0.0);
     floor->objects = {0};
     local.offer(std::move(floor), 1);
@@ -165,17 +165,17 @@ TEST(LocalPatch, FeelsWhatMovesWhereItIsAtTheSceneTimeOfTheSample) {
 // As in the haptics node, a gap counts as 50 ms of scene time, and nothing moves while there is no force.
 TEST(LocalPatch, SceneTimeStandsStillInAGapAndWithoutHaptics) {
   MovedFloor floor;
-  const auto at = [&](std::int64_t ms) { return floor.local.step(sample_at(Vec3(0, 0, 0.2), ms * kMs)); };
-  EXPECT_EQ(at(5000)->scene_time_ns, 700 * kMs);
-  EXPECT_EQ(at(5001)->scene_time_ns, 701 * kMs);
-  EXPECT_EQ(at(6001)->scene_time_ns, 751 * kMs);
+  const auto step_at = [&](std::int64_t ms) { return floor.local.step(sample_at(Vec3(0, 0, 0.2), ms * kMs)); };
+  EXPECT_EQ(step_at(5000)->scene_time_ns, 700 * kMs);
+  EXPECT_EQ(step_at(5001)->scene_time_ns, 701 * kMs);
+  EXPECT_EQ(step_at(6001)->scene_time_ns, 751 * kMs);
   floor.orders.until_ns = 6000 * kMs;
   floor.local.publish(floor.orders);
-  EXPECT_FALSE(at(6010));
-  EXPECT_FALSE(at(6020));
+  EXPECT_FALSE(step_at(6010));
+  EXPECT_FALSE(step_at(6020));
   floor.orders.until_ns = 9000 * kMs;
   floor.local.publish(floor.orders);
-  EXPECT_EQ(at(6021)->scene_time_ns, 752 * kMs);
+  EXPECT_EQ(step_at(6021)->scene_time_ns, 752 * kMs);
 }
 
 // The device loop with a patch: it writes its own force in every cycle, however old the forces from the network are.
@@ -242,9 +242,9 @@ TEST_F(LoopWithPatch, AForceFromTheNetworkIsNotUsedMeanwhile) {
 TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
   PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
   local.publish(orders);
-  double least = 1e9;
-  double worst = 0.0;
-  Vec3 last = Vec3::Zero();
+  double least_n = 1e9;
+  double largest_change_n = 0.0;
+  Vec3 last_written_n = Vec3::Zero();
   for (int n = 0; n < 3000; ++n) {
     device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
     if (n == 500) local.offer(sheet_patch(0.0, 0.0005));
@@ -261,13 +261,13 @@ TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
     const DeviceCycle now = cycle();
     EXPECT_EQ(now.local.has_value(), n >= 1200 && n < 2000) << n;
     if (!now.local) loop->post({{.force_n = Vec3(0, 0, std::max(-900.0 * now.sample.p_WD.z(), 0.0))}, now.sample.time_ns});
-    const Vec3 written = device.written.back().force_n;
-    if (n > 400) worst = std::max(worst, (written - last).norm());
-    if (n > 400) least = std::min(least, written.z());
-    last = written;
+    const Vec3 written_n = device.written.back().force_n;
+    if (n > 400) largest_change_n = std::max(largest_change_n, (written_n - last_written_n).norm());
+    if (n > 400) least_n = std::min(least_n, written_n.z());
+    last_written_n = written_n;
   }
-  EXPECT_GT(least, 2.6);
-  EXPECT_LT(worst, 2.0 * 0.3 / 0.1 * 1e-3 + 1e-9) << "0.3 N over 0.1 s";
+  EXPECT_GT(least_n, 2.6);
+  EXPECT_LT(largest_change_n, 2.0 * 0.3 / 0.1 * 1e-3 + 1e-9) << "0.3 N over 0.1 s, for two cycles at once";
 }
 
 // When the force changes from patch to network and back, no cycle changes it by more than the fade's share.
@@ -275,8 +275,8 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
   local.offer(sheet_patch(0.0));
   PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
   local.publish(orders);
-  Vec3 last = Vec3::Zero();
-  double worst = 0.0;
+  Vec3 last_written_n = Vec3::Zero();
+  double largest_change_n = 0.0;
   for (int n = 0; n < 2000; ++n) {
     device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
     if (n == 600 || n == 1200) {
@@ -289,14 +289,14 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
     }
     const DeviceCycle now = cycle();
     if (!now.local) loop->post({{.force_n = Vec3(0, 0, 2.5)}, now.sample.time_ns});
-    const Vec3 written = device.written.back().force_n;
-    if (n > 400) worst = std::max(worst, (written - last).norm());
-    last = written;
+    const Vec3 written_n = device.written.back().force_n;
+    if (n > 400) largest_change_n = std::max(largest_change_n, (written_n - last_written_n).norm());
+    last_written_n = written_n;
   }
   // 0.5 N over 0.1 s, for two cycles at once: on simulated time, the cycle that finds no local force keeps the force from before. When the
   // network's force comes, no time has passed that would allow a change, and the next cycle makes up for it.
-  EXPECT_LT(worst, 2.0 * 0.5 / 0.1 * 1e-3 + 1e-9);
-  EXPECT_NEAR(last.z(), 3.0, 1e-6);
+  EXPECT_LT(largest_change_n, 2.0 * 0.5 / 0.1 * 1e-3 + 1e-9);
+  EXPECT_NEAR(last_written_n.z(), 3.0, 1e-6);
 }
 
 TEST(LocalPatch, ASampleThatIsNotFiniteChangesNothing) {

@@ -39,17 +39,17 @@ class BenchDevice final : public Device {
     reads.push_back(now_ns);
     if (clock != nullptr) clock->advance_ns(std::exchange(slow_read_ns, 0));
     place += drift;
-    return {now_ns, place, Quat::Identity(), down, is_held};
+    return {now_ns, place, Quat::Identity(), stylus_buttons, is_held};
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
-  DeviceStatus status() const noexcept override { return state; }
+  DeviceStatus status() const noexcept override { return device_status; }
   DeviceCondition condition() const noexcept override { return condition_now; }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override {
-    hand = p_WH;
+    hand_target = p_WH;
     return true;
   }
   bool press_hand_buttons(std::uint32_t pressed) noexcept override {
-    buttons = pressed;
+    hand_buttons = pressed;
     return true;
   }
   bool turn_hand(const Vec3& turn) noexcept override {
@@ -57,15 +57,15 @@ class BenchDevice final : public Device {
     return true;
   }
   // Gives the device motors that turn the stylus. Pre: the network loop is not made yet.
-  void give_torque(double most_nm) noexcept { limits_.max_torque_nm = limits_.max_torque_slew_nm_per_s = most_nm; }
+  void give_torque(double max_torque_nm) noexcept { limits_.max_torque_nm = limits_.max_torque_slew_nm_per_s = max_torque_nm; }
   Vec3 turn_rad = Vec3::Zero();
-  std::uint32_t buttons = 0;  // of the simulated hand, pressed by the node that leads it
-  std::uint32_t down = 5;     // buttons held on the stylus, as bits
+  std::uint32_t hand_buttons = 0;    // of the simulated hand, pressed by the node that leads it
+  std::uint32_t stylus_buttons = 5;  // held down, as bits
   Vec3 place = Vec3(0.01, 0.02, 0.03);
   Vec3 drift = Vec3::Zero();  // motion from one read to the next
   SimulatedClock* clock = nullptr;
   std::int64_t slow_read_ns = 0;  // how long the next read takes
-  DeviceStatus state = DeviceStatus::ready;
+  DeviceStatus device_status = DeviceStatus::ready;
   bool is_held = true;
   DeviceCondition condition_now;
   std::vector<Written> written;
@@ -74,7 +74,7 @@ class BenchDevice final : public Device {
     aims.assign(p_WA.begin(), p_WA.end());
     return true;
   }
-  std::optional<Vec3> hand;
+  std::optional<Vec3> hand_target;
   std::vector<Vec3> aims;
 
  private:
@@ -111,16 +111,16 @@ struct NetworkLoops : testing::Test {
   std::vector<std::pair<Address, CarveStatus>> carve_statuses;
   std::vector<std::pair<Address, CarveUndo>> carve_undos;
   std::vector<std::pair<Address, MarkerReply>> marker_replies;
-  std::vector<LoopFacts> loop_facts;  // this and the next are for the haptics node alone
+  std::vector<LoopFacts> loop_facts;  // these and the patch statuses are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
   // Delay of the haptics node's reply; -1: no reply.
   std::int64_t reply_delay_ns = 100 * kUs;
   ForceCommand force_reply;
-  bool takes_views = true;          // replies of the haptics node name the newest view sent to it
-  std::optional<double> floor_z_m;  // if set: height of a floor, from which each reply has the visual offset of its own sample
+  bool replies_name_newest_view = true;  // the newest one sent to the haptics node
+  std::optional<double> floor_z_m;       // if set: height of a floor, from which each reply has the visual offset of its own sample
   // How long the vision node draws a state; -1: it never reports a frame.
   std::int64_t draw_ns = 0;
-  std::deque<std::pair<std::int64_t, FrameAck>> drawing;
+  std::deque<std::pair<std::int64_t, FrameAck>> acks;  // of frames being drawn, by the time at which each is drawn
 
   static Address at(std::uint16_t port) { return {{9}, port}; }
   static constexpr std::uint16_t kHaptics = 1, kVision = 2, kTool = 3;
@@ -140,11 +140,11 @@ struct NetworkLoops : testing::Test {
   void receive(const Address& to, const Datagram& datagram) {
     if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
       states.push_back(*state);
-      if (reply_delay_ns >= 0) force(*state, reply_delay_ns);
+      if (reply_delay_ns >= 0) reply_with_force(*state, reply_delay_ns);
     }
     if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
       probes.push_back(*probe);
-      if (draw_ns >= 0) drawing.emplace_back(clock.now_ns() + draw_ns, FrameAck{probe->sample, probe->sample_time_ns, 60.0F});
+      if (draw_ns >= 0) acks.emplace_back(clock.now_ns() + draw_ns, FrameAck{probe->sample, probe->sample_time_ns, 60.0F});
     }
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
@@ -175,11 +175,11 @@ struct NetworkLoops : testing::Test {
     }
   }
 
-  void force(const DeviceState& state, std::int64_t delay_ns) {
+  void reply_with_force(const DeviceState& state, std::int64_t delay_ns) {
     ForceCommand command = force_reply;
     command.echo_sample = state.sample;
     command.echo_sample_time_ns = state.sample_time_ns;
-    if (takes_views && !views.empty()) command.view_revision = views.back().revision;
+    if (replies_name_newest_view && !views.empty()) command.view_revision = views.back().revision;
     if (floor_z_m) command.visual_offset_m.z() = *floor_z_m - state.p_WD.z();
     say(kHaptics, command, delay_ns);
   }
@@ -192,10 +192,10 @@ struct NetworkLoops : testing::Test {
 
   void run(int cycles) {
     for (int n = 0; n < cycles; ++n) {
-      if (n % 100 == 50) {
+      if (n % 100 == 50) {  // often enough for no node to time out
         for (const auto& [port, unused] : std::map(sequences)) say(port, Hello{roles.at(port)});
       }
-      for (; !drawing.empty() && drawing.front().first <= clock.now_ns(); drawing.pop_front()) say(kVision, drawing.front().second);
+      for (; !acks.empty() && acks.front().first <= clock.now_ns(); acks.pop_front()) say(kVision, acks.front().second);
       network->step();
     }
   }

@@ -18,12 +18,12 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
   SimulatedClock clock;
   FixedEndpoint endpoint(clock);
   MeteredEndpoint metered(endpoint, clock);
-  HopMeter ways(metered);
+  HopMeter hop_meter(metered);
   ReportServer report_server;
   report_server.publish(std::string(5000, 'j'), "csv");
   HubPeers peers(metered, clock, 5, 1000.0);
   const auto network = std::make_unique<NetworkLoop>(device, peers, clock, NetworkLoop::Options{}, nullptr, tap);
-  network->set_hop_meter(&ways);
+  network->set_hop_meter(&hop_meter);
   network->set_report_server(&report_server);
   Settings settings{2000.0, {'p', 'r', 'o', 'x', 'y'}, true};
   AllocationGuard guard;
@@ -58,13 +58,13 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
     network->step();
   }
   network->finish();
-  const std::uint64_t taken = guard.count();
+  const std::uint64_t allocations = guard.count();
   EXPECT_GT(network->collect_stats().forces, 2000U);
   EXPECT_EQ(network->rate_hz(), 2000.0);
   EXPECT_GT(network->collect_stats().hops.encode.count(), 2000U);
   EXPECT_TRUE(network->take_snapshot());
   peers.set_tap(nullptr);
-  return taken;
+  return allocations;
 }
 
 TEST(NetworkLoopHeap, ASessionWithTheSimulatedDeviceAllocatesNothing) {

@@ -70,7 +70,7 @@ TEST_F(NetworkLoops, ATapReceivesEachFaultOnce) {
   run(1);
   EXPECT_EQ(tap.faults.back(), SessionFault::stalled);
   tap.faults.clear();
-  device.state = DeviceStatus::fault;
+  device.device_status = DeviceStatus::fault;
   network->finish();
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
   peers.set_tap(nullptr);
@@ -80,7 +80,7 @@ TEST_F(NetworkLoops, ADeviceThatFailsIsRecordedOnceThoughThatEndsTheSession) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   run(10);
-  device.state = DeviceStatus::fault;
+  device.device_status = DeviceStatus::fault;
   run(10);
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
   network->finish();

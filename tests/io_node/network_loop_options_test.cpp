@@ -9,17 +9,17 @@ namespace hapton {
 namespace {
 
 TEST_F(NetworkLoops, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAway) {
-  device.down = 0;
+  device.stylus_buttons = 0;
   make({.clutch_button = 2});
   join(kHaptics, NodeRole::haptics);
   run(300);
   ASSERT_EQ(device.written.back().force_n, force_reply.force_n);
-  device.down = 2;
+  device.stylus_buttons = 2;
   run(1);
-  const Vec3 held = device.place;
+  const Vec3 pressed_at = device.place;
   device.drift = Vec3(-1e-4, 0, 0);
   run(50);
-  EXPECT_EQ(states.back().p_WD, held);
+  EXPECT_EQ(states.back().p_WD, pressed_at);
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
 }
 

@@ -39,11 +39,11 @@ TEST_F(NetworkLoops, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
   join(kHaptics, NodeRole::haptics);
   run(300);
   for (const DeviceStatus status : {DeviceStatus::away, DeviceStatus::calibrating}) {
-    device.state = status;
+    device.device_status = status;
     run(500);
     EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
     device.place.x() = -device.place.x();
-    device.state = DeviceStatus::ready;
+    device.device_status = DeviceStatus::ready;
     run(20);
     EXPECT_LT(device.written.back().force_n.z(), 0.6);
     run(250);
@@ -73,12 +73,12 @@ TEST_F(NetworkLoops, TheDeadMansSwitchReleasesTheForce) {
 TEST_F(NetworkLoops, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
   ScriptedEndpoint echo_endpoint(clock);
   const Address responder{{5}, 5};
-  std::vector<std::int64_t> sent;
+  std::vector<std::int64_t> send_times_ns;
   echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
-    sent.push_back(clock.now_ns());
+    send_times_ns.push_back(clock.now_ns());
     std::vector<std::byte> reply(bytes.begin(), bytes.end());
     std::memcpy(reply.data(), kEchoReply.data(), kEchoMarkBytes);
-    if (sent.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, reply);
+    if (send_times_ns.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, reply);
   };
   EchoProbe echo(echo_endpoint, clock, responder);
   make({}, &echo);
@@ -87,8 +87,8 @@ TEST_F(NetworkLoops, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
   EXPECT_EQ(stats().round_trip.max_ns(), 100 * kUs);
   EXPECT_EQ(stats().wake_lateness.max_ns(), 0);
   EXPECT_EQ(stats().missed_cycles, 0U);
-  EXPECT_EQ(sent.size(), 500U);
-  for (std::size_t n = 0; n < sent.size(); ++n) ASSERT_EQ(sent[n] - device.reads[n], 500 * kUs);
+  EXPECT_EQ(send_times_ns.size(), 500U);
+  for (std::size_t n = 0; n < send_times_ns.size(); ++n) ASSERT_EQ(send_times_ns[n] - device.reads[n], 500 * kUs);
   EXPECT_EQ(stats().echo.replied, 450U);
   EXPECT_EQ(stats().bare_echo.max_ns(), 30 * kUs);
 }
@@ -105,7 +105,7 @@ TEST_F(NetworkLoops, FinishReleasesTheForce) {
   EXPECT_NEAR(stats().seconds(), 0.3, 1e-12);
 }
 
-TEST_F(NetworkLoops, ALimitOfZeroGivesNoForceAndAllTheRest) {
+TEST_F(NetworkLoops, AForceLimitOfZeroEndsTheForceAndNothingElse) {
   make({.forbids_force = true});
   join(kHaptics, NodeRole::haptics);
   run(300);
@@ -121,8 +121,8 @@ TEST_F(NetworkLoops, TighterLimitsHold) {
   EXPECT_NEAR(device.written.back().force_n.z(), 1.5, 1e-9);
 }
 
-// Datagrams overtake each other. A node no longer wants what it sent before its newer message, whatever kind of message it is.
-TEST_F(NetworkLoops, WhatWasOvertakenByItsSuccessorChangesNothing) {
+// Datagrams overtake each other. A message that comes after a newer one of the same kind and node is out of date.
+TEST_F(NetworkLoops, AMessageThatItsSuccessorOvertookChangesNothing) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -134,25 +134,25 @@ TEST_F(NetworkLoops, WhatWasOvertakenByItsSuccessorChangesNothing) {
     say(port, older, late_ns);
     say(port, newer);
   };
-  ViewTransform turned;
-  turned.revision = 1;
-  turned.X_WS[3] = 0.01F;
-  ViewTransform back = turned;
-  back.X_WS[3] = 0.02F;
-  say_both(kVision, turned, back);
+  ViewTransform older_view;
+  older_view.revision = 1;
+  older_view.X_WS[3] = 0.01F;
+  ViewTransform newer_view = older_view;
+  newer_view.X_WS[3] = 0.02F;
+  say_both(kVision, older_view, newer_view);
   say_both(kVision, HandTarget{true, Vec3(0.01, 0, 0)}, HandTarget{true, Vec3(0.02, 0, 0)});
-  HapticsSetup setup;
-  setup.method_serial = 1;
+  HapticsSetup older_setup;
+  older_setup.method_serial = 1;
   HapticsSetup newer_setup;
   newer_setup.method_serial = 2;
-  say_both(kHaptics, setup, newer_setup);
+  say_both(kHaptics, older_setup, newer_setup);
   say_both(kHaptics, MaterialState{.serial = 1}, MaterialState{.serial = 2});
   say_both(kHaptics, ObjectPose{.serial = 1}, ObjectPose{.serial = 2});
   say_both(kTool, MoveRequest{.request = 1, .p_m = Vec3::Zero()}, MoveRequest{.request = 2, .p_m = Vec3::Zero()});
   say_both(kHaptics, ObjectMove{.source = 1, .serial = 1}, ObjectMove{.source = 1, .serial = 2, .object = 1});
   run(20);
   for (const ViewTransform& view : views) EXPECT_EQ(view.X_WS[3], 0.02F);
-  EXPECT_EQ(device.hand, Vec3(0.02, 0, 0));
+  EXPECT_EQ(device.hand_target, Vec3(0.02, 0, 0));
   ASSERT_FALSE(setups.empty());
   for (const auto& [to, each] : setups) EXPECT_EQ(each.method_serial, 2U);
   ASSERT_FALSE(material_states.empty());
@@ -161,7 +161,7 @@ TEST_F(NetworkLoops, WhatWasOvertakenByItsSuccessorChangesNothing) {
   for (const auto& [to, each] : object_poses) EXPECT_EQ(each.serial, 2U);
   ASSERT_EQ(move_requests.size(), 1U);
   EXPECT_EQ(move_requests[0].second.request, 2U);
-  EXPECT_EQ(object_moves.size(), 2U) << "each of its own object";
+  EXPECT_EQ(object_moves.size(), 2U) << "each moves another object";
 }
 
 // Carves that were overtaken are sent on as well: otherwise a vision node would request them again.

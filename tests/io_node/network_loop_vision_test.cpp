@@ -35,21 +35,21 @@ TEST_F(NetworkLoops, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   run(300);
-  double most_m = 0.0;
-  std::size_t in_contact = 0;
-  std::uint64_t last = 0;
+  double largest_error_m = 0.0;
+  std::size_t contact_count = 0;
+  std::uint64_t last_sample = 0;
   for (const ProbeState& probe : probes) {
     const DeviceState& state = states.at(states.size() - 1 - (states.back().sample - std::max(probe.sample, states.front().sample)));
-    EXPECT_GE(probe.sample, last);
-    last = probe.sample;
+    EXPECT_GE(probe.sample, last_sample);
+    last_sample = probe.sample;
     if (!probe.contact) continue;
-    ++in_contact;
+    ++contact_count;
     EXPECT_EQ(probe.p_WD, state.p_WD);
     EXPECT_EQ(probe.sample_time_ns, state.sample_time_ns);
-    most_m = std::max(most_m, std::fabs((probe.p_WD + probe.visual_offset_m).z() - *floor_z_m));
+    largest_error_m = std::max(largest_error_m, std::fabs((probe.p_WD + probe.visual_offset_m).z() - *floor_z_m));
   }
-  EXPECT_GT(in_contact, 40U);
-  EXPECT_LE(most_m, 1e-12) << "the probe is drawn beside the surface";
+  EXPECT_GT(contact_count, 40U);
+  EXPECT_LE(largest_error_m, 1e-12) << "the probe is drawn beside the surface";
 }
 
 TEST_F(NetworkLoops, VisionReceivesTheNewestSampleWithoutHapticsReplies) {
@@ -78,8 +78,8 @@ TEST_F(NetworkLoops, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
   make();
   join(kVision, NodeRole::vision);
   run(1000);
-  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // not zero, as the statistics change now and then
-  EXPECT_NEAR(static_cast<double>(stats().probe_states_unchanged), 228.0, 6.0);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);                    // not zero, as the statistics change now and then
+  EXPECT_NEAR(static_cast<double>(stats().probe_states_unchanged), 228.0, 6.0);  // the others of 240
   const std::size_t before = probes.size();
   device.place.x() += 0.001;
   run(6);
@@ -90,11 +90,11 @@ TEST_F(NetworkLoops, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
 TEST_F(NetworkLoops, VisionGetsNoMoreThanItDraws) {
   make();
   device.drift.x() = 1e-6;
-  device.down = 0;
+  device.stylus_buttons = 0;
   draw_ns = 20 * kMs;
   join(kVision, NodeRole::vision);
   run(1000);
-  EXPECT_NEAR(static_cast<double>(probes.size()), 1000.0 / 21.0, 3.0);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 1000.0 / 21.0, 3.0);  // 20 ms to draw, and a cycle
   EXPECT_NEAR(static_cast<double>(stats().drawn), static_cast<double>(probes.size()), 1.0);
   EXPECT_LE(stats().device_to_drawn.max_ns(), 21 * kMs);
 }

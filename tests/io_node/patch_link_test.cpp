@@ -66,7 +66,7 @@ TEST_F(PatchLinks, RemoteForceWantsNoParts) {
   EXPECT_FALSE(link->is_wanted());
 }
 
-// Sooner if the patch thread has news. Its first news is that it has no parts.
+// Or sooner, if the patch thread has news. Its first news is that it has no parts.
 TEST_F(PatchLinks, PatchesAreRequestedEvery100Ms) {
   start(TouchChoice::patch);
   patch_statuses.clear();
@@ -85,7 +85,7 @@ TEST_F(PatchLinks, PatchesAreRequestedEvery100Ms) {
 TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   start(TouchChoice::automatic);
   run(2000);
-  EXPECT_FALSE(link->is_wanted()) << "100 us";
+  EXPECT_FALSE(link->is_wanted()) << "the round trip is 100 us";
   reply_delay_ns = static_cast<std::int64_t>(2e9 * TouchChooser::kSlowS);
   run(2000);
   EXPECT_TRUE(link->is_wanted());
@@ -102,27 +102,27 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
 
 // Whoever runs the hub sees why the force is late or not, and since when.
 TEST_F(PatchLinks, TheLogHasOneLineForEachChangeOfTheSource) {
-  const auto take = [&] {
+  const auto take_source_events = [&] {
     std::vector<std::pair<ServoEvent::Kind, double>> events;
     for (ServoEvent event; network->events().pop(event);) {
-      const bool is_of_touch = event.kind == ServoEvent::Kind::parts_requested || event.kind == ServoEvent::Kind::force_from_parts ||
-                               event.kind == ServoEvent::Kind::force_from_haptics;
-      if (is_of_touch) events.emplace_back(event.kind, event.round_trip_s);
+      const bool is_source_change = event.kind == ServoEvent::Kind::parts_requested || event.kind == ServoEvent::Kind::force_from_parts ||
+                                    event.kind == ServoEvent::Kind::force_from_haptics;
+      if (is_source_change) events.emplace_back(event.kind, event.round_trip_s);
     }
     return events;
   };
   start(TouchChoice::automatic);
   run(2000);
-  EXPECT_TRUE(take().empty()) << "a fast network";
+  EXPECT_TRUE(take_source_events().empty()) << "a fast network";
   reply_delay_ns = 30 * kMs;
   run(4000);
-  const auto slow = take();
+  const auto slow = take_source_events();
   ASSERT_EQ(slow.size(), 1U);
   EXPECT_EQ(slow[0].first, ServoEvent::Kind::parts_requested);
   EXPECT_NEAR(slow[0].second, 0.030, 0.003);
   reply_delay_ns = 100 * kUs;
   run(8000);
-  const auto fast = take();
+  const auto fast = take_source_events();
   ASSERT_EQ(fast.size(), 1U) << "no parts came, so the force was never computed here";
   EXPECT_EQ(fast[0].first, ServoEvent::Kind::force_from_haptics);
   EXPECT_LT(fast[0].second, TouchChooser::kFastS);
@@ -148,7 +148,7 @@ TEST_F(PatchLinks, RepliesThatComeTooLateAreNamedAsTheReason) {
   EXPECT_FALSE(stats().are_replies_late()) << "it does not reply at all";
 }
 
-// As long as the network is slow for less than half of 3.2 s, the moves of programs, recordings and the datagrams stay as before.
+// Slow for less than half of 3.2 s (find_lasting_round_trip_s): the moves of programs, recordings and the datagrams stay as before.
 TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
   start(TouchChoice::automatic);
   run(4000);
@@ -170,19 +170,19 @@ TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
 // However the round trip swings, the force becomes remote again only after it was below kFastS for kSettledNs: so changes are seldom.
 TEST_F(PatchLinks, ARoundTripThatSwingsAroundTheLimitsChangesTheSourceSeldom) {
   start(TouchChoice::automatic);
-  for (const int half_ms : {50, 700, 1900, 2900}) {
+  for (const int half_period_ms : {50, 700, 1900, 2900}) {
     reply_delay_ns = 100 * kUs;  // each pass begins with remote force
     run(8000);
     int changes = 0;
     bool was_wanted = link->is_wanted();
     ASSERT_FALSE(was_wanted);
     for (int n = 0; n < 40'000; n += 50) {
-      reply_delay_ns = (n / half_ms) % 2 == 0 ? 3 * kMs : 12 * kMs;
+      reply_delay_ns = (n / half_period_ms) % 2 == 0 ? 3 * kMs : 12 * kMs;
       run(50);
       changes += link->is_wanted() != was_wanted ? 1 : 0;
       was_wanted = link->is_wanted();
     }
-    EXPECT_LE(changes, 1) << half_ms << " ms each";
+    EXPECT_LE(changes, 1) << half_period_ms << " ms fast, then as long slow";
   }
 }
 
@@ -208,33 +208,33 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   force_reply.contact = true;
   run(300);
   EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
-  const auto least_in = [&](int cycles) {
+  const auto least_force_n_in = [&](int cycles) {
     const std::size_t before = device.written.size();
     run(cycles);
-    double least = 1e9;
-    for (std::size_t n = before; n < device.written.size(); ++n) least = std::min(least, device.written[n].force_n.z());
-    return least;
+    double least_n = 1e9;
+    for (std::size_t n = before; n < device.written.size(); ++n) least_n = std::min(least_n, device.written[n].force_n.z());
+    return least_n;
   };
-  EXPECT_GT(least_in(3000), 1.999);
+  EXPECT_GT(least_force_n_in(3000), 1.999);
   const std::uint64_t before = stats().local_forces;
   EXPECT_EQ(before, 0U);
   local.offer(floor_patch(7));
-  EXPECT_GT(least_in(1000), 1.999) << "a patch takes over";
+  EXPECT_GT(least_force_n_in(1000), 1.999) << "a patch takes over";
   EXPECT_GT(stats().local_forces, 900U);
   states.clear();
   local.set_generation(8);
-  EXPECT_GT(least_in(1000), 1.999) << "patches start again";
+  EXPECT_GT(least_force_n_in(1000), 1.999) << "patches start again";
   EXPECT_GT(std::count_if(states.begin(), states.end(), [](const DeviceState& state) { return state.is_resumed; }), 0)
-      << "the haptics node goes on where they were";
+      << "the haptics node goes on where the patches' probe was";
   local.free_retired();
   local.offer(floor_patch(8));
-  EXPECT_GT(least_in(1000), 1.999);
+  EXPECT_GT(least_force_n_in(1000), 1.999);
   EXPECT_GT(stats().local_forces, 1900U);
   EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
 }
 
 // While the force was remote, the haptics node may have got another scene or method, for which earlier patches are wrong.
-TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
+TEST_F(PatchLinks, PatchesFromBeforeAPauseAreNotUsedAfterIt) {
   reply_delay_ns = 12 * kMs;
   start_above_floor(TouchChoice::automatic);
   run(1000);
@@ -245,17 +245,17 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   reply_delay_ns = 100 * kUs;
   run(7000);
   ASSERT_FALSE(link->is_wanted());
-  const std::uint64_t before = stats().local_forces;
+  const std::uint64_t local_forces_before = stats().local_forces;
   reply_delay_ns = 12 * kMs;
   run(3000);
   ASSERT_TRUE(link->is_wanted());
-  EXPECT_EQ(stats().local_forces, before);
+  EXPECT_EQ(stats().local_forces, local_forces_before);
   ASSERT_TRUE(thread_has_caught_up());
   local.free_retired();
   local.set_generation(78);
   local.offer(floor_patch(78));
   run(500);
-  EXPECT_GT(stats().local_forces, before + 300);
+  EXPECT_GT(stats().local_forces, local_forces_before + 300);
 }
 
 // Otherwise the device side would compute a force in each cycle until the very end, where the force then drops in one step.
@@ -281,8 +281,8 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   device.place.z() = -0.002;
   run(300);
   EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
-  const std::uint64_t before = stats().local_forces;
-  EXPECT_GT(before, 500U);
+  const std::uint64_t local_forces_before = stats().local_forces;
+  EXPECT_GT(local_forces_before, 500U);
   say(kHaptics, Bye{});
   sequences.erase(kHaptics);
   run(1500);
@@ -298,7 +298,7 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   local.free_retired();
   local.offer(floor_patch(9));
   run(300);
-  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6) << stats().local_forces - before;
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6) << stats().local_forces - local_forces_before;
   ASSERT_FALSE(states.empty());
   EXPECT_TRUE(states.front().is_resumed);
   EXPECT_NEAR(states.front().p_WP.z(), 0.0, 1e-6);
@@ -356,16 +356,16 @@ struct PatchRequests : PatchLinks {
 TEST_F(PatchRequests, AnEpochForAnEarlierRequestIsNotUsed) {
   start(TouchChoice::patch);
   ASSERT_FALSE(patch_statuses.empty());
-  const std::uint32_t before = request();
-  EXPECT_NE(before, 0U);
-  PatchBegin begin{.epoch = 1, .serial = 1, .step_m = 1e-6, .request = before};
+  const std::uint32_t earlier_request = request();
+  EXPECT_NE(earlier_request, 0U);
+  PatchBegin begin{.epoch = 1, .serial = 1, .step_m = 1e-6, .request = earlier_request};
   EXPECT_EQ(parts_after(begin), 1U);
   say(kHaptics, Bye{});
   sequences.erase(kHaptics);
   run(100);
   join(kHaptics, NodeRole::haptics);
   run(200);
-  EXPECT_NE(request(), before);
+  EXPECT_NE(request(), earlier_request);
   ASSERT_TRUE(thread_has_caught_up());
   begin.epoch = 7;
   EXPECT_EQ(parts_after(begin), 1U);
@@ -414,7 +414,7 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   run(300);
   EXPECT_GT(stats().local_forces, 250U) << "without the pause between two places of the probe";
   EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
-  // An older epoch that comes late changes nothing.
+  // An older epoch (the numbers of epochs wrap around) that comes late changes nothing.
   say(kHaptics, PatchBegin{.epoch = 0xFFFFFFF0, .serial = 1, .step_m = 1e-6, .request = request(), .method_serial = 9});
   const std::uint64_t before = stats().local_forces;
   run(300);
@@ -430,7 +430,7 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
 TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
-  device.down = 0;
+  device.stylus_buttons = 0;
   start(TouchChoice::patch);
   network->device_loop().set_local_touch(&local);
   offer_floor(7);
@@ -439,7 +439,7 @@ TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   for (const std::uint32_t down : {1U, 0U, 2U}) {
     run(7);
     states.clear();
-    device.down = down;
+    device.stylus_buttons = down;
     run(3);
     ASSERT_GE(states.size(), 1U);
     EXPECT_EQ(states.front().buttons, down);
@@ -481,7 +481,7 @@ TEST_F(PatchRequests, TheProbeOfTheFormerHapticsNodeIsNotUsedAsAReply) {
   EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
 }
 
-TEST_F(PatchRequests, ABeginningUsesNoHeap) {
+TEST_F(PatchRequests, AcceptingABeginningOfPartsUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   start(TouchChoice::patch);
   ASSERT_TRUE(thread_has_caught_up());

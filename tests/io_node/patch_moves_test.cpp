@@ -35,17 +35,17 @@ TEST_F(PatchMoves, MovesOfObjectsAreConfirmedSoon) {
   move.object = 2;
   move.end_ns = kMs;
   move.to_p_m = Vec3(0.1, 0, 0);
-  const std::int64_t said_ns = clock.now_ns();
+  const std::int64_t sent_ns = clock.now_ns();
   say(kHaptics, move);
   run(55);
   const auto confirmed =
       std::find_if(patch_statuses.begin(), patch_statuses.end(), [](const auto& s) { return s.second.newest_move == 3U; });
   ASSERT_NE(confirmed, patch_statuses.end());
-  EXPECT_LE(confirmed->first - said_ns, PatchLink::kMinStatusNs + 2 * kMs);
-  const std::size_t told = patch_statuses.size();
+  EXPECT_LE(confirmed->first - sent_ns, PatchLink::kMinStatusNs + 2 * kMs);
+  const std::size_t statuses_before = patch_statuses.size();
   say(kHaptics, move);
   run(60);
-  EXPECT_LE(patch_statuses.size(), told + 1) << "what is known is no news";
+  EXPECT_LE(patch_statuses.size(), statuses_before + 1) << "a repeated move is no news";
   endpoint.arrive(clock.now_ns(), at(kHaptics), {{kSession, 5000, 1, clock.now_ns()}, Hello{NodeRole::haptics}});  // another process
   for (int n = 0; n < 110; ++n) network->step();
   EXPECT_EQ(patch_statuses.back().second.newest_move, 0U) << "another haptics node has moved nothing yet";

@@ -36,7 +36,7 @@ TEST(RejectionNoticesTest, OfANodeThatKeepsTryingIsOneUntilItPauses) {
   EXPECT_TRUE(notices.is_due(NodeRole::haptics, 0));
   std::int64_t now_ns = 0;
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE(notices.is_due(NodeRole::haptics, now_ns += 100 * kNanosecondsPerMillisecond));
-  EXPECT_TRUE(notices.is_due(NodeRole::vision, now_ns)) << "another role's is notices of its own";
+  EXPECT_TRUE(notices.is_due(NodeRole::vision, now_ns)) << "another role has notices of its own";
   EXPECT_TRUE(notices.is_due(NodeRole::haptics, now_ns + RejectionNotices::kPauseNs + 1));
 }
 

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-TEST(ReplySpin, LastsAsLongAsAskedAndNoLongerThanItsShareOfAPeriod) {
+TEST(ReplySpin, LastsAsLongAsRequestedAndNoLongerThanItsShareOfAPeriod) {
   ReplySpin spin(100 * kUs);
   EXPECT_EQ(spin.find_end_ns(7, kMs), 7 + 100 * kUs);
   EXPECT_EQ(spin.find_end_ns(7, 100 * kUs), 7 + 50 * kUs);

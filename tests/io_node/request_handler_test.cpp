@@ -152,7 +152,7 @@ TEST_F(NetworkLoops, AFloodOfRequestsToMoveIsCutOffAndCounted) {
   EXPECT_EQ(stats().moves_rejected, 4000U - static_cast<std::uint64_t>(from_flood));
 }
 
-TEST_F(NetworkLoops, AReplyGoesToNobodyWhoTookTheSendersPlace) {
+TEST_F(NetworkLoops, AReplyDoesNotGoToANodeThatTookTheSendersSlot) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -174,10 +174,10 @@ TEST_F(NetworkLoops, WhoLeadsTheHandHoldsItsButtons) {
   run(5);
   say(kVision, HandTarget{true, Vec3(0.01, 0, 0), 1});
   run(2);
-  EXPECT_EQ(device.buttons, 1U);
+  EXPECT_EQ(device.hand_buttons, 1U);
   say(kVision, HandTarget{false, Vec3::Zero(), 1});
   run(2);
-  EXPECT_EQ(device.buttons, 0U) << "released";
+  EXPECT_EQ(device.hand_buttons, 0U) << "released";
 }
 
 TEST_F(NetworkLoops, TheHapticsSetupGoesToToolsAndVision) {
@@ -204,42 +204,42 @@ TEST_F(NetworkLoops, TheMouseLeadsTheHandUntilItReleasesOrLeaves) {
   make();
   join(kVision, NodeRole::vision);
   run(2);
-  const HandTarget led{true, Vec3(0.01, 0, 0), 0, Vec3(9.0, -0.5, 0.25)};
-  say(kVision, led);
+  const HandTarget target{true, Vec3(0.01, 0, 0), 0, Vec3(9.0, -0.5, 0.25)};
+  say(kVision, target);
   run(2);
-  ASSERT_TRUE(device.hand);
-  EXPECT_EQ(*device.hand, Vec3(0.01, 0, 0));
-  EXPECT_EQ(device.turn_rad, led.turn_rad);
+  ASSERT_TRUE(device.hand_target);
+  EXPECT_EQ(*device.hand_target, Vec3(0.01, 0, 0));
+  EXPECT_EQ(device.turn_rad, target.turn_rad);
   say(kVision, HandTarget{});
   run(2);
-  EXPECT_FALSE(device.hand);
+  EXPECT_FALSE(device.hand_target);
   EXPECT_EQ(device.turn_rad, Vec3::Zero());
-  say(kVision, led);
+  say(kVision, target);
   run(2);
-  ASSERT_TRUE(device.hand);
+  ASSERT_TRUE(device.hand_target);
   say(kVision, Bye{});
   run(2);
-  EXPECT_FALSE(device.hand);
+  EXPECT_FALSE(device.hand_target);
   EXPECT_EQ(device.turn_rad, Vec3::Zero());
 }
 
 TEST_F(NetworkLoops, AnotherVisionNodeDoesNotReleaseTheHand) {
   make();
   join(kVision, NodeRole::vision);
-  constexpr std::uint16_t kOther = 9;
-  say(kOther, Hello{NodeRole::vision});
+  constexpr std::uint16_t kOtherVision = 9;
+  say(kOtherVision, Hello{NodeRole::vision});
   run(3);
   ASSERT_EQ(peers.count(NodeRole::vision), 2U);
   say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
   run(3);
-  ASSERT_TRUE(device.hand);
-  say(kOther, HandTarget{});
+  ASSERT_TRUE(device.hand_target);
+  say(kOtherVision, HandTarget{});
   run(3);
-  EXPECT_TRUE(device.hand);
-  say(kOther, Bye{});
+  EXPECT_TRUE(device.hand_target);
+  say(kOtherVision, Bye{});
   run(3);
   EXPECT_EQ(peers.count(NodeRole::vision), 1U);
-  EXPECT_TRUE(device.hand);
+  EXPECT_TRUE(device.hand_target);
 }
 
 TEST_F(NetworkLoops, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {

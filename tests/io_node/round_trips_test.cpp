@@ -20,7 +20,7 @@ struct RoundTrips : testing::Test {
   std::uint64_t sample = 0;
 
   // A sample that gets its reply after round_trip_ns. every_ns: from the reply before to this reply.
-  void trip(std::int64_t round_trip_ns, std::int64_t every_ns = 100 * kMs, bool contact = false) {
+  void make_round_trip(std::int64_t round_trip_ns, std::int64_t every_ns = 100 * kMs, bool contact = false) {
     clock.advance_ns(every_ns - round_trip_ns);
     DeviceCycle cycle;
     cycle.number = ++sample;
@@ -34,61 +34,61 @@ struct RoundTrips : testing::Test {
     command.contact = contact;
     exchange.accept({}, command);
   }
-  void trips(int count, std::int64_t round_trip_ns) {
-    for (int n = 0; n < count; ++n) trip(round_trip_ns);
+  void make_round_trips(int count, std::int64_t round_trip_ns) {
+    for (int n = 0; n < count; ++n) make_round_trip(round_trip_ns);
   }
 };
 
 TEST_F(RoundTrips, SixteenAreEnoughForAMedian) {
   for (int n = 1; n <= 15; ++n) {
-    trip(n * kMs);
+    make_round_trip(n * kMs);
     EXPECT_EQ(exchange.find_round_trip_s(), -1.0) << n;
     EXPECT_EQ(exchange.find_lasting_round_trip_s(), -1.0) << n;
   }
-  trip(16 * kMs);
+  make_round_trip(16 * kMs);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.009, 1e-8) << "of 1 to 16 ms, the ninth";
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.009, 1e-8);
 }
 
 TEST_F(RoundTrips, OneInTwentyMillisecondsCounts) {
-  trip(kMs);
-  for (int n = 0; n < 15; ++n) trip(kMs, 20 * kMs);
+  make_round_trip(kMs);
+  for (int n = 0; n < 15; ++n) make_round_trip(kMs, 20 * kMs);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.001, 1e-8);
   exchange.on_haptics_joined();
-  trip(kMs);
-  for (int n = 0; n < 29; ++n) trip(kMs, 10 * kMs + 1);
+  make_round_trip(kMs);
+  for (int n = 0; n < 29; ++n) make_round_trip(kMs, 10 * kMs + 1);
   EXPECT_EQ(exchange.find_round_trip_s(), -1.0) << "15 of them: the first and each second one of the others";
-  trip(kMs, 10 * kMs);
+  make_round_trip(kMs, 10 * kMs);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.001, 1e-8);
 }
 
-TEST_F(RoundTrips, TheNewestThirtyTwoAndTheLastingHundredAndSixty) {
-  trips(160, 2 * kMs);
-  trips(16, 5 * kMs);
+TEST_F(RoundTrips, TheNewestMedianIsOf32AndTheLastingOneOf160) {
+  make_round_trips(160, 2 * kMs);
+  make_round_trips(16, 5 * kMs);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.005, 1e-8) << "of 16 and 16, the greater";
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.002, 1e-8);
-  trips(63, 5 * kMs);
+  make_round_trips(63, 5 * kMs);
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.002, 1e-8) << "79 of 160";
-  trips(1, 5 * kMs);
+  make_round_trips(1, 5 * kMs);
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.005, 1e-8) << "80 of 160";
-  trips(16, 2 * kMs);
+  make_round_trips(16, 2 * kMs);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.005, 1e-8);
-  trips(1, 2 * kMs);
+  make_round_trips(1, 2 * kMs);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.002, 1e-8);
 }
 
 TEST_F(RoundTrips, AfterSettlingTheNewestCountAsLasting) {
   exchange.settle_round_trip();
   EXPECT_EQ(exchange.find_round_trip_s(), -1.0) << "there are none to settle on";
-  trips(160, 2 * kMs);
-  trips(20, 5 * kMs);
+  make_round_trips(160, 2 * kMs);
+  make_round_trips(20, 5 * kMs);
   ASSERT_NEAR(exchange.find_lasting_round_trip_s(), 0.002, 1e-8);
   exchange.settle_round_trip();
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.005, 1e-8);
   EXPECT_NEAR(exchange.find_round_trip_s(), 0.005, 1e-8);
-  trips(80, 3 * kMs);
+  make_round_trips(80, 3 * kMs);
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.005, 1e-8) << "80 of 160, and the greater counts";
-  trips(1, 3 * kMs);
+  make_round_trips(1, 3 * kMs);
   EXPECT_NEAR(exchange.find_lasting_round_trip_s(), 0.003, 1e-8);
   exchange.on_haptics_joined();
   EXPECT_EQ(exchange.find_round_trip_s(), -1.0);
@@ -96,7 +96,7 @@ TEST_F(RoundTrips, AfterSettlingTheNewestCountAsLasting) {
 }
 
 TEST_F(RoundTrips, EachReplyIsMeasuredOnce) {
-  for (int n = 0; n < 10; ++n) trip(kMs, 100 * kMs, n % 2 == 0);
+  for (int n = 0; n < 10; ++n) make_round_trip(kMs, 100 * kMs, n % 2 == 0);
   EXPECT_EQ(stats.forces, 10U);
   EXPECT_EQ(stats.contact_samples, 5U);
   EXPECT_EQ(stats.round_trip.count(), 10U);

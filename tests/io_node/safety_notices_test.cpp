@@ -46,12 +46,12 @@ struct SafetyNoticesTest : testing::Test {
     side.governor.fault = SafetyFault::none;
     ++side.governor.counters.resets;
   }
-  void check(bool is_missed = true) {
+  void check(bool is_timeout_fault = true) {
     now_ns += kMs;
     ++cycle.number;
-    notices.check(side, cycle, is_missed, now_ns);
+    notices.check(side, cycle, is_timeout_fault, now_ns);
   }
-  std::vector<ServoEvent::Kind> reported() {
+  std::vector<ServoEvent::Kind> take_event_kinds() {
     std::vector<ServoEvent::Kind> kinds;
     for (ServoEvent event; events.pop(event);) kinds.push_back(event.kind);
     return kinds;
@@ -63,16 +63,16 @@ TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   latch(SafetyFault::jump);
   check();
   check();
-  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::latched});
+  EXPECT_EQ(take_event_kinds(), std::vector{ServoEvent::Kind::latched});
   EXPECT_EQ(tap.faults.size(), 1U);
   ++side.governor.counters.resets_rejected;
   check();
-  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::reset_rejected});
+  EXPECT_EQ(take_event_kinds(), std::vector{ServoEvent::Kind::reset_rejected});
   side.governor.fault = SafetyFault::none;
   ++side.governor.counters.resets;
   check();
   check();
-  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::reset});
+  EXPECT_EQ(take_event_kinds(), std::vector{ServoEvent::Kind::reset});
   EXPECT_EQ(tap.cycles.size(), 6U);
 }
 
@@ -81,21 +81,21 @@ TEST_F(SafetyNoticesTest, AFaultThatFollowsAResetAtOnceIsReportedAfterIt) {
   check();
   latch(SafetyFault::jump);
   check();
-  (void)reported();
+  (void)take_event_kinds();
   reset();
   latch(SafetyFault::speed);
   check();
-  EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::reset, ServoEvent::Kind::latched}));
+  EXPECT_EQ(take_event_kinds(), (std::vector{ServoEvent::Kind::reset, ServoEvent::Kind::latched}));
   reset();
   latch(SafetyFault::jump);
   reset();
   check();
-  EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::latched, ServoEvent::Kind::reset})) << "it is over";
+  EXPECT_EQ(take_event_kinds(), (std::vector{ServoEvent::Kind::latched, ServoEvent::Kind::reset})) << "the fault is over";
 }
 
 // This happens when the network side is late. Without it, people and the recording would get a fault without a name.
-TEST_F(SafetyNoticesTest, AFaultThatIsResetBeforeTheNextLookIsReportedByItsName) {
-  const auto named = [&] {
+TEST_F(SafetyNoticesTest, AFaultThatIsResetBeforeTheNextCheckIsReportedByItsName) {
+  const auto take_faults_of_events = [&] {
     std::vector<std::pair<ServoEvent::Kind, SafetyFault>> all;
     for (ServoEvent event; events.pop(event);) all.emplace_back(event.kind, event.fault);
     return all;
@@ -105,21 +105,23 @@ TEST_F(SafetyNoticesTest, AFaultThatIsResetBeforeTheNextLookIsReportedByItsName)
   latch(SafetyFault::speed);
   reset();
   check();
-  EXPECT_EQ(named(), (std::vector{std::pair(Kind::latched, SafetyFault::speed), std::pair(Kind::reset, SafetyFault::speed)}));
+  EXPECT_EQ(take_faults_of_events(),
+            (std::vector{std::pair(Kind::latched, SafetyFault::speed), std::pair(Kind::reset, SafetyFault::speed)}));
   EXPECT_EQ(tap.faults, std::vector{SessionFault::speed});
   latch(SafetyFault::jump);
   reset();
   latch(SafetyFault::thermal);
   check();
-  EXPECT_EQ(named(), (std::vector{std::pair(Kind::latched, SafetyFault::jump), std::pair(Kind::reset, SafetyFault::jump),
-                                  std::pair(Kind::latched, SafetyFault::thermal)}));
+  EXPECT_EQ(take_faults_of_events(), (std::vector{std::pair(Kind::latched, SafetyFault::jump), std::pair(Kind::reset, SafetyFault::jump),
+                                                  std::pair(Kind::latched, SafetyFault::thermal)}));
   EXPECT_EQ(tap.faults, (std::vector{SessionFault::speed, SessionFault::jump, SessionFault::thermal}));
   reset();
   latch(SafetyFault::thermal);
   check();
-  EXPECT_EQ(named(), (std::vector{std::pair(Kind::reset, SafetyFault::thermal), std::pair(Kind::latched, SafetyFault::thermal)}));
+  EXPECT_EQ(take_faults_of_events(),
+            (std::vector{std::pair(Kind::reset, SafetyFault::thermal), std::pair(Kind::latched, SafetyFault::thermal)}));
   check();
-  EXPECT_TRUE(named().empty());
+  EXPECT_TRUE(take_faults_of_events().empty());
 }
 
 // A stalled network side records several cycles at once: each with the force that was on the motors in that cycle.
@@ -166,13 +168,13 @@ TEST_F(SafetyNoticesTest, ADeviceIsAwayWhenItStaysAway) {
   for (int n = 0; n < 50; ++n) check();
   side.status = DeviceStatus::ready;
   check();
-  EXPECT_TRUE(reported().empty());
+  EXPECT_TRUE(take_event_kinds().empty());
   side.status = DeviceStatus::away;
   for (int n = 0; n < 200; ++n) check();
-  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::away});
+  EXPECT_EQ(take_event_kinds(), std::vector{ServoEvent::Kind::away});
   side.status = DeviceStatus::ready;
   for (int n = 0; n < 200; ++n) check();
-  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::back});
+  EXPECT_EQ(take_event_kinds(), std::vector{ServoEvent::Kind::back});
 }
 
 TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
@@ -213,7 +215,7 @@ TEST_F(SafetyNoticesTest, WhatWasLatchedSinceTheLastCheckIsReportedAtTheEnd) {
   check();
   latch(SafetyFault::speed);
   notices.finish(side, DeviceStatus::ready, now_ns);
-  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::latched});
+  EXPECT_EQ(take_event_kinds(), std::vector{ServoEvent::Kind::latched});
   EXPECT_EQ(tap.faults, std::vector{SessionFault::speed});
   latch(SafetyFault::device);
   notices.finish(side, DeviceStatus::fault, now_ns);
@@ -224,29 +226,29 @@ TEST_F(SafetyNoticesTest, WhatWasLatchedSinceTheLastCheckIsReportedAtTheEnd) {
 
 TEST_F(SafetyNoticesTest, EachKindOfFaultIsRecordedWhenItBegins) {
   check();
-  // The faults that one check adds to the recording.
-  const auto added = [&] {
+  // Checks once; returns the faults that this adds to the recording.
+  const auto record_new_faults = [&] {
     tap.faults.clear();
     check();
     return std::exchange(tap.faults, {});
   };
-  EXPECT_TRUE(added().empty());
+  EXPECT_TRUE(record_new_faults().empty());
   ++side.governor.counters.not_finite;
-  EXPECT_EQ(added(), std::vector{SessionFault::not_finite});
+  EXPECT_EQ(record_new_faults(), std::vector{SessionFault::not_finite});
   ++side.governor.counters.rejected_future;
-  EXPECT_EQ(added(), std::vector{SessionFault::rejected_future});
+  EXPECT_EQ(record_new_faults(), std::vector{SessionFault::rejected_future});
   ++side.governor.counters.clamped;
-  EXPECT_EQ(added(), std::vector{SessionFault::clamped});
-  EXPECT_TRUE(added().empty());
+  EXPECT_EQ(record_new_faults(), std::vector{SessionFault::clamped});
+  EXPECT_TRUE(record_new_faults().empty());
   side.has_overrun = true;
-  EXPECT_EQ(added(), std::vector{SessionFault::overrun});
-  EXPECT_TRUE(added().empty()) << "it is still the same";
+  EXPECT_EQ(record_new_faults(), std::vector{SessionFault::overrun});
+  EXPECT_TRUE(record_new_faults().empty()) << "it is still the same";
   for (int n = 0; n < 2; ++n) {
     side.is_energy_gone = true;
-    EXPECT_EQ(added(), std::vector{SessionFault::energy});
-    EXPECT_TRUE(added().empty()) << "it is still the same";
+    EXPECT_EQ(record_new_faults(), std::vector{SessionFault::energy});
+    EXPECT_TRUE(record_new_faults().empty()) << "it is still the same";
     side.is_energy_gone = false;
-    EXPECT_TRUE(added().empty());
+    EXPECT_TRUE(record_new_faults().empty());
   }
 }
 

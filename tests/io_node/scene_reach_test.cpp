@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-DeviceLimits hand_wide() {
+DeviceLimits limits_of_20_cm() {
   DeviceLimits limits;
   limits.workspace_min_m = Vec3(-0.1, -0.1, -0.1);
   limits.workspace_max_m = Vec3(0.1, 0.1, 0.1);
@@ -19,7 +19,7 @@ SceneFacts box_at(float x, float half) {
   return facts;
 }
 
-SceneReach reach_of(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return find_reach(facts, X_WS, hand_wide()); }
+SceneReach reach_of(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return find_reach(facts, X_WS, limits_of_20_cm()); }
 
 TEST(SceneReach, IsJudgedByTheSurface) {
   EXPECT_EQ(reach_of(box_at(0, 0.05F)), SceneReach::in_reach);

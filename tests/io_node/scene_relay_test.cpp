@@ -86,13 +86,13 @@ TEST_F(NetworkLoops, VisionIsNotifiedWhyThereIsNoForce) {
   say(kHaptics, facts);
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::ok);
-  device.state = DeviceStatus::calibrating;
+  device.device_status = DeviceStatus::calibrating;
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::calibrating);
-  device.state = DeviceStatus::away;
+  device.device_status = DeviceStatus::away;
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::device_away);
-  device.state = DeviceStatus::ready;
+  device.device_status = DeviceStatus::ready;
   run(1000);
   EXPECT_EQ(probes.back().status, ProbeStatus::ok);
   reply_delay_ns = -1;
@@ -105,7 +105,7 @@ TEST_F(NetworkLoops, VisionIsNotifiedWhyThereIsNoForce) {
   EXPECT_EQ(probes.back().status, ProbeStatus::fault_latched);
 }
 
-TEST_F(NetworkLoops, RemembersWhatTheHapticsNodeWorksWith) {
+TEST_F(NetworkLoops, KeepsTheSceneAndSetupOfTheHapticsNode) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(5);

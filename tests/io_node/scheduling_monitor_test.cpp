@@ -7,14 +7,14 @@ namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
-ThreadUsage ran(double run_s) { return {.run_s = run_s}; }
+ThreadUsage usage_of(double run_s) { return {.run_s = run_s}; }
 
-TEST(SchedulingMonitor, SaysHowTheTimeWent) {
-  SchedulingMonitor watch(0.1, 0.95);
-  EXPECT_FALSE(watch.figures().is_known);
-  watch.update({.run_s = 10.0, .waited_s = 1.0, .involuntary_switches = 5, .stolen_s = 2.0}, 7, kSecondNs);
-  watch.update({.run_s = 10.2, .waited_s = 1.01, .involuntary_switches = 8, .stolen_s = 2.5}, 7 + kSecondNs / 20, 2 * kSecondNs);
-  const SchedulingStats& figures = watch.figures();
+TEST(SchedulingMonitor, SplitsTheTimeIntoWorkSpinAndSleep) {
+  SchedulingMonitor monitor(0.1, 0.95);
+  EXPECT_FALSE(monitor.figures().is_known);
+  monitor.update({.run_s = 10.0, .waited_s = 1.0, .involuntary_switches = 5, .stolen_s = 2.0}, 7, kSecondNs);
+  monitor.update({.run_s = 10.2, .waited_s = 1.01, .involuntary_switches = 8, .stolen_s = 2.5}, 7 + kSecondNs / 20, 2 * kSecondNs);
+  const SchedulingStats& figures = monitor.figures();
   ASSERT_TRUE(figures.is_known);
   EXPECT_NEAR(figures.worked_share, 0.15, 1e-9);
   EXPECT_NEAR(figures.spun_share, 0.05, 1e-9);
@@ -25,32 +25,33 @@ TEST(SchedulingMonitor, SaysHowTheTimeWent) {
 }
 
 TEST(SchedulingMonitor, SpinningGivesWayToWorkAndToTheKernelsLimit) {
-  SchedulingMonitor watch(0.3, 0.5);
-  EXPECT_NEAR(watch.update(ran(0.0), 0, kSecondNs), 0.3, 1e-9);
-  EXPECT_NEAR(watch.update(ran(0.05), 0, 2 * kSecondNs), 0.3, 1e-9);
-  EXPECT_NEAR(watch.update(ran(0.35), 0, 3 * kSecondNs), 0.8 * 0.5 - 0.3, 1e-9);
-  EXPECT_EQ(watch.update(ran(1.1), 0, 4 * kSecondNs), 0.0);
-  EXPECT_NEAR(watch.update(ran(1.1), 0, 5 * kSecondNs), 0.3, 1e-9);
+  SchedulingMonitor monitor(0.3, 0.5);
+  EXPECT_NEAR(monitor.update(usage_of(0.0), 0, kSecondNs), 0.3, 1e-9);
+  EXPECT_NEAR(monitor.update(usage_of(0.05), 0, 2 * kSecondNs), 0.3, 1e-9);
+  // kMaxUsedShare of the kernel's limit, less the work.
+  EXPECT_NEAR(monitor.update(usage_of(0.35), 0, 3 * kSecondNs), 0.8 * 0.5 - 0.3, 1e-9);
+  EXPECT_EQ(monitor.update(usage_of(1.1), 0, 4 * kSecondNs), 0.0);
+  EXPECT_NEAR(monitor.update(usage_of(1.1), 0, 5 * kSecondNs), 0.3, 1e-9);
 }
 
 TEST(SchedulingMonitor, SpinningDoesNotCountAsWork) {
-  SchedulingMonitor watch(0.3, 0.5);
-  watch.update(ran(0.0), 0, kSecondNs);
-  EXPECT_NEAR(watch.update(ran(0.3), kSecondNs * 3 / 10, 2 * kSecondNs), 0.3, 1e-9);
+  SchedulingMonitor monitor(0.3, 0.5);
+  monitor.update(usage_of(0.0), 0, kSecondNs);
+  EXPECT_NEAR(monitor.update(usage_of(0.3), kSecondNs * 3 / 10, 2 * kSecondNs), 0.3, 1e-9);
 }
 
 TEST(SchedulingMonitor, CountsWhenThrottlingIsNear) {
-  SchedulingMonitor watch(0.1, 0.5);
-  watch.update(ran(0.0), 0, kSecondNs);
-  watch.update(ran(0.4), 0, 2 * kSecondNs);
-  EXPECT_EQ(watch.figures().near_throttling, 0U);
-  EXPECT_FALSE(watch.has_come_near_throttling());
-  watch.update(ran(0.89), 0, 3 * kSecondNs);
-  EXPECT_EQ(watch.figures().near_throttling, 1U);
-  EXPECT_TRUE(watch.has_come_near_throttling());
-  watch.update(ran(1.38), 0, 4 * kSecondNs);
-  EXPECT_EQ(watch.figures().near_throttling, 2U);
-  EXPECT_FALSE(watch.has_come_near_throttling()) << "not for the first time";
+  SchedulingMonitor monitor(0.1, 0.5);
+  monitor.update(usage_of(0.0), 0, kSecondNs);
+  monitor.update(usage_of(0.4), 0, 2 * kSecondNs);
+  EXPECT_EQ(monitor.figures().near_throttling, 0U);
+  EXPECT_FALSE(monitor.has_come_near_throttling());
+  monitor.update(usage_of(0.89), 0, 3 * kSecondNs);
+  EXPECT_EQ(monitor.figures().near_throttling, 1U);
+  EXPECT_TRUE(monitor.has_come_near_throttling());
+  monitor.update(usage_of(1.38), 0, 4 * kSecondNs);
+  EXPECT_EQ(monitor.figures().near_throttling, 2U);
+  EXPECT_FALSE(monitor.has_come_near_throttling()) << "not for the first time";
 }
 
 }  // namespace

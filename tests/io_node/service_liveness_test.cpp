@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kTimeNs = 1'000'000'000;  // a second
+constexpr std::int64_t kLivenessSecondNs = 1'000'000'000;
 
 struct ServiceLivenessTest : testing::Test {
   ServiceLivenessTest() {
@@ -33,11 +33,11 @@ struct ServiceLivenessTest : testing::Test {
     ::unsetenv("WATCHDOG_USEC");
   }
   // All notifications that have arrived since the last call, each followed by a space.
-  std::string received() {
+  std::string take_notifications() {
     std::string all;
-    std::array<char, 64> one = {};
-    for (ssize_t size = 0; (size = ::recv(manager, one.data(), one.size(), MSG_DONTWAIT)) > 0;) {
-      all += std::string(one.data(), static_cast<std::size_t>(size)) + " ";
+    std::array<char, 64> notification = {};
+    for (ssize_t size = 0; (size = ::recv(manager, notification.data(), notification.size(), MSG_DONTWAIT)) > 0;) {
+      all += std::string(notification.data(), static_cast<std::size_t>(size)) + " ";
     }
     return all;
   }
@@ -47,41 +47,41 @@ struct ServiceLivenessTest : testing::Test {
 
 TEST_F(ServiceLivenessTest, TheProgramIsReadyAndLivesWithItsOnlySession) {
   ServiceLiveness service(1);
-  service.note(0, true, kTimeNs);
-  EXPECT_EQ(received(), "READY=1 WATCHDOG=1 ");
-  service.note(0, true, 2 * kTimeNs);
-  EXPECT_EQ(received(), "WATCHDOG=1 ") << "ready once";
-  service.note(0, false, 3 * kTimeNs);
-  EXPECT_EQ(received(), "");
+  service.note(0, true, kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "READY=1 WATCHDOG=1 ");
+  service.note(0, true, 2 * kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "WATCHDOG=1 ") << "ready once";
+  service.note(0, false, 3 * kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "");
 }
 
 TEST_F(ServiceLivenessTest, IsReadyOnceAllSessionsAre) {
   ServiceLiveness service(2);
-  service.note(1, true, kTimeNs);
-  EXPECT_EQ(received(), "");
-  service.note(0, true, kTimeNs);
-  EXPECT_EQ(received(), "READY=1 WATCHDOG=1 ");
+  service.note(1, true, kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "");
+  service.note(0, true, kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "READY=1 WATCHDOG=1 ");
 }
 
-TEST_F(ServiceLivenessTest, LivesNoLongerThanEachOfThem) {
+TEST_F(ServiceLivenessTest, LivesNoLongerThanEachSession) {
   ServiceLiveness service(2);
-  service.note(0, true, kTimeNs);
-  service.note(1, true, kTimeNs);
-  (void)received();
-  service.note(0, false, kTimeNs + 1);
-  service.note(1, true, kTimeNs + 2);
-  EXPECT_EQ(received(), "") << "the device loop of the first hangs";
-  service.note(0, true, kTimeNs + 3);
-  EXPECT_EQ(received(), "WATCHDOG=1 ");
-  service.note(1, true, kTimeNs + 3 + 2 * kTimeNs);
-  EXPECT_EQ(received(), "") << "the first session hangs itself";
+  service.note(0, true, kLivenessSecondNs);
+  service.note(1, true, kLivenessSecondNs);
+  (void)take_notifications();
+  service.note(0, false, kLivenessSecondNs + 1);
+  service.note(1, true, kLivenessSecondNs + 2);
+  EXPECT_EQ(take_notifications(), "") << "the device loop of the first hangs";
+  service.note(0, true, kLivenessSecondNs + 3);
+  EXPECT_EQ(take_notifications(), "WATCHDOG=1 ");
+  service.note(1, true, kLivenessSecondNs + 3 + 2 * kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "") << "the first session itself hangs";
 }
 
-TEST_F(ServiceLivenessTest, OneThatHasEndedCountsNoMore) {
+TEST_F(ServiceLivenessTest, ASessionThatHasEndedCountsNoMore) {
   ServiceLiveness service(2);
   service.leave(0);
-  service.note(1, true, kTimeNs);
-  EXPECT_EQ(received(), "READY=1 WATCHDOG=1 ");
+  service.note(1, true, kLivenessSecondNs);
+  EXPECT_EQ(take_notifications(), "READY=1 WATCHDOG=1 ");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-TEST_F(NetworkLoops, EveryPlaceOfTheHubIsInTheReport) {
+TEST_F(NetworkLoops, EverySlotOfTheHubIsInTheStatistics) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);

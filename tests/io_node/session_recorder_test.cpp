@@ -28,7 +28,7 @@ struct Recorders : testing::Test {
   ScratchFolder scratch;
   SimulatedClock clock{1'000'000'000};
   std::filesystem::path file = scratch.path() / "session.hapton";
-  std::filesystem::path flights = scratch.path() / "flight";
+  std::filesystem::path flight_folder = scratch.path() / "flight";
 
   SessionRecorder make(SessionRecorder::Options options) {
     return {std::move(options), {.build = "b", .start_ns = clock.now_ns(), .start_unix_ns = 1'800'000'000'000'000'000}, clock};
@@ -48,7 +48,7 @@ struct Recorders : testing::Test {
   // The flight records that are complete: a name ends in .part while the file is written (runtime/atomic_file.h).
   std::vector<std::filesystem::path> flight_files() {
     std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(flights)) {
+    for (const auto& entry : std::filesystem::directory_iterator(flight_folder)) {
       const bool is_being_written = entry.path().extension() == ".part";
       if (!is_being_written) files.push_back(entry.path());
     }
@@ -129,7 +129,7 @@ TEST_F(Recorders, KeepMarkersAndSayWhereTheyAre) {
   EXPECT_EQ(entry.marker.text, "gezückt");
   ASSERT_TRUE(reader->next(entry));
   EXPECT_EQ(entry.marker.text, longest);
-  auto flights_only = make({{}, flights});
+  auto flights_only = make({{}, flight_folder});
   EXPECT_EQ(flights_only.on_marker({7, NodeRole::tool, "a"}, 8), MarkerStatus::no_recording);
   auto full = make({.record = file, .ring_bytes = 64});
   EXPECT_EQ(full.on_marker({9, NodeRole::tool, longest}, 10), MarkerStatus::no_room);
@@ -140,12 +140,12 @@ TEST_F(Recorders, CountSamplesWhoseCycleNeverCame) {
   ASSERT_TRUE(recorder.start());
   for (const std::uint64_t sample : {3U, 4U, 8U, 8U, 5U}) recorder.on_cycle({.sample = sample}, 1);
   ASSERT_TRUE(recorder.stop());
-  EXPECT_EQ(recorder.counts().lost_samples, 2U + 3U);
+  EXPECT_EQ(recorder.counts().lost_samples, 2U + 3U) << "1 and 2, and 5 to 7";
 }
 
 TEST_F(Recorders, UseNoHeapOnTheNetworkThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  auto recorder = make({file, flights});
+  auto recorder = make({file, flight_folder});
   ASSERT_TRUE(recorder.start());
   AllocationGuard guard;
   for (int n = 0; n < 20'000; ++n) {
@@ -159,7 +159,7 @@ TEST_F(Recorders, UseNoHeapOnTheNetworkThread) {
 }
 
 TEST_F(Recorders, AFaultLeavesTheLastTwoSecondsUnderItsName) {
-  auto recorder = make({{}, flights});
+  auto recorder = make({{}, flight_folder});
   ASSERT_TRUE(recorder.start());
   for (int n = 0; n < 5000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n * kMs);
   recorder.on_fault(SessionFault::command_timeout, 5000 * kMs);
@@ -168,32 +168,32 @@ TEST_F(Recorders, AFaultLeavesTheLastTwoSecondsUnderItsName) {
   ASSERT_EQ(files.size(), 1U);
   EXPECT_NE(files[0].filename().string().find("-command-timeout.hapton"), std::string::npos) << files[0];
   const auto entries = read(files[0]);
-  ASSERT_EQ(entries.size(), 2001U);
+  ASSERT_EQ(entries.size(), 2001U) << "2 s of cycles, and the fault";
   EXPECT_EQ(entries.front().time_ns, 3000 * kMs);
   EXPECT_EQ(entries.back().fault, SessionFault::command_timeout);
   EXPECT_EQ(SessionReader::open(files[0])->header().fault, "command-timeout");
 }
 
 TEST_F(Recorders, AFaultIsFollowedForAWhileAndThenWrittenWithoutWaitingForTheEnd) {
-  auto recorder = make({{}, flights});
+  auto recorder = make({{}, flight_folder});
   ASSERT_TRUE(recorder.start());
   const std::int64_t fault_ns = clock.now_ns();
   recorder.on_fault(SessionFault::stalled, fault_ns);
   recorder.on_cycle({}, fault_ns + 100 * kMs);
   clock.advance_ns(SessionRecorder::kAfterFaultNs);
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (flight_files().empty() && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (flight_files().empty() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
   ASSERT_EQ(flight_files().size(), 1U);
   EXPECT_EQ(std::filesystem::status(flight_files()[0]).permissions() & std::filesystem::perms::mask,
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write)
-      << "what a hand did is nobody else's to read";
+      << "only the owner may read what a hand did";
   EXPECT_EQ(read(flight_files()[0]).size(), 2U);
   ASSERT_TRUE(recorder.stop());
 }
 
 // Three faults within two seconds, each written before the next one comes: the last record also contains the first fault.
 TEST_F(Recorders, ARecordGoesBackTwoSecondsOverWhatWasWrittenBefore) {
-  auto recorder = make({{}, flights});
+  auto recorder = make({{}, flight_folder});
   ASSERT_TRUE(recorder.start());
   const std::int64_t first_ns = clock.now_ns();
   const std::pair<SessionFault, std::int64_t> faults[] = {
@@ -201,8 +201,8 @@ TEST_F(Recorders, ARecordGoesBackTwoSecondsOverWhatWasWrittenBefore) {
   for (std::size_t n = 0; n < std::size(faults); ++n) {
     recorder.on_fault(faults[n].first, faults[n].second);
     clock.advance_ns(faults[n].second + SessionRecorder::kAfterFaultNs - clock.now_ns());
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (flight_files().size() <= n && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (flight_files().size() <= n && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
   }
   auto files = flight_files();
   ASSERT_EQ(files.size(), std::size(faults));
@@ -214,15 +214,15 @@ TEST_F(Recorders, ARecordGoesBackTwoSecondsOverWhatWasWrittenBefore) {
 }
 
 TEST_F(Recorders, FlightRecordsAreFew) {
-  auto recorder = make({{}, flights});
+  auto recorder = make({{}, flight_folder});
   ASSERT_TRUE(recorder.start());
   const auto fault_and_wait = [&](std::int64_t time_ns) {
     const auto before = flight_files().size();
     clock.advance_ns(time_ns - clock.now_ns());
     recorder.on_fault(SessionFault::clamped, time_ns);
     clock.advance_ns(SessionRecorder::kAfterFaultNs);
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (flight_files().size() == before && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (flight_files().size() == before && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
     return flight_files().size() - before;
   };
   EXPECT_EQ(fault_and_wait(clock.now_ns() + kMs), 1U);
@@ -236,32 +236,32 @@ TEST_F(Recorders, FlightRecordsAreFew) {
 }
 
 TEST_F(Recorders, AFlightRecordThatCannotBeWrittenIsNotCountedAsWritten) {
-  auto recorder = make({{}, flights});
+  auto recorder = make({{}, flight_folder});
   ASSERT_TRUE(recorder.start());
-  std::filesystem::remove_all(flights);
+  std::filesystem::remove_all(flight_folder);
   scratch.write("flight", "a file in place of the folder");
-  const std::string said = log_of([&] {
+  const std::string log_text = log_of([&] {
     recorder.on_fault(SessionFault::device, clock.now_ns());
     EXPECT_TRUE(recorder.stop());
   });
   EXPECT_EQ(recorder.counts().flights, 0);
   EXPECT_EQ(recorder.counts().flights_left_out, 1);
-  EXPECT_NE(said.find("device: no flight record: cannot write " + flights.string()), std::string::npos) << said;
+  EXPECT_NE(log_text.find("device: no flight record: cannot write " + flight_folder.string()), std::string::npos) << log_text;
 }
 
 TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
-  std::filesystem::create_directories(flights);
+  std::filesystem::create_directories(flight_folder);
   for (std::size_t n = 0; n < SessionRecorder::kMaxKeptFlights + 5; ++n) {
     scratch.write(fmt::format("flight/flight-20000101T0000{:02}.000Z-clamped.hapton", n), "old");
   }
   scratch.write("flight/a letter", "mine");
-  auto recorder = make({{}, flights});
+  auto recorder = make({{}, flight_folder});
   ASSERT_TRUE(recorder.start());
   recorder.on_fault(SessionFault::command_timeout, clock.now_ns());
   ASSERT_TRUE(recorder.stop());
   EXPECT_EQ(flight_files().size(), SessionRecorder::kMaxKeptFlights + 1);
-  EXPECT_FALSE(std::filesystem::exists(flights / "flight-20000101T000000.000Z-clamped.hapton"));
-  EXPECT_TRUE(std::filesystem::exists(flights / "a letter"));
+  EXPECT_FALSE(std::filesystem::exists(flight_folder / "flight-20000101T000000.000Z-clamped.hapton"));
+  EXPECT_TRUE(std::filesystem::exists(flight_folder / "a letter"));
 }
 
 TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
@@ -272,15 +272,15 @@ TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
   EXPECT_NE(started.error().what.find("give another file with --record"), std::string::npos);
   auto other = make({{}, "/proc/nowhere/flight"});
   EXPECT_FALSE(other.start());
-  auto full = make({{}, "/proc"});  // this folder exists, but no file can be created in it
-  const auto without_flights = full.start();
+  auto unwritable = make({{}, "/proc"});  // this folder exists, but no file can be created in it
+  const auto without_flights = unwritable.start();
   ASSERT_FALSE(without_flights);
   EXPECT_NE(without_flights.error().what.find("flight records: /proc cannot be written"), std::string::npos)
       << without_flights.error().what;
 }
 
 TEST_F(Recorders, TheFolderOfARecordingIsMade) {
-  const std::filesystem::path recording = flights / "deep" / "session.hapton";
+  const std::filesystem::path recording = flight_folder / "deep" / "session.hapton";
   auto recorder = make({recording, {}});
   ASSERT_TRUE(recorder.start());
   ASSERT_TRUE(recorder.stop());
@@ -288,9 +288,9 @@ TEST_F(Recorders, TheFolderOfARecordingIsMade) {
 }
 
 TEST_F(Recorders, ADefaultFolderIsMadeWhenThereIsSomethingToWrite) {
-  auto recorder = make({.flight_folder = flights, .makes_flight_folder = false});
+  auto recorder = make({.flight_folder = flight_folder, .makes_flight_folder = false});
   ASSERT_TRUE(recorder.start());
-  EXPECT_FALSE(std::filesystem::exists(flights));
+  EXPECT_FALSE(std::filesystem::exists(flight_folder));
   recorder.on_fault(SessionFault::device, clock.now_ns());
   ASSERT_TRUE(recorder.stop());
   EXPECT_EQ(flight_files().size(), 1U);
@@ -332,9 +332,9 @@ TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
   constexpr rlim_t kMaxBytes = 300'000;
   rlimit before = {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit lower = {.rlim_cur = kMaxBytes, .rlim_max = before.rlim_max};
+  const rlimit lowered = {.rlim_cur = kMaxBytes, .rlim_max = before.rlim_max};
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &lower), 0);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &lowered), 0);
   for (int n = 20'001; n <= 40'000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
   const auto stopped = recorder.stop();
   ::setrlimit(RLIMIT_FSIZE, &before);
@@ -343,12 +343,12 @@ TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
   EXPECT_FALSE(stopped);
   auto reader = SessionReader::open(file);
   ASSERT_TRUE(reader);
-  std::uint64_t readable = 0;
-  for (SessionEntry entry; reader->next(entry);) ++readable;
+  std::uint64_t readable_entries = 0;
+  for (SessionEntry entry; reader->next(entry);) ++readable_entries;
   EXPECT_EQ(recorder.counts().entries + recorder.counts().dropped, 40'000U);
   EXPECT_GT(recorder.counts().file_entries, 0U);
-  EXPECT_LE(recorder.counts().file_entries, readable);
-  EXPECT_LT(readable, 40'000U);
+  EXPECT_LE(recorder.counts().file_entries, readable_entries);
+  EXPECT_LT(readable_entries, 40'000U);
   EXPECT_LE(recorder.counts().file_bytes, std::filesystem::file_size(file));
   EXPECT_NE(reader->problem(), "");
 }
@@ -359,17 +359,17 @@ TEST_F(Recorders, ARecordingOfANodeThatWasKilledHasNoEnd) {
   ASSERT_TRUE(recorder.start());
   for (int n = 1; n <= 5000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
   const auto copy = scratch.path() / "copy.hapton";
-  std::size_t readable = 0;
-  for (int tries = 0; tries < 1000 && readable == 0; ++tries) {
+  std::size_t readable_entries = 0;
+  for (int tries = 0; tries < 1000 && readable_entries == 0; ++tries) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
     auto reader = SessionReader::open(copy);
     ASSERT_TRUE(reader) << reader.error().what;
-    readable = 0;
-    for (SessionEntry entry; reader->next(entry);) ++readable;
+    readable_entries = 0;
+    for (SessionEntry entry; reader->next(entry);) ++readable_entries;
     EXPECT_NE(reader->problem(), "");
   }
-  EXPECT_GT(readable, 0U);
+  EXPECT_GT(readable_entries, 0U);
   ASSERT_TRUE(recorder.stop());
   EXPECT_EQ(read(file).size(), 5000U);
 }

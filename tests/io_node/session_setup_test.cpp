@@ -57,7 +57,7 @@ TEST(SessionSetup, TheHeaderHasTheOptionsThatAForceDependsOn) {
 }
 
 // The folder is --flight, else a folder beside the report, else one in the user's state; each of several devices has its own in it.
-TEST(SessionSetup, FlightRecordsHaveAPlace) {
+TEST(SessionSetup, FindsTheFolderOfTheFlightRecords) {
   ::setenv("STATE_DIRECTORY", "/state", 1);
   IoOptions options;
   EXPECT_EQ(find_flight_folder(options), "/state/flight");

@@ -20,7 +20,7 @@ TEST_F(NetworkLoops, ARecordingRequestsTheShapeWithWhichItBegins) {
   };
   start(7, 0, 1);
   run(300);
-  EXPECT_TRUE(shape_statuses.empty()) << "it is at rest";
+  EXPECT_TRUE(shape_statuses.empty()) << "object 1 is at rest";
   start(7, 5);
   run(50);
   EXPECT_TRUE(shape_statuses.empty()) << "its parts may be on their way";
@@ -37,7 +37,7 @@ TEST_F(NetworkLoops, ARecordingRequestsTheShapeWithWhichItBegins) {
   EXPECT_EQ(shape_statuses.size(), 3U) << "five times a second";
   for (const std::uint32_t first : {64U, 128U, 192U}) say(kHaptics, part_of(7, 5, 200, first));
   run(300);
-  EXPECT_EQ(shape_statuses.size(), 3U) << "it is whole";
+  EXPECT_EQ(shape_statuses.size(), 3U) << "the shape is complete";
 }
 
 TEST_F(NetworkLoops, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {

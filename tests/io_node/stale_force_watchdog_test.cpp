@@ -31,13 +31,13 @@ struct StaleForceWatchdogTest : testing::Test {
   SimulatedPhantom device{{}};
   std::unique_ptr<HeartbeatPage> page = std::make_unique<HeartbeatPage>();
   std::unique_ptr<DeviceLoop> loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});
-  StaleForceWatchdog watch{*loop, clock};
+  StaleForceWatchdog watchdog{*loop, clock};
 };
 
 TEST_F(StaleForceWatchdogTest, LeavesALivingLoopAlone) {
   for (int n = 0; n < 500; ++n) {
     press(1);
-    watch.check();
+    watchdog.check();
   }
   EXPECT_FALSE(is_cut());
   EXPECT_EQ(loop->collect_stats().cuts, 0U);
@@ -48,7 +48,7 @@ TEST_F(StaleForceWatchdogTest, ReleasesInTimeWhenTheLoopStalls) {
   press(200);
   const std::int64_t sample_ns = loop->force_sample_ns();
   ASSERT_NE(sample_ns, 0);
-  for (std::int64_t due_ns = watch.check(); !is_cut() && clock.now_ns() - sample_ns < 1000 * kMs; due_ns = watch.check()) {
+  for (std::int64_t due_ns = watchdog.check(); !is_cut() && clock.now_ns() - sample_ns < 1000 * kMs; due_ns = watchdog.check()) {
     clock.sleep_until_ns(due_ns);
   }
   EXPECT_TRUE(is_cut());
@@ -57,12 +57,12 @@ TEST_F(StaleForceWatchdogTest, ReleasesInTimeWhenTheLoopStalls) {
 }
 
 TEST_F(StaleForceWatchdogTest, WithoutAForceItChecksAgainSoon) {
-  EXPECT_LE(watch.check() - clock.now_ns(), StaleForceWatchdog::kIdleNs);
+  EXPECT_LE(watchdog.check() - clock.now_ns(), StaleForceWatchdog::kIdleNs);
   EXPECT_FALSE(is_cut());
 }
 
 // A cut just after the loop itself has released the force must not last: the force ramps down, and up again.
-TEST_F(StaleForceWatchdogTest, WhatItCutComesBackWithARampWhileForcesComeAllTheTime) {
+TEST_F(StaleForceWatchdogTest, AfterItsCutTheForceRampsUpWhileForcesKeepComing) {
   press(200);
   EXPECT_TRUE(loop->cut_if_older(0));
   ASSERT_TRUE(is_cut());
@@ -74,12 +74,12 @@ TEST_F(StaleForceWatchdogTest, WhatItCutComesBackWithARampWhileForcesComeAllTheT
 }
 
 TEST_F(StaleForceWatchdogTest, EndsOnRequest) {
-  SteadyClock real;
-  const auto living = std::make_unique<DeviceLoop>(device, real, DeviceLoop::Options{});
-  StaleForceWatchdog watching(*living, real);
-  watching.start(true);
-  watching.stop();
-  EXPECT_EQ(living->collect_stats().cuts, 0U);
+  SteadyClock real_clock;
+  const auto running_loop = std::make_unique<DeviceLoop>(device, real_clock, DeviceLoop::Options{});
+  StaleForceWatchdog real_watchdog(*running_loop, real_clock);
+  real_watchdog.start(true);
+  real_watchdog.stop();
+  EXPECT_EQ(running_loop->collect_stats().cuts, 0U);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ TEST_F(NetworkLoops, ConfirmsTheViewThatTheForcesAreComputedWith) {
   join(kHaptics, NodeRole::haptics);
   run(100);
   EXPECT_EQ(probes.back().view_revision, 3U);
-  takes_views = false;
+  replies_name_newest_view = false;
   force_reply.view_revision = 3;
   views.clear();
   say(kVision, ViewTransform{.revision = 4});
@@ -96,80 +96,80 @@ TEST_F(ContactAcrossAView, IsForgottenWhereTheSceneMoves) {
 
 // Two vision nodes. The second one joins with the pose that the scene had at that node's start.
 struct TwoViewers : NetworkLoops {
-  static constexpr std::uint16_t kSecond = 4;
-  ViewTransform turned{.revision = 41};
-  std::vector<ViewTransform> of_haptics, of_first, of_second;
+  static constexpr std::uint16_t kSecondVision = 4;
+  ViewTransform turned_view{.revision = 41};
+  std::vector<ViewTransform> views_to_haptics, views_to_first, views_to_second;
 
   void SetUp() override {
     NetworkLoops::SetUp();
-    turned.X_WS[3] = 0.05F;
+    turned_view.X_WS[3] = 0.05F;
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) {
       receive(to, datagram);
       const auto* view = std::get_if<ViewTransform>(&datagram.message);
-      if (view != nullptr) (to == at(kHaptics) ? of_haptics : to == at(kVision) ? of_first : of_second).push_back(*view);
+      if (view != nullptr) (to == at(kHaptics) ? views_to_haptics : to == at(kVision) ? views_to_first : views_to_second).push_back(*view);
     };
     make();
-    roles[kSecond] = NodeRole::vision;
+    roles[kSecondVision] = NodeRole::vision;
     join(kHaptics, NodeRole::haptics);
     join(kVision, NodeRole::vision);
     run(10);
-    say(kVision, turned);
+    say(kVision, turned_view);
     run(10);
-    forget();
+    forget_views();
   }
-  void forget() {
-    of_haptics.clear();
-    of_first.clear();
-    of_second.clear();
+  void forget_views() {
+    views_to_haptics.clear();
+    views_to_first.clear();
+    views_to_second.clear();
   }
 };
 
 TEST_F(TwoViewers, ANodeThatJoinsGetsTheViewInUseAndDoesNotTurnTheScene) {
-  join(kSecond, NodeRole::vision);
+  join(kSecondVision, NodeRole::vision);
   run(2);
-  ASSERT_FALSE(of_second.empty());
-  EXPECT_EQ(of_second.back().revision, 41U);
-  EXPECT_EQ(of_second.back().X_WS, turned.X_WS);
+  ASSERT_FALSE(views_to_second.empty());
+  EXPECT_EQ(views_to_second.back().revision, 41U);
+  EXPECT_EQ(views_to_second.back().X_WS, turned_view.X_WS);
   for (const std::uint32_t revision : {1U, 41U}) {
-    forget();
-    say(kSecond, ViewTransform{.revision = revision});
+    forget_views();
+    say(kSecondVision, ViewTransform{.revision = revision});
     run(300);
-    ASSERT_FALSE(of_haptics.empty()) << "it is repeated";
-    for (const ViewTransform& view : of_haptics) EXPECT_EQ(view.X_WS, turned.X_WS) << revision;
-    ASSERT_FALSE(of_second.empty());
-    EXPECT_EQ(of_second.front().revision, 41U) << "instead of its own";
-    EXPECT_TRUE(of_first.empty());
+    ASSERT_FALSE(views_to_haptics.empty()) << "it is repeated";
+    for (const ViewTransform& view : views_to_haptics) EXPECT_EQ(view.X_WS, turned_view.X_WS) << revision;
+    ASSERT_FALSE(views_to_second.empty());
+    EXPECT_EQ(views_to_second.front().revision, 41U) << "instead of its own";
+    EXPECT_TRUE(views_to_first.empty());
   }
 }
 
 TEST_F(TwoViewers, EitherTurnsTheSceneOnceItKnowsTheView) {
-  join(kSecond, NodeRole::vision);
+  join(kSecondVision, NodeRole::vision);
   run(2);
-  forget();
-  say(kSecond, ViewTransform{.revision = 42});
+  forget_views();
+  say(kSecondVision, ViewTransform{.revision = 42});
   run(2);
-  ASSERT_EQ(of_haptics.size(), 1U);
-  EXPECT_EQ(of_haptics[0].revision, 42U);
-  ASSERT_EQ(of_first.size(), 1U) << "which shows it";
-  EXPECT_EQ(of_first[0].revision, 42U);
-  forget();
-  say(kVision, ViewTransform{.revision = 42, .X_WS = turned.X_WS});  // both at once: the first one counts
+  ASSERT_EQ(views_to_haptics.size(), 1U);
+  EXPECT_EQ(views_to_haptics[0].revision, 42U);
+  ASSERT_EQ(views_to_first.size(), 1U) << "which shows it";
+  EXPECT_EQ(views_to_first[0].revision, 42U);
+  forget_views();
+  say(kVision, ViewTransform{.revision = 42, .X_WS = turned_view.X_WS});  // both at once: the first one counts
   run(2);
-  EXPECT_TRUE(of_haptics.empty());
-  ASSERT_EQ(of_first.size(), 1U);
-  EXPECT_EQ(of_first[0].X_WS, ViewTransform().X_WS);
+  EXPECT_TRUE(views_to_haptics.empty());
+  ASSERT_EQ(views_to_first.size(), 1U);
+  EXPECT_EQ(views_to_first[0].X_WS, ViewTransform().X_WS);
 }
 
-TEST_F(TwoViewers, AfterTheFirstHasLeftTheNextSetsAny) {
+TEST_F(TwoViewers, AfterTheFirstHasLeftTheNextSetsAnyView) {
   say(kVision, Bye{});
   sequences.erase(kVision);
-  join(kSecond, NodeRole::vision);
+  join(kSecondVision, NodeRole::vision);
   run(2);
-  forget();
-  say(kSecond, ViewTransform{.revision = 3});
+  forget_views();
+  say(kSecondVision, ViewTransform{.revision = 3});
   run(2);
-  ASSERT_EQ(of_haptics.size(), 1U);
-  EXPECT_EQ(of_haptics[0].revision, 3U);
+  ASSERT_EQ(views_to_haptics.size(), 1U);
+  EXPECT_EQ(views_to_haptics[0].revision, 3U);
 }
 
 // The hub was restarted, and no vision node has joined yet.
@@ -193,7 +193,7 @@ TEST_F(NetworkLoops, AHubWithoutAViewTakesThatOfTheHapticsNode) {
   say(kHaptics, setup);
   run(300);
   ASSERT_FALSE(views.empty());
-  EXPECT_EQ(views.back().revision, 7U) << "it has one now";
+  EXPECT_EQ(views.back().revision, 7U) << "the hub has a view now";
 }
 
 }  // namespace

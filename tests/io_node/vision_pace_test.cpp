@@ -36,17 +36,17 @@ TEST(VisionPaces, ALostStateIsSentAgain) {
 // Only the number of the sample changes.
 TEST(VisionPaces, ANodeThatPassesStatesOnGetsEverySample) {
   VisionPace pace(2000.0);
-  for (const bool every : {true, false}) {
+  for (const bool wants_every_sample : {true, false}) {
     EXPECT_EQ(pace.decide(0, ProbeState{.sample = 1}, 0), Decision::send);
-    pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .every_sample = every}, kMs / 4);
+    pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .every_sample = wants_every_sample}, kMs / 4);
     int sent = 0;
     for (std::int64_t ms = 1; ms < 50; ++ms) {
       ProbeState same{.sample = static_cast<std::uint64_t>(ms) + 1};
       if (pace.decide(0, same, ms * kMs) != Decision::send) continue;
       ++sent;
-      pace.on_frame_ack(0, FrameAck{.echo_sample = same.sample, .every_sample = every}, ms * kMs + kMs / 4);
+      pace.on_frame_ack(0, FrameAck{.echo_sample = same.sample, .every_sample = wants_every_sample}, ms * kMs + kMs / 4);
     }
-    EXPECT_EQ(sent, every ? 49 : 0);
+    EXPECT_EQ(sent, wants_every_sample ? 49 : 0);
     pace.on_joined(0);
   }
 }
@@ -99,19 +99,19 @@ TEST(VisionPaces, InvisibleMotionSendsOneStatePerFrame) {
 }
 
 // While the hand rests, a node that draws all the time repeats its acknowledgement. That must not delay the state when the hand moves.
-TEST(VisionPaces, AnAcknowledgementThatIsToldAgainDelaysNothing) {
+TEST(VisionPaces, ARepeatedAcknowledgementDelaysNothing) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 5 * kMs);
-  ProbeState rests = state_at(1);
-  rests.sample = 9;
-  EXPECT_EQ(pace.decide(0, rests, 20 * kMs), Decision::skip);
+  ProbeState resting = state_at(1);
+  resting.sample = 9;
+  EXPECT_EQ(pace.decide(0, resting, 20 * kMs), Decision::skip);
   pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .rest_ns = 12 * kMs, .unchanged = true}, 38 * kMs);
   EXPECT_EQ(pace.decide(0, state_at(40), 40 * kMs), Decision::send);
 }
 
 // The repeated acknowledgement counts if the first one was lost.
-TEST(VisionPaces, AnAcknowledgementThatIsToldAgainCountsWhereTheFirstWasLost) {
+TEST(VisionPaces, ARepeatedAcknowledgementCountsWhereTheFirstWasLost) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   EXPECT_EQ(pace.decide(0, state_at(30), 37 * kMs), Decision::wait);
@@ -182,23 +182,23 @@ TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
 // A vision node draws a stroke with a point from each state, however slowly it draws pictures.
 TEST(VisionPaces, WhileAButtonIsDownStatesDoNotWaitForFrames) {
   VisionPace pace(200.0);
-  const auto pressed = [](std::int64_t ms, std::uint32_t buttons) {
+  const auto state_with_buttons = [](std::int64_t ms, std::uint32_t buttons) {
     ProbeState state = state_at(static_cast<std::uint64_t>(ms));
     state.buttons = buttons;
     return state;
   };
-  EXPECT_EQ(pace.decide(0, pressed(1, 0), kMs), Decision::send);
-  EXPECT_EQ(pace.decide(0, pressed(6, 0), 6 * kMs), Decision::wait);
+  EXPECT_EQ(pace.decide(0, state_with_buttons(1, 0), kMs), Decision::send);
+  EXPECT_EQ(pace.decide(0, state_with_buttons(6, 0), 6 * kMs), Decision::wait);
   int sent = 0;
   for (std::int64_t ms = 10; ms < 110; ++ms) {
-    sent += pace.decide(0, pressed(ms, 2), ms * kMs) == Decision::send ? 1 : 0;
+    sent += pace.decide(0, state_with_buttons(ms, 2), ms * kMs) == Decision::send ? 1 : 0;
     // This acknowledges a slow picture that looks the same as before: it does not delay the next state.
     if (ms == 50) pace.on_frame_ack(0, FrameAck{.echo_sample = 50, .rest_ns = 30 * kMs, .unchanged = true}, ms * kMs);
   }
   EXPECT_NEAR(sent, 20, 1) << "one every 5 ms";
-  EXPECT_EQ(pace.decide(0, pressed(115, 0), 115 * kMs), Decision::wait) << "released: as before";
+  EXPECT_EQ(pace.decide(0, state_with_buttons(115, 0), 115 * kMs), Decision::wait) << "released: as before";
   pace.on_frame_ack(0, FrameAck{.echo_sample = 105}, 116 * kMs);
-  EXPECT_EQ(pace.decide(0, pressed(117, 0), 117 * kMs), Decision::send);
+  EXPECT_EQ(pace.decide(0, state_with_buttons(117, 0), 117 * kMs), Decision::send);
 }
 
 TEST(VisionPaces, ADeadMansSwitchIsNoPress) {

@@ -14,22 +14,22 @@
 namespace hapton::vrpn {
 namespace {
 
-std::vector<FeedSample> all_of(Feed& feed) {
+std::vector<FeedSample> take_all(Feed& feed) {
   std::vector<FeedSample> samples;
   feed.take([&](const FeedSample& sample) { samples.push_back(sample); });
   return samples;
 }
 
-std::unique_ptr<Device> simulated() { return std::make_unique<SimulatedPhantom>(SimulatedPhantom::Options{}); }
+std::unique_ptr<Device> simulated_device() { return std::make_unique<SimulatedPhantom>(SimulatedPhantom::Options{}); }
 
-TEST(VrpnFeed, EverySampleArrivesInOrderWithTheWrenchOfBefore) {
+TEST(VrpnFeed, EverySampleArrivesInOrderWithTheWrenchWrittenBeforeIt) {
   Feed feed;
   feed.set_wanted(true);
-  WatchedDevice device(simulated(), feed);
+  WatchedDevice device(simulated_device(), feed);
   const DeviceSample first = device.read(1'000'000);
   device.write({.force_n = Vec3(0, 0, 1)}, 1'000'000);
   device.read(2'000'000);
-  const auto samples = all_of(feed);
+  const auto samples = take_all(feed);
   ASSERT_EQ(samples.size(), 2U);
   EXPECT_EQ(samples[0].device.p_WD, first.p_WD);
   EXPECT_EQ(samples[0].wrench.force_n, Vec3::Zero());
@@ -40,14 +40,14 @@ TEST(VrpnFeed, EverySampleArrivesInOrderWithTheWrenchOfBefore) {
 TEST(VrpnFeed, ADeviceThatWasCutHasNoForce) {
   Feed feed;
   feed.set_wanted(true);
-  WatchedDevice device(simulated(), feed);
+  WatchedDevice device(simulated_device(), feed);
   device.write({.force_n = Vec3(0, 0, 1)}, 1'000'000);
   device.cut();
   device.read(2'000'000);
   device.restore();
   device.write({.force_n = Vec3(0, 0, 2)}, 3'000'000);
   device.read(4'000'000);
-  const auto samples = all_of(feed);
+  const auto samples = take_all(feed);
   ASSERT_EQ(samples.size(), 2U);
   EXPECT_EQ(samples[0].wrench.force_n, Vec3::Zero());
   EXPECT_EQ(samples[1].wrench.force_n, Vec3(0, 0, 2));
@@ -55,63 +55,63 @@ TEST(VrpnFeed, ADeviceThatWasCutHasNoForce) {
 
 TEST(VrpnFeed, WithoutClientsItCostsNothing) {
   Feed feed;
-  WatchedDevice device(simulated(), feed);
+  WatchedDevice device(simulated_device(), feed);
   device.read(1'000'000);
-  EXPECT_TRUE(all_of(feed).empty());
+  EXPECT_TRUE(take_all(feed).empty());
 }
 
 TEST(VrpnFeed, ASlowReaderLosesSamplesAndDelaysNoOther) {
   Feed feed;
   feed.set_wanted(true);
   for (int n = 0; n < 100'000; ++n) feed.push({});
-  const std::size_t kept = all_of(feed).size();
-  EXPECT_GT(kept, 100U);
-  EXPECT_LT(kept, 1000U);
+  const std::size_t queued = take_all(feed).size();
+  EXPECT_GT(queued, 100U);
+  EXPECT_LT(queued, 1000U);
 }
 
 TEST(VrpnFeed, TheDeviceIsTheSameAsUnwatched) {
   Feed feed;
   feed.set_wanted(true);
-  WatchedDevice watched(simulated(), feed);
-  const auto bare = simulated();
-  EXPECT_EQ(watched.name(), bare->name());
-  EXPECT_EQ(watched.limits().max_force_n, bare->limits().max_force_n);
-  EXPECT_EQ(watched.status(), bare->status());
+  WatchedDevice watched(simulated_device(), feed);
+  const auto unwatched = simulated_device();
+  EXPECT_EQ(watched.name(), unwatched->name());
+  EXPECT_EQ(watched.limits().max_force_n, unwatched->limits().max_force_n);
+  EXPECT_EQ(watched.status(), unwatched->status());
   for (std::int64_t t = 1'000'000; t < 100'000'000; t += 1'000'000) {
-    ASSERT_EQ(watched.read(t).p_WD, bare->read(t).p_WD);
+    ASSERT_EQ(watched.read(t).p_WD, unwatched->read(t).p_WD);
     watched.write({.force_n = Vec3(0, 1, 0)}, t);
-    bare->write({.force_n = Vec3(0, 1, 0)}, t);
+    unwatched->write({.force_n = Vec3(0, 1, 0)}, t);
   }
-  EXPECT_EQ(watched.set_hand_target(Vec3::Zero()), bare->set_hand_target(Vec3::Zero()));
+  EXPECT_EQ(watched.set_hand_target(Vec3::Zero()), unwatched->set_hand_target(Vec3::Zero()));
 }
 
 // Records the calls that it gets. Those that end a force, and all others, must reach the device.
-class HeardDevice final : public Device {
+class CallRecorder final : public Device {
  public:
   std::string_view name() const noexcept override { return "heard"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t) noexcept override { return {}; }
   void write(const Wrench&, std::int64_t) noexcept override {}
-  bool cut() noexcept override { return heard.push_back("cut"), true; }
-  void restore() noexcept override { heard.push_back("restore"); }
+  bool cut() noexcept override { return calls.push_back("cut"), true; }
+  void restore() noexcept override { calls.push_back("restore"); }
   void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return DeviceStatus::calibrating; }
   DeviceCondition condition() const noexcept override { return {"Touch", "SN1", "4.5", true, 0.5}; }
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return true; }
-  bool press_hand_buttons(std::uint32_t buttons) noexcept override { return heard.push_back("press " + std::to_string(buttons)), true; }
-  bool turn_hand(const Vec3& turn_rad) noexcept override { return heard.push_back("turn " + std::to_string(turn_rad.x())), true; }
-  bool aim_hand(std::span<const Vec3> p_WA) noexcept override { return heard.push_back("aim " + std::to_string(p_WA.size())), true; }
+  bool press_hand_buttons(std::uint32_t buttons) noexcept override { return calls.push_back("press " + std::to_string(buttons)), true; }
+  bool turn_hand(const Vec3& turn_rad) noexcept override { return calls.push_back("turn " + std::to_string(turn_rad.x())), true; }
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override { return calls.push_back("aim " + std::to_string(p_WA.size())), true; }
 
-  std::vector<std::string> heard;
+  std::vector<std::string> calls;
 
  private:
   DeviceLimits limits_;
 };
 
-TEST(VrpnFeed, TheDeviceHearsAllThatItIsTold) {
+TEST(VrpnFeed, TheDeviceGetsEveryCall) {
   Feed feed;
-  auto made = std::make_unique<HeardDevice>();
-  const HeardDevice& inner = *made;
+  auto made = std::make_unique<CallRecorder>();
+  const CallRecorder& inner = *made;
   const std::unique_ptr<Device> device = std::make_unique<WatchedDevice>(std::move(made), feed);
   HeartbeatPage page;
   EXPECT_TRUE(device->cut());
@@ -123,7 +123,7 @@ TEST(VrpnFeed, TheDeviceHearsAllThatItIsTold) {
   EXPECT_TRUE(device->press_hand_buttons(3));
   EXPECT_TRUE(device->turn_hand(Vec3(2, 0, 0)));
   EXPECT_TRUE(device->aim_hand(std::array{Vec3(1, 2, 3)}));
-  EXPECT_EQ(inner.heard, (std::vector<std::string>{"cut", "restore", "press 3", "turn 2.000000", "aim 1"}));
+  EXPECT_EQ(inner.calls, (std::vector<std::string>{"cut", "restore", "press 3", "turn 2.000000", "aim 1"}));
 }
 
 void serve(Device& device) {
@@ -137,7 +137,7 @@ TEST(VrpnFeed, TheDeviceSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   Feed feed;
   feed.set_wanted(true);
-  WatchedDevice device(simulated(), feed);
+  WatchedDevice device(simulated_device(), feed);
   const AllocationGuard guard;
   serve(device);
   EXPECT_EQ(guard.count(), 0U);
@@ -151,7 +151,7 @@ TEST(VrpnFeed, TheDeviceSideMakesNoSystemCall) {
                 [&] {
                   feed = std::make_unique<Feed>();
                   feed->set_wanted(true);
-                  device = std::make_unique<WatchedDevice>(simulated(), *feed);
+                  device = std::make_unique<WatchedDevice>(simulated_device(), *feed);
                 },
                 [&] { serve(*device); }),
             "");

@@ -18,7 +18,7 @@
 
 namespace hapton::vrpn {
 
-// A VRPN client that acts like VRPN's own client library and connects in either way. Nothing blocks: poll() takes what has arrived.
+// A VRPN client that acts like VRPN's own client library and connects in either way. Nothing blocks: poll() receives what has arrived.
 class Program {
  public:
   // A received message: its name, its body, and whether it came by UDP. received() has the newest last.
@@ -28,7 +28,7 @@ class Program {
     bool by_udp = false;
   };
 
-  Program() { append_cookie(to_say_); }
+  Program() { append_cookie(out_); }
   ~Program() {
     for (const int socket : {tcp_, listening_, udp_}) {
       if (socket >= 0) ::close(socket);
@@ -50,9 +50,9 @@ class Program {
     listening_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const std::uint16_t port = bind_to_any(listening_);
     ::listen(listening_, 1);
-    lob(server, host + " " + std::to_string(port));
+    send_datagram(server, host + " " + std::to_string(port));
   }
-  void lob(const Address& server, const std::string& text) {
+  void send_datagram(const Address& server, const std::string& text) {
     const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const sockaddr_in to = loopback(server.port);
     ::sendto(socket, text.c_str(), text.size() + 1, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
@@ -78,20 +78,20 @@ class Program {
     append_empty(message, {sender, type, {}, 0});
     say(message);
   }
-  void say(const Bytes& bytes) { to_say_.insert(to_say_.end(), bytes.begin(), bytes.end()); }
+  void say(const Bytes& bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
 
   // Sends pending messages and takes those received.
   void poll() {
     if (tcp_ < 0 && listening_ >= 0 && is_readable(listening_)) tcp_ = ::accept(listening_, nullptr, nullptr);
-    if (tcp_ >= 0 && !to_say_.empty()) {
-      const ssize_t sent = ::send(tcp_, to_say_.data(), to_say_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-      if (sent > 0) to_say_.erase(to_say_.begin(), to_say_.begin() + sent);
+    if (tcp_ >= 0 && !out_.empty()) {
+      const ssize_t sent = ::send(tcp_, out_.data(), out_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent > 0) out_.erase(out_.begin(), out_.begin() + sent);
     }
     take_tcp();
     take_udp();
   }
 
-  bool is_called() const { return tcp_ >= 0; }
+  bool is_connected() const { return tcp_ >= 0; }
   bool is_closed() const { return is_closed_; }
   const std::vector<Received>& received() const { return received_; }
   bool has_received(const std::string& name) const {
@@ -168,7 +168,7 @@ class Program {
   }
 
   int tcp_ = -1, listening_ = -1, udp_ = -1;
-  Bytes to_say_, in_;
+  Bytes out_, in_;
   bool has_cookie_ = false;
   bool is_closed_ = false;
   std::string device_;

@@ -33,6 +33,8 @@ using ::testing::HasSubstr;
 
 constexpr const char* kPosition = "vrpn_Tracker Pos_Quat";
 constexpr const char* kButton = "vrpn_Button Change";
+constexpr const char* kMiscellaneousErrorBody = "00000003";  // of "vrpn_ForceDevice Force_Error"
+constexpr const char* kNoErrorBody = "00000004";
 
 struct VrpnServer : testing::Test {
   static void SetUpTestSuite() { start_log("test"); }
@@ -42,7 +44,7 @@ struct VrpnServer : testing::Test {
   FeedSample sample;
   SteadyClock clock;
   double speed_m_per_s = 0.0;  // along x
-  std::int64_t fed_ns = clock.now_ns();
+  std::int64_t last_fed_ns = clock.now_ns();
 
   VrpnServer() { sample.device.p_WD = Vec3(1, -2, 0.5); }
 
@@ -54,19 +56,19 @@ struct VrpnServer : testing::Test {
     ASSERT_TRUE(opened) << opened.error().what;
     server = std::move(*opened);
   }
-  const Address& at() const { return server->local_address(); }
+  const Address& server_address() const { return server->local_address(); }
 
   // Sixteen clients that send nothing. Each has a slot: it has received the server's cookie.
   std::vector<int> fill_with_silent_clients() {
     std::vector<int> silent;
     for (int n = 0; n < 16; ++n) {
       silent.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-      const timeval patience = {.tv_sec = 30, .tv_usec = 0};
-      ::setsockopt(silent.back(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+      const timeval timeout = {.tv_sec = 30, .tv_usec = 0};
+      ::setsockopt(silent.back(), SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
       sockaddr_in to = {};
       to.sin_family = AF_INET;
       to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      to.sin_port = htons(at().port);
+      to.sin_port = htons(server_address().port);
       EXPECT_EQ(::connect(silent.back(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     }
     std::array<std::byte, kCookieBytes> cookie;
@@ -84,7 +86,7 @@ struct VrpnServer : testing::Test {
       if (clock.now_ns() > end_ns) return false;
       sample.device.time_ns = clock.now_ns();
       sample.device.p_WD.x() +=
-          speed_m_per_s * 1e-9 * static_cast<double>(sample.device.time_ns - std::exchange(fed_ns, sample.device.time_ns));
+          speed_m_per_s * 1e-9 * static_cast<double>(sample.device.time_ns - std::exchange(last_fed_ns, sample.device.time_ns));
       feed.push(sample);
       program.poll();
       clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
@@ -97,9 +99,10 @@ TEST_F(VrpnServer, ShowsTheStylusToTcpClients) {
   open();
   sample.wrench.force_n = Vec3(0, 0.5, 1);
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition) && program.has_received("vrpn_Analog Channel"); }));
   EXPECT_EQ(program.device(), "Phantom0");
+  // Sensor 0, padding, the position and the quaternion (x, y, z, w).
   EXPECT_EQ(to_hex(program.last(kPosition)->body), to_hex(hex("00000000 00000000 3ff0000000000000 c000000000000000 3fe0000000000000"
                                                               "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000")));
   EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force")->body), to_hex(hex("0000000000000000 3fe0000000000000 3ff0000000000000")));
@@ -110,8 +113,8 @@ TEST_F(VrpnServer, ShowsTheStylusToTcpClients) {
 TEST_F(VrpnServer, ConnectsToAUdpRequesterAndSendsPositionsByUdp) {
   open();
   Program program;
-  program.request_callbacks(at());
-  ASSERT_TRUE(feed_until(program, [&] { return program.is_called(); }));
+  program.request_callbacks(server_address());
+  ASSERT_TRUE(feed_until(program, [&] { return program.is_connected(); }));
   program.describe_udp();
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition) && program.last(kPosition)->by_udp; }));
   sample.device.buttons = 1;
@@ -122,14 +125,14 @@ TEST_F(VrpnServer, ConnectsToAUdpRequesterAndSendsPositionsByUdp) {
 TEST_F(VrpnServer, ConnectsOnlyToTheRequesterWhateverHostIsWritten) {
   open();
   Program program;
-  program.request_callbacks(at(), "192.0.2.1");
+  program.request_callbacks(server_address(), "192.0.2.1");
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
 TEST_F(VrpnServer, SendsNoDatagramsToThirdParties) {
   open();
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   program.describe_udp("127.0.0.2");
   ASSERT_TRUE(feed_until(program, [&] { return program.received().size() > 50; }));
   EXPECT_TRUE(std::none_of(program.received().begin(), program.received().end(), [](const auto& received) { return received.by_udp; }));
@@ -138,7 +141,7 @@ TEST_F(VrpnServer, SendsNoDatagramsToThirdParties) {
 TEST_F(VrpnServer, SendsEveryChangeOfAButtonHoweverShort) {
   open(50.0);
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_Button States"); }));
   for (const std::uint32_t buttons : {2U, 0U, 2U, 0U}) {
     sample.device.buttons = buttons;
@@ -160,7 +163,7 @@ TEST_F(VrpnServer, SendsEveryChangeOfAButtonHoweverShort) {
 TEST_F(VrpnServer, RepliesToPingsAndSendsTheWorkspace) {
   open();
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   program.describe_sender(7, "Phantom0");
   program.describe_type(8, "vrpn_Base ping_message");
   program.describe_type(9, "vrpn_Tracker Request_Tracker_Workspace");
@@ -175,18 +178,18 @@ TEST_F(VrpnServer, RepliesToPingsAndSendsTheWorkspace) {
 TEST_F(VrpnServer, ShowsTheProxyAsSecondSensorAndAsContactPoint) {
   open();
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
   EXPECT_EQ(to_hex(program.last(kPosition)->body).substr(0, 11), "00 00 00 00") << "no proxy is known yet";
-  const std::string place =
+  const std::string pose =
       to_hex(hex("3ff0000000000000 c000000000000000 3fe8000000000000"
                  "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000"));
   ASSERT_TRUE(feed_until(program, [&] {
     feed.show_proxy({Vec3(1, -2, 0.75), Quat::Identity(), true});
     return program.has_received("vrpn_ForceDevice SCP");
   }));
-  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice SCP")->body), place);
-  EXPECT_EQ(to_hex(program.last(kPosition)->body), to_hex(hex("00000001 00000001")) + place);
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice SCP")->body), pose);
+  EXPECT_EQ(to_hex(program.last(kPosition)->body), to_hex(hex("00000001 00000001")) + pose);
   program.forget();
   ASSERT_TRUE(feed_until(program, [&] {
     feed.show_proxy({Vec3(1, -2, 0.75), Quat::Identity(), false});
@@ -198,8 +201,8 @@ TEST_F(VrpnServer, ShowsTheProxyAsSecondSensorAndAsContactPoint) {
 TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
   open();
   Program slow, fast;
-  slow.connect(at());
-  fast.connect(at());
+  slow.connect(server_address());
+  fast.connect(server_address());
   slow.describe_sender(7, "Phantom0");
   slow.describe_type(8, "vrpn_Tracker set_update_rate");
   slow.say(hex("00000020 00000000 00000000 00000007 00000008 00000000 4024000000000000"));  // 10 a second
@@ -224,7 +227,7 @@ TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
 TEST_F(VrpnServer, SendsVelocityAsDistanceOverTime) {
   open(100.0);
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   speed_m_per_s = 1.0;
   ASSERT_TRUE(feed_until(program, [&] {
     return std::count_if(program.received().begin(), program.received().end(),
@@ -239,11 +242,11 @@ TEST_F(VrpnServer, SendsVelocityAsDistanceOverTime) {
 TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   open();
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
   sample.status = DeviceStatus::away;
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_ForceDevice Force_Error"); }));
-  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000003")));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex(kMiscellaneousErrorBody)));
   program.forget();
   sample.status = DeviceStatus::ready;
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_ForceDevice Force_Error"); }));
@@ -251,35 +254,35 @@ TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
-// If the server reported only changes, a client that joins while the device is away would hear nothing of the device.
-TEST_F(VrpnServer, TellsWhoComesLaterThatTheDeviceIsAway) {
+// If the server reported only changes, a client that joins while the device is away would learn nothing about the device.
+TEST_F(VrpnServer, ReportsToLaterClientsThatTheDeviceIsAway) {
   open();
   sample.status = DeviceStatus::away;
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_ForceDevice Force_Error"); }));
-  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000003")));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex(kMiscellaneousErrorBody)));
   EXPECT_FALSE(program.has_received(kPosition));
   program.forget();
   sample.status = DeviceStatus::ready;
   ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
-  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000004")));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex(kNoErrorBody)));
   Program later;
-  later.connect(at());
+  later.connect(server_address());
   ASSERT_TRUE(feed_until(later, [&] { return later.has_received(kPosition); }));
-  EXPECT_FALSE(later.has_received("vrpn_ForceDevice Force_Error")) << "there is none";
+  EXPECT_FALSE(later.has_received("vrpn_ForceDevice Force_Error")) << "there is no error";
 }
 
 TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
   open();
-  Program babbler;
-  babbler.connect(at());
-  babbler.say(Bytes(100'000, std::byte{0x7f}));
+  Program foreign;
+  foreign.connect(server_address());
+  foreign.say(Bytes(100'000, std::byte{0x7f}));
   Program program;
-  program.connect(at());
-  ASSERT_TRUE(feed_until(babbler, [&] {
+  program.connect(server_address());
+  ASSERT_TRUE(feed_until(foreign, [&] {
     program.poll();
-    return babbler.is_closed();
+    return foreign.is_closed();
   }));
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
@@ -292,7 +295,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
   };
   for (int n = 0; n < 24; ++n) {
     programs.push_back(std::make_unique<Program>());
-    programs.back()->connect(at());
+    programs.back()->connect(server_address());
     // A client that has sent nothing yet would lose its slot to the next one.
     if (n == 15) {
       ASSERT_TRUE(feed_until(*programs.front(), [&] {
@@ -316,7 +319,7 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   open();
   const std::vector<int> silent = fill_with_silent_clients();
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   EXPECT_TRUE(feed_until(program, [&] {
     program.poll();
     return program.has_received(kPosition) || program.is_closed();
@@ -330,7 +333,7 @@ TEST_F(VrpnServer, SilentClientsDoNotKeepOutAUdpRequester) {
   open();
   const std::vector<int> silent = fill_with_silent_clients();
   Program program;
-  program.request_callbacks(at());
+  program.request_callbacks(server_address());
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
   for (const int client : silent) ::close(client);
 }
@@ -365,12 +368,12 @@ class StderrFile {
 TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
   open(10'000.0);
   Program lazy;
-  lazy.connect(at(), 4096);
+  lazy.connect(server_address(), 4096);
   // Sends the cookie, without which the server sends it nothing. From then on it does not read.
   lazy.poll();
   const StderrFile log;
-  Program nobody;
-  ASSERT_TRUE(feed_until(nobody, [&] {
+  Program idle;
+  ASSERT_TRUE(feed_until(idle, [&] {
     for (int n = 0; n < 10; ++n) {
       // The server must send every change of a button, so unread bytes pile up.
       sample.device.buttons ^= 0xFFFFFFFF;
@@ -379,20 +382,20 @@ TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
     return log.read().find("left") != std::string::npos;
   }));
   Program program;
-  program.connect(at());
+  program.connect(server_address());
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
 TEST_F(VrpnServer, AnAddressThatCannotBeOpenedIsReported) {
   open();
-  const Server::Options same{.address = to_string(at()), .name = "Phantom0", .limits = {}};
+  const Server::Options same{.address = to_string(server_address()), .name = "Phantom0", .limits = {}};
   EXPECT_THAT(Server::open(feed, same).error().what, HasSubstr("another program holds this port"));
   EXPECT_THAT(Server::open(feed, {.address = "127.0.0.1:0", .name = "a b", .limits = {}}).error().what,
               HasSubstr("not a valid VRPN device name"));
   EXPECT_THAT(Server::open(feed, {.address = "192.0.2.1:0", .name = "a", .limits = {}}).error().what, HasSubstr("no such address"));
 }
 
-TEST_F(VrpnServer, BeyondThisMachineItWarns) {
+TEST_F(VrpnServer, WarnsWhereOtherMachinesCanConnect) {
   testing::internal::CaptureStderr();
   EXPECT_TRUE(Server::open(feed, {.address = "0.0.0.0:0", .name = "a", .limits = {}}));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("VRPN has no authentication"));
