@@ -16,7 +16,7 @@ namespace hapton {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Round numbers, near those of a PHANToM, so that a reader can compute each limit in the head.
+// Round numbers, near those of a PHANToM, so that a reader can compute each limit mentally.
 inline DeviceLimits device_limits() {
   return {.max_force_n = 8.0,
           .max_slew_n_per_s = 2000.0,
@@ -58,11 +58,11 @@ struct Bench {
   DeviceSample sample;
   DeviceStatus status = DeviceStatus::ready;
   std::int64_t now_ns = 0;
-  Wrench out;
+  Wrench out;  // what reached the motors in the newest cycle
 };
 
 // Moves the device along z at this speed, with a force of 1 N along the motion. Pre: z has room below the workspace's edge at 0.1 m.
-inline void sweep(Bench& bench, double speed_m_per_s, int cycles) {
+inline void move_along_z(Bench& bench, double speed_m_per_s, int cycles) {
   for (int n = 0; n < cycles; ++n) {
     bench.sample.p_WD.z() += 1e-3 * speed_m_per_s;
     bench.press(1.0, 1);

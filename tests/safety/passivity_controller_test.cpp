@@ -34,7 +34,7 @@ struct WallRun {
   double farthest_m = 0.0;
   double most_taken_n = 0.0;  // largest part taken from a wanted force
   double fastest = 0.0;
-  int limited = 0;
+  int limited_steps = 0;
   int contact_steps = 0;
 
   template <class Hand>
@@ -42,29 +42,29 @@ struct WallRun {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> chance(0.0, 1.0);
     PassivityController controller({.mass_kg = kMassKg, .damping_ns_per_m = damping});
-    std::deque<double> on_the_way(static_cast<std::size_t>(delay_samples), 0.0);
-    double newest = 0.0;
+    std::deque<double> delayed_n(static_cast<std::size_t>(delay_samples), 0.0);
+    double wanted_n = 0.0;
     double given_j = 0.0;
-    double moved = 0.0;
-    double force = 0.0;
+    double moved_m = 0.0;
+    double force_n = 0.0;
     for (int n = 0; n < steps; ++n) {
-      controller.observe(kMaxForceN, Vec3(moved, 0, 0));
-      on_the_way.push_back(std::min(kMaxForceN, std::max(0.0, -stiffness * x)));
-      if (chance(random) >= loss) newest = on_the_way.front();
-      on_the_way.pop_front();
-      force = is_controlled ? controller.shape(Vec3(newest, 0, 0), 20.0).x() : newest;
-      most_taken_n = std::max(most_taken_n, std::abs(newest - force));
+      controller.observe(kMaxForceN, Vec3(moved_m, 0, 0));
+      delayed_n.push_back(std::min(kMaxForceN, std::max(0.0, -stiffness * x)));
+      if (chance(random) >= loss) wanted_n = delayed_n.front();
+      delayed_n.pop_front();
+      force_n = is_controlled ? controller.shape(Vec3(wanted_n, 0, 0), 20.0).x() : wanted_n;
+      most_taken_n = std::max(most_taken_n, std::abs(wanted_n - force_n));
       fastest = std::max(fastest, std::abs(v));
-      limited += is_controlled && controller.has_limited() ? 1 : 0;
-      contact_steps += newest > 0.0 ? 1 : 0;
+      limited_steps += is_controlled && controller.has_limited() ? 1 : 0;
+      contact_steps += wanted_n > 0.0 ? 1 : 0;
       const double hand_n = hand(n * period_s, x, v);
-      const double a = (force + hand_n - damping * v) / mass_kg;
-      moved = v * period_s + 0.5 * a * period_s * period_s;
-      x += moved;
+      const double a = (force_n + hand_n - damping * v) / mass_kg;
+      moved_m = v * period_s + 0.5 * a * period_s * period_s;
+      x += moved_m;
       v += a * period_s;
-      controller.note_applied(Vec3(force, 0, 0), period_s);
-      given_j += force * moved;
-      most_excess_j = std::max(most_excess_j, std::abs(force * hand_n) * period_s * period_s / (2.0 * kMassKg));
+      controller.note_applied(Vec3(force_n, 0, 0), period_s);
+      given_j += force_n * moved_m;
+      most_excess_j = std::max(most_excess_j, std::abs(force_n * hand_n) * period_s * period_s / (2.0 * kMassKg));
       least_j = std::min(least_j, given_j);
       most_j = std::max(most_j, given_j);
       deepest_m = std::max(deepest_m, -x);
@@ -106,7 +106,7 @@ TEST(PassivityController, OfAnUndampedWallItTakesWhatSamplingAdds) {
     run.x = 0.0;
     run.v = 0.0;
     run.run(static_cast<int>(2.0 * rate_hz), 1, press);
-    EXPECT_GT(run.limited, 0);
+    EXPECT_GT(run.limited_steps, 0);
     EXPECT_LE(run.most_taken_n, 1.5 * run.stiffness * std::sqrt(2.0 * run.fastest * run.period_s * run.deepest_m)) << rate_hz << " Hz";
   }
 }
@@ -114,19 +114,19 @@ TEST(PassivityController, OfAnUndampedWallItTakesWhatSamplingAdds) {
 TEST(PassivityController, AFreeMassLeavesAStiffWallNoFasterThanItCame) {
   for (const double stiffness : {1e3, 1e4, 1e5, 1e6}) {
     for (const double speed : {0.01, 0.1, 0.5}) {
-      WallRun bare;
-      bare.stiffness = stiffness;
-      bare.v = -speed;
-      bare.is_controlled = false;
-      WallRun kept = bare;
-      kept.is_controlled = true;
-      bare.run(200, 1, no_hand);
-      kept.run(200, 1, no_hand);
+      WallRun uncontrolled;
+      uncontrolled.stiffness = stiffness;
+      uncontrolled.v = -speed;
+      uncontrolled.is_controlled = false;
+      WallRun controlled = uncontrolled;
+      controlled.is_controlled = true;
+      uncontrolled.run(200, 1, no_hand);
+      controlled.run(200, 1, no_hand);
       const double energy_j = 0.5 * kMassKg * speed * speed;
-      EXPECT_LE(kept.most_j, 1e-12 * energy_j) << stiffness << " N/m, " << speed << " m/s";
-      EXPECT_LE(std::abs(kept.v), speed * (1.0 + 1e-12));
+      EXPECT_LE(controlled.most_j, 1e-12 * energy_j) << stiffness << " N/m, " << speed << " m/s";
+      EXPECT_LE(std::abs(controlled.v), speed * (1.0 + 1e-12));
       if (stiffness <= 1e4) {
-        EXPECT_GT(bare.most_j, 0.001 * energy_j) << "without it the wall is a source: the test is about something";
+        EXPECT_GT(uncontrolled.most_j, 0.001 * energy_j) << "without the controller the wall is a source, so the test can fail";
       }
     }
   }
@@ -142,7 +142,7 @@ TEST(PassivityController, AnyDelayLossOrStiffnessMakesNoSource) {
         run.delay_samples = delay;
         run.loss = loss;
         run.mass_kg = 0.225;
-        run.run(20'000, seed, [](double, double at, double v) { return -500.0 * (at + 0.002) - 5.0 * v; });
+        run.run(20'000, seed, [](double, double x, double v) { return -500.0 * (x + 0.002) - 5.0 * v; });
         EXPECT_LE(run.most_j, 4.0 * run.most_excess_j) << "delay " << delay << " ms, loss " << loss << ", seed " << seed;
         EXPECT_LT(run.farthest_m, 0.002) << "it is never thrown off the wall farther than the hand began";
         EXPECT_GT(run.contact_steps, 1000);
@@ -157,7 +157,7 @@ TEST(PassivityController, WithoutItTheSameLoopIsASource) {
   run.delay_samples = 10;
   run.mass_kg = 0.225;
   run.is_controlled = false;
-  run.run(20'000, 1, [](double, double at, double v) { return -500.0 * (at + 0.002) - 5.0 * v; });
+  run.run(20'000, 1, [](double, double x, double v) { return -500.0 * (x + 0.002) - 5.0 * v; });
   EXPECT_GT(run.most_j, 0.1);
 }
 

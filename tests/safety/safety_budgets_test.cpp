@@ -11,7 +11,7 @@ TEST(SafetyGovernor, AForceThatAcceleratesAFastDeviceFadesToDamping) {
     Bench bench;
     bench.sample.p_WD.z() = -0.09;
     bench.press(1.0, 200);
-    sweep(bench, speed, 50);
+    move_along_z(bench, speed, 50);
     EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
     EXPECT_EQ(bench.governor.counters().speed_limited > 0, speed > 1.2);
     if (speed > 1.2) {
@@ -30,7 +30,7 @@ TEST(SafetyGovernor, ASoftDeviceIsDampedNoMoreThanItsStiffnessBears) {
   Bench bench(limits);
   bench.sample.p_WD.z() = -0.09;
   bench.press(1.0, 200);
-  sweep(bench, 1.9, 50);
+  move_along_z(bench, 1.9, 50);
   EXPECT_GT(bench.governor.counters().speed_limited, 0U);
   EXPECT_GT(bench.out.force_n.z(), -0.01) << "2 ms of 0.5 N/m, at 2 m/s";
 }
@@ -39,7 +39,7 @@ TEST(SafetyGovernor, ADeviceFasterThanItsLimitLatches) {
   Bench bench;
   bench.sample.p_WD.z() = -0.09;
   bench.press(1.0, 200);
-  sweep(bench, 2.5, 30);
+  move_along_z(bench, 2.5, 30);
   EXPECT_EQ(bench.governor.fault(), SafetyFault::speed);
   EXPECT_EQ(bench.press(1.0, 10), Vec3::Zero());
 }
@@ -111,10 +111,10 @@ TEST(SafetyGovernor, EachForceIsCountedOnce) {
   Bench braked;
   braked.sample.p_WD.z() = -0.09;
   braked.press(1.0, 200);
-  sweep(braked, 1.7, 30);
-  const std::uint64_t slow = braked.governor.counters().speed_limited;
-  sweep(braked, 1.7, 7);
-  EXPECT_EQ(braked.governor.counters().speed_limited, slow + 7);
+  move_along_z(braked, 1.7, 30);
+  const std::uint64_t limited_before = braked.governor.counters().speed_limited;
+  move_along_z(braked, 1.7, 7);
+  EXPECT_EQ(braked.governor.counters().speed_limited, limited_before + 7);
 
   Bench slewed;
   slewed.press(-7.5, 300);
@@ -122,7 +122,7 @@ TEST(SafetyGovernor, EachForceIsCountedOnce) {
   slewed.press(7.5, 5);  // the slew limit allows 2 N in a cycle of 1 ms, so 15 N take eight cycles
   EXPECT_EQ(slewed.governor.counters().rate_limited, 5U);
   slewed.press(7.5, 5);
-  EXPECT_EQ(slewed.governor.counters().rate_limited, 7U) << "the eighth is there";
+  EXPECT_EQ(slewed.governor.counters().rate_limited, 7U) << "the eighth cycle reaches the force";
 }
 
 // The device moves where the force pushes it: all of the work would be energy that nobody put in.
@@ -130,10 +130,10 @@ TEST(SafetyGovernor, EachForceThatPassivityLimitsIsCountedOnce) {
   Bench bench;
   bench.governor.keep_passive({.mass_kg = 0.1, .damping_ns_per_m = 0.0, .friction_n = 0.0});
   bench.sample.p_WD.z() = -0.09;
-  sweep(bench, 0.1, 300);
+  move_along_z(bench, 0.1, 300);
   const GovernorCounters before = bench.governor.counters();
   ASSERT_GT(before.kept_passive, 0U);
-  sweep(bench, 0.1, 9);
+  move_along_z(bench, 0.1, 9);
   EXPECT_EQ(bench.governor.counters().kept_passive, before.kept_passive + 9);
   EXPECT_EQ(bench.governor.counters().clamped, 0U);
   bench.wait(5);
@@ -156,19 +156,19 @@ TEST(SafetyGovernor, AfterAnInterruptNothingComesBeforeANewCommand) {
 
 TEST(SafetyGovernor, TheEndOfTheWorkspaceRemovesOutwardForceAndAddsNothing) {
   Bench bench;
-  const auto at = [&](double z, double force_n) {
+  const auto press_at = [&](double z, double force_n) {
     bench.now_ns += 200 * kMs;
     bench.sample.p_WD.z() = z;
     return bench.press(force_n, 200).z();
   };
-  EXPECT_EQ(at(0.09, 4.0), 4.0);
-  EXPECT_NEAR(at(0.095, 4.0), 2.0, 1e-9);
-  EXPECT_EQ(at(0.1, 4.0), 0.0);
-  EXPECT_EQ(at(0.15, 4.0), 0.0);
-  EXPECT_EQ(at(0.15, -4.0), -4.0);
-  EXPECT_EQ(at(0.15, 0.0), 0.0);
-  EXPECT_NEAR(at(-0.095, -4.0), -2.0, 1e-9);
-  EXPECT_EQ(at(-0.1, -4.0), 0.0);
+  EXPECT_EQ(press_at(0.09, 4.0), 4.0);
+  EXPECT_NEAR(press_at(0.095, 4.0), 2.0, 1e-9);
+  EXPECT_EQ(press_at(0.1, 4.0), 0.0);
+  EXPECT_EQ(press_at(0.15, 4.0), 0.0);
+  EXPECT_EQ(press_at(0.15, -4.0), -4.0);
+  EXPECT_EQ(press_at(0.15, 0.0), 0.0);
+  EXPECT_NEAR(press_at(-0.095, -4.0), -2.0, 1e-9);
+  EXPECT_EQ(press_at(-0.1, -4.0), 0.0);
   EXPECT_GT(bench.governor.counters().workspace_limited, 200U);
 }
 
@@ -189,7 +189,7 @@ TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {
   limits.peak_s = 3.0;
   Bench bench(limits);
   double before = 0.0;
-  double at_peak_s = 0.0;
+  double force_at_peak_n = 0.0;
   for (int n = 0; n < 120'000; ++n) {
     bench.press(8.0, 1);
     const double z = bench.out.force_n.z();
@@ -198,15 +198,15 @@ TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {
     }
     before = z;
     ASSERT_LE(bench.governor.thermal_load(), 1.0 + 1e-6);
-    if (n == 2'200) at_peak_s = z;
+    if (n == 2'200) force_at_peak_n = z;
   }
-  EXPECT_EQ(at_peak_s, 8.0);
+  EXPECT_EQ(force_at_peak_n, 8.0);
   EXPECT_NEAR(bench.out.force_n.z(), 2.0, 0.05);
   EXPECT_GT(bench.governor.counters().thermal_limited, 100'000U);
   EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
-  const std::uint64_t cooled = bench.governor.counters().thermal_limited;
+  const std::uint64_t limited_before = bench.governor.counters().thermal_limited;
   bench.press(0.1, 5);
-  EXPECT_EQ(bench.governor.counters().thermal_limited, cooled) << "what the motors bear is not reduced";
+  EXPECT_EQ(bench.governor.counters().thermal_limited, limited_before) << "what the motors bear is not reduced";
   bench.press(0.0, 60'000);
   EXPECT_LT(bench.governor.thermal_load(), 0.5);
   EXPECT_EQ(bench.press(8.0, 100).z(), 8.0);
@@ -247,10 +247,10 @@ TEST(SafetyGovernor, TheFirstForceAfterAReleaseIsNotCountedAsLimited) {
   bench.wait(50);
   bench.sample.p_WD.z() = 0.0;
   bench.now_ns += 200 * kMs;  // so long without a sample that this is not a jump
-  const std::uint64_t stopped = bench.governor.counters().workspace_limited;
-  EXPECT_GT(stopped, 200U);
+  const std::uint64_t limited_before = bench.governor.counters().workspace_limited;
+  EXPECT_GT(limited_before, 200U);
   EXPECT_GT(bench.press(1.0, 5).z(), 0.0);
-  EXPECT_EQ(bench.governor.counters().workspace_limited, stopped);
+  EXPECT_EQ(bench.governor.counters().workspace_limited, limited_before);
 }
 
 // The load is a share of the force that the motors bear; it has to be a number even if no force is allowed.
@@ -268,7 +268,7 @@ TEST(SafetyGovernor, MotorsThatMayNotPushAreColdOrCoolDown) {
   EXPECT_LT(bench.governor.figures().thermal_load, 0.9);
 }
 
-TEST(SafetyGovernor, UnwatchedHeatLatches) {
+TEST(SafetyGovernor, HeatDuringAGapWithoutSamplesLatches) {
   DeviceLimits limits = device_limits();
   limits.continuous_force_n = 2.0;
   limits.peak_s = 0.7;

@@ -20,19 +20,19 @@ TEST(SafetyGovernor, AFaultOfAnEarlierRunStaysLatchedUntilTheReset) {
 TEST(SafetyGovernor, TimesOutWithoutSamplesOfTheDevice) {
   Bench bench;
   bench.press(4.0, 300);
-  const std::int64_t seen_ns = bench.now_ns;
+  const std::int64_t last_sample_ns = bench.now_ns;
   for (int n = 0; n < 40; ++n) {
     bench.now_ns += kMs;
     bench.out = bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns}, bench.now_ns);
-    ASSERT_EQ(bench.governor.state() == GovernorState::pose_timeout, bench.now_ns - seen_ns >= 20 * kMs);
+    ASSERT_EQ(bench.governor.state() == GovernorState::pose_timeout, bench.now_ns - last_sample_ns >= 20 * kMs);
   }
   EXPECT_EQ(bench.out.force_n, Vec3::Zero());
   EXPECT_LT(bench.press(4.0, 20).z(), 1.0);
   EXPECT_EQ(bench.press(4.0, 100).z(), 4.0);
 
-  SafetyGovernor never_looked(device_limits());
+  SafetyGovernor without_samples(device_limits());
   for (std::int64_t now = 0; now < 300 * kMs; now += kMs) {
-    ASSERT_EQ(never_looked.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, now}, now).force_n, Vec3::Zero());
+    ASSERT_EQ(without_samples.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, now}, now).force_n, Vec3::Zero());
   }
 }
 
@@ -120,7 +120,7 @@ TEST(SafetyGovernor, ASwitchIsHeldOnlyWhileTheDeviceReportsIt) {
   Bench bench;
   bench.sample.buttons = 0b010;
   bench.press(4.0, 300);
-  EXPECT_FALSE(bench.governor.is_switch_held()) << "none was asked for";
+  EXPECT_FALSE(bench.governor.is_switch_held()) << "no switch is required";
   bench.governor.require_button(2);
   bench.wait(1);
   EXPECT_TRUE(bench.governor.is_switch_held());
@@ -244,10 +244,10 @@ TEST(SafetyGovernor, NoResetWhileTheDeviceIsSoFastThatItIsBraked) {
   Bench bench;
   bench.sample.p_WD.z() = -0.09;
   bench.governor.restore_latched_fault(SafetyFault::jump);
-  sweep(bench, 1.5, 50);  // the limit is 2 m/s; above 1.2 m/s the device is braked
+  move_along_z(bench, 1.5, 50);  // the limit is 2 m/s; above 1.2 m/s the device is braked
   ASSERT_EQ(bench.governor.fault(), SafetyFault::jump);
   EXPECT_FALSE(bench.governor.reset_faults());
-  sweep(bench, 0.5, 40);
+  move_along_z(bench, 0.5, 40);
   EXPECT_TRUE(bench.governor.reset_faults());
 }
 

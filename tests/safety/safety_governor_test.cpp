@@ -47,7 +47,7 @@ TEST(SafetyGovernor, AForceAtTheLimitIsNotCountedAsClamped) {
   EXPECT_EQ(bench.governor.counters().clamped, 1U);
 }
 
-TEST(SafetyGovernor, WhatIsForbiddenWhileItIsOutIsReleased) {
+TEST(SafetyGovernor, AForceThatIsForbiddenWhileItIsWrittenIsReleased) {
   Bench bench;
   for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(0, 0, 4), Vec3(0.3, 0, 0)});
   ASSERT_NEAR(bench.out.force_n.z(), 4.0, 1e-9);
@@ -87,23 +87,23 @@ TEST(SafetyGovernor, WhenAFaultLatchesForceAndTorqueGoAtTheReleaseRate) {
 }
 
 TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheLastCommandAndRampsBack) {
-  for (const std::int64_t dt : {kMs / 10, kMs, 4 * kMs}) {
+  for (const std::int64_t period_ns : {kMs / 10, kMs, 4 * kMs}) {
     Bench bench;
     for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(0, 0, 8), Vec3(0.5, 0, 0)});
     ASSERT_EQ(bench.out.force_n, Vec3(0, 0, 8));
-    const std::int64_t last = bench.now_ns;
+    const std::int64_t last_command_ns = bench.now_ns;
     Wrench before = bench.out;
-    while (bench.now_ns < last + 30 * kMs) {
-      bench.now_ns += dt - kMs;
+    while (bench.now_ns < last_command_ns + 30 * kMs) {
+      bench.now_ns += period_ns - kMs;
       bench.wait(1);
-      if (bench.now_ns - last <= 15 * kMs) {
+      if (bench.now_ns - last_command_ns <= 15 * kMs) {
         ASSERT_EQ(bench.out.force_n.z(), 8.0);
       }
-      if (bench.now_ns - last >= 20 * kMs) {
-        ASSERT_EQ(bench.out.force_n, Vec3::Zero()) << dt;
-        ASSERT_EQ(bench.out.torque_nm, Vec3::Zero()) << dt;
+      if (bench.now_ns - last_command_ns >= 20 * kMs) {
+        ASSERT_EQ(bench.out.force_n, Vec3::Zero()) << period_ns;
+        ASSERT_EQ(bench.out.torque_nm, Vec3::Zero()) << period_ns;
       }
-      ASSERT_LE((bench.out.force_n - before.force_n).norm(), 2000e-9 * static_cast<double>(dt) * 1.000001);
+      ASSERT_LE((bench.out.force_n - before.force_n).norm(), 2000e-9 * static_cast<double>(period_ns) * 1.000001);
       before = bench.out;
     }
     EXPECT_TRUE(bench.governor.has_timed_out());
@@ -128,9 +128,9 @@ TEST(SafetyGovernor, ACommandThatComesExactlyAtTheTimeoutRampsIn) {
   EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
   EXPECT_LT(command_at(replied_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
   // A command for a sample as old as the command timeout is rejected.
-  const std::uint64_t rejected = bench.governor.counters().rejected_old;
+  const std::uint64_t rejected_before = bench.governor.counters().rejected_old;
   bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns + 1}, bench.now_ns + 1 + kCommandTimeoutNs);
-  EXPECT_EQ(bench.governor.counters().rejected_old, rejected + 1);
+  EXPECT_EQ(bench.governor.counters().rejected_old, rejected_before + 1);
 }
 
 // The age of a force counts from its sample, not from its arrival.
@@ -238,18 +238,18 @@ TEST(SafetyGovernor, BadNumbersNowAndThenDoNotLatch) {
 TEST(SafetyGovernor, OldRepeatedAndFutureForcesAreRejectedAndDoNotRenewTheTimeout) {
   Bench bench;
   bench.press(2.0, 200);
-  const std::int64_t replied = bench.now_ns - 100'000;
+  const std::int64_t replied_ns = bench.now_ns - 100'000;
   const Wrench other{Vec3(0, 0, 7), Vec3::Zero()};
   for (int n = 0; n < 25; ++n) {
     bench.wait(1);
-    for (const std::int64_t time_ns :
-         {replied, replied - 1, bench.now_ns + 1, std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+    for (const std::int64_t time_ns : {replied_ns, replied_ns - 1, bench.now_ns + 1, std::numeric_limits<std::int64_t>::max(),
+                                       std::numeric_limits<std::int64_t>::min()}) {
       bench.governor.step(WrenchCommand{other, time_ns}, bench.now_ns);
     }
   }
   EXPECT_EQ(bench.wait(1), Vec3::Zero());
-  EXPECT_EQ(bench.governor.counters().rejected_old, 75U);
-  EXPECT_EQ(bench.governor.counters().rejected_future, 50U);
+  EXPECT_EQ(bench.governor.counters().rejected_old, 75U) << "25 cycles with three old ones each";
+  EXPECT_EQ(bench.governor.counters().rejected_future, 50U) << "and with two of the future";
   EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
   bench.governor.step(WrenchCommand{other, bench.now_ns - 21 * kMs}, bench.now_ns);
   EXPECT_TRUE(bench.governor.has_timed_out());
@@ -299,17 +299,17 @@ TEST(SafetyGovernor, ATightenedSlewHoldsForTheTorqueAsForTheForce) {
   bench.governor.tighten({.max_slew_n_per_s = 1000.0, .max_torque_slew_nm_per_s = 60.0});
   for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(4, 0, 0), Vec3(0, 0.4, 0)});
   ASSERT_NEAR(bench.out.torque_nm.y(), 0.4, 1e-9);
-  double most_n = 0.0;
-  double most_nm = 0.0;
+  double largest_change_n = 0.0;
+  double largest_change_nm = 0.0;
   for (int n = 0; n < 40; ++n) {
     const Wrench before = bench.out;
     const double sign = n % 10 < 5 ? -1.0 : 1.0;
     bench.cycle(Wrench{Vec3(sign * 4, 0, 0), Vec3(0, sign * 0.4, 0)});
-    most_n = std::max(most_n, (bench.out.force_n - before.force_n).norm());
-    most_nm = std::max(most_nm, (bench.out.torque_nm - before.torque_nm).norm());
+    largest_change_n = std::max(largest_change_n, (bench.out.force_n - before.force_n).norm());
+    largest_change_nm = std::max(largest_change_nm, (bench.out.torque_nm - before.torque_nm).norm());
   }
-  EXPECT_NEAR(most_n, 1.0, 1e-6);
-  EXPECT_NEAR(most_nm, 0.06, 1e-6);
+  EXPECT_NEAR(largest_change_n, 1.0, 1e-6);
+  EXPECT_NEAR(largest_change_nm, 0.06, 1e-6);
 }
 
 // The damping that brakes a fast device, or one that was given too much energy.

@@ -14,7 +14,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-DeviceLimits full() {
+DeviceLimits all_limits() {
   return {.max_force_n = 8.0,
           .max_slew_n_per_s = 2000.0,
           .max_stiffness_n_per_m = 1000.0,
@@ -45,13 +45,13 @@ void expect_no_looser(const DeviceLimits& after, const DeviceLimits& before) {
 
 TEST(SafetyLimits, EveryFieldCanBeTightenedAndNoneLoosened) {
   for (const auto field : kFields) {
-    SafetyLimits limits(full());
+    SafetyLimits limits(all_limits());
     const double own = limits.current().*field;
-    for (const double more : {2.0 * own, 1e8, 1e300, kInf, kNan, -kInf, 0.0, -1.0, 5e-324}) {
+    for (const double bad_value : {2.0 * own, 1e8, 1e300, kInf, kNan, -kInf, 0.0, -1.0, 5e-324}) {
       DeviceLimits wanted;
-      wanted.*field = more;
+      wanted.*field = bad_value;
       limits.tighten(wanted);
-      ASSERT_EQ(limits.current().*field, own) << more;
+      ASSERT_EQ(limits.current().*field, own) << bad_value;
     }
     DeviceLimits wanted;
     wanted.*field = 0.5 * own;
@@ -64,14 +64,14 @@ TEST(SafetyLimits, EveryFieldCanBeTightenedAndNoneLoosened) {
     // The others are as they were.
     for (const auto other : kFields) {
       if (other != field) {
-        EXPECT_EQ(limits.current().*other, SafetyLimits(full()).current().*other);
+        EXPECT_EQ(limits.current().*other, SafetyLimits(all_limits()).current().*other);
       }
     }
   }
 }
 
 TEST(SafetyLimits, WorkspacesShrinkToWhatBothHave) {
-  SafetyLimits limits(full());
+  SafetyLimits limits(all_limits());
   DeviceLimits wanted;
   wanted.workspace_min_m = Vec3(-0.05, -1.0, 0.5);
   wanted.workspace_max_m = Vec3(1.0, 0.02, 0.6);
@@ -85,7 +85,7 @@ TEST(SafetyLimits, AnAxisThatMakesNoSenseIsNotShrunk) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const auto& [low, high] : {std::pair(0.05, 0.05), std::pair(0.05, -0.05), std::pair(kNan, 0.05), std::pair(-0.05, kNan),
                                     std::pair(kNan, kNan), std::pair(0.1, 0.2), std::pair(-0.2, -0.1)}) {
-      SafetyLimits limits(full());
+      SafetyLimits limits(all_limits());
       DeviceLimits wanted;
       wanted.workspace_min_m = Vec3::Constant(-0.05);
       wanted.workspace_max_m = Vec3::Constant(0.06);
@@ -102,12 +102,13 @@ TEST(SafetyLimits, AnAxisThatMakesNoSenseIsNotShrunk) {
 
 // Above 1e-9 and below 1e9: a value beyond these is not taken as the limit of a device.
 TEST(SafetyLimits, AUsableLimitIsBetweenTheBounds) {
-  for (const auto& [most_n, usable] : {std::pair(1e-9, false), std::pair(1.1e-9, true), std::pair(1e9, false), std::pair(0.9e9, true)}) {
-    DeviceLimits device = full();
-    device.max_force_n = most_n;
-    EXPECT_EQ(SafetyLimits(device).current().max_force_n, usable ? most_n : 0.0);
+  for (const auto& [max_force_n, is_usable] :
+       {std::pair(1e-9, false), std::pair(1.1e-9, true), std::pair(1e9, false), std::pair(0.9e9, true)}) {
+    DeviceLimits device = all_limits();
+    device.max_force_n = max_force_n;
+    EXPECT_EQ(SafetyLimits(device).current().max_force_n, is_usable ? max_force_n : 0.0);
   }
-  DeviceLimits device = full();
+  DeviceLimits device = all_limits();
   device.max_stiffness_n_per_m = kNan;
   EXPECT_EQ(SafetyLimits(device).current().max_stiffness_n_per_m, 0.0);
   device.max_stiffness_n_per_m = 300.0;
@@ -119,13 +120,13 @@ TEST(SafetyLimits, AUsableLimitIsBetweenTheBounds) {
 TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
   SplitMix random(7);
   for (int round = 0; round < 200; ++round) {
-    SafetyLimits limits(full());
+    SafetyLimits limits(all_limits());
     for (int n = 0; n < 50; ++n) {
       const DeviceLimits before = limits.current();
       DeviceLimits wanted;
       for (const auto field : kFields) {
         const double nasty[] = {kNan, kInf, -kInf, 0.0, -1.0, 1e300};
-        wanted.*field = random.once_in(3) ? nasty[random.below(6)] : full().*field * random.uniform(0.0, 3.0);
+        wanted.*field = random.once_in(3) ? nasty[random.below(6)] : all_limits().*field * random.uniform(0.0, 3.0);
       }
       wanted.peak_s = random.uniform(-1.0, 1e6);
       wanted.workspace_min_m = random.vector(0.2);
@@ -141,30 +142,30 @@ TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
 
 TEST(SafetyLimits, WhatMakesNoSenseGivesNothing) {
   for (const double nonsense : {kNan, kInf, 0.0, -1.0, 1e10, 5e-324}) {
-    DeviceLimits device = full();
+    DeviceLimits device = all_limits();
     device.max_force_n = nonsense;
     EXPECT_EQ(SafetyLimits(device).current().max_force_n, 0.0);
     EXPECT_EQ(SafetyLimits(device).current().max_torque_nm, 0.0);
-    device = full();
+    device = all_limits();
     device.max_slew_n_per_s = nonsense;
     EXPECT_EQ(SafetyLimits(device).current().max_force_n, 0.0);
-    device = full();
+    device = all_limits();
     device.max_torque_nm = nonsense;
     EXPECT_EQ(SafetyLimits(device).current().max_torque_nm, 0.0);
     EXPECT_EQ(SafetyLimits(device).current().max_force_n, 8.0);
-    device = full();
+    device = all_limits();
     device.max_speed_m_per_s = nonsense;
     EXPECT_EQ(SafetyLimits(device).current().max_speed_m_per_s, kFastestHandMPerS);
-    device = full();
+    device = all_limits();
     device.continuous_force_n = nonsense;
     EXPECT_EQ(SafetyLimits(device).current().continuous_force_n, 8.0);
-    device = full();
+    device = all_limits();
     device.peak_s = nonsense;
     EXPECT_EQ(SafetyLimits(device).current().peak_s, 0.0);
   }
 }
 
-TEST(SafetyLimits, ForbiddenIsForceAndTorqueForever) {
+TEST(SafetyLimits, ForbiddenForceAndTorqueStayForbidden) {
   SafetyLimits limits(
       DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 2000.0, .max_torque_nm = 0.5, .max_torque_slew_nm_per_s = 100.0});
   limits.forbid_force();
@@ -172,7 +173,7 @@ TEST(SafetyLimits, ForbiddenIsForceAndTorqueForever) {
   EXPECT_EQ(limits.current().max_force_n, 0.0);
   EXPECT_EQ(limits.current().continuous_force_n, 0.0);
   EXPECT_EQ(limits.current().max_torque_nm, 0.0);
-  EXPECT_EQ(limits.device().max_force_n, 8.0) << "what is out is released as fast as before";
+  EXPECT_EQ(limits.device().max_force_n, 8.0) << "what is still written is released as fast as before";
 }
 
 TEST(SafetyLimits, AForbiddenTorqueLeavesTheForce) {
@@ -182,19 +183,19 @@ TEST(SafetyLimits, AForbiddenTorqueLeavesTheForce) {
   limits.tighten({.max_torque_nm = 0.1});
   EXPECT_EQ(limits.current().max_torque_nm, 0.0);
   EXPECT_EQ(limits.current().max_force_n, 8.0);
-  EXPECT_EQ(limits.device().max_torque_nm, 0.5) << "what is out is released as fast as before";
+  EXPECT_EQ(limits.device().max_torque_nm, 0.5) << "what is still written is released as fast as before";
 }
 
 TEST(SafetyLimits, ADeviceTooSlowToReleaseGetsTheSlewThatReleases) {
-  DeviceLimits device = full();
+  DeviceLimits device = all_limits();
   device.max_slew_n_per_s = 1.0;
   device.max_torque_slew_nm_per_s = 0.0;
-  EXPECT_EQ(SafetyLimits(device).current().max_slew_n_per_s, 800.0);
-  EXPECT_EQ(SafetyLimits(device).current().max_torque_slew_nm_per_s, 50.0);
+  EXPECT_EQ(SafetyLimits(device).current().max_slew_n_per_s, 800.0) << "the largest force in 10 ms";
+  EXPECT_EQ(SafetyLimits(device).current().max_torque_slew_nm_per_s, 50.0) << "the largest torque in 10 ms";
 }
 
 TEST(SafetyLimits, AnAxisWithoutEndsHasNone) {
-  DeviceLimits device = full();
+  DeviceLimits device = all_limits();
   device.workspace_max_m = Vec3(-0.1, kNan, 0.1);
   const SafetyLimits limits(device);
   EXPECT_EQ(limits.current().workspace_max_m.x(), kInf);

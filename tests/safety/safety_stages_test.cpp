@@ -53,7 +53,7 @@ TEST(CommandFilter, TheFirstMayReplyToASampleAtTimeZero) {
   EXPECT_EQ(filter.take(command(1.0, 0), 0), Verdict::old);
 }
 
-TEST(CommandFilter, WhatIsNotFiniteEndsTheOneBefore) {
+TEST(CommandFilter, ACommandThatIsNotFiniteEndsTheOneBefore) {
   CommandFilter filter;
   ASSERT_EQ(filter.take(command(1.0, 10), 10), Verdict::accepted);
   EXPECT_EQ(filter.take(command(kNotANumber, 11), 11), Verdict::force_not_finite);
@@ -62,12 +62,12 @@ TEST(CommandFilter, WhatIsNotFiniteEndsTheOneBefore) {
   EXPECT_EQ(filter.take({{.torque_nm = {0, kNotANumber, 0}}, 13}, 13), Verdict::torque_not_finite);
   EXPECT_FALSE(filter.is_live());
   EXPECT_EQ(filter.take({{.force_n = {kNotANumber, 0, 0}, .torque_nm = {0, kNotANumber, 0}}, 13}, 13), Verdict::force_not_finite);
-  EXPECT_EQ(filter.take(command(1.0, 12), 14), Verdict::old) << "still";
+  EXPECT_EQ(filter.take(command(1.0, 12), 14), Verdict::old) << "sample 12 is still old";
 }
 
 TEST(CommandFilter, TimesOutOnceAfterEachCommand) {
   CommandFilter filter;
-  EXPECT_FALSE(filter.times_out(kCommandTimeoutNs)) << "there was none";
+  EXPECT_FALSE(filter.times_out(kCommandTimeoutNs)) << "there was no command";
   ASSERT_EQ(filter.take(command(1.0, 100), 105), Verdict::accepted);
   EXPECT_DOUBLE_EQ(filter.left_s(100), 0.02);
   EXPECT_NEAR(filter.left_s(100 + kCommandTimeoutNs / 4), 0.015, 1e-12);
@@ -82,41 +82,41 @@ TEST(CommandFilter, TimesOutOnceAfterEachCommand) {
 }
 
 TEST(DeadMansSwitch, WhatIsRequiredStaysRequired) {
-  DeadMansSwitch hold;
-  EXPECT_TRUE(hold.is_held({.buttons = 0, .is_held = true}));
-  EXPECT_FALSE(hold.is_held({.buttons = ~0U, .is_held = false}));
-  for (const int none : {-1, 0, 33}) hold.require_button(none);
-  EXPECT_EQ(hold.required_buttons(), 0U);
-  hold.require_button(1);
-  hold.require_button(32);
-  hold.require_button(1);
-  EXPECT_EQ(hold.required_buttons(), 0x80000001U);
-  EXPECT_FALSE(hold.is_held({.buttons = 1U, .is_held = true}));
-  EXPECT_FALSE(hold.is_held({.buttons = 0x80000000U, .is_held = true}));
-  EXPECT_TRUE(hold.is_held({.buttons = 0x80000101U, .is_held = true}));
+  DeadMansSwitch dead_mans_switch;
+  EXPECT_TRUE(dead_mans_switch.is_held({.buttons = 0, .is_held = true}));
+  EXPECT_FALSE(dead_mans_switch.is_held({.buttons = ~0U, .is_held = false}));
+  for (const int none : {-1, 0, 33}) dead_mans_switch.require_button(none);
+  EXPECT_EQ(dead_mans_switch.required_buttons(), 0U);
+  dead_mans_switch.require_button(1);
+  dead_mans_switch.require_button(32);
+  dead_mans_switch.require_button(1);
+  EXPECT_EQ(dead_mans_switch.required_buttons(), 0x80000001U);
+  EXPECT_FALSE(dead_mans_switch.is_held({.buttons = 1U, .is_held = true}));
+  EXPECT_FALSE(dead_mans_switch.is_held({.buttons = 0x80000000U, .is_held = true}));
+  EXPECT_TRUE(dead_mans_switch.is_held({.buttons = 0x80000101U, .is_held = true}));
 }
 
 TEST(FaultDebouncer, TripsAtTheFifthAndForgetsOneInTenthsOfASecond) {
-  constexpr std::int64_t kTenth = FaultDebouncer::kForgetNs;
+  constexpr std::int64_t kForgetNs = FaultDebouncer::kForgetNs;
   FaultDebouncer faults;
   for (int n = 1; n <= 4; ++n) EXPECT_FALSE(faults.note(5));
   EXPECT_TRUE(faults.note(5));
   EXPECT_TRUE(faults.note(6));
   faults.clear();
   for (int n = 1; n <= 4; ++n) EXPECT_FALSE(faults.note(7));
-  EXPECT_TRUE(faults.note(7 + kTenth - 1)) << "none is forgotten";
+  EXPECT_TRUE(faults.note(7 + kForgetNs - 1)) << "none is forgotten";
   faults.clear();
-  for (int n = 1; n <= 4; ++n) EXPECT_FALSE(faults.note(kTenth));
-  EXPECT_FALSE(faults.note(2 * kTenth)) << "one is";
-  EXPECT_TRUE(faults.note(3 * kTenth - 1)) << "its tenth counts from where the one before ended";
+  for (int n = 1; n <= 4; ++n) EXPECT_FALSE(faults.note(kForgetNs));
+  EXPECT_FALSE(faults.note(2 * kForgetNs)) << "one is forgotten";
+  EXPECT_TRUE(faults.note(3 * kForgetNs - 1)) << "its tenth counts from where the one before ended";
   faults.clear();
-  for (int n = 1; n <= 4; ++n) EXPECT_FALSE(faults.note(4 * kTenth));
-  EXPECT_FALSE(faults.note(8 * kTenth)) << "all four are, and this is the first";
-  for (int n = 2; n <= 4; ++n) EXPECT_FALSE(faults.note(8 * kTenth + 50));
-  EXPECT_TRUE(faults.note(9 * kTenth - 1));
+  for (int n = 1; n <= 4; ++n) EXPECT_FALSE(faults.note(4 * kForgetNs));
+  EXPECT_FALSE(faults.note(8 * kForgetNs)) << "all four are forgotten, and this is the first";
+  for (int n = 2; n <= 4; ++n) EXPECT_FALSE(faults.note(8 * kForgetNs + 50));
+  EXPECT_TRUE(faults.note(9 * kForgetNs - 1));
 }
 
-TEST(RampUp, GoesEvenlyToAllThereIs) {
+TEST(RampUp, RisesEvenlyToTheWholeForce) {
   RampUp ramp;
   ramp.begin(1000);
   EXPECT_EQ(ramp.share(1000), 0.0);
@@ -130,9 +130,9 @@ TEST(VectorLimit, ShortensOnlyWhatIsTooLong) {
   const Vec3 v(3.0, -4.0, 12.0);  // its length is 13
   EXPECT_EQ(shortened(v, 13.0), v);
   EXPECT_EQ(shortened(v, 14.0), v);
-  const Vec3 less = shortened(v, 6.5);
-  EXPECT_LE(less.norm(), 6.5);
-  EXPECT_NEAR((less - 0.5 * v).norm(), 0.0, 1e-10);
+  const Vec3 half = shortened(v, 6.5);
+  EXPECT_LE(half.norm(), 6.5);
+  EXPECT_NEAR((half - 0.5 * v).norm(), 0.0, 1e-10);
   EXPECT_EQ(shortened(v, 0.0), Vec3(Vec3::Zero()));
   EXPECT_EQ(shortened(Vec3::Zero(), 0.0), Vec3(Vec3::Zero()));
   const Vec3 huge = shortened(Vec3(3e250, -4e250, 0.0), 5.0);

@@ -27,7 +27,7 @@ TEST(SlewLimit, ReachesTheMagnitudeLimitFirst) {
   EXPECT_NEAR(slew.follow(Vec3(0, 3, 0), 1.0, {0.1, 1.5}).norm(), 1.5, 1e-9);
 }
 
-TEST(SlewLimit, NothingIsExactlyNothing) {
+TEST(SlewLimit, ZeroIsReachedExactly) {
   SlewLimit slew;
   slew.follow(Vec3(0.3, 0.1, -0.7), 10.0, {10.0, 10.0});
   for (int n = 0; n < 20; ++n) slew.follow(Vec3::Zero(), 0.0, {0.05, 0.05});
@@ -39,13 +39,13 @@ TEST(SlewLimit, KeepsLimitAndRatesForAnyGoal) {
   SlewLimit slew;
   for (int n = 0; n < 100'000; ++n) {
     const Vec3 before = slew.value();
-    const double ball = random.once_in(5) ? 0.0 : random.uniform(0.0, 8.0);
+    const double limit = random.once_in(5) ? 0.0 : random.uniform(0.0, 8.0);
     const SlewLimit::Rates rates{random.uniform(0.0, 1.0), random.uniform(1.0, 2.0)};
     const double size = random.once_in(10) ? 1e300 : 10.0;
-    const Vec3 after = slew.follow(random.vector(size), ball, rates);
+    const Vec3 after = slew.follow(random.vector(size), limit, rates);
     ASSERT_TRUE(after.allFinite());
     ASSERT_LE((after - before).norm(), rates.release + 1e-9);
-    ASSERT_LE(after.norm(), std::max(ball, before.norm() - rates.release) + 1e-9);
+    ASSERT_LE(after.norm(), std::max(limit, before.norm() - rates.release) + 1e-9);
     if ((after - before).norm() > rates.towards_goal + 1e-9) {
       ASSERT_LE(after.norm(), before.norm());
     }

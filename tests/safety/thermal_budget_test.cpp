@@ -46,12 +46,12 @@ TEST(ThermalBudget, TheForceLimitFallsFromThePeakToTheContinuousForce) {
 TEST(ThermalBudget, CountsNoMoreThanASecondOfAGap) {
   ThermalBudget budget(kLimits);
   budget.note_applied(Vec3(0, 0, 8), 3600.0);
-  ThermalBudget second(kLimits);
-  second.note_applied(Vec3(0, 0, 8), 1.0);
-  EXPECT_EQ(budget.load(kLimits), second.load(kLimits));
+  ThermalBudget after_a_second(kLimits);
+  after_a_second.note_applied(Vec3(0, 0, 8), 1.0);
+  EXPECT_EQ(budget.load(kLimits), after_a_second.load(kLimits));
 }
 
-TEST(ThermalBudget, ADeviceThatBearsEverythingHasNone) {
+TEST(ThermalBudget, ADeviceThatBearsEverythingHasNoThermalLimit) {
   for (const DeviceLimits& limits : {DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 1.0, .continuous_force_n = 8.0, .peak_s = 5.0},
                                      DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 1.0, .continuous_force_n = 2.0, .peak_s = 0.0}}) {
     ThermalBudget budget(limits);
