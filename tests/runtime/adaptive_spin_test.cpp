@@ -20,14 +20,14 @@ TEST(AdaptiveSpin, TheMarginSettlesWhereOneWakeUpInAHundredIsLater) {
   std::mt19937_64 random(7);
   std::exponential_distribution<double> lateness(1.0 / 20'000.0);
   AdaptiveSpin spin(0.5);
-  int later = 0;
+  int later_count = 0;
   constexpr int kWakeUps = 100'000;
   for (int n = 0; n < 2 * kWakeUps; ++n) {
     const auto late_ns = static_cast<std::int64_t>(lateness(random));
-    later += n >= kWakeUps && late_ns > spin.margin_ns(kPeriodNs) ? 1 : 0;
+    later_count += n >= kWakeUps && late_ns > spin.margin_ns(kPeriodNs) ? 1 : 0;
     spin.note_wake_up(late_ns);
   }
-  EXPECT_NEAR(static_cast<double>(later) / kWakeUps, 0.01, 0.002);
+  EXPECT_NEAR(static_cast<double>(later_count) / kWakeUps, 0.01, 0.002);
   EXPECT_NEAR(static_cast<double>(spin.margin_ns(kPeriodNs)), 20'000.0 * std::log(100.0), 30'000.0);
 }
 

@@ -66,7 +66,7 @@ TEST_F(AtomicFileTest, AFullDiskLeavesTheOldFile) {
 
 // This holds whatever the umask of the process is, and whatever permissions the file had before.
 TEST_F(AtomicFileTest, WhatIsTheOwnersIsReadableByNobodyElse) {
-  const auto others_of = [&](const std::filesystem::path& path) {
+  const auto permissions_of_others = [&](const std::filesystem::path& path) {
     return std::filesystem::status(path).permissions() & (std::filesystem::perms::group_all | std::filesystem::perms::others_all);
   };
   std::ofstream(folder_ / "old") << "text";
@@ -78,9 +78,9 @@ TEST_F(AtomicFileTest, WhatIsTheOwnersIsReadableByNobodyElse) {
   ::umask(before);
   ASSERT_TRUE(is_written && old != nullptr);
   std::fclose(old);
-  EXPECT_EQ(others_of(folder_ / "key"), std::filesystem::perms::none);
-  EXPECT_EQ(others_of(folder_ / "old"), std::filesystem::perms::none);
-  EXPECT_NE(others_of(folder_ / "report"), std::filesystem::perms::none);
+  EXPECT_EQ(permissions_of_others(folder_ / "key"), std::filesystem::perms::none);
+  EXPECT_EQ(permissions_of_others(folder_ / "old"), std::filesystem::perms::none);
+  EXPECT_NE(permissions_of_others(folder_ / "report"), std::filesystem::perms::none);
 }
 
 TEST_F(AtomicFileTest, IsClosedAgain) {

@@ -68,21 +68,21 @@ TEST(ByteRing, EveryRecordArrivesInOrderOrIsCountedAsDropped) {
       ring.push(std::as_bytes(std::span(&n, 1)), bytes_of(padding));
     }
   });
-  std::uint64_t seen = 0;
+  std::uint64_t record_count = 0;
   std::uint64_t last = 0;
   bool in_order = true;
   const auto visit = [&](std::span<const std::byte> record) {
     std::uint64_t n = 0;
     std::memcpy(&n, record.data(), sizeof n);
-    in_order = in_order && (seen == 0 || n > last) && record.size() == sizeof n + n % 37;
+    in_order = in_order && (record_count == 0 || n > last) && record.size() == sizeof n + n % 37;
     last = n;
-    ++seen;
+    ++record_count;
   };
-  while (seen + ring.dropped() < kRecords) ring.drain(visit);
+  while (record_count + ring.dropped() < kRecords) ring.drain(visit);
   writer.join();
   ring.drain(visit);
   EXPECT_TRUE(in_order);
-  EXPECT_EQ(seen + ring.dropped(), kRecords);
+  EXPECT_EQ(record_count + ring.dropped(), kRecords);
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ class ConfigTest : public testing::Test {
   }
   ~ConfigTest() override { std::filesystem::remove(path_); }
 
-  std::string file(const std::string& text) {
+  // Writes a configuration file with this text; returns its path.
+  std::string config_file(const std::string& text) {
     std::ofstream(path_) << text;
     return path_.string();
   }
@@ -65,14 +66,14 @@ class ConfigTest : public testing::Test {
   std::string error_;
 };
 
-TEST_F(ConfigTest, WithoutAFileTheCommandLineAlone) {
+TEST_F(ConfigTest, WithoutAFileTheCommandLineAloneCounts) {
   EXPECT_EQ(parse({"--rate", "500", "--headless"}), -1);
   EXPECT_EQ(rate_, 500.0);
   EXPECT_TRUE(headless_);
 }
 
 TEST_F(ConfigTest, ReadsEveryKindOfValue) {
-  EXPECT_EQ(parse({"--config", file("rate = 2500.5\nname = \"a b = c\"\ngains = [1, -2.5, 3]\nheadless = true\ncount = -7\n")}), -1)
+  EXPECT_EQ(parse({"--config", config_file("rate = 2500.5\nname = \"a b = c\"\ngains = [1, -2.5, 3]\nheadless = true\ncount = -7\n")}), -1)
       << error_;
   EXPECT_EQ(rate_, 2500.5);
   EXPECT_EQ(name_, "a b = c");
@@ -83,17 +84,17 @@ TEST_F(ConfigTest, ReadsEveryKindOfValue) {
 
 TEST_F(ConfigTest, FalseLeavesAFlagOff) {
   headless_ = true;
-  EXPECT_EQ(parse({"--config=" + file("headless = false\n")}), -1) << error_;
+  EXPECT_EQ(parse({"--config=" + config_file("headless = false\n")}), -1) << error_;
   EXPECT_FALSE(headless_);
 }
 
 TEST_F(ConfigTest, AnEmptyTextIsAValue) {
-  EXPECT_EQ(parse({"--config", file("name = \"\"\n")}), -1) << error_;
+  EXPECT_EQ(parse({"--config", config_file("name = \"\"\n")}), -1) << error_;
   EXPECT_EQ(name_, "");
 }
 
 TEST_F(ConfigTest, TheCommandLineWins) {
-  const std::string config = file("rate = 2000\nname = \"file\"\ngains = [1]\n");
+  const std::string config = config_file("rate = 2000\nname = \"file\"\ngains = [1]\n");
   EXPECT_EQ(parse({"-r", "3000", "--config", config, "--name=line"}), -1) << error_;
   EXPECT_EQ(rate_, 3000.0);
   EXPECT_EQ(name_, "line");
@@ -101,7 +102,7 @@ TEST_F(ConfigTest, TheCommandLineWins) {
 }
 
 TEST_F(ConfigTest, NamesAnUnknownKeyWithFileAndLine) {
-  EXPECT_EQ(parse({"--config", file("rate = 2000\n\nraet = 1\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("rate = 2000\n\nraet = 1\n")}), 2);
   expect_one_error(path_.string() + ":3: unknown key 'raet'; did you mean 'rate'?");
 }
 
@@ -125,38 +126,38 @@ TEST_F(ConfigTest, NamesTheFlagOfACommandThatWasMeant) {
 }
 
 TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {
-  EXPECT_EQ(parse({"--config", file("rate = 2000\nname = \"open\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("rate = 2000\nname = \"open\n")}), 2);
   expect_one_error(path_.string() + ":2: ");
 }
 
 TEST_F(ConfigTest, RejectsSectionsAndDates) {
-  EXPECT_EQ(parse({"--config", file("[rate]\nvalue = 3\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("[rate]\nvalue = 3\n")}), 2);
   expect_one_error(":1: 'rate' is not a text, number, true or false");
-  EXPECT_EQ(parse({"--config", file("rate = 2020-01-01\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("rate = 2020-01-01\n")}), 2);
   expect_one_error(":1: 'rate' is not a text");
-  EXPECT_EQ(parse({"--config", file("gains = [1, [2]]\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("gains = [1, [2]]\n")}), 2);
   expect_one_error("an element of 'gains'");
 }
 
 // An empty list once counted as the flag without a value.
 TEST_F(ConfigTest, AnEmptyListSwitchesNothingOn) {
-  EXPECT_EQ(parse({"--config", file("rate = 2000\nheadless = []\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("rate = 2000\nheadless = []\n")}), 2);
   expect_one_error(path_.string() + ":2: 'headless' is an empty list");
   EXPECT_FALSE(headless_);
-  EXPECT_EQ(parse({"--config", file("gains = []\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("gains = []\n")}), 2);
   expect_one_error(path_.string() + ":1: 'gains' is an empty list");
-  EXPECT_EQ(parse({"--headless", "--config", file("headless = []\n")}), -1) << "the command line wins";
+  EXPECT_EQ(parse({"--headless", "--config", config_file("headless = []\n")}), -1) << "the command line wins";
 }
 
 TEST_F(ConfigTest, AFileMayNotNameAnother) {
-  EXPECT_EQ(parse({"--config", file("config = \"x\"\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("config = \"x\"\n")}), 2);
   expect_one_error("unknown key 'config'");
 }
 
 TEST_F(ConfigTest, WhatFollowsTheEndOfTheFlagsIsNoFlag) {
   std::vector<std::string> files;
   app_.add_option("files", files);
-  EXPECT_EQ(parse({"--config", file("rate = 2000\n"), "--", "--config", "none.toml"}), -1) << error_;
+  EXPECT_EQ(parse({"--config", config_file("rate = 2000\n"), "--", "--config", "none.toml"}), -1) << error_;
   EXPECT_EQ(rate_, 2000.0);
   EXPECT_EQ(files, (std::vector<std::string>{"--config", "none.toml"}));
 }
@@ -177,10 +178,10 @@ TEST_F(ConfigTest, AnEmptyNameOfTheFileIsAnError) {
 }
 
 TEST_F(ConfigTest, ABadValueOfTheFileNamesTheFile) {
-  EXPECT_EQ(parse({"--config", file("rate = 5\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("rate = 5\n")}), 2);
   expect_one_error("--rate");
   EXPECT_THAT(error_, HasSubstr("(from " + path_.string() + ")"));
-  EXPECT_EQ(parse({"--config", file("count = \"many\"\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("count = \"many\"\n")}), 2);
   expect_one_error("--count");
 }
 
@@ -213,7 +214,7 @@ TEST_F(ConfigTest, VersionIsOneLineOnStdoutAndNoKeyOfAFile) {
   EXPECT_EQ(parse({"--version"}), 0);
   EXPECT_THAT(output_, testing::MatchesRegex("io_node [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   EXPECT_EQ(error_, "");
-  EXPECT_EQ(parse({"--config", file("version = true\n")}), 2);
+  EXPECT_EQ(parse({"--config", config_file("version = true\n")}), 2);
   expect_one_error("unknown key 'version'");
 }
 

@@ -11,18 +11,20 @@
 namespace hapton {
 namespace {
 
+constexpr int kSchedDeadline = 6;  // SCHED_DEADLINE of the kernel
+
 TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
   std::thread([] {
     const int before = ::sched_getscheduler(0);
     const bool is_granted = enter_deadline(kMs / 10, kMs);
-    EXPECT_EQ(::sched_getscheduler(0) & 0xFF, is_granted ? 6 : before);
+    EXPECT_EQ(::sched_getscheduler(0) & 0xFF, is_granted ? kSchedDeadline : before);
     // The thread sleeps and wakes like any other.
     SteadyClock clock;
     const std::int64_t due_ns = clock.now_ns() + 5 * kMs;
     clock.sleep_until_ns(due_ns);
     EXPECT_GE(clock.now_ns(), due_ns);
   }).join();
-  EXPECT_NE(::sched_getscheduler(0) & 0xFF, 6) << "the caller's alone";
+  EXPECT_NE(::sched_getscheduler(0) & 0xFF, kSchedDeadline) << "only the policy of the calling thread changes";
 }
 
 TEST(DeadlineThread, ImpossibleValuesAreRejected) {

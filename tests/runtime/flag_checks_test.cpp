@@ -66,13 +66,13 @@ TEST(FlagChecks, TakeFoldersAndFilesThatCanBeWritten) {
   EXPECT_FALSE(std::filesystem::exists(scratch.path() / "deep")) << "a check makes nothing";
 }
 
-TEST(FlagChecks, AcceptsWhatAParserTakesAndSaysWhatItSays) {
-  const CLI::Validator even = accepts([](const std::string& text) -> Result<int> {
+TEST(FlagChecks, AcceptsWhatAParserAcceptsAndGivesItsError) {
+  const CLI::Validator only_two = accepts([](const std::string& text) -> Result<int> {
     if (text == "2") return 2;
     return fail("'{}' is not two", text);
   });
-  EXPECT_EQ(rejection(even, "2"), "");
-  EXPECT_EQ(rejection(even, "3"), "'3' is not two");
+  EXPECT_EQ(rejection(only_two, "2"), "");
+  EXPECT_EQ(rejection(only_two, "3"), "'3' is not two");
 }
 
 TEST(FlagChecks, HelpShowsThemInAWord) {

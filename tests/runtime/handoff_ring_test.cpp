@@ -40,15 +40,15 @@ TEST(HandoffRingTest, TwoThreadsLoseAndDoubleNothing) {
   writer.join();
 }
 
-struct Secretive {
+struct SecretItem {
   std::uint64_t value = 0;
   const void* at = nullptr;
 };
 
 TEST(HandoffRingTest, NothingStaysBehindInASlot) {
-  HandoffRing<Secretive, 2> ring;
+  HandoffRing<SecretItem, 2> ring;
   ring.push({0x1122334455667788U, nullptr});
-  Secretive item;
+  SecretItem item;
   ring.pop(item);
   EXPECT_EQ(item.value, 0x1122334455667788U);
   const auto* words = reinterpret_cast<const std::uint64_t*>(&ring);

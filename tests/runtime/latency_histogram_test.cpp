@@ -90,26 +90,26 @@ TEST(LatencyHistogramTest, ValuesOutsideTheRangeCountAtItsEnds) {
 
 TEST(LatencyHistogramTest, MergingEqualsRecordingTogether) {
   std::mt19937_64 random(1);
-  LatencyHistogram a;
-  LatencyHistogram b;
+  LatencyHistogram first;
+  LatencyHistogram second;
   LatencyHistogram both;
   for (int i = 0; i < 1000; ++i) {
     const auto value = static_cast<std::int64_t>(random() % 1'000'000);
-    (i % 3 == 0 ? a : b).record(value);
+    (i % 3 == 0 ? first : second).record(value);
     both.record(value);
   }
-  a.merge(b);
-  EXPECT_EQ(a.count(), both.count());
-  EXPECT_EQ(a.max_ns(), both.max_ns());
-  EXPECT_EQ(a.min_ns(), both.min_ns());
-  EXPECT_DOUBLE_EQ(a.mean_ns(), both.mean_ns());
+  first.merge(second);
+  EXPECT_EQ(first.count(), both.count());
+  EXPECT_EQ(first.max_ns(), both.max_ns());
+  EXPECT_EQ(first.min_ns(), both.min_ns());
+  EXPECT_DOUBLE_EQ(first.mean_ns(), both.mean_ns());
   for (const double fraction : {0.1, 0.5, 0.99}) {
-    EXPECT_EQ(a.quantile_ns(fraction), both.quantile_ns(fraction));
+    EXPECT_EQ(first.quantile_ns(fraction), both.quantile_ns(fraction));
   }
-  a.merge(LatencyHistogram());
-  EXPECT_EQ(a.min_ns(), both.min_ns());
-  a.clear();
-  EXPECT_EQ(a.count(), 0U);
+  first.merge(LatencyHistogram());
+  EXPECT_EQ(first.min_ns(), both.min_ns());
+  first.clear();
+  EXPECT_EQ(first.count(), 0U);
 }
 
 TEST(LatencyHistogramTest, VisitsBucketsInOrderWithTheirValues) {

@@ -6,10 +6,10 @@
 namespace hapton {
 namespace {
 
-std::string lines_of(LogLevel lowest, void (*speak)()) {
+std::string lines_of(LogLevel lowest, void (*write_lines)()) {
   testing::internal::CaptureStderr();
   start_log("io_node", lowest);
-  speak();
+  write_lines();
   return testing::internal::GetCapturedStderr();
 }
 

@@ -100,8 +100,8 @@ TEST(PartFile, LeavesNothingIfItIsNotKept) {
     std::fputs("new", moved.get());
     EXPECT_EQ(count_files(scratch), 2);
     if (is_closed) {
-      PartFile again = PartFile(PartFile::open(scratch.path() / "b.csv").value());
-      EXPECT_TRUE(again.close());
+      PartFile closed_only = PartFile(PartFile::open(scratch.path() / "b.csv").value());
+      EXPECT_TRUE(closed_only.close());
     }
   }
   EXPECT_EQ(text_of(path), "old");
@@ -109,7 +109,7 @@ TEST(PartFile, LeavesNothingIfItIsNotKept) {
 }
 
 // A full disk shows when a buffer is written, or only at the end.
-TEST(PartFile, WhatCannotBeWrittenToItsEndIsOneLineAndLeavesTheFileOfBefore) {
+TEST(PartFile, AFailedWriteIsReportedInOneLineAndLeavesTheEarlierFile) {
   const ScratchFolder scratch;
   const auto path = scratch.write("a.csv", "old");
   for (const std::size_t bytes : {std::size_t{200}, std::size_t{100'000}}) {
@@ -173,7 +173,7 @@ TEST(PartFile, StandardOutputIsWrittenItself) {
   for (const int each : {output, file}) ::close(each);
 }
 
-TEST(PartFile, AFolderOfThatNameIsOneLine) {
+TEST(PartFile, AFolderOfThatNameIsReportedInOneLine) {
   const ScratchFolder scratch;
   std::filesystem::create_directories(scratch.path() / "a.csv" / "in it");
   auto file = PartFile::open(scratch.path() / "a.csv");

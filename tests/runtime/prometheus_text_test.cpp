@@ -28,12 +28,12 @@ LatencyReport prometheus_sample_report() {
 std::map<std::string, double> parse(const std::string& text) {
   static const std::regex kSample(R"re(^([a-zA-Z_:][a-zA-Z0-9_:]*(\{([a-zA-Z_][a-zA-Z0-9_]*="([^"\\]|\\.)*",?)*\})?) ([-+0-9.eE]+)$)re");
   std::map<std::string, double> samples;
-  std::set<std::string> typed;
+  std::set<std::string> type_lines;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     std::smatch match;
     if (line.starts_with("# TYPE ")) {
-      EXPECT_TRUE(typed.insert(line).second) << "twice: " << line;
+      EXPECT_TRUE(type_lines.insert(line).second) << "twice: " << line;
     } else if (!line.starts_with("# HELP ")) {
       EXPECT_TRUE(std::regex_match(line, match, kSample)) << line;
       if (match.empty()) continue;
@@ -80,15 +80,15 @@ TEST(PrometheusTextTest, AHistogramCountsWhatIsWithinEachBound) {
 }
 
 // Checks the rules of `promtool check metrics`.
-TEST(PrometheusTextTest, EachMetricIsTypedAndNamedAsPrometheusWants) {
+TEST(PrometheusTextTest, EachMetricIsTypedAndNamedAsPrometheusRequires) {
   std::istringstream lines(to_prometheus(prometheus_sample_report()));
   std::map<std::string, std::string> types;
-  std::set<std::string> helped;
+  std::set<std::string> names_with_help;
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string hash, word, name, type;
     words >> hash >> word >> name >> type;
-    if (line.starts_with("# HELP ")) helped.insert(name);
+    if (line.starts_with("# HELP ")) names_with_help.insert(name);
     if (line.starts_with("# TYPE ")) types[name] = type;
     if (line.starts_with("#")) continue;
     std::string sample = line.substr(0, line.find_first_of("{ "));
@@ -96,7 +96,7 @@ TEST(PrometheusTextTest, EachMetricIsTypedAndNamedAsPrometheusWants) {
       const std::string base = sample.substr(0, sample.size() - std::min(sample.size(), std::string(suffix).size()));
       if (sample.ends_with(suffix) && types.contains(base) && types.at(base) == "histogram") sample = base;
     }
-    ASSERT_TRUE(types.contains(sample) && helped.contains(sample)) << line;
+    ASSERT_TRUE(types.contains(sample) && names_with_help.contains(sample)) << line;
     EXPECT_EQ(sample.ends_with("_total"), types.at(sample) == "counter") << line;
     for (const char* unit : {"_us", "_ms", "_ns", "_us_total", "_ms_total", "_ns_total", "_gauge", "_counter", "_histogram"})
       EXPECT_FALSE(sample.ends_with(unit)) << line;

@@ -79,29 +79,31 @@ TEST(RealtimeTest, TheReportIsTrue) {
 
 TEST(RealtimeTest, ADenialIsReportedWithItsRemedyAndOnlyRequireFails) {
   constexpr int kNoSuchCpu = 1000;
-  const Outcome tried = enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
-  ASSERT_TRUE(*tried.report);
-  const RealtimeItem* item = find_item(**tried.report, "CPU");
+  const Outcome attempt_outcome =
+      enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
+  ASSERT_TRUE(*attempt_outcome.report);
+  const RealtimeItem* item = find_item(**attempt_outcome.report, "CPU");
   ASSERT_NE(item, nullptr);
   EXPECT_FALSE(item->obtained);
-  EXPECT_THAT((*tried.report)->to_text(), HasSubstr("CPU 1000: denied ("));
-  EXPECT_FALSE((*tried.report)->complete());
-  const auto lines = (*tried.report)->to_lines();
+  EXPECT_THAT((*attempt_outcome.report)->to_text(), HasSubstr("CPU 1000: denied ("));
+  EXPECT_FALSE((*attempt_outcome.report)->complete());
+  const auto lines = (*attempt_outcome.report)->to_lines();
   ASSERT_GE(lines.size(), 2U);
   EXPECT_THAT(lines[0], HasSubstr("CPU 1000: denied"));
   EXPECT_THAT(lines[1], HasSubstr("not granted: CPU 1000 ("));
   EXPECT_THAT(lines[1], HasSubstr(item->remedy));
 
-  const Outcome required = enter_in_a_thread({.mode = RealtimeMode::require, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
-  ASSERT_FALSE(*required.report);
-  EXPECT_THAT(required.report->error().what, HasSubstr("not granted: CPU 1000"));
-  EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
+  const Outcome require_outcome =
+      enter_in_a_thread({.mode = RealtimeMode::require, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
+  ASSERT_FALSE(*require_outcome.report);
+  EXPECT_THAT(require_outcome.report->error().what, HasSubstr("not granted: CPU 1000"));
+  EXPECT_EQ(require_outcome.report->error().what.find('\n'), std::string::npos);
 }
 
-// The reason is that of the call that failed, not of one after it.
-TEST(RealtimeTest, WhoMayNotOpenTheWakeUpLatencyIsToldSo) {
+// The reason is the error of the call that failed, not of a later call.
+TEST(RealtimeTest, ADeniedWakeUpLatencyIsReportedWithItsOwnReason) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // this process may have opened the file already
-  const auto say_why = [] {
+  const auto check_reason = [] {
     constexpr uid_t kNobody = 65534;
     if (geteuid() == 0 && setuid(kNobody) != 0) std::_Exit(2);
     const int file = open("/dev/cpu_dma_latency", O_RDWR | O_CLOEXEC);
@@ -111,27 +113,27 @@ TEST(RealtimeTest, WhoMayNotOpenTheWakeUpLatencyIsToldSo) {
     const RealtimeItem* item = report ? find_item(*report, "wake-up latency") : nullptr;
     std::_Exit(item != nullptr && !item->obtained && item->reason.find(expected) != std::string::npos ? 0 : 1);
   };
-  EXPECT_EXIT(say_why(), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(check_reason(), testing::ExitedWithCode(0), "");
 }
 
 // Under a finite limit, memory that is taken later is not locked: taking it would fail.
 TEST(RealtimeTest, WhoMayLockWithoutALimitLocksAllMemory) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  const auto lock_under = [](rlim_t most_bytes) {
+  const auto lock_under = [](rlim_t limit_bytes) {
     constexpr uid_t kNobody = 65534;
-    const rlimit limit = {.rlim_cur = most_bytes, .rlim_max = most_bytes};
+    const rlimit limit = {.rlim_cur = limit_bytes, .rlim_max = limit_bytes};
     // Only a privileged user may remove a limit.
-    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0) std::_Exit(most_bytes == RLIM_INFINITY ? 0 : 2);
+    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0) std::_Exit(limit_bytes == RLIM_INFINITY ? 0 : 2);
     if (geteuid() == 0 && setuid(kNobody) != 0) std::_Exit(2);
     const auto report = enter_realtime({.mode = RealtimeMode::attempt, .priority = 0, .low_dma_latency = false});
     const RealtimeItem* item = report ? find_item(*report, "memory lock") : nullptr;
-    std::_Exit(item != nullptr && item->requested == (most_bytes == RLIM_INFINITY ? "all" : "present") ? 0 : 1);
+    std::_Exit(item != nullptr && item->requested == (limit_bytes == RLIM_INFINITY ? "all" : "present") ? 0 : 1);
   };
   EXPECT_EXIT(lock_under(1 << 16), testing::ExitedWithCode(0), "");
   EXPECT_EXIT(lock_under(RLIM_INFINITY), testing::ExitedWithCode(0), "");
 }
 
-TEST(RealtimeTest, TheShareOfRealTimeThreadsIsSaidInPercent) {
+TEST(RealtimeTest, TheShareOfRealTimeThreadsIsReportedInPercent) {
   RealtimeReport report;
   report.items.push_back({.name = "priority", .requested = "SCHED_FIFO 80", .obtained = true, .reason = {}, .remedy = {}});
   EXPECT_EQ(report.to_text().find("the kernel allows"), std::string::npos);

@@ -77,12 +77,12 @@ TEST_F(ServiceNotifyTest, AnAbstractSocketIsNotifiedAndTheSenderClosed) {
     std::array<char, 64> received = {};
     EXPECT_EQ(::recv(manager, received.data(), received.size(), MSG_DONTWAIT), 10);
   };
-  EXPECT_FALSE(leaves_files_open(send_and_receive)) << "it beats for as long as the node runs";
+  EXPECT_FALSE(leaves_files_open(send_and_receive)) << "it is sent for as long as the node runs";
   ::close(manager);
 }
 
 // sockaddr_un has 108 bytes, of which the last ends the name.
-TEST_F(ServiceNotifyTest, ANameThatDoesNotFitIsNone) {
+TEST_F(ServiceNotifyTest, ANameThatDoesNotFitMeansNoManager) {
   const std::string begin = folder.path().string() + "/";
   ASSERT_LT(begin.size(), 107U);
   const std::string longest = begin + std::string(107 - begin.size(), 'n');
@@ -94,18 +94,18 @@ TEST_F(ServiceNotifyTest, ANameThatDoesNotFitIsNone) {
 }
 
 // The kernel keeps a few messages for a manager that hangs; the sender of one more would wait for the manager.
-TEST_F(ServiceNotifyTest, AManagerThatTakesNoMessagesHoldsNobodyUp) {
+TEST_F(ServiceNotifyTest, AManagerThatReadsNoMessagesDelaysNoSender) {
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un at = {};
   ASSERT_TRUE(listen_as_manager(manager, at));
   // Each message comes from a socket of its own: a single socket would reach its own limit first.
-  const auto is_taken = [&] {
+  const auto send_from_new_socket = [&] {
     const int other = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const bool is_sent = ::sendto(other, "x", 1, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 1;
     ::close(other);
     return is_sent;
   };
-  while (is_taken()) {
+  while (send_from_new_socket()) {
   }
   std::atomic<bool> has_returned = false;
   bool is_sent = true;
@@ -121,7 +121,7 @@ TEST_F(ServiceNotifyTest, AManagerThatTakesNoMessagesHoldsNobodyUp) {
   sender.join();
   EXPECT_FALSE(is_sent);
   EXPECT_TRUE(ServiceNotify().send("WATCHDOG=1")) << "the next one goes out again";
-  EXPECT_EQ(take(), 10);
+  EXPECT_EQ(take(), 10) << "bytes of WATCHDOG=1";
   ::close(manager);
 }
 

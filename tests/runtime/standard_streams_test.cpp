@@ -45,8 +45,8 @@ TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
 
 // The disk is full for a while, and has room again when the rest is written. Exit code 7: the loss was noticed.
 [[noreturn]] void print_to_disk_that_was_full(const char* file) {
-  static char few[16];
-  if (std::freopen(file, "w", stdout) == nullptr || std::setvbuf(stdout, few, _IOFBF, sizeof few) != 0) _exit(1);
+  static char small_buffer[16];
+  if (std::freopen(file, "w", stdout) == nullptr || std::setvbuf(stdout, small_buffer, _IOFBF, sizeof small_buffer) != 0) _exit(1);
   {
     const FileSizeLimit full(4);
     for (int n = 0; n < 64; ++n) std::fputc('x', stdout);

@@ -15,14 +15,14 @@ struct StateFolders : testing::Test {
   StateFolders() {
     for (const char* name : {"STATE_DIRECTORY", "XDG_STATE_HOME", "HOME", "RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"}) {
       const char* value = std::getenv(name);
-      before[name] = value != nullptr ? std::optional<std::string>(value) : std::nullopt;
+      environment_before[name] = value != nullptr ? std::optional<std::string>(value) : std::nullopt;
       unsetenv(name);
     }
   }
   ~StateFolders() override {
-    for (const auto& [name, value] : before) value ? setenv(name.c_str(), value->c_str(), 1) : unsetenv(name.c_str());
+    for (const auto& [name, value] : environment_before) value ? setenv(name.c_str(), value->c_str(), 1) : unsetenv(name.c_str());
   }
-  std::map<std::string, std::optional<std::string>> before;
+  std::map<std::string, std::optional<std::string>> environment_before;
 };
 
 TEST_F(StateFolders, FollowTheVariablesInTheirOrder) {

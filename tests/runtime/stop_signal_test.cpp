@@ -28,26 +28,26 @@ TEST(StopSignalTest, EachUserSignalRequestsAReport) {
   EXPECT_FALSE(stop.stop_requested());
 }
 
-constexpr std::array<int, 3> kHandled = {SIGINT, SIGTERM, SIGUSR1};
-std::array<int, 3> handled = {};  // signals that came while there was no StopSignal
+constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGUSR1};
+std::array<int, 3> handled_counts = {};  // of kSignals, while there was no StopSignal
 
 // After a command that could be stopped, the handlers that a library set before it work again.
-TEST(StopSignalTest, WhatHandledASignalBeforeHandlesItAfterwards) {
+TEST(StopSignalTest, AnEarlierHandlerWorksAgainAfterwards) {
   std::array<struct sigaction, 3> before = {};
   struct sigaction own = {};
   own.sa_handler = [](int signal) {
-    for (std::size_t i = 0; i < kHandled.size(); ++i) handled[i] += signal == kHandled[i] ? 1 : 0;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) handled_counts[i] += signal == kSignals[i] ? 1 : 0;
   };
-  for (std::size_t i = 0; i < kHandled.size(); ++i) ASSERT_EQ(sigaction(kHandled[i], &own, &before[i]), 0);
-  handled = {};
+  for (std::size_t i = 0; i < kSignals.size(); ++i) ASSERT_EQ(sigaction(kSignals[i], &own, &before[i]), 0);
+  handled_counts = {};
   {
     const StopSignal stop;
     for (const int signal : {SIGINT, SIGUSR1}) std::raise(signal);
-    EXPECT_EQ(handled, (std::array<int, 3>{0, 0, 0}));
+    EXPECT_EQ(handled_counts, (std::array<int, 3>{0, 0, 0}));
   }
-  for (const int signal : kHandled) std::raise(signal);
-  EXPECT_EQ(handled, (std::array<int, 3>{1, 1, 1}));
-  for (std::size_t i = 0; i < kHandled.size(); ++i) ASSERT_EQ(sigaction(kHandled[i], &before[i], nullptr), 0);
+  for (const int signal : kSignals) std::raise(signal);
+  EXPECT_EQ(handled_counts, (std::array<int, 3>{1, 1, 1}));
+  for (std::size_t i = 0; i < kSignals.size(); ++i) ASSERT_EQ(sigaction(kSignals[i], &before[i], nullptr), 0);
 }
 
 TEST(StopSignalTest, ANewOneKnowsNothingOfTheLast) {
@@ -61,7 +61,7 @@ TEST(StopSignalTest, ANewOneKnowsNothingOfTheLast) {
   EXPECT_EQ(stop.report_requests(), 0U);
 }
 
-TEST(StopSignalTest, TheProgramMayRequestItself) {
+TEST(StopSignalTest, TheProgramMayRequestAStopItself) {
   StopSignal stop;
   stop.request_stop();
   EXPECT_TRUE(stop.stop_requested());

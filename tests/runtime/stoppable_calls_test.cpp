@@ -64,14 +64,14 @@ TEST(StoppableCalls, ACallAfterTheStopIsNotBegun) {
   StoppableCalls calls;
   calls.stop();
   std::promise<void> begun;
-  std::future<void> seen = begun.get_future();
+  std::future<void> begun_future = begun.get_future();
   EXPECT_FALSE(calls.call([begun = std::make_shared<std::promise<void>>(std::move(begun))] {
     begun->set_value();
     return 1;
   }));
   // The function was destroyed without having been called.
-  ASSERT_EQ(seen.wait_for(std::chrono::seconds(60)), std::future_status::ready);
-  EXPECT_THROW(seen.get(), std::future_error);
+  ASSERT_EQ(begun_future.wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  EXPECT_THROW(begun_future.get(), std::future_error);
 }
 
 }  // namespace

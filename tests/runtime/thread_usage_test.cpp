@@ -12,7 +12,7 @@ namespace {
 TEST(ThreadUsage, OfAThreadThatWorksGrows) {
   const auto before = read_thread_usage(current_thread_id());
   ASSERT_TRUE(before);
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   std::optional<ThreadUsage> after;
   do {
     std::atomic<int> work{0};
@@ -21,7 +21,7 @@ TEST(ThreadUsage, OfAThreadThatWorksGrows) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     after = read_thread_usage(current_thread_id());
     ASSERT_TRUE(after);
-  } while (after->run_s <= before->run_s && std::chrono::steady_clock::now() < give_up);
+  } while (after->run_s <= before->run_s && std::chrono::steady_clock::now() < deadline);
   EXPECT_GT(after->run_s, before->run_s);
   EXPECT_GT(after->voluntary_switches, before->voluntary_switches);
   EXPECT_GE(after->waited_s, before->waited_s);

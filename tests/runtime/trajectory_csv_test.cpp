@@ -70,14 +70,14 @@ TEST(TrajectoryCsv, QuotesNothingThatATerminalWouldObey) {
             "a.csv:2: '?[2J" + std::string(36, 'x') + "...' in column y_m is not a finite number; write one like 0.0125");
 }
 
-struct Bad {
+struct BadFile {
   const char* text;
   const char* place;
   const char* reason;
 };
 
 TEST(TrajectoryCsv, SaysWhatIsWrongAndWhere) {
-  const Bad cases[] = {
+  const BadFile cases[] = {
       {"", "a.csv:", "empty"},
       {"# only a comment\n", "a.csv:", "empty"},
       {"t_s,x_m,y_m,z_m\n", "a.csv:", "no rows"},
@@ -100,7 +100,7 @@ TEST(TrajectoryCsv, SaysWhatIsWrongAndWhere) {
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n", "a.csv:2:", "length"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1e300,1e300,0,0\n", "a.csv:2:", "length"},
   };
-  for (const Bad& bad : cases) {
+  for (const BadFile& bad : cases) {
     const auto rows = parse_trajectory_csv(bad.text, "a.csv");
     ASSERT_FALSE(rows) << bad.text;
     EXPECT_THAT(rows.error().what, HasSubstr(bad.place)) << bad.text;
@@ -141,10 +141,10 @@ TEST(TrajectoryCsv, PassesOverTheSampleNumberOfAnExport) {
   EXPECT_TRUE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,17\n", "t.csv"));
   EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3\n", "t.csv"));
   EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,x\n", "t.csv"));
-  const auto pressed = parse_trajectory_csv("t_s,x_m,y_m,z_m,buttons,sample\n0,1,2,3,5,17\n1,1,2,3,0,18\n", "t.csv");
-  ASSERT_TRUE(pressed) << pressed.error().what;
-  EXPECT_EQ(pressed->at(0).buttons, 5U);
-  EXPECT_EQ(pressed->at(1).buttons, 0U);
+  const auto with_buttons = parse_trajectory_csv("t_s,x_m,y_m,z_m,buttons,sample\n0,1,2,3,5,17\n1,1,2,3,0,18\n", "t.csv");
+  ASSERT_TRUE(with_buttons) << with_buttons.error().what;
+  EXPECT_EQ(with_buttons->at(0).buttons, 5U);
+  EXPECT_EQ(with_buttons->at(1).buttons, 0U);
   EXPECT_TRUE(parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons\n0,1,2,3,1,0,0,0,1\n", "t.csv"));
   for (const char* bad : {"-1", "1.5", "x", "", "4294967296"}) {
     EXPECT_FALSE(parse_trajectory_csv(std::string("t_s,x_m,y_m,z_m,buttons\n0,1,2,3,") + bad + "\n", "t.csv")) << bad;

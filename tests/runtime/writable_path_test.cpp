@@ -83,13 +83,13 @@ TEST(WritablePath, RejectsAFolderBehindABrokenLink) {
 // A file has a longer name until it is complete.
 TEST(WritablePath, RejectsANameThatDoesNotFit) {
   const ScratchFolder folder;
-  const auto most = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
-  ASSERT_LT(most, 4096U);
-  const std::size_t added = PartPath("a").part().string().size() - 1;
-  const auto longest = folder.path() / std::string(most - added, 'a');
+  const auto max_name_bytes = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
+  ASSERT_LT(max_name_bytes, 4096U);
+  const std::size_t suffix_bytes = PartPath("a").part().string().size() - 1;
+  const auto longest = folder.path() / std::string(max_name_bytes - suffix_bytes, 'a');
   EXPECT_EQ(error_of(check_writable_file(longest)), "");
   EXPECT_TRUE(write_file_atomically(longest, "x"));
-  const auto longer = folder.path() / std::string(most - added + 1, 'a');
+  const auto longer = folder.path() / std::string(max_name_bytes - suffix_bytes + 1, 'a');
   for (const bool is_there : {false, true}) {
     if (is_there) std::ofstream(longer) << "x";
     EXPECT_THAT(error_of(check_writable_file(longer)), HasSubstr("give a shorter one")) << is_there;
@@ -101,9 +101,9 @@ TEST(WritablePath, RejectsANameThatDoesNotFit) {
 
 TEST(WritablePath, RejectsAFolderWhoseNameDoesNotFit) {
   const ScratchFolder folder;
-  const auto most = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
-  ASSERT_LT(most, 4096U);
-  const std::string longest(most, 'a');
+  const auto max_name_bytes = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
+  ASSERT_LT(max_name_bytes, 4096U);
+  const std::string longest(max_name_bytes, 'a');
   EXPECT_EQ(error_of(check_writable_folder(folder.path() / longest)), "");
   EXPECT_EQ(error_of(check_writable_folder(folder.path() / longest / "b" / longest)), "");
   for (const auto& longer :
@@ -147,13 +147,13 @@ TEST(WritablePath, TwoNamesOfOneFileAreOneOutput) {
   EXPECT_TRUE(is_same_output(file, folder.path() / "b/.." / "." / "a.csv"));
   EXPECT_FALSE(is_same_output(file, folder.path() / "b.csv"));
   std::filesystem::create_symlink("a.csv", folder.path() / "link.csv");
-  EXPECT_TRUE(is_same_output(file, folder.path() / "link.csv")) << "leads to what will be there";
+  EXPECT_TRUE(is_same_output(file, folder.path() / "link.csv")) << "it leads to the file that will be there";
   folder.write("a.csv", "x");
   EXPECT_TRUE(is_same_output(file, folder.path() / "link.csv"));
   std::filesystem::create_directory_symlink(folder.path(), folder.path() / "here");
   EXPECT_TRUE(is_same_output(file, folder.path() / "here/a.csv"));
   EXPECT_TRUE(is_same_output("a.csv", std::filesystem::current_path() / "a.csv"));
-  EXPECT_FALSE(is_same_output("/dev/null", "/dev/null")) << "takes both";
+  EXPECT_FALSE(is_same_output("/dev/null", "/dev/null")) << "it can take both outputs";
   EXPECT_FALSE(is_same_output("", ""));
   EXPECT_EQ(error_of(check_different_outputs({{"--csv", file}, {"--plot", ""}, {"--out", folder.path() / "b.csv"}})), "");
   EXPECT_EQ(error_of(check_different_outputs({{"--csv", "a.csv"}, {"--plot", ""}, {"--out", "./a.csv"}})),
