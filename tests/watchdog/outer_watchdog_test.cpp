@@ -23,11 +23,11 @@ namespace {
 
 using Verdict = OuterWatchdog::Verdict;
 
-struct Watched : testing::Test {
+struct OuterWatchdogTest : testing::Test {
   // io_node in normal operation: a cycle and a new force each millisecond; the watchdog checks every 2 ms.
-  Verdict live(int looks) {
+  Verdict run_normally(int checks) {
     Verdict verdict = Verdict::fine;
-    for (int n = 0; n < looks; ++n) {
+    for (int n = 0; n < checks; ++n) {
       now_ns += OuterWatchdog::kCheckPeriodNs;
       page.heartbeat_ns = now_ns - kMs / 2;
       page.force_sample_ns = now_ns - kMs / 2;
@@ -49,10 +49,10 @@ struct Watched : testing::Test {
   std::int64_t now_ns = 1000 * kMs;
 };
 
-TEST_F(Watched, ALivingLoopIsLeftAlone) { EXPECT_EQ(live(10'000), Verdict::fine); }
+TEST_F(OuterWatchdogTest, ALivingLoopIsLeftAlone) { EXPECT_EQ(run_normally(10'000), Verdict::fine); }
 
-TEST_F(Watched, AFrozenLoopWithAForceOutIsNoticedWithin30Ms) {
-  live(100);
+TEST_F(OuterWatchdogTest, AFrozenLoopWithAForceOutIsNoticedWithin30Ms) {
+  run_normally(100);
   const double after_ms = noticed_after_ms(Verdict::frozen);
   EXPECT_GT(after_ms, 20.0);
   EXPECT_LE(after_ms, 30.0);
@@ -60,36 +60,36 @@ TEST_F(Watched, AFrozenLoopWithAForceOutIsNoticedWithin30Ms) {
 }
 
 // 21 ms without a cycle, or 30 ms with the force of one sample; then 4 ms more, as the machine may have stood still. To the nanosecond.
-TEST_F(Watched, EachLimitIsReachedAtItsOwnTime) {
+TEST_F(OuterWatchdogTest, EachLimitIsReachedAtItsOwnTime) {
   const std::int64_t grace_ns = 4 * kMs;
   for (const bool is_frozen : {true, false}) {
     const std::int64_t limit_ns = (is_frozen ? 21 : 30) * kMs;
     for (const std::int64_t early_ns : {0, 1}) {
-      live(2);
+      run_normally(2);
       const std::int64_t begin_ns = now_ns;
       page.heartbeat_ns = page.force_sample_ns = begin_ns;
-      const auto restart_if_dead = [&](std::int64_t after_ns) {
+      const auto check_after = [&](std::int64_t after_ns) {
         now_ns = begin_ns + after_ns;
         if (!is_frozen) page.heartbeat_ns = now_ns;
         return watchdog.check(page, false, now_ns);
       };
-      EXPECT_EQ(restart_if_dead(limit_ns - early_ns), Verdict::fine) << "it may be the whole machine";
+      EXPECT_EQ(check_after(limit_ns - early_ns), Verdict::fine) << "it may be the whole machine";
       const Verdict expected = early_ns > 0 ? Verdict::fine : is_frozen ? Verdict::frozen : Verdict::stale;
-      EXPECT_EQ(restart_if_dead(limit_ns - early_ns + grace_ns), expected) << is_frozen << early_ns;
+      EXPECT_EQ(check_after(limit_ns - early_ns + grace_ns), expected) << is_frozen << early_ns;
     }
   }
 }
 
-TEST_F(Watched, WithoutAForceThereIsNothingToTakeAway) {
-  live(100);
+TEST_F(OuterWatchdogTest, WithoutAForceThereIsNothingToTakeAway) {
+  run_normally(100);
   page.force_sample_ns = 0;
   EXPECT_LT(noticed_after_ms(Verdict::frozen), 0.0);
   EXPECT_EQ(watchdog.check(page, true, now_ns), Verdict::fine);
 }
 
 // The barrier against a device side that is alive, but holds a force because of a fault in its governor.
-TEST_F(Watched, ALoopThatHoldsAForceIsNoticed) {
-  live(100);
+TEST_F(OuterWatchdogTest, ALoopThatHoldsAForceIsNoticed) {
+  run_normally(100);
   const std::int64_t begin_ns = now_ns;
   Verdict verdict = Verdict::fine;
   while (verdict == Verdict::fine && now_ns - begin_ns < 200 * kMs) {
@@ -101,25 +101,25 @@ TEST_F(Watched, ALoopThatHoldsAForceIsNoticed) {
   EXPECT_LE(now_ns - begin_ns, 40 * kMs);
 }
 
-TEST_F(Watched, AProcessThatEndedWithAForceOutIsNoticedAtOnce) {
-  live(100);
+TEST_F(OuterWatchdogTest, AProcessThatEndedWithAForceOutIsNoticedAtOnce) {
+  run_normally(100);
   now_ns += 1;
   EXPECT_EQ(watchdog.check(page, true, now_ns), Verdict::gone);
 }
 
 // A suspended machine stops io_node and watchdog: io_node looks frozen at first, and gets the time to show that it is not.
-TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
-  live(100);
+TEST_F(OuterWatchdogTest, AMachineThatStoodStillIsNoFault) {
+  run_normally(100);
   now_ns += 5000 * kMs;
   EXPECT_EQ(watchdog.check(page, false, now_ns), Verdict::fine);
-  EXPECT_EQ(live(10), Verdict::fine);
+  EXPECT_EQ(run_normally(10), Verdict::fine);
 }
 
 // A watchdog that gets little CPU time checks rarely, and must still detect the stall.
-TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
-  live(100);
+TEST_F(OuterWatchdogTest, HoweverRareTheChecksAreTheSecondFailedOneTrips) {
+  run_normally(100);
   for (const std::int64_t every_ns : {5 * kMs, 9 * kMs, 40 * kMs, 400 * kMs}) {
-    live(100);
+    run_normally(100);
     Verdict verdict = Verdict::fine;
     now_ns += 25 * kMs;
     verdict = watchdog.check(page, false, now_ns);
@@ -129,12 +129,12 @@ TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
   }
 }
 
-TEST_F(Watched, OneBadLookIsNotEnough) {
-  live(100);
+TEST_F(OuterWatchdogTest, OneFailedCheckIsNotEnough) {
+  run_normally(100);
   page.heartbeat_ns = now_ns - 25 * kMs;
   now_ns += OuterWatchdog::kCheckPeriodNs;
   EXPECT_EQ(watchdog.check(page, false, now_ns), Verdict::fine);
-  EXPECT_EQ(live(1), Verdict::fine);
+  EXPECT_EQ(run_normally(1), Verdict::fine);
 }
 
 WatchedProcess& no_process() {
@@ -149,8 +149,8 @@ TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   const auto page = std::make_unique<HeartbeatPage>();
   ForceCutter cutter(*page, no_process());
   EXPECT_FALSE(cutter.cut()) << "nothing is known of the device yet";
-  const std::uint8_t off[] = {2, 0, 0, 7};
-  page->set_hid(path, off);
+  const std::uint8_t off_report[] = {2, 0, 0, 7};
+  page->set_hid(path, off_report);
   cutter.prepare();
   // The device's file can no longer be opened by its name, but the handle was opened before.
   std::filesystem::rename(path, path + ".gone");

@@ -44,7 +44,7 @@ struct WatchedNode : testing::Test {
     ASSERT_GE(node, 0);
     if (node > 0) return;
     ::alarm(120);  // ends this process if the test was ended
-    ::dup2(::open(said.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
+    ::dup2(::open(log_path.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
     WatchdogSupervisor watchdog;
     const bool is_started = watchdog.start(memory, std::filesystem::path(HAPTON_BIN_DIR) / "hapton_watchdog", 0).has_value();
     if (!is_started || !wait_until([&] { return memory.page().watchdog_beat_ns.load() != 0; })) ::_exit(1);
@@ -55,9 +55,9 @@ struct WatchedNode : testing::Test {
     for (;;) ::pause();
   }
   // Number of reports in the file. The watchdog's two threads both write from its beginning on, over each other's reports.
-  std::size_t reports() const { return std::filesystem::file_size(hidraw) / kOffReport.size(); }
-  std::size_t times_said(const std::string& words) const {
-    const std::string text = text_of(said);
+  std::size_t count_reports() const { return std::filesystem::file_size(hidraw) / kOffReport.size(); }
+  std::size_t times_logged(const std::string& words) const {
+    const std::string text = text_of(log_path);
     std::size_t times = 0;
     for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++times;
     return times;
@@ -65,7 +65,7 @@ struct WatchedNode : testing::Test {
 
   ScratchFolder folder;
   const std::string hidraw = (folder.path() / "hidraw").string();
-  const std::string said = (folder.path() / "said").string();
+  const std::string log_path = (folder.path() / "said").string();
   HeartbeatMemory memory;
   pid_t node = 0;
 };
@@ -73,19 +73,20 @@ struct WatchedNode : testing::Test {
 TEST_F(WatchedNode, WhileItHangsItsDeviceIsTurnedOffAgainAndAgain) {
   memory.page().set_hid(hidraw, kOffReport);
   run_node(false);
-  ASSERT_TRUE(wait_until([&] { return reports() >= 20 && times_said("io_node is frozen") > 0; })) << reports() << text_of(said);
+  ASSERT_TRUE(wait_until([&] { return count_reports() >= 20 && times_logged("io_node is frozen") > 0; }))
+      << count_reports() << text_of(log_path);
   EXPECT_EQ(text_of(hidraw).substr(0, 4), std::string({2, 0, 5, 7}));
   EXPECT_EQ(memory.page().cuts.load(), 1U);
   EXPECT_EQ(memory.page().is_cut.load(), 1U);
-  EXPECT_EQ(times_said("released the force (device off)"), 1U) << text_of(said);
+  EXPECT_EQ(times_logged("released the force (device off)"), 1U) << text_of(log_path);
 }
 
 // When io_node ended, one more force may have been on its way to the device.
 TEST_F(WatchedNode, WhenItHasEndedItsDeviceIsTurnedOffThreeTimes) {
   memory.page().set_hid(hidraw, kOffReport);
   run_node(true);
-  ASSERT_TRUE(wait_until([&] { return times_said("io_node has ended") > 0; })) << reports() << text_of(said);
-  EXPECT_GE(reports(), 3U);
+  ASSERT_TRUE(wait_until([&] { return times_logged("io_node has ended") > 0; })) << count_reports() << text_of(log_path);
+  EXPECT_GE(count_reports(), 3U);
   EXPECT_EQ(memory.page().cuts.load(), 1U);
 }
 
@@ -95,7 +96,7 @@ TEST_F(WatchedNode, WhenItHasEndedBeforeItsWatchdogBeginsTheDeviceIsTurnedOff) {
   const auto run_watchdog = [&] {
     const pid_t watchdog = ::fork();
     if (watchdog == 0) {
-      ::dup2(::open(said.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
+      ::dup2(::open(log_path.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
       ::dup2(memory.file(), kHeartbeatFile);
       ::fcntl(kHeartbeatFile, F_SETFD, 0);
       ::execl(HAPTON_BIN_DIR "/hapton_watchdog", "hapton_watchdog", "1", "0", nullptr);  // process 1 is not its parent
@@ -106,12 +107,12 @@ TEST_F(WatchedNode, WhenItHasEndedBeforeItsWatchdogBeginsTheDeviceIsTurnedOff) {
     return status;
   };
   EXPECT_EQ(run_watchdog(), 0);
-  EXPECT_EQ(reports(), 0U) << "no force";
+  EXPECT_EQ(count_reports(), 0U) << "no force";
   memory.page().force_sample_ns = 1;
   EXPECT_EQ(run_watchdog(), 0);
-  EXPECT_EQ(reports(), 3U);
+  EXPECT_EQ(count_reports(), 3U);
   EXPECT_EQ(memory.page().cuts.load(), 1U);
-  EXPECT_EQ(times_said("io_node has ended before it was watched"), 1U) << text_of(said);
+  EXPECT_EQ(times_logged("io_node has ended before it was watched"), 1U) << text_of(log_path);
 }
 
 TEST_F(WatchedNode, ThatHoldsAVendorsLibraryIsKilledWhenItHangs) {

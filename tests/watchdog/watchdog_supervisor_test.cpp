@@ -37,7 +37,7 @@ struct WatchdogProcessTest : testing::Test {
   WatchdogSupervisor watchdog;
 };
 
-TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
+TEST_F(WatchdogProcessTest, BeatsAndIsStartedAgainWhenItDied) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   EXPECT_FALSE(watchdog.restart_if_dead(clock.now_ns()));
@@ -62,7 +62,7 @@ TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// Hides the end of a process from its parent, like an uninterruptible sleep: a tracer is told of the end first, and does not wait for it.
+// Hides the end of a process from its parent, like an uninterruptible sleep: a tracer learns of the end first, and does not wait for it.
 class KeptProcess {
  public:
   explicit KeptProcess(pid_t process) {
@@ -99,7 +99,7 @@ class KeptProcess {
 TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   std::optional<Result<void>> restarted;
-  const auto is_tried = [&] {
+  const auto try_restart = [&] {
     restarted = watchdog.restart_if_dead(clock.now_ns());
     return restarted.has_value();
   };
@@ -107,7 +107,7 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
     const std::int64_t since_ns = clock.now_ns();
     EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > since_ns; }));
     ::kill(watchdog.id(), SIGSTOP);
-    EXPECT_EQ(::waitpid(watchdog.id(), nullptr, WUNTRACED), watchdog.id());  // before it is traced: a tracer would be told first
+    EXPECT_EQ(::waitpid(watchdog.id(), nullptr, WUNTRACED), watchdog.id());  // before it is traced: a tracer would learn of it first
     return watchdog.id();
   };
   const pid_t first = stall();
@@ -116,19 +116,19 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
     ::kill(first, SIGKILL);
     GTEST_SKIP() << "here a process may not trace another one";
   }
-  ASSERT_TRUE(wait_until(is_tried));
+  ASSERT_TRUE(wait_until(try_restart));
   EXPECT_TRUE(restarted->has_value());
   EXPECT_EQ(::kill(first, 0), 0) << "it is there still, and nobody waited for it";
   const pid_t second = stall();
   EXPECT_NE(second, first);
   KeptProcess kept_second(second);
-  ASSERT_TRUE(wait_until(is_tried));
-  ASSERT_FALSE(restarted->has_value()) << "there would be more and more";
+  ASSERT_TRUE(wait_until(try_restart));
+  ASSERT_FALSE(restarted->has_value()) << "otherwise more and more processes would remain";
   EXPECT_NE(restarted->error().what.find("does not let"), std::string::npos) << restarted->error().what;
   EXPECT_EQ(watchdog.id(), second);
   kept_first.release();
   kept_second.release();
-  ASSERT_TRUE(wait_until([&] { return is_tried() && restarted->has_value(); }));
+  ASSERT_TRUE(wait_until([&] { return try_restart() && restarted->has_value(); }));
   EXPECT_EQ(watchdog.restarts(), 2U);
   for (const pid_t before : {first, second}) EXPECT_EQ(::kill(before, 0), -1) << "it is gone, and no zombie";
   ::kill(watchdog.id(), SIGKILL);
@@ -179,11 +179,11 @@ TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   EXPECT_EQ(::getpgid(watchdog.id()), watchdog.id());
-  const auto held = [&](int file) {
+  const auto target_of = [&](int file) {
     std::error_code error;
     return std::filesystem::read_symlink(fmt::format("/proc/{}/fd/{}", watchdog.id(), file), error).string();
   };
-  for (const int file : pipe) EXPECT_EQ(held(file).find("pipe:"), std::string::npos) << file;
+  for (const int file : pipe) EXPECT_EQ(target_of(file).find("pipe:"), std::string::npos) << file;
   for (const int file : pipe) ::close(file);
   ::kill(watchdog.id(), SIGKILL);
 }
@@ -216,7 +216,7 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   EXPECT_EQ(watchdog.restarts(), 0U);
   const auto again = watchdog.restart_if_dead(tried_ns + WatchdogSupervisor::kPeerTimeoutNs);
   ASSERT_TRUE(again.has_value());
-  ASSERT_FALSE(*again) << "it is not there any more";
+  ASSERT_FALSE(*again) << "its program is not there any more";
   EXPECT_NE(again->error().what.find("cannot be started"), std::string::npos) << again->error().what;
 }
 
