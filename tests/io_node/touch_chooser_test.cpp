@@ -33,7 +33,7 @@ TEST(TouchChooser, GoesBackOnlyWhenItHasBeenFastForAWhile) {
   EXPECT_TRUE(chooser.choose_patch(-1.0, 129 * kSecond));
   EXPECT_TRUE(chooser.choose_patch(0.001, 130 * kSecond)) << "the time in which it was not known does not count";
   EXPECT_FALSE(chooser.choose_patch(0.001, 133 * kSecond));
-  EXPECT_TRUE(chooser.choose_patch(0.02, 131 * kSecond));
+  EXPECT_TRUE(chooser.choose_patch(0.02, 134 * kSecond));
 }
 
 }  // namespace

@@ -62,7 +62,9 @@ TEST(ReportTest, NamesTheMachine) {
   cpuinfo << std::ifstream("/proc/cpuinfo").rdbuf();
   const bool is_named = cpuinfo.str().find("model name\t: ") != std::string::npos;
   EXPECT_EQ(machine.cpu != "unknown", is_named);
-  EXPECT_NE(cpuinfo.str().find(is_named ? "model name\t: " + machine.cpu + "\n" : ""), std::string::npos) << machine.cpu;
+  if (is_named) {
+    EXPECT_NE(cpuinfo.str().find("model name\t: " + machine.cpu + "\n"), std::string::npos) << machine.cpu;
+  }
   EXPECT_GE(machine.cpu_count, 1);
   EXPECT_THAT(machine.kernel, HasSubstr("Linux"));
   EXPECT_THAT(machine.compiler, testing::AnyOf(HasSubstr("g++"), HasSubstr("clang")));

@@ -29,7 +29,13 @@ TEST(ThreadUsage, OfAThreadThatWorksGrows) {
   EXPECT_GE(after->stolen_s, 0.0);
 }
 
-TEST(ThreadUsage, AThreadThatHasEndedHasNoUsage) { EXPECT_FALSE(read_thread_usage(-1)); }
+TEST(ThreadUsage, AThreadThatHasEndedHasNoUsage) {
+  pid_t ended = -1;
+  std::thread([&] { ended = current_thread_id(); }).join();
+  ASSERT_GT(ended, 0);
+  EXPECT_FALSE(read_thread_usage(ended));
+  EXPECT_FALSE(read_thread_usage(-1)) << "no thread at all";
+}
 
 TEST(RealtimeShare, IsAShareWhereTheSystemProvidesIt) {
   const auto share = read_realtime_share();

@@ -27,8 +27,7 @@ struct WallRun {
   double x = 1e-3;
   double v = -0.1;
 
-  double least_j = 0.0;  // energy given to the hand, over the run: least and most
-  double most_j = 0.0;
+  double most_j = 0.0;         // most energy given to the hand at any time of the run
   double most_excess_j = 0.0;  // energy in one period that the hand's own pull explains
   double deepest_m = 0.0;
   double farthest_m = 0.0;
@@ -65,7 +64,6 @@ struct WallRun {
       controller.note_applied(Vec3(force_n, 0, 0), period_s);
       given_j += force_n * moved_m;
       most_excess_j = std::max(most_excess_j, std::abs(force_n * hand_n) * period_s * period_s / (2.0 * kMassKg));
-      least_j = std::min(least_j, given_j);
       most_j = std::max(most_j, given_j);
       deepest_m = std::max(deepest_m, -x);
       farthest_m = std::max(farthest_m, x);
