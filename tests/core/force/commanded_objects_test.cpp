@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-const Vec3 kLidPivot(-0.05, 0.0, 0.0);
+const Vec3 kPlatePivot(-0.05, 0.0, 0.0);
 
 // A floor that stands still, and a plate above it: object 1.
 TouchScene floor_and_plate() {
@@ -26,7 +26,7 @@ TouchScene floor_and_plate() {
 
 TouchScene commanded_scene() {
   TouchScene scene = floor_and_plate();
-  scene.objects[1].command_pivot = kLidPivot;
+  scene.objects[1].command_pivot = kPlatePivot;
   return scene;
 }
 
@@ -37,8 +37,8 @@ std::unique_ptr<TouchStep> touch_with(const TouchScene& scene, const char* metho
 }
 
 // A motion that begins at the rest pose of the object, and lifts and turns it.
-std::vector<Keyframe> two_keys() {
-  return {{0.1, kLidPivot, Quat::Identity()}, {0.5, kLidPivot + Vec3(0.0, 0.0, 0.02), Quat(Eigen::AngleAxisd(0.4, -Vec3::UnitY()))}};
+std::vector<Keyframe> lift_keyframes() {
+  return {{0.1, kPlatePivot, Quat::Identity()}, {0.5, kPlatePivot + Vec3(0.0, 0.0, 0.02), Quat(Eigen::AngleAxisd(0.4, -Vec3::UnitY()))}};
 }
 
 bool has_same_bits(const TouchOutput& a, const TouchOutput& b) {
@@ -51,13 +51,13 @@ INSTANTIATE_TEST_SUITE_P(Methods, CommandedObjects, testing::Values("proxy", "re
 
 // The forces are the same to the last bit as those of an object that has these keyframes in the scene.
 TEST_P(CommandedObjects, AreFeltAsThoseWithKeyframes) {
-  const std::vector<Keyframe> keys = two_keys();
+  const std::vector<Keyframe> keys = lift_keyframes();
   TouchScene by_keyframes = floor_and_plate();
-  by_keyframes.objects[1].motion = std::make_shared<const KeyframeMotion>(kLidPivot, keys, false);
-  const auto given = touch_with(by_keyframes, GetParam());
+  by_keyframes.objects[1].motion = std::make_shared<const KeyframeMotion>(kPlatePivot, keys, false);
+  const auto keyframed = touch_with(by_keyframes, GetParam());
   const auto commanded = touch_with(commanded_scene(), GetParam());
   const auto method_of = [](const TouchStep& touch) { return dynamic_cast<const MovingMethod*>(&touch.method()); };
-  ASSERT_TRUE(method_of(*given) != nullptr && method_of(*commanded) != nullptr);
+  ASSERT_TRUE(method_of(*keyframed) != nullptr && method_of(*commanded) != nullptr);
   int contacts = 0;
   double most_n = 0.0;
   for (int i = 0; i < 700; ++i) {
@@ -65,7 +65,7 @@ TEST_P(CommandedObjects, AreFeltAsThoseWithKeyframes) {
     if (i == 100) {
       ASSERT_TRUE(commanded->command(1, {.serial = 1, .from = keys[0], .to = keys[1]}));
     }
-    const TouchOutput a = given->step(input);
+    const TouchOutput a = keyframed->step(input);
     const TouchOutput b = commanded->step(input);
     ASSERT_TRUE(has_same_bits(a, b)) << i << ": " << a.force_n.transpose() << " / " << b.force_n.transpose();
     contacts += a.contact ? 1 : 0;
@@ -91,7 +91,7 @@ TEST(CommandedObjectsOfAStep, AreFeltWhereTheSceneHasThemUntilTheyMove) {
 
 TEST(CommandedObjectsOfAStep, OthersCannotBeMoved) {
   const auto touch = touch_with(commanded_scene());
-  const CommandedMove move{.serial = 1, .from = two_keys()[0], .to = two_keys()[1]};
+  const CommandedMove move{.serial = 1, .from = lift_keyframes()[0], .to = lift_keyframes()[1]};
   for (const int object : {-1, 0, 2, 1000}) {
     EXPECT_FALSE(touch->command(object, move)) << object;
     EXPECT_EQ(touch->find_commanded(object), nullptr) << object;
@@ -125,8 +125,8 @@ TEST(CommandedObjectsOfAStep, AMoveWithoutTimeIsFelt) {
   const auto touch = touch_with(commanded_scene());
   const Vec3 hand(0.0, 0.0, 0.007);
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(touch->step({.p_WD = hand, .time_s = 1.0}).contact);
-  const Keyframe here{1.0, kLidPivot, Quat::Identity()};
-  touch->command(1, {.serial = 1, .from = here, .to = {1.0, kLidPivot + Vec3(0, 0, 0.005), Quat::Identity()}});
+  const Keyframe here{1.0, kPlatePivot, Quat::Identity()};
+  touch->command(1, {.serial = 1, .from = here, .to = {1.0, kPlatePivot + Vec3(0, 0, 0.005), Quat::Identity()}});
   EXPECT_FALSE(touch->step({.p_WD = hand, .time_s = 1.0}).contact) << "not at its start";
   EXPECT_TRUE(touch->step({.p_WD = hand, .time_s = 1.001}).contact);
   EXPECT_NEAR(touch->step({.p_WD = hand, .time_s = 1.002}).force_n.z(), 2.0, 1e-3);
@@ -134,7 +134,7 @@ TEST(CommandedObjectsOfAStep, AMoveWithoutTimeIsFelt) {
 
 TEST(CommandedObjectsOfAStep, AnotherMethodHasThemWhereTheyAre) {
   const auto before = touch_with(commanded_scene());
-  before->command(1, {.serial = 3, .from = two_keys()[0], .to = two_keys()[1]});
+  before->command(1, {.serial = 3, .from = lift_keyframes()[0], .to = lift_keyframes()[1]});
   const auto after = touch_with(commanded_scene());
   after->copy_commands(*before);
   bool is_touched = false;
@@ -157,7 +157,7 @@ TEST(CommandedObjectsOfAStep, TakeNoHeap) {
   double most_n = 0.0;
   const AllocationGuard guard;
   for (int i = 0; i < 400; ++i) {
-    const Keyframe to{0.0, kLidPivot + Vec3(0, 0, i % 2 == 0 ? 0.02 : 0.01), Quat::Identity()};
+    const Keyframe to{0.0, kPlatePivot + Vec3(0, 0, i % 2 == 0 ? 0.02 : 0.01), Quat::Identity()};
     const auto serial = static_cast<std::uint32_t>(i + 1);
     touch->command(1, make_move(*touch->find_commanded(1), serial, 1e-3 * i, to, 0.0, 0.1, 0.25));
     most_n = std::max(most_n, touch->step({.p_WD = {0.02, 0.01, 0.012}, .time_s = 1e-3 * (i + 1)}).force_n.norm());

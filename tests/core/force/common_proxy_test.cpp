@@ -20,15 +20,15 @@ constexpr double kExtent = 0.1;  // m
 constexpr double kLiftM = CommonProxy::kLift * kExtent;
 
 // The half space normal . p >= height, in the frame of the part.
-struct MadeSpace {
+struct MadeHalfSpace {
   Vec3 normal = Vec3::UnitZ();
   double height = 0.0;
   double stiffness = 1000.0;
   bool resumes = true;
   Pose X_SO = Pose::Identity();
 
-  MadeSpace in_scene() const {
-    MadeSpace space = *this;
+  MadeHalfSpace in_scene() const {
+    MadeHalfSpace space = *this;
     space.normal = X_SO.linear() * normal;
     space.height = height + space.normal.dot(X_SO.translation());
     return space;
@@ -38,21 +38,21 @@ struct MadeSpace {
 // Half spaces without friction. A step cannot end below the surface that it started from, so feel() needs no state of earlier steps.
 class MadeParts final : public FeltParts {
  public:
-  explicit MadeParts(std::vector<MadeSpace> made)
-      : spaces(std::move(made)), resumed(spaces.size()), begun(spaces.size()), followed(spaces.size()) {}
+  explicit MadeParts(std::vector<MadeHalfSpace> made)
+      : spaces(std::move(made)), resumed_at(spaces.size()), reset_at(spaces.size()), felt_at(spaces.size()) {}
 
   Pose pose(std::size_t part) const noexcept override { return spaces[part].X_SO; }
-  void reset(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override { begun[part] = p_S; }
+  void reset(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override { reset_at[part] = p_S; }
   bool resume(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override {
-    resumed[part] = p_S;
+    resumed_at[part] = p_S;
     ++resumes;
     return spaces[part].resumes;
   }
   MethodOutput feel(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S, const Turn& turn) noexcept override {
     ++feels;
-    followed[part] = p_S;
+    felt_at[part] = p_S;
     is_shared = turn.is_shared;
-    const MadeSpace space = spaces[part].in_scene();
+    const MadeHalfSpace space = spaces[part].in_scene();
     const double depth = space.height - space.normal.dot(p_S);
     if (!(depth > 0.0)) return {.force_n = Vec3::Zero(), .p_SP = p_S};
     return {.force_n = space.stiffness * depth * space.normal,
@@ -65,20 +65,20 @@ class MadeParts final : public FeltParts {
 
   bool is_frictionless(std::size_t) const noexcept override { return are_frictionless; }
 
-  std::vector<MadeSpace> spaces;
+  std::vector<MadeHalfSpace> spaces;
   bool are_frictionless = false;
-  std::vector<Vec3> resumed;  // p_S of the last resume() of each
-  std::vector<Vec3> begun;
-  std::vector<Vec3> followed;  // the device point of the last feel() of each
+  std::vector<Vec3> resumed_at;  // p_S of the last resume() of each part
+  std::vector<Vec3> reset_at;    // p_S of its last reset()
+  std::vector<Vec3> felt_at;     // p_S of its last feel()
   int feels = 0;
   int resumes = 0;
   bool is_shared = false;
 };
 
 // By enumeration of all sets of up to three planes: the point of all planes of the set nearest to p_SD, if it violates no other plane.
-Vec3 project(const std::vector<MadeSpace>& parts, const Vec3& p_SD) {
-  std::vector<MadeSpace> spaces;
-  for (const MadeSpace& part : parts) spaces.push_back(part.in_scene());
+Vec3 project(const std::vector<MadeHalfSpace>& parts, const Vec3& p_SD) {
+  std::vector<MadeHalfSpace> spaces;
+  for (const MadeHalfSpace& part : parts) spaces.push_back(part.in_scene());
   const int count = static_cast<int>(spaces.size());
   Vec3 best = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   double least = std::numeric_limits<double>::infinity();
@@ -95,7 +95,7 @@ Vec3 project(const std::vector<MadeSpace>& parts, const Vec3& p_SD) {
     if (normals.rows() > 3) continue;
     Vec3 p = p_SD;
     if (normals.rows() > 0) p += normals.completeOrthogonalDecomposition().solve(heights - normals * p_SD);
-    const bool is_allowed = std::ranges::all_of(spaces, [&](const MadeSpace& s) { return s.normal.dot(p) >= s.height - 1e-12; });
+    const bool is_allowed = std::ranges::all_of(spaces, [&](const MadeHalfSpace& s) { return s.normal.dot(p) >= s.height - 1e-12; });
     if (is_allowed && (p - p_SD).norm() < least) {
       least = (p - p_SD).norm();
       best = p;
@@ -104,7 +104,7 @@ Vec3 project(const std::vector<MadeSpace>& parts, const Vec3& p_SD) {
   return best;
 }
 
-// A smooth closed path about a place: a sum of waves.
+// A smooth closed path around a centre: a sum of waves.
 struct WavyLoop {
   WavyLoop(std::mt19937_64& random, const Vec3& about, double size) : centre(about) {
     std::normal_distribution<double> normal(0.0, size);
@@ -124,7 +124,7 @@ struct WavyLoop {
   std::array<std::pair<Vec3, Vec3>, 2> waves;
 };
 
-Mat3 any_turn(std::mt19937_64& random) {
+Mat3 random_rotation(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized().toRotationMatrix();
 }
@@ -134,11 +134,11 @@ Mat3 any_turn(std::mt19937_64& random) {
 double follow_loop(MadeParts& parts, const WavyLoop& loop, double bound) {
   CommonProxy proxy(parts.spaces.size(), kExtent);
   const int steps = 1500;
-  Vec3 last = loop.at(0.0);
-  Vec3 force = Vec3::Zero();
-  double energy = 0.0;
-  double stored = 0.0;
-  int touched = 0;
+  Vec3 last_p_SD = loop.at(0.0);
+  Vec3 last_force = Vec3::Zero();
+  double received_j = 0.0;
+  double most_stored_j = 0.0;
+  int contact_steps = 0;
   for (int i = 0; i <= 2 * steps; ++i) {
     const Vec3 p_SD = loop.at(static_cast<double>(i) / steps);
     const MethodOutput felt = proxy.step(parts, parts.spaces.size(), true, p_SD);
@@ -147,14 +147,14 @@ double follow_loop(MadeParts& parts, const WavyLoop& loop, double bound) {
     EXPECT_LT((felt.p_SP - nearest).norm(), bound * kLiftM) << "step " << i;
     EXPECT_FALSE(proxy.is_squeezed()) << "step " << i;
     if (testing::Test::HasFailure()) return 0.0;
-    if (i > steps) energy += 0.5 * (force + felt.force_n).dot(p_SD - last);
-    stored = std::max(stored, 500.0 * (nearest - p_SD).squaredNorm());
-    touched += felt.contact ? 1 : 0;
-    last = p_SD;
-    force = felt.force_n;
+    if (i > steps) received_j += 0.5 * (last_force + felt.force_n).dot(p_SD - last_p_SD);
+    most_stored_j = std::max(most_stored_j, 500.0 * (nearest - p_SD).squaredNorm());
+    contact_steps += felt.contact ? 1 : 0;
+    last_p_SD = p_SD;
+    last_force = felt.force_n;
   }
-  EXPECT_GT(touched, steps / 4);
-  return energy / stored;
+  EXPECT_GT(contact_steps, steps / 4);
+  return received_j / most_stored_j;
 }
 
 TEST(CommonProxy, TwoPlanesAtAnyAngleGiveTheNearestPoint) {
@@ -165,8 +165,8 @@ TEST(CommonProxy, TwoPlanesAtAnyAngleGiveTheNearestPoint) {
     SCOPED_TRACE(testing::Message() << degrees << " degrees of free space");
     const double angle = degrees * std::numbers::pi / 180.0;
     for (int run = 0; run < 4; ++run) {
-      const Mat3 turn = any_turn(random);
-      const Vec3 corner = 0.01 * any_turn(random).col(0);
+      const Mat3 turn = random_rotation(random);
+      const Vec3 corner = 0.01 * random_rotation(random).col(0);
       const Vec3 a = turn * Vec3(0, 1, 0);
       const Vec3 b = turn * Vec3(std::sin(angle), -std::cos(angle), 0);
       MadeParts parts({{.normal = a, .height = a.dot(corner)}, {.normal = b, .height = b.dot(corner)}});
@@ -182,12 +182,13 @@ TEST(CommonProxy, ThreePlanesGiveTheNearestPoint) {
   std::mt19937_64 random(seed);
   int runs = 0;
   while (runs < 40) {
-    const Mat3 normals = (Mat3() << any_turn(random).col(0), any_turn(random).col(0), any_turn(random).col(0)).finished();
+    const Mat3 normals =
+        (Mat3() << random_rotation(random).col(0), random_rotation(random).col(0), random_rotation(random).col(0)).finished();
     const double volume = std::fabs(normals.determinant());
     if (volume < 0.2) continue;
     SCOPED_TRACE(testing::Message() << "run " << runs << ": normals\n" << normals);
-    const Vec3 corner = 0.01 * any_turn(random).col(0);
-    std::vector<MadeSpace> spaces;
+    const Vec3 corner = 0.01 * random_rotation(random).col(0);
+    std::vector<MadeHalfSpace> spaces;
     for (int k = 0; k < 3; ++k) spaces.push_back({.normal = normals.col(k), .height = normals.col(k).dot(corner)});
     MadeParts parts(spaces);
     const WavyLoop loop(random, corner, 0.003);
@@ -204,10 +205,10 @@ TEST(CommonProxy, EachPartIsInItsOwnFrame) {
   std::mt19937_64 random(seed);
   MadeParts parts({{.normal = Vec3(0.8, 0, 0.6)}, {.normal = Vec3(-0.6, 0, 0.8)}, {.normal = Vec3(0, 0.6, 0.8)}});
   std::vector<Vec3> axes;
-  for (int k = 0; k < 3; ++k) axes.push_back(any_turn(random).col(0));
+  for (int k = 0; k < 3; ++k) axes.push_back(random_rotation(random).col(0));
   const WavyLoop loop(random, Vec3::Zero(), 0.003);
   CommonProxy proxy(3, kExtent);
-  int shared = 0;
+  int shared_steps = 0;
   for (int i = 0; i < 5000; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       parts.spaces[k].X_SO.linear() = Eigen::AngleAxisd(0.3 * std::sin(1e-3 * i), axes[k]).toRotationMatrix();
@@ -217,9 +218,9 @@ TEST(CommonProxy, EachPartIsInItsOwnFrame) {
     const MethodOutput felt = proxy.step(parts, 3, true, p_SD);
     const Vec3 nearest = project(parts.spaces, p_SD);
     ASSERT_LT((felt.force_n - 1000.0 * (nearest - p_SD)).norm(), 1e-3 * felt.force_n.norm() + 2e4 * kLiftM) << i;
-    shared += parts.is_shared ? 1 : 0;
+    shared_steps += parts.is_shared ? 1 : 0;
   }
-  EXPECT_GT(shared, 500);
+  EXPECT_GT(shared_steps, 500);
 }
 
 // The hand jumps into two or three parts at once: the proxy is at the nearest point in that same sample.
@@ -229,8 +230,8 @@ TEST(CommonProxy, PartsThatComeIntoContactInOneSampleHaveTheNearestPointInIt) {
   std::mt19937_64 random(seed);
   for (int run = 0; run < 300; ++run) {
     const std::size_t count = 2 + static_cast<std::size_t>(run % 2);
-    const Mat3 normals = any_turn(random) + 0.3 * any_turn(random);
-    std::vector<MadeSpace> spaces;
+    const Mat3 normals = random_rotation(random) + 0.3 * random_rotation(random);
+    std::vector<MadeHalfSpace> spaces;
     for (std::size_t k = 0; k < count; ++k) spaces.push_back({.normal = normals.col(static_cast<int>(k)).normalized()});
     MadeParts parts(spaces);
     CommonProxy proxy(count, kExtent);
@@ -243,8 +244,8 @@ TEST(CommonProxy, PartsThatComeIntoContactInOneSampleHaveTheNearestPointInIt) {
   }
 }
 
-// A part that goes on does so from where its proxy was before the sample, in the part's own frame.
-TEST(CommonProxy, BeginsAgainWhereItWasWhenASecondPartIsTouched) {
+// Each part resumes at the position that the proxy had before the sample, in the frame of the part.
+TEST(CommonProxy, PartsResumeAtTheProxyBeforeTheSampleWhenASecondPartIsTouched) {
   MadeParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3::UnitX(), .height = -0.01}});
   CommonProxy proxy(2, kExtent);
   (void)proxy.step(parts, 2, true, Vec3(0, 0, -0.001));
@@ -254,18 +255,18 @@ TEST(CommonProxy, BeginsAgainWhereItWasWhenASecondPartIsTouched) {
   parts.spaces[1].X_SO.translation() = Vec3(0.02, 0, 0);  // the wall is now at x = 10 mm
   const MethodOutput felt = proxy.step(parts, 2, true, Vec3(0.003, 0, -0.001));
   EXPECT_EQ(parts.resumes, 2);
-  EXPECT_LT((parts.resumed[0] - Vec3(0.003, 0, 0)).norm(), 2 * kLiftM);
-  EXPECT_LT((parts.resumed[1] - Vec3(0.023, 0, 0)).norm(), 2 * kLiftM) << "ahead of the wall";
+  EXPECT_LT((parts.resumed_at[0] - Vec3(0.003, 0, 0)).norm(), 2 * kLiftM);
+  EXPECT_LT((parts.resumed_at[1] - Vec3(0.023, 0, 0)).norm(), 2 * kLiftM) << "ahead of the wall";
   EXPECT_LT((felt.force_n - Vec3(7, 0, 1)).norm(), 1e-3);
   EXPECT_LT((felt.p_SP - Vec3(0.01, 0, 0)).norm(), 2 * kLiftM);
   parts.resumes = 0;
   (void)proxy.step(parts, 2, true, Vec3(0.0031, 0, -0.001));
-  EXPECT_EQ(parts.resumes, 0) << "both are known";
+  EXPECT_EQ(parts.resumes, 0) << "both parts are already followed";
 }
 
 TEST(CommonProxy, APartThatCannotResumeGoesOnFromWhereItIs) {
-  for (const bool first : {false, true}) {
-    MadeParts parts({{.normal = Vec3::UnitZ(), .resumes = first}, {.normal = Vec3(0.6, 0, 0.8), .resumes = !first}});
+  for (const bool first_resumes : {false, true}) {
+    MadeParts parts({{.normal = Vec3::UnitZ(), .resumes = first_resumes}, {.normal = Vec3(0.6, 0, 0.8), .resumes = !first_resumes}});
     CommonProxy proxy(2, kExtent);
     (void)proxy.step(parts, 2, true, Vec3(0.02, 0, -0.001));
     for (int i = 0; i <= 30; ++i) {
@@ -277,17 +278,17 @@ TEST(CommonProxy, APartThatCannotResumeGoesOnFromWhereItIs) {
   }
 }
 
-TEST(CommonProxy, ResetPutsAllPartsThereAndForgetsWhatHeld) {
+TEST(CommonProxy, ResetPutsAllPartsAtThePointAndForgetsWhatHeldTheProxy) {
   MadeParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3::UnitX()}});
   CommonProxy proxy(2, kExtent);
   (void)proxy.step(parts, 2, true, Vec3(-0.001, 0, -0.001));
   proxy.reset(Vec3(0.01, 0.02, 0.03));
   EXPECT_FALSE(proxy.step(parts, 2, true, Vec3(0.01, 0.02, 0.02)).contact);
-  for (const Vec3& begun : parts.begun) EXPECT_EQ(begun, Vec3(0.01, 0.02, 0.03));
+  for (const Vec3& p_S : parts.reset_at) EXPECT_EQ(p_S, Vec3(0.01, 0.02, 0.03));
   proxy.go_on_from(Vec3(0.01, 0.02, 0.025));
-  parts.begun[0].setZero();
+  parts.reset_at[0].setZero();
   EXPECT_FALSE(proxy.step(parts, 2, true, Vec3(0.01, 0.02, 0.02)).contact);
-  EXPECT_TRUE(parts.begun[0].isZero(0.0)) << "the parts are there";
+  EXPECT_TRUE(parts.reset_at[0].isZero(0.0)) << "the parts are there already, no reset";
   (void)proxy.step(parts, 2, true, Vec3(0.01, 0.02, -0.001));
   // Another number of parts, in another order.
   std::swap(parts.spaces[0], parts.spaces[1]);
@@ -295,32 +296,32 @@ TEST(CommonProxy, ResetPutsAllPartsThereAndForgetsWhatHeld) {
   EXPECT_LT((proxy.step(parts, 1, false, Vec3(-0.002, 0.02, -0.001)).force_n - Vec3(2, 0, 0)).norm(), 1e-3);
 }
 
-// feel() is called at most twelve times for each part, and once more for the part that stands still: six rounds, and a new beginning for
-// each part that comes into contact. Without friction there are twice as many rounds.
+// feel() is called at most twelve times for each part, and once more for the part that stands still: six rounds, and a restart for each
+// part that comes into contact. Without friction there are twice as many rounds.
 TEST(CommonProxy, TheWorkOfAStepIsBounded) {
   const std::uint64_t seed = 24515;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  int most_share = 0;
+  int most_feels_per_part = 0;
   for (int run = 0; run < 60; ++run) {
     const std::size_t count = 1 + static_cast<std::size_t>(run % 6);
-    std::vector<MadeSpace> spaces(count);
-    for (MadeSpace& space : spaces) space.normal = any_turn(random).col(0);
+    std::vector<MadeHalfSpace> spaces(count);
+    for (MadeHalfSpace& space : spaces) space.normal = random_rotation(random).col(0);
     MadeParts parts(spaces);
     parts.are_frictionless = run % 2 == 0;
     CommonProxy proxy(count, kExtent);
     for (int i = 0; i < 500; ++i) {
-      for (MadeSpace& space : parts.spaces) space.X_SO.translation() = 0.002 * any_turn(random).col(0);
+      for (MadeHalfSpace& space : parts.spaces) space.X_SO.translation() = 0.002 * random_rotation(random).col(0);
       parts.feels = 0;
-      const MethodOutput felt = proxy.step(parts, count, i % 2 == 0, 0.003 * any_turn(random).col(0));
+      const MethodOutput felt = proxy.step(parts, count, i % 2 == 0, 0.003 * random_rotation(random).col(0));
       ASSERT_TRUE(felt.force_n.allFinite());
       ASSERT_LE(parts.feels, (parts.are_frictionless ? 24 : 12) * static_cast<int>(count) + 1);
       ASSERT_GE(parts.feels, static_cast<int>(count));
-      most_share = std::max(most_share, parts.feels / static_cast<int>(count));
+      most_feels_per_part = std::max(most_feels_per_part, parts.feels / static_cast<int>(count));
     }
   }
-  EXPECT_GE(most_share, 6);
+  EXPECT_GE(most_feels_per_part, 6);
 }
 
 TEST(CommonProxy, StepsWithoutHeap) {
@@ -340,8 +341,8 @@ TEST(CommonProxy, StepsWithoutHeap) {
   EXPECT_TRUE(has_been_squeezed);
 }
 
-// The hand is at a first plane. A second one comes down upon it until there is no room, and goes up again, three times. The planes face
-// each other, or are at a small angle, so that the nearest point of both half spaces is far away.
+// The hand is at a first plane. A second plane comes down onto the hand until no free space is left between the planes, and goes up
+// again, three times. The planes face each other, or are at a small angle, so that the nearest point of both half spaces is far away.
 struct Squeeze {
   double tilt = 0.0;
   bool has_still = true;
@@ -350,27 +351,27 @@ struct Squeeze {
   double hand_m = 0.0;              // mean height of the hand above the first plane
 
   struct Worst {
-    double jump_n = 0.0;
+    double jump_n = 0.0;     // largest change of the force in one step
     double stiffness = 0.0;  // largest force over the distance from device to proxy
-    double deep_m = 0.0;     // largest depth of the proxy below the first plane
-    int squeezed = 0;
+    double depth_m = 0.0;    // largest depth of the proxy below the first plane
+    int squeezed_steps = 0;
   };
   Worst follow() const {
     MadeParts parts({{.normal = Vec3::UnitZ(), .stiffness = stiffness},
                      {.normal = Vec3(std::sin(tilt), 0, -std::cos(tilt)), .stiffness = other_stiffness}});
     CommonProxy proxy(2, kExtent);
     Worst worst;
-    Vec3 last = Vec3::Zero();
+    Vec3 last_force = Vec3::Zero();
     for (int i = 0; i <= 8000; ++i) {
       parts.spaces[1].X_SO.translation().z() = 0.002 + 0.004 * std::cos(6.0 * std::numbers::pi * i / 8000.0);
       const Vec3 hand(0, 0, hand_m + 0.001 * std::sin(0.003 * i));
       const MethodOutput felt = proxy.step(parts, 2, has_still, hand);
-      if (i > 0) worst.jump_n = std::max(worst.jump_n, (felt.force_n - last).norm());
+      if (i > 0) worst.jump_n = std::max(worst.jump_n, (felt.force_n - last_force).norm());
       const double length = (felt.p_SP - hand).norm();
       if (length > 64.0 * kLiftM) worst.stiffness = std::max(worst.stiffness, felt.force_n.norm() / length);
-      worst.deep_m = std::max(worst.deep_m, -felt.p_SP.z());
-      worst.squeezed += proxy.is_squeezed() ? 1 : 0;
-      last = felt.force_n;
+      worst.depth_m = std::max(worst.depth_m, -felt.p_SP.z());
+      worst.squeezed_steps += proxy.is_squeezed() ? 1 : 0;
+      last_force = felt.force_n;
     }
     return worst;
   }
@@ -385,8 +386,8 @@ TEST(CommonProxy, WithoutRoomTheForceIsContinuousAndWhatStandsStillHoldsTheProxy
         // The plane moves by 9.4 um in a step, and the proxy by a multiple where the angle is small.
         EXPECT_LT(worst.jump_n, 0.45);
         EXPECT_LT(worst.stiffness, 1001.0);
-        EXPECT_LT(worst.deep_m, has_still ? kLiftM : 3e-4);
-        EXPECT_GT(worst.squeezed, 2000);
+        EXPECT_LT(worst.depth_m, has_still ? kLiftM : 3e-4);
+        EXPECT_GT(worst.squeezed_steps, 2000);
       }
     }
   }
@@ -399,7 +400,7 @@ TEST(CommonProxy, NoForceIsLargerThanTheStiffestAllows) {
         SCOPED_TRACE(testing::Message() << "tilt " << tilt << " stiffness " << first << ' ' << other << " hand " << hand_m);
         const Squeeze::Worst worst = Squeeze{tilt, true, first, other, hand_m}.follow();
         EXPECT_LT(worst.stiffness, 10010.0);
-        EXPECT_LT(worst.deep_m, kLiftM);
+        EXPECT_LT(worst.depth_m, kLiftM);
       }
     }
   }
@@ -415,35 +416,36 @@ TEST(CommonProxy, PartsOfDifferentStiffnessHaveTheirMean) {
   EXPECT_NEAR(proxy.step(parts, 2, true, Vec3(0.001, 0, -0.003)).force_n.z(), 0.3, 1e-6);
 }
 
-// Half spaces that damp by themselves, as force methods do: with the motion of the point at which each is felt.
+// Half spaces with damping of their own, as force methods have: from the motion of the point at which each is felt.
 class DampedParts final : public FeltParts {
  public:
-  explicit DampedParts(std::vector<MadeSpace> spaces) : made(std::move(spaces)), from(made.spaces.size()), last(made.spaces.size()) {}
+  explicit DampedParts(std::vector<MadeHalfSpace> spaces)
+      : undamped(std::move(spaces)), step_start(undamped.spaces.size()), last_p_S(undamped.spaces.size()) {}
 
-  Pose pose(std::size_t part) const noexcept override { return made.pose(part); }
-  void reset(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override { last[part] = p_S; }
+  Pose pose(std::size_t part) const noexcept override { return undamped.pose(part); }
+  void reset(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override { last_p_S[part] = p_S; }
   bool resume(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override {
-    last[part] = p_S;
+    last_p_S[part] = p_S;
     return true;
   }
   MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
-    MethodOutput output = made.feel(part, X_SO, p_S, turn);
-    if (!turn.is_correction) from[part] = last[part];
-    last[part] = p_S;
+    MethodOutput output = undamped.feel(part, X_SO, p_S, turn);
+    if (!turn.is_correction) step_start[part] = last_p_S[part];
+    last_p_S[part] = p_S;
     const double force_n = output.force_n.norm();
     if (turn.is_shared || force_n == 0.0) return output;
     const Vec3 normal = output.force_n / force_n;
-    output.force_n = std::max(0.0, force_n - kDamping * normal.dot(p_S - from[part]) / kSeconds) * normal;
+    output.force_n = std::max(0.0, force_n - kDamping * normal.dot(p_S - step_start[part]) / kStepS) * normal;
     return output;
   }
-  StiffnessRange stiffness(std::size_t part) const noexcept override { return made.stiffness(part); }
+  StiffnessRange stiffness(std::size_t part) const noexcept override { return undamped.stiffness(part); }
   double damping(std::size_t, int) const noexcept override { return kDamping; }
 
   static constexpr double kDamping = 2.0;
-  static constexpr double kSeconds = 1e-3;
-  MadeParts made;
-  std::vector<Vec3> from;
-  std::vector<Vec3> last;
+  static constexpr double kStepS = 1e-3;
+  MadeParts undamped;
+  std::vector<Vec3> step_start;
+  std::vector<Vec3> last_p_S;
 };
 
 // However the shares change, only the device's motion counts: a plane in an acute corner comes and goes while the hand moves slowly.
@@ -452,44 +454,44 @@ TEST(CommonProxy, DampsTheMotionOfTheDeviceOnly) {
   CommonProxy proxy(2, kExtent);
   Vec3 last(0.05, 0, 0.01);
   proxy.reset(last);
-  double most = 0.0;
+  double most_damping_n = 0.0;
   for (int i = 0; i < 3000; ++i) {
-    parts.made.spaces[1].height = i % 500 < 250 ? 0.0 : -0.01;
+    parts.undamped.spaces[1].height = i % 500 < 250 ? 0.0 : -0.01;
     const Vec3 hand(0.002 * std::cos(0.002 * i), 0, -0.003 + 0.001 * std::sin(0.003 * i));
-    const MethodOutput felt = proxy.step(parts, 2, true, hand, DampedParts::kSeconds);
-    const double moved = i > 0 ? (hand - last).norm() : 0.06;
+    const MethodOutput felt = proxy.step(parts, 2, true, hand, DampedParts::kStepS);
+    const double moved_m = i > 0 ? (hand - last).norm() : 0.06;
     const Vec3 spring = 1000.0 * (felt.p_SP - hand);
-    ASSERT_LT((felt.force_n - spring).norm(), 2.0 * DampedParts::kDamping * moved / DampedParts::kSeconds + 1e-3) << i;
-    most = std::max(most, i > 0 ? (felt.force_n - spring).norm() : 0.0);
+    ASSERT_LT((felt.force_n - spring).norm(), 2.0 * DampedParts::kDamping * moved_m / DampedParts::kStepS + 1e-3) << i;
+    most_damping_n = std::max(most_damping_n, i > 0 ? (felt.force_n - spring).norm() : 0.0);
     last = hand;
   }
-  EXPECT_GT(most, 0.005);
+  EXPECT_GT(most_damping_n, 0.005);
 }
 
-// Otherwise each part would be felt beside the device, shifted by the shares that the other parts had before.
-TEST(CommonProxy, NothingHoldsItOnceItHasForgotten) {
+// After forget(), each part is felt at the device point, not shifted by the shares that the other parts had before.
+TEST(CommonProxy, AfterForgetNothingHoldsTheProxy) {
   MadeParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3::UnitX()}});
   CommonProxy proxy(2, kExtent);
   proxy.reset(Vec3(0.01, 0, 0.01));
-  EXPECT_TRUE(proxy.step(parts, 2, true, Vec3(-0.003, 0, 0.01)).contact) << "by the second alone";
+  EXPECT_TRUE(proxy.step(parts, 2, true, Vec3(-0.003, 0, 0.01)).contact) << "with the second part alone";
   proxy.forget();
   parts.feels = 0;
   const Vec3 hand(0.02, 0.01, 0.03);
   EXPECT_FALSE(proxy.step(parts, 2, true, hand).contact);
-  for (const Vec3& p_S : parts.followed) EXPECT_EQ(p_S, hand);
+  for (const Vec3& p_S : parts.felt_at) EXPECT_EQ(p_S, hand);
   EXPECT_EQ(parts.feels, 2);
 }
 
 // The parts that hold the proxy may be anywhere in the order of the parts.
 TEST(CommonProxy, OfManyPartsEachIsLiftedOffThoseThatHold) {
-  std::vector<MadeSpace> spaces(200, MadeSpace{.height = -1.0});
+  std::vector<MadeHalfSpace> spaces(200, MadeHalfSpace{.height = -1.0});
   for (const int k : {0, 1, 2}) spaces[static_cast<std::size_t>(139 - 61 * k)] = {.normal = Vec3::Unit(k)};
   MadeParts parts(spaces);
   CommonProxy proxy(200, kExtent);
   proxy.reset(Vec3(0.01, 0.01, 0.01));
   for (int n = 0; n < 3; ++n) EXPECT_LT(proxy.step(parts, 200, false, Vec3(-0.002, -0.003, -0.001)).p_SP.norm(), kLiftM);
-  for (const std::size_t i : {5U, 100U, 199U}) EXPECT_LT((parts.followed[i] - Vec3::Constant(kLiftM)).norm(), 0.5 * kLiftM) << i;
-  EXPECT_LT((parts.followed[78] + proxy.share_of(78).norm() * Vec3::UnitY() - kLiftM * Vec3(1, 0, 1)).norm(), 0.5 * kLiftM);
+  for (const std::size_t i : {5U, 100U, 199U}) EXPECT_LT((parts.felt_at[i] - Vec3::Constant(kLiftM)).norm(), 0.5 * kLiftM) << i;
+  EXPECT_LT((parts.felt_at[78] + proxy.share_of(78).norm() * Vec3::UnitY() - kLiftM * Vec3(1, 0, 1)).norm(), 0.5 * kLiftM);
 }
 
 }  // namespace

@@ -55,27 +55,27 @@ struct TwinScenes {
 };
 
 struct TwinRuns {
-  int touched = 0;
-  int parted = 0;       // steps in which the two forces begin to differ, although neither jumps
-  double most_n = 0.0;  // largest force less stiffness times the distance from proxy to device
+  int contact_steps = 0;
+  int separations = 0;    // steps in which the two forces begin to differ, although neither jumps
+  double excess_n = 0.0;  // largest force less stiffness times the distance from proxy to device
 };
 
-// The hand moves on a smooth path in the frame of the objects, in and out of them. Forces of the twins that differ by no more than what the
-// lift of CommonProxy explains count as the same.
+// The hand moves on a smooth path in the frame of the objects, in and out of them. The forces of the twins count as equal if they differ by
+// no more than the lift of CommonProxy explains.
 TwinRuns follow_twins(std::uint64_t seed, double scale, double speed_m_per_s, double rate_hz, bool moves, const Material& material) {
   std::mt19937_64 random(seed);
   const TwinScenes scenes(random, 2 + static_cast<int>(seed % 5), scale, moves, material);
-  const auto one = make_felt(scenes.one);
-  const auto several = make_felt(scenes.several);
+  const auto one = make_method_for(scenes.one);
+  const auto several = make_method_for(scenes.several);
   TwinRuns runs;
   if (one == nullptr || several == nullptr) return runs;
   std::vector<std::pair<Vec3, Vec3>> waves;
   for (int k = 0; k < 4; ++k) waves.emplace_back(normal_vector(random, 0.013), normal_vector(random, 0.013));
   const double lift_n = 64.0 * CommonProxy::kLift * scenes.one.part_of.diagonal() * material.stiffness_n_per_m;
-  Vec3 last = Vec3::Zero();
+  Vec3 last_p_SD = Vec3::Zero();
   MethodOutput last_a;
   MethodOutput last_b;
-  bool was_other = false;
+  bool was_different = false;
   for (int i = 0; i < static_cast<int>(10.0 * rate_hz); ++i) {
     const double time_s = i / rate_hz;
     Vec3 hand = std::max(0.0, 1.0 - time_s) * Vec3(0, 0, 0.08);
@@ -89,17 +89,17 @@ TwinRuns follow_twins(std::uint64_t seed, double scale, double speed_m_per_s, do
     const MethodInput input{.p_SD = p_SD, .dt_s = 1.0 / rate_hz, .time_s = time_s};
     const MethodOutput a = one->step(input);
     const MethodOutput b = several->step(input);
-    runs.touched += a.contact ? 1 : 0;
-    const double moved_n = material.stiffness_n_per_m * (p_SD - last).norm();
-    const bool is_other = (a.force_n - b.force_n).norm() > 1e-6 * a.force_n.norm() + lift_n;
+    runs.contact_steps += a.contact ? 1 : 0;
+    const double moved_n = material.stiffness_n_per_m * (p_SD - last_p_SD).norm();
+    const bool is_different = (a.force_n - b.force_n).norm() > 1e-6 * a.force_n.norm() + lift_n;
     const double smooth_n = 3.0 * moved_n;
     const bool jumps = (a.force_n - last_a.force_n).norm() > smooth_n || (b.force_n - last_b.force_n).norm() > smooth_n;
-    runs.parted += is_other && !was_other && !jumps ? 1 : 0;
-    was_other = is_other;
-    last = p_SD;
+    runs.separations += is_different && !was_different && !jumps ? 1 : 0;
+    was_different = is_different;
+    last_p_SD = p_SD;
     last_a = a;
     last_b = b;
-    runs.most_n = std::max(runs.most_n, b.force_n.norm() - material.stiffness_n_per_m * (b.p_SP - p_SD).norm());
+    runs.excess_n = std::max(runs.excess_n, b.force_n.norm() - material.stiffness_n_per_m * (b.p_SP - p_SD).norm());
     EXPECT_TRUE(b.force_n.allFinite());
   }
   return runs;
@@ -107,37 +107,37 @@ TwinRuns follow_twins(std::uint64_t seed, double scale, double speed_m_per_s, do
 
 // A hand that presses no deeper than 4 mm, as a person's does, in scenes that stand still. Its depth is measured from the proxy of the
 // first twin. Returns the number of steps in which the two forces differ by more than 50 mN.
-int count_parted_steps(std::uint64_t seed, double rate_hz) {
+int count_differing_steps(std::uint64_t seed, double rate_hz) {
   std::mt19937_64 random(seed);
   const TwinScenes scenes(random, 2 + static_cast<int>(seed % 4), 2.0, false, {.stiffness_n_per_m = 800.0});
-  const auto one = make_felt(scenes.one);
-  const auto several = make_felt(scenes.several);
+  const auto one = make_method_for(scenes.one);
+  const auto several = make_method_for(scenes.several);
   Vec3 hand(0.1, 0.08, 0.09);
   one->reset(hand);
   several->reset(hand);
   Vec3 goal = Vec3::Zero();
-  int parted = 0;
+  int differing_steps = 0;
   for (int i = 0; i < 3000; ++i) {
     if (i % 40 == 0) goal = normal_vector(random, 0.02);
     const Vec3 way = goal - hand;
     hand += std::min(1.0, 0.3 / rate_hz / std::max(way.norm(), 1e-9)) * way;
     const MethodOutput a = one->step({.p_SD = hand, .dt_s = 1.0 / rate_hz});
     const MethodOutput b = several->step({.p_SD = hand, .dt_s = 1.0 / rate_hz});
-    parted += (a.force_n - b.force_n).norm() > 0.05 ? 1 : 0;
+    differing_steps += (a.force_n - b.force_n).norm() > 0.05 ? 1 : 0;
     const Vec3 depth = hand - a.p_SP;
     if (depth.norm() > 0.004) hand = a.p_SP + 0.004 / depth.norm() * depth;
   }
-  return parted;
+  return differing_steps;
 }
 
 // In the sample in which the hand slides off an edge of a part, the first round has other planes than those that hold the proxy in the end.
 TEST(CommonProxyTwin, SlidesOffEdgesAsOneMethodDoes) {
-  int parted = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) parted += count_parted_steps(seed, 500.0) > 0 ? 1 : 0;
-  EXPECT_LE(parted, 6) << "seeds of 40";
+  int differing_seeds = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) differing_seeds += count_differing_steps(seed, 500.0) > 0 ? 1 : 0;
+  EXPECT_LE(differing_seeds, 6) << "seeds of 40";
 }
 
-// Each object in a part of its own, at scales from 100 um to 100 m, in a frame that moves, and at other speeds and rates. Where the proxy
+// Each object is a part of its own: at scales from 100 um to 100 m, in a frame that moves, and at other speeds and rates. Where the proxy
 // jumps, the twins may come to rest in different local minima: then their forces differ until the next jump.
 TEST(CommonProxyTwin, IsOneMethodForAllObjects) {
   struct Case {
@@ -154,12 +154,12 @@ TEST(CommonProxyTwin, IsOneMethodForAllObjects) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << " scale " << c.scale << " speed " << c.speed << " moves " << c.moves);
       const Material material{.stiffness_n_per_m = 1000.0 / c.scale};
       const TwinRuns runs = follow_twins(seed, c.scale, c.speed, c.rate_hz, c.moves, material);
-      EXPECT_LT(runs.most_n, 1e-3);
-      all.touched += runs.touched;
-      all.parted += runs.parted;
+      EXPECT_LT(runs.excess_n, 1e-3);
+      all.contact_steps += runs.contact_steps;
+      all.separations += runs.separations;
     }
-    EXPECT_GT(all.touched, 1000);
-    EXPECT_LE(all.parted, all.touched / 1000) << "scale " << c.scale << " speed " << c.speed << " rate " << c.rate_hz;
+    EXPECT_GT(all.contact_steps, 1000);
+    EXPECT_LE(all.separations, all.contact_steps / 1000) << "scale " << c.scale << " speed " << c.speed << " rate " << c.rate_hz;
   }
 }
 

@@ -53,7 +53,7 @@ TEST(ContactMaterial, AConstraintWithoutMultiplierHasNoWeight) {
 }
 
 // A soft wall on a hard floor: they form a concave edge along z, at x = 0, y = 0; the probe is in x > 0, y > 0.
-TouchScene corner_scene(double friction) {
+TouchScene corner_scene(double friction_factor) {
   const auto block = [](const Vec3& middle) {
     return std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.1, 0.1, 0.1}, 5), 1.0, middle));
   };
@@ -62,8 +62,8 @@ TouchScene corner_scene(double friction) {
   scene.objects.push_back({block({-0.05, 0.03, 0.0}), kSoft});
   for (TouchObject& object : scene.objects) {
     object.material.damping_ns_per_m = 0.0;
-    object.material.friction_static *= friction;
-    object.material.friction_dynamic *= friction;
+    object.material.friction_static *= friction_factor;
+    object.material.friction_dynamic *= friction_factor;
   }
   return scene;
 }
@@ -90,24 +90,25 @@ TEST_P(TwoMaterials, MeetInOneConcaveEdgeByTheRuleWithoutAForceDiscontinuity) {
   const auto method = make(GetParam(), corner_scene(0.0));
   constexpr int kSteps = 1200;
   method->reset(device_at(0, kSteps));
-  Vec3 last = Vec3::Zero();
+  Vec3 last_force = Vec3::Zero();
   Vec3 last_device = device_at(0, kSteps);
-  int in_edge = 0;
+  int steps_in_edge = 0;
   for (int i = 1; i <= kSteps; ++i) {
     const Vec3 device = device_at(i, kSteps);
     const Vec3 force = method->step({device, 1e-3}).force_n;
-    const double floor = std::max(0.0, -device.y());
-    const double wall = floor > 0.0 ? std::max(0.0, -device.x()) : 0.0;
-    if (floor > 0.0) {
-      const double stiffness = (floor * kHard.stiffness_n_per_m + wall * kSoft.stiffness_n_per_m) / (floor + wall);
-      EXPECT_LE((force - stiffness * Vec3(wall, floor, 0.0)).norm(), 1e-6) << "step " << i << ": floor " << floor << ", wall " << wall;
-      in_edge += wall > 0.0 ? 1 : 0;
+    const double into_floor = std::max(0.0, -device.y());
+    const double into_wall = into_floor > 0.0 ? std::max(0.0, -device.x()) : 0.0;
+    if (into_floor > 0.0) {
+      const double stiffness = (into_floor * kHard.stiffness_n_per_m + into_wall * kSoft.stiffness_n_per_m) / (into_floor + into_wall);
+      EXPECT_LE((force - stiffness * Vec3(into_wall, into_floor, 0.0)).norm(), 1e-6)
+          << "step " << i << ": floor " << into_floor << ", wall " << into_wall;
+      steps_in_edge += into_wall > 0.0 ? 1 : 0;
     }
-    EXPECT_LE((force - last).norm(), 2.0 * kHard.stiffness_n_per_m * (device - last_device).norm() + 1e-6) << "step " << i;
-    last = force;
+    EXPECT_LE((force - last_force).norm(), 2.0 * kHard.stiffness_n_per_m * (device - last_device).norm() + 1e-6) << "step " << i;
+    last_force = force;
     last_device = device;
   }
-  EXPECT_GT(in_edge, 400);
+  EXPECT_GT(steps_in_edge, 400);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, TwoMaterials, testing::Values("proxy", "reference"));

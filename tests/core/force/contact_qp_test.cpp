@@ -9,7 +9,7 @@ namespace hapton {
 namespace {
 
 // The optimum, by trying every set of up to three planes: of the feasible points, the one nearest to the goal.
-Vec3 by_enumeration(const Vec3& goal, const std::vector<ContactPlane>& planes, double tolerance) {
+Vec3 solve_by_enumeration(const Vec3& goal, const std::vector<ContactPlane>& planes, double tolerance) {
   Vec3 best = Vec3::Zero();
   double best_distance = std::numeric_limits<double>::infinity();
   const auto consider = [&](const Vec3& y) {
@@ -55,16 +55,16 @@ TEST(ContactQp, AgreesWithEnumerationOfAllActiveSets) {
       plane.normal = (Vec3(normal(random), normal(random), normal(random)) - 0.7 * goal).normalized();
       plane.height = -0.05 * std::abs(normal(random));
     }
-    const ConstrainedMotion found = constrain_motion(goal, planes);
-    ASSERT_TRUE(found.solved) << "case " << i;
-    EXPECT_LE((found.motion - by_enumeration(goal, planes, 1e-12)).norm(), 1e-9) << "case " << i;
+    const ConstrainedMotion solution = constrain_motion(goal, planes);
+    ASSERT_TRUE(solution.solved) << "case " << i;
+    EXPECT_LE((solution.motion - solve_by_enumeration(goal, planes, 1e-12)).norm(), 1e-9) << "case " << i;
     Vec3 correction = Vec3::Zero();
-    for (int k = 0; k < found.active_count; ++k) {
-      EXPECT_GE(found.multipliers[k], 0.0);
-      correction += found.multipliers[k] * planes[found.active[k]].normal;
+    for (int k = 0; k < solution.active_count; ++k) {
+      EXPECT_GE(solution.multipliers[k], 0.0);
+      correction += solution.multipliers[k] * planes[solution.active[k]].normal;
     }
-    EXPECT_LE((found.motion - goal - correction).norm(), 1e-9);
-    three_active += found.active_count == 3 ? 1 : 0;
+    EXPECT_LE((solution.motion - goal - correction).norm(), 1e-9);
+    three_active += solution.active_count == 3 ? 1 : 0;
   }
   EXPECT_GT(three_active, 100);
 }
@@ -87,8 +87,8 @@ TEST(ContactQp, OrderOfThePlanesDoesNotMatter) {
 TEST(ContactQp, NearlyParallelPlanesLeaveTheirCommonDirectionExact) {
   for (const double tilt : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const std::vector<ContactPlane> valley = {{Vec3(tilt, 0, 1).normalized(), 0.0}, {Vec3(-tilt, 0, 1).normalized(), 0.0}};
-    const ConstrainedMotion found = constrain_motion(Vec3(0, 0.5, -1), valley);
-    EXPECT_LE((found.motion - Vec3(0, 0.5, 0)).norm(), 1e-9) << "tilt " << tilt;
+    const ConstrainedMotion solution = constrain_motion(Vec3(0, 0.5, -1), valley);
+    EXPECT_LE((solution.motion - Vec3(0, 0.5, 0)).norm(), 1e-9) << "tilt " << tilt;
   }
 }
 
@@ -108,10 +108,10 @@ TEST(ContactQp, LiftsOffNearlyParallelPlanes) {
       const Vec3 beside = first.cross(Vec3(normal(random), normal(random), normal(random))).normalized();
       planes.push_back({(std::cos(angle) * first + std::sin(angle) * beside).normalized(), height * (1.0 + 0.1 * angle * normal(random))});
     }
-    const ConstrainedMotion found = constrain_motion(Vec3::Zero(), planes);
-    ASSERT_TRUE(found.solved) << "case " << i << ", angle " << angle;
-    for (const ContactPlane& plane : planes) ASSERT_GE(plane.normal.dot(found.motion), plane.height - 1e-14 * height) << "case " << i;
-    ASSERT_LE(found.motion.norm(), 4.0 * height) << "case " << i;
+    const ConstrainedMotion solution = constrain_motion(Vec3::Zero(), planes);
+    ASSERT_TRUE(solution.solved) << "case " << i << ", angle " << angle;
+    for (const ContactPlane& plane : planes) ASSERT_GE(plane.normal.dot(solution.motion), plane.height - 1e-14 * height) << "case " << i;
+    ASSERT_LE(solution.motion.norm(), 4.0 * height) << "case " << i;
   }
 }
 
@@ -119,18 +119,18 @@ TEST(ContactQp, WithoutPlanesTheGoalIsReached) {
   const Vec3 goal(0.1, -0.2, 0.3);
   EXPECT_EQ(constrain_motion(goal, {}).motion, goal);
   const std::vector<ContactPlane> behind = {{Vec3(0, 0, 1), 0.0}};
-  const ConstrainedMotion found = constrain_motion(goal, behind);
-  EXPECT_EQ(found.motion, goal);
-  EXPECT_EQ(found.active_count, 0);
+  const ConstrainedMotion solution = constrain_motion(goal, behind);
+  EXPECT_EQ(solution.motion, goal);
+  EXPECT_EQ(solution.active_count, 0);
 }
 
-TEST(ContactQp, ThreePlanesThatCloseLeaveNoMotion) {
+TEST(ContactQp, ThreePlanesThatFormAPitLeaveNoMotion) {
   const std::vector<ContactPlane> pit = {
       {Vec3(1, 0, 1).normalized(), 0.0}, {Vec3(-1, 1, 1).normalized(), 0.0}, {Vec3(0, -1, 1).normalized(), 0.0}};
-  const ConstrainedMotion found = constrain_motion(Vec3(0.01, 0.02, -1), pit);
-  EXPECT_TRUE(found.solved);
-  EXPECT_EQ(found.active_count, 3);
-  EXPECT_LE(found.motion.norm(), 1e-15);
+  const ConstrainedMotion solution = constrain_motion(Vec3(0.01, 0.02, -1), pit);
+  EXPECT_TRUE(solution.solved);
+  EXPECT_EQ(solution.active_count, 3);
+  EXPECT_LE(solution.motion.norm(), 1e-15);
 }
 
 // A lift out of a groove of 0.1 to 0.001 radians, whose walls are not at quite the same distance: at a hundredth of a radian, the shortest

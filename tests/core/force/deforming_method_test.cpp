@@ -20,7 +20,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSkinStiffness = 1000.0;
+constexpr double kSheetStiffnessNPerM = 1000.0;
 constexpr double kSheetSpeed = 0.25;  // m/s
 
 template <class Displacement>
@@ -42,7 +42,7 @@ TouchScene deforming_scene(TriangleMesh mesh, std::vector<MorphTarget> targets, 
   return scene;
 }
 
-std::unique_ptr<ForceMethod> make_shaped(const TouchScene& scene, const MethodSettings& settings = {}) {
+std::unique_ptr<ForceMethod> make_deforming(const TouchScene& scene, const MethodSettings& settings = {}) {
   auto made = make_method(settings, scene);
   EXPECT_TRUE(made) << (made ? "" : made.error().what);
   return made ? std::move(*made) : nullptr;
@@ -54,8 +54,9 @@ TriangleMesh deformed_mesh(const TouchObject& object, double time_s) {
   return mesh;
 }
 
-// A sheet with sides of 60 mm that moves as a whole, at the largest speed of a surface, from one side towards a hand that holds still.
-TouchScene coming_sheet(double side, double seconds) {
+// A sheet with sides of 60 mm that moves as a whole, at the largest speed of a surface, towards a hand that holds still. side: +1 from
+// above, -1 from below.
+TouchScene approaching_sheet(double side, double seconds) {
   TriangleMesh sheet = made::sheet(0.03, side * 0.010, 12);
   const auto target = morph_target_of(sheet, [&](const Vec3&) { return Vec3(0, 0, -side * kSheetSpeed * seconds); });
   return deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {seconds, {1.0}}}, false);
@@ -67,21 +68,22 @@ class DeformingSweep : public testing::TestWithParam<std::tuple<double, double>>
 TEST_P(DeformingSweep, PushesTheHandAheadAndNeverPassesIt) {
   const auto [rate_hz, side] = GetParam();
   const double seconds = 0.2;
-  const auto method = make_shaped(coming_sheet(side, seconds));
+  const auto method = make_deforming(approaching_sheet(side, seconds));
   ASSERT_TRUE(method);
   // On an edge, at a vertex, and within a face.
   for (const Vec3& hand : {Vec3(0.0025, -0.0025, 0), Vec3(0.005, -0.005, 0), Vec3(0.0123, -0.0045, 0)}) {
     method->reset(hand);
     double last_n = 0.0;
     for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
-      const double time = i / rate_hz;
-      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
-      const double passed = kSheetSpeed * time - 0.010;
-      const Vec3 expected(0, 0, -side * kSkinStiffness * std::max(0.0, passed));
-      ASSERT_LT((felt.force_n - expected).norm(), 1e-3) << "at " << time << " s";
-      ASSERT_LE(felt.force_n.norm() - last_n, kSkinStiffness * kSheetSpeed / rate_hz * (1.0 + 1e-6) + 1e-6) << "at " << time << " s";
+      const double time_s = i / rate_hz;
+      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time_s});
+      const double passed = kSheetSpeed * time_s - 0.010;
+      const Vec3 expected(0, 0, -side * kSheetStiffnessNPerM * std::max(0.0, passed));
+      ASSERT_LT((felt.force_n - expected).norm(), 1e-3) << "at " << time_s << " s";
+      ASSERT_LE(felt.force_n.norm() - last_n, kSheetStiffnessNPerM * kSheetSpeed / rate_hz * (1.0 + 1e-6) + 1e-6)
+          << "at " << time_s << " s";
       if (passed > 1e-6) {
-        ASSERT_TRUE(felt.contact) << "at " << time << " s";
+        ASSERT_TRUE(felt.contact) << "at " << time_s << " s";
       }
       last_n = felt.force_n.norm();
     }
@@ -111,23 +113,23 @@ TouchScene breathing_ball(Material material = {}) {
 // The twin is the reference on the mesh of that time, with all triangles. Started at the proxy, it must stay there.
 TEST(DeformingMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   const TouchScene scene = breathing_ball();
-  int touched = 0;
+  int contact_steps = 0;
   for (const std::uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const double rate_hz = seed == 2 ? 300.0 : 1000.0;
-    const auto method = make_shaped(scene);
+    const auto method = make_deforming(scene);
     ASSERT_TRUE(method);
     WanderingHand hand(seed);
     method->reset(hand.p);
     for (int i = 0; i < 2500; ++i) {
-      const double time = i / rate_hz;
+      const double time_s = i / rate_hz;
       const Vec3& p_SD = hand.next(1.0 / rate_hz);
-      const MethodOutput felt = method->step({.p_SD = p_SD, .dt_s = 1.0 / rate_hz, .time_s = time});
-      ASSERT_NO_FATAL_FAILURE(expect_settled(deformed_mesh(scene.objects[0], time), p_SD, felt, i % 10 == 0)) << "step " << i;
-      touched += felt.contact ? 1 : 0;
+      const MethodOutput felt = method->step({.p_SD = p_SD, .dt_s = 1.0 / rate_hz, .time_s = time_s});
+      ASSERT_NO_FATAL_FAILURE(expect_settled(deformed_mesh(scene.objects[0], time_s), p_SD, felt, i % 10 == 0)) << "step " << i;
+      contact_steps += felt.contact ? 1 : 0;
     }
   }
-  EXPECT_GT(touched, 2000);
+  EXPECT_GT(contact_steps, 2000);
 }
 
 // A hand that holds still, while the surface passes over it again and again in 20 periods of the deformation.
@@ -136,20 +138,20 @@ TEST(DeformingMethod, AHandThatHoldsStillIsNeverFallenThrough) {
   std::mt19937_64 random(7);
   SCOPED_TRACE("seed 7");
   std::normal_distribution<double> normal;
-  int touched = 0;
+  int contact_steps = 0;
   for (int h = 0; h < 40; ++h) {
     const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
     const Vec3 hand = 0.0325 * direction;
     if (std::fabs(compute_winding_number(*scene.objects[0].mesh, hand)) > 1e-3) continue;
-    const auto method = make_shaped(scene);
+    const auto method = make_deforming(scene);
     ASSERT_TRUE(method);
     method->reset(hand);
     for (int i = 0; i < 2000; ++i) {
-      const double time = 4e-3 * i;
-      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 4e-3, .time_s = time});
-      touched += felt.contact ? 1 : 0;
+      const double time_s = 4e-3 * i;
+      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 4e-3, .time_s = time_s});
+      contact_steps += felt.contact ? 1 : 0;
       if (i % 7 != 0) continue;
-      const double winding = compute_winding_number(deformed_mesh(scene.objects[0], time), hand);
+      const double winding = compute_winding_number(deformed_mesh(scene.objects[0], time_s), hand);
       if (winding > 1.0 - 1e-6) {
         ASSERT_TRUE(felt.contact) << "hand " << h << " step " << i;
       } else if (winding < 1e-6) {
@@ -157,29 +159,29 @@ TEST(DeformingMethod, AHandThatHoldsStillIsNeverFallenThrough) {
       }
     }
   }
-  EXPECT_GT(touched, 10'000);
+  EXPECT_GT(contact_steps, 10'000);
 }
 
 // In a gap of the samples, of any length, the sheet does not pass the hand either.
 TEST(DeformingMethod, AGapInTheSamplesLosesNoContact) {
   for (const double gap_s : {0.02, 0.05, 0.15}) {
-    const auto method = make_shaped(coming_sheet(1.0, 0.2));
+    const auto method = make_deforming(approaching_sheet(1.0, 0.2));
     ASSERT_TRUE(method);
     const Vec3 hand(0.0123, -0.0045, 0.0);
     method->reset(hand);
     (void)method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 0.035});
     const MethodOutput felt = method->step({.p_SD = hand, .dt_s = gap_s, .time_s = 0.035 + gap_s});
-    EXPECT_NEAR(felt.force_n.z(), -kSkinStiffness * std::max(0.0, kSheetSpeed * (0.035 + gap_s) - 0.010), 1e-3) << gap_s;
+    EXPECT_NEAR(felt.force_n.z(), -kSheetStiffnessNPerM * std::max(0.0, kSheetSpeed * (0.035 + gap_s) - 0.010), 1e-3) << gap_s;
   }
 }
 
 // While the hand is far away, the shape is not computed. When the hand comes near, it must feel the present shape.
 TEST(DeformingMethod, IsFeltAfterALongTimeFarAway) {
   const TouchScene scene = breathing_ball({.damping_ns_per_m = 1.0});
-  const auto method = make_shaped(scene);
+  const auto method = make_deforming(scene);
   ASSERT_TRUE(method);
   method->reset({0, 0, 0.2});
-  double most = 0.0;
+  double most_n = 0.0;
   for (int i = 0; i <= 3000; ++i) {
     const double z = i < 2000 ? 0.2 : 0.2 - 0.17 * (i - 2000) / 1000.0;
     const MethodOutput felt = method->step({.p_SD = {0.001, 0.0005, z}, .dt_s = 1e-3, .time_s = 1e-3 * i});
@@ -187,10 +189,10 @@ TEST(DeformingMethod, IsFeltAfterALongTimeFarAway) {
     if (is_inside) {
       ASSERT_TRUE(felt.contact) << i;
     }
-    most = std::max(most, felt.force_n.norm());
+    most_n = std::max(most_n, felt.force_n.norm());
     ASSERT_LT(felt.force_n.norm(), 20.0) << i;
   }
-  EXPECT_GT(most, 3.0);
+  EXPECT_GT(most_n, 3.0);
 }
 
 // Where nothing changes, the force is that of the proxy on a mesh that does not deform.
@@ -198,33 +200,33 @@ TEST(DeformingMethod, IsTheProxyWhereNothingChanges) {
   TouchScene scene = breathing_ball({.friction_static = 0.4, .friction_dynamic = 0.3});
   TouchScene still = scene;
   still.objects[0].deformation = nullptr;
-  const auto a = make_shaped(scene);
-  const auto b = make_shaped(still);
-  ASSERT_TRUE(a && b);
+  const auto on_deforming = make_deforming(scene);
+  const auto on_rigid = make_deforming(still);
+  ASSERT_TRUE(on_deforming && on_rigid);
   WanderingHand hand(11);
   SCOPED_TRACE("seed 11");
-  a->reset(hand.p);
-  b->reset(hand.p);
-  int touched = 0;
+  on_deforming->reset(hand.p);
+  on_rigid->reset(hand.p);
+  int contact_steps = 0;
   for (int i = 0; i < 3000; ++i) {
     const Vec3& p_SD = hand.next(1e-3);
-    const MethodOutput deforming = a->step({.p_SD = p_SD, .time_s = 0.0});
-    const MethodOutput rigid = b->step({.p_SD = p_SD, .time_s = 0.0});
+    const MethodOutput deforming = on_deforming->step({.p_SD = p_SD, .time_s = 0.0});
+    const MethodOutput rigid = on_rigid->step({.p_SD = p_SD, .time_s = 0.0});
     ASSERT_LT((deforming.force_n - rigid.force_n).norm(), 1e-5 * (1.0 + rigid.force_n.norm())) << i;
-    touched += rigid.contact ? 1 : 0;
+    contact_steps += rigid.contact ? 1 : 0;
   }
-  EXPECT_GT(touched, 500);
+  EXPECT_GT(contact_steps, 500);
 }
 
-// A bar along x of n pieces, closed at both ends. The ends slant: at the end of larger x, the upper edge overhangs.
-TriangleMesh long_bar(double length, double half_width, std::uint32_t n) {
+// A bar along x, cut into pieces and closed at both ends. The ends slant: at the end of larger x, the upper edge overhangs.
+TriangleMesh long_bar(double length, double half_width, std::uint32_t pieces) {
   TriangleMesh bar;
   const double corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  for (std::uint32_t i = 0; i <= n; ++i) {
+  for (std::uint32_t i = 0; i <= pieces; ++i) {
     for (const auto& yz : corners)
-      bar.vertices.emplace_back(length * i / n - 0.5 * half_width * (1.0 - yz[1]), half_width * yz[0], half_width * yz[1]);
+      bar.vertices.emplace_back(length * i / pieces - 0.5 * half_width * (1.0 - yz[1]), half_width * yz[0], half_width * yz[1]);
   }
-  for (std::uint32_t i = 0; i < n; ++i) {
+  for (std::uint32_t i = 0; i < pieces; ++i) {
     for (std::uint32_t k = 0; k < 4; ++k) {
       const std::uint32_t a = 4 * i + k;
       const std::uint32_t b = 4 * i + (k + 1) % 4;
@@ -232,8 +234,9 @@ TriangleMesh long_bar(double length, double half_width, std::uint32_t n) {
       bar.triangles.push_back({a, a + 4, b + 4});
     }
   }
-  const std::uint32_t e = 4 * n;
-  for (const Triangle& cap : {Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{e, e + 2, e + 1}, Triangle{e, e + 3, e + 2}})
+  const std::uint32_t last_ring = 4 * pieces;
+  for (const Triangle& cap : {Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{last_ring, last_ring + 2, last_ring + 1},
+                              Triangle{last_ring, last_ring + 3, last_ring + 2}})
     bar.triangles.push_back(cap);
   for (Triangle& triangle : bar.triangles) std::swap(triangle[1], triangle[2]);
   return bar;
@@ -247,22 +250,22 @@ TEST(DeformingMethod, AProbeThatIsOutOfWorkInTheAirIsNotPassed) {
   TriangleMesh bar = long_bar(kLength, kHalfWidth, kPieces);
   const MorphTarget ahead = morph_target_of(bar, [](const Vec3&) { return Vec3(0.01, 0, 0); });
   const TouchScene scene = deforming_scene(std::move(bar), {ahead}, {{0.0, {0.0}}, {1.0, {0.0}}, {1.001, {1.0}}, {2.0, {1.0}}}, false);
-  const auto method = make_shaped(scene);
+  const auto method = make_deforming(scene);
   ASSERT_TRUE(method);
-  int in_the_air = 0;
+  int steps_in_the_air = 0;
   for (int i = 0; i < 590; ++i) {
     const double x = kLength * (1.0 - (i + 0.3) / kPieces);
     method->reset({x, 0.001, kHalfWidth + 0.001});
     (void)method->step({.p_SD = {x, 0.001, kHalfWidth - 0.001}, .dt_s = 1e-3, .time_s = 0.5});
     const Vec3 device(kLength + 0.002, 0.001, kHalfWidth - 0.001);
     MethodOutput felt = method->step({.p_SD = device, .dt_s = 1e-3, .time_s = 0.501});
-    in_the_air += felt.contact && felt.p_SP.z() < kHalfWidth - 0.0005 ? 1 : 0;
+    steps_in_the_air += felt.contact && felt.p_SP.z() < kHalfWidth - 0.0005 ? 1 : 0;
     felt = method->step({.p_SD = device, .dt_s = 1.0, .time_s = 1.501});
     EXPECT_TRUE(felt.contact) << i;
     method->reset(device);
     (void)method->step({.p_SD = {kLength + 0.1, 0, 0}, .dt_s = 1e-3, .time_s = 2.0});
   }
-  EXPECT_GT(in_the_air, 0);
+  EXPECT_GT(steps_in_the_air, 0);
 }
 
 // Without friction the probe slides off; with friction it is carried along.
@@ -270,8 +273,8 @@ TEST(DeformingMethod, CarriesTheProxyAlongByFriction) {
   for (const double friction : {0.0, 0.8}) {
     TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
     const auto target = morph_target_of(sheet, [](const Vec3&) { return Vec3(0.02, 0, 0); });
-    const auto method = make_shaped(deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {0.2, {1.0}}}, false,
-                                                    {.friction_static = friction, .friction_dynamic = friction}));
+    const auto method = make_deforming(deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {0.2, {1.0}}}, false,
+                                                       {.friction_static = friction, .friction_dynamic = friction}));
     ASSERT_TRUE(method);
     method->reset({0, 0, 0.001});
     const Vec3 hand(0, 0, -0.003);  // 3 N: friction holds 2.4 N
@@ -282,11 +285,11 @@ TEST(DeformingMethod, CarriesTheProxyAlongByFriction) {
   }
 }
 
-TEST(DeformingMethod, DampsAgainstTheSurfaceThatComes) {
+TEST(DeformingMethod, DampsTheMotionOfAnApproachingSurface) {
   TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
   const auto target = morph_target_of(sheet, [](const Vec3&) { return Vec3(0, 0, 0.02); });
   const auto method =
-      make_shaped(deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {0.1, {1.0}}}, false, {.damping_ns_per_m = 2.0}));
+      make_deforming(deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {0.1, {1.0}}}, false, {.damping_ns_per_m = 2.0}));
   ASSERT_TRUE(method);
   const Vec3 hand(0.001, 0.002, 0.005);
   method->reset(hand);
@@ -302,8 +305,9 @@ TouchScene resting_sheet(TriangleMesh sheet, Material material = {}) {
   return deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {1.0, {0.0}}}, false, material);
 }
 
-// As in ProxyResume, but the sheet can deform. It is wound away from the hand: only the probe's position tells the probe's side.
-TEST(DeformingMethod, GoesOnOnTheSideThatTheProbeIsOn) {
+// As in ProxyResume, but the sheet can deform. Its triangles face away from the hand: only the position of the probe shows on which side it
+// is.
+TEST(DeformingMethod, ResumesOnTheSideThatTheProbeIsOn) {
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
   for (Vec3& vertex : sheet.vertices) vertex = turn * vertex;
@@ -341,27 +345,27 @@ TEST(DeformingMethod, ACorrectionIsDampedAsItsSample) {
 }
 
 // Together with a floor that stands still: the sheet never presses the proxy into the floor, and the floor is felt as well.
-TEST(DeformingMethod, StandsInARowWithWhatStandsStill) {
-  TouchScene scene = coming_sheet(1.0, 0.2);
+TEST(DeformingMethod, NeverPressesTheProxyIntoAFloorThatStandsStill) {
+  TouchScene scene = approaching_sheet(1.0, 0.2);
   scene.objects.push_back({.mesh = made::shared(made::box({-0.1, -0.1, -0.03}, {0.1, 0.1, -0.02})), .material = {}});
-  const auto method = make_shaped(scene);
+  const auto method = make_deforming(scene);
   ASSERT_TRUE(method);
   const Vec3 hand(0.0123, -0.0045, 0.0);
   method->reset(hand);
   for (int i = 0; i <= 200; ++i) {
     const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
     ASSERT_GE(felt.p_SP.z(), -0.02 - 1e-9) << i;
-    ASSERT_NEAR(felt.force_n.z(), -kSkinStiffness * std::clamp(kSheetSpeed * 1e-3 * i - 0.010, 0.0, 0.020), 1e-3) << i;
+    ASSERT_NEAR(felt.force_n.z(), -kSheetStiffnessNPerM * std::clamp(kSheetSpeed * 1e-3 * i - 0.010, 0.0, 0.020), 1e-3) << i;
   }
 }
 
 // The object moves as well: a sheet that rises by as much as it deforms downwards stays where it is.
 TEST(DeformingMethod, DeformsInTheFrameThatMovesAlong) {
-  TouchScene scene = coming_sheet(1.0, 0.2);
+  TouchScene scene = approaching_sheet(1.0, 0.2);
   scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
       Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.2, Vec3(0, 0, kSheetSpeed * 0.2), Quat::Identity()}},
       false);
-  const auto method = make_shaped(scene);
+  const auto method = make_deforming(scene);
   ASSERT_TRUE(method);
   const Vec3 hand(0.0123, -0.0045, 0.011);
   method->reset({0.0123, -0.0045, 0.009});
@@ -374,15 +378,15 @@ TEST(DeformingMethod, DeformsInTheFrameThatMovesAlong) {
 
 TEST(DeformingMethod, StepsWithoutHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  const auto method = make_shaped(breathing_ball());
+  const auto method = make_deforming(breathing_ball());
   ASSERT_TRUE(method);
   WanderingHand hand(3);
   const AllocationGuard guard;
   method->reset(hand.p);
-  double most = 0.0;
-  for (int i = 0; i < 3000; ++i) most = std::max(most, method->step({.p_SD = hand.next(1e-3), .time_s = 1e-3 * i}).force_n.norm());
+  double most_n = 0.0;
+  for (int i = 0; i < 3000; ++i) most_n = std::max(most_n, method->step({.p_SD = hand.next(1e-3), .time_s = 1e-3 * i}).force_n.norm());
   EXPECT_EQ(guard.count(), 0U);
-  EXPECT_GT(most, 1.0);
+  EXPECT_GT(most_n, 1.0);
 }
 
 TEST(DeformingMethod, SaysWhatItDoesNotFeel) {
@@ -407,7 +411,7 @@ TEST(DeformingMethod, SaysWhatItDoesNotFeel) {
 }
 
 TEST(DeformingMethod, SaysHowItDeforms) {
-  const std::string text = make_shaped(breathing_ball())->describe();
+  const std::string text = make_deforming(breathing_ball())->describe();
   EXPECT_NE(text.find("deforms for 0.4 s, repeated: 762 vertices move"), std::string::npos) << text;
 }
 

@@ -1,4 +1,4 @@
-// What stiffest.h says of every effect, compared with the derivative of the force that EffectStep computes for it.
+// The stiffness and viscosity that stiffest.h states for every effect, compared with the derivative of the force that EffectStep computes.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -15,7 +15,7 @@ namespace {
 using Random = std::mt19937_64;
 
 double between(Random& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
-double by_ratio(Random& random, double low, double high) { return std::exp(between(random, std::log(low), std::log(high))); }
+double log_between(Random& random, double low, double high) { return std::exp(between(random, std::log(low), std::log(high))); }
 Vec3 any_direction(Random& random) { return Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)).normalized(); }
 
 // Largest eigenvalue of the symmetric part of -dF/dx, F(x) a force of three numbers.
@@ -26,16 +26,16 @@ double largest_slope(const Force& force, const Vec3& at, double step) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(0.5 * (k + k.transpose()), Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
-// Samples an effect that begins at rest in free space: its force as a function of the position, and as a function of the velocity.
-struct Sampled {
+// An effect that begins at rest in free space: its force as a function of the position, and as a function of the velocity.
+struct SampledEffect {
   SpaceEffect effect;
 
-  Vec3 at(const Vec3& p) const {
+  Vec3 force_at(const Vec3& p) const {
     EffectStep step({}, {effect});
     return step.step(p, 1e-3, {}).force_n;
   }
   // v is the velocity of the last eight intervals, of which SmoothVelocity takes the mean.
-  Vec3 moving(const Vec3& v) const {
+  Vec3 force_at_velocity(const Vec3& v) const {
     EffectStep step({}, {effect});
     Vec3 force = Vec3::Zero();
     for (int n = -8; n <= 0; ++n) force = step.step(1e-3 * n * v, 1e-3, {}).force_n;
@@ -45,24 +45,24 @@ struct Sampled {
 
 // A random effect of each type (a new type does not compile without one), and the distance from the origin over which its force changes.
 void make_random(Random& random, SpringEffect& made) {
-  made = {.stiffness_n_per_m = by_ratio(random, 1.0, 1e6), .max_force_n = by_ratio(random, 0.1, 100.0)};
+  made = {.stiffness_n_per_m = log_between(random, 1.0, 1e6), .max_force_n = log_between(random, 0.1, 100.0)};
 }
 void make_random(Random& random, SnapEffect& made) {
   made = {.target = static_cast<SnapEffect::Target>(random() % 3),
           .direction = any_direction(random),
-          .range_m = by_ratio(random, 1e-5, 1.0),
-          .max_force_n = by_ratio(random, 0.1, 100.0)};
+          .range_m = log_between(random, 1e-5, 1.0),
+          .max_force_n = log_between(random, 0.1, 100.0)};
 }
 void make_random(Random& random, GravityWellEffect& made) {
-  made = {.radius_m = by_ratio(random, 1e-5, 1.0), .max_force_n = by_ratio(random, 0.1, 100.0)};
+  made = {.radius_m = log_between(random, 1e-5, 1.0), .max_force_n = log_between(random, 0.1, 100.0)};
 }
 void make_random(Random& random, ConstantEffect& made) { made = {.force_n = any_direction(random)}; }
 void make_random(Random& random, ViscousEffect& made) {
-  made = {.damping_ns_per_m = by_ratio(random, 0.1, 1000.0), .max_force_n = by_ratio(random, 0.1, 100.0)};
+  made = {.damping_ns_per_m = log_between(random, 0.1, 1000.0), .max_force_n = log_between(random, 0.1, 100.0)};
 }
 void make_random(Random& random, WaveEffect& made) { made = {.direction = any_direction(random)}; }
 void make_random(Random& random, BurstEffect& made) { made = {.direction = any_direction(random)}; }
-void make_random(Random& random, MassEffect& made) { made = {.mass_kg = by_ratio(random, 0.001, 5.0)}; }
+void make_random(Random& random, MassEffect& made) { made = {.mass_kg = log_between(random, 0.001, 5.0)}; }
 
 double size_of(const SpringEffect& effect) { return effect.max_force_n / effect.stiffness_n_per_m; }
 double size_of(const SnapEffect& effect) { return effect.range_m; }
@@ -77,17 +77,17 @@ void expect_stiffness_of(Random& random) {
   for (int n = 0; n < 50; ++n) {
     Effect effect;
     make_random(random, effect);
-    const Sampled sampled{effect};
-    const auto force = [&](const Vec3& p) { return sampled.at(p); };
+    const SampledEffect sampled{effect};
+    const auto force = [&](const Vec3& p) { return sampled.force_at(p); };
     const double size = size_of(effect);
-    double most = 0.0;
+    double largest_n_per_m = 0.0;
     for (int place = 0; place < 200; ++place) {
-      const Vec3 at = by_ratio(random, 1e-3, 2.0) * size * any_direction(random);
-      most = std::max(most, largest_slope(force, at, 1e-5 * size));
+      const Vec3 at = log_between(random, 1e-3, 2.0) * size * any_direction(random);
+      largest_n_per_m = std::max(largest_n_per_m, largest_slope(force, at, 1e-5 * size));
     }
-    const double claimed = stiffest_of(effect).n_per_m;
-    EXPECT_GE(claimed * (1.0 + 1e-4) + 1e-9, most) << "type " << SpaceEffect(effect).index() << ", sample " << n;
-    EXPECT_LE(claimed, 2.0 * most + 1e-9) << "type " << SpaceEffect(effect).index() << ", sample " << n;
+    const double claimed_n_per_m = stiffest_of(effect).n_per_m;
+    EXPECT_GE(claimed_n_per_m * (1.0 + 1e-4) + 1e-9, largest_n_per_m) << "type " << SpaceEffect(effect).index() << ", sample " << n;
+    EXPECT_LE(claimed_n_per_m, 2.0 * largest_n_per_m + 1e-9) << "type " << SpaceEffect(effect).index() << ", sample " << n;
   }
 }
 
@@ -97,12 +97,13 @@ void expect_viscosity_of(Random& random) {
   for (int n = 0; n < 50; ++n) {
     Effect effect;
     make_random(random, effect);
-    const Sampled sampled{effect};
-    const auto force = [&](const Vec3& v) { return sampled.moving(v); };
-    const double most = largest_slope(force, 1e-5 * any_direction(random), 1e-5);
-    const double claimed = viscosity_of(SpaceEffect(effect));
+    const SampledEffect sampled{effect};
+    const auto force = [&](const Vec3& v) { return sampled.force_at_velocity(v); };
+    const double largest_ns_per_m = largest_slope(force, 1e-5 * any_direction(random), 1e-5);
+    const double claimed_ns_per_m = viscosity_of(SpaceEffect(effect));
     // The position changes with the velocity as well, but in the last sample it is the origin.
-    EXPECT_NEAR(claimed, std::max(0.0, most), 1e-4 * claimed + 1e-9) << "type " << SpaceEffect(effect).index() << ", sample " << n;
+    EXPECT_NEAR(claimed_ns_per_m, std::max(0.0, largest_ns_per_m), 1e-4 * claimed_ns_per_m + 1e-9)
+        << "type " << SpaceEffect(effect).index() << ", sample " << n;
   }
 }
 
@@ -140,36 +141,37 @@ struct TouchedPlane {
 };
 
 // The largest stiffness found at many places of a plane that is pressed with up to this force.
-double largest_felt(const TouchedPlane& plane, double pressed_n, double size_m, Random& random) {
-  double most = 0.0;
-  const double deepest = pressed_n / stiffest_spring_of(plane.material, plane.effects).n_per_m;
+double largest_felt_stiffness(const TouchedPlane& plane, double max_pressed_n, double size_m, Random& random) {
+  double largest_n_per_m = 0.0;
+  const double max_depth_m = max_pressed_n / stiffest_spring_of(plane.material, plane.effects).n_per_m;
   for (int n = 0; n < 3000; ++n) {
     const double height = plane.effects.bumps.height_m;
     const Vec3 at(between(random, 0, size_m), between(random, 0, size_m),
-                  -deepest * between(random, 0.97, 1.0) - height * between(random, 0, 1));
+                  -max_depth_m * between(random, 0.97, 1.0) - height * between(random, 0, 1));
     EffectStep before({plane.effects}, {});
-    const double pressed = before.step(at, 1e-3, plane.contact_at(at)).force_n.z();  // f: grad h has no component along n
-    if (!(pressed > 0.0) || pressed > pressed_n) continue;
+    const double pressed_n = before.step(at, 1e-3, plane.contact_at(at)).force_n.z();  // f: grad h has no component along n
+    if (!(pressed_n > 0.0) || pressed_n > max_pressed_n) continue;
     const auto force = [&](const Vec3& p) { return plane.force_at(before, p); };
-    most = std::max(most, largest_slope(force, at, 1e-6 * std::min(size_m, deepest)));
+    largest_n_per_m = std::max(largest_n_per_m, largest_slope(force, at, 1e-6 * std::min(size_m, max_depth_m)));
   }
-  return most;
+  return largest_n_per_m;
 }
 
-void expect_bound(const TouchedPlane& plane, double pressed_n, double size_m, Random& random, const std::string& what) {
-  const double felt = largest_felt(plane, pressed_n, size_m, random);
-  const double claimed = stiffest_by_place_of(plane.material, plane.effects, pressed_n).n_per_m;
-  EXPECT_GE(claimed * (1.0 + 1e-4), felt) << what;
-  EXPECT_LE(claimed, 2.0 * felt) << what;
+void expect_claim_up_to_twice_felt(const TouchedPlane& plane, double pressed_n, double size_m, Random& random, const std::string& what) {
+  const double felt_n_per_m = largest_felt_stiffness(plane, pressed_n, size_m, random);
+  const double claimed_n_per_m = stiffest_by_place_of(plane.material, plane.effects, pressed_n).n_per_m;
+  EXPECT_GE(claimed_n_per_m * (1.0 + 1e-4), felt_n_per_m) << what;
+  EXPECT_LE(claimed_n_per_m, 2.0 * felt_n_per_m) << what;
 }
 
 TEST(FeltStiffness, OfBumpsIsAtMostTwiceWhatIsFelt) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Random random(seed);
-    TouchedPlane plane{.material = {.stiffness_n_per_m = by_ratio(random, 50.0, 5000.0)}, .effects = {}};
-    plane.effects.bumps = {.pattern = static_cast<SurfaceBumps::Pattern>(seed % 2), .length_m = by_ratio(random, 1e-4, 0.05)};
+    TouchedPlane plane{.material = {.stiffness_n_per_m = log_between(random, 50.0, 5000.0)}, .effects = {}};
+    plane.effects.bumps = {.pattern = static_cast<SurfaceBumps::Pattern>(seed % 2), .length_m = log_between(random, 1e-4, 0.05)};
     plane.effects.bumps.height_m = plane.effects.bumps.length_m * between(random, 0.01, 0.33);
-    expect_bound(plane, by_ratio(random, 0.5, 10.0), plane.effects.bumps.length_m, random, "seed " + std::to_string(seed));
+    expect_claim_up_to_twice_felt(plane, log_between(random, 0.5, 10.0), plane.effects.bumps.length_m, random,
+                                  "seed " + std::to_string(seed));
   }
 }
 
@@ -180,19 +182,21 @@ TEST(FeltStiffness, OfBumpsInLayersIsThatOfTheLayerThatIsPressed) {
   plane.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 2.0});
   const double weak = stiffest_by_place_of(plane.material, plane.effects, 10.0).n_per_m;
   EXPECT_EQ(weak, stiffest_by_place_of(plane.material, plane.effects, 2.0).n_per_m) << "it is punctured at 2 N";
-  expect_bound(plane, 2.0, 0.001, random, "seed 3");
+  expect_claim_up_to_twice_felt(plane, 2.0, 0.001, random, "seed 3");
 }
 
 // Friction that the effects compute (methods smooth and sweep, and by an image) is a spring along the surface beside that of the bumps.
 TEST(FeltStiffness, OfBumpsWithFrictionCountsBoth) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
-    TouchedPlane plane{.material = {.stiffness_n_per_m = by_ratio(random, 200.0, 2000.0), .friction_static = 0.9, .friction_dynamic = 0.9},
-                       .effects = {}};
-    plane.effects.bumps = {.pattern = static_cast<SurfaceBumps::Pattern>(seed % 2), .length_m = by_ratio(random, 0.003, 0.05)};
+    TouchedPlane plane{
+        .material = {.stiffness_n_per_m = log_between(random, 200.0, 2000.0), .friction_static = 0.9, .friction_dynamic = 0.9},
+        .effects = {}};
+    plane.effects.bumps = {.pattern = static_cast<SurfaceBumps::Pattern>(seed % 2), .length_m = log_between(random, 0.003, 0.05)};
     plane.effects.bumps.height_m = plane.effects.bumps.length_m * between(random, 0.01, 0.2);
     plane.effects.drag = {.stiffness_n_per_m = plane.material.stiffness_n_per_m, .friction = {0.9, 0.9}};
-    expect_bound(plane, by_ratio(random, 0.5, 10.0), plane.effects.bumps.length_m, random, "seed " + std::to_string(seed));
+    expect_claim_up_to_twice_felt(plane, log_between(random, 0.5, 10.0), plane.effects.bumps.length_m, random,
+                                  "seed " + std::to_string(seed));
   }
 }
 
@@ -212,18 +216,18 @@ std::shared_ptr<const SurfaceImage> noise_of(Random& random, int side) {
 }
 
 // The largest stiffness at many places. Each is pressed so deep below the bumps there that the force is pressed_n.
-double largest_felt_of_images(const TouchedPlane& plane, double pressed_n, Random& random) {
-  double most = 0.0;
+double largest_felt_stiffness_of_images(const TouchedPlane& plane, double pressed_n, Random& random) {
+  double largest_n_per_m = 0.0;
   for (int n = 0; n < 4000; ++n) {
     Vec3 at(between(random, 0, plane.image_m), between(random, 0, plane.image_m), 0);
     const MapSample map =
         plane.effects.maps.sample({.texcoord = at.head<2>() / plane.image_m, .du = Vec3::UnitX() / plane.image_m, .dv = Vec3::Zero()});
-    const double deep_m = pressed_n / (map.stiffness * plane.material.stiffness_n_per_m);
-    at.z() = map.height_m - deep_m;
+    const double depth_m = pressed_n / (map.stiffness * plane.material.stiffness_n_per_m);
+    at.z() = map.height_m - depth_m;
     const auto force = [&](const Vec3& p) { return plane.force_at(EffectStep({plane.effects}, {}), p); };
-    most = std::max(most, largest_slope(force, at, 1e-6 * std::min(plane.image_m, deep_m)));
+    largest_n_per_m = std::max(largest_n_per_m, largest_slope(force, at, 1e-6 * std::min(plane.image_m, depth_m)));
   }
-  return most;
+  return largest_n_per_m;
 }
 
 // Relief and stiffness by images of noise, alone and together. Together, the bound takes the worst of each image for the same place.
@@ -231,7 +235,7 @@ TEST(FeltStiffness, OfImagesIsAtMostAFewTimesWhatIsFelt) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Random random(seed);
     TouchedPlane plane{
-        .material = {.stiffness_n_per_m = by_ratio(random, 200.0, 2000.0)}, .effects = {}, .image_m = by_ratio(random, 0.003, 0.1)};
+        .material = {.stiffness_n_per_m = log_between(random, 200.0, 2000.0)}, .effects = {}, .image_m = log_between(random, 0.003, 0.1)};
     plane.effects.maps.triangles = square_of(plane.image_m);
     const bool has_height = seed % 3 != 0;
     const bool has_stiffness = seed % 3 != 1;
@@ -240,11 +244,11 @@ TEST(FeltStiffness, OfImagesIsAtMostAFewTimesWhatIsFelt) {
           .image = noise_of(random, 5), .at_black = -0.1 * plane.image_m * between(random, 0.1, 1.0), .at_white = 0.0};
     if (has_stiffness)
       plane.effects.maps.stiffness = {.image = noise_of(random, 4), .at_black = between(random, 0.2, 0.8), .at_white = 1.0};
-    const double pressed_n = by_ratio(random, 0.5, 10.0);
-    const double felt = largest_felt_of_images(plane, pressed_n, random);
-    const double claimed = stiffest_by_place_of(plane.material, plane.effects, pressed_n).n_per_m;
-    EXPECT_GE(claimed * (1.0 + 1e-3), felt) << "seed " << seed;
-    EXPECT_LE(claimed, (has_height && has_stiffness ? 3.0 : 2.0) * felt) << "seed " << seed;
+    const double pressed_n = log_between(random, 0.5, 10.0);
+    const double felt_n_per_m = largest_felt_stiffness_of_images(plane, pressed_n, random);
+    const double claimed_n_per_m = stiffest_by_place_of(plane.material, plane.effects, pressed_n).n_per_m;
+    EXPECT_GE(claimed_n_per_m * (1.0 + 1e-3), felt_n_per_m) << "seed " << seed;
+    EXPECT_LE(claimed_n_per_m, (has_height && has_stiffness ? 3.0 : 2.0) * felt_n_per_m) << "seed " << seed;
   }
 }
 
@@ -255,11 +259,11 @@ TEST(FeltStiffness, DragOfLayersIsWhatTheNeedleFeels) {
     Random random(seed);
     TouchedPlane plane{.material = {}, .effects = {}};
     if (seed % 2 == 0) plane.effects.bumps = {.height_m = 0.0003, .length_m = 0.002};
-    if (seed % 3 == 0) plane.effects.viscosity.damping_ns_per_m = by_ratio(random, 1.0, 100.0);
+    if (seed % 3 == 0) plane.effects.viscosity.damping_ns_per_m = log_between(random, 1.0, 100.0);
     plane.effects.layers.add(
-        {.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 0.1, .drag_ns_per_m = by_ratio(random, 1.0, 100.0)});
+        {.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 0.1, .drag_ns_per_m = log_between(random, 1.0, 100.0)});
     plane.effects.layers.add({.depth_m = 0.005, .stiffness_n_per_m = 400.0, .drag_ns_per_m = 900.0});
-    double most = 0.0;
+    double largest_ns_per_m = 0.0;
     for (int n = 0; n < 200; ++n) {
       const Vec3 at(between(random, 0, 0.002), between(random, 0, 0.002), -0.012);
       EffectStep punctured({plane.effects}, {});
@@ -274,11 +278,11 @@ TEST(FeltStiffness, DragOfLayersIsWhatTheNeedleFeels) {
         for (int k = -8; k <= 0; ++k) felt = step.step(at + 1e-3 * k * v, 1e-3, plane.contact_at(at + 1e-3 * k * v)).force_n;
         return felt;
       };
-      most = std::max(most, largest_slope(force, Vec3::Zero(), 1e-5));
+      largest_ns_per_m = std::max(largest_ns_per_m, largest_slope(force, Vec3::Zero(), 1e-5));
     }
-    const double claimed = std::max(drag_of(plane.effects), viscosity_of(plane.effects));
-    EXPECT_GE(claimed * (1.0 + 1e-4), most) << "seed " << seed;
-    EXPECT_LE(claimed, 2.0 * most) << "seed " << seed;
+    const double claimed_ns_per_m = std::max(drag_of(plane.effects), viscosity_of(plane.effects));
+    EXPECT_GE(claimed_ns_per_m * (1.0 + 1e-4), largest_ns_per_m) << "seed " << seed;
+    EXPECT_LE(claimed_ns_per_m, 2.0 * largest_ns_per_m) << "seed " << seed;
   }
 }
 

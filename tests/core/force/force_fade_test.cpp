@@ -31,8 +31,7 @@ TEST(ForceFade, TheDifferenceOnlyDecreasesAndIsZeroAfterItsTime) {
     const int steps = static_cast<int>(ForceFade::kInContactS / dt_s) + 1;
     for (int i = 0; i < steps; ++i) {
       const Vec3 force = fade.step(kAfter, true, step_s);
-      EXPECT_NEAR((last - force).dot(difference), (last - force).norm() * difference.norm(), 1e-12)
-          << "the same direction, towards the new";
+      EXPECT_NEAR((last - force).dot(difference), (last - force).norm() * difference.norm(), 1e-12) << "straight towards the new force";
       EXPECT_LE((last - force).norm(), difference.norm() * dt_s / ForceFade::kInContactS + 1e-12);
       last = force;
     }
@@ -49,6 +48,7 @@ TEST(ForceFade, InTheAirItFadesTenTimesFasterAndContactDoesNotBringItBack) {
     EXPECT_NEAR((fade.step(Vec3::Zero(), false, kStepS) - (0.9 - 0.1 * i) * kBefore).norm(), 0.0, 1e-12);
     EXPECT_TRUE(fade.is_active());
   }
+  // Half of the difference is left, and 0.01 of it fades in a step in contact.
   EXPECT_NEAR((fade.step(kAfter, true, kStepS) - kAfter - 0.49 * kBefore).norm(), 0.0, 1e-12);
   for (int i = 0; i < 6; ++i) fade.step(Vec3::Zero(), false, kStepS);
   EXPECT_EQ(fade.step(Vec3::Zero(), false, kStepS), Vec3::Zero());

@@ -14,7 +14,7 @@
 namespace hapton {
 
 // An image with waves in both directions, over the sides of a box.
-inline std::shared_ptr<const SurfaceImage> made_waves() {
+inline std::shared_ptr<const SurfaceImage> made_wave_image() {
   std::vector<float> texels;
   for (int v = 0; v < 32; ++v) {
     for (int u = 0; u < 32; ++u) {
@@ -25,7 +25,8 @@ inline std::shared_ptr<const SurfaceImage> made_waves() {
   return std::make_shared<const SurfaceImage>(32, 32, std::move(texels));
 }
 
-inline std::shared_ptr<const std::vector<MappedTriangle>> mapped(const TriangleMesh& mesh) {
+// Texture coordinates by x and y: the image repeats every 20 mm.
+inline std::shared_ptr<const std::vector<MappedTriangle>> mapped_triangles(const TriangleMesh& mesh) {
   auto triangles = std::make_shared<std::vector<MappedTriangle>>();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     MappedTriangle made;
@@ -52,8 +53,8 @@ inline SurfaceEffects skin_and_flesh() {
 
 inline SurfaceEffects with_map(const TriangleMesh& mesh, ImageMap SurfaceMaps::*map, double at_black, double at_white) {
   SurfaceEffects effects;
-  effects.maps.triangles = mapped(mesh);
-  effects.maps.*map = {.image = made_waves(), .at_black = at_black, .at_white = at_white};
+  effects.maps.triangles = mapped_triangles(mesh);
+  effects.maps.*map = {.image = made_wave_image(), .at_black = at_black, .at_white = at_white};
   return effects;
 }
 

@@ -29,7 +29,7 @@ TEST(MakeMethod, AMeshWithoutTrianglesIsRejected) {
   }
 }
 
-TEST(MakeMethod, AnUnknownNameGetsTheKnownOnes) {
+TEST(MakeMethod, AnUnknownNameIsRejectedWithTheKnownOnes) {
   const auto method = make_method({.name = "sweeep"}, {.objects = {{made::shared(made::sphere(0.1, 8)), {}}}});
   ASSERT_FALSE(method);
   EXPECT_NE(method.error().what.find("'sweeep'"), std::string::npos);
@@ -75,7 +75,7 @@ TEST(MakeMethod, SmoothGetsItsCreaseAngleAndHowMuchToSimplify) {
   EXPECT_NE((*configured)->describe().find("more than 63 degrees"), std::string::npos);
 }
 
-TEST(MakeMethod, ASphereAsProbeIsSupportedWhereItIsSaid) {
+TEST(MakeMethod, ASphereProbeIsAcceptedWhereSupportsSpheresSaysSo) {
   const TouchScene ball{.objects = {{made::shared(made::sphere(0.1, 8)), {}}}};
   for (const char* name : {"proxy", "reference", "smooth", "sweep"}) {
     ASSERT_TRUE(is_method_name(name)) << name;

@@ -43,25 +43,25 @@ TEST(MappedSurface, FindsThePlaceOfTheNearestPointWhereverTheSearchBegins) {
   }
 }
 
-TEST(MappedSurface, AStepSharesTheOneOfItsTrianglesAndNoOther) {
+TEST(MappedSurface, AStepSharesTheMappedSurfaceOfItsTrianglesAndNoOther) {
   const TriangleMesh torus = make_torus(0.035, 0.015, 30, 12);
   const SurfaceMaps maps = made_maps(torus);
   TouchScene scene;
   scene.objects.push_back({.mesh = std::make_shared<const TriangleMesh>(torus), .material = {}});
   scene.objects.front().effects.maps = maps;
   const auto surface = std::make_shared<const MappedSurface>(maps.triangles);
-  const auto of_another = std::make_shared<const MappedSurface>(made_maps(make_torus(0.03, 0.01, 30, 12)).triangles);
+  const auto of_another_mesh = std::make_shared<const MappedSurface>(made_maps(make_torus(0.03, 0.01, 30, 12)).triangles);
   TouchScene shared = scene;
   shared.mapped = {surface};
   TouchScene stale = scene;
-  stale.mapped = {of_another};
+  stale.mapped = {of_another_mesh};
   TouchScene none = scene;
   none.mapped = {nullptr};
   std::vector<TouchStep> steps;
   for (const TouchScene* each : {&scene, &shared, &stale, &none})
     steps.emplace_back(std::shared_ptr<ForceMethod>(make_method({}, *each).value().release()), *each);
   EXPECT_EQ(surface.use_count(), 3) << "here, in the scene and in the step";
-  EXPECT_EQ(of_another.use_count(), 2);
+  EXPECT_EQ(of_another_mesh.use_count(), 2) << "here and in the scene";
   int contacts = 0;
   for (int n = 0; n < 400; ++n) {
     const double angle = 0.02 * n;
@@ -84,13 +84,13 @@ TEST(MappedSurface, FrictionOfAnImageIsNoStifferThanTheMaterial) {
   maps.height = {};
   scene.objects.front().effects.maps = maps;
   TouchStep touch(std::shared_ptr<ForceMethod>(make_method({}, scene).value().release()), scene);
-  for (const bool tuned : {false, true}) {
-    if (tuned) touch.set_materials(std::vector<Material>{{.stiffness_n_per_m = 250.0, .damping_ns_per_m = 5.0}});
+  for (const bool is_tuned : {false, true}) {
+    if (is_tuned) touch.set_materials(std::vector<Material>{{.stiffness_n_per_m = 250.0, .damping_ns_per_m = 5.0}});
     touch.reset({.p_WD = {0.003, 0.004, 0.001}});
     touch.step({.p_WD = {0.003, 0.004, -0.0001}});
     const TouchOutput felt = touch.step({.p_WD = {0.00301, 0.004, -0.0002}});  // 10 um aside
     EXPECT_GT(felt.force_n.z(), 0.5);
-    EXPECT_NEAR(felt.force_n.x(), -1e-5 * (tuned ? 250.0 : 500.0), 1e-9);
+    EXPECT_NEAR(felt.force_n.x(), -1e-5 * (is_tuned ? 250.0 : 500.0), 1e-9);
   }
 }
 

@@ -23,12 +23,12 @@ namespace {
 constexpr double kMs = 1e-3;
 
 TouchObject made_plate(const NamedEffects& effects) {
-  TouchObject plate = felt_plate({-0.15, -0.15, -0.02}, {0.15, 0.15, 0.0});
+  TouchObject plate = plate_object({-0.15, -0.15, -0.02}, {0.15, 0.15, 0.0});
   plate.effects = effects.make(*plate.mesh);
   return plate;
 }
 
-TouchStep step_over(const TouchScene& scene, const char* method = "proxy") {
+TouchStep make_touch_over(const TouchScene& scene, const char* method = "proxy") {
   auto made = make_method({.name = method}, scene);
   EXPECT_TRUE(made) << (made ? "" : made.error().what);
   return {std::move(*made), scene};
@@ -47,45 +47,45 @@ Vec3 hand_on_plate(int i) {
   return {0.02 * std::sin(9.0 * t) + 0.01 * t, 0.015 * std::cos(7.0 * t), 0.004 * std::cos(17.0 * t) - 0.0028};
 }
 
-struct Twin {
-  double worst_n = 0.0;
-  double most_n = 0.0;
-  double effect_n = 0.0;  // largest difference from the force without effects
-  int contacts = 0;
-  int fields = 0;  // steps in which another field of the output differs
+struct TwinComparison {
+  double difference_n = 0.0;  // largest difference of the forces on the two objects
+  double most_n = 0.0;        // largest force
+  double effect_n = 0.0;      // largest difference from the force without effects
+  int contact_steps = 0;
+  int other_field_steps = 0;  // steps in which another field of the output differs
 };
 
-// Compares a moving object with one that stands still; `path` is in the object's frame. programs: a command moves it, not keyframes.
-Twin compare(const NamedEffects& effects, const char* method, const std::function<Vec3(int)>& path, bool programs) {
+// Compares a moving object with one that stands still; `path` is in the object's frame. is_commanded: a command moves it, not keyframes.
+TwinComparison compare(const NamedEffects& effects, const char* method, const std::function<Vec3(int)>& path, bool is_commanded) {
   TouchScene still{.objects = {made_plate(effects)}};
   TouchScene moving = still;
   const auto motion = fast_motion();
-  if (programs) {
+  if (is_commanded) {
     moving.objects[0].command_pivot = motion->pivot();
   } else {
     moving.objects[0].motion = motion;
   }
-  TouchScene bare = still;
-  bare.objects[0].effects = {};
-  TouchStep a = step_over(still, method);
-  TouchStep b = step_over(moving, method);
-  TouchStep plain = step_over(bare, method);
-  if (programs) {
-    EXPECT_TRUE(b.command(0, {.serial = 1, .from = motion->keyframes()[0], .to = motion->keyframes()[1]}));
+  TouchScene without_effects = still;
+  without_effects.objects[0].effects = {};
+  TouchStep still_touch = make_touch_over(still, method);
+  TouchStep moving_touch = make_touch_over(moving, method);
+  TouchStep bare_touch = make_touch_over(without_effects, method);
+  if (is_commanded) {
+    EXPECT_TRUE(moving_touch.command(0, {.serial = 1, .from = motion->keyframes()[0], .to = motion->keyframes()[1]}));
   }
-  Twin twin;
+  TwinComparison twin;
   for (int i = 0; i < 800; ++i) {
     const double time_s = kMs * i;
     const Pose X_SO = motion->pose_at(time_s);
-    const TouchOutput here = a.step({.p_WD = path(i), .dt_s = kMs, .time_s = time_s});
-    const TouchOutput there = b.step({.p_WD = X_SO * path(i), .dt_s = kMs, .time_s = time_s});
-    const TouchOutput without = plain.step({.p_WD = path(i), .dt_s = kMs, .time_s = time_s});
-    twin.worst_n = std::max(twin.worst_n, (X_SO.linear().transpose() * there.force_n - here.force_n).norm());
-    twin.most_n = std::max(twin.most_n, here.force_n.norm());
-    twin.effect_n = std::max(twin.effect_n, (here.force_n - without.force_n).norm());
-    twin.contacts += here.contact ? 1 : 0;
-    const double offset_m = (X_SO.linear().transpose() * there.visual_offset_m - here.visual_offset_m).norm();
-    twin.fields += here.contact != there.contact || here.object != there.object || offset_m > 1e-12 ? 1 : 0;
+    const TouchOutput expected = still_touch.step({.p_WD = path(i), .dt_s = kMs, .time_s = time_s});
+    const TouchOutput felt = moving_touch.step({.p_WD = X_SO * path(i), .dt_s = kMs, .time_s = time_s});
+    const TouchOutput bare = bare_touch.step({.p_WD = path(i), .dt_s = kMs, .time_s = time_s});
+    twin.difference_n = std::max(twin.difference_n, (X_SO.linear().transpose() * felt.force_n - expected.force_n).norm());
+    twin.most_n = std::max(twin.most_n, expected.force_n.norm());
+    twin.effect_n = std::max(twin.effect_n, (expected.force_n - bare.force_n).norm());
+    twin.contact_steps += expected.contact ? 1 : 0;
+    const double offset_m = (X_SO.linear().transpose() * felt.visual_offset_m - expected.visual_offset_m).norm();
+    twin.other_field_steps += expected.contact != felt.contact || expected.object != felt.object || offset_m > 1e-12 ? 1 : 0;
   }
   return twin;
 }
@@ -96,11 +96,11 @@ INSTANTIATE_TEST_SUITE_P(Methods, MovingEffects, testing::Values("proxy", "refer
 // Relative to the moving object, whatever its motion, the hand moves as over the object that stands still.
 TEST_P(MovingEffects, AreThoseOfAStaticObjectInItsFrame) {
   for (const NamedEffects& effects : all_effects()) {
-    for (const bool programs : {false, true}) {
-      const Twin twin = compare(effects, GetParam(), hand_on_plate, programs);
-      EXPECT_LT(twin.worst_n, 1e-9 * twin.most_n) << effects.name;
-      EXPECT_EQ(twin.fields, 0) << effects.name;
-      EXPECT_GT(twin.contacts, 300) << effects.name;
+    for (const bool is_commanded : {false, true}) {
+      const TwinComparison twin = compare(effects, GetParam(), hand_on_plate, is_commanded);
+      EXPECT_LT(twin.difference_n, 1e-9 * twin.most_n) << effects.name;
+      EXPECT_EQ(twin.other_field_steps, 0) << effects.name;
+      EXPECT_GT(twin.contact_steps, 300) << effects.name;
       EXPECT_GT(twin.effect_n, 0.1) << effects.name << " is not felt";
     }
   }
@@ -110,37 +110,37 @@ TEST_P(MovingEffects, AreThoseOfAStaticObjectInItsFrame) {
 TEST_P(MovingEffects, OfAHandThatMovesAlongAreThoseAtRest) {
   const auto resting = [](int i) { return Vec3(0.013, -0.007, i < 40 ? 0.002 - 1e-4 * i : -0.002); };
   for (const NamedEffects& effects : all_effects()) {
-    const Twin twin = compare(effects, GetParam(), resting, false);
-    EXPECT_LT(twin.worst_n, 1e-9 * twin.most_n) << effects.name;
-    EXPECT_EQ(twin.fields, 0) << effects.name;
+    const TwinComparison twin = compare(effects, GetParam(), resting, false);
+    EXPECT_LT(twin.difference_n, 1e-9 * twin.most_n) << effects.name;
+    EXPECT_EQ(twin.other_field_steps, 0) << effects.name;
   }
 }
 
-// The hand holds still in the room: over a static object that is a motion the other way.
+// The hand holds still in the scene: relative to the object it moves the opposite way.
 TEST_P(MovingEffects, OfAHandAtRestAreThoseOfTheOppositeMotion) {
   const auto motion = fast_motion();
   // At a third of the motion (0.27 s) the hand is 2 mm deep.
   const Vec3 p_S = motion->pose_at(0.27) * Vec3(0.02, 0.01, -0.002);
   const auto at_rest = [&](int i) -> Vec3 { return motion->pose_at(kMs * i).inverse(Eigen::Isometry) * p_S; };
-  int felt = 0;
+  int acting_effects = 0;
   for (const NamedEffects& effects : all_effects()) {
-    const Twin twin = compare(effects, GetParam(), at_rest, false);
-    EXPECT_LT(twin.worst_n, 1e-9 * std::max(1.0, twin.most_n)) << effects.name;
-    EXPECT_EQ(twin.fields, 0) << effects.name;
-    EXPECT_GT(twin.contacts, 10) << effects.name;
-    felt += twin.effect_n > 0.05 ? 1 : 0;
+    const TwinComparison twin = compare(effects, GetParam(), at_rest, false);
+    EXPECT_LT(twin.difference_n, 1e-9 * std::max(1.0, twin.most_n)) << effects.name;
+    EXPECT_EQ(twin.other_field_steps, 0) << effects.name;
+    EXPECT_GT(twin.contact_steps, 10) << effects.name;
+    acting_effects += twin.effect_n > 0.05 ? 1 : 0;
   }
-  EXPECT_GE(felt, 10);
+  EXPECT_GE(acting_effects, 10);
 }
 
-// As long as the moving object is at its rest pose.
+// No time passes, so the moving object stays at its rest pose.
 TEST_P(MovingEffects, AtTheFirstPoseAreThoseOfAStaticObjectToTheBit) {
   for (const NamedEffects& effects : all_effects()) {
     const TouchScene still{.objects = {made_plate(effects)}};
     TouchScene moving = still;
     moving.objects[0].motion = fast_motion();
-    TouchStep a = step_over(still, GetParam());
-    TouchStep b = step_over(moving, GetParam());
+    TouchStep a = make_touch_over(still, GetParam());
+    TouchStep b = make_touch_over(moving, GetParam());
     for (int i = 0; i < 400; ++i) {
       const Vec3 p = hand_on_plate(i);
       const TouchOutput here = a.step({.p_WD = p, .dt_s = kMs});
@@ -156,7 +156,7 @@ TEST_P(MovingEffects, UseNoHeap) {
     TouchScene scene{.objects = {made_plate(effects)}};
     const auto motion = fast_motion();
     scene.objects[0].motion = motion;
-    TouchStep touch = step_over(scene, GetParam());
+    TouchStep touch = make_touch_over(scene, GetParam());
     (void)touch.step({.p_WD = hand_on_plate(0), .dt_s = kMs});
     const AllocationGuard guard;
     for (int i = 1; i < 300; ++i) {
@@ -172,9 +172,9 @@ TEST(MovingEffectsOfAStep, AreAsTheirFormulasSay) {
   const Vec3 v(0.1, 0.0, 0.0);
   const Vec3 p(0.01, 0.02, -0.002);
   const auto felt_at = [&](const SurfaceEffects& effects, int steps, Vec3 from = Vec3::Zero()) {
-    TouchScene scene{.objects = {felt_plate({-0.15, -0.15, -0.02}, {0.15, 0.15, 0.0}, shift_motion(from, from + v, 1.0))}};
+    TouchScene scene{.objects = {plate_object({-0.15, -0.15, -0.02}, {0.15, 0.15, 0.0}, shift_motion(from, from + v, 1.0))}};
     scene.objects[0].effects = effects;
-    TouchStep touch = step_over(scene);
+    TouchStep touch = make_touch_over(scene);
     TouchOutput felt;
     touch.reset({.p_WD = {p.x(), p.y(), 0.004}});
     for (int i = 0; i <= steps; ++i) {
@@ -198,33 +198,33 @@ TEST(MovingEffectsOfAStep, AreAsTheirFormulasSay) {
 // A plate that rises at 0.2 m/s taps a hand that holds still.
 TEST(MovingEffectsOfAStep, ASurfaceTapsTheHand) {
   const TapVibration metal{.ns_per_m = 5.0, .frequency_hz = 100.0, .decay_s = 0.02};
-  TouchScene scene{.objects = {felt_plate({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}, shift_motion(Vec3::Zero(), {0.0, 0.0, 0.1}, 0.5),
-                                          {.stiffness_n_per_m = 100.0})}};
+  TouchScene scene{.objects = {plate_object({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}, shift_motion(Vec3::Zero(), {0.0, 0.0, 0.1}, 0.5),
+                                            {.stiffness_n_per_m = 100.0})}};
   scene.objects[0].effects.tap = metal;
-  TouchStep touch = step_over(scene);
-  int since = -1;
+  TouchStep touch = make_touch_over(scene);
+  int steps_since_contact = -1;
   for (int i = 0; i < 60; ++i) {
     const TouchOutput felt = touch.step({.p_WD = {0.01, 0.0, 0.00205}, .dt_s = kMs, .time_s = kMs * i});
     const double depth_m = 0.2 * kMs * i - 0.00205;
     if (depth_m < 0.0) continue;
-    ++since;
-    const double t = kMs * since;
+    ++steps_since_contact;
+    const double t = kMs * steps_since_contact;
     const double ring_n = 5.0 * 0.2 * std::exp(-t / 0.02) * std::sin(2.0 * std::numbers::pi * 100.0 * t);
     EXPECT_NEAR(felt.force_n.z(), 100.0 * depth_m + ring_n, 1e-6) << i;
   }
-  EXPECT_GT(since, 40);
+  EXPECT_GT(steps_since_contact, 40);
 }
 
-// The plate has touched the hand, and goes down again: it pulls the hand until the hand is out of range.
-TEST(MovingEffectsOfAStep, ASurfaceThatLeavesHoldsOn) {
+// The plate has touched the hand, and goes down again: it pulls the hand until the hand is out of the range of the snap.
+TEST(MovingEffectsOfAStep, ASurfaceThatLeavesPullsTheHandWithinTheRangeOfASnap) {
   const auto motion = std::make_shared<const KeyframeMotion>(
       Vec3::Zero(),
       std::vector<Keyframe>{
           {0.0, Vec3::Zero(), Quat::Identity()}, {0.1, {0, 0, 0.01}, Quat::Identity()}, {0.2, Vec3::Zero(), Quat::Identity()}},
       false);
-  TouchScene scene{.objects = {felt_plate({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}, motion)}};
+  TouchScene scene{.objects = {plate_object({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}, motion)}};
   scene.objects[0].effects.snap = {.stiffness_n_per_m = 300.0, .range_m = 2e-3};
-  TouchStep touch = step_over(scene);
+  TouchStep touch = make_touch_over(scene);
   int pulls = 0;
   for (int i = 0; i < 200; ++i) {
     const TouchOutput felt = touch.step({.p_WD = {0.01, 0.0, 0.00805}, .dt_s = kMs, .time_s = kMs * i});
@@ -239,15 +239,15 @@ TEST(MovingEffectsOfAStep, ASurfaceThatLeavesHoldsOn) {
 }
 
 // A pose that jumps gives no velocity; a hand that slides goes on as if nothing had happened.
-TEST(MovingEffectsOfAStep, AJumpOfThePoseIsNoKick) {
+TEST(MovingEffectsOfAStep, AJumpOfThePoseIsNoVelocity) {
   for (const NamedEffects& effects : all_effects()) {
     const std::string name = effects.name;
     if (name == "layers" || name == "grid" || name == "ridges" || name.ends_with("map")) continue;  // they depend on the place
     TouchScene scene{.objects = {made_plate(effects)}};
     TouchScene still = scene;
     scene.objects[0].command_pivot = Vec3::Zero();
-    TouchStep touch = step_over(scene);
-    TouchStep same = step_over(still);
+    TouchStep touch = make_touch_over(scene);
+    TouchStep on_still = make_touch_over(still);
     for (int i = 0; i < 100; ++i) {
       if (i == 50) {
         const Keyframe to{.time_s = kMs * 49.5, .p_S = {0.006, -0.003, 0.0}};
@@ -255,17 +255,17 @@ TEST(MovingEffectsOfAStep, AJumpOfThePoseIsNoKick) {
       }
       const Vec3 p(0.01 + 1e-5 * i, 0.0, std::max(-0.002, 0.002 - 5e-4 * i));
       const TouchOutput a = touch.step({.p_WD = p, .dt_s = kMs, .time_s = kMs * i});
-      const TouchOutput b = same.step({.p_WD = p, .dt_s = kMs, .time_s = kMs * i});
+      const TouchOutput b = on_still.step({.p_WD = p, .dt_s = kMs, .time_s = kMs * i});
       EXPECT_LT((a.force_n - b.force_n).norm(), 1e-9) << name << " " << i;
     }
   }
 }
 
 TEST(MovingEffectsOfAStep, AJumpEndsASnap) {
-  TouchScene scene{.objects = {felt_plate({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0})}};
+  TouchScene scene{.objects = {plate_object({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0})}};
   scene.objects[0].effects.snap = {.stiffness_n_per_m = 300.0, .range_m = 2e-3};
   scene.objects[0].command_pivot = Vec3::Zero();
-  TouchStep touch = step_over(scene);
+  TouchStep touch = make_touch_over(scene);
   for (int i = 0; i < 40; ++i) {
     if (i == 30) {
       ASSERT_TRUE(touch.command(0, {.serial = 1, .from = {.time_s = kMs * 29.5}, .to = {.time_s = kMs * 29.5, .p_S = {0.0015, 0, 0}}}));
@@ -278,24 +278,25 @@ TEST(MovingEffectsOfAStep, AJumpEndsASnap) {
   }
 }
 
-// Two plates side by side, one moving and one not, both viscous: the hand goes over from one to the other, and each counts its own motion.
-TEST(MovingEffectsOfAStep, GoingOverToAnotherObjectCountsItsMotion) {
+// Two plates side by side, one moving and one not, both viscous: the hand goes from one to the other, and the velocity is relative to the
+// touched plate.
+TEST(MovingEffectsOfAStep, OnAnotherObjectTheVelocityIsRelativeToThatObject) {
   const Vec3 v(0.0, 0.1, 0.0);
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.1, -0.2, -0.02}, {0.0, 0.2, 0.0}, shift_motion(Vec3::Zero(), v, 1.0)));
-  scene.objects.push_back(felt_plate({0.0, -0.2, -0.02}, {0.1, 0.2, 0.0}));
-  scene.objects.push_back(felt_plate({-0.1, -0.2, -0.5}, {0.1, 0.2, -0.4}, shift_motion(Vec3::Zero(), -v, 1.0)));
+  scene.objects.push_back(plate_object({-0.1, -0.2, -0.02}, {0.0, 0.2, 0.0}, shift_motion(Vec3::Zero(), v, 1.0)));
+  scene.objects.push_back(plate_object({0.0, -0.2, -0.02}, {0.1, 0.2, 0.0}));
+  scene.objects.push_back(plate_object({-0.1, -0.2, -0.5}, {0.1, 0.2, -0.4}, shift_motion(Vec3::Zero(), -v, 1.0)));
   for (TouchObject& object : scene.objects) object.effects.viscosity.damping_ns_per_m = 4.0;
-  TouchStep touch = step_over(scene);
+  TouchStep touch = make_touch_over(scene);
   int on_moving = 0;
   int on_still = 0;
   for (int i = 0; i < 400; ++i) {
-    const Vec3 hand(0.05, 0.0, 0.0);  // m/s
-    Vec3 p = Vec3(-0.01, 0.0, i < 4 ? 0.002 - 1e-3 * i : -0.002) + kMs * i * hand;
+    const Vec3 hand_velocity(0.05, 0.0, 0.0);  // m/s
+    Vec3 p = Vec3(-0.01, 0.0, i < 4 ? 0.002 - 1e-3 * i : -0.002) + kMs * i * hand_velocity;
     if (std::abs(p.x()) < 1e-3) p.z() = 0.001;  // over the joint between their side walls
     const TouchOutput felt = touch.step({.p_WD = p, .dt_s = kMs, .time_s = kMs * i});
     if (i < 20 || std::abs(p.x()) < 1e-3) continue;
-    const Vec3 expected = Vec3(0, 0, 2.0) - 4.0 * (p.x() < 0.0 ? Vec3(hand - v) : hand);
+    const Vec3 expected = Vec3(0, 0, 2.0) - 4.0 * (p.x() < 0.0 ? Vec3(hand_velocity - v) : hand_velocity);
     EXPECT_LT((felt.force_n - expected).norm(), 1e-6) << i;
     EXPECT_EQ(felt.object, p.x() < 0.0 ? 0 : 1);
     (p.x() < 0.0 ? on_moving : on_still) += 1;
@@ -304,11 +305,11 @@ TEST(MovingEffectsOfAStep, GoingOverToAnotherObjectCountsItsMotion) {
   EXPECT_GT(on_still, 100);
 }
 
-// The knob box turns the scene under a hand that rests in the room while its objects move.
-TEST(MovingEffectsOfAStep, ATurnOfTheSceneIsNoVelocity) {
-  TouchScene scene{.objects = {felt_plate({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}, shift_motion(Vec3::Zero(), {0.1, 0.0, 0.0}, 1.0))}};
+// The view transform shifts the scene under a hand that rests in the world, while an object of the scene moves.
+TEST(MovingEffectsOfAStep, AShiftOfTheSceneIsNoVelocity) {
+  TouchScene scene{.objects = {plate_object({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}, shift_motion(Vec3::Zero(), {0.1, 0.0, 0.0}, 1.0))}};
   scene.objects[0].effects.viscosity.damping_ns_per_m = 4.0;
-  TouchStep touch = step_over(scene);
+  TouchStep touch = make_touch_over(scene);
   Pose X_WS = Pose::Identity();
   for (int i = 0; i < 60; ++i) {
     if (i == 30) X_WS.translation() = Vec3(0.02, 0.01, 0.0);
@@ -341,20 +342,21 @@ TEST(DeformingEffects, OfAShiftAreThoseOfAMovingObject) {
         std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {0.8, {1.0}}}, false);
     const auto motion = fast_motion();
     if (moves) deforming.objects[0].motion = motion;
-    TouchStep a = step_over(still);
-    TouchStep b = step_over(deforming);
-    double worst_n = 0.0;
+    TouchStep still_touch = make_touch_over(still);
+    TouchStep deforming_touch = make_touch_over(deforming);
+    double difference_n = 0.0;
     double most_n = 0.0;
     for (int i = 0; i < 800; ++i) {
       const double time_s = kMs * i;
       const Vec3 p = hand_on_plate(i);
-      const Vec3 here = a.step({.p_WD = p, .dt_s = kMs, .time_s = time_s}).force_n;
+      const Vec3 on_still = still_touch.step({.p_WD = p, .dt_s = kMs, .time_s = time_s}).force_n;
       const Pose X_SO = moves ? motion->pose_at(time_s) : Pose::Identity();
-      const Vec3 there = b.step({.p_WD = X_SO * Vec3(p + shift * time_s / 0.8), .dt_s = kMs, .time_s = time_s}).force_n;
-      worst_n = std::max(worst_n, (X_SO.linear() * here - there).norm());
-      most_n = std::max(most_n, here.norm());
+      const Vec3 on_deforming =
+          deforming_touch.step({.p_WD = X_SO * Vec3(p + shift * time_s / 0.8), .dt_s = kMs, .time_s = time_s}).force_n;
+      difference_n = std::max(difference_n, (X_SO.linear() * on_still - on_deforming).norm());
+      most_n = std::max(most_n, on_still.norm());
     }
-    EXPECT_LT(worst_n, 1e-6 * most_n) << effects.name;
+    EXPECT_LT(difference_n, 1e-6 * most_n) << effects.name;
   }
 }
 
@@ -370,7 +372,7 @@ TEST(DeformingEffects, OfAStretchedSheetAreAsTheirFormulasSay) {
     }
     sheet.deformation =
         std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {2.0, {1.0}}}, false);
-    TouchStep touch = step_over({.objects = {sheet}});
+    TouchStep touch = make_touch_over({.objects = {sheet}});
     TouchOutput felt;
     for (int i = 0; i <= std::lround(time_s / kMs); ++i) {
       felt = touch.step({.p_WD = {0.04, 0.01, std::max(-0.002, 0.002 - 1e-3 * i)}, .dt_s = kMs, .time_s = kMs * i});
@@ -390,7 +392,7 @@ TEST(DeformingEffects, OfAStretchedSheetAreAsTheirFormulasSay) {
   }
 }
 
-TEST(DeformingEffects, OfOneThatRisesTapTheHand) {
+TEST(DeformingEffects, OfARisingSheetTapTheHand) {
   TouchObject sheet{.mesh = made::shared(made::sheet(0.1, 0.0, 8)), .material = {.stiffness_n_per_m = 100.0}};
   sheet.effects.tap = {.ns_per_m = 5.0, .frequency_hz = 100.0, .decay_s = 0.02};
   MorphTarget target;
@@ -400,18 +402,18 @@ TEST(DeformingEffects, OfOneThatRisesTapTheHand) {
   }
   sheet.deformation =
       std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {0.5, {1.0}}}, false);
-  TouchStep touch = step_over({.objects = {sheet}});
-  int since = -1;
+  TouchStep touch = make_touch_over({.objects = {sheet}});
+  int steps_since_contact = -1;
   for (int i = 0; i < 60; ++i) {
     const TouchOutput felt = touch.step({.p_WD = {0.013, 0.007, 0.00205}, .dt_s = kMs, .time_s = kMs * i});
     const double depth_m = 0.2 * kMs * i - 0.00205;
     if (depth_m < 0.0) continue;
-    ++since;
-    const double t = kMs * since;
+    ++steps_since_contact;
+    const double t = kMs * steps_since_contact;
     const double ring_n = 5.0 * 0.2 * std::exp(-t / 0.02) * std::sin(2.0 * std::numbers::pi * 100.0 * t);
     EXPECT_NEAR(felt.force_n.z(), 100.0 * depth_m + ring_n, 1e-6) << i;
   }
-  EXPECT_GT(since, 40);
+  EXPECT_GT(steps_since_contact, 40);
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ namespace {
 TEST(MovingMethod, CarriesTheProxyAlongByFriction) {
   for (const double friction : {0.0, 0.8}) {
     TouchScene scene;
-    scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0.02, 0, 0}, 0.2),
-                                       {.friction_static = friction, .friction_dynamic = friction}));
-    const auto method = make_felt(scene);
+    scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0.02, 0, 0}, 0.2),
+                                         {.friction_static = friction, .friction_dynamic = friction}));
+    const auto method = make_method_for(scene);
     ASSERT_TRUE(method);
     method->reset({0, 0, 0.001});
     const Vec3 hand(0, 0, -0.003);  // 3 N: friction holds 2.4 N, so the proxy lags by 2.4 mm at most
@@ -39,11 +39,11 @@ TEST(MovingMethod, CarriesTheProxyAlongByFriction) {
   }
 }
 
-TEST(MovingMethod, DampsAgainstTheSurfaceThatComes) {
+TEST(MovingMethod, DampsTheMotionOfAnApproachingSurface) {
   TouchScene scene;
   scene.objects.push_back(
-      felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1), {.damping_ns_per_m = 2.0}));
-  const auto method = make_felt(scene);
+      plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1), {.damping_ns_per_m = 2.0}));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   const Vec3 hand(0, 0, 0.005);
   method->reset(hand);
@@ -55,11 +55,11 @@ TEST(MovingMethod, DampsAgainstTheSurfaceThatComes) {
 
 // A wall moves along a floor towards a hand that presses deeper (1 mm) than the wall's lower edge (0.5 mm): only the proxy, on the floor,
 // is in the wall's way.
-TEST(MovingMethod, FeelsTwoAtOnceInARightAngleAsOneProxy) {
+TEST(MovingMethod, FeelsTwoObjectsAtARightAngleWithOneProxy) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
-  scene.objects.push_back(felt_plate({0.010, -0.05, -0.0005}, {0.02, 0.05, 0.05}, shift_motion(Vec3::Zero(), {-0.008, 0, 0}, 0.1)));
-  const auto method = make_felt(scene);
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
+  scene.objects.push_back(plate_object({0.010, -0.05, -0.0005}, {0.02, 0.05, 0.05}, shift_motion(Vec3::Zero(), {-0.008, 0, 0}, 0.1)));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   method->reset({0.004, 0, 0.002});
   const Vec3 hand(0.004, 0, -0.001);
@@ -71,19 +71,19 @@ TEST(MovingMethod, FeelsTwoAtOnceInARightAngleAsOneProxy) {
     ASSERT_NEAR(felt.force_n.z(), 1.0, 1e-3) << i;
   }
   EXPECT_LT((felt.p_SP - Vec3(0.002, 0, 0)).norm(), 1e-6);
-  EXPECT_EQ(felt.object, 1) << "which pushes more";
+  EXPECT_EQ(felt.object, 1) << "the wall pushes more: 2 N, the floor 1 N";
 }
 
 // A soft floor and a hard wall that may be movable or not: the object with the larger share of the force is named, and its effects felt.
 TEST(MovingMethod, NamesTheObjectThatPushesMoreAsOneSurfaceDoes) {
   TouchScene still;
-  still.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, nullptr, {.stiffness_n_per_m = 300.0}));
-  still.objects.push_back(felt_plate({0.010, -0.04, -0.005}, {0.02, 0.04, 0.05}, nullptr, {.stiffness_n_per_m = 2000.0}));
+  still.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, nullptr, {.stiffness_n_per_m = 300.0}));
+  still.objects.push_back(plate_object({0.010, -0.04, -0.005}, {0.02, 0.04, 0.05}, nullptr, {.stiffness_n_per_m = 2000.0}));
   TouchScene movable = still;
   movable.objects[1].command_pivot = Vec3::Zero();
   for (const auto& [into_floor, into_wall, object] : {std::tuple(0.003, 0.001, 0), std::tuple(0.001, 0.003, 1)}) {
     for (const TouchScene* scene : {&still, &movable}) {
-      const auto method = make_felt(*scene);
+      const auto method = make_method_for(*scene);
       ASSERT_TRUE(method);
       method->reset({0.005, 0.001, 0.002});
       (void)method->step({.p_SD = {0.009, 0.001, 0.002}});
@@ -99,9 +99,9 @@ TEST(MovingMethod, NamesTheObjectThatPushesMoreAsOneSurfaceDoes) {
 // A block comes down upon a hand that lies on the floor: it holds the hand down, and never presses it into the floor.
 TEST(MovingMethod, NeverPressesTheHandIntoWhatStandsStill) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
-  scene.objects.push_back(felt_plate({-0.03, -0.03, 0.004}, {0.03, 0.03, 0.02}, shift_motion(Vec3::Zero(), {0, 0, -0.009}, 0.1)));
-  const auto method = make_felt(scene);
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
+  scene.objects.push_back(plate_object({-0.03, -0.03, 0.004}, {0.03, 0.03, 0.02}, shift_motion(Vec3::Zero(), {0, 0, -0.009}, 0.1)));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   method->reset({0, 0, 0.001});
   MethodOutput felt;
@@ -120,58 +120,59 @@ TEST(MovingMethod, NoStepHasTheProbeWithinABody) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto vector = [&](double most) { return Vec3(most * unit(random), most * unit(random), most * unit(random)); };
-  int touched = 0;
+  const auto random_vector = [&](double most) { return Vec3(most * unit(random), most * unit(random), most * unit(random)); };
+  int contact_steps = 0;
   for (int run = 0; run < 60; ++run) {
-    const bool has_still = run % 2 == 1;
+    const bool has_still_box = run % 2 == 1;
     const double rate_hz = std::array{250.0, 1000.0, 4000.0}[static_cast<std::size_t>(run % 3)];
-    const Vec3 half = Vec3::Constant(0.012) + vector(0.008);
-    const Vec3 centre = vector(0.01);
+    const Vec3 half_size = Vec3::Constant(0.012) + random_vector(0.008);
+    const Vec3 centre = random_vector(0.01);
     std::vector<Keyframe> keyframes;
-    Vec3 place = centre + 0.05 * vector(1.0).normalized();
-    Quat turn(Eigen::AngleAxisd(unit(random), vector(1.0).normalized()));
+    Vec3 place = centre + 0.05 * random_vector(1.0).normalized();
+    Quat turn(Eigen::AngleAxisd(unit(random), random_vector(1.0).normalized()));
     for (int k = 0; k < 6; ++k) {
       keyframes.push_back({0.2 * k, place, turn});
-      place += 0.025 * vector(1.0).normalized();
-      turn = turn * Quat(Eigen::AngleAxisd(0.9 * unit(random), vector(1.0).normalized()));
+      place += 0.025 * random_vector(1.0).normalized();
+      turn = turn * Quat(Eigen::AngleAxisd(0.9 * unit(random), random_vector(1.0).normalized()));
     }
     const auto motion = std::make_shared<const KeyframeMotion>(centre, keyframes, false);
     TouchScene scene;
-    scene.objects.push_back(felt_plate(centre - half, centre + half, motion, {.friction_static = 0.3, .friction_dynamic = 0.2}));
+    scene.objects.push_back(
+        plate_object(centre - half_size, centre + half_size, motion, {.friction_static = 0.3, .friction_dynamic = 0.2}));
     const Vec3 low(-0.03, -0.03, -0.04);
     const Vec3 high(0.03, 0.03, -0.015);
-    if (has_still) scene.objects.push_back(felt_plate(low, high));
+    if (has_still_box) scene.objects.push_back(plate_object(low, high));
     const double radius = run % 4 < 2 ? 0.0 : 0.003;
-    const auto method = make_felt(scene, {.probe_radius_m = radius});
+    const auto method = make_method_for(scene, {.probe_radius_m = radius});
     ASSERT_TRUE(method);
-    const double deep = 1e-6;  // a few contact offsets
+    const double tolerance = 1e-6;  // a few contact offsets
     const auto is_within = [&](const Vec3& p, const Vec3& from, const Vec3& to) {
-      if (radius > 0.0) return (from - p).cwiseMax(p - to).cwiseMax(0.0).norm() < radius - deep;
-      return ((p - from).array() > deep).all() && ((to - p).array() > deep).all();
+      if (radius > 0.0) return (from - p).cwiseMax(p - to).cwiseMax(0.0).norm() < radius - tolerance;
+      return ((p - from).array() > tolerance).all() && ((to - p).array() > tolerance).all();
     };
     Vec3 hand(0, 0, 0.02);
     Vec3 velocity = Vec3::Zero();
-    bool begins = true;
+    bool is_first = true;
     for (int i = 0; i < static_cast<int>(rate_hz); ++i) {
       const double time = i / rate_hz;
-      velocity = 0.999 * velocity + vector(0.01) - 0.02 * hand;
+      velocity = 0.999 * velocity + random_vector(0.01) - 0.02 * hand;
       hand += velocity / rate_hz;
       const Vec3 in_body = motion->pose_at(time).inverse(Eigen::Isometry) * hand;
-      if (begins && is_within(in_body, centre - half, centre + half)) continue;
-      if (begins) method->reset(hand);
-      begins = false;
+      if (is_first && is_within(in_body, centre - half_size, centre + half_size)) continue;
+      if (is_first) method->reset(hand);
+      is_first = false;
       const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
-      touched += felt.contact ? 1 : 0;
+      contact_steps += felt.contact ? 1 : 0;
       const Vec3 probe = motion->pose_at(time).inverse(Eigen::Isometry) * felt.p_SP;
       ASSERT_TRUE(felt.force_n.allFinite());
-      if (has_still) {
+      if (has_still_box) {
         ASSERT_FALSE(is_within(felt.p_SP, low, high)) << "run " << run << " step " << i;
       } else {
-        ASSERT_FALSE(is_within(probe, centre - half, centre + half)) << "run " << run << " step " << i;
+        ASSERT_FALSE(is_within(probe, centre - half_size, centre + half_size)) << "run " << run << " step " << i;
       }
     }
   }
-  EXPECT_GT(touched, 5000);
+  EXPECT_GT(contact_steps, 5000);
 }
 
 // A hand that wanders over a ball of 30 mm at the origin, in steps of the given deviation. Frame S, m. tests/support/wandering_hand.h has
@@ -194,27 +195,27 @@ struct WanderingHand {
 TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
   TouchScene still;
   still.objects.push_back({made::shared(made::sphere(0.03, 24, 0.05)), {.friction_static = 0.4, .friction_dynamic = 0.3}});
-  still.objects.push_back(felt_plate({0.2, -0.05, -0.01}, {0.25, 0.05, 0.0}));
-  TouchScene resting = still;
-  resting.objects[1].motion = shift_motion(Vec3::Zero(), Vec3(0.001, 0, 0), 100.0);
-  const auto one = make_felt(still);
-  const auto several = make_felt(resting);
+  still.objects.push_back(plate_object({0.2, -0.05, -0.01}, {0.25, 0.05, 0.0}));
+  TouchScene with_motion = still;
+  with_motion.objects[1].motion = shift_motion(Vec3::Zero(), Vec3(0.001, 0, 0), 100.0);
+  const auto one = make_method_for(still);
+  const auto several = make_method_for(with_motion);
   ASSERT_TRUE(one && several);
   const std::uint64_t seed = 17;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   WanderingHand hand(seed, 0.0008);
   one->reset(hand.p);
   several->reset(hand.p);
-  int touched = 0;
+  int contact_steps = 0;
   for (int i = 0; i < 4000; ++i) {
     const Vec3& p_SD = hand.next();
     const MethodOutput a = one->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     const MethodOutput b = several->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     // The contact offsets of the two differ: they scale with the scene, and the scene of MovingMethod's ball has one object less.
     ASSERT_LT((a.force_n - b.force_n).norm(), 2e-3 + 2e-3 * a.force_n.norm()) << i;
-    touched += a.contact ? 1 : 0;
+    contact_steps += a.contact ? 1 : 0;
   }
-  EXPECT_GT(touched, 1000);
+  EXPECT_GT(contact_steps, 1000);
 }
 
 // A moving object is felt like one that stands still under a hand that moves the other way.
@@ -224,20 +225,20 @@ TEST(MovingMethod, FeelsAMovingObjectAsAHandThatMovesTheOtherWay) {
   moving.objects.push_back({.mesh = made::shared(made::sphere(0.03, 24, 0.05)), .material = {}, .motion = motion});
   TouchScene still = moving;
   still.objects[0].motion = nullptr;
-  const auto a = make_felt(moving);
-  const auto b = make_felt(still);
-  ASSERT_TRUE(a && b);
+  const auto on_moving = make_method_for(moving);
+  const auto on_still = make_method_for(still);
+  ASSERT_TRUE(on_moving && on_still);
   const std::uint64_t seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   WanderingHand hand(seed, 0.0006);
-  a->reset(hand.p);
-  b->reset(hand.p);
+  on_moving->reset(hand.p);
+  on_still->reset(hand.p);
   for (int i = 0; i < 10000; ++i) {
     const Vec3& p_SD = hand.next();
     const Pose X_SO = motion->pose_at(1e-3 * i);
-    const MethodOutput in_scene = a->step({.p_SD = p_SD, .time_s = 1e-3 * i});
+    const MethodOutput in_scene = on_moving->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     const Pose X_OS = X_SO.inverse(Eigen::Isometry);
-    const MethodOutput in_object = b->step({.p_SD = X_OS * p_SD});
+    const MethodOutput in_object = on_still->step({.p_SD = X_OS * p_SD});
     ASSERT_LT((in_scene.force_n - X_SO.linear() * in_object.force_n).norm(), 1e-6 * (1.0 + in_object.force_n.norm())) << i;
     ASSERT_EQ(in_scene.contact, in_object.contact) << i;
   }
@@ -245,8 +246,8 @@ TEST(MovingMethod, FeelsAMovingObjectAsAHandThatMovesTheOtherWay) {
 
 TEST(MovingMethod, StartsWhereItIsReset) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
-  const auto method = make_felt(scene);
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   // At 0.5 s the top is at 10 mm. From above it, the first step comes into contact.
   method->reset({0, 0, 0.012});
@@ -257,8 +258,8 @@ TEST(MovingMethod, StartsWhereItIsReset) {
 
 TEST(MovingMethod, ASampleThatIsNotFiniteGivesNoForceAndChangesNothing) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
-  const auto method = make_felt(scene);
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   method->reset({0, 0, 0.002});
   const MethodInput pressed{.p_SD = {0, 0, -0.001}, .time_s = 0.0};
@@ -272,9 +273,9 @@ TEST(MovingMethod, ASampleThatIsNotFiniteGivesNoForceAndChangesNothing) {
 
 TEST(MovingMethod, TakesOtherMaterialsByObject) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
-  scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
-  const auto method = make_felt(scene);
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
+  scene.objects.push_back(plate_object({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   method->set_materials(std::vector<Material>{{.stiffness_n_per_m = 400.0}, {.stiffness_n_per_m = 700.0}});
   method->reset({-0.02, 0, 0.001});
@@ -289,22 +290,22 @@ TEST(MovingMethod, TakesOtherMaterialsByObject) {
 
 TEST(MovingMethod, ListsTheObjectsThatProgramsDeformWhereverTheyStand) {
   TouchScene scene;
-  for (int n = 0; n < 5; ++n) scene.objects.push_back(felt_plate({0.1 * n, 0, 0}, {0.1 * n + 0.05, 0.05, 0.01}));
+  for (int n = 0; n < 5; ++n) scene.objects.push_back(plate_object({0.1 * n, 0, 0}, {0.1 * n + 0.05, 0.05, 0.01}));
   scene.objects[4].stream_reach_m = 0.01;
   scene.objects[1].stream_reach_m = 0.01;
-  const auto method = make_felt(scene);
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   EXPECT_EQ(method->list_streamed(), (std::vector<int>{1, 4}));
   for (int n = 0; n < 5; ++n) EXPECT_EQ(method->find_streamed(n) != nullptr, n == 1 || n == 4) << n;
   scene.objects.resize(1);
-  const auto rigid = make_felt(scene);
+  const auto rigid = make_method_for(scene);
   ASSERT_TRUE(rigid);
   EXPECT_TRUE(rigid->list_streamed().empty());
 }
 
 TEST(MovingMethod, OtherMethodsSayWhatFeelsMotion) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
   for (const char* name : {"smooth", "sweep"}) {
     const auto made = make_method({.name = name}, scene);
     ASSERT_FALSE(made) << name;
@@ -315,11 +316,11 @@ TEST(MovingMethod, OtherMethodsSayWhatFeelsMotion) {
 
 TEST(MovingMethod, BuildsOnApproachInEveryGroup) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
-  scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
+  scene.objects.push_back(plate_object({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
   MethodSettings settings;
   settings.build_on_approach = true;
-  const auto method = make_felt(scene, settings);
+  const auto method = make_method_for(scene, settings);
   ASSERT_TRUE(method);
   for (const double x : {-0.02, 0.02}) {
     method->reset({x, 0, 0.003});
@@ -333,34 +334,35 @@ TEST(MovingMethod, BuildsOnApproachInEveryGroup) {
 TEST(MovingMethod, StepsWithoutHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));
-  scene.objects.push_back(felt_plate({-0.05, -0.05, 0.03}, {0.05, 0.05, 0.04}));
-  const auto method = make_felt(scene);
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));
+  scene.objects.push_back(plate_object({-0.05, -0.05, 0.03}, {0.05, 0.05, 0.04}));
+  const auto method = make_method_for(scene);
   ASSERT_TRUE(method);
   const AllocationGuard guard;
   method->reset({0, 0, 0.005});
-  double most = 0.0;
-  for (int i = 0; i < 400; ++i) most = std::max(most, method->step({.p_SD = {0, 0, 0.005 + 1e-4 * i}, .time_s = 1e-3 * i}).force_n.norm());
+  double most_n = 0.0;
+  for (int i = 0; i < 400; ++i)
+    most_n = std::max(most_n, method->step({.p_SD = {0, 0, 0.005 + 1e-4 * i}, .time_s = 1e-3 * i}).force_n.norm());
   EXPECT_EQ(guard.count(), 0U);
-  EXPECT_GT(most, 1.0);
+  EXPECT_GT(most_n, 1.0);
 }
 
 TEST(MovingMethod, SaysWhatMovesAndWhatStands) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
   for (int i = 0; i < 2; ++i) {
     // Equal motions are one group.
-    scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
+    scene.objects.push_back(plate_object({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
   }
-  const std::string text = make_felt(scene)->describe();
+  const std::string text = make_method_for(scene)->describe();
   EXPECT_EQ(text.find("objects that stand still: 1\n"), 0U) << text;
   EXPECT_NE(text.find("objects that move by themselves for 1 s: 2\n"), std::string::npos) << text;
 }
 
-// TouchStep passes the scene time on, also where the scene is turned by the dials.
-TEST(MovingMethod, IsFeltInAScenesPose) {
+// TouchStep passes the scene time on to the method, also while the dials have turned the scene.
+TEST(MovingMethod, IsFeltInATurnedScene) {
   TouchScene scene;
-  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));
+  scene.objects.push_back(plate_object({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));
   auto made = make_method({}, scene);
   ASSERT_TRUE(made);
   TouchStep touch(std::move(*made), scene);

@@ -24,12 +24,12 @@ inline std::shared_ptr<const KeyframeMotion> turn_motion(const Vec3& pivot, cons
   return std::make_shared<const KeyframeMotion>(pivot, std::vector<Keyframe>{{0.0, pivot, Quat::Identity()}, {seconds, pivot, end}}, false);
 }
 
-inline TouchObject felt_plate(const Vec3& low, const Vec3& high, std::shared_ptr<const KeyframeMotion> motion = nullptr,
-                              Material material = {}) {
+inline TouchObject plate_object(const Vec3& low, const Vec3& high, std::shared_ptr<const KeyframeMotion> motion = nullptr,
+                                Material material = {}) {
   return {.mesh = made::shared(made::box(low, high)), .material = material, .motion = std::move(motion)};
 }
 
-inline std::unique_ptr<ForceMethod> make_felt(const TouchScene& scene, const MethodSettings& settings = {}) {
+inline std::unique_ptr<ForceMethod> make_method_for(const TouchScene& scene, const MethodSettings& settings = {}) {
   auto made = make_method(settings, scene);
   EXPECT_TRUE(made) << (made ? "" : made.error().what);
   return made ? std::move(*made) : nullptr;

@@ -17,7 +17,7 @@ TouchObject part_box(const Vec3& centre, double stiffness_n_per_m) {
 }
 
 // Two boxes that stand still, one that programs may move, and a body that can be carved.
-TouchScene parted_scene() {
+TouchScene scene_of_four_boxes() {
   TouchScene scene{.objects = {part_box(Vec3(0, 0, 0), 500.0), part_box(Vec3(0.1, 0, 0), 600.0), part_box(Vec3(0, 0.1, 0), 700.0),
                                part_box(Vec3(0, 0, 0.1), 800.0)}};
   scene.objects[0].command_pivot = Vec3(0, 0, 0);
@@ -32,7 +32,7 @@ SceneParts parts_of(const TouchScene& scene) {
 }
 
 TEST(SceneParts, StaticObjectsAreTheFirstPartAndCarvedBodiesAreNone) {
-  SceneParts parts = parts_of(parted_scene());
+  SceneParts parts = parts_of(scene_of_four_boxes());
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_TRUE(parts.has_still());
   EXPECT_EQ(parts.objects(0), (std::vector<int>{2, 3}));
@@ -44,7 +44,7 @@ TEST(SceneParts, StaticObjectsAreTheFirstPartAndCarvedBodiesAreNone) {
 }
 
 TEST(SceneParts, AreFeltWhereTheyAreAndNameTheObject) {
-  SceneParts parts = parts_of(parted_scene());
+  SceneParts parts = parts_of(scene_of_four_boxes());
   const std::vector<Pose> moved = {Pose(Eigen::Translation3d(0.0, 0.0, 0.05))};
   const MethodInput input{.dt_s = 0.0, .commanded = moved};
   parts.begin(input);
@@ -66,7 +66,7 @@ TEST(SceneParts, AreFeltWhereTheyAreAndNameTheObject) {
 }
 
 TEST(SceneParts, AreFrictionlessWithoutDynamicFriction) {
-  TouchScene scene = parted_scene();
+  TouchScene scene = scene_of_four_boxes();
   scene.objects[0].material.friction_static = 0.5;
   SceneParts parts = parts_of(scene);
   EXPECT_TRUE(parts.is_frictionless(0));

@@ -16,8 +16,8 @@ FrictionDrag map_back(const FrictionMotion& input, int steps) {
     const double pressure = input.pressure_start + (input.pressure_end - input.pressure_start) * i / steps;
     now.pull += input.motion / steps;
     const double length = now.pull.norm();
-    const double held = (now.sliding ? input.friction_dynamic : input.friction_static) * pressure;
-    if (length <= held) {
+    const double limit = (now.sliding ? input.friction_dynamic : input.friction_static) * pressure;
+    if (length <= limit) {
       now.sliding = now.sliding && length >= FrictionMotion::kRestick * input.friction_dynamic * pressure;
       continue;
     }
@@ -53,16 +53,16 @@ TEST(FrictionDrag, StraightAheadThePullIsTheCone) {
 
 // The classical tractrix: a pull of length 1 perpendicular to the motion has turned by tan(psi / 2) = exp(-s) after a distance s.
 TEST(FrictionDrag, AcrossTheMotionItIsTheTractrix) {
-  for (const double way : {0.001, 0.1, 1.0, 5.0}) {
+  for (const double distance : {0.001, 0.1, 1.0, 5.0}) {
     const FrictionDrag dragged = drag_by_friction({.pull = Vec3(0, 1, 0),
-                                                   .motion = Vec3(way, 0, 0),
+                                                   .motion = Vec3(distance, 0, 0),
                                                    .pressure_start = 1.0,
                                                    .pressure_end = 1.0,
                                                    .friction_static = 1.0,
                                                    .friction_dynamic = 1.0,
                                                    .sliding = true});
-    EXPECT_NEAR(dragged.pull.x(), std::tanh(way), 1e-14);
-    EXPECT_NEAR(dragged.pull.y(), 1.0 / std::cosh(way), 1e-14);
+    EXPECT_NEAR(dragged.pull.x(), std::tanh(distance), 1e-14);
+    EXPECT_NEAR(dragged.pull.y(), 1.0 / std::cosh(distance), 1e-14);
   }
 }
 
@@ -70,7 +70,7 @@ TEST(FrictionDrag, IsTheLimitOfReturnMapping) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::normal_distribution<double> normal;
-  int slid = 0, stuck = 0;
+  int sliding_trials = 0, sticking_trials = 0;
   double sum_coarse = 0.0, sum_fine = 0.0;
   for (int trial = 0; trial < 400; ++trial) {
     FrictionMotion input;
@@ -89,12 +89,12 @@ TEST(FrictionDrag, IsTheLimitOfReturnMapping) {
     sum_coarse += coarse;
     sum_fine += fine;
     EXPECT_EQ(exact.sliding, map_back(input, 20000).sliding) << trial;
-    slid += exact.sliding ? 1 : 0;
-    stuck += exact.sliding ? 0 : 1;
+    sliding_trials += exact.sliding ? 1 : 0;
+    sticking_trials += exact.sliding ? 0 : 1;
   }
   EXPECT_LT(sum_fine, 0.11 * sum_coarse);  // first order: ten times the steps, a tenth of the error
-  EXPECT_GT(slid, 100);
-  EXPECT_GT(stuck, 40);
+  EXPECT_GT(sliding_trials, 100);
+  EXPECT_GT(sticking_trials, 40);
 }
 
 TEST(FrictionDrag, IsTheSameInAnyUnit) {

@@ -26,19 +26,19 @@ Pose turned_scene() {
 // The same force is computed in three ways: without a method, by TouchStep beside a tool, and by TouchStep in free space.
 TEST(SpaceStep, IsWhatAProbeFeelsInFreeSpaceWhileTheSceneTurns) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.01, -5.0, 2)), {}}}, .effects = some_effects()};
-  SpaceStep alone(some_effects());
-  TouchStep beside(*make_method({.name = "proxy"}, scene), scene);
+  SpaceStep without_method(some_effects());
+  TouchStep beside_tool(*make_method({.name = "proxy"}, scene), scene);
   TouchStep probe(*make_method({.name = "proxy"}, scene), scene);
   TouchInput input{.p_WD = {0.0, 0.0, 0.05}};
-  beside.reset_effects(input);
+  beside_tool.reset_effects(input);
   probe.reset(input);
   const AllocationGuard guard;
   for (int n = 0; n < 200; ++n) {
     input.p_WD = {0.001 * n, 0.01 * std::sin(0.05 * n), 0.05};
     if (n == 100) input.X_WS = turned_scene();
     const Vec3 expected = probe.step(input).force_n;
-    ASSERT_LT((alone.step(input) - expected).norm(), 1e-9) << n;
-    ASSERT_EQ(beside.step_in_space(input), expected) << n;
+    ASSERT_LT((without_method.step(input) - expected).norm(), 1e-9) << n;
+    ASSERT_EQ(beside_tool.step_in_space(input), expected) << n;
     ASSERT_GT(expected.norm(), 0.1);
   }
   EXPECT_EQ(guard.count(), 0U);
@@ -67,7 +67,7 @@ TEST(SpaceStep, ASampleThatIsNotFiniteChangesNothing) {
   for (int n = 0; n < 20; ++n) EXPECT_LT(step.step(input).norm(), 1e-9) << n;
 }
 
-TEST(SpaceStep, ASceneWithoutEffectsGivesNone) {
+TEST(SpaceStep, ASceneWithoutEffectsGivesNoForce) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 2)), {}}}};
   TouchStep touch(*make_method({.name = "proxy"}, scene), scene);
   EXPECT_EQ(touch.step_in_space({.p_WD = {0.0, 0.0, -0.01}}), Vec3::Zero());

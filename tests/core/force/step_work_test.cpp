@@ -38,9 +38,9 @@ void for_each_case(Try&& try_case) {
 }
 
 // Positions inside and outside of these meshes, far from each other.
-class Somewhere {
+class RandomPosition {
  public:
-  explicit Somewhere(unsigned seed) : random_(seed) {}
+  explicit RandomPosition(unsigned seed) : random_(seed) {}
   Vec3 operator()() {
     const double x = place_(random_);
     const double y = place_(random_);
@@ -54,27 +54,27 @@ class Somewhere {
 
 // However far the device moves in a step, follower and sweep together do no more than the work of one step plus the event in progress.
 TEST(StepWork, NoStepExceedsItsWork) {
-  constexpr std::uint64_t kOneEvent = 1024;
+  constexpr std::uint64_t kWorkOfAnEvent = 1024;
   constexpr unsigned kSeed = 154;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::uint64_t most = 0;
-  int carried = 0;
+  std::uint64_t most_work = 0;
+  int carried_steps = 0;
   for_each_case([&](auto&& make) {
     const auto method = make();
     auto& proxy = static_cast<ProxyMethod&>(*method);
-    Somewhere somewhere(kSeed);
+    RandomPosition random_position(kSeed);
     proxy.reset(Vec3(0.0, 0.0, 0.2));
     for (int i = 0; i < 300; ++i) {
-      const std::uint64_t queried = proxy.sphere().queried();
-      const std::uint64_t tested = proxy.swept().counters().tests;
-      (void)proxy.step({.p_SD = somewhere()});
-      most = std::max(most, proxy.sphere().queried() - queried + proxy.swept().counters().tests - tested);
-      carried += proxy.carried_from() ? 1 : 0;
+      const std::uint64_t queried_before = proxy.sphere().queried();
+      const std::uint64_t tested_before = proxy.swept().counters().tests;
+      (void)proxy.step({.p_SD = random_position()});
+      most_work = std::max(most_work, proxy.sphere().queried() - queried_before + proxy.swept().counters().tests - tested_before);
+      carried_steps += proxy.carried_from() ? 1 : 0;
     }
     EXPECT_LE(proxy.counters().most_events, static_cast<std::uint64_t>(StepWork::kMax));
   });
-  EXPECT_LE(most, static_cast<std::uint64_t>(StepWork::kMax) + kOneEvent);
-  EXPECT_GT(carried, 20) << "no motion was long enough to try it";
+  EXPECT_LE(most_work, static_cast<std::uint64_t>(StepWork::kMax) + kWorkOfAnEvent);
+  EXPECT_GT(carried_steps, 20) << "no motion was long enough to try it";
 }
 
 // A point between two walls of several triangles each does not search for a way out, not even at the edges of their triangles.
@@ -82,10 +82,10 @@ TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
   constexpr double kWall = 0.035;  // x of the upper box
   constexpr double kTop = 0.025;   // z of the lower one
   constexpr double kCell = 0.05 / 8.0;
-  constexpr std::uint64_t kWork = 60;  // in units; a step takes 10 to 40, a search for a way out 60 to 130 more
+  constexpr std::uint64_t kMaxWork = 60;  // in units; a step takes 10 to 40, a search for a way out 60 to 130 more
   const auto method = std::move(*ProxyMethod::make({}, scene_of(touching_boxes())));
   auto& proxy = static_cast<ProxyMethod&>(*method);
-  std::uint64_t steps = 0;
+  std::uint64_t steps_with_work = 0;
   for (int line = -2; line <= 3; ++line) {
     for (const double beside : {0.0, 1e-9, -1e-9, 1e-3}) {
       const double y = line * kCell + beside;
@@ -94,16 +94,16 @@ TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
       for (int i = 100; i >= 0; --i) (void)proxy.step({.p_SD = {kWall - 0.001, y - 1e-4 * i, kTop - 0.001}});
       for (int i = 1; i <= 10; ++i) {
         const double depth = 0.001 + 0.0001 * i;
-        const std::uint64_t queried = proxy.sphere().queried();
+        const std::uint64_t queried_before = proxy.sphere().queried();
         const MethodOutput felt = proxy.step({.p_SD = {kWall - depth, y, kTop - 1.3 * depth}});
-        const std::uint64_t work = proxy.sphere().queried() - queried;
-        steps += work > 0 ? 1 : 0;
-        EXPECT_LE(work, kWork) << "line " << line << ", beside " << beside << ", step " << i;
+        const std::uint64_t work = proxy.sphere().queried() - queried_before;
+        steps_with_work += work > 0 ? 1 : 0;
+        EXPECT_LE(work, kMaxWork) << "line " << line << ", beside " << beside << ", step " << i;
         EXPECT_LE((felt.p_SP - Vec3(kWall, y, kTop)).norm(), 1e-9);
       }
     }
   }
-  EXPECT_GT(steps, 200U) << "the triangles are walkable";
+  EXPECT_GT(steps_with_work, 200U) << "the triangles are walkable";
 }
 
 // The result of a step does not depend on anything before the reset: a method that has been used gives the same force as a new one, to
@@ -114,13 +114,13 @@ TEST(StepWork, AResetForgetsAllThatWasBefore) {
   for_each_case([&](auto&& make) {
     const auto used = make();
     const auto fresh = make();
-    Somewhere somewhere(kSeed);
+    RandomPosition random_position(kSeed);
     for (int round = 0; round < 3; ++round) {
-      for (int i = 0; i < 50; ++i) (void)used->step({.p_SD = somewhere()});
+      for (int i = 0; i < 50; ++i) (void)used->step({.p_SD = random_position()});
       used->reset(Vec3(0.0, 0.0, 0.2));
       fresh->reset(Vec3(0.0, 0.0, 0.2));
       for (int i = 0; i < 50; ++i) {
-        const Vec3 device = somewhere();
+        const Vec3 device = random_position();
         const Vec3 expected_n = fresh->step({.p_SD = device}).force_n;
         ASSERT_EQ(used->step({.p_SD = device}).force_n, expected_n) << "step " << i << " of round " << round;
       }

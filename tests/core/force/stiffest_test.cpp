@@ -19,7 +19,8 @@ TEST(Stiffest, FindsTheStiffestOfTheObjects) {
 TEST(Stiffest, CountsWhatEffectsAdd) {
   TouchScene scene = ball_of({.stiffness_n_per_m = 700.0});
   scene.objects[0].effects.progressive.n_per_m2 = 1e5;
-  EXPECT_DOUBLE_EQ(find_largest_gains(scene).stiffness_n_per_m, 700.0 + 2000.0) << "d = 10 mm: 10 N, and 2 c d beside the spring";
+  EXPECT_DOUBLE_EQ(find_largest_gains(scene).stiffness_n_per_m, 700.0 + 2000.0)
+      << "at d = 10 mm, c d^2 is 10 N and adds 2 c d to the spring";
   scene.objects[0].effects = {};
   scene.objects[0].effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 1.0});
   scene.objects[0].effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 650.0});
@@ -50,6 +51,7 @@ TEST(Stiffest, NamesTheCause) {
   EXPECT_EQ(stiffest_of(SpaceEffect(SnapEffect{})).cause, StiffCause::snap_effect);
   EXPECT_EQ(stiffest_of(SpaceEffect(GravityWellEffect{})).cause, StiffCause::gravity_well);
   EXPECT_EQ(stiffest_of(SpaceEffect(MassEffect{})).cause, StiffCause::none);
+  // 8 N over 0.1 mm, times 3 sqrt(3) / (2 sqrt(2)).
   EXPECT_NEAR(stiffest_of(SpaceEffect(GravityWellEffect{.radius_m = 1e-4, .max_force_n = 8.0})).n_per_m, 147000.0, 100.0);
 }
 
@@ -71,7 +73,7 @@ TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
     EXPECT_GE(gains.by_place_at(pressed_n), (1.0 - 1e-12) * exact) << pressed_n << " N";
     EXPECT_LE(gains.by_place_at(pressed_n), 1.5 * exact) << pressed_n << " N";
   }
-  EXPECT_EQ(gains.by_place_at(30.0), gains.by_place_n_per_m) << "more counts as the most";
+  EXPECT_EQ(gains.by_place_at(30.0), gains.by_place_n_per_m) << "a larger force counts as the largest";
   // A tool feels no bumps.
   EXPECT_EQ(find_tool_gains(scene).by_place_n_per_m, 0.0);
   EXPECT_EQ(find_largest_gains(scene).stiffness_n_per_m, 800.0);
@@ -164,7 +166,7 @@ TEST(Stiffest, TheLargerGainsOfPointAndToolCount) {
   EXPECT_FALSE(LargestGains().any());
 }
 
-TEST(Stiffest, SurfacesAloneLeaveOutTheSpace) {
+TEST(Stiffest, TheStiffestSurfaceLeavesOutEffectsInFreeSpace) {
   TouchScene scene{.objects = {{.mesh = {}, .material = {.stiffness_n_per_m = 300.0}}},
                    .effects = {SpringEffect{.stiffness_n_per_m = 900.0}}};
   EXPECT_EQ(find_largest_gains(scene).stiffness_n_per_m, 900.0);

@@ -35,17 +35,17 @@ std::unique_ptr<StreamedMethod> make_streamed(std::shared_ptr<const TriangleMesh
   return made ? std::move(*made) : nullptr;
 }
 
-void give(StreamedMethod& method, const Shape& shape, double over_s) {
+void offer_shape(StreamedMethod& method, const Shape& shape, double duration_s) {
   auto stage = method.stager().make(method.current_stage().to, shape);
   ASSERT_TRUE(stage) << stage.error().what;
-  (void)method.offer(std::move(*stage), over_s);
+  (void)method.offer(std::move(*stage), duration_s);
 }
 
 // A bumpy ball and random shapes of it: wider, longer and with a dent.
-struct RestlessBall {
+struct RandomBallShapes {
   std::shared_ptr<const TriangleMesh> mesh = made::shared(made::sphere(0.03, 20, 0.05));
   std::mt19937_64 random;
-  explicit RestlessBall(std::uint64_t seed) : random(seed) {}
+  explicit RandomBallShapes(std::uint64_t seed) : random(seed) {}
   Shape next() {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     const double wide = 0.15 * unit(random);
@@ -69,55 +69,55 @@ double longest_of(const MorphTarget& target) {
 enum class TravelBound : std::uint8_t { of_stage, of_keyframes };
 
 // The twin has the same shapes at the same times, as keyframes that are known beforehand.
-void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t frames, double frame_s, const Material& material,
+void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t shape_count, double interval_s, const Material& material,
                                    TravelBound bound = TravelBound::of_stage) {
-  SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << frames << " shapes");
-  RestlessBall ball(seed);
+  SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << shape_count << " shapes");
+  RandomBallShapes ball(seed);
   std::vector<Shape> shapes;
   std::vector<MorphTarget> targets;
-  std::vector<MorphKey> keys = {{0.0, std::vector<double>(frames, 0.0)}};
-  for (std::size_t f = 0; f < frames; ++f) {
+  std::vector<MorphKey> keys = {{0.0, std::vector<double>(shape_count, 0.0)}};
+  for (std::size_t f = 0; f < shape_count; ++f) {
     shapes.push_back(ball.next());
     targets.emplace_back();
     for (std::uint32_t v = 0; v < ball.mesh->vertices.size(); ++v) {
       targets.back().vertices.push_back(v);
       targets.back().displacements.push_back(shapes.back()[v] - ball.mesh->vertices[v]);
     }
-    keys.push_back({frame_s * static_cast<double>(f + 1), std::vector<double>(frames, 0.0)});
+    keys.push_back({interval_s * static_cast<double>(f + 1), std::vector<double>(shape_count, 0.0)});
     keys.back().weights[f] = 1.0;
   }
   TouchScene scene;
   scene.objects.push_back(
       {.mesh = ball.mesh, .material = material, .deformation = std::make_shared<const MeshDeformation>(targets, keys, false)});
-  auto known = make_method({}, scene);
-  ASSERT_TRUE(known) << known.error().what;
+  auto keyframed = make_method({}, scene);
+  ASSERT_TRUE(keyframed) << keyframed.error().what;
   const auto streamed = make_streamed(ball.mesh, 0.02, material);
   ASSERT_TRUE(streamed);
   WanderingHand hand(seed);
-  (*known)->reset(hand.p);
+  (*keyframed)->reset(hand.p);
   streamed->reset(hand.p);
-  int touched = 0;
-  std::size_t given = 0;
+  int contact_steps = 0;
+  std::size_t offered_shapes = 0;
   for (int i = 0; i < 1500; ++i) {
-    if (given < shapes.size() && streamed->serial() == given) {
-      auto stage = streamed->stager().make(streamed->current_stage().to, shapes[given]);
+    if (offered_shapes < shapes.size() && streamed->serial() == offered_shapes) {
+      auto stage = streamed->stager().make(streamed->current_stage().to, shapes[offered_shapes]);
       ASSERT_TRUE(stage) << stage.error().what;
       if (bound == TravelBound::of_keyframes) {
-        (*stage)->most_m = longest_of(targets[given]) + (given > 0 ? longest_of(targets[given - 1]) : 0.0);
+        (*stage)->most_m = longest_of(targets[offered_shapes]) + (offered_shapes > 0 ? longest_of(targets[offered_shapes - 1]) : 0.0);
       }
-      (void)streamed->offer_at(std::move(*stage), frame_s * static_cast<double>(given), frame_s);
-      ++given;
+      (void)streamed->offer_at(std::move(*stage), interval_s * static_cast<double>(offered_shapes), interval_s);
+      ++offered_shapes;
     }
     const Vec3& p_SD = hand.next(1e-3);
     const MethodInput input{.p_SD = p_SD, .dt_s = 1e-3, .time_s = 1e-3 * i};
-    const MethodOutput expected = (*known)->step(input);
+    const MethodOutput expected = (*keyframed)->step(input);
     const MethodOutput felt = streamed->step(input);
     ASSERT_LT((felt.force_n - expected.force_n).norm(), 1e-5 * (1.0 + expected.force_n.norm())) << "step " << i;
     ASSERT_LT((felt.p_SP - expected.p_SP).norm(), 1e-8) << "step " << i;
-    touched += felt.contact ? 1 : 0;
+    contact_steps += felt.contact ? 1 : 0;
   }
-  EXPECT_EQ(given, shapes.size());
-  EXPECT_GT(touched, 300);
+  EXPECT_EQ(offered_shapes, shapes.size());
+  EXPECT_GT(contact_steps, 300);
 }
 
 TEST(StreamedMethod, GivesTheForceOfTheSameShapesAsKeyframes) {
@@ -144,41 +144,41 @@ TEST(StreamedMethod, GivesTheForceOfKeyframesUnderFrictionAndDampingWithTheirBou
 
 // Another twin: the reference, on all triangles of the mesh as it is at that time.
 TEST(StreamedMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
-  RestlessBall ball(5);
+  RandomBallShapes ball(5);
   SCOPED_TRACE("seed 5");
   const auto method = make_streamed(ball.mesh, 0.02);
   ASSERT_TRUE(method);
   WanderingHand hand(5);
   method->reset(hand.p);
-  int touched = 0;
+  int contact_steps = 0;
   for (int i = 0; i < 2500; ++i) {
-    if (i % 37 == 0) give(*method, ball.next(), 0.03);
+    if (i % 37 == 0) offer_shape(*method, ball.next(), 0.03);
     const Vec3& p_SD = hand.next(1e-3);
     const MethodOutput felt = method->step({.p_SD = p_SD, .dt_s = 1e-3, .time_s = 1e-3 * i});
     ASSERT_NO_FATAL_FAILURE(expect_settled({.vertices = method->vertices(), .triangles = ball.mesh->triangles}, p_SD, felt, i % 10 == 0))
         << "step " << i;
-    touched += felt.contact ? 1 : 0;
+    contact_steps += felt.contact ? 1 : 0;
   }
-  EXPECT_GT(touched, 700);
+  EXPECT_GT(contact_steps, 700);
 }
 
 // Shapes that jump, at any interval and due at once: while the hand holds still, the force changes by at most stiffness times 0.25 m/s.
 TEST(StreamedMethod, NoShapeMakesTheForceJump) {
-  for (const int every : {1, 5, 33, 250}) {
+  for (const int interval : {1, 5, 33, 250}) {
     const auto mesh = made::shared(made::sheet(0.03, 0.0, 8));
     const auto method = make_streamed(mesh, 0.02);
     ASSERT_TRUE(method);
     const Vec3 hand(0.0123, -0.0045, -0.001);
     method->reset({0.0123, -0.0045, 0.001});
     std::mt19937_64 random(11);
-    SCOPED_TRACE(testing::Message() << "seed 11, a shape every " << every << " steps");
+    SCOPED_TRACE(testing::Message() << "seed 11, a shape every " << interval << " steps");
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     double last_n = 1.0;
     double most_n = 0.0;
     for (int i = 0; i < 1500; ++i) {
-      if (i % every == 0) {
-        const double by = 0.01 * unit(random);
-        give(*method, map_vertices(*mesh, [&](const Vec3& p) { return Vec3(p + Vec3(0, 0, by)); }), 0.0);
+      if (i % interval == 0) {
+        const double height_m = 0.01 * unit(random);
+        offer_shape(*method, map_vertices(*mesh, [&](const Vec3& p) { return Vec3(p + Vec3(0, 0, height_m)); }), 0.0);
       }
       const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
       if (i > 0) {
@@ -200,9 +200,9 @@ TEST(StreamedMethod, AGapInTheSamplesLosesNoContact) {
     const auto at = [&](double height) { return map_vertices(*mesh, [&](const Vec3& p) { return Vec3(p + Vec3(0, 0, height)); }); };
     const Vec3 hand(0.0123, -0.0045, 0.004);
     method->reset(hand);
-    give(*method, at(0.008), 0.05);
+    offer_shape(*method, at(0.008), 0.05);
     (void)method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 0.0});
-    give(*method, at(0.016), 0.05);
+    offer_shape(*method, at(0.016), 0.05);
     const MethodOutput felt = method->step({.p_SD = hand, .dt_s = gap_s, .time_s = gap_s});
     EXPECT_NEAR(felt.force_n.z(), kSpringNPerM * std::max(0.0, std::min(0.016, 0.16 * gap_s) - 0.004), 1e-3) << gap_s;
   }
@@ -210,14 +210,14 @@ TEST(StreamedMethod, AGapInTheSamplesLosesNoContact) {
 
 // While the hand is far away, nothing is computed, but the shapes go on; when the hand then reaches the surface, contact begins at once.
 TEST(StreamedMethod, ShapesGoOnWhileTheHandIsFarAway) {
-  RestlessBall ball(6);
+  RandomBallShapes ball(6);
   SCOPED_TRACE("seed 6");
   const auto method = make_streamed(ball.mesh, 0.02);
   ASSERT_TRUE(method);
   method->reset({0, 0, 0.2});
   double most_n = 0.0;
   for (int i = 0; i <= 3000; ++i) {
-    if (i % 40 == 0) give(*method, ball.next(), 0.03);
+    if (i % 40 == 0) offer_shape(*method, ball.next(), 0.03);
     const double z = i < 2000 ? 0.2 : 0.2 - 0.175 * (i - 2000) / 1000.0;
     const Vec3 p(0.001, 0.0005, z);
     const MethodOutput felt = method->step({.p_SD = p, .dt_s = 1e-3, .time_s = 1e-3 * i});
@@ -236,7 +236,7 @@ TEST(StreamedMethod, ShapesGoOnWhileTheHandIsFarAway) {
 
 TEST(StreamedMethod, StepsAndTakesShapesWithoutHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  RestlessBall ball(3);
+  RandomBallShapes ball(3);
   SCOPED_TRACE("seed 3");
   const auto method = make_streamed(ball.mesh, 0.02);
   ASSERT_TRUE(method);

@@ -11,14 +11,16 @@
 namespace hapton {
 namespace {
 
-TouchStep make_step() { return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 4)), {}}}})); }
+TouchStep make_step_over_sheet() {
+  return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 4)), {}}}}));
+}
 
 TEST(TouchStep, ForceAndOffsetComeBackInTheWorldFrame) {
   // The sheet's normal +z turned to +x and moved to x = 0.5.
   Pose X_WS = Pose::Identity();
   X_WS.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()).toRotationMatrix();
   X_WS.translation() = Vec3(0.5, 0.01, -0.02);
-  TouchStep touch = make_step();
+  TouchStep touch = make_step_over_sheet();
   touch.reset({.p_WD = {0.51, 0.03, 0.01}, .X_WS = X_WS});
   const TouchOutput felt = touch.step({.p_WD = {0.498, 0.03, 0.01}, .X_WS = X_WS});
   ASSERT_TRUE(felt.contact);
@@ -28,7 +30,7 @@ TEST(TouchStep, ForceAndOffsetComeBackInTheWorldFrame) {
 }
 
 TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
-  TouchStep touch = make_step();
+  TouchStep touch = make_step_over_sheet();
   touch.reset({.p_WD = {0, 0, 0.02}});
   const TouchOutput felt = touch.step({.p_WD = {0, 0, 0.01}});
   EXPECT_FALSE(felt.contact);
@@ -38,7 +40,7 @@ TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
 }
 
 TEST(TouchStep, TurningTheSceneIntoAStationaryProbeExertsAForce) {
-  TouchStep touch = make_step();
+  TouchStep touch = make_step_over_sheet();
   const Vec3 p_WD(0.05, 0.001, 0.002);
   touch.reset({.p_WD = p_WD});
   Pose X_WS = Pose::Identity();
@@ -154,15 +156,15 @@ TEST(TouchStep, MapsAreFeltWithEveryMethodAndUseNoHeap) {
 
 TEST(TouchStep, ASceneWithoutEffectsIsTheMethodAloneToTheBit) {
   const TouchScene scene = sheet_with({});
-  TouchStep with = make_step_over("proxy", scene);
-  TouchStep without(*make_method({.name = "proxy"}, scene));
-  EXPECT_FALSE(with.has_effects());
-  with.reset({.p_WD = {0, 0, 0.01}});
-  without.reset({.p_WD = {0, 0, 0.01}});
+  TouchStep with_scene = make_step_over("proxy", scene);
+  TouchStep method_alone(*make_method({.name = "proxy"}, scene));
+  EXPECT_FALSE(with_scene.has_effects());
+  with_scene.reset({.p_WD = {0, 0, 0.01}});
+  method_alone.reset({.p_WD = {0, 0, 0.01}});
   for (int k = 0; k < 200; ++k) {
     const Vec3 p(1e-4 * k, 2e-5 * k, 0.003 * std::cos(0.1 * k));
-    const TouchOutput a = with.step({.p_WD = p});
-    const TouchOutput b = without.step({.p_WD = p});
+    const TouchOutput a = with_scene.step({.p_WD = p});
+    const TouchOutput b = method_alone.step({.p_WD = p});
     ASSERT_EQ(a.force_n, b.force_n);
     ASSERT_EQ(a.visual_offset_m, b.visual_offset_m);
     ASSERT_EQ(a.contact, b.contact);
@@ -237,21 +239,21 @@ TEST(TouchStep, FrictionOfMaterialsIsFeltWithEveryMethod) {
     TouchStep touch = make_step_over(method, scene);
     touch.reset({.p_WD = {0.003, 0.004, 0.0001}});
     Vec3 felt = Vec3::Zero();
-    std::uint64_t allocated = 0;
+    std::uint64_t allocations = 0;
     {
       const AllocationGuard guard;
       for (int n = 1; n <= 42; ++n) felt = touch.step({.p_WD = {0.003, 0.004, 0.0001 - 5e-5 * n}}).force_n;
       for (int n = 1; n <= 10; ++n) felt = touch.step({.p_WD = {0.003 + 1e-4 * n, 0.004, -0.002}}).force_n;
-      allocated = guard.count();
+      allocations = guard.count();
     }
     EXPECT_LT((felt - Vec3(-1.0, 0, 2.0)).norm(), 1e-4) << method;
     for (int n = 11; n <= 100; ++n) felt = touch.step({.p_WD = {0.003 + 1e-4 * n, 0.004, -0.002}}).force_n;
     EXPECT_LT((felt - Vec3(-0.6, 0, 2.0)).norm(), 1e-4) << method;
-    EXPECT_EQ(allocated, 0U) << method;
+    EXPECT_EQ(allocations, 0U) << method;
   }
 }
 
-// `hapton set` can give them to an object that had none, and take them away again.
+// `hapton set` can give damping and friction to an object that had none, and take them away again.
 TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
   for (const char* method : {"smooth", "sweep"}) {
     TouchScene scene = sheet_with({});
@@ -288,6 +290,7 @@ TEST(TouchStep, DampingOfACoupledMethodIsCoupled) {
   touch.reset({.p_WD = {0, 0.004, 0.0001}});
   Vec3 felt = Vec3::Zero();
   for (int n = 1; n <= 20; ++n) felt = touch.step({.p_WD = {0, 0.004, 0.0001 - 1e-4 * n}}).force_n;
+  // Two springs of 1,000 N/m in series: half of the stiffness, a quarter of the damping.
   EXPECT_NEAR(felt.z(), 500.0 * 0.0019 + 0.25 * 8.0 * 0.1, 1e-6);
 }
 

@@ -1,4 +1,4 @@
-// Which object each method says it touches.
+// The object that each method names as touched.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -108,7 +108,7 @@ TEST(TouchedObject, IsNearestToTheProxyOnAWalk) {
     std::normal_distribution<double> normal(0.0, 3e-4);
     Vec3 p(0, 0, 0.002);
     (*made)->reset(p);
-    int touched = 0;
+    int contact_steps = 0;
     for (int k = 0; k < 3000; ++k) {
       p = (p + Vec3(2 * normal(random), normal(random), normal(random)))
               .cwiseMax(Vec3(-0.028, -0.009, -0.002))
@@ -116,12 +116,12 @@ TEST(TouchedObject, IsNearestToTheProxyOnAWalk) {
       const MethodOutput output = (*made)->step({.p_SD = p});
       ASSERT_EQ(output.object >= 0, output.contact) << name_of(settings) << ", step " << k << ", seed " << kSeed;
       if (!output.contact) continue;
-      ++touched;
+      ++contact_steps;
       double least = 1e9;
       for (int object = 0; object < 3; ++object) least = std::min(least, distance_to(object, output.p_SP));
       ASSERT_LE(distance_to(output.object, output.p_SP), least + 1e-6) << name_of(settings) << ", step " << k << ", seed " << kSeed;
     }
-    EXPECT_GT(touched, 500) << name_of(settings);
+    EXPECT_GT(contact_steps, 500) << name_of(settings);
   }
 }
 

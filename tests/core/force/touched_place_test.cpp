@@ -1,4 +1,4 @@
-// Where deforming surfaces are touched (ForceMethod::find_place), compared with the closed form that affine deformations have.
+// The touched place of deforming surfaces (ForceMethod::find_place), compared with the closed form that affine deformations have.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,11 +31,11 @@ TouchScene stretched_ball(double scale) {
 }
 
 double weight_at(double time_s) {
-  const double in_round = std::fmod(time_s, 1.4);
-  return in_round < 0.7 ? in_round / 0.7 : 2.0 - in_round / 0.7;
+  const double in_period = std::fmod(time_s, 1.4);
+  return in_period < 0.7 ? in_period / 0.7 : 2.0 - in_period / 0.7;
 }
 
-// A hand that goes over the ball, in and out of it.
+// A hand that moves over the ball, into it and out of it.
 Vec3 wandering_point(double time_s, double scale) {
   const double depth = 0.0005 * std::sin(21.0 * time_s);
   const Vec3 direction(std::cos(2.1 * time_s), std::sin(2.1 * time_s), std::sin(3.3 * time_s));
@@ -45,7 +45,7 @@ Vec3 wandering_point(double time_s, double scale) {
 TEST(TouchedPlace, OfAnAffineDeformationIsWhatItsFormulaSays) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     const TouchScene scene = stretched_ball(scale);
-    const auto method = make_felt(scene);
+    const auto method = make_method_for(scene);
     int places = 0;
     const AllocationGuard guard;
     for (int i = 0; i < 3000; ++i) {
@@ -56,9 +56,9 @@ TEST(TouchedPlace, OfAnAffineDeformationIsWhatItsFormulaSays) {
       ASSERT_TRUE(place) << i;
       const Mat3 now = Mat3::Identity() + weight_at(time_s) * whole_stretch();
       ASSERT_LT((now * place->p_rest - felt.p_SP).norm(), 1e-8 * scale) << i;
-      const double share = weight_at(time_s) - weight_at(time_s - 1e-3);
+      const double weight_change = weight_at(time_s) - weight_at(time_s - 1e-3);
       if (i > 0) {
-        ASSERT_LT((share * whole_stretch() * place->p_rest - place->moved).norm(), 1e-12 * scale) << i;
+        ASSERT_LT((weight_change * whole_stretch() * place->p_rest - place->moved).norm(), 1e-12 * scale) << i;
       }
       ++places;
     }
@@ -90,8 +90,8 @@ TEST(TouchedPlace, OfStreamedShapesIsThatOfKeyframes) {
     ASSERT_TRUE(place) << i;
     const Mat3 now = Mat3::Identity() + share_at(time_s) * whole_stretch();
     ASSERT_LT((now * place->p_rest - felt.p_SP).norm(), 1e-8) << i;
-    const double share = share_at(time_s) - share_at(time_s - 1e-3);
-    ASSERT_LT((share * whole_stretch() * place->p_rest - place->moved).norm(), 1e-12) << i;
+    const double weight_change = share_at(time_s) - share_at(time_s - 1e-3);
+    ASSERT_LT((weight_change * whole_stretch() * place->p_rest - place->moved).norm(), 1e-12) << i;
     ++places;
   }
   EXPECT_GT(places, 50);
