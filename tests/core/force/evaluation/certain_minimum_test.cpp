@@ -16,7 +16,7 @@ TriangleMesh make_concave_edge(double slope) {
   return mesh;
 }
 
-// The inside corner of a room, at the origin.
+// Three faces at right angles, seen from inside, that meet at the origin.
 TriangleMesh make_corner() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -15,7 +15,7 @@ namespace {
 constexpr double kHalfSide = 1e-4;  // of the close-up; the bodies are about 0.1 m long
 
 // By how much the reference gets nearer to the device than p, started at p on the whole mesh.
-double gain_in_the_whole(const TriangleMesh& mesh, const Vec3& p, const Vec3& device) {
+double gain_on_whole_mesh(const TriangleMesh& mesh, const Vec3& p, const Vec3& device) {
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(mesh), Material{}});
   MethodSettings settings;
@@ -24,7 +24,7 @@ double gain_in_the_whole(const TriangleMesh& mesh, const Vec3& p, const Vec3& de
   return (p - device).norm() - ((*reference)->settle_from(p, device).p_SP - device).norm();
 }
 
-bool is_held_close_up(const TriangleMesh& mesh, const Vec3& p, const Vec3& device) {
+bool is_minimum_close_up(const TriangleMesh& mesh, const Vec3& p, const Vec3& device) {
   TriangleBoxes boxes(mesh.vertices, mesh.triangles);
   return is_minimum_in_close_up(mesh, boxes, {}, p, kHalfSide, p, device);
 }
@@ -38,14 +38,14 @@ TEST(CloseUpMinimum, ALipLowerThanTheReferenceLiftsItselfHolds) {
     const TriangleMesh parts = joined(block({-0.01, -0.04, 0.0}, {0.0, 0.04, 0.05}), block({0.0, -0.03, lip}, {0.05, 0.03, 0.05}));
     const Vec3 minimum(1e-10, 0.0, lip - 1e-10);
     const Vec3 device(-0.03, 0.0, 0.02);
-    EXPECT_GT(gain_in_the_whole(parts, minimum, device), 0.001) << lip;
-    EXPECT_TRUE(is_held_close_up(parts, minimum, device)) << lip;
+    EXPECT_GT(gain_on_whole_mesh(parts, minimum, device), 0.001) << lip;
+    EXPECT_TRUE(is_minimum_close_up(parts, minimum, device)) << lip;
   }
 }
 
 TEST(CloseUpMinimum, AProxyThatNothingHoldsIsAtNoMinimum) {
   const TriangleMesh box = block({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05});
-  const auto is_minimum = [&](const Vec3& p, const Vec3& device) { return is_held_close_up(box, p, device); };
+  const auto is_minimum = [&](const Vec3& p, const Vec3& device) { return is_minimum_close_up(box, p, device); };
   EXPECT_TRUE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.01, 0.02, 0.03)));
   EXPECT_FALSE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.012, 0.02, 0.03)));         // the device is beside p, not straight below
   EXPECT_FALSE(is_minimum(Vec3(0.01, 0.02, 0.05 + 1e-10), Vec3(0.01, 0.02, 0.06)));          // the device is outside
@@ -53,8 +53,8 @@ TEST(CloseUpMinimum, AProxyThatNothingHoldsIsAtNoMinimum) {
   EXPECT_FALSE(is_minimum(Vec3(0.05 + 1e-10, 0.05, 0.05 + 1e-10), Vec3(0.06, 0.06, 0.03)));  // the device is beyond a corner
   const TriangleMesh room = flipped(box);
   const Vec3 corner = Vec3::Constant(0.05 - 1e-10);
-  EXPECT_TRUE(is_held_close_up(room, corner, Vec3(0.06, 0.07, 0.08)));
-  EXPECT_FALSE(is_held_close_up(room, corner, Vec3(0.06, 0.04, 0.08)));
+  EXPECT_TRUE(is_minimum_close_up(room, corner, Vec3(0.06, 0.07, 0.08)));
+  EXPECT_FALSE(is_minimum_close_up(room, corner, Vec3(0.06, 0.04, 0.08)));
 }
 
 }  // namespace

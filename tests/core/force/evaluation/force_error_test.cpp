@@ -27,7 +27,7 @@ void put_proxy(ForceSample& step, const Vec3& proxy) {
   step.force_n = kStiffness * (proxy - step.device);
 }
 
-TEST(ForceError, NothingToSayWhenAllAgree) {
+TEST(ForceError, IsZeroWhenAllStepsAgree) {
   const auto steps = slide(100);
   const ForceError error = compare_forces(steps, steps, {});
   EXPECT_EQ(error.steps, 100u);
@@ -72,7 +72,7 @@ TEST(ForceError, AResetEndsABranchSwitch) {
   EXPECT_EQ(compare_forces(method, reference, {.reset_every = 50}).branch_switches, 2u);
 }
 
-TEST(ForceError, UnsettledStepsCountAndAreCounted) {
+TEST(ForceError, UnsettledStepsAreErrorsTooAndAreCounted) {
   auto reference = slide(100);
   reference[40].settled = false;
   auto method = reference;
@@ -87,13 +87,13 @@ TEST(ForceError, EveryBranchSwitchHasACause) {
   reference[30].settled = false;
   reference[51].settled = false;  // not where the episode begins
   auto method = reference;
-  const auto aside = [](std::vector<ForceSample>& steps, std::size_t first, std::size_t end) {
+  const auto move_aside = [](std::vector<ForceSample>& steps, std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) put_proxy(steps[i], steps[i].proxy + Vec3(0.0, 1e-3, 0.0));
   };
-  aside(method, 10, 13);
-  aside(method, 30, 32);
-  aside(method, 50, 55);
-  aside(method, 70, 74);
+  move_aside(method, 10, 13);
+  move_aside(method, 30, 32);
+  move_aside(method, 50, 55);
+  move_aside(method, 70, 74);
   auto converged = method;
   put_proxy(converged[10], reference[10].proxy);
   put_proxy(converged[11], reference[11].proxy + Vec3(0.0, 9e-6, 0.0));  // 0.9 %: no branch switch
@@ -130,7 +130,7 @@ TEST(ForceError, AllKindsOfFaultAreCounted) {
   EXPECT_EQ(error.faults(), 11111u);
 }
 
-TEST(ForceError, FallThroughsAndFalseContacts) {
+TEST(ForceError, CountsFallThroughsAndFalseContacts) {
   const auto pressed = slide(50);
   auto free = pressed;
   for (ForceSample& step : free) put_proxy(step, step.device);
@@ -161,7 +161,7 @@ TEST(ForceError, ADiscontinuityIsAJumpThatTheReferenceDoesNotMake) {
   EXPECT_EQ(compare_forces(method, reference, {.reset_every = 50}).discontinuities, 0u);  // the jump falls on a reset
 }
 
-TEST(ForceError, NotFiniteIsCountedAndLeftOut) {
+TEST(ForceError, AForceThatIsNotFiniteIsCountedAndLeftOut) {
   const auto reference = slide(10);
   auto method = reference;
   method[3].force_n.x() = std::numeric_limits<double>::quiet_NaN();
@@ -171,14 +171,14 @@ TEST(ForceError, NotFiniteIsCountedAndLeftOut) {
   EXPECT_EQ(error.error.rms, 0.0);
 }
 
-TEST(ErrorSpread, NearestRank) {
+TEST(ErrorSpread, QuantilesAreOfTheNearestRank) {
   std::vector<double> values;
   for (int i = 1; i <= 100; ++i) values.push_back(i);
   const ErrorSpread spread = spread_of(values);
   EXPECT_EQ(spread.p50, 50.0);
   EXPECT_EQ(spread.p99, 99.0);
   EXPECT_EQ(spread.most, 100.0);
-  EXPECT_NEAR(spread.rms, std::sqrt(338350.0 / 100.0), 1e-12);
+  EXPECT_NEAR(spread.rms, std::sqrt(338350.0 / 100.0), 1e-12);  // the sum of the squares of 1 to 100
   EXPECT_EQ(spread_of({}).count, 0u);
 }
 

@@ -15,9 +15,9 @@ class StressEpisodes : public ::testing::Test {
   std::vector<Vec3> positions_of(std::uint64_t number, std::uint64_t seed = 1) {
     StressEpisode episode(mesh_, walk_, 0.1, false, seed, "ball", number);
     motion_ = episode.motion();
-    std::vector<Vec3> places;
-    episode.draw([](const Vec3&) { return true; }, places);
-    return places;
+    std::vector<Vec3> positions;
+    episode.draw([](const Vec3&) { return true; }, positions);
+    return positions;
   }
 
   TriangleMesh mesh_ = make_icosphere(0.05, 2);
@@ -26,14 +26,14 @@ class StressEpisodes : public ::testing::Test {
 };
 
 TEST_F(StressEpisodes, ComeInEveryMotionAndAreShort) {
-  std::set<StressMotion> seen;
+  std::set<StressMotion> motions;
   for (std::uint64_t number = 0; number < 100; ++number) {
-    const std::vector<Vec3> places = positions_of(number);
-    EXPECT_GT(places.size(), 1U);
-    EXPECT_LE(places.size(), 400U);
-    seen.insert(motion_);
+    const std::vector<Vec3> positions = positions_of(number);
+    EXPECT_GT(positions.size(), 1U);
+    EXPECT_LE(positions.size(), 400U);
+    motions.insert(motion_);
   }
-  EXPECT_EQ(seen.size(), static_cast<std::size_t>(StressMotion::count));
+  EXPECT_EQ(motions.size(), static_cast<std::size_t>(StressMotion::count));
 }
 
 TEST_F(StressEpisodes, DependOnTheirNumberAndSeedAlone) {
@@ -45,15 +45,15 @@ TEST_F(StressEpisodes, DependOnTheirNumberAndSeedAlone) {
 }
 
 TEST_F(StressEpisodes, ALongWalkGoesInAndOutAllOverTheBody) {
-  const std::vector<Vec3> places = positions_of(kFirstLongWalk);
+  const std::vector<Vec3> positions = positions_of(kFirstLongWalk);
   EXPECT_EQ(motion_, StressMotion::walk);
-  EXPECT_EQ(places.size(), 20001U);
+  EXPECT_EQ(positions.size(), 20001U);
   std::size_t crossings = 0;
   std::set<int> octants;
-  for (std::size_t i = 1; i < places.size(); ++i) {
-    crossings += (places[i].norm() < 0.05) != (places[i - 1].norm() < 0.05);
-    octants.insert((places[i].x() > 0.0) + 2 * (places[i].y() > 0.0) + 4 * (places[i].z() > 0.0));
-    ASSERT_LT((places[i] - places[i - 1]).norm(), 0.02) << "a walk, no jump, at " << i;
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    crossings += (positions[i].norm() < 0.05) != (positions[i - 1].norm() < 0.05);
+    octants.insert((positions[i].x() > 0.0) + 2 * (positions[i].y() > 0.0) + 4 * (positions[i].z() > 0.0));
+    ASSERT_LT((positions[i] - positions[i - 1]).norm(), 0.02) << "a walk, no jump, at " << i;
   }
   EXPECT_GT(crossings, 100U);
   EXPECT_EQ(octants.size(), 8U);

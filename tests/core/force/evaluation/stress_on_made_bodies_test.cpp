@@ -1,6 +1,6 @@
-// Episodes of the stress test that once found a fault on closed bodies which cross themselves, or whose triangles differ in size a
-// thousandfold, on bodies with displaced copies of their faces, on blades, and on gyroids with
-// needles. Body, place and motions follow from the seed.
+// Episodes of the stress test that once found a fault: on closed bodies that cross themselves or whose triangles differ in size a
+// thousandfold, on bodies with displaced copies of their faces, on blades, and on gyroids with needles. The seed determines the body, the
+// place and the motions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -106,7 +106,7 @@ TriangleMesh make_blades(Random& random) {
 // The surface where a function on a grid is zero, by marching tetrahedra. The function is positive inside, and negative on the rim.
 class MarchedSurface {
  public:
-  MarchedSurface(int cells, std::vector<double> value) : cells_(cells), value_(std::move(value)) {
+  MarchedSurface(int cells, std::vector<double> values) : cells_(cells), values_(std::move(values)) {
     constexpr std::array<std::array<int, 3>, 6> kOrders = {{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
     for (int i = 0; i < cells; ++i) {
       for (int j = 0; j < cells; ++j) {
@@ -129,7 +129,7 @@ class MarchedSurface {
   std::uint32_t cut_edge(std::size_t a, std::size_t b) {
     if (a > b) std::swap(a, b);
     const auto [it, is_new] = cuts_.try_emplace({a, b}, static_cast<std::uint32_t>(mesh.vertices.size()));
-    if (is_new) mesh.vertices.push_back(place(a) + value_[a] / (value_[a] - value_[b]) * (place(b) - place(a)));
+    if (is_new) mesh.vertices.push_back(place(a) + values_[a] / (values_[a] - values_[b]) * (place(b) - place(a)));
     return it->second;
   }
   Vec3 mean(const std::vector<std::size_t>& ids) const {
@@ -142,7 +142,7 @@ class MarchedSurface {
     for (std::size_t step = 0; step < 4; ++step) {
       if (step > 0) ++p[static_cast<std::size_t>(order[step - 1])];
       const std::size_t id = number(cells_, p[0], p[1], p[2]);
-      (value_[id] > 0.0 ? in : out).push_back(id);
+      (values_[id] > 0.0 ? in : out).push_back(id);
     }
     if (in.empty() || out.empty()) return;
     std::vector<std::pair<std::size_t, std::size_t>> edges;
@@ -164,29 +164,29 @@ class MarchedSurface {
   }
 
   int cells_;
-  std::vector<double> value_;
+  std::vector<double> values_;
   std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> cuts_;
 };
 
 // A gyroid whose function is nearly zero at a third of the grid: there the triangles are needles, down to a billionth of the extent.
 TriangleMesh make_gyroid(Random& random) {
   const int cells = 8 + 4 * static_cast<int>(random() % 3);
-  const double twist = 3.14159265358979 * (2.0 + static_cast<double>(random() % 3));
+  const double radians_per_unit = 3.14159265358979 * (2.0 + static_cast<double>(random() % 3));
   const double level = uniform(random, -0.3, 0.7);
   const double shift = random() % 2 != 0 ? uniform(random, 0.0, 1.0) : 0.0;
-  std::vector<double> value(MarchedSurface::number(cells, cells, cells, cells) + 1);
+  std::vector<double> values(MarchedSurface::number(cells, cells, cells, cells) + 1);
   for (int i = 0; i <= cells; ++i) {
     for (int j = 0; j <= cells; ++j) {
       for (int k = 0; k <= cells; ++k) {
-        const Vec3 p = twist * (0.5 * (Vec3(i, j, k) * (2.0 / cells)) + Vec3(shift, 0.0, 0.0));
+        const Vec3 p = radians_per_unit * (0.5 * (Vec3(i, j, k) * (2.0 / cells)) + Vec3(shift, 0.0, 0.0));
         double v = level - (std::sin(p.x()) * std::cos(p.y()) + std::sin(p.y()) * std::cos(p.z()) + std::sin(p.z()) * std::cos(p.x()));
         if (random() % 10 < 3) v = std::copysign(std::pow(10.0, uniform(random, -12.0, -3.0)), v);
         const bool is_rim = std::min({i, j, k}) == 0 || std::max({i, j, k}) == cells;
-        value[MarchedSurface::number(cells, i, j, k)] = is_rim ? -std::fabs(v) - 0.01 : v;
+        values[MarchedSurface::number(cells, i, j, k)] = is_rim ? -std::fabs(v) - 0.01 : v;
       }
     }
   }
-  return MarchedSurface(cells, std::move(value)).mesh;
+  return MarchedSurface(cells, std::move(values)).mesh;
 }
 
 struct MadeBody {
@@ -224,9 +224,9 @@ std::string name_of_episode(const testing::TestParamInfo<MadeBody>& test) {
   return body + "_" + std::to_string(test.param.episode) + (test.param.probe_share == 0.001 ? "_small" : "");
 }
 
-// A sphere that passed a corner skipped a wall that begins there. Or the way out of a corner led beyond the other side of a slit, or was
-// not found because no edge of the corner leads nearer to the device. Or a point that left a face in a narrow wedge was lifted through the
-// other face.
+// The faults found: a sphere that passed a corner skipped a wall that begins there. Or the way out of a corner led beyond the other side of
+// a slit, or was not found because no edge of the corner leads nearer to the device. Or a point that left a face in a narrow wedge was
+// lifted through the other face.
 INSTANTIATE_TEST_SUITE_P(
     Found, StressOnMadeBodies,
     testing::Values(MadeBody{"crossing", make_crossing_itself, 239, 3}, MadeBody{"crossing", make_crossing_itself, 265, 1},

@@ -66,7 +66,7 @@ TEST(StressParts, TouchingPartsAreClosedAndTouchExactly) {
   EXPECT_EQ(std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [&](const Vec3& v) { return v.x() == 1.375 * side; }), 16 + 4);
 }
 
-TEST(StressParts, OverlappingPartsAreClosedEachAndMoreThanTheirUnion) {
+TEST(StressParts, OverlappingPartsAreClosedAndTheirVolumesSumToMoreThanTheirUnion) {
   for (const std::uint64_t seed : kSeeds) {
     const TriangleMesh mesh = make_overlapping_parts(seed);
     EXPECT_TRUE(count_edges(mesh).closed()) << "seed " << seed;

@@ -36,7 +36,7 @@ std::string describe(const StressCount& count) {
 
 class EveryBody : public ::testing::TestWithParam<std::string_view> {};
 
-TEST_P(EveryBody, HoldsUnderTheReference) {
+TEST_P(EveryBody, HasNoFaultWithTheReference) {
   const StressBody body = make_stress_body(GetParam());
   const StressCount count = run_stress(body, {.seed = 1}, "reference", 12);
   EXPECT_EQ(count.total_faults(), 0u) << describe(count);
@@ -44,7 +44,7 @@ TEST_P(EveryBody, HoldsUnderTheReference) {
 }
 
 // At a small, a usual and a large scale, and far from the origin.
-TEST_P(EveryBody, HoldsUnderTheProxy) {
+TEST_P(EveryBody, HasNoFaultWithTheProxy) {
   const StressBody body = make_stress_body(GetParam());
   std::uint64_t contacts = 0;
   for (const StressSettings& settings : {StressSettings{.seed = 1}, StressSettings{.seed = 2, .scale = 1e-6},
@@ -80,20 +80,20 @@ INSTANTIATE_TEST_SUITE_P(Stress, EveryBody, ::testing::ValuesIn(stress_body_name
                            return name;
                          });
 
-// ---- Wrong methods: each fault must be found. ----
+// ---- Faulty methods: each fault must be found. ----
 
-class Wrong : public ForceMethod {
+class FaultyMethod : public ForceMethod {
  public:
-  Wrong(std::unique_ptr<ForceMethod> right, StressFault fault) : right_(std::move(right)), fault_(fault) {}
+  FaultyMethod(std::unique_ptr<ForceMethod> correct, StressFault fault) : correct_(std::move(correct)), fault_(fault) {}
   void reset(const Vec3& p) noexcept override {
     steps_ = 0;
-    frozen_ = false;
-    right_->reset(p);
+    is_frozen_ = false;
+    correct_->reset(p);
   }
   void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return "wrong"; }
   MethodOutput step(const MethodInput& input) noexcept override {
-    MethodOutput felt = right_->step(input);
+    MethodOutput felt = correct_->step(input);
     ++steps_;
     if (!felt.contact) return felt;
     switch (fault_) {
@@ -103,9 +103,9 @@ class Wrong : public ForceMethod {
         return with_proxy(felt, input.p_SD + 0.5 * (felt.p_SP - input.p_SD), input);
       case StressFault::stuck:
       case StressFault::unconverged:
-        if (!frozen_) at_ = felt.p_SP;
-        frozen_ = true;
-        return with_proxy(felt, at_, input);
+        if (!is_frozen_) frozen_proxy_ = felt.p_SP;
+        is_frozen_ = true;
+        return with_proxy(felt, frozen_proxy_, input);
       case StressFault::discontinuity:
         return with_proxy(felt, felt.p_SP + (steps_ % 2 == 0 ? 1e-3 : 0.0) * Vec3::UnitX(), input);
       case StressFault::not_finite:
@@ -123,11 +123,11 @@ class Wrong : public ForceMethod {
     felt.force_n = 1000.0 * (proxy - input.p_SD);
     return felt;
   }
-  std::unique_ptr<ForceMethod> right_;
+  std::unique_ptr<ForceMethod> correct_;
   StressFault fault_;
   std::uint64_t steps_ = 0;
-  bool frozen_ = false;
-  Vec3 at_ = Vec3::Zero();
+  bool is_frozen_ = false;
+  Vec3 frozen_proxy_ = Vec3::Zero();
 };
 
 // A surface that the hand leaves quickly still holds the proxy, even if damping leaves no force.
@@ -142,13 +142,13 @@ TEST(StressRun, ContactWhoseForceDampingTakesIsNoFault) {
   }
 }
 
-TEST(StressRun, SeesEveryKindOfFault) {
+TEST(StressRun, DetectsEveryKindOfFault) {
   for (const StressFault fault : {StressFault::fall_through, StressFault::inside, StressFault::stuck, StressFault::unconverged,
                                   StressFault::discontinuity, StressFault::not_finite, StressFault::broken}) {
     const auto maker = [&](const MethodSettings& settings, const TouchScene& scene) -> Result<std::unique_ptr<ForceMethod>> {
-      auto right = make_method(settings, scene);
-      if (!right) return right;
-      return std::make_unique<Wrong>(std::move(*right), fault);
+      auto correct = make_method(settings, scene);
+      if (!correct) return correct;
+      return std::make_unique<FaultyMethod>(std::move(*correct), fault);
     };
     const StressBody body = make_stress_body(fault == StressFault::discontinuity ? "turned-room" : "sphere");
     const StressCount count = run_stress(body, {.seed = 1, .compare_every = 8}, "reference", 20, maker);
@@ -157,50 +157,50 @@ TEST(StressRun, SeesEveryKindOfFault) {
   }
 }
 
-// A force that is as correct as any other: where the device, behind one wall, comes to the plane of another, the proxy is put on that
-// plane, exactly or one unit in the last place beyond it. The proxy's position then does not tell which side of that wall it is on.
+// A correct method: where the device, behind one wall, comes to the plane of another wall, it puts the proxy on that plane, exactly or one
+// unit in the last place beyond it. The position of the proxy then does not show on which side of that wall it is.
 class OnTheThirdWall : public ForceMethod {
  public:
-  OnTheThirdWall(std::unique_ptr<ForceMethod> right, const Vec3& half) : right_(std::move(right)), half_(half) {}
-  void reset(const Vec3& p) noexcept override { right_->reset(p); }
+  OnTheThirdWall(std::unique_ptr<ForceMethod> correct, const Vec3& half) : correct_(std::move(correct)), half_(half) {}
+  void reset(const Vec3& p) noexcept override { correct_->reset(p); }
   void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return "on the third wall"; }
   MethodOutput step(const MethodInput& input) noexcept override {
-    MethodOutput felt = right_->step(input);
+    MethodOutput felt = correct_->step(input);
     if (!felt.contact || !input.p_SD.allFinite()) return felt;
     for (int k = 0; k < 3; ++k) {
       const double wall = std::copysign(std::nextafter(half_[k], 1.0), felt.p_SP[k]);
       if (!(std::fabs(felt.p_SP[k] - wall) < 1e-10 && std::fabs(input.p_SD[k] - wall) < 1e-10)) continue;
       felt.p_SP[k] = wall;
       felt.force_n = 1000.0 * (felt.p_SP - input.p_SD);
-      ++moved_;
+      ++moved_steps_;
     }
     return felt;
   }
-  static inline int moved_ = 0;
+  static inline int moved_steps_ = 0;
 
  private:
-  std::unique_ptr<ForceMethod> right_;
+  std::unique_ptr<ForceMethod> correct_;
   Vec3 half_;
 };
 
 TEST(StressRun, AProxyExactlyOnAWallIsComparedFromTheFreeSide) {
   const StressBody body = make_stress_body("room");
   const auto maker = [&](const MethodSettings& settings, const TouchScene& scene) -> Result<std::unique_ptr<ForceMethod>> {
-    auto right = make_method(settings, scene);
-    if (!right) return right;
-    return std::make_unique<OnTheThirdWall>(std::move(*right), compute_bounds(body.touched).high);
+    auto correct = make_method(settings, scene);
+    if (!correct) return correct;
+    return std::make_unique<OnTheThirdWall>(std::move(*correct), compute_bounds(body.touched).high);
   };
-  OnTheThirdWall::moved_ = 0;
+  OnTheThirdWall::moved_steps_ = 0;
   const StressCount count = run_stress(body, {.seed = 1, .compare_every = 1}, "reference", 40, maker);
-  EXPECT_GT(OnTheThirdWall::moved_, 100);
+  EXPECT_GT(OnTheThirdWall::moved_steps_, 100);
   EXPECT_GT(count.compared_steps, 1000U);
   EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::unconverged)], 0u) << describe(count);
   EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::stuck)], 0u) << describe(count);
 }
 
 // Moves through every surface without force.
-class Nothing : public ForceMethod {
+class MethodWithoutForce : public ForceMethod {
  public:
   void reset(const Vec3&) noexcept override {}
   void set_materials(std::span<const Material>) noexcept override {}
@@ -210,12 +210,12 @@ class Nothing : public ForceMethod {
 
 TEST(StressRun, ReportsAProbeThatGoesThroughAnOpenSheet) {
   const auto maker = [](const MethodSettings&, const TouchScene&) -> Result<std::unique_ptr<ForceMethod>> {
-    return std::make_unique<Nothing>();
+    return std::make_unique<MethodWithoutForce>();
   };
   const StressBody sheet = make_stress_body("sheet", make_plane_grid(0.1, 8));
   EXPECT_GT(run_stress(sheet, {}, "none", 20, maker).faults[static_cast<std::size_t>(StressFault::through)], 0u);
-  const StressCount held = run_stress(sheet, {}, "reference", 20);
-  EXPECT_EQ(held.total_faults(), 0u) << describe(held);
+  const StressCount with_reference = run_stress(sheet, {}, "reference", 20);
+  EXPECT_EQ(with_reference.total_faults(), 0u) << describe(with_reference);
 }
 
 TEST(StressRun, AnEpisodeCanBeRunAgainAlone) {
@@ -225,12 +225,12 @@ TEST(StressRun, AnEpisodeCanBeRunAgainAlone) {
   method.reference_substeps = 1;
   auto first = StressRun::make(body, {.seed = 9}, method);
   auto second = StressRun::make(body, {.seed = 9}, method);
-  StressCount all, one, before;
-  for (std::uint64_t episode = 0; episode < 4; ++episode) first->run_episode(episode, episode < 3 ? before : all);
-  second->run_episode(3, one);
-  EXPECT_EQ(all.steps, one.steps);
-  EXPECT_EQ(all.contact_steps, one.contact_steps);
-  EXPECT_EQ(all.compared_steps, one.compared_steps);
+  StressCount after_others, alone, before;
+  for (std::uint64_t episode = 0; episode < 4; ++episode) first->run_episode(episode, episode < 3 ? before : after_others);
+  second->run_episode(3, alone);
+  EXPECT_EQ(after_others.steps, alone.steps);
+  EXPECT_EQ(after_others.contact_steps, alone.contact_steps);
+  EXPECT_EQ(after_others.compared_steps, alone.compared_steps);
 }
 
 TEST(StressRun, SaysWhichFaultsItCovers) {

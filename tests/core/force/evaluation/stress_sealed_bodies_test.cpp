@@ -19,8 +19,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kStep = 2e-4;   // of the tap, m; the meshes are 0.1 m long
-constexpr double kDepth = 2e-3;  // m
+constexpr double kTapStepM = 2e-4;  // the meshes are 0.1 m long
+constexpr double kTapDepthM = 2e-3;
 
 std::unique_ptr<ForceMethod> make_proxy(const TriangleMesh& mesh) {
   TouchScene scene;
@@ -31,10 +31,10 @@ std::unique_ptr<ForceMethod> make_proxy(const TriangleMesh& mesh) {
 }
 
 // Whether a tap straight in from outside ends in contact.
-bool has_contact(ForceMethod& method, const Vec3& at, const Vec3& up) {
+bool tap_ends_in_contact(ForceMethod& method, const Vec3& at, const Vec3& up) {
   method.reset(at + 1e-3 * up);
   MethodOutput felt;
-  for (double height = 1e-3; height > -kDepth; height -= kStep) felt = method.step({.p_SD = at + height * up});
+  for (double height = 1e-3; height > -kTapDepthM; height -= kTapStepM) felt = method.step({.p_SD = at + height * up});
   return felt.contact;
 }
 
@@ -47,22 +47,22 @@ struct Position {
 // The gaps of make_torn(mesh) run along the mesh's edges.
 std::vector<Position> draw_positions(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<Position> places;
+  std::vector<Position> positions;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t t = random() % mesh.triangles.size();
     const int k = static_cast<int>(random() % 3);
     const double share = i % 4 == 0 ? 0.0 : std::uniform_real_distribution<double>(0.1, 0.9)(random);
     const Vec3 at = mesh.corner(t, k) + share * (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k));
-    places.push_back({at, at.normalized()});
+    positions.push_back({at, at.normalized()});
   }
-  return places;
+  return positions;
 }
 
 // The fault that sealing removes: the proxy falls through each open crack that it meets, at any width.
 TEST(SealedTouch, TapsFallThroughOpenCracksButNotThroughSealedOnes) {
   constexpr std::uint64_t kSeed = 20261121;
   const TriangleMesh whole = make_icosphere(0.05, 3);
-  const std::vector<Position> places = draw_positions(whole, 2000, kSeed);
+  const std::vector<Position> positions = draw_positions(whole, 2000, kSeed);
   for (const double width : {1e-6, 1e-5}) {  // 1 and 10 micrometres: 1e-5 and 1e-4 of the extent
     const TriangleMesh torn = make_torn(whole, 0.9 * width);
     SealReport report;
@@ -72,13 +72,13 @@ TEST(SealedTouch, TapsFallThroughOpenCracksButNotThroughSealedOnes) {
     const auto sealed_method = make_proxy(sealed);
     std::size_t open_fall_throughs = 0;
     std::size_t sealed_fall_throughs = 0;
-    for (const Position& place : places) {
-      open_fall_throughs += has_contact(*open_method, place.at, place.up) ? 0 : 1;
-      sealed_fall_throughs += has_contact(*sealed_method, place.at, place.up) ? 0 : 1;
+    for (const Position& place : positions) {
+      open_fall_throughs += tap_ends_in_contact(*open_method, place.at, place.up) ? 0 : 1;
+      sealed_fall_throughs += tap_ends_in_contact(*sealed_method, place.at, place.up) ? 0 : 1;
     }
-    fmt::print("cracks {:g} m wide, seed {}: {} of {} taps fall through, {} when sealed\n", width, kSeed, open_fall_throughs, places.size(),
-               sealed_fall_throughs);
-    EXPECT_EQ(open_fall_throughs, places.size());
+    fmt::print("cracks {:g} m wide, seed {}: {} of {} taps fall through, {} when sealed\n", width, kSeed, open_fall_throughs,
+               positions.size(), sealed_fall_throughs);
+    EXPECT_EQ(open_fall_throughs, positions.size());
     EXPECT_EQ(sealed_fall_throughs, 0U);
   }
 }
@@ -108,7 +108,7 @@ TEST(SealedTouch, TapsFallThroughNowhereElseThanAtWideGaps) {
     for (const Position& place : draw_positions(whole, 3000, seed)) {
       if (is_at_gap(place.at)) continue;
       ++taps;
-      fall_throughs += has_contact(*method, place.at, place.up) ? 0 : 1;
+      fall_throughs += tap_ends_in_contact(*method, place.at, place.up) ? 0 : 1;
     }
     fmt::print("gaps up to 1.5 times the sealed width, seed {}: {} of {} taps fall through\n", seed, fall_throughs, taps);
     EXPECT_GT(taps, 1500U);
@@ -124,14 +124,14 @@ TEST(SealedTouch, SlidesAcrossSealedSeamsStayInContact) {
     const StressBody body = make_stress_body("sealed-ball");
     const auto method = make_proxy(body.touched);
     const PointInMesh solid(body.solid);
-    std::size_t inside = 0;
-    std::size_t unfelt = 0;
+    std::size_t steps_inside = 0;
+    std::size_t steps_without_contact = 0;
     for (int slide = 0; slide < 60; ++slide) {
       const double azimuth = std::uniform_real_distribution<double>(0.0, 6.28)(random);
       Vec3 at(std::cos(azimuth), std::sin(azimuth), 0.01 * normal(random));
       Vec3 along = Vec3(normal(random), normal(random), slide % 2 == 0 ? 0.02 * normal(random) : normal(random));
       method->reset(0.052 * at.normalized());
-      for (double height = 1e-3; height > -kDepth; height -= kStep) method->step({.p_SD = (0.05 + height) * at.normalized()});
+      for (double height = 1e-3; height > -kTapDepthM; height -= kTapStepM) method->step({.p_SD = (0.05 + height) * at.normalized()});
       for (int step = 0; step < 500; ++step) {
         along = (along - along.dot(at) * at).normalized();
         at = (at + 2e-3 * along).normalized();
@@ -139,12 +139,12 @@ TEST(SealedTouch, SlidesAcrossSealedSeamsStayInContact) {
         const Vec3 device = (0.05 - depth) * at;
         const bool has_contact = method->step({.p_SD = device}).contact;
         if (!solid.is_inside(device) || solid.compute_distance(device) < 1e-8) continue;
-        ++inside;
-        unfelt += has_contact ? 0 : 1;
+        ++steps_inside;
+        steps_without_contact += has_contact ? 0 : 1;
       }
     }
-    EXPECT_EQ(unfelt, 0U) << "seed " << seed;
-    EXPECT_GT(inside, 20000U) << "seed " << seed;
+    EXPECT_EQ(steps_without_contact, 0U) << "seed " << seed;
+    EXPECT_GT(steps_inside, 20000U) << "seed " << seed;
   }
 }
 
