@@ -30,7 +30,7 @@ TEST_F(EmptyBallTest, NoTriangleIsInAnyBallFound) {
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  int found = 0;
+  int balls_found = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p(unit(random), unit(random), unit(random));
     EmptyBall ball;
@@ -40,12 +40,12 @@ TEST_F(EmptyBallTest, NoTriangleIsInAnyBallFound) {
     // Not much smaller than it could be: the search skips triangles that are hardly nearer than the nearest one so far.
     const bool is_limited = radius == 0.0 || distance > 0.5;
     EXPECT_GE(radius, is_limited ? 0.0 : 0.7 * (distance - 2.0 * kRestOffset)) << p.transpose();
-    found += radius > 0.0 ? 1 : 0;
+    balls_found += radius > 0.0 ? 1 : 0;
   }
-  EXPECT_GT(found, 1900);
+  EXPECT_GT(balls_found, 1900);
 }
 
-TEST_F(EmptyBallTest, IsNoLargerThanAsked) {
+TEST_F(EmptyBallTest, IsNoLargerThanItsLimit) {
   EmptyBall ball;
   const Vec3 outside = geometry_.to_local(Vec3(0.2, 0.0, 0.0));
   EXPECT_LE(ball.find(geometry_, outside, 1.0, kRestOffset, 0.125), 0.125);
@@ -66,7 +66,7 @@ TEST_F(EmptyBallTest, HoldsWhatIsNearerThanItsRadiusUntilItIsLeft) {
   const Vec3 later_S = centre_S + Vec3(0.01, 0.0, 0.0);
   EXPECT_EQ(ball.sample_before(), before_S);
   ball.note_sample(centre_S + Vec3(0.001, 0.0, 0.0), true);
-  EXPECT_EQ(ball.sample_before(), before_S) << "that was the sample before of the corrected one, too";
+  EXPECT_EQ(ball.sample_before(), before_S) << "it is also the sample before the corrected one";
   ball.note_sample(later_S - Vec3(0.001, 0.0, 0.0));
   EXPECT_EQ(ball.sample_before(), Vec3(centre_S + Vec3(0.001, 0.0, 0.0)));
   ball.note_sample(later_S, true);
@@ -77,7 +77,7 @@ TEST_F(EmptyBallTest, HoldsWhatIsNearerThanItsRadiusUntilItIsLeft) {
   EXPECT_FALSE(ball.contains(centre_S));
 }
 
-TEST_F(EmptyBallTest, IsSearchedAgainAfterSomeWayOnly) {
+TEST_F(EmptyBallTest, IsSearchedAgainOnlyAfterSomeMotion) {
   EmptyBall ball;
   EXPECT_TRUE(ball.is_due());
   const double radius = ball.find(geometry_, geometry_.to_local(Vec3(0.07, 0.0, 0.0)), 0.01, kRestOffset, kFar);
@@ -98,7 +98,7 @@ TEST_F(EmptyBallTest, AmongTooManyTrianglesThereIsNoneAndTheSearchIsBounded) {
   EmptyBall ball;
   EXPECT_EQ(ball.work(), 0);
   EXPECT_EQ(ball.find(crowd, crowd.to_local(Vec3::Constant(0.04)), 0.01, kRestOffset, kFar), 0.0);
-  EXPECT_EQ(ball.work(), 257);
+  EXPECT_EQ(ball.work(), 257);  // 256 tests, and the one that exceeds this limit
   EXPECT_GT(ball.find(geometry_, geometry_.to_local(Vec3(0.07, 0.0, 0.0)), 0.01, kRestOffset, kFar), 0.0);
   EXPECT_GE(ball.work(), 1);
   EXPECT_LT(ball.work(), 64);

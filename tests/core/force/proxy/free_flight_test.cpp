@@ -44,7 +44,7 @@ TEST(FreeFlight, LandsOnTheFirstOfAllTriangles) {
   FlightStage stage(make_bumpy_sphere(0.05, 0.2, 3000, 5));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(-0.08, 0.08);
-  int landed = 0;
+  int landings = 0;
   for (int i = 0; i < 3000; ++i) {
     const Vec3 from(unit(random), unit(random), unit(random));
     const Vec3 to(unit(random), unit(random), unit(random));
@@ -57,9 +57,9 @@ TEST(FreeFlight, LandsOnTheFirstOfAllTriangles) {
     ASSERT_TRUE(stage.surface.is_on_surface());
     const Vec3 at = stage.geometry.to_local(Vec3(from + time * (to - from)));
     EXPECT_LE((stage.surface.point() - at).norm(), 1e-12);
-    ++landed;
+    ++landings;
   }
-  EXPECT_GT(landed, 1000);
+  EXPECT_GT(landings, 1000);
 }
 
 // The units of work of a flight away from all triangles, and of one just below the tip of a fan of 2,000 triangles.
@@ -88,7 +88,7 @@ TEST(FreeFlight, PassesAOneSidedFaceFromBehind) {
   EXPECT_NEAR(time, 0.5, 1e-12);
 }
 
-TEST(FreeFlight, StopsBeforeTrianglesThatCannotBeWalked) {
+TEST(FreeFlight, StopsBeforeTrianglesThatAreNotWalkable) {
   const TriangleMesh sheet = make_plane_grid(0.1, 2);
   FlightStage stage(joined(sheet, sheet));  // each triangle twice
   double time = 1.0;
@@ -115,11 +115,12 @@ TEST(FreeFlight, APointTooNearIsMovedOffOnItsOwnSide) {
 TEST(FreeFlight, APointExactlyOnAnEdgeOrACornerIsMovedOffTheFacesThere) {
   FlightStage stage(make_box(Vec3::Constant(0.125), 1));  // its corners are exact in local units
   const double face = stage.geometry.to_local(Vec3(0.0625, 0.0, 0.0)).x();
-  for (const int far : {0, 1, 2}) {  // along how many axes, besides x, the point is at a face of the box
-    const Vec3 p(face, far >= 1 ? -face : 0.0101 * face, far >= 2 ? face : 0.0203 * face);
+  for (const int other_faces : {0, 1, 2}) {  // along how many axes, besides x, the point is at a face of the box
+    const Vec3 p(face, other_faces >= 1 ? -face : 0.0101 * face, other_faces >= 2 ? face : 0.0203 * face);
     const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset) - p;
-    for (int axis = 0; axis <= far; ++axis) EXPECT_NEAR(std::fabs(off[axis]), kOffset, 1e-3 * kOffset) << "ends " << far;
-    for (int axis = far + 1; axis < 3; ++axis) EXPECT_NEAR(off[axis], 0.0, 1e-3 * kOffset) << "ends " << far;
+    for (int axis = 0; axis <= other_faces; ++axis)
+      EXPECT_NEAR(std::fabs(off[axis]), kOffset, 1e-3 * kOffset) << "other faces " << other_faces;
+    for (int axis = other_faces + 1; axis < 3; ++axis) EXPECT_NEAR(off[axis], 0.0, 1e-3 * kOffset) << "other faces " << other_faces;
   }
 }
 

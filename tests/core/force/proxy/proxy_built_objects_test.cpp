@@ -26,11 +26,11 @@ struct MovedScene {
     for (const TriangleMesh& shape : shapes) scene.objects.push_back({shared(scaled_and_moved(shape, size, Vec3::Zero())), Material()});
     scene.objects[0].material = {.stiffness_n_per_m = 900.0, .friction_static = 0.5, .friction_dynamic = 0.3};
     for (const TouchObject& object : scene.objects) {
-      for (const Vec3& v : object.mesh->vertices) whole.grow(v);
+      for (const Vec3& v : object.mesh->vertices) whole_bounds.grow(v);
     }
-    frame = TouchGeometry::frame_of(whole);
+    frame = TouchGeometry::frame_of(whole_bounds);
     for (std::size_t o = 0; o < 3; ++o) build(o);
-    rest = scene.objects[1].mesh;
+    cube_at_rest = scene.objects[1].mesh;
   }
 
   static std::shared_ptr<const TriangleMesh> shared(TriangleMesh mesh) { return std::make_shared<const TriangleMesh>(std::move(mesh)); }
@@ -40,16 +40,16 @@ struct MovedScene {
     for (const TouchObject& object : scene.objects) meshes.push_back(object.mesh);
     Box box;
     for (const Vec3& v : meshes[o]->vertices) box.grow(v);
-    plain.resize(3);
+    unmarked.resize(3);
     bounds.resize(3);
     bounds[o] = TouchGeometry::local_bounds(frame, box);
-    plain[o] = std::make_shared<const ObjectGeometry>(
+    unmarked[o] = std::make_shared<const ObjectGeometry>(
         ObjectGeometry::make(*meshes[o], frame, TouchGeometry::most_triangles(meshes), shading_crease_rad));
   }
   // Moves the cube from its rest pose. by: in multiples of `size`.
   void move(const Vec3& turn, const Vec3& by) {
     const Quat rotation = turn_by(turn);
-    TriangleMesh moved = *rest;
+    TriangleMesh moved = *cube_at_rest;
     for (Vec3& v : moved.vertices) v = rotation * v + size * by;
     scene.objects[1].mesh = shared(std::move(moved));
     build(1);
@@ -60,25 +60,25 @@ struct MovedScene {
     built->shading_crease_rad = shading_crease_rad;
     for (const TouchObject& object : scene.objects) built->meshes.push_back(object.mesh);
     built->bounds = bounds;
-    built->objects = marked.update(plain, bounds);
+    built->objects = marked.update(unmarked, bounds);
     TouchScene all = scene;
     all.built = built;
     return all;
   }
   // For a method that builds its own objects. The frame is the same if the cube lies within the scene as it was at first.
-  TouchScene anew() const {
+  TouchScene without_built() const {
     TouchScene all = scene;
-    all.part_of = whole;
+    all.part_of = whole_bounds;
     return all;
   }
 
   double size;
   std::optional<double> shading_crease_rad;
   TouchScene scene;
-  Box whole;
+  Box whole_bounds;
   LocalFrame frame;
-  std::shared_ptr<const TriangleMesh> rest;
-  std::vector<std::shared_ptr<const ObjectGeometry>> plain;
+  std::shared_ptr<const TriangleMesh> cube_at_rest;
+  std::vector<std::shared_ptr<const ObjectGeometry>> unmarked;
   std::vector<Box> bounds;
   MarkedObjects marked;
 };
@@ -141,7 +141,7 @@ TEST(ProxyOnBuiltObjects, FeelsTheSameToTheBitAsOnObjectsBuiltAnew) {
       const Vec3 place = draw_place(random, n);
       scene.move({0.0, 0.0, n % 4 == 3 ? 0.3 * uniform(random) : 0.0}, place);
       const auto built = proxy_over(settings, scene.with_built());
-      const auto anew = proxy_over(settings, scene.anew());
+      const auto anew = proxy_over(settings, scene.without_built());
       ASSERT_EQ(built->geometry().unit_m(), anew->geometry().unit_m());
       ASSERT_EQ(built->geometry().origin(), anew->geometry().origin());
       ASSERT_EQ(built->geometry().frame().origin, scene.frame.origin);
@@ -176,9 +176,9 @@ TEST(ProxyOnBuiltObjects, AgreesWithTheReferenceWhereverTheCubeIsPutDown) {
     const Vec3 place = n % 4 == 3 ? Vec3(0.1, -0.1, 0.09) : draw_place(random, n);
     scene.move({0.0, 0.0, 0.3 * uniform(random)}, place);
     const auto built = proxy_over({}, scene.with_built());
-    MethodSettings slow;
-    slow.name = "reference";
-    const auto reference = make_method(slow, scene.scene).value();
+    MethodSettings reference_settings;
+    reference_settings.name = "reference";
+    const auto reference = make_method(reference_settings, scene.scene).value();
     Vec3 at = place + Vec3(0.003, 0.002, 0.05);
     built->reset(at);
     reference->reset(at);

@@ -1,4 +1,4 @@
-// A sphere among hundreds of triangles: it is put where it overlaps them on one side, and the work of its steps is bounded.
+// A sphere among hundreds of triangles: it starts where it overlaps them on one side, and the work of its steps is bounded.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,17 +62,17 @@ TEST_P(OnOneSide, TheSphereLeavesTheOverlapWithItsOwnRadius) {
       const Vec3 start =
           turn * Vec3(uniform(-0.5, 0.5) * kCrowdRadius, uniform(-0.5, 0.5) * kCrowdRadius, uniform(0.3, 0.9) * kCrowdRadius);
       method->reset(start);
-      int carried = 0;
+      int carried_steps = 0;
       MethodOutput output;
       for (int i = 1; i <= 20; ++i) {
         const Vec3 device = start + 0.02 * i * kCrowdRadius * (turn * Vec3(1.0, 0.3, -1.0));
         output = method->step({.p_SD = device});
-        for (int k = 0; method->carried_from() && k < 256; ++k, ++carried) output = method->step({.p_SD = device});
+        for (int k = 0; method->carried_from() && k < 256; ++k, ++carried_steps) output = method->step({.p_SD = device});
         ASSERT_FALSE(proxy.swept().is_shrunk()) << "rough " << rough << ", hollow " << is_hollow << ", step " << i;
       }
       EXPECT_GE(clearance_over(mesh, output.p_SP), kCrowdRadius * (1.0 - 1e-6)) << "rough " << rough << ", hollow " << is_hollow;
       EXPECT_LE((output.p_SP - start).norm(), 3.0 * kCrowdRadius);
-      EXPECT_LE(carried, 200);
+      EXPECT_LE(carried_steps, 200);
     }
   }
 }
@@ -107,7 +107,7 @@ TriangleMesh book_of_pages(std::mt19937_64& random) {
   return mesh;
 }
 
-TriangleMesh thick_soup(double size, std::mt19937_64& random) {
+TriangleMesh dense_soup(double size, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
   TriangleMesh mesh;
@@ -128,8 +128,8 @@ TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const std::pair<const char*, TriangleMesh> meshes[] = {{"star", star_of_spokes(random)},
                                                          {"book", book_of_pages(random)},
-                                                         {"soup", thick_soup(0.002, random)},
-                                                         {"coarse soup", thick_soup(0.02, random)},
+                                                         {"soup", dense_soup(0.002, random)},
+                                                         {"coarse soup", dense_soup(0.02, random)},
                                                          {"noise", make_bumpy_sphere(0.03, 0.02, 60000, GetParam())}};
   for (const auto& [name, mesh] : meshes) {
     for (const double friction : {0.0, 0.5}) {
@@ -167,8 +167,8 @@ TEST_P(AmongThousands, NoStepHasTheStiffnessOfAnotherObject) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const TriangleMesh far = scaled_and_moved(make_box({0.01, 0.01, 0.01}, 1), 1.0, {0.5, 0.0, 0.0});
-  int carried = 0;
-  for (const TriangleMesh& mesh : {star_of_spokes(random), book_of_pages(random), thick_soup(0.002, random), thick_soup(0.02, random)}) {
+  int carried_steps = 0;
+  for (const TriangleMesh& mesh : {star_of_spokes(random), book_of_pages(random), dense_soup(0.002, random), dense_soup(0.02, random)}) {
     TouchScene scene{.objects = {{made::shared(far), {}}, {made::shared(mesh), {}}}};
     scene.objects[0].material.stiffness_n_per_m = 1e4;
     scene.objects[1].material.stiffness_n_per_m = 100.0;
@@ -180,13 +180,13 @@ TEST_P(AmongThousands, NoStepHasTheStiffnessOfAnotherObject) {
         device += i % 8 == 0 ? Vec3(0.02 * Vec3(uniform(random), uniform(random), uniform(random)) - 0.3 * device)
                              : Vec3(0.001 * Vec3(uniform(random), uniform(random), uniform(random)));
         const MethodOutput output = method->step({.p_SD = device});
-        carried += method->carried_from() ? 1 : 0;
+        carried_steps += method->carried_from() ? 1 : 0;
         ASSERT_LE(output.force_n.norm(), 100.0 * (1.0 + 1e-9) * (output.p_SP - device).norm()) << "radius " << radius_m << ", step " << i;
         ASSERT_NE(output.object, 0);
       }
     }
   }
-  EXPECT_GT(carried, 10) << "no step ran out of work";
+  EXPECT_GT(carried_steps, 10) << "no step ran out of work";
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AmongThousands, testing::Values(1U, 2U));
@@ -195,7 +195,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, AmongThousands, testing::Values(1U, 2U));
 class OverSlantedTriangles : public ::testing::TestWithParam<unsigned> {
  protected:
   OverSlantedTriangles() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
-  TriangleMesh slanted() const {
+  TriangleMesh slanted_triangles() const {
     TriangleMesh mesh;
     for (std::uint32_t i = 0; i < 2000; ++i) {
       for (int k = 0; k < 3; ++k) mesh.vertices.push_back(0.1 * Vec3::Unit(k) - (1e-6 * i) * up_);
@@ -207,7 +207,7 @@ class OverSlantedTriangles : public ::testing::TestWithParam<unsigned> {
     return make_method({.name = "proxy", .probe_radius_m = kCrowdRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
   }
   double uniform(double most) { return std::uniform_real_distribution<double>(-most, most)(random_); }
-  Vec3 beside(double most) {
+  Vec3 random_vector_across_up(double most) {
     const double x = uniform(most);
     const double y = uniform(most);
     const Vec3 any(x, y, uniform(most));
@@ -220,11 +220,11 @@ class OverSlantedTriangles : public ::testing::TestWithParam<unsigned> {
 };
 
 TEST_P(OverSlantedTriangles, TheSphereArrivesInFreeSpace) {
-  const auto method = make(slanted());
-  const auto somewhere = [&] { return Vec3(middle_ + 1.2 * kCrowdRadius * up_ + beside(0.01)); };
-  method->reset(somewhere());
+  const auto method = make(slanted_triangles());
+  const auto random_position = [&] { return Vec3(middle_ + 1.2 * kCrowdRadius * up_ + random_vector_across_up(0.01)); };
+  method->reset(random_position());
   for (int i = 0; i < 40; ++i) {
-    const Vec3 device = somewhere();
+    const Vec3 device = random_position();
     MethodOutput output = method->step({.p_SD = device});
     int repeats = 0;
     for (; method->carried_from() && repeats < 64; ++repeats) output = method->step({.p_SD = device});
@@ -235,7 +235,7 @@ TEST_P(OverSlantedTriangles, TheSphereArrivesInFreeSpace) {
 
 // The work of a step includes what it examines before the proxy follows.
 TEST_P(OverSlantedTriangles, AStepCountsAllOfItsWork) {
-  const auto method = make(slanted());
+  const auto method = make(slanted_triangles());
   method->reset(middle_ + 1.2 * kCrowdRadius * up_);
   (void)method->step({.p_SD = middle_ + 1.2 * kCrowdRadius * up_});
   EXPECT_GT(static_cast<const ProxyMethod&>(*method).counters().most_work, 256) << "the search for an empty ball";
@@ -246,9 +246,9 @@ TEST_P(OverSlantedTriangles, AStepCountsAllOfItsWork) {
 TEST_P(OverSlantedTriangles, FewSweepsLeadAroundAnEdge) {
   constexpr double kNear = 0.2 * kCrowdRadius;  // distance from the device to the edge
   const Vec3 edge = middle_ + 3.0 * kCrowdRadius * up_;
-  const Vec3 along = beside(1.0).normalized();
+  const Vec3 along = random_vector_across_up(1.0).normalized();
   const Vec3 side = along.cross(up_);
-  TriangleMesh mesh = slanted();
+  TriangleMesh mesh = slanted_triangles();
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), {edge - 0.02 * along, edge + 0.02 * along, edge + 0.02 * up_});
   mesh.triangles.push_back({first, first + 1, first + 2});
@@ -282,7 +282,7 @@ TEST_P(OverSlantedTriangles, AFlightGivesUpOnceInAMotion) {
   };
   Vec3 device = above();
   method->reset(device);
-  int carried = 0;
+  int carried_steps = 0;
   for (int i = 0; i < 40; ++i) {
     const Vec3 goal = above();
     const Vec3 motion = (goal - device) / 8.0;
@@ -292,13 +292,13 @@ TEST_P(OverSlantedTriangles, AFlightGivesUpOnceInAMotion) {
       const bool is_carried = method->carried_from().has_value();
       const std::uint64_t flights = proxy.sphere().flights();
       (void)method->step({.p_SD = device});
-      carried += is_carried ? 1 : 0;
+      carried_steps += is_carried ? 1 : 0;
       EXPECT_LE(proxy.sphere().flights() - flights, is_carried ? 0U : 1U) << i << ", " << k;
     }
     EXPECT_FALSE(method->carried_from()) << i;
   }
-  RecordProperty("carried", carried);
-  EXPECT_GT(carried, 0);
+  RecordProperty("carried", carried_steps);
+  EXPECT_GT(carried_steps, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OverSlantedTriangles, testing::Values(1U, 2U));

@@ -15,12 +15,12 @@ namespace {
 
 // A step of a slide in which a concave edge releases the point in mid-step and would hold it again at the end: if the device jumps to the
 // end at once, the point stays.
-struct LettingGo {
+struct ReleaseInMidStep {
   unsigned seed;
   std::size_t step;
 };
 
-class ProxyFollow : public testing::TestWithParam<LettingGo> {
+class ProxyFollow : public testing::TestWithParam<ReleaseInMidStep> {
  protected:
   static constexpr std::size_t kRows = 10000;
 
@@ -55,17 +55,17 @@ TEST_P(ProxyFollow, EndsWhereAContinuousMotionDoes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Slides, ProxyFollow, testing::Values(LettingGo{10, 9121}, LettingGo{18, 1387}),
+INSTANTIATE_TEST_SUITE_P(Slides, ProxyFollow, testing::Values(ReleaseInMidStep{10, 9121}, ReleaseInMidStep{18, 1387}),
                          [](const auto& test) { return "seed_" + std::to_string(test.param.seed); });
 
 // A floor in z = 0, y < 0, whose faces are walkable, and a wall in y = 0, whose faces are not, because a band crosses all of them. Behind
 // the wall are copies of it. Near the vertices in which the faces of the wall and of its copies meet, there are hundreds of triangles.
-class BesideACrowd {
+class CrowdedWall {
  public:
   static constexpr std::uint32_t kFaces = 40;
   static constexpr std::uint32_t kCopies = 12;
 
-  BesideACrowd() {
+  CrowdedWall() {
     constexpr double kRadius = 0.3;
     constexpr double kHalfTurn = std::numbers::pi;
     constexpr std::uint32_t kSlices = 6;
@@ -120,7 +120,7 @@ class BesideACrowd {
 // A point on the floor that comes to the wall is lifted off, and goes on as a sphere. Gathering the triangles there takes all the work of a
 // step. The next step goes on from the same position, and does not put the point back onto the floor to begin anew.
 TEST(ProxyBesideACrowd, APointThatIsLiftedOffGoesOn) {
-  const BesideACrowd crowd;
+  const CrowdedWall crowd;
   TouchScene scene;
   scene.objects.push_back({std::make_shared<const TriangleMesh>(crowd.mesh), {}});
   const auto proxy = make_method({.name = "proxy"}, scene).value();

@@ -102,25 +102,26 @@ TEST(Proxy, OverAPlaneTheProxyMovesNoFartherThanTheDevice) {
   }
 }
 
-std::vector<Vec3> walk_round(double radius_m, double depth_m, int steps) {
-  std::vector<Vec3> way;
+// A path once around a ball. It begins above the surface; from step 20 on it is at the depth.
+std::vector<Vec3> path_around_ball(double radius_m, double depth_m, int steps) {
+  std::vector<Vec3> path;
   for (int i = 0; i < steps; ++i) {
     const double a = 2.0 * std::numbers::pi * i / steps;
     const Vec3 out(std::cos(a), std::sin(a), 0.3 * std::sin(3.0 * a));
-    way.push_back(out.normalized() * (radius_m + (i < 20 ? 0.001 * (20 - i) : -depth_m)));
+    path.push_back(out.normalized() * (radius_m + (i < 20 ? 0.001 * (20 - i) : -depth_m)));
   }
-  return way;
+  return path;
 }
 
 TEST(Proxy, ScaleDoesNotMatter) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 5000, 9);
-  const std::vector<Vec3> way = walk_round(0.05, 0.002, 2000);
+  const std::vector<Vec3> path = path_around_ball(0.05, 0.002, 2000);
   std::vector<Vec3> expected;
   for (const double scale : {1.0, 0x1p-20, 0x1p20}) {
     const auto proxy = proxy_over(scene_of(scaled_and_moved(mesh, scale, Vec3::Zero())));
-    proxy->reset(scale * way[0]);
-    for (std::size_t i = 0; i < way.size(); ++i) {
-      const Vec3 extension = proxy->step({.p_SD = scale * way[i]}).force_n / (1000.0 * scale);
+    proxy->reset(scale * path[0]);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const Vec3 extension = proxy->step({.p_SD = scale * path[i]}).force_n / (1000.0 * scale);
       if (scale == 1.0) {
         expected.push_back(extension);
       } else {
@@ -132,19 +133,19 @@ TEST(Proxy, ScaleDoesNotMatter) {
 
 TEST(Proxy, TurningAndMovingTheWorldTurnsTheForce) {
   const TriangleMesh mesh = make_icosphere(0.05, 4);
-  const std::vector<Vec3> way = walk_round(0.05, 0.002, 1000);
+  const std::vector<Vec3> path = path_around_ball(0.05, 0.002, 1000);
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   pose.translation() = Vec3(3, -2, 1);
   TriangleMesh moved = mesh;
   for (Vec3& v : moved.vertices) v = pose * v;
-  const auto here = proxy_over(scene_of(mesh));
-  const auto there = proxy_over(scene_of(moved));
-  here->reset(way[0]);
-  there->reset(pose * way[0]);
-  for (const Vec3& p : way) {
-    const Vec3 f = here->step({.p_SD = p}).force_n;
-    const Vec3 g = there->step({.p_SD = pose * p}).force_n;
+  const auto original = proxy_over(scene_of(mesh));
+  const auto turned_proxy = proxy_over(scene_of(moved));
+  original->reset(path[0]);
+  turned_proxy->reset(pose * path[0]);
+  for (const Vec3& p : path) {
+    const Vec3 f = original->step({.p_SD = p}).force_n;
+    const Vec3 g = turned_proxy->step({.p_SD = pose * p}).force_n;
     EXPECT_LE((pose.linear() * f - g).norm(), 1e-6);
   }
 }
@@ -152,14 +153,14 @@ TEST(Proxy, TurningAndMovingTheWorldTurnsTheForce) {
 TEST(Proxy, FarFromTheOriginItFeelsTheSame) {
   const TriangleMesh mesh = make_icosphere(0.05, 4);
   const Vec3 far(1e6, -1e6, 5e5);
-  const auto here = proxy_over(scene_of(mesh));
-  const auto there = proxy_over(scene_of(scaled_and_moved(mesh, 1.0, far)));
-  const std::vector<Vec3> way = walk_round(0.05, 0.002, 1000);
-  here->reset(way[0]);
-  there->reset(far + way[0]);
-  for (const Vec3& p : way) {
-    const MethodOutput a = here->step({.p_SD = p});
-    const MethodOutput b = there->step({.p_SD = far + p});
+  const auto at_origin = proxy_over(scene_of(mesh));
+  const auto far_away = proxy_over(scene_of(scaled_and_moved(mesh, 1.0, far)));
+  const std::vector<Vec3> path = path_around_ball(0.05, 0.002, 1000);
+  at_origin->reset(path[0]);
+  far_away->reset(far + path[0]);
+  for (const Vec3& p : path) {
+    const MethodOutput a = at_origin->step({.p_SD = p});
+    const MethodOutput b = far_away->step({.p_SD = far + p});
     EXPECT_EQ(a.contact, b.contact);
     EXPECT_LE((a.force_n - b.force_n).norm(), 1e-3) << "positions there are known to 1e-10 m, facets tilt that little";
   }
@@ -174,26 +175,26 @@ TEST(Proxy, FrictionlessWorkRoundAClosedPathIsZero) {
   for (Vec3& v : gutter.vertices) v = top_to_z * v;
   for (const TriangleMesh& mesh : {make_plane_grid(0.1, 16), gutter}) {
     const auto proxy = proxy_over(scene_of(mesh));
-    const int n = 3000;
+    const int round_steps = 3000;
     double work = 0.0;
-    double effort = 0.0;
-    Vec3 last = Vec3::Zero();
-    MethodOutput before;
+    double absolute_work = 0.0;
+    Vec3 last_p = Vec3::Zero();
+    MethodOutput last_felt;
     proxy->reset({0, 0, 0.03});
-    for (int i = 0; i <= 2 * n; ++i) {
-      const double a = 2.0 * std::numbers::pi * i / n;
+    for (int i = 0; i <= 2 * round_steps; ++i) {
+      const double a = 2.0 * std::numbers::pi * i / round_steps;
       const Vec3 p(0.01 * std::cos(a), 0.0004 * std::sin(a), -0.0225 + 0.0015 * std::sin(2.0 * a));
       const MethodOutput felt = proxy->step({.p_SD = p});
-      if (i > n) {
-        const double piece = 0.5 * (felt.force_n + before.force_n).dot(p - last);
+      if (i > round_steps) {
+        const double piece = 0.5 * (felt.force_n + last_felt.force_n).dot(p - last_p);
         work += piece;
-        effort += std::fabs(piece);
+        absolute_work += std::fabs(piece);
       }
-      last = p;
-      before = felt;
+      last_p = p;
+      last_felt = felt;
     }
-    EXPECT_GT(effort, 1e-3);
-    EXPECT_LE(std::fabs(work), 1e-6 * effort);
+    EXPECT_GT(absolute_work, 1e-3);
+    EXPECT_LE(std::fabs(work), 1e-6 * absolute_work);
   }
 }
 
@@ -205,8 +206,8 @@ TEST(Proxy, FrictionStaysInsideItsCone) {
   proxy->reset({0, 0, 0.001});
   Vec3 device(0, 0, -0.002);
   proxy->step({.p_SD = device});
-  double stuck_most = 0.0;
-  bool slid = false;
+  double most_stuck_n = 0.0;
+  bool has_slid = false;
   for (int i = 0; i < 400; ++i) {
     device.x() += 2e-5;
     const MethodOutput felt = proxy->step({.p_SD = device});
@@ -215,14 +216,14 @@ TEST(Proxy, FrictionStaysInsideItsCone) {
     EXPECT_NEAR(normal, 2.0, 1e-6);
     EXPECT_LE(tangential, rough.friction_static * normal * (1.0 + 1e-6));
     EXPECT_LE(felt.force_n.x(), 1e-9) << "friction pushes along the motion";
-    if (!slid) stuck_most = std::max(stuck_most, tangential);
-    if (tangential < stuck_most - 0.1) slid = true;
-    if (slid) {
+    if (!has_slid) most_stuck_n = std::max(most_stuck_n, tangential);
+    if (tangential < most_stuck_n - 0.1) has_slid = true;
+    if (has_slid) {
       EXPECT_NEAR(tangential, rough.friction_dynamic * normal, 1e-3);
     }
   }
-  EXPECT_TRUE(slid);
-  EXPECT_NEAR(stuck_most, rough.friction_static * 2.0, 0.03);
+  EXPECT_TRUE(has_slid);
+  EXPECT_NEAR(most_stuck_n, rough.friction_static * 2.0, 0.03);
 }
 
 TEST(Proxy, DampingIsUsedAndNeverPullsIn) {
@@ -250,18 +251,18 @@ TEST(Proxy, ACorrectionIsDampedAsItsSample) {
   const auto at = [](double z) { return Vec3(0.0013, 0.0021, z); };
   for (const std::vector<double>& heights : {std::vector{0.006, 0.0055, 0.0018, 0.0016}, std::vector{0.006, 0.0055}}) {
     const std::size_t count = heights.size();
-    const std::uint64_t skipped = proxy->counters().skipped;
+    const std::uint64_t skipped_before = proxy->counters().skipped;
     proxy->reset(at(heights[0]));
     for (std::size_t i = 1; i < count; ++i) EXPECT_FALSE(proxy->step({.p_SD = at(heights[i])}).contact) << i;
     EXPECT_FALSE(proxy->step({.p_SD = at(0.0017), .is_correction = true}).contact);
-    EXPECT_EQ(proxy->counters().skipped - skipped, count - 1) << "all but the first are in the empty ball";
-    // 0.5 mm deep, in a millisecond.
+    EXPECT_EQ(proxy->counters().skipped - skipped_before, count - 1) << "all but the first are in the empty ball";
+    // The device moves from the sample before to a depth of 0.5 mm in a millisecond.
     const double moved_mm = 1e3 * heights[count - 2] + 0.5;
     EXPECT_NEAR(proxy->step({.p_SD = at(-0.0005), .is_correction = true}).force_n.z(), 0.5 + 2.0 * moved_mm, 1e-3) << count;
   }
 }
 
-TEST(Proxy, OneSidedSurfacesLetTheBackThrough) {
+TEST(Proxy, OneSidedSurfacesLetTheDeviceThroughFromBehind) {
   Material front_only;
   front_only.two_sided = false;
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4), front_only));
@@ -311,8 +312,7 @@ TEST(Proxy, DoesNotBalanceOnAConvexEdge) {
   EXPECT_NEAR(felt.force_n.norm(), 1000.0 * depth * std::cos(slope), 1e-6);
 }
 
-// In any geometry, a step's work is bounded.
-TEST(Proxy, AStepEndsWhateverItMeets) {
+TEST(Proxy, TheWorkOfAStepIsBoundedInAnyGeometry) {
   TriangleMesh fan;
   constexpr int kSlivers = 5000;
   fan.vertices.push_back(Vec3::Zero());
@@ -360,7 +360,7 @@ TEST(Proxy, BadInputGivesNoForceAndIsForgotten) {
   EXPECT_EQ(proxy->step({.p_SD = Vec3(0, 0, -0.001)}).force_n, before.force_n);
 }
 
-TEST(Proxy, AnAbsurdlyFarDeviceBlindsNothing) {
+TEST(Proxy, AfterAnAbsurdlyFarDeviceTheSurfaceIsStillFelt) {
   const auto proxy = proxy_over(scene_of(make_icosphere(0.05, 3)));
   proxy->reset({0, 0, 0.08});
   for (const double far : {1e6, 1e30, 1e150, 1e300, -1e300}) {
@@ -381,7 +381,7 @@ TEST(Proxy, FreeStepsAreSkipped) {
 }
 
 // The device is free in front of a sheet, goes round its boundary in large steps, and back through it to a position known to be free.
-TEST(Proxy, APlaceWhereItWasFreeIsNotCrossedLater) {
+TEST(Proxy, ASheetIsNotCrossedToAPositionKnownToBeFree) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4)));
   std::mt19937 random(5);
   std::uniform_real_distribution<double> inside(-0.03, 0.03);
@@ -392,8 +392,8 @@ TEST(Proxy, APlaceWhereItWasFreeIsNotCrossedLater) {
     const Vec3 under(over.x(), over.y(), -height(random));
     const double far = round(random);
     proxy->reset(over + Vec3(0, 0, height(random)));
-    for (const Vec3& way : {over, Vec3(far, over.y(), over.z()), Vec3(far, over.y(), under.z()), under}) {
-      ASSERT_FALSE(proxy->step({.p_SD = way}).contact) << n;
+    for (const Vec3& device : {over, Vec3(far, over.y(), over.z()), Vec3(far, over.y(), under.z()), under}) {
+      ASSERT_FALSE(proxy->step({.p_SD = device}).contact) << n;
     }
     ASSERT_TRUE(proxy->step({.p_SD = over}).contact) << n;
   }
@@ -402,12 +402,12 @@ TEST(Proxy, APlaceWhereItWasFreeIsNotCrossedLater) {
 TEST(Proxy, StepsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const auto proxy = proxy_over(scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 4)));
-  const std::vector<Vec3> way = walk_round(0.05, 0.002, 3000);
-  proxy->reset(way[0]);
+  const std::vector<Vec3> path = path_around_ball(0.05, 0.002, 3000);
+  proxy->reset(path[0]);
   double sum = 0.0;
   const AllocationGuard guard;
-  for (const Vec3& p : way) sum += proxy->step({.p_SD = p}).force_n.norm();
-  proxy->reset(way[0]);
+  for (const Vec3& p : path) sum += proxy->step({.p_SD = p}).force_n.norm();
+  proxy->reset(path[0]);
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(sum, 0.0);
 }
@@ -417,11 +417,11 @@ TEST(Proxy, FollowsTheReferenceOverAMesh) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.05, 8000, 21));
   const auto proxy = proxy_over(scene);
   const auto reference = ReferenceMethod::make(MethodSettings(), scene).value();
-  const std::vector<Vec3> way = walk_round(0.05, 0.0025, 3000);
-  proxy->reset(way[0]);
-  reference->reset(way[0]);
+  const std::vector<Vec3> path = path_around_ball(0.05, 0.0025, 3000);
+  proxy->reset(path[0]);
+  reference->reset(path[0]);
   std::vector<double> errors;
-  for (const Vec3& p : way) {
+  for (const Vec3& p : path) {
     const MethodOutput felt = proxy->step({.p_SD = p});
     const MethodOutput expected = reference->step({.p_SD = p});
     if (!expected.contact || expected.force_n.norm() < 1e-6) continue;
@@ -440,12 +440,12 @@ TEST(Proxy, ShadingSmoothsTheDirectionAndKeepsTheMagnitude) {
   settings.shading = 1.0;
   const auto smooth = ProxyMethod::make(settings, scene).value();
   const auto plain = proxy_over(scene);
-  const std::vector<Vec3> way = walk_round(0.05, 0.002, 4000);
-  smooth->reset(way[0]);
-  plain->reset(way[0]);
+  const std::vector<Vec3> path = path_around_ball(0.05, 0.002, 4000);
+  smooth->reset(path[0]);
+  plain->reset(path[0]);
   double smooth_error = 0.0;
   double plain_error = 0.0;
-  for (const Vec3& p : way) {
+  for (const Vec3& p : path) {
     const MethodOutput s = smooth->step({.p_SD = p});
     const MethodOutput f = plain->step({.p_SD = p});
     EXPECT_EQ(s.p_SP, f.p_SP);
@@ -467,15 +467,15 @@ TEST(Proxy, ObjectsNeverApproachedAreNeverBuilt) {
   const auto eager = proxy_over(scene);
   lazy->reset({0, 0, 0.3});
   eager->reset({0, 0, 0.3});
-  bool touched = false;
+  bool has_touched = false;
   for (int i = 0; i < 3000; ++i) {
     const Vec3 p(0, 0, 0.3 - 1e-4 * i);
     const MethodOutput felt = lazy->step({.p_SD = p});
     EXPECT_EQ(felt.force_n, eager->step({.p_SD = p}).force_n);
-    touched |= felt.contact;
+    has_touched |= felt.contact;
     lazy->prepare();
   }
-  EXPECT_TRUE(touched);
+  EXPECT_TRUE(has_touched);
   EXPECT_EQ(static_cast<const ProxyMethod&>(*lazy).geometry().built_count(), 1U);
 }
 

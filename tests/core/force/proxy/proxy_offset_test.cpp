@@ -28,19 +28,19 @@ TEST(ProxyOffset, IsTheReferenceOverABumpySphere) {
   };
   proxy->reset(device(0));
   reference->reset(device(0));
-  double worst = 0.0;
+  double worst_error = 0.0;
   int contacts = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const MethodOutput is = proxy->step({.p_SD = device(i)});
-    const MethodOutput should = reference->step({.p_SD = device(i)});
-    ASSERT_EQ(is.contact, should.contact) << "step " << i;
-    if (!should.contact) continue;
+    const MethodOutput felt = proxy->step({.p_SD = device(i)});
+    const MethodOutput expected = reference->step({.p_SD = device(i)});
+    ASSERT_EQ(felt.contact, expected.contact) << "step " << i;
+    if (!expected.contact) continue;
     ++contacts;
-    const double error = (is.force_n - should.force_n).norm() / should.force_n.norm();
+    const double error = (felt.force_n - expected.force_n).norm() / expected.force_n.norm();
     ASSERT_LE(error, 1e-6) << "step " << i;
-    worst = std::max(worst, error);
+    worst_error = std::max(worst_error, error);
   }
-  RecordProperty("worst", std::to_string(worst));
+  RecordProperty("worst", std::to_string(worst_error));
   EXPECT_GT(contacts, 200);
   const ProxyCounters& counters = static_cast<const ProxyMethod&>(*proxy).counters();
   EXPECT_EQ(counters.swept, 0U);
@@ -76,12 +76,12 @@ TEST(ProxyOffset, AMotionOutOfWorkGoesOnWithTheNextSteps) {
     const MethodOutput expected = in_parts->step({.p_SD = to});
     MethodOutput output = at_once->step({.p_SD = to});
     int steps = 1;
-    double left_m = (to - from).norm();
+    double remaining_m = (to - from).norm();
     for (; at_once->carried_from() && steps < 1000; ++steps) {
       const Vec3 reached = *at_once->carried_from();
-      ASSERT_LE((reached - to).norm(), left_m);
-      ASSERT_LE((reached - from).cross((to - from).normalized()).norm(), 1e-12) << "on the motion";
-      left_m = (reached - to).norm();
+      ASSERT_LE((reached - to).norm(), remaining_m);
+      ASSERT_LE((reached - from).cross((to - from).normalized()).norm(), 1e-12) << "on the line of the motion";
+      remaining_m = (reached - to).norm();
       ASSERT_TRUE(output.contact);
       ASSERT_NEAR((output.force_n - 1000.0 * (output.p_SP - to)).norm(), 0.0, 1e-3) << "the force is that of the proxy on its way";
       output = at_once->step({.p_SD = to});
@@ -95,8 +95,8 @@ TEST(ProxyOffset, AMotionOutOfWorkGoesOnWithTheNextSteps) {
   }
 }
 
-// With friction. Two kinds of differences are left out: after a jump over an edge whose radius is smaller than the depth, which the
-// reference cuts short, and after a step in which the reference is unsettled, both methods start again.
+// With friction. Two kinds of differences are left out: both methods start again after a jump over an edge whose radius is smaller than the
+// depth, which the reference cuts short, and after a step in which the reference is unsettled.
 struct RubbingPath {
   double radius;  // m
   double friction_static, friction_dynamic;
@@ -121,9 +121,9 @@ TEST_P(ProxyOffsetWithFriction, IsTheReferenceOverABumpySphere) {
   Vec3 turn = Vec3::Zero();
   proxy->reset(0.8 * direction);
   reference->reset(0.8 * direction);
-  int compared = 0;
-  double sum = 0.0;
-  double worst = 0.0;
+  int compared_steps = 0;
+  double sum_of_squares = 0.0;
+  double worst_error = 0.0;
   for (int i = 0; i < kSteps; ++i) {
     const double x = unit(random);
     const double y = unit(random);
@@ -131,25 +131,25 @@ TEST_P(ProxyOffsetWithFriction, IsTheReferenceOverABumpySphere) {
     direction = (direction + turn).normalized();
     const Vec3 device = (kSize + path.radius * (0.2 + 0.3 * std::sin(0.05 * i))) * direction;
     const std::uint64_t slips = sphere.slips();
-    const MethodOutput is = proxy->step({.p_SD = device});
-    const MethodOutput should = reference->step({.p_SD = device});
-    ASSERT_TRUE(is.force_n.allFinite());
+    const MethodOutput felt = proxy->step({.p_SD = device});
+    const MethodOutput expected = reference->step({.p_SD = device});
+    ASSERT_TRUE(felt.force_n.allFinite());
     if (sphere.slips() != slips || !static_cast<const ReferenceMethod&>(*reference).last_step().settled) {
       proxy->reset(0.8 * direction);
       reference->reset(0.8 * direction);
       continue;
     }
-    ASSERT_EQ(is.contact, should.contact) << "step " << i;
-    if (!should.contact) continue;
-    const double error = (is.force_n - should.force_n).norm() / should.force_n.norm();
+    ASSERT_EQ(felt.contact, expected.contact) << "step " << i;
+    if (!expected.contact) continue;
+    const double error = (felt.force_n - expected.force_n).norm() / expected.force_n.norm();
     ASSERT_LE(error, 1e-3) << "step " << i;
-    sum += error * error;
-    worst = std::max(worst, error);
-    ++compared;
+    sum_of_squares += error * error;
+    worst_error = std::max(worst_error, error);
+    ++compared_steps;
   }
-  RecordProperty("worst", std::to_string(worst));
-  EXPECT_GT(compared, kSteps / 3);
-  EXPECT_LE(std::sqrt(sum / compared), 1e-5);
+  RecordProperty("worst", std::to_string(worst_error));
+  EXPECT_GT(compared_steps, kSteps / 3);
+  EXPECT_LE(std::sqrt(sum_of_squares / compared_steps), 1e-5);
   EXPECT_EQ(method.swept().counters().unconverged, 0U);
 }
 

@@ -59,9 +59,9 @@ bool is_convex(const Room& room, double rounding) {
 }
 
 // Steps of all lengths in a room, through its walls and back.
-class Wanderer {
+class RoomWanderer {
  public:
-  Wanderer(const Room& room, double depth, std::uint64_t seed)
+  RoomWanderer(const Room& room, double depth, std::uint64_t seed)
       : random_(seed), middle_(room.middle), at_(room.middle), bounds_(compute_bounds(room.walls)), depth_(depth) {}
 
   const Vec3& next() {
@@ -99,8 +99,8 @@ std::vector<Room> rooms() {
 // force discontinuity. What remains is the contact offset, a share of the room's size, and that the proxy stops at 2^-24 of the depth from
 // the minimum (the accuracy of a normal at the distance of the contact offset).
 TEST(ProxyProperty, InAConvexRoomTheProxyMovesNoFartherThanTheDevice) {
-  constexpr double kHovers = 4e-9;
-  constexpr double kRest = 0x1p-24;
+  constexpr double kContactOffsetShare = 4e-9;
+  constexpr double kRestShare = 0x1p-24;
   constexpr double kStiffness = 1000.0;
   std::uint64_t seed = 4040;
   for (const Room& room : rooms()) {
@@ -110,7 +110,7 @@ TEST(ProxyProperty, InAConvexRoomTheProxyMovesNoFartherThanTheDevice) {
       ++seed;
       SCOPED_TRACE(testing::Message() << room.name << ", probe radius " << radius << ", seed " << seed);
       const auto proxy = proxy_over(room.walls, radius);
-      Wanderer wanderer(room, 0.2 * extent, seed);
+      RoomWanderer wanderer(room, 0.2 * extent, seed);
       Vec3 device = room.middle;
       proxy->reset(device);
       MethodOutput last = proxy->step({.p_SD = device});
@@ -123,7 +123,7 @@ TEST(ProxyProperty, InAConvexRoomTheProxyMovesNoFartherThanTheDevice) {
         const double moved = (next - device).norm();
         const double excess = (felt.p_SP - last.p_SP).norm() - moved;
         const double force_excess = (felt.force_n - last.force_n).norm() / kStiffness - moved;
-        const double rounding = kHovers * extent + kRest * ((last.p_SP - device).norm() + (felt.p_SP - next).norm());
+        const double rounding = kContactOffsetShare * extent + kRestShare * ((last.p_SP - device).norm() + (felt.p_SP - next).norm());
         if (excess > rounding || force_excess > rounding) {
           ++failures;
           ADD_FAILURE() << "step " << i << " moved " << moved << ", proxy " << excess << " farther, force " << force_excess
@@ -184,7 +184,7 @@ constexpr std::array kReorderings = {
 
 // A two-sided surface is the same in any order and orientation of its triangles, so every force must be the same.
 TEST(ProxyProperty, TheForceIsTheSameWhateverTheOrderAndTheWinding) {
-  constexpr double kRest = 0x1p-23;  // of the force: two settled proxies at the same minimum (above)
+  constexpr double kRestShare = 0x1p-23;  // of the force: two settled proxies at the same minimum (above)
   constexpr std::uint64_t kSeed = 99;
   for (const TriangleMesh& mesh :
        {make_bumpy_sphere(0.05, 0.05, 3000, 2), make_bumpy_sphere(0.05, 0.2, 3000, 5), made::obj_mesh("wingnut.obj")}) {
@@ -210,7 +210,7 @@ TEST(ProxyProperty, TheForceIsTheSameWhateverTheOrderAndTheWinding) {
         const auto felt = feel(other, radius);
         int contacts = 0;
         for (std::size_t i = 0; i < felt.size(); ++i) {
-          ASSERT_LE((felt[i] - expected[i]).norm(), kRest * expected[i].norm() + 1e-9) << "step " << i;
+          ASSERT_LE((felt[i] - expected[i]).norm(), kRestShare * expected[i].norm() + 1e-9) << "step " << i;
           contacts += expected[i].isZero(0.0) ? 0 : 1;
         }
         EXPECT_GT(contacts, 500);

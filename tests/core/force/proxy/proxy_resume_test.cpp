@@ -1,4 +1,4 @@
-// A method goes on where another instance, on another part of the same scene, has held the probe.
+// A method resumes where another instance, on another part of the same scene, has held the probe.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,13 +12,14 @@
 namespace hapton {
 namespace {
 
-constexpr double kHalf = 0.05;
+constexpr double kSheetHalfSide = 0.05;
 
-// The triangles are wound away from the hand, which is above: only the probe's position tells which side it is on.
-TriangleMesh turned_sheet(int sheets) {
+// Sheets in the same place. Their triangles face away from the hand, which is above: only the position of the probe shows on which side it
+// is.
+TriangleMesh reversed_sheets(int count) {
   TriangleMesh mesh;
-  for (int n = 0; n < sheets; ++n) {
-    const TriangleMesh one = made::sheet(kHalf, 0.0, 10);
+  for (int n = 0; n < count; ++n) {
+    const TriangleMesh one = made::sheet(kSheetHalfSide, 0.0, 10);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
     for (const Triangle& t : one.triangles) mesh.triangles.push_back({first + t[0], first + t[2], first + t[1]});
@@ -29,15 +30,15 @@ TriangleMesh turned_sheet(int sheets) {
 std::unique_ptr<ForceMethod> proxy_of(const TouchScene& scene) { return std::move(*ProxyMethod::make(MethodSettings(), scene)); }
 
 // On walkable faces, and on two sheets in the same place, whose faces are not walkable.
-TEST(ProxyResume, GoesOnOnTheSideThatTheProbeIsOn) {
+TEST(ProxyResume, ResumesOnTheSideThatTheProbeIsOn) {
   for (const int sheets : {1, 2}) {
-    const TouchScene scene = scene_of(turned_sheet(sheets));
+    const TouchScene scene = scene_of(reversed_sheets(sheets));
     auto before = proxy_of(scene);
     auto after = proxy_of(scene);
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     for (int n = 0; n < 500; ++n) {
-      const Vec3 above(0.8 * kHalf * unit(random), 0.8 * kHalf * unit(random), 0.01);
+      const Vec3 above(0.8 * kSheetHalfSide * unit(random), 0.8 * kSheetHalfSide * unit(random), 0.01);
       const Vec3 below = above + Vec3(0.002 * unit(random), 0.002 * unit(random), -0.012);
       before->reset(above);
       const MethodOutput held = before->step({.p_SD = below});
@@ -52,7 +53,7 @@ TEST(ProxyResume, GoesOnOnTheSideThatTheProbeIsOn) {
 
 // The device is exactly on the surface: no force is left, but the probe is held.
 TEST(ProxyResume, AProbeWithoutForceIsHeldStill) {
-  const TouchScene scene = scene_of(turned_sheet(1));
+  const TouchScene scene = scene_of(reversed_sheets(1));
   auto before = proxy_of(scene);
   before->reset({0.001, 0.002, 0.01});
   (void)before->step({.p_SD = {0.001, 0.002, -0.001}});
@@ -64,7 +65,7 @@ TEST(ProxyResume, AProbeWithoutForceIsHeldStill) {
 }
 
 TEST(ProxyResume, AFreeProbeIsNotHeld) {
-  auto method = proxy_of(scene_of(turned_sheet(1)));
+  auto method = proxy_of(scene_of(reversed_sheets(1)));
   method->reset({0.0, 0.0, 0.01});
   EXPECT_FALSE(method->held_at().has_value());
   for (int n = 0; n < 20; ++n) (void)method->step({.p_SD = {0.0, 0.0, 0.01 + 1e-5 * n}});
@@ -73,7 +74,7 @@ TEST(ProxyResume, AFreeProbeIsNotHeld) {
 
 // The whole is a sheet on which the hand slides from the right half to the left half; the part is the left half.
 TEST(ProxyResume, APartOfTheSceneGivesTheForceOfTheWhole) {
-  const TriangleMesh whole_mesh = turned_sheet(1);
+  const TriangleMesh whole_mesh = reversed_sheets(1);
   TriangleMesh half = whole_mesh;
   std::erase_if(half.triangles, [&](const Triangle& t) {
     return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return whole_mesh.vertices[v].x() > 0.011; });
@@ -86,11 +87,11 @@ TEST(ProxyResume, APartOfTheSceneGivesTheForceOfTheWhole) {
   double worst_n = 0.0;
   AllocationGuard guard;
   for (int n = 0; n < 400; ++n) {
-    const MethodInput at{.p_SD = {0.02 - 1e-4 * n, 1e-5 * n, -0.002}};
-    const MethodOutput expected = whole->step(at);
+    const MethodInput input{.p_SD = {0.02 - 1e-4 * n, 1e-5 * n, -0.002}};
+    const MethodOutput expected = whole->step(input);
     if (n == 200) of_part->resume(*whole->held_at());
     if (n < 200) continue;
-    worst_n = std::max(worst_n, (of_part->step(at).force_n - expected.force_n).norm());
+    worst_n = std::max(worst_n, (of_part->step(input).force_n - expected.force_n).norm());
   }
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_LT(worst_n, 1e-6);

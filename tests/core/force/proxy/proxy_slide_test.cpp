@@ -19,21 +19,21 @@ std::unique_ptr<ProxyMethod> point_over(const TouchScene& scene) {
   return std::unique_ptr<ProxyMethod>(static_cast<ProxyMethod*>(made.value().release()));
 }
 
-// Round a sphere of 50 mm on a path that climbs up and down, at a hand's speed, 2 mm below the surface.
-std::vector<Vec3> slide_round(int steps) {
-  std::vector<Vec3> way;
+// A path around a sphere of 50 mm that climbs up and down, at a hand's speed, 2 mm below the surface.
+std::vector<Vec3> slide_path(int steps) {
+  std::vector<Vec3> path;
   for (int i = 0; i < steps; ++i) {
     const double turn = 2.0 * std::numbers::pi * i / 3000.0;
     const Vec3 out(std::cos(turn), std::sin(turn), 0.4 * std::sin(2.3 * turn));
-    way.push_back(out.normalized() * (0.05 + (i < 30 ? 0.0003 * (20 - i) : -0.002)));
+    path.push_back(out.normalized() * (0.05 + (i < 30 ? 0.0003 * (20 - i) : -0.002)));
   }
-  return way;
+  return path;
 }
 
-std::vector<ForceSample> feel(ForceMethod& method, const std::vector<Vec3>& way, double scale = 1.0, const Vec3& offset = Vec3::Zero()) {
+std::vector<ForceSample> feel(ForceMethod& method, const std::vector<Vec3>& path, double scale = 1.0, const Vec3& offset = Vec3::Zero()) {
   std::vector<ForceSample> felt;
-  method.reset(scale * way[0] + offset);
-  for (const Vec3& p : way) {
+  method.reset(scale * path[0] + offset);
+  for (const Vec3& p : path) {
     const MethodOutput out = method.step({.p_SD = scale * p + offset});
     felt.push_back({p, (out.p_SP - offset) / scale, out.force_n / scale});
   }
@@ -42,70 +42,70 @@ std::vector<ForceSample> feel(ForceMethod& method, const std::vector<Vec3>& way,
 
 TEST(ProxySlide, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12));
-  const std::vector<Vec3> way = slide_round(1500);
+  const std::vector<Vec3> path = slide_path(1500);
   const auto proxy = point_over(scene);
-  const std::vector<ForceSample> felt = feel(*proxy, way);
+  const std::vector<ForceSample> felt = feel(*proxy, path);
   const ProxyCounters& counters = proxy->counters();
-  EXPECT_GT(counters.contact_steps, way.size() * 7 / 10);
+  EXPECT_GT(counters.contact_steps, path.size() * 7 / 10);
   EXPECT_EQ(counters.swept, 0U);
   EXPECT_EQ(proxy->swept().counters().sweeps, 0U);
 
-  const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
-  std::size_t apart = 0;
-  for (std::size_t i = 0; i < way.size(); ++i) {
+  const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), path);
+  std::size_t different_steps = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
     EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
     const double force_n = std::max(expected[i].force_n.norm(), 0.5);
-    apart += (felt[i].force_n - expected[i].force_n).norm() > 1e-6 * force_n ? 1 : 0;
+    different_steps += (felt[i].force_n - expected[i].force_n).norm() > 1e-6 * force_n ? 1 : 0;
   }
-  EXPECT_EQ(apart, 0U);
+  EXPECT_EQ(different_steps, 0U);
 }
 
-TEST(ProxySlide, NeitherScaleNorPlaceChangesIt) {
+TEST(ProxySlide, NeitherScaleNorPlaceChangesTheForces) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 20000, 12);
-  const std::vector<Vec3> way = slide_round(1500);
+  const std::vector<Vec3> path = slide_path(1500);
   const auto proxy = point_over(scene_of(mesh));
-  const std::vector<ForceSample> expected = feel(*proxy, way);
-  struct Elsewhere {
+  const std::vector<ForceSample> expected = feel(*proxy, path);
+  struct Placement {
     double scale;
     Vec3 offset;
     double precision;  // of a position there, relative to the mesh's size
   };
   for (const auto& [scale, offset, precision] :
-       {Elsewhere{1e-6, Vec3::Zero(), 1e-15}, Elsewhere{1e6, Vec3::Zero(), 1e-15}, Elsewhere{1.0, Vec3(300.0, -200.0, 100.0), 1e-12}}) {
+       {Placement{1e-6, Vec3::Zero(), 1e-15}, Placement{1e6, Vec3::Zero(), 1e-15}, Placement{1.0, Vec3(300.0, -200.0, 100.0), 1e-12}}) {
     SCOPED_TRACE(testing::Message() << "scale " << scale << ", at " << offset.transpose());
-    const auto there = point_over(scene_of(scaled_and_moved(mesh, scale, offset)));
-    const std::vector<ForceSample> felt = feel(*there, way, scale, offset);
-    std::size_t apart = 0;
-    for (std::size_t i = 0; i < way.size(); ++i) {
+    const auto placed = point_over(scene_of(scaled_and_moved(mesh, scale, offset)));
+    const std::vector<ForceSample> felt = feel(*placed, path, scale, offset);
+    std::size_t different_steps = 0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
       const double d = (felt[i].force_n - expected[i].force_n).norm() / (expected[i].force_n.norm() + 1e-9);
-      apart += d > 1e4 * precision + 1e-8 ? 1 : 0;
+      different_steps += d > 1e4 * precision + 1e-8 ? 1 : 0;
     }
-    EXPECT_EQ(apart, 0U);
-    EXPECT_EQ(there->counters().contact_steps, proxy->counters().contact_steps);
+    EXPECT_EQ(different_steps, 0U);
+    EXPECT_EQ(placed->counters().contact_steps, proxy->counters().contact_steps);
   }
 }
 
 // Both methods drag the proxy along a tractrix: the reference in sub-steps, each on one plane, `proxy` from event to event.
-TEST(ProxySlide, FrictionIsTheReferencesAndInsideItsCone) {
+TEST(ProxySlide, WithFrictionTheForceIsThatOfTheReference) {
   Material rough;
   rough.friction_static = 0.5;
   rough.friction_dynamic = 0.4;
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12), rough);
-  const std::vector<Vec3> way = slide_round(1500);
+  const std::vector<Vec3> path = slide_path(1500);
   const auto proxy = point_over(scene);
-  const std::vector<ForceSample> felt = feel(*proxy, way);
+  const std::vector<ForceSample> felt = feel(*proxy, path);
   EXPECT_EQ(proxy->counters().swept, 0U);
   EXPECT_EQ(proxy->counters().exhausted, 0U);
-  const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
-  double squares = 0.0;
+  const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), path);
+  double sum_of_squares = 0.0;
   std::size_t contacts = 0;
-  for (std::size_t i = 0; i < way.size(); ++i) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
     EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
     if (expected[i].force_n.isZero(0.0)) continue;
     ++contacts;
-    squares += (felt[i].force_n - expected[i].force_n).squaredNorm() / expected[i].force_n.squaredNorm();
+    sum_of_squares += (felt[i].force_n - expected[i].force_n).squaredNorm() / expected[i].force_n.squaredNorm();
   }
-  EXPECT_LE(std::sqrt(squares / static_cast<double>(contacts)), 0.02);
+  EXPECT_LE(std::sqrt(sum_of_squares / static_cast<double>(contacts)), 0.02);
 }
 
 // Vertices are numbered per object: a triangle with the same vertex numbers may be another object's.
@@ -154,8 +154,8 @@ TEST(ProxySlide, AnActivatedObjectIsTouchedAtOnce) {
 // very point, in or between two samples. On a face, an edge or a vertex, a saddle among them, it is free from there on.
 TEST(ProxySlide, ADeviceThatLeavesThroughItsProxyIsFree) {
   constexpr int kSteps = 10;  // each way
-  const TouchScene smooth = scene_of(make_bumpy_sphere(0.045, 0.25, 5000, 3));
-  const TriangleMesh& bumps = *smooth.objects[0].mesh;
+  const TouchScene frictionless = scene_of(make_bumpy_sphere(0.045, 0.25, 5000, 3));
+  const TriangleMesh& bumps = *frictionless.objects[0].mesh;
   std::vector<Vec3> normals(bumps.vertices.size(), Vec3::Zero());
   for (const auto& [a, b, c] : bumps.triangles) {
     const Vec3 normal = (bumps.vertices[b] - bumps.vertices[a]).cross(bumps.vertices[c] - bumps.vertices[a]);
@@ -164,33 +164,33 @@ TEST(ProxySlide, ADeviceThatLeavesThroughItsProxyIsFree) {
   for (Vec3& normal : normals) normal.normalize();
   int taps = 0;
   for (const double friction : {0.0, 0.5}) {
-    TouchScene scene = smooth;
+    TouchScene scene = frictionless;
     scene.objects[0].material.friction_static = friction;
     scene.objects[0].material.friction_dynamic = 0.8 * friction;
     const auto proxy = point_over(scene);
-    const auto tap = [&](const Vec3& p, const Vec3& out, double first) {
-      const auto at = [&](int i) { return Vec3(p + (first - 0.0005 * i) * out); };
+    const auto tap = [&](const Vec3& p, const Vec3& out, double start_m) {
+      const auto at = [&](int i) { return Vec3(p + (start_m - 0.0005 * i) * out); };
       proxy->reset(at(0));
       bool has_touched = false;
       for (int i = 1; i <= kSteps; ++i) has_touched |= proxy->step({.p_SD = at(i)}).contact;
       ASSERT_TRUE(has_touched);
       for (int i = kSteps - 1; i >= 0; --i) {
         const MethodOutput felt = proxy->step({.p_SD = at(i)});
-        if (first - 0.0005 * i > 1e-5) {
+        if (start_m - 0.0005 * i > 1e-5) {
           ASSERT_FALSE(felt.contact) << "friction " << friction << ", " << p.transpose() << ", step " << i;
         }
       }
       ++taps;
     };
-    for (const double first : {0.002, 0.00225}) {  // with a sample at the surface, and without one
+    for (const double start_m : {0.002, 0.00225}) {  // with a sample at the surface, and without one
       for (std::size_t t = 0; t < bumps.triangles.size(); t += 97) {
         const auto [a, b, c] = bumps.triangles[t];
         const Vec3& va = bumps.vertices[a];
         const Vec3& vb = bumps.vertices[b];
         const Vec3& vc = bumps.vertices[c];
-        tap((va + vb + vc) / 3.0, (vb - va).cross(vc - va).normalized(), first);
-        tap(0.5 * (va + vb), (normals[a] + normals[b]).normalized(), first);
-        tap(va, normals[a], first);
+        tap((va + vb + vc) / 3.0, (vb - va).cross(vc - va).normalized(), start_m);
+        tap(0.5 * (va + vb), (normals[a] + normals[b]).normalized(), start_m);
+        tap(va, normals[a], start_m);
       }
     }
   }
@@ -222,10 +222,10 @@ TriangleMesh make_finned_sheet(double bend, bool has_fins) {
 }
 
 struct FinnedSlide {
-  double least = 1e9;  // tangential over normal force, once it slides
-  double most = 0.0;
+  double least_ratio = 1e9;  // tangential over normal force, once it slides
+  double most_ratio = 0.0;
   std::uint64_t walkable_steps = 0;
-  std::uint64_t other_steps = 0;
+  std::uint64_t unwalkable_steps = 0;
 };
 
 // The device moves along x, 1 mm below z = 0, at the distance y from the middle of the sheet.
@@ -246,9 +246,9 @@ FinnedSlide slide_over_fins(const TriangleMesh& sheet, double y) {
     EXPECT_TRUE(felt.contact) << "at x = " << x;
     if (x < -0.03) continue;
     const double ratio = std::abs(felt.force_n.x()) / std::hypot(felt.force_n.y(), felt.force_n.z());
-    slide.least = std::min(slide.least, ratio);
-    slide.most = std::max(slide.most, ratio);
-    (std::abs(x) < 0.005 ? slide.other_steps : slide.walkable_steps) += 1;
+    slide.least_ratio = std::min(slide.least_ratio, ratio);
+    slide.most_ratio = std::max(slide.most_ratio, ratio);
+    (std::abs(x) < 0.005 ? slide.unwalkable_steps : slide.walkable_steps) += 1;
   }
   return slide;
 }
@@ -256,17 +256,17 @@ FinnedSlide slide_over_fins(const TriangleMesh& sheet, double y) {
 TEST(ProxySlide, GoesOnSlidingOverTrianglesThatAreNotWalkable) {
   for (const bool has_fins : {false, true}) {
     const FinnedSlide slide = slide_over_fins(make_finned_sheet(0.0, has_fins), 0.0013);
-    EXPECT_NEAR(slide.least, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
-    EXPECT_NEAR(slide.most, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
-    EXPECT_GT(slide.other_steps, 90U);
+    EXPECT_NEAR(slide.least_ratio, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_NEAR(slide.most_ratio, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_GT(slide.unwalkable_steps, 90U);
   }
 }
 
 TEST(ProxySlide, GoesOnSlidingAlongAConcaveEdge) {
   for (const bool has_fins : {false, true}) {
     const FinnedSlide slide = slide_over_fins(make_finned_sheet(0.5, has_fins), 0.0);
-    EXPECT_NEAR(slide.least, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
-    EXPECT_NEAR(slide.most, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_NEAR(slide.least_ratio, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_NEAR(slide.most_ratio, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
   }
 }
 

@@ -1,4 +1,4 @@
-// A sphere that is put into a slit narrower than itself, into a tube of many triangles, or exactly on a surface.
+// A sphere that is placed in a slit narrower than itself, in a tube of many triangles, or exactly on a surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,11 +44,11 @@ class NarrowSlit : public ::testing::TestWithParam<unsigned> {
     for (int i = 0; method_->carried_from() && i < 64; ++i) output_ = method_->step({.p_SD = turn_ * device});
     return turn_.transpose() * output_.p_SP;
   }
-  double distance_by_brute_force(const Vec3& place) const {
+  double distance_by_brute_force(const Vec3& p) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < mesh_->triangles.size(); ++i) {
       const ContactTriangle shape(mesh_->corner(i, 0), mesh_->corner(i, 1), mesh_->corner(i, 2));
-      least = std::min(least, shape.separation(turn_ * place).distance);
+      least = std::min(least, shape.separation(turn_ * p).distance);
     }
     return least;
   }
@@ -83,7 +83,7 @@ TEST_P(NarrowSlit, TheSphereStopsAtTheClosedEnd) {
   reset(kStart);
   Vec3 probe = kStart;
   for (int i = 1; i <= 100; ++i) probe = step({kStart.x(), kStart.y(), kStart.z() - 0.0005 * i});
-  EXPECT_NEAR(probe.z(), kEnd + kStart.x(), 1e-9) << "as large as the room at the start";
+  EXPECT_NEAR(probe.z(), kEnd + kStart.x(), 1e-9) << "its radius is the distance to the wall at the start";
   EXPECT_TRUE(output_.contact);
 }
 
@@ -91,21 +91,21 @@ TEST_P(NarrowSlit, TheSphereStopsAtTheClosedEnd) {
 TEST_P(NarrowSlit, TheSphereComesNoNearerToTheWallsAndTheForceHasNoJump) {
   constexpr double kRounding = 1e-10;
   reset(kStart);
-  const double least = distance_by_brute_force(kStart);
+  const double start_distance = distance_by_brute_force(kStart);
   Vec3 device = kStart;
-  Vec3 before = kStart;
-  int held = 0;
+  Vec3 last_probe = kStart;
+  int contact_steps = 0;
   for (int i = 0; i < 1500; ++i) {
     const Vec3 to(uniform(-0.02, 0.02), uniform(-0.03, 0.03), uniform(-0.04, -0.005));
     const Vec3 moved = 0.02 * (to - device) + Vec3(uniform(-0.0005, 0.0005), 0.0, 0.0);
     device += moved;
     const Vec3 probe = step(device);
-    held += output_.contact ? 1 : 0;
-    ASSERT_GE(distance_by_brute_force(probe), least - kRounding) << "step " << i;
-    ASSERT_LE((probe - before).norm(), moved.norm() + kRounding) << "step " << i;
-    before = probe;
+    contact_steps += output_.contact ? 1 : 0;
+    ASSERT_GE(distance_by_brute_force(probe), start_distance - kRounding) << "step " << i;
+    ASSERT_LE((probe - last_probe).norm(), moved.norm() + kRounding) << "step " << i;
+    last_probe = probe;
   }
-  EXPECT_GT(held, 500);
+  EXPECT_GT(contact_steps, 500);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NarrowSlit, testing::Range(1U, 41U));
@@ -212,9 +212,9 @@ TEST_P(NarrowTube, TheSphereStaysNear) {
     for (std::uint32_t i = 0; i < 8; ++i) {
       const std::uint32_t a = i;
       const std::uint32_t b = i % 4 == 3 ? i - 3 : i + 1;
-      const bool is_other = random() % 2 == 0;
-      mesh.triangles.push_back({a, is_other ? b : b + 4, is_other ? a + 4 : b});
-      mesh.triangles.push_back({b + 4, is_other ? a + 4 : a, is_other ? b : a + 4});
+      const bool is_other_diagonal = random() % 2 == 0;
+      mesh.triangles.push_back({a, is_other_diagonal ? b : b + 4, is_other_diagonal ? a + 4 : b});
+      mesh.triangles.push_back({b + 4, is_other_diagonal ? a + 4 : a, is_other_diagonal ? b : a + 4});
     }
     std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
     mesh = joined(mesh, made::box(kRadius * Vec3(-10.6, -12.1, -5.5), kRadius * Vec3(-9.3, -8.6, -3.3)));
@@ -245,7 +245,7 @@ class NarrowWedge : public ::testing::TestWithParam<unsigned> {
  protected:
   static constexpr double kAngle = 0x1p-22;
   static constexpr double kHalfWidth = 0.05;
-  static constexpr double kSphere = 0x1p-31;  // radius of the sphere that stands for the point; the scene's unit is one metre
+  static constexpr double kSphereRadius = 0x1p-31;  // of the sphere that stands for the point; the scene's unit is one metre
   static constexpr std::uint32_t kStrips = 150;
 
   static TriangleMesh make_sheets() {
@@ -287,9 +287,9 @@ TEST_P(NarrowWedge, APointStaysWhereASweepGetsNoNearer) {
     const Vec3 device(x, y, uniform(-0.3, -0.01));
     MethodOutput output = method->step({.p_SD = device});
     for (int k = 0; method->carried_from() && k < 64; ++k) output = method->step({.p_SD = device});
-    EXPECT_NEAR(output.p_SP.x(), 2.0 * kSphere / kAngle, 1e-5) << "trial " << trial;
+    EXPECT_NEAR(output.p_SP.x(), 2.0 * kSphereRadius / kAngle, 1e-5) << "trial " << trial;
     EXPECT_NEAR(output.p_SP.y(), device.y(), 1e-5) << "trial " << trial;
-    EXPECT_NEAR(output.p_SP.z(), kSphere, 0.01 * kSphere) << "trial " << trial;
+    EXPECT_NEAR(output.p_SP.z(), kSphereRadius, 0.01 * kSphereRadius) << "trial " << trial;
   }
 }
 
@@ -299,10 +299,10 @@ INSTANTIATE_TEST_SUITE_P(Seeds, NarrowWedge, testing::Range(1U, 5U));
 // held by two edges on nearly opposite sides. From there, a sweep that keeps no more distance than the sphere does gets through; a sweep
 // with the usual distance would not.
 TEST(APointInASlit, GoesThroughOneThatIsHardlyNarrowerThanItsSphere) {
-  constexpr double kSphere = 0x1p-31;  // half a contact offset; the scene's unit is one metre
+  constexpr double kSphereRadius = 0x1p-31;  // half a contact offset; the scene's unit is one metre
   const Vec3 device(-0.2, 0.03, 0.0);
   for (const double share : {0.98, 0.985, 0.99, 0.995}) {
-    const double half = share * kSphere;
+    const double half = share * kSphereRadius;
     const TriangleMesh blocks =
         joined(made::box({-0.5, -0.05, half}, {0.0, 0.05, 0.5}), made::box({-0.5, -0.05, -0.5}, {0.0, 0.05, -half}));
     const auto method = make_method({.name = "proxy"}, {.objects = {{made::shared(blocks), {}}}}).value();
@@ -315,17 +315,17 @@ TEST(APointInASlit, GoesThroughOneThatIsHardlyNarrowerThanItsSphere) {
 }
 
 // The corner at the origin between two faces of the floor and one of the ceiling: the three normals are in one plane within rounding. Any
-// two of the faces hold the point nearly as well, so that it could go to and fro between them without end.
+// two of the faces hold the point nearly as well, so that it could alternate between them without end.
 TEST(APointInASlit, StaysInACornerWhoseNormalsAreInOnePlaneWithinRounding) {
-  constexpr double kSphere = 0x1p-31;  // half a contact offset
+  constexpr double kSphereRadius = 0x1p-31;  // half a contact offset
   for (const double tilt : {0.25, 1.0, 4.0, 16.0}) {
     TriangleMesh mesh;
     const auto add = [&](double x, double z, double slope_x, double slope_z, double y) {
       mesh.vertices.emplace_back(x, y + tilt * (slope_x * x + slope_z * z), z);
     };
-    for (const auto& [x, z] : {std::pair(-0.064, -0.5), {0.064, 0.5}, {-0.5, 0.0}}) add(x, z, -1.94e-7, 0.0, -kSphere);
-    add(0.5, 0.0, -6.9e-8, -1.6e-8, -kSphere);
-    for (const auto& [x, z] : {std::pair(-0.5, -0.5), {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}}) add(x, z, 1e-8, 0.0, kSphere);
+    for (const auto& [x, z] : {std::pair(-0.064, -0.5), {0.064, 0.5}, {-0.5, 0.0}}) add(x, z, -1.94e-7, 0.0, -kSphereRadius);
+    add(0.5, 0.0, -6.9e-8, -1.6e-8, -kSphereRadius);
+    for (const auto& [x, z] : {std::pair(-0.5, -0.5), {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}}) add(x, z, 1e-8, 0.0, kSphereRadius);
     mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {4, 5, 6}, {4, 6, 7}};
     const auto method = make_method({.name = "proxy"}, {.objects = {{made::shared(mesh), {}}}}).value();
     method->reset(Vec3(0.3, -8e-9 * tilt, 0.05));

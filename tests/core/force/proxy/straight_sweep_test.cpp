@@ -24,14 +24,14 @@ struct StraightStage {
       : geometry({&mesh}),
         materials(1),
         surfaces(geometry, materials),
-        keep{.offset = radius_m / geometry.unit_m(), .slop = kSweepSlop, .tolerance = 0x1p-9 * kSweepSlop},
+        clearance{.offset = radius_m / geometry.unit_m(), .slop = kSweepSlop, .tolerance = 0x1p-9 * kSweepSlop},
         sweep(surfaces, false) {}
 
   // Tests every triangle against the whole motion in one piece.
-  double first_by_brute_force(const Vec3& from, const Vec3& motion) const {
+  double time_by_brute_force(const Vec3& from, const Vec3& motion) const {
     double first = kNever;
     for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t)
-      first = std::min(first, time_to_block(TriangleView{geometry, t}, from, motion, 1.0, keep));
+      first = std::min(first, time_to_block(TriangleView{geometry, t}, from, motion, 1.0, clearance));
     return first;
   }
   double clearance_of(const Vec3& p) const {
@@ -43,12 +43,12 @@ struct StraightStage {
   TouchGeometry geometry;
   std::vector<Material> materials;
   ProxySurfaces surfaces;
-  Clearance keep;
+  Clearance clearance;
   StraightSweep sweep;
   ProxyState proxy;
 };
 
-TriangleMesh soup_of_sizes(std::size_t count, double size, std::mt19937_64& random) {
+TriangleMesh soup_of_size(std::size_t count, double size, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   TriangleMesh soup;
@@ -68,16 +68,16 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   constexpr int kMaxOver = 5 * 128 + 64;  // five boxes of 128, as a piece is cut up to four times; and at least 64 tests in a ball
-  int interrupted = 0;
-  int stopped = 0;
+  int interruptions = 0;
+  int stops = 0;
   for (const double size : {0.002, 0.02, 0.1}) {
     for (const double radius_m : {0.001, 0.01}) {
-      StraightStage stage(soup_of_sizes(3000, size, random), radius_m);
+      StraightStage stage(soup_of_size(3000, size, random), radius_m);
       for (int i = 0; i < 100; ++i) {
         const Vec3 from = stage.geometry.to_local(0.12 * Vec3(unit(random), unit(random), unit(random)));
-        if (stage.clearance_of(from) < stage.keep.offset) continue;
+        if (stage.clearance_of(from) < stage.clearance.offset) continue;
         const Vec3 motion = std::pow(10.0, unit(random) - 1.0) * Vec3(unit(random), unit(random), unit(random));
-        const double expected = stage.first_by_brute_force(from, motion);
+        const double expected = stage.time_by_brute_force(from, motion);
         const int most_work = 100 + static_cast<int>(random() % 400);
         stage.proxy.settle_at(from);
         stage.sweep.start(from, motion);
@@ -85,19 +85,19 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
         for (int call = 0;; ++call) {
           ASSERT_LT(call, 1000);
           int work = 0;
-          const auto end = stage.sweep.go_on(stage.proxy, stage.keep, 0, work, most_work);
+          const auto end = stage.sweep.go_on(stage.proxy, stage.clearance, 0, work, most_work);
           ASSERT_LE(work, most_work + kMaxOver);
           ASSERT_EQ(stage.sweep.is_interrupted(), end == StraightSweep::End::interrupted);
-          interrupted += stage.sweep.is_interrupted() ? 1 : 0;
+          interruptions += stage.sweep.is_interrupted() ? 1 : 0;
           if (end == StraightSweep::End::free) time = 1.0;
           if (end == StraightSweep::End::free) break;
           if (end == StraightSweep::End::interrupted) continue;
           time = stage.sweep.time();
-          if (!stage.sweep.blockers().empty()) ++stopped;
+          if (!stage.sweep.blockers().empty()) ++stops;
           break;
         }
-        const bool has_arrived = stage.sweep.blockers().empty() && time < 1.0;  // the work was used up after a free piece
-        if (has_arrived) {
+        const bool has_used_up_its_work = stage.sweep.blockers().empty() && time < 1.0;  // the work was used up after a free piece
+        if (has_used_up_its_work) {
           EXPECT_LE(time, expected);
         } else {
           EXPECT_NEAR(time, std::min(1.0, expected), 1e-9) << "size " << size << ", radius " << radius_m << ", path " << i;
@@ -105,8 +105,8 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
       }
     }
   }
-  EXPECT_GT(interrupted, 0);
-  EXPECT_GT(stopped, 50);
+  EXPECT_GT(interruptions, 0);
+  EXPECT_GT(stops, 50);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, StraightSweepAmongMany, testing::Values(1U, 2U, 3U));
@@ -118,7 +118,7 @@ TEST(StraightSweep, TrianglesInTheBoxButFarFromTheProbeCostNothing) {
   const Vec3 motion = Vec3::Constant(1e-5);
   stage.proxy.settle_at(stage.geometry.to_local(Vec3::Zero()));
   stage.sweep.start(stage.proxy.position, motion);
-  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMax), StraightSweep::End::free);
+  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.clearance, 0, work, StepWork::kMax), StraightSweep::End::free);
   EXPECT_LE(work, 160);
 }
 
@@ -145,10 +145,11 @@ class StraightSweepOnACap : public testing::TestWithParam<unsigned> {
     }
     return mesh;
   }
-  static std::vector<std::uint32_t> sorted(std::vector<std::pair<double, std::uint32_t>> by, std::size_t most) {
-    std::sort(by.begin(), by.end());
+  // The triangles of the `count` smallest values.
+  static std::vector<std::uint32_t> triangles_of_least(std::vector<std::pair<double, std::uint32_t>> values, std::size_t count) {
+    std::sort(values.begin(), values.end());
     std::vector<std::uint32_t> triangles;
-    for (std::size_t i = 0; i < std::min(most, by.size()); ++i) triangles.push_back(by[i].second);
+    for (std::size_t i = 0; i < std::min(count, values.size()); ++i) triangles.push_back(values[i].second);
     std::sort(triangles.begin(), triangles.end());
     return triangles;
   }
@@ -163,14 +164,14 @@ TEST_P(StraightSweepOnACap, OfManyOverlapsTheFastestApproachedBlock) {
   stage.proxy.settle_at(from);
   stage.sweep.start(from, motion);
   int work = 0;
-  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMax), StraightSweep::End::stopped);
+  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.clearance, 0, work, StepWork::kMax), StraightSweep::End::stopped);
   EXPECT_EQ(stage.sweep.time(), 0.0);
   std::vector<std::pair<double, std::uint32_t>> rates;
   for (std::uint32_t t = 0; t < kCount; ++t) rates.emplace_back(stage.geometry.separation(t, from).normal.dot(motion), t);
-  std::vector<std::uint32_t> found;
-  for (const StraightSweep::Blocker& blocker : stage.sweep.blockers()) found.push_back(blocker.triangle);
-  std::sort(found.begin(), found.end());
-  EXPECT_EQ(found, sorted(rates, ProxyState::kMaxContacts));
+  std::vector<std::uint32_t> blocker_ids;
+  for (const StraightSweep::Blocker& blocker : stage.sweep.blockers()) blocker_ids.push_back(blocker.triangle);
+  std::sort(blocker_ids.begin(), blocker_ids.end());
+  EXPECT_EQ(blocker_ids, triangles_of_least(rates, ProxyState::kMaxContacts));
 }
 
 TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreFixed) {
@@ -179,26 +180,26 @@ TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreF
   std::vector<std::pair<double, std::uint32_t>> distances;
   for (std::uint32_t t = 0; t < kCount; ++t) distances.emplace_back(stage.geometry.separation(t, from).distance, t);
   std::sort(distances.begin(), distances.end());
-  for (const int fixed : {0, 3}) {
+  for (const int fixed_count : {0, 3}) {
     stage.proxy = ProxyState();
     stage.proxy.settle_at(from);
-    for (int i = 0; i < fixed; ++i) {  // the farthest triangles are the fixed contacts
+    for (int i = 0; i < fixed_count; ++i) {  // the farthest triangles are the fixed contacts
       const std::uint32_t triangle = distances[distances.size() - 1 - static_cast<std::size_t>(i)].second;
       ProxyContact& contact = stage.proxy.contacts[static_cast<std::size_t>(stage.proxy.contact_count++)];
       contact = {.triangle = triangle, .shape = stage.surfaces.shape_of(triangle), .separation = stage.geometry.separation(triangle, from)};
     }
-    std::vector<std::uint32_t> expected = sorted(distances, static_cast<std::size_t>(ProxyState::kMaxContacts - fixed));
-    for (int i = 0; i < fixed; ++i) expected.push_back(stage.proxy.contacts[static_cast<std::size_t>(i)].triangle);
+    std::vector<std::uint32_t> expected = triangles_of_least(distances, static_cast<std::size_t>(ProxyState::kMaxContacts - fixed_count));
+    for (int i = 0; i < fixed_count; ++i) expected.push_back(stage.proxy.contacts[static_cast<std::size_t>(i)].triangle);
     std::sort(expected.begin(), expected.end());
     stage.sweep.drop();
     stage.sweep.start(from, Vec3::Zero());
     int work = 0;
-    (void)stage.sweep.go_on(stage.proxy, stage.keep, fixed, work, StepWork::kMax);
+    (void)stage.sweep.go_on(stage.proxy, stage.clearance, fixed_count, work, StepWork::kMax);
     ASSERT_EQ(stage.proxy.contact_count, ProxyState::kMaxContacts);
-    std::vector<std::uint32_t> found;
-    for (const ProxyContact& contact : stage.proxy.contacts) found.push_back(contact.triangle);
-    std::sort(found.begin(), found.end());
-    EXPECT_EQ(found, expected) << fixed << " fixed";
+    std::vector<std::uint32_t> contact_ids;
+    for (const ProxyContact& contact : stage.proxy.contacts) contact_ids.push_back(contact.triangle);
+    std::sort(contact_ids.begin(), contact_ids.end());
+    EXPECT_EQ(contact_ids, expected) << fixed_count << " fixed";
   }
 }
 
@@ -233,9 +234,9 @@ TEST_P(StraightSweepAmongMany, TheWholeMotionInManyStepsTestsEachTriangleAFewTim
     ASSERT_LT(calls, 1000);
     stage.proxy.settle_at(from);
     if (!stage.sweep.is_interrupted()) stage.sweep.start(from, to - from);
-    int of_call = 0;
-    end = stage.sweep.go_on(stage.proxy, stage.keep, 0, of_call, 1000);
-    work += of_call;
+    int call_work = 0;
+    end = stage.sweep.go_on(stage.proxy, stage.clearance, 0, call_work, 1000);
+    work += call_work;
     if (end == StraightSweep::End::stopped) from += stage.sweep.time() * (to - from);
   }
   EXPECT_LT(work, 2 * 20000);
@@ -256,7 +257,7 @@ TEST_P(StraightSweepAmongMany, WithoutWorkLeftTheProbeMovesToTheEndOfTheSearched
   for (int call = 0, searched = 0;; ++call) {
     ASSERT_LT(call, 1000) << "the probe waits";
     int work = 0;
-    const auto end = stage.sweep.go_on(stage.proxy, stage.keep, 0, work, 100);
+    const auto end = stage.sweep.go_on(stage.proxy, stage.clearance, 0, work, 100);
     searched += work;
     if (end == StraightSweep::End::interrupted) continue;
     ASSERT_EQ(end, StraightSweep::End::stopped);

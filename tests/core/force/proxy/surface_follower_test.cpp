@@ -19,8 +19,8 @@ namespace {
 using Outcome = SurfaceFollower::Outcome;
 
 // A mesh in its local frame, and a follower on it.
-struct Stage {
-  explicit Stage(const TriangleMesh& mesh) : geometry({&mesh}), materials(1), follower(geometry, materials) {}
+struct FollowerStage {
+  explicit FollowerStage(const TriangleMesh& mesh) : geometry({&mesh}), materials(1), follower(geometry, materials) {}
 
   // Lands on the first face that a segment from p to q meets.
   bool land(const Vec3& p, const Vec3& q) {
@@ -45,7 +45,7 @@ struct Stage {
 void expect_at(const Vec3& p, const Vec3& q) { EXPECT_LT((p - q).norm(), 1e-13) << p.transpose() << " and " << q.transpose(); }
 
 TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
-  Stage stage(make_box(Vec3::Constant(1.0), 4));
+  FollowerStage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.03, 0.02, 0.6), stage.local(0.03, 0.02, 0.4)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.31, -0.27, 0.4), time), Outcome::settled);
@@ -55,7 +55,7 @@ TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
 
 // The device moves on inside a box, out through a side face: at the edge the point jumps from the top face to where the device comes out.
 TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
-  Stage stage(make_box(Vec3::Constant(1.0), 4));
+  FollowerStage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.02, 0.6), stage.local(0.3, 0.02, 0.4)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.02, 0.5), stage.local(0.45, 0.02, 0.2), time), Outcome::settled);
@@ -69,7 +69,7 @@ TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
 // A flat roof with its convex edge at y = -0.25. When the device is at x = 0.1, its projection onto the left side reaches the edge, and the
 // point slides down the right side at once.
 TEST(SurfaceFollower, OverAConvexEdgeItDescendsWithTheDeviceHeld) {
-  Stage stage(make_prism({{-0.5, -0.5}, {0.5, -0.5}, {0.0, -0.25}}, 1.0, 2));
+  FollowerStage stage(make_prism({{-0.5, -0.5}, {0.5, -0.5}, {0.0, -0.25}}, 1.0, 2));
   ASSERT_TRUE(stage.land(stage.local(-0.1, 0.1, 0.03), stage.local(-0.1, -0.4, 0.03)));
   const Vec3 left = stage.local(-0.1, -0.45, 0.03);
   ASSERT_EQ(stage.follower.descend(left), Outcome::settled);
@@ -83,7 +83,7 @@ TEST(SurfaceFollower, OverAConvexEdgeItDescendsWithTheDeviceHeld) {
 }
 
 TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
-  Stage stage(make_box(Vec3::Constant(1.0), 4));
+  FollowerStage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.03, 0.02, 0.6), stage.local(0.03, 0.02, 0.4)));
   double time = 0.0;
   ASSERT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.03, 0.02, 0.4), time), Outcome::settled);
@@ -96,7 +96,7 @@ TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
 // A gutter of 90 degrees along z, its bottom at y = 0.2: the concave edge holds the point while the pull lies between the reversed normals
 // of both faces, and releases it onto one of them when the multiplier of the other reaches zero.
 TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
-  Stage stage(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 4));
+  FollowerStage stage(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 4));
   ASSERT_TRUE(stage.land(stage.local(0.1, 0.45, 0.03), stage.local(0.1, 0.25, 0.03)));
   double time = 0.0;
   const Vec3 below = stage.local(0.0, 0.1, 0.03);
@@ -161,13 +161,13 @@ TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItGoesOverTheRim) {
   EXPECT_FALSE(method->step({.p_SD = Vec3(0.02, 0.02, -1e-11)}).contact);
 }
 
-// The tip of a pit is such a vertex too, here with the device below it: no way from the tip leads nearer, so the tip holds the point.
+// Concave edges end at the tip of a pit too, here with the device below it: no direction from the tip leads nearer, so it holds the point.
 TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItStaysWhereTheRimLeadsNoNearer) {
   TriangleMesh mesh = make_pit(1.0, 0.5);
   const TouchScene scene{.objects = {{std::make_shared<TriangleMesh>(mesh), {}}}};
   auto method = make_method({.name = "proxy"}, scene).value();
   method->reset(Vec3(0.01, 0.0, 0.4));
-  // The device is below the tip of the pit, where concave edges end: while it is nearly straight below, the tip holds the point.
+  // Also when the device is not quite straight below the tip.
   for (const double aside : {0.0, 1e-13, 1e-11, 1e-10, 1e-9}) {
     const Vec3 device(aside, 0.5 * aside, -0.2);
     const Vec3 held = method->step({.p_SD = device}).p_SP;
@@ -178,7 +178,7 @@ TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItStaysWhereTheRimLeadsNoNearer) {
 }
 
 TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
-  Stage stage(make_pit(1.0, 0.5));
+  FollowerStage stage(make_pit(1.0, 0.5));
   ASSERT_TRUE(stage.land(stage.local(0.05, 0.02, 0.45), stage.local(0.05, 0.02, -0.2)));
   double time = 0.0;
   const Vec3 below = stage.local(0.01, 0.02, -0.2);
@@ -196,7 +196,7 @@ TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
 }
 
 TEST(SurfaceFollower, OverABoundaryEdgeItIsFree) {
-  Stage stage(make_plane_grid(1.0, 4));
+  FollowerStage stage(make_plane_grid(1.0, 4));
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.03, 0.1), stage.local(0.3, 0.03, -0.1)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.03, 0.0), stage.local(0.7, 0.03, -0.2), time), Outcome::airborne);
@@ -213,12 +213,12 @@ TEST(SurfaceFollower, BeyondTheBoundaryOfASheetTheProxyIsFreeInTheSameStep) {
   ASSERT_TRUE(made.has_value());
   auto& proxy = static_cast<ProxyMethod&>(**made);
   std::mt19937_64 random(20261121);
-  std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
     const bool to_corner = i % 4 == 0;
-    const Vec3 boundary(0.5, to_corner ? 0.5 : 0.45 * anywhere(random), 0.0);
-    const Vec3 out(0.02 + 0.01 * anywhere(random), to_corner ? 0.02 + 0.01 * anywhere(random) : 0.01 * anywhere(random), 0.0);
-    const double depth = 0.05 + 0.04 * anywhere(random);
+    const Vec3 boundary(0.5, to_corner ? 0.5 : 0.45 * unit(random), 0.0);
+    const Vec3 out(0.02 + 0.01 * unit(random), to_corner ? 0.02 + 0.01 * unit(random) : 0.01 * unit(random), 0.0);
+    const double depth = 0.05 + 0.04 * unit(random);
     const Vec3 inside = boundary - out - Vec3(0, 0, depth);
     proxy.reset(inside + Vec3(0, 0, 2.0 * depth));
     ASSERT_TRUE(proxy.step({.p_SD = inside}).contact) << i;
@@ -239,7 +239,7 @@ TEST(SurfaceFollower, ItStopsBeforeATriangleThatIsNotWalkable) {
   ASSERT_NE(a, b);
   sheet.vertices.emplace_back(0.25, 0.1, 0.3);
   sheet.triangles.push_back({a, b, static_cast<std::uint32_t>(sheet.vertices.size() - 1)});
-  Stage stage(sheet);
+  FollowerStage stage(sheet);
   ASSERT_TRUE(stage.land(stage.local(-0.3, 0.1, 0.1), stage.local(-0.3, 0.1, -0.1)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(-0.3, 0.1, 0.0), stage.local(0.4, 0.1, -0.1), time), Outcome::unwalkable);
@@ -250,7 +250,7 @@ TEST(SurfaceFollower, ItStopsBeforeATriangleThatIsNotWalkable) {
 }
 
 TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
-  Stage stage(make_gutter(1.0, 0.3, 0.2, 4));
+  FollowerStage stage(make_gutter(1.0, 0.3, 0.2, 4));
   ASSERT_TRUE(stage.land(stage.local(0.01, 0.45, 0.03), stage.local(0.01, 0.1, 0.03)));
   double time = 0.0;
   ASSERT_EQ(stage.follower.descend(stage.local(0.01, 0.1, 0.03)), Outcome::settled);
@@ -271,7 +271,7 @@ TEST(SurfaceFollower, LiftedInACornerItClearsAllThreeWalls) {
       Vec3 device = sign.cwiseProduct(Vec3::Constant(0.5 - 1e-9));
       device[walls % 3] = 0.7 * sign[walls % 3];
       if (walls >= 3) device[(walls + 1) % 3] = 0.6 * sign[(walls + 1) % 3];
-      Stage stage(flipped(make_box(Vec3::Constant(1.0), 3)));
+      FollowerStage stage(flipped(make_box(Vec3::Constant(1.0), 3)));
       const Vec3 from = stage.local(0.3 * sign.x(), 0.2 * sign.y(), 0.25 * sign.z());
       Vec3 beyond = from;
       beyond[walls % 3] = 0.6 * sign[walls % 3];
@@ -285,7 +285,7 @@ TEST(SurfaceFollower, LiftedInACornerItClearsAllThreeWalls) {
 }
 
 TEST(SurfaceFollower, NeverAllocates) {
-  Stage stage(make_bumpy_sphere(0.5, 0.1, 5000, 3));
+  FollowerStage stage(make_bumpy_sphere(0.5, 0.1, 5000, 3));
   ASSERT_TRUE(stage.land(stage.local(0.9, 0.0, 0.0), stage.local(0.4, 0.0, 0.0)));
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "no heap guard in this build";
   const AllocationGuard guard;

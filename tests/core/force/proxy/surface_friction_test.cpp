@@ -63,9 +63,10 @@ TriangleMesh make_plane() {
 
 Vec3 in_plane(const Vec3& v) { return {v.x(), v.y(), 0.0}; }
 
-// Finds by bisection the time at which the pull leaves the cone. Pre: it leaves the cone once.
+// Finds by bisection the time at which the pull leaves the cone. Pre: it leaves the cone once. out_of_cone(time): how
+// far the pull is out of the cone, negative inside.
 template <class OutOfCone>
-double find_slip(OutOfCone&& out_of_cone) {
+double find_slip_time(OutOfCone&& out_of_cone) {
   double low = 0.0;
   double high = 1.0;
   for (int i = 0; i < 60; ++i) (out_of_cone(0.5 * (low + high)) > 0.0 ? high : low) = 0.5 * (low + high);
@@ -93,10 +94,10 @@ TEST(SurfaceFriction, InsideTheStaticConeThePointDoesNotMoveByADigit) {
   Slider slider(make_plane(), 0.7, 0.3);
   const Vec3 start(0.0123456789, -0.0987654321, 0.0);
   ASSERT_TRUE(slider.land(0, start));
-  const auto device_in_cone = [&](double of_cone) {
+  const auto device_in_cone = [&](double cone_share) {
     const double depth = 0.01 + 0.2 * share(random);
     const double angle = 2.0 * std::numbers::pi * share(random);
-    return Vec3(start + of_cone * 0.7 * depth * Vec3(std::cos(angle), std::sin(angle), 0.0) - Vec3(0, 0, depth));
+    return Vec3(start + cone_share * 0.7 * depth * Vec3(std::cos(angle), std::sin(angle), 0.0) - Vec3(0, 0, depth));
   };
   Vec3 device = device_in_cone(1.0 - 1e-9);
   ASSERT_EQ(slider.descend(device), SurfaceNext::settled);
@@ -144,7 +145,7 @@ TEST(SurfaceFriction, InFrontOfTheFaceItIsAirborne) {
 TEST(SurfaceFriction, ItSlipsWhenThePullLeavesTheCone) {
   std::mt19937_64 random = make_random(5);
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  int slipped = 0;
+  int slipped_trials = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const double mu = 0.05 + 1.5 * share(random);
     Slider slider(make_plane(), mu, 0.5 * mu);
@@ -167,42 +168,42 @@ TEST(SurfaceFriction, ItSlipsWhenThePullLeavesTheCone) {
       EXPECT_EQ(time, 1.0);
       continue;
     }
-    ++slipped;
+    ++slipped_trials;
     ASSERT_EQ(next, SurfaceNext::descend) << trial;
-    EXPECT_NEAR(time, find_slip(out_of_cone), 1e-10) << trial;
+    EXPECT_NEAR(time, find_slip_time(out_of_cone), 1e-10) << trial;
     EXPECT_EQ(slider.point(), start);
   }
-  EXPECT_GT(slipped, 200);
+  EXPECT_GT(slipped_trials, 200);
 }
 
 TEST(SurfaceFriction, OverAFaceItSlidesOnTheTractrix) {
   std::mt19937_64 random = make_random(7);
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  int slid = 0;
+  int sliding_trials = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const double mu = 0.05 + 0.8 * share(random);
     Slider slider(make_plane(), 1.5 * mu, mu);
     ASSERT_TRUE(slider.land(0, Vec3::Zero(), true));
     const double depth = 0.02 + 0.1 * share(random);
-    const double end = 0.02 + 0.1 * share(random);
+    const double end_depth = 0.02 + 0.1 * share(random);
     const double angle = 2.0 * std::numbers::pi * share(random);
     const Vec3 pull = mu * depth * Vec3(std::cos(angle), std::sin(angle), 0.0);
     const Vec3 from = pull - Vec3(0, 0, depth);
     const Vec3 motion = in_plane(0.1 * random_vector(random));
-    if (!(pull.dot(motion) > 1.01 * pull.norm() * mu * (end - depth))) continue;
-    const SlidingPull sliding(pull, motion, mu * depth, mu * (end - depth));
+    if (!(pull.dot(motion) > 1.01 * pull.norm() * mu * (end_depth - depth))) continue;
+    const SlidingPull sliding(pull, motion, mu * depth, mu * (end_depth - depth));
     bool slides_throughout = motion.norm() < 0.15;
     for (int i = 0; i <= 100; ++i) slides_throughout &= sliding.speed_at(0.01 * i) > 0.0;
     if (!slides_throughout) continue;
-    ++slid;
-    const Vec3 to = pull + motion - Vec3(0, 0, end);
+    ++sliding_trials;
+    const Vec3 to = pull + motion - Vec3(0, 0, end_depth);
     ASSERT_EQ(slider.descend(from), SurfaceNext::settled);
     ASSERT_EQ(slider.follow(from, to), SurfaceNext::settled) << trial;
     EXPECT_LT((slider.point() - (pull + motion - sliding.at(1.0))).norm(), 1e-13) << trial;
-    EXPECT_NEAR(in_plane(to - slider.point()).norm(), mu * end, 1e-13);
+    EXPECT_NEAR(in_plane(to - slider.point()).norm(), mu * end_depth, 1e-13);
     EXPECT_TRUE(slider.friction.slides());
   }
-  EXPECT_GT(slid, 100);
+  EXPECT_GT(sliding_trials, 100);
 }
 
 // The point sticks, slips, slides and stops in turn, over any number of edges in the plane, as drag_by_friction computes it without edges.
@@ -210,7 +211,7 @@ TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
   std::mt19937_64 random = make_random(13);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   for (const int cells : {1, 7, 40}) {
-    int slid = 0, stuck = 0, changed = 0;
+    int sliding_steps = 0, sticking_steps = 0, changes = 0;
     Slider slider(make_plane_grid(1.0, cells), 0.6, 0.4);
     const Vec3 start = slider.stage.middle(0);
     ASSERT_TRUE(slider.land(0, start));
@@ -232,13 +233,13 @@ TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
       ASSERT_EQ(slider.follow(device, to), SurfaceNext::settled) << i;
       ASSERT_LT((in_plane(to) - slider.point() - drag.pull).norm(), 1e-10) << i;
       ASSERT_EQ(slider.friction.slides(), drag.sliding) << i;
-      (drag.sliding ? slid : stuck) += 1;
-      changed += drag.sliding != before.sliding ? 1 : 0;
+      (drag.sliding ? sliding_steps : sticking_steps) += 1;
+      changes += drag.sliding != before.sliding ? 1 : 0;
       device = to;
     }
-    EXPECT_GT(slid, 100) << cells;
-    EXPECT_GT(stuck, 20) << cells;
-    EXPECT_GT(changed, 20) << cells;
+    EXPECT_GT(sliding_steps, 100) << cells;
+    EXPECT_GT(sticking_steps, 20) << cells;
+    EXPECT_GT(changes, 20) << cells;
   }
 }
 
@@ -251,8 +252,8 @@ TEST(SurfaceFriction, ItSticksAgainOnlyWhenThePullHasFallen) {
     ASSERT_TRUE(slider.land(0, Vec3::Zero()));
     const auto device = [](double x) { return Vec3(x, 0.0, -0.1); };
     ASSERT_EQ(slider.descend(device(0.07)), SurfaceNext::settled);
-    const Vec3 there(0.04, 0.0, 0.0);
-    ASSERT_LT((slider.point() - there).norm(), 1e-15);
+    const Vec3 expected(0.04, 0.0, 0.0);
+    ASSERT_LT((slider.point() - expected).norm(), 1e-15);
     const Vec3 stopped = slider.point();
     ASSERT_EQ(slider.follow(device(0.07), device(0.04 + 0.03 * eased_to)), SurfaceNext::settled);
     EXPECT_EQ(slider.point(), stopped);
@@ -270,12 +271,12 @@ TEST(SurfaceFriction, ItSticksAgainOnlyWhenThePullHasFallen) {
 }
 
 TEST(SurfaceFriction, HeldFromTheStartItSlidesOnUnlessThePullHasFallen) {
-  for (const double of_cone : {0.99, 1.01 * FrictionMotion::kRestick, 0.99 * FrictionMotion::kRestick, 0.0}) {
+  for (const double cone_share : {0.99, 1.01 * FrictionMotion::kRestick, 0.99 * FrictionMotion::kRestick, 0.0}) {
     Slider slider(make_plane(), 0.6, 0.3);
     ASSERT_TRUE(slider.land(0, Vec3::Zero(), true));
-    ASSERT_EQ(slider.descend(Vec3(0.03 * of_cone, 0.0, -0.1)), SurfaceNext::settled);
+    ASSERT_EQ(slider.descend(Vec3(0.03 * cone_share, 0.0, -0.1)), SurfaceNext::settled);
     EXPECT_EQ(slider.point(), Vec3::Zero());
-    EXPECT_EQ(slider.friction.slides(), of_cone > FrictionMotion::kRestick);
+    EXPECT_EQ(slider.friction.slides(), cone_share > FrictionMotion::kRestick);
   }
 }
 
@@ -336,7 +337,7 @@ TEST(SurfaceFriction, AlongAConcaveEdgeItStaysBehindByTheCone) {
 }
 
 // The point comes down one wall to the bottom of a gutter, stays there, and is then pulled up the same wall again. (mountain_51k_open,
-// slide of seed 3, row 849: the point once stayed at the bottom for ever.)
+// slide of seed 3, row 849: the point once stayed at the bottom forever.)
 TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverItsEntryFace) {
   Slider slider(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 3), 0.6, 0.4);
   const Vec3 bottom = slider.stage.local(0.0, 0.2, 0.05);
@@ -377,15 +378,15 @@ TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
     const SurfacePoint::Descent way = point.find_steepest(pull, 0.0);
     return way.facet == nullptr ? -1.0 : way.length - 0.4 * std::sqrt(pull.squaredNorm() - way.length * way.length);
   };
-  const double slip = find_slip(out_of_cone);
-  ASSERT_GT(slip, 0.1);
-  ASSERT_LT(slip, 0.9);
-  EXPECT_EQ(slider.follow(from, on_path(from, to, 0.999 * slip)), SurfaceNext::settled);
+  const double slip_time = find_slip_time(out_of_cone);
+  ASSERT_GT(slip_time, 0.1);
+  ASSERT_LT(slip_time, 0.9);
+  EXPECT_EQ(slider.follow(from, on_path(from, to, 0.999 * slip_time)), SurfaceNext::settled);
   EXPECT_EQ(point.point(), bottom);
   EXPECT_EQ(point.on(), SurfacePoint::On::vertex);
   double time = 0.0;
   EXPECT_EQ(slider.friction.follow(point, from, to, time), SurfaceNext::descend);
-  EXPECT_NEAR(time, slip, 1e-9);
+  EXPECT_NEAR(time, slip_time, 1e-9);
   ASSERT_EQ(slider.descend(on_path(from, to, time)), SurfaceNext::settled);
   EXPECT_GT((point.point() - bottom).norm(), 1e-3);
   EXPECT_TRUE(slider.friction.slides());
@@ -396,7 +397,7 @@ TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
 TEST(SurfaceFriction, ItSlipsUpAWallThatThePullFirstPointsDown) {
   std::mt19937_64 random = make_random(17);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
-  int slipped = 0;
+  int slipped_trials = 0;
   for (int trial = 0; trial < 400; ++trial) {
     const double mu = 0.45 + 0.35 * share(random);
     Slider slider(make_pit(1.0, 0.5), mu, 0.5 * mu);
@@ -414,14 +415,14 @@ TEST(SurfaceFriction, ItSlipsUpAWallThatThePullFirstPointsDown) {
       return way.facet == nullptr ? -1.0 : way.length - mu * std::sqrt(pull.squaredNorm() - way.length * way.length);
     };
     if (!(out_of_cone(1.0) > 0.0)) continue;
-    ++slipped;
-    const double slip = find_slip(out_of_cone);
+    ++slipped_trials;
+    const double slip_time = find_slip_time(out_of_cone);
     double time = 0.0;
     ASSERT_EQ(slider.friction.follow(point, from, to, time), SurfaceNext::descend) << trial;
-    EXPECT_NEAR(time, slip, 1e-9) << trial;
+    EXPECT_NEAR(time, slip_time, 1e-9) << trial;
     EXPECT_EQ(point.point(), bottom);
   }
-  EXPECT_GT(slipped, 50);
+  EXPECT_GT(slipped_trials, 50);
 }
 
 }  // namespace

@@ -27,14 +27,14 @@ double height_over_fan(const TriangleMesh& saddle, const Vec3& p) {
 }
 
 // The fan has every triangle side at the vertex once, and each shares its edge `next` with the one after it.
-void expect_a_whole_fan(const SurfaceStage& stage, const std::set<std::uint32_t>& round, std::size_t sides) {
+void expect_a_whole_fan(const SurfaceStage& stage, const std::set<std::uint32_t>& triangles_at_vertex, std::size_t sides) {
   const SurfacePoint& point = stage.point;
   const auto fan = point.fan();
-  std::set<std::pair<std::uint32_t, bool>> seen;
+  std::set<std::pair<std::uint32_t, bool>> sides_in_fan;
   for (std::size_t i = 0; i < fan.size(); ++i) {
     const SurfacePoint::FanFacet& facet = fan[i];
-    EXPECT_TRUE(round.contains(facet.id));
-    EXPECT_TRUE(seen.insert({facet.id, facet.back}).second);
+    EXPECT_TRUE(triangles_at_vertex.contains(facet.id));
+    EXPECT_TRUE(sides_in_fan.insert({facet.id, facet.back}).second);
     EXPECT_EQ(stage.geometry.corner(facet.id, facet.corner), point.point());
     const SurfacePoint::FanFacet& after = fan[(i + 1) % fan.size()];
     const int far = facet.next == facet.corner ? (facet.corner + 1) % 3 : facet.next;
@@ -46,7 +46,7 @@ void expect_a_whole_fan(const SurfaceStage& stage, const std::set<std::uint32_t>
     EXPECT_NEAR(facet.normal.norm(), 1.0, 1e-14);
     for (const Vec3& inward : facet.inward) EXPECT_GT(inward.dot(to_middle), 0.0);
   }
-  EXPECT_EQ(seen.size(), sides * round.size());
+  EXPECT_EQ(sides_in_fan.size(), sides * triangles_at_vertex.size());
 }
 
 TEST(SurfacePointFan, AFanIsAllTrianglesRoundAVertexOfAClosedMesh) {

@@ -26,7 +26,7 @@ double distance_to(const TriangleMesh& mesh, const Vec3& p) {
 // surface as a point beside the vertex, just off one of the faces.
 TEST(SurfacePoint, LiftedFromAnyVertexItIsOffTheSurfaceOnItsOwnSide) {
   constexpr double kHeight = 1e-10;
-  int lifted = 0;
+  int lifts = 0;
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     TriangleMesh mesh = make_icosphere(0.4, 2);
     std::mt19937_64 random(seed);
@@ -45,11 +45,11 @@ TEST(SurfacePoint, LiftedFromAnyVertexItIsOffTheSurfaceOnItsOwnSide) {
         ASSERT_NEAR(compute_winding_number(mesh, p), compute_winding_number(mesh, geometry.to_scene(beside)), 1e-3)
             << "seed " << seed << " triangle " << i << " corner " << k;
         ASSERT_GT(distance_to(mesh, p), 0.2 * kHeight) << "seed " << seed << " triangle " << i << " corner " << k;
-        ++lifted;
+        ++lifts;
       }
     }
   }
-  EXPECT_GT(lifted, 1000);
+  EXPECT_GT(lifts, 1000);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(SurfacePoint, LandsOnEitherSideOfATwoSidedMaterial) {
 TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
   SurfaceStage stage(make_finned_sheet());
   int unwalkable = 0;
-  int beside = 0;
+  int edges_beside = 0;
   for (std::uint32_t t = 0; t < stage.count(); ++t) {
     const bool walkable = stage.geometry.is_walkable(t);
     unwalkable += walkable ? 0 : 1;
@@ -83,11 +83,11 @@ TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
     for (int k = 0; k < 3; ++k) {
       stage.point.leave();
       const TouchGeometry::Adjacent across = stage.geometry.adjacent(t, k);
-      const bool both = walkable && across.exists && stage.geometry.is_walkable(across.id);
-      EXPECT_EQ(stage.point.land_on_edge(t, false, k, stage.on_edge(t, k, 0.5)), both) << t << " edge " << k;
-      EXPECT_EQ(stage.point.is_on_surface(), both);
-      if (!walkable || both) continue;
-      ++beside;
+      const bool both_walkable = walkable && across.exists && stage.geometry.is_walkable(across.id);
+      EXPECT_EQ(stage.point.land_on_edge(t, false, k, stage.on_edge(t, k, 0.5)), both_walkable) << t << " edge " << k;
+      EXPECT_EQ(stage.point.is_on_surface(), both_walkable);
+      if (!walkable || both_walkable) continue;
+      ++edges_beside;
       ASSERT_TRUE(stage.point.land(t, false, stage.middle(t)));
       const Vec3 p = stage.on_edge(t, k, 0.25);
       EXPECT_FALSE(stage.point.reach_edge(k, p));  // it stays on the face, just before the edge
@@ -97,7 +97,7 @@ TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
     }
   }
   EXPECT_GE(unwalkable, 3);
-  EXPECT_GE(beside, 3);
+  EXPECT_GE(edges_beside, 3);
 }
 
 // Finds by bisection where the segment from p to q leaves the triangle. A point is inside if it is left of all three edges.
@@ -121,10 +121,10 @@ int nearest_edge(const ContactTriangle& face, const Vec3& p) {
   return best;
 }
 
-TEST(SurfacePoint, FindsTheExitThatHalvingFinds) {
+TEST(SurfacePoint, FindsTheExitThatBisectionFinds) {
   std::mt19937_64 random = make_random(11);
   std::uniform_real_distribution<double> share(0.05, 1.0);
-  int left = 0;
+  int exits = 0;
   for (int trial = 0; trial < 2000; ++trial) {
     TriangleMesh mesh;
     mesh.vertices = {random_vector(random), random_vector(random), random_vector(random)};
@@ -141,13 +141,13 @@ TEST(SurfacePoint, FindsTheExitThatHalvingFinds) {
     const SurfacePoint::Exit exit = stage.point.find_exit(goal);
     ASSERT_EQ(exit.edge >= 0, time <= 1.0) << trial;
     if (exit.edge < 0) continue;
-    ++left;
+    ++exits;
     ASSERT_NEAR(exit.time, time, 1e-9) << trial;
     const Vec3 out = p + time * (goal - p);
     if (nearest_edge(face, out) == exit.edge) continue;  // otherwise it is near a corner, and on both edges
     ASSERT_LT((out - face.corner(exit.edge)).cross(face.edge(exit.edge)).norm(), 1e-9 * face.length(exit.edge)) << trial;
   }
-  EXPECT_GT(left, 600);
+  EXPECT_GT(exits, 600);
 }
 
 // A point that came from a vertex can only leave over the opposite edge. A point on an edge leaves over that edge at once.
@@ -179,7 +179,7 @@ TEST(SurfacePoint, FindsTheExitFromAVertexAndFromAnEdge) {
   }
 }
 
-TEST(SurfacePoint, AnEdgeJoinsTwoFacesOverEveryEdgeOfAClosedMesh) {
+TEST(SurfacePoint, EveryEdgeOfAClosedMeshJoinsTwoFaces) {
   SurfaceStage stage(make_bumpy_sphere(0.5, 0.2, 1000, 3));
   SurfacePoint& point = stage.point;
   for (std::uint32_t t = 0; t < stage.count(); ++t) {
@@ -351,7 +351,7 @@ TEST(SurfacePoint, LiftedItIsEquallyHighOverEveryFaceItIsOn) {
   }
 }
 
-TEST(SurfacePoint, LiftedOffAFaceItClearsTheWallBeyondAConcaveEdgeNear) {
+TEST(SurfacePoint, LiftedOffAFaceItClearsTheWallBeyondANearConcaveEdge) {
   constexpr double kHeight = 1e-6;
   SurfaceStage stage(make_dihedral(2.5));
   const Vec3 wall(0, -std::sin(2.5), std::cos(2.5));
@@ -372,7 +372,7 @@ Vec3 sum_of(const std::array<SurfacePoint::Contact, 3>& contacts, int count) {
   return sum;
 }
 
-TEST(SurfacePoint, MultipliersOfContactsAreThoseThatMadeTheDevice) {
+TEST(SurfacePoint, MultipliersOfContactsAreThoseThatPlacedTheDevice) {
   std::mt19937_64 random = make_random(41);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::array<SurfacePoint::Contact, 3> contacts;

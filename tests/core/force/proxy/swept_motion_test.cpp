@@ -209,10 +209,10 @@ TEST(SweptMotion, AShrunkSphereKeepsItsSizeWhenTheDeviceCreepsIntoAWall) {
   stage.put(Vec3::Zero());
   stage.move(Vec3(0.0, 0.01, 0.0));
   ASSERT_TRUE(stage.swept.is_shrunk());
-  const double room = stage.distance_by_brute_force();
+  const double start_distance = stage.distance_by_brute_force();
   for (int i = 1; i <= 100; ++i) {
     stage.move(Vec3(0.4 * i * kSlop * stage.geometry.unit_m(), 0.01, 0.0));
-    ASSERT_GE(stage.distance_by_brute_force(), room - kSlop) << i;
+    ASSERT_GE(stage.distance_by_brute_force(), start_distance - kSlop) << i;
     ASSERT_TRUE(stage.swept.is_shrunk()) << i;
   }
   EXPECT_GT(stage.device.x() - stage.proxy.position.x(), 30.0 * kSlop) << "the wall holds it";
