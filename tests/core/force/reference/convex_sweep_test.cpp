@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kRounding = 0x1p-48;
 
-TEST(ConvexSweep, HeadOnOnFaceEdgeAndCorner) {
+TEST(ConvexSweep, HitsAFaceAnEdgeAndACornerHeadOn) {
   const PreparedTriangle triangle(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0));
   for (const Vec3& over : {Vec3(0.2, 0.2, 0), Vec3(0.5, 0, 0), Vec3(0, 0, 0), Vec3(0.5, 0.5, 0)}) {
-    const SweepHit found = sweep_point(triangle, over + Vec3(0, 0, 1), Vec3(0, 0, -2), 1.0, 0.25, 1e-14, kRounding);
-    ASSERT_TRUE(found.hit);
-    EXPECT_NEAR(found.t, 0.375, 1e-13);
+    const SweepHit sweep = sweep_point(triangle, over + Vec3(0, 0, 1), Vec3(0, 0, -2), 1.0, 0.25, 1e-14, kRounding);
+    ASSERT_TRUE(sweep.hit);
+    EXPECT_NEAR(sweep.t, 0.375, 1e-13);
   }
 }
 
@@ -42,13 +42,13 @@ TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
     const Vec3 motion = 0.5 * (a + b) - from + 0.5 * draw();
     const double limit = i % 2 == 0 ? 0.1 : 0x1p-32;
     if (closest_point(triangle, from).distance <= limit) continue;
-    const SweepHit found = sweep_point(triangle, from, 1.5 * motion, 1.0, limit, 0x1p-47, kRounding);
-    const double until = found.hit ? found.t : 1.0;
-    EXPECT_FALSE(found.exhausted);
+    const SweepHit sweep = sweep_point(triangle, from, 1.5 * motion, 1.0, limit, 0x1p-47, kRounding);
+    const double until = sweep.hit ? sweep.t : 1.0;
+    EXPECT_FALSE(sweep.exhausted);
     for (int k = 0; k <= 100; ++k) ASSERT_GE(closest_point(triangle, from + (until * k / 100.0) * 1.5 * motion).distance, limit - 1e-13);
-    if (found.hit) {
+    if (sweep.hit) {
       ++hits;
-      ASSERT_NEAR(closest_point(triangle, from + found.t * 1.5 * motion).distance, limit, 2.0 * 0x1p-47 + 1e-15);
+      ASSERT_NEAR(closest_point(triangle, from + sweep.t * 1.5 * motion).distance, limit, 2.0 * 0x1p-47 + 1e-15);
     }
   }
   EXPECT_GT(hits, 500);
@@ -58,8 +58,8 @@ TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
 TEST(ConvexSweep, SlidesOverACoplanarEdge) {
   const double rest_offset = 0x1p-32;
   const PreparedTriangle next(Vec3(0.5, -1, 0), Vec3(1.5, -1, 0.0), Vec3(0.5, 1, 0));
-  const SweepHit found = sweep_point(next, Vec3(0.1, -0.3, rest_offset), Vec3(0.7, 0.1, 0), 1.0, rest_offset - 0x1p-38, 0x1p-48, kRounding);
-  EXPECT_FALSE(found.hit);
+  const SweepHit sweep = sweep_point(next, Vec3(0.1, -0.3, rest_offset), Vec3(0.7, 0.1, 0), 1.0, rest_offset - 0x1p-38, 0x1p-48, kRounding);
+  EXPECT_FALSE(sweep.hit);
   const SweepHit blocked =
       sweep_point(next, Vec3(0.1, -0.3, rest_offset), Vec3(0.7, 0.1, -1e-10), 1.0, rest_offset - 0x1p-38, 0x1p-48, kRounding);
   EXPECT_TRUE(blocked.hit);
@@ -82,8 +82,8 @@ TEST(ConvexSweep, NeverCrossesFromARandomStartAtTheRestOffset) {
     if (start < 0.5 * rest_offset) continue;
     const Vec3 motion(symmetric(random), symmetric(random), 1e-3 * symmetric(random));
     const double limit = std::min(rest_offset - 0x1p-38, start - 0x1p-47);
-    const SweepHit found = sweep_point(triangle, from, motion, 1.0, limit, 0x1p-48, kRounding);
-    const double until = found.hit ? found.t : 1.0;
+    const SweepHit sweep = sweep_point(triangle, from, motion, 1.0, limit, 0x1p-48, kRounding);
+    const double until = sweep.hit ? sweep.t : 1.0;
     for (int k = 0; k <= 60; ++k) {
       const double t = until * std::pow(2.0, -0.5 * k);
       ASSERT_GE(closest_point(triangle, from + t * motion).distance, limit - 300 * kRounding) << i;

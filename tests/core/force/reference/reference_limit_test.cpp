@@ -8,24 +8,24 @@ namespace {
 TEST(ReferenceMethod, ReleasedAtAConvexEdgeInMidStepItConvergesToTheEvent) {
   const double gap = kGap;
   MethodOutput felt;
-  const auto enough = limit_over(block_and_shelf(gap), 8, 64);
-  const ReferenceStep settled = jump(*enough, 0.53, felt);
-  EXPECT_TRUE(settled.settled);
-  EXPECT_EQ(settled.substeps, 32);
+  const auto method = limit_over(block_and_shelf(gap), 8, 64);
+  const ReferenceStep step = jump(*method, 0.53, felt);
+  EXPECT_TRUE(step.settled);
+  EXPECT_EQ(step.substeps, 32);
   EXPECT_FALSE(felt.contact);
   EXPECT_EQ(felt.p_SP, Vec3(0.47 * kJump, -kDepth, 0.0));
-  EXPECT_EQ(enough->counters().unsettled_steps, 0u);
+  EXPECT_EQ(method->counters().unsettled_steps, 0u);
 }
 
-TEST(ReferenceMethod, WhatDiffersAtTheLimitOfSubStepsHasNotSettled) {
+TEST(ReferenceMethod, AForceThatStillChangesAtTheLimitOfSubStepsHasNotSettled) {
   MethodOutput felt;
-  const auto short_of = limit_over(block_and_shelf(kGap), 8, 16);
-  const ReferenceStep step = jump(*short_of, 0.53, felt);
+  const auto method = limit_over(block_and_shelf(kGap), 8, 16);
+  const ReferenceStep step = jump(*method, 0.53, felt);
   EXPECT_FALSE(step.settled);
   EXPECT_EQ(step.substeps, 16);
   EXPECT_GT(step.change, 0.1);
-  EXPECT_EQ(short_of->counters().unsettled_steps, 1u);
-  EXPECT_NE(short_of->describe().find("1 not settled"), std::string::npos) << short_of->describe();
+  EXPECT_EQ(method->counters().unsettled_steps, 1u);
+  EXPECT_NE(method->describe().find("1 not settled"), std::string::npos) << method->describe();
 }
 
 // The shelf is divided by plates, each half as far from the block as the next: with each halving of the sub-step the proxy falls between
@@ -82,7 +82,7 @@ TEST(ReferenceMethod, OverTheEdgesOfAPrismItIsTheProjection) {
   }
 }
 
-// Dragged over a plane by a device that turns, the proxy follows tractrices; the length of the sub-steps does not matter.
+// Dragged over a plane by a device that changes its direction, the proxy follows tractrices; the length of the sub-steps does not matter.
 TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
   Material material;
   material.friction_static = 0.4;
@@ -145,7 +145,7 @@ TEST(ReferenceMethod, UnderFrictionItIsWhereTheProxyIs) {
     const auto slide = make_slide_trajectory(mesh, {.seed = seed, .rows = 650});
     ASSERT_TRUE(slide.has_value());
     int contacts = 0;
-    int far = 0;
+    int inexact_steps = 0;
     for (std::size_t i = 0; i < slide->p_SD.size(); ++i) {
       const Vec3& device = slide->p_SD[i];
       if (i == 0) {
@@ -154,13 +154,13 @@ TEST(ReferenceMethod, UnderFrictionItIsWhereTheProxyIs) {
       }
       const Vec3 expected = reference->step({.p_SD = device}).force_n;
       const Vec3 felt = (*proxy)->step({.p_SD = device}).force_n;
-      const double share = (felt - expected).norm() / std::max(expected.norm(), 1e-3);
-      ASSERT_LT(share, 1e-3) << "seed " << seed << ", row " << i;
+      const double relative_error = (felt - expected).norm() / std::max(expected.norm(), 1e-3);
+      ASSERT_LT(relative_error, 1e-3) << "seed " << seed << ", row " << i;
       contacts += expected.norm() > 0.0;
-      far += share > 1e-5;
+      inexact_steps += relative_error > 1e-5;
     }
     EXPECT_GT(contacts, 400);
-    EXPECT_LT(far, contacts / 50) << "seed " << seed;
+    EXPECT_LT(inexact_steps, contacts / 50) << "seed " << seed;
   }
 }
 

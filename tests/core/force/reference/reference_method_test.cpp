@@ -54,7 +54,7 @@ TEST(ReferenceMethod, NothingFallsThroughEdgesAndCorners) {
   }
 }
 
-TEST(ReferenceMethod, CoincidentSweepsStayOutside) {
+TEST(ReferenceMethod, MotionsInThePlaneOfAFaceStayOutside) {
   // The device moves exactly in the plane of the top face, along its edges and diagonals, then presses in.
   auto method = reference_over(make_box(Vec3::Constant(0.1), 2));
   method->reset(Vec3(-0.07, 0.0, 0.05));
@@ -125,14 +125,14 @@ TEST(ReferenceMethod, ANarrowingConcaveEdgeDoesNotHoldAPoint) {
   valley.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {0, 6, 7}, {0, 7, 1}, {1, 7, 8}, {1, 8, 2}};
   for (const double turn : {0.0, 1.0}) {
     TriangleMesh turned = valley;
-    const Mat3 X = Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-    for (Vec3& vertex : turned.vertices) vertex = X * vertex;
+    const Mat3 rotation = Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    for (Vec3& vertex : turned.vertices) vertex = rotation * vertex;
     auto method = reference_over(turned);
-    method->reset(X * Vec3(0.0, 0.005, -0.03));
+    method->reset(rotation * Vec3(0.0, 0.005, -0.03));
     for (int i = 0; i <= 300; ++i) {
       const Vec3 device(0.0, -0.002, -0.03 + 0.0002 * i);
-      const MethodOutput felt = method->step({.p_SD = X * device});
-      ASSERT_LT((felt.p_SP - X * Vec3(0.0, 0.0, device.z())).norm(), 1e-9) << i;
+      const MethodOutput felt = method->step({.p_SD = rotation * device});
+      ASSERT_LT((felt.p_SP - rotation * Vec3(0.0, 0.0, device.z())).norm(), 1e-9) << i;
     }
   }
 }
@@ -140,7 +140,7 @@ TEST(ReferenceMethod, ANarrowingConcaveEdgeDoesNotHoldAPoint) {
 TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
   const TriangleMesh mesh = make_bumpy_sphere(0.5, 0.2, 1000, 4);
   std::vector<Vec3> path;
-  walk(
+  random_walk(
       10, 300,
       [](double u, double v) {
         return Vec3(0.47 * Vec3(std::cos(20 * u) * std::cos(20 * v), std::sin(20 * u) * std::cos(20 * v), std::sin(20 * v)));
@@ -149,23 +149,23 @@ TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
   auto run = [&](double scale, const Vec3& move) {
     auto method = reference_over(scaled_and_moved(mesh, scale, move));
     method->reset(2.0 * path.front() * scale + move);
-    std::vector<Vec3> stretches;
+    std::vector<Vec3> extensions;
     for (const Vec3& p : path) {
       const Vec3 device = p * scale + move;
-      stretches.push_back(method->step({.p_SD = device}).force_n / (kStiffness * scale));
+      extensions.push_back(method->step({.p_SD = device}).force_n / (kStiffness * scale));
     }
-    return stretches;
+    return extensions;
   };
-  const std::vector<Vec3> plain = run(1.0, Vec3::Zero());
-  for (const auto& [scale, move, play] : {std::tuple{1e-6, Vec3(0, 0, 0), 1e-8},
-                                          {1e6, Vec3(0, 0, 0), 1e-8},
-                                          {1.0, Vec3(1e6, -1e6, 1e6), 1e-6},
-                                          {0x1p-20, Vec3(0, 0, 0), 0.0}}) {
+  const std::vector<Vec3> expected = run(1.0, Vec3::Zero());
+  for (const auto& [scale, move, tolerance] : {std::tuple{1e-6, Vec3(0, 0, 0), 1e-8},
+                                               {1e6, Vec3(0, 0, 0), 1e-8},
+                                               {1.0, Vec3(1e6, -1e6, 1e6), 1e-6},
+                                               {0x1p-20, Vec3(0, 0, 0), 0.0}}) {
     const std::vector<Vec3> other = run(scale, move);
     int contacts = 0;
-    for (std::size_t i = 0; i < plain.size(); ++i) {
-      ASSERT_LE((plain[i] - other[i]).norm(), play) << scale << ' ' << i;
-      contacts += plain[i].norm() > 0.0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      ASSERT_LE((expected[i] - other[i]).norm(), tolerance) << scale << ' ' << i;
+      contacts += expected[i].norm() > 0.0;
     }
     EXPECT_GT(contacts, 100);
   }
@@ -174,25 +174,25 @@ TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
 TEST(ReferenceMethod, PrefilterChangesNothingToTheBit) {
   for (double probe : {0.0, 0.003}) {
     const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.25, 1000, 5);
-    auto with = reference_over(mesh, probe, {}, true);
-    auto without = reference_over(mesh, probe, {}, false);
+    auto with_prefilter = reference_over(mesh, probe, {}, true);
+    auto without_prefilter = reference_over(mesh, probe, {}, false);
     std::mt19937_64 random(12);
     std::normal_distribution<double> normal;
     Vec3 device(0.07, 0.0, 0.0);
-    with->reset(device);
-    without->reset(device);
+    with_prefilter->reset(device);
+    without_prefilter->reset(device);
     int contacts = 0;
     for (int i = 0; i < 250; ++i) {
       device +=
           (i % 17 == 0 ? 0.02 : 0.0015) * Vec3(normal(random), normal(random), normal(random)) - 0.05 * device * (device.norm() > 0.07);
-      const MethodOutput one = with->step({.p_SD = device});
-      const MethodOutput two = without->step({.p_SD = device});
+      const MethodOutput one = with_prefilter->step({.p_SD = device});
+      const MethodOutput two = without_prefilter->step({.p_SD = device});
       ASSERT_EQ(one.force_n, two.force_n) << i;
       ASSERT_EQ(one.p_SP, two.p_SP) << i;
       contacts += one.contact;
     }
     EXPECT_GT(contacts, 50);
-    EXPECT_LT(with->counters().candidates, without->counters().candidates);
+    EXPECT_LT(with_prefilter->counters().candidates, without_prefilter->counters().candidates);
   }
 }
 
@@ -203,7 +203,7 @@ TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
   auto method = reference_over(make_plane_grid(0.1, 10), 0.0, material);
   method->reset(Vec3(0.0, 0.0, 0.001));
   method->step({.p_SD = Vec3(0.0, 0.0, -0.001)});
-  bool slid = false;
+  bool has_slid = false;
   for (int i = 1; i <= 200; ++i) {
     const double x = 1e-5 * i;
     const Vec3 force = method->step({.p_SD = Vec3(x, 0.0, -0.001)}).force_n;
@@ -212,11 +212,11 @@ TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
     if (x < 0.00049) {
       ASSERT_NEAR(force.x(), -kStiffness * x, 1e-6) << i;
     } else if (x > 0.00052) {
-      slid = true;
+      has_slid = true;
       ASSERT_NEAR(ratio, 0.3, 1e-6) << i;
     }
   }
-  EXPECT_TRUE(slid);
+  EXPECT_TRUE(has_slid);
   // The device goes back until the pull is a tenth of the dynamic cone: the proxy sticks again, until the pull leaves the static cone.
   const double held_x = 0.002 - 0.0003;
   method->step({.p_SD = Vec3(held_x + 0.00003, 0.0, -0.001)});

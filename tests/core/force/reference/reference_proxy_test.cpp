@@ -86,7 +86,7 @@ std::unique_ptr<ReferenceProxy> proxy_over(const TouchGeometry& geometry, const 
 
 // Two blocks with a gap between them, the second a little lower. The path from the first block to the device leads down into the gap; a
 // path straight on over the edge would lead onto the second block.
-TEST(ReferenceProxy, WhereItJumpsItKeepsToTheSurface) {
+TEST(ReferenceProxy, WhereTheProxyJumpsItStaysOnTheSurface) {
   const auto block = [](double x, double top) { return scaled_and_moved(make_box(Vec3(0.1, 0.2, 0.1)), 1.0, Vec3(x, top - 0.1, 0.0)); };
   const TriangleMesh blocks = joined(block(-0.05, 0.0), block(0.06, -1e-6));
   ReferenceProxy proxy(0.0, {Material{}}, blocks.triangles.size());
@@ -113,7 +113,7 @@ TEST(ReferenceProxy, DescendsAsTheSurfaceFollowerDoes) {
   const auto proxy = proxy_over(geometry, mesh);
   std::mt19937_64 random(kSeed);
   std::normal_distribution<double> normal;
-  int compared = 0;
+  int compared_descents = 0;
   double farthest = 0.0;
   for (int i = 0; i < 1500; ++i) {
     const auto triangle = static_cast<std::uint32_t>(random() % mesh.triangles.size());
@@ -127,9 +127,9 @@ TEST(ReferenceProxy, DescendsAsTheSurfaceFollowerDoes) {
     proxy->follow(device, device, {});
     EXPECT_LT((proxy->surface_position(device) - follower->point()).norm(), 1e-9) << "seed " << kSeed << " descent " << i;
     farthest = std::max(farthest, (follower->point() - start).norm());
-    ++compared;
+    ++compared_descents;
   }
-  EXPECT_GT(compared, 900);
+  EXPECT_GT(compared_descents, 900);
   EXPECT_GT(farthest, 0.05);
   EXPECT_EQ(proxy->counters().unconverged, 0U);
 }

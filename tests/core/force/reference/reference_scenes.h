@@ -30,9 +30,9 @@ inline std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double
   return std::move(*made);
 }
 
-// A walk of the device near a shape: seeded, about 0.1 mm a step, alternating between outside and inside.
+// A random walk of the device over a surface: seeded, about 0.1 mm a step. visit(position, step) is called in each step.
 template <class Visit>
-inline void walk(std::uint64_t seed, int steps, const std::function<Vec3(double, double)>& surface, Visit visit) {
+inline void random_walk(std::uint64_t seed, int steps, const std::function<Vec3(double, double)>& surface, Visit visit) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   double u = 0.3, v = 0.7;
@@ -43,11 +43,9 @@ inline void walk(std::uint64_t seed, int steps, const std::function<Vec3(double,
   }
 }
 
-// ---- Shapes made of exact faces: the force is the analytic one up to the rounding of the proxy's rest offset. ----
-
 // ---- Curved shapes: the mesh lies inside the shape by at most the sagitta, and its normals differ by at most the facet's half angle. ----
 
-struct Curved {
+struct CurvedShape {
   const char* name;
   TriangleMesh mesh;
   std::function<Vec3(double, double)> at_depth_1mm;
@@ -57,14 +55,14 @@ struct Curved {
   double least_radius_m;                     // least radius of curvature at the device's depth: with it a tilt moves the closest point
 };
 
-inline void expect_close_to_analytic(const Curved& shape, double probe) {
+inline void expect_close_to_analytic(const CurvedShape& shape, double probe) {
   auto method = reference_over(shape.mesh, probe);
   const Vec3 first = shape.at_depth_1mm(0.3, 0.7);
   const Vec3 outwards = (shape.nearest(first) - first).normalized();
   method->reset(first + 0.01 * outwards);
   method->step({.p_SD = first});
   int contacts = 0;
-  walk(9, 1500, shape.at_depth_1mm, [&](const Vec3& device, int i) {
+  random_walk(9, 1500, shape.at_depth_1mm, [&](const Vec3& device, int i) {
     const MethodOutput felt = method->step({.p_SD = device});
     const Vec3 depth = shape.nearest(device) - device;
     const Vec3 expected = kStiffness * (depth + probe * depth.normalized());
@@ -92,7 +90,7 @@ inline double longest_edge(const TriangleMesh& mesh) {
   return longest;
 }
 
-inline Curved make_sphere_case() {
+inline CurvedShape make_sphere_case() {
   const double r = 0.05;
   TriangleMesh mesh = make_icosphere(r, 6);
   const double reach = longest_edge(mesh) / std::sqrt(3.0);
@@ -105,7 +103,7 @@ inline Curved make_sphere_case() {
           r - 0.001};
 }
 
-inline Curved make_cylinder_case() {
+inline CurvedShape make_cylinder_case() {
   const double r = 0.03;
   const int sides = 256;
   return {"cylinder",
@@ -120,7 +118,7 @@ inline Curved make_cylinder_case() {
           r - 0.001};
 }
 
-inline Curved make_torus_case() {
+inline CurvedShape make_torus_case() {
   const double ring = 0.035, tube = 0.015;
   const int around = 512, about = 192;
   // Two chords, one along each circle: their sagittas add, their half angles too.
@@ -139,12 +137,6 @@ inline Curved make_torus_case() {
           1.5 * (step_tube + step_ring),
           tube - 0.001};
 }
-
-// ---- Positions and motions that must not leak. ----
-
-// ---- Invariances. ----
-
-// ---- Materials. ----
 
 // ---- The limit of ever finer sub-steps. ----
 
@@ -180,7 +172,5 @@ inline ReferenceStep jump(ReferenceMethod& method, double at, MethodOutput& felt
   felt = method.step({.p_SD = Vec3((1.0 - at) * kJump, -kDepth, 0.0)});
   return method.last_step();
 }
-
-// ---- Settling from another method's proxy. ----
 
 }  // namespace hapton

@@ -12,16 +12,16 @@ TEST(ReferenceMethod, RoomCornersAreExactProjections) {
     method->reset(Vec3::Zero());
     std::mt19937_64 random(2);
     std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
-    Vec3 before_force = Vec3::Zero(), before = Vec3::Zero();
+    Vec3 last_force = Vec3::Zero(), last_device = Vec3::Zero();
     for (int i = 0; i < 1500; ++i) {
       const Vec3 device = 0.06 * Vec3(symmetric(random), symmetric(random), symmetric(random));
       const Vec3 expected = device.cwiseMax(-0.05 + probe).cwiseMin(0.05 - probe);
       const MethodOutput felt = method->step({.p_SD = device});
       ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i << " probe " << probe;
       ASSERT_LT((felt.force_n - kStiffness * (expected - device)).norm(), 1e-6);
-      ASSERT_LE((felt.force_n - before_force).norm(), kStiffness * (device - before).norm() + 1e-6);  // firmly non-expansive
-      before_force = felt.force_n;
-      before = device;
+      ASSERT_LE((felt.force_n - last_force).norm(), kStiffness * (device - last_device).norm() + 1e-6);  // firmly non-expansive
+      last_force = felt.force_n;
+      last_device = device;
     }
     EXPECT_EQ(method->counters().proxy.unconverged, 0u);
     EXPECT_EQ(method->counters().unsettled_steps, 0u);
