@@ -93,18 +93,18 @@ TEST(CarvingBall, CatchesUpInFreeSpace) {
     block.ball.reset({-0.06, 0, kTopM + 0.001});
     const double speed = 0.1;
     double last = 0.0;
-    int faded = 0;
+    int fading_steps = 0;
     for (double x = -0.06; x < 0.07; x += speed * dt_s) {
       const Vec3 hand(x, 0, kTopM + 0.001);
       const Vec3 proxy = block.step(hand, true, dt_s).p_SP;
       const double lag = hand.x() - proxy.x();
       if (proxy.x() > 0.04 && lag > 1e-6) {
         EXPECT_NEAR(lag / last, std::exp(-dt_s / CarvingBall::kCatchUpS - dt_s / CarvingBall::kCutS), 1e-3) << x;
-        ++faded;
+        ++fading_steps;
       }
       last = lag;
     }
-    EXPECT_GT(faded, 20);
+    EXPECT_GT(fading_steps, 20);
   }
 }
 
@@ -114,15 +114,15 @@ TEST(CarvingBall, ALongStepCutsNoFartherThanTwoMilliseconds) {
   block.ball.reset({0, 0, 0.03});
   const Vec3 top = block.step({0, 0, kTopM + 0.001}, false).p_SP;
   const Vec3 deep(0, 0, -0.01);
-  const double kMaxM = CarvingBall::kMaxCutSpeed * 2e-3;
-  const double room_m = 0.7 * kBlockSculpt.voxel_m;
+  const double kMaxCutM = CarvingBall::kMaxCutSpeed * 2e-3;
+  const double tolerance_m = 0.7 * kBlockSculpt.voxel_m;
   const Vec3 after = block.step(deep, true, 1.0).p_SP;
-  EXPECT_LT(top.z() - after.z(), kMaxM + room_m);
-  EXPECT_GT(top.z() - after.z(), kMaxM - 1e-9);
+  EXPECT_LT(top.z() - after.z(), kMaxCutM + tolerance_m);
+  EXPECT_GT(top.z() - after.z(), kMaxCutM - 1e-9);
   // A step of half those two milliseconds cuts half as far.
   const Vec3 next = block.step(deep, true, 1e-3).p_SP;
-  EXPECT_LT(after.z() - next.z(), 0.5 * kMaxM + room_m);
-  EXPECT_GT(after.z() - next.z(), 0.5 * kMaxM - 1e-9);
+  EXPECT_LT(after.z() - next.z(), 0.5 * kMaxCutM + tolerance_m);
+  EXPECT_GT(after.z() - next.z(), 0.5 * kMaxCutM - 1e-9);
 }
 
 TEST(CarvingBall, ReleaseOfTheButtonIsContinuous) {

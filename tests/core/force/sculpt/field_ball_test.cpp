@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr double kClayVoxelM = 0.001;
-constexpr double kClayBallM = 0.004;
+constexpr double kToolRadiusM = 0.004;
 constexpr double kClayRadiusM = 0.03;
 
 CarvedField field_of(const TriangleMesh& mesh) {
@@ -26,19 +26,19 @@ Vec3 any_direction(std::mt19937_64& random) {
   return Vec3(normal(random), normal(random), normal(random)).normalized();
 }
 
-// The points of the ball are about a spacing apart, so a place of its surface may be up to half a spacing from its nearest point.
-constexpr double kPointsM = 0.1 * kClayVoxelM;
+// The surface of the ball is represented by points. A position on it may be up to half of their spacing away from the nearest point.
+constexpr double kPointToleranceM = 0.1 * kClayVoxelM;
 
 TEST(FieldBall, RestsOnABallOfMaterialWhereItIsNearestToTheDevice) {
   const CarvedField field = field_of(make_icosphere(kClayRadiusM, 5));
-  const FieldBall ball(kClayBallM, kClayVoxelM);
+  const FieldBall ball(kToolRadiusM, kClayVoxelM);
   std::mt19937_64 random(31);
   for (int i = 0; i < 200; ++i) {
     const Vec3 out = any_direction(random);
     const Vec3 goal = (kClayRadiusM + 0.0035) * out;
     const FieldBall::Moved moved = ball.move(field, 0.05 * out, goal);
     ASSERT_TRUE(moved.touches);
-    EXPECT_NEAR(moved.centre.norm(), kClayRadiusM + kClayBallM, 2.0 * kPointsM);
+    EXPECT_NEAR(moved.centre.norm(), kClayRadiusM + kToolRadiusM, 2.0 * kPointToleranceM);
     EXPECT_NEAR((moved.normal - out).norm(), 0.0, 0.3);
     EXPECT_LT((moved.centre - moved.centre.dot(out) * out).norm(), kClayVoxelM) << "the place under the device";
     EXPECT_GE(ball.clearance_m(field, moved.centre), -1e-9);
@@ -47,14 +47,14 @@ TEST(FieldBall, RestsOnABallOfMaterialWhereItIsNearestToTheDevice) {
 
 TEST(FieldBall, OnAPlaneStopsAtTheClosedFormAndSlidesAlong) {
   const CarvedField field = field_of(make_box(Vec3(0.06, 0.06, 0.02)));
-  const FieldBall ball(kClayBallM, kClayVoxelM);
+  const FieldBall ball(kToolRadiusM, kClayVoxelM);
   Vec3 centre(-0.02, 0.003, 0.02);
   for (int i = 0; i <= 200; ++i) {
-    const Vec3 device(-0.02 + 0.0002 * i, 0.003, 0.01 + kClayBallM - 0.002);
+    const Vec3 device(-0.02 + 0.0002 * i, 0.003, 0.01 + kToolRadiusM - 0.002);
     const FieldBall::Moved moved = ball.move(field, centre, device);
     centre = moved.centre;
     ASSERT_TRUE(moved.touches);
-    EXPECT_NEAR(centre.z(), 0.01 + kClayBallM, kPointsM) << i;
+    EXPECT_NEAR(centre.z(), 0.01 + kToolRadiusM, kPointToleranceM) << i;
     EXPECT_NEAR(centre.x(), device.x(), 1e-3 * kClayVoxelM) << i;
     EXPECT_NEAR((moved.normal - Vec3::UnitZ()).norm(), 0.0, 1e-3);
   }
@@ -64,9 +64,9 @@ TEST(FieldBall, OnAPlaneStopsAtTheClosedFormAndSlidesAlong) {
   EXPECT_NEAR(centre.z(), height, 1e-3 * kClayVoxelM);
 }
 
-TEST(FieldBall, IsFreeWhereNothingIs) {
+TEST(FieldBall, IsFreeWhereThereIsNoMaterial) {
   const CarvedField field = field_of(make_icosphere(kClayRadiusM, 4));
-  const FieldBall ball(kClayBallM, kClayVoxelM);
+  const FieldBall ball(kToolRadiusM, kClayVoxelM);
   const Vec3 goal(0.0, 0.036, 0.01);
   const FieldBall::Moved moved = ball.move(field, {0.01, 0.2, 0.0}, goal);
   EXPECT_FALSE(moved.touches);
@@ -86,7 +86,7 @@ TEST(FieldBall, DoesNotPassAThinWallHoweverFast) {
     const double radius = 0.012;
     field.carve({{middle - half - radius, 0, -0.02}, {middle - half - radius, 0, 0.04}, radius});
     field.carve({{middle + half + radius, 0, -0.02}, {middle + half + radius, 0, 0.04}, radius});
-    const FieldBall ball(kClayBallM, kClayVoxelM);
+    const FieldBall ball(kToolRadiusM, kClayVoxelM);
     for (const int steps : {1, 3, 10, 100}) {
       Vec3 centre(middle - half - radius, 0.0, 0.0);
       ASSERT_GT(ball.clearance_m(field, centre), 0.0);
@@ -105,7 +105,7 @@ TEST(FieldBall, SettlesInAPit) {
   std::mt19937_64 random(34);
   std::uniform_real_distribution<double> place(-0.008, 0.008);
   for (int i = 0; i < 40; ++i) field.carve({{place(random), place(random), 0.016}, {place(random), place(random), 0.014}, 0.006});
-  const FieldBall ball(kClayBallM, kClayVoxelM);
+  const FieldBall ball(kToolRadiusM, kClayVoxelM);
   for (int i = 0; i < 100; ++i) {
     const Vec3 device(place(random), place(random), 0.004);
     Vec3 centre(device.x(), device.y(), 0.03);
@@ -119,7 +119,7 @@ TEST(FieldBall, SettlesInAPit) {
 TEST(FieldBall, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP();
   const CarvedField field = field_of(make_icosphere(kClayRadiusM, 4));
-  const FieldBall ball(kClayBallM, kClayVoxelM);
+  const FieldBall ball(kToolRadiusM, kClayVoxelM);
   const AllocationGuard guard;
   const Vec3 centre = ball.move(field, {0.05, 0.0, 0.0}, {0.02, 0.01, 0.0}).centre;
   ball.advance(field, centre, {0.05, 0.01, 0.0}, 0.0);

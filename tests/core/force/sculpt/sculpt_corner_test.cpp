@@ -50,14 +50,14 @@ double resting_height(TouchStep& touch) {
   return 0.003 + felt.visual_offset_m.z();
 }
 
-// The point nearest to p with n.dot(q) >= 0 (the wall) and q.z() >= top (the clay).
-Vec3 nearest_in_corner(const Vec3& p, const Vec3& n, double top) {
-  // Both planes hold it, or one of them alone.
+// The point q nearest to p with wall_normal.dot(q) >= 0 (the wall) and q.z() >= top (the clay).
+Vec3 nearest_in_corner(const Vec3& p, const Vec3& wall_normal, double top) {
+  // One of the two planes holds the point alone, or both do.
   const Vec3 on_top(p.x(), p.y(), std::max(p.z(), top));
-  if (n.dot(on_top) >= 0.0) return on_top;
-  const Vec3 on_wall = p - std::min(0.0, n.dot(p)) * n;
+  if (wall_normal.dot(on_top) >= 0.0) return on_top;
+  const Vec3 on_wall = p - std::min(0.0, wall_normal.dot(p)) * wall_normal;
   if (on_wall.z() >= top) return on_wall;
-  return {-n.z() * top / n.x(), p.y(), top};
+  return {-wall_normal.z() * top / wall_normal.x(), p.y(), top};
 }
 
 struct CornerCase {
@@ -73,8 +73,8 @@ TEST_P(SculptCorner, HasTheForceOfOneProxyAndNoEnergy) {
   const auto touch = touch_of(clay_with_wall(angle_deg, 0.005, wall_moves));
   const double top = resting_height(*touch);
   const double angle = angle_deg * M_PI / 180.0;
-  const Vec3 n(std::sin(angle), 0.0, -std::cos(angle));  // out of the wall
-  const Vec3 corner(-n.z() * top / n.x(), 0.0, top);
+  const Vec3 wall_normal(std::sin(angle), 0.0, -std::cos(angle));  // out of the wall
+  const Vec3 corner(-wall_normal.z() * top / wall_normal.x(), 0.0, top);
   const auto hand_at = [&](int i) {
     const double phi = 2.0 * M_PI * i / 2000.0;
     return Vec3(corner + 0.004 * Vec3(std::cos(phi), 0.1 * std::sin(phi), std::sin(phi)));
@@ -87,7 +87,7 @@ TEST_P(SculptCorner, HasTheForceOfOneProxyAndNoEnergy) {
     if (i >= 2000) {
       energy_j += 0.5 * (felt.force_n + before_n).dot(hand_at(i) - hand_at(i - 1));
       jump_n = std::max(jump_n, (felt.force_n - before_n).norm());
-      const Vec3 expected = 800.0 * (nearest_in_corner(hand_at(i), n, top) - hand_at(i));
+      const Vec3 expected = 800.0 * (nearest_in_corner(hand_at(i), wall_normal, top) - hand_at(i));
       ASSERT_LT((felt.force_n - expected).norm(), 0.012 * 800.0 * kVoxel) << "step " << i << ", " << expected.transpose();
     }
     before_n = felt.force_n;
@@ -101,8 +101,8 @@ TEST_P(SculptCorner, HasTheForceOfOneProxyAndNoEnergy) {
 INSTANTIATE_TEST_SUITE_P(Angles, SculptCorner,
                          testing::Values(CornerCase{60, false}, CornerCase{90, false}, CornerCase{120, false}, CornerCase{150, false},
                                          CornerCase{60, true}, CornerCase{90, true}, CornerCase{120, true}, CornerCase{150, true}),
-                         [](const auto& one) {
-                           return std::to_string(static_cast<int>(one.param.angle_deg)) + (one.param.wall_moves ? "Commanded" : "Still");
+                         [](const auto& test) {
+                           return std::to_string(static_cast<int>(test.param.angle_deg)) + (test.param.wall_moves ? "Commanded" : "Still");
                          });
 
 // A hand is pressed against the wall and into the clay, then lifted along the wall: nothing pulls it down, and the probe stays out of the
@@ -114,15 +114,15 @@ TEST(SculptCorner, AHandLiftedAlongAWallIsFree) {
       touch->reset({.p_WD = {0.01, 0, 0.02}});
       Vec3 before_n = Vec3::Zero();
       for (int i = 0; i <= 4000; ++i) {
-        const double s = 1e-3 * i;
+        const double time_s = 1e-3 * i;
         // Down beside the wall, 6 mm deep; into the wall, 5 mm deep; up along it.
-        const double x = s < 1.0 ? 0.004 : std::max(-0.005, 0.004 - 0.009 * (s - 1.0));
-        const double z = s < 2.0 ? std::max(-0.003, 0.015 - 0.018 * s) : -0.003 + 0.012 * (s - 2.0);
+        const double x = time_s < 1.0 ? 0.004 : std::max(-0.005, 0.004 - 0.009 * (time_s - 1.0));
+        const double z = time_s < 2.0 ? std::max(-0.003, 0.015 - 0.018 * time_s) : -0.003 + 0.012 * (time_s - 2.0);
         const TouchOutput felt = touch->step({.p_WD = {x, 0.001, z}, .dt_s = 1e-3});
         const Vec3 proxy = Vec3(x, 0.001, z) + felt.visual_offset_m;
-        ASSERT_GT(proxy.x(), -1e-6) << "in the wall: foot " << sunk_m << ", at " << s << " s";
-        ASSERT_GT(felt.force_n.z(), -1e-3) << "pulled down: foot " << sunk_m << ", at " << s << " s";
-        ASSERT_LT((felt.force_n - before_n).norm(), 0.06) << "foot " << sunk_m << ", at " << s << " s";
+        ASSERT_GT(proxy.x(), -1e-6) << "in the wall: foot " << sunk_m << ", at " << time_s << " s";
+        ASSERT_GT(felt.force_n.z(), -1e-3) << "pulled down: foot " << sunk_m << ", at " << time_s << " s";
+        ASSERT_LT((felt.force_n - before_n).norm(), 0.06) << "foot " << sunk_m << ", at " << time_s << " s";
         before_n = felt.force_n;
       }
       EXPECT_NEAR(before_n.x(), 800.0 * 0.005, 0.01);
@@ -158,8 +158,8 @@ TEST(SculptCorner, DampsOnce) {
     const double top = resting_height(*touch);
     touch->reset({.p_WD = {0.004, 0, 0.005}});
     for (int i = 0; i < 250; ++i) {
-      const double s = 1e-3 * i;
-      const double x = std::max(-0.002, 0.004 - 0.1 * s), z = 0.005 - 0.02 * s;
+      const double time_s = 1e-3 * i;
+      const double x = std::max(-0.002, 0.004 - 0.1 * time_s), z = 0.005 - 0.02 * time_s;
       const TouchOutput felt = touch->step({.p_WD = {x, 0, z}, .dt_s = 1e-3});
       if (i < 150) continue;
       ASSERT_NEAR(felt.force_n.x(), 800.0 * 0.002, 0.01) << i;
@@ -177,21 +177,21 @@ TEST(SculptCorner, CutsAlongAWallWithoutEnteringIt) {
       scene.objects[0].material.stiffness_n_per_m = wall_stiffness;
       const auto touch = touch_of(scene);
       const double angle = angle_deg * M_PI / 180.0;
-      const Vec3 n(std::sin(angle), 0.0, -std::cos(angle));
+      const Vec3 wall_normal(std::sin(angle), 0.0, -std::cos(angle));
       touch->reset({.p_WD = {0.02, -0.01, 0.006}});
       Vec3 before_n = Vec3::Zero();
       double lowest = 1.0;
       for (int i = 0; i <= 6000; ++i) {
-        const double s = 1e-3 * i;
-        const double z = s < 1.0 ? 0.006 - 0.0027 * s : 0.0033 - 0.004 * std::min(1.0, s - 1.0);
+        const double time_s = 1e-3 * i;
+        const double z = time_s < 1.0 ? 0.006 - 0.0027 * time_s : 0.0033 - 0.004 * std::min(1.0, time_s - 1.0);
         const double on_wall = z / std::tan(angle);
-        const Vec3 hand(on_wall + 0.005 - 0.008 * std::min(1.0, s), -0.01 + 0.02 * std::clamp((s - 2.0) / 3.0, 0.0, 1.0), z);
-        const bool is_down = s > 1.2 && s < 5.5;
+        const Vec3 hand(on_wall + 0.005 - 0.008 * std::min(1.0, time_s), -0.01 + 0.02 * std::clamp((time_s - 2.0) / 3.0, 0.0, 1.0), z);
+        const bool is_down = time_s > 1.2 && time_s < 5.5;
         const TouchOutput felt = touch->step({.p_WD = hand, .dt_s = 1e-3, .buttons = is_down ? 1U : 0U});
         const Vec3 proxy = hand + felt.visual_offset_m;
-        ASSERT_GT(n.dot(proxy), -1e-6) << angle_deg << " degrees, at " << s << " s";
+        ASSERT_GT(wall_normal.dot(proxy), -1e-6) << angle_deg << " degrees, at " << time_s << " s";
         lowest = std::min(lowest, proxy.z());
-        ASSERT_LT((felt.force_n - before_n).norm(), 0.06 * before_n.norm() + 0.03) << angle_deg << " degrees, at " << s << " s";
+        ASSERT_LT((felt.force_n - before_n).norm(), 0.06 * before_n.norm() + 0.03) << angle_deg << " degrees, at " << time_s << " s";
         before_n = felt.force_n;
       }
       EXPECT_LT(lowest, 0.0015) << "it was cut";
@@ -209,19 +209,19 @@ TEST(SculptCorner, CutsBetweenAWallAndATableWithoutAJump) {
     const double on_wall = -0.006 / std::tan(angle_deg * M_PI / 180.0);
     touch->reset({.p_WD = {0.012, -0.01, 0.006}});
     Vec3 before_n = Vec3::Zero();
-    int at_both = 0;
+    int steps_at_both = 0;
     for (int i = 0; i <= 6000; ++i) {
-      const double s = 1e-3 * i;
-      const Vec3 hand(0.012 + (on_wall - 0.015) * std::clamp(s - 1.0, 0.0, 1.0), -0.01 + 0.02 * std::clamp((s - 2.0) / 3.0, 0.0, 1.0),
-                      0.006 - 0.015 * std::min(1.0, s));
-      const TouchOutput felt = touch->step({.p_WD = hand, .dt_s = 1e-3, .buttons = s < 5.5 ? 1U : 0U});
+      const double time_s = 1e-3 * i;
+      const Vec3 hand(0.012 + (on_wall - 0.015) * std::clamp(time_s - 1.0, 0.0, 1.0),
+                      -0.01 + 0.02 * std::clamp((time_s - 2.0) / 3.0, 0.0, 1.0), 0.006 - 0.015 * std::min(1.0, time_s));
+      const TouchOutput felt = touch->step({.p_WD = hand, .dt_s = 1e-3, .buttons = time_s < 5.5 ? 1U : 0U});
       const Vec3 proxy = hand + felt.visual_offset_m;
-      at_both += proxy.z() < -0.0059 && felt.visual_offset_m.x() > 1e-4 ? 1 : 0;
-      ASSERT_LT((felt.force_n - 800.0 * felt.visual_offset_m).norm(), 1e-3) << angle_deg << " degrees, at " << s << " s";
-      ASSERT_LT((felt.force_n - before_n).norm(), 0.06 * before_n.norm() + 0.05) << angle_deg << " degrees, at " << s << " s";
+      steps_at_both += proxy.z() < -0.0059 && felt.visual_offset_m.x() > 1e-4 ? 1 : 0;
+      ASSERT_LT((felt.force_n - 800.0 * felt.visual_offset_m).norm(), 1e-3) << angle_deg << " degrees, at " << time_s << " s";
+      ASSERT_LT((felt.force_n - before_n).norm(), 0.06 * before_n.norm() + 0.05) << angle_deg << " degrees, at " << time_s << " s";
       before_n = felt.force_n;
     }
-    EXPECT_GT(at_both, 1000) << angle_deg << " degrees";
+    EXPECT_GT(steps_at_both, 1000) << angle_deg << " degrees";
   }
 }
 
@@ -241,7 +241,7 @@ TEST(SculptCorner, ARandomHandNeverEntersTheWall) {
       std::normal_distribution<double> push(0.0, 1.0);
       Vec3 p(0.01, 0, 0.01), v = Vec3::Zero();
       touch->reset({.p_WD = p});
-      int walls = 0;
+      int wall_steps = 0;
       for (int i = 0; i < 6000; ++i) {
         v = 0.98 * v + 4e-6 * Vec3(push(random), push(random), push(random)) - 4e-5 * (p - Vec3(0.0, 0.0, 0.002));
         p += v;
@@ -252,9 +252,9 @@ TEST(SculptCorner, ARandomHandNeverEntersTheWall) {
         if (is_in_wall) deepest_m = std::max(deepest_m, std::min(-proxy.x(), proxy.x() + 0.01));
         ASSERT_TRUE(felt.force_n.allFinite());
         ASSERT_LT(felt.force_n.norm(), 800.0 * 1.01 * felt.visual_offset_m.norm() + 2.0 * (v.norm() / 1e-3) + 1e-9);
-        walls += felt.contact && felt.object == 0 ? 1 : 0;
+        wall_steps += felt.contact && felt.object == 0 ? 1 : 0;
       }
-      EXPECT_GT(walls, 100) << "seed " << seed;
+      EXPECT_GT(wall_steps, 100) << "seed " << seed;
       EXPECT_LT(deepest_m, 1e-7) << "seed " << seed << ", friction " << friction << (wall_moves ? ", commanded" : "");
     }
   }

@@ -106,28 +106,28 @@ TEST(SculptMethod, EffectsOfAnotherObjectAreThoseOfItsOwnForce) {
                         {"smooth", with_effects, above, 1e-12},
                         {"smooth", with_effects, below, 1e-12},
                         {"proxy", with_effects, block, 1e-6}};
-  for (const Case& one : cases) {
+  for (const Case& test_case : cases) {
     std::vector<std::unique_ptr<TouchStep>> steps;  // with the body, without it; first without effects, then with them
     for (const bool has_effects : {false, true}) {
       for (const bool has_body : {true, false}) {
         TouchScene scene{.objects = {table_object()}};
-        if (has_body) scene.objects.push_back(one.clay);
-        if (has_effects) one.change(scene.objects[0]);
-        steps.push_back(step_of(scene, {.name = one.method}));
+        if (has_body) scene.objects.push_back(test_case.clay);
+        if (has_effects) test_case.change(scene.objects[0]);
+        steps.push_back(step_of(scene, {.name = test_case.method}));
       }
     }
-    int both = 0;
+    int both_pushing_steps = 0;
     for (int i = 0; i < 500; ++i) {
       const double down = std::min(i, 100) * 4e-5, along = std::max(i - 100, 0) * 1.5e-4;
       std::vector<TouchOutput> felt;
       for (const auto& step : steps) felt.push_back(step->step({.p_WD = {0.06 - along, 0.0, -0.048 - down}, .dt_s = 1e-3}));
       if (felt[0].object != 0) continue;  // the body pushes most: its own drag counts, not that of the table
-      both += (felt[0].force_n - felt[1].force_n).norm() > 0.1;
+      both_pushing_steps += (felt[0].force_n - felt[1].force_n).norm() > 0.1;
       const Vec3 beside_body = felt[2].force_n - felt[0].force_n, alone = felt[3].force_n - felt[1].force_n;
-      ASSERT_LT((beside_body - alone).norm(), one.tolerance * (1.0 + felt[0].force_n.norm())) << one.method << ", step " << i;
+      ASSERT_LT((beside_body - alone).norm(), test_case.tolerance * (1.0 + felt[0].force_n.norm())) << test_case.method << ", step " << i;
       ASSERT_LT((felt[2].visual_offset_m - felt[0].visual_offset_m).norm(), 1e-12);
     }
-    EXPECT_GT(both, 10) << one.method;
+    EXPECT_GT(both_pushing_steps, 10) << test_case.method;
   }
 }
 
@@ -237,14 +237,14 @@ TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
   for (const char* name : {"proxy", "reference", "smooth", "sweep"}) {
     const auto alone = step_of({.objects = {clay_object(Vec3::Zero())}}, {.name = name});
     const auto beside = step_of({.objects = {far, clay_object(Vec3::Zero())}}, {.name = name});
-    int cut = 0;
+    int cutting_steps = 0;
     for (const TouchInput& input : carving_hand(7, 1500)) {
       const TouchOutput a = alone->step(input), b = beside->step(input);
       ASSERT_EQ(a.force_n, b.force_n) << name;
       ASSERT_LT((a.visual_offset_m - b.visual_offset_m).norm(), 1e-15);
-      cut += a.contact && input.buttons != 0 ? 1 : 0;
+      cutting_steps += a.contact && input.buttons != 0 ? 1 : 0;
     }
-    EXPECT_GT(cut, 100) << name;
+    EXPECT_GT(cutting_steps, 100) << name;
     EXPECT_EQ(alone->method().sculpture()->newest(), beside->method().sculpture()->newest()) << name;
   }
 }
@@ -252,9 +252,9 @@ TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
 TEST(SculptMethod, RepeatsToTheLastBit) {
   const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object(), clay_object(Vec3(0.05, 0.01, 0.0), 0.02)}};
   const auto one = step_of(scene), other = step_of(scene);
-  auto list = std::make_unique<Sculpture>();  // gets only the list of carves; its fields must become the same
-  ASSERT_TRUE(list->add(0, kClayBall, *scene.objects[0].mesh) && list->add(2, kClayBall, *scene.objects[2].mesh));
-  bool has_both = false, has_one = false;
+  auto replica = std::make_unique<Sculpture>();  // gets only the carves; its fields must become the same
+  ASSERT_TRUE(replica->add(0, kClayBall, *scene.objects[0].mesh) && replica->add(2, kClayBall, *scene.objects[2].mesh));
+  bool has_carved_second = false, has_carved_first = false;
   for (const TouchInput& input : carving_hand(42, 5000)) {
     const TouchOutput a = one->step(input), b = other->step(input);
     ASSERT_EQ(a.force_n, b.force_n);
@@ -263,16 +263,16 @@ TEST(SculptMethod, RepeatsToTheLastBit) {
     ASSERT_EQ(made == nullptr, other->made_carve() == nullptr);
     if (made == nullptr) continue;
     EXPECT_EQ(made->carve, other->made_carve()->carve);
-    list->begin_step();
-    list->carve(made->object == 0 ? 0 : 1, made->carve);
-    has_one = has_one || made->object == 0;
-    has_both = has_both || made->object == 2;
+    replica->begin_step();
+    replica->carve(made->object == 0 ? 0 : 1, made->carve);
+    has_carved_first = has_carved_first || made->object == 0;
+    has_carved_second = has_carved_second || made->object == 2;
   }
-  EXPECT_TRUE(has_one && has_both);
+  EXPECT_TRUE(has_carved_first && has_carved_second);
   for (std::size_t body = 0; body < 2; ++body) {
-    const auto felt = one->method().sculpture()->bodies()[body].field.values();
-    const auto shown = list->bodies()[body].field.values();
-    EXPECT_TRUE(std::equal(felt.begin(), felt.end(), shown.begin(), shown.end()));
+    const auto values = one->method().sculpture()->bodies()[body].field.values();
+    const auto replica_values = replica->bodies()[body].field.values();
+    EXPECT_TRUE(std::equal(values.begin(), values.end(), replica_values.begin(), replica_values.end()));
   }
 }
 
@@ -284,21 +284,21 @@ TEST(SculptMethod, AFastHandNeverFallsThrough) {
   const CarvedField& field = step->method().sculpture()->bodies()[0].field;
   Vec3 hand(0.06, 0, 0);
   step->reset({.p_WD = hand});
-  int inside = 0;
+  int steps_inside = 0;
   for (int leg = 0; leg < 300; ++leg) {
     const Vec3 goal(place(random), place(random), place(random));
-    const double most = 1e-3 * speed(random);
+    const double step_m = 1e-3 * speed(random);
     while (hand != goal) {
-      const double left = (goal - hand).norm();
-      hand = left <= most ? goal : Vec3(hand + (goal - hand) * (most / left));
+      const double remaining_m = (goal - hand).norm();
+      hand = remaining_m <= step_m ? goal : Vec3(hand + (goal - hand) * (step_m / remaining_m));
       const TouchOutput felt = step->step({.p_WD = hand, .dt_s = 1e-3, .buttons = leg % 4 == 3 ? 2U : 0U});
       ASSERT_GT(field.value(hand + felt.visual_offset_m), 0.0) << "leg " << leg;
       if (field.value(hand) > -0.00025) continue;
-      ++inside;
+      ++steps_inside;
       ASSERT_GT(felt.force_n.norm(), 0.0) << "leg " << leg;
     }
   }
-  EXPECT_GT(inside, 1000);
+  EXPECT_GT(steps_inside, 1000);
 }
 
 TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
@@ -378,10 +378,10 @@ TEST(SculptMethod, MaterialsOfBothKindsCanBeChanged) {
   EXPECT_NEAR(step->step({.p_WD = {0.08, 0, -0.051}}).force_n.z(), 0.2, 1e-3);
 }
 
-TEST(SculptMethod, KnowsWhatProgramsDeformBesideIt) {
-  TouchObject skin = table_object();
-  skin.stream_reach_m = 0.01;
-  const auto step = step_of({.objects = {clay_object(Vec3::Zero()), skin}});
+TEST(SculptMethod, FindsTheObjectThatProgramsDeformBesideIt) {
+  TouchObject deformable_table = table_object();
+  deformable_table.stream_reach_m = 0.01;
+  const auto step = step_of({.objects = {clay_object(Vec3::Zero()), deformable_table}});
   EXPECT_EQ(step->find_streamed(0), nullptr);
   EXPECT_NE(step->find_streamed(1), nullptr);
   EXPECT_EQ(step->method().list_streamed(), std::vector<int>{1});
