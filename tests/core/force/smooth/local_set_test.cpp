@@ -28,7 +28,7 @@ TEST(LocalSet, APathMayBeAPoint) {
   EXPECT_DOUBLE_EQ(set->radius_at(Vec3(1, 1, 2)), 1.0);
 }
 
-TEST(SetTriangle, HaveOneOrder) {
+TEST(SetTriangle, AreOrderedByObjectAndThenByTriangle) {
   SetTriangle a;
   SetTriangle b;
   a.object = 1;

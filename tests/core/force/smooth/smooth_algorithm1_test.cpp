@@ -117,13 +117,13 @@ Transcribed algorithm1(const std::vector<SetTriangle>& object, const Vec3& P, do
 }
 
 // At 1,500 positions within RADIUS of a surface: force, number of VCPs and number of hidden VCPs are those of the transcription.
-void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int least_hidden) {
+void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int min_hidden) {
   const auto triangles = one_sided_set_of(mesh);
   ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
       << "degenerate triangles are not in the transcription";
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  int felt_several = 0;
+  int positions_with_several_vcps = 0;
   int hidden = 0;
   for (int i = 0; i < 1500; ++i) {
     const SetTriangle& T = triangles[random() % triangles.size()];
@@ -139,12 +139,12 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
     EXPECT_EQ(felt.vcps, static_cast<std::uint32_t>(expected.vcps)) << i;
     EXPECT_EQ(felt.hidden, static_cast<std::uint32_t>(expected.hidden)) << i;
     EXPECT_LT((felt.force_n - expected.force).norm(), 1e-9 * kStiffnessNPerM * layer) << i;
-    felt_several += felt.vcps > 1 ? 1 : 0;
+    positions_with_several_vcps += felt.vcps > 1 ? 1 : 0;
     hidden += static_cast<int>(felt.hidden);
   }
-  EXPECT_GE(hidden, least_hidden);
-  if (least_hidden > 0) {
-    EXPECT_GT(felt_several, 100);
+  EXPECT_GE(hidden, min_hidden);
+  if (min_hidden > 0) {
+    EXPECT_GT(positions_with_several_vcps, 100);
   }
 }
 
@@ -176,7 +176,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
                    Vec3(0, 0.02, 0),          Vec3(0.02, -0.02, -0.02), Vec3(0.02, 0.02, -0.02)};
   roof.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 5}, {2, 5, 3}};
   const auto triangles = one_sided_set_of(roof);
-  std::map<std::pair<double, double>, int> fakes;  // by the y of both ends
+  std::map<std::pair<double, double>, int> degenerate_counts;  // by the y of both ends
   for (const SetTriangle& t : triangles) {
     if (t.kind == SurfaceKind::face) continue;
     ASSERT_EQ(t.kind, SurfaceKind::edge_fan);
@@ -188,15 +188,15 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
       high = std::max(high, corner.y());
     }
     EXPECT_LT(low, high) << "two different points";
-    ++fakes[{low, high}];
+    ++degenerate_counts[{low, high}];
   }
-  ASSERT_FALSE(fakes.empty());
-  for (const auto& [edge, count] : fakes) EXPECT_EQ(count, 2) << edge.first << " .. " << edge.second;
+  ASSERT_FALSE(degenerate_counts.empty());
+  for (const auto& [edge, count] : degenerate_counts) EXPECT_EQ(count, 2) << edge.first << " .. " << edge.second;
 
   constexpr double kRadius = 0.004;
   constexpr double kHeight = 0.001;
   Vec3 last = Vec3::Zero();
-  bool empty_without = false;
+  bool is_empty_without = false;
   for (int i = 0; i <= 400; ++i) {
     const double angle = 0.785398163 * (2.0 * i / 400.0 - 1.0);  // from one face's normal to the other's
     const Vec3 P(kHeight * std::sin(angle), 0.0013, kHeight * std::cos(angle));
@@ -207,7 +207,8 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
       if (t.kind == SurfaceKind::face) faces.add(t);
     }
     const Vec3 force = all.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n;
-    empty_without = empty_without || faces.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n.isZero(0.0);
+    is_empty_without =
+        is_empty_without || faces.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n.isZero(0.0);
     EXPECT_NEAR(force.norm(), kStiffnessNPerM * (kRadius - kHeight), 1e-6 * kStiffnessNPerM * kRadius) << i;
     const Vec3 away(P.x(), 0, P.z());  // direction away from the convex edge
     EXPECT_LT(std::atan2(force.cross(away).norm(), force.dot(away)), 1e-6) << i;
@@ -216,7 +217,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
     }
     last = force;
   }
-  EXPECT_TRUE(empty_without) << "or this test shows nothing";
+  EXPECT_TRUE(is_empty_without) << "without degenerate triangles there is a force everywhere: this test proves nothing";
 }
 
 }  // namespace

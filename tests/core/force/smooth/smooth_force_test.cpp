@@ -57,7 +57,7 @@ TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   for (const SetTriangle& t : triangles) facet_error = std::max(facet_error, angle_between(t.face_normal, t.corner[0]));
   Vec3 last = Vec3::Zero();
   Vec3 last_P = Vec3::Zero();
-  double worst = 0.0;
+  double worst_angle = 0.0;
   double worst_turn = 0.0;
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {
@@ -65,12 +65,12 @@ TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
     const Vec3 P = (kRadius + 0.002) * Vec3(std::cos(a), 0.8 * std::sin(a), 0.6 * std::sin(a));
     const SmoothForce felt = force_at(triangles, P, 0.004, 0.004);
     ASSERT_FALSE(felt.force_n.isZero(0.0)) << "a gap at step " << i;
-    worst = std::max(worst, angle_between(felt.force_n, P));
+    worst_angle = std::max(worst_angle, angle_between(felt.force_n, P));
     if (i > 0) worst_turn = std::max(worst_turn, angle_between(felt.force_n, last) / angle_between(P, last_P));
     last = felt.force_n;
     last_P = P;
   }
-  EXPECT_LT(worst, 0.3 * facet_error);
+  EXPECT_LT(worst_angle, 0.3 * facet_error);
   EXPECT_LT(worst_turn, 3.0) << "the force turns at most three times as fast as the probe goes round";
 }
 
@@ -85,22 +85,22 @@ TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
   EXPECT_TRUE(force_at(without_corners, corner + Vec3(1e-3, 1e-3, 1e-3), 0.005, 0.005).force_n.isZero(0.0));
 
   Vec3 last = Vec3::Zero();
-  double worst = 0.0;
+  double worst_jump_n = 0.0;
   constexpr int kSteps = 10000;
   for (int i = 0; i < kSteps; ++i) {
     // Near the corner, over three faces, three edges and the corner itself, always outside.
     const double a = 6.283185307179586 * i / kSteps;
-    const Vec3 way(0.003 * std::cos(a), 0.003 * std::cos(a + 2.0944), 0.003 * std::cos(a + 4.18879));
-    const Vec3 P = corner + way + Vec3(0.0022, 0.0022, 0.0022);
+    const Vec3 offset(0.003 * std::cos(a), 0.003 * std::cos(a + 2.0944), 0.003 * std::cos(a + 4.18879));
+    const Vec3 P = corner + offset + Vec3(0.0022, 0.0022, 0.0022);
     const SmoothForce felt = force_at(triangles, P, 0.006, 0.006);
     ASSERT_FALSE(felt.force_n.isZero(0.0)) << "a gap at " << (P - corner).transpose();
     const Vec3 outside = (P - corner).cwiseMax(Vec3::Zero());  // from the nearest point of the box to P
     EXPECT_LT(angle_between(felt.force_n, outside), 0.35);
-    if (i > 0) worst = std::max(worst, (felt.force_n - last).norm());
+    if (i > 0) worst_jump_n = std::max(worst_jump_n, (felt.force_n - last).norm());
     last = felt.force_n;
   }
   const double step = 0.003 * std::sqrt(1.5) * 6.283185307179586 / kSteps;
-  EXPECT_LT(worst, 12.0 * kStiffness * step);
+  EXPECT_LT(worst_jump_n, 12.0 * kStiffness * step);
 }
 
 // At a blunt concave edge both faces overlap; the degenerate triangles subtract what is counted twice, so no face's share ends with a
@@ -137,7 +137,7 @@ TEST(SmoothForce, OverAConcaveEdgeIsContinuous) {
   };
   const double step = kStiffness * 0.012 / 5000.0;
   EXPECT_LT(worst_jump(triangles), 10.0 * step);
-  EXPECT_GT(worst_jump(faces_only), 75.0 * step) << "without the fans it jumps, or this test shows nothing";
+  EXPECT_GT(worst_jump(faces_only), 75.0 * step) << "without the fans there is no jump: this test proves nothing";
 }
 
 // Fig. 3: of two sheets one above the other only the upper one exerts a force.
@@ -154,15 +154,15 @@ TEST(SmoothForce, RemovesHiddenVcps) {
 TEST(SmoothForce, OneSidedIsTouchedFromItsFrontOnly) {
   const Vec3 above(0.001, 0.002, 0.001);
   const Vec3 below(0.001, 0.002, -0.001);
-  const auto one = set_of(make_plane_grid(0.1, 4), false);
-  const auto two = set_of(make_plane_grid(0.1, 4), true);
-  EXPECT_GT(force_at(one, above, 0.004, 0.004).force_n.z(), 0.0);
-  EXPECT_TRUE(force_at(one, below, 0.004, 0.004).force_n.isZero(0.0));
-  EXPECT_LT(force_at(two, below, 0.004, 0.004).force_n.z(), 0.0);
+  const auto one_sided = set_of(make_plane_grid(0.1, 4), false);
+  const auto two_sided = set_of(make_plane_grid(0.1, 4), true);
+  EXPECT_GT(force_at(one_sided, above, 0.004, 0.004).force_n.z(), 0.0);
+  EXPECT_TRUE(force_at(one_sided, below, 0.004, 0.004).force_n.isZero(0.0));
+  EXPECT_LT(force_at(two_sided, below, 0.004, 0.004).force_n.z(), 0.0);
 }
 
 // The last line of Algorithm 1: several VCPs give the direction, and the strongest of them gives the magnitude.
-TEST(SmoothForce, TheStrongestGivesTheStrength) {
+TEST(SmoothForce, TheStrongestVcpGivesTheMagnitude) {
   TriangleMesh corner;  // floor and wall, unconnected: no fans between them
   corner = joined(make_plane_grid(0.1, 4), corner);
   TriangleMesh wall = make_plane_grid(0.1, 4);
@@ -196,7 +196,7 @@ TEST(SmoothForce, TheLawIsASpringThatBeginsAtTheLayer) {
   EXPECT_EQ(smooth_f(1000.0, 0.0, 0.0), 0.0);
 }
 
-TEST(SmoothNormal, IsTheEdgesOnEdgesAndTheVertexsInVertices) {
+TEST(SmoothNormal, OnEdgesAndAtVerticesItIsTheInterpolatedNormal) {
   const auto triangles = set_of(make_icosphere(0.05, 2));
   for (const SetTriangle& t : triangles) {
     for (int k = 0; k < 3; ++k) {
@@ -220,16 +220,16 @@ TEST(StraightLine, IsWatertight) {
     const Vec3 from = i % 5 == 0 ? Vec3(0.0, 0.0, 0.0) : Vec3(0.02 * Vec3(unit(random), unit(random), unit(random)));
     const Vec3 to = from + (through - from) * (i % 7 == 0 ? 1.0 : 2.0);
     const StraightLine line(from, to);
-    bool met = false;
-    for (std::size_t u = 0; u < mesh.triangles.size() && !met; ++u) {
+    bool is_met = false;
+    for (std::size_t u = 0; u < mesh.triangles.size() && !is_met; ++u) {
       double at = 0.0;
-      met = line.meets({mesh.corner(u, 0), mesh.corner(u, 1), mesh.corner(u, 2)}, at) && at > 0.0;
+      is_met = line.meets({mesh.corner(u, 0), mesh.corner(u, 1), mesh.corner(u, 2)}, at) && at > 0.0;
     }
-    EXPECT_TRUE(met) << i;
+    EXPECT_TRUE(is_met) << i;
   }
 }
 
-TEST(StraightLine, SaysWhere) {
+TEST(StraightLine, SaysWhereOnTheLineItMeetsATriangle) {
   const std::array<Vec3, 3> corner = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   double at = -1.0;
   ASSERT_TRUE(StraightLine(Vec3(0.2, 0.3, 3.0), Vec3(0.2, 0.3, -1.0)).meets(corner, at));

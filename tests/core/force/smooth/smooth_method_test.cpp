@@ -49,7 +49,7 @@ TEST(SmoothMethod, TheCreaseAngleRoundsABoxesEdges) {
 }
 
 TEST(SmoothMethod, PressingAPlaneGivesHookesLaw) {
-  const auto method = make(scene_of(make_plane_grid(0.1, 20), {.stiffness_n_per_m = 700.0}));
+  const auto method = make_smooth(scene_of(make_plane_grid(0.1, 20), {.stiffness_n_per_m = 700.0}));
   method->reset(Vec3(0.0013, 0.0021, 0.004));
   for (int i = 0; i <= 100; ++i) {
     const Vec3 P(0.0013 + 1e-4 * i, 0.0021, 0.004 - 6e-5 * i);
@@ -69,7 +69,7 @@ TEST(SmoothMethod, PressingAPlaneGivesHookesLaw) {
 
 TEST(SmoothMethod, APlaneIsTouchedFromEitherSideUnlessOneSided) {
   for (const bool two_sided : {true, false}) {
-    const auto method = make(scene_of(make_plane_grid(0.1, 20), {.two_sided = two_sided}));
+    const auto method = make_smooth(scene_of(make_plane_grid(0.1, 20), {.two_sided = two_sided}));
     for (const double side : {1.0, -1.0}) {
       method->reset(Vec3(0.001, 0.002, side * 0.001));
       const MethodOutput felt = method->step({.p_SD = Vec3(0.001, 0.002, -side * 0.002)});
@@ -83,7 +83,7 @@ TEST(SmoothMethod, APlaneIsTouchedFromEitherSideUnlessOneSided) {
 TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   constexpr double kRadius = 0.05;
   const TriangleMesh mesh = make_icosphere(kRadius, 3);
-  const auto method = make(scene_of(mesh));
+  const auto method = make_smooth(scene_of(mesh));
   double facet_error = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 n = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
@@ -93,20 +93,20 @@ TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   constexpr int kSteps = 20000;
   Vec3 last;
   Vec3 last_P;
-  double worst = 0.0;
+  double worst_angle = 0.0;
   double worst_turn = 0.0;
   for (int i = 0; i < kSteps; ++i) {
     const double a = 2.0 * kPi * i / kSteps;
     const Vec3 P = (kRadius - 0.0015) * Vec3(std::cos(a), 0.8 * std::sin(a), 0.6 * std::sin(a));
     const MethodOutput felt = method->step({.p_SD = P});
     ASSERT_TRUE(felt.contact) << "fell through at step " << i;
-    worst = std::max(worst, angle_between(felt.force_n, P));
+    worst_angle = std::max(worst_angle, angle_between(felt.force_n, P));
     if (i > 0) worst_turn = std::max(worst_turn, angle_between(felt.force_n, last) / angle_between(P, last_P));
     last = felt.force_n;
     last_P = P;
     EXPECT_NEAR(felt.force_n.norm(), 1.5, 0.5);
   }
-  EXPECT_LT(worst, 0.3 * facet_error);
+  EXPECT_LT(worst_angle, 0.3 * facet_error);
   EXPECT_LT(worst_turn, 3.0);
   EXPECT_EQ(method->counters().entries, 1U);
 }
@@ -114,26 +114,26 @@ TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
 // With a layer the force builds up before the surface and continues behind it, without a discontinuity on the surface.
 TEST(SmoothMethod, TheLayerIsContinuousThroughTheSurface) {
   for (const TriangleMesh& mesh : {make_icosphere(0.05, 3), make_box(Vec3(0.07, 0.07, 0.07), 3)}) {
-    const auto method = make(scene_of(mesh), {.smooth_layer = 1.0});
+    const auto method = make_smooth(scene_of(mesh), {.smooth_layer = 1.0});
     const Vec3 inward = -Vec3(0.3, 0.25, 1.0).normalized();
     const double from = 0.053;
     method->reset(-from * inward);
-    double last = 0.0;
+    double last_n = 0.0;
     Vec3 last_P = -from * inward;
-    bool began = false;
+    bool has_begun = false;
     constexpr double kStep = 2e-6;
     for (double travelled = kStep; travelled < from - 0.03; travelled += kStep) {
       const Vec3 P = -(from - travelled) * inward;
       const double force = method->step({.p_SD = P}).force_n.norm();
-      EXPECT_LE(std::fabs(force - last), 1000.0 * kStep * 1.6) << "at " << P.transpose();
-      if (force > 0.0) began = true;
-      if (began) {
+      EXPECT_LE(std::fabs(force - last_n), 1000.0 * kStep * 1.6) << "at " << P.transpose();
+      if (force > 0.0) has_begun = true;
+      if (has_begun) {
         EXPECT_GT(force, 0.0);
       }
-      last = force;
+      last_n = force;
       last_P = P;
     }
-    EXPECT_GT(last, 1000.0 * method->radius_m());
+    EXPECT_GT(last_n, 1000.0 * method->radius_m());
     EXPECT_EQ(method->counters().entries, 1U);
   }
 }
@@ -159,7 +159,7 @@ TEST(SmoothMethod, SettingsAreChecked) {
 }
 
 TEST(SmoothMethod, DescribesWhatItDid) {
-  const auto method = make(scene_of(make_icosphere(0.05, 2)));
+  const auto method = make_smooth(scene_of(make_icosphere(0.05, 2)));
   method->reset(Vec3(0.06, 0, 0));
   method->step({.p_SD = Vec3(0.049, 0, 0)});
   const std::string text = method->describe();
@@ -171,7 +171,7 @@ TEST(SmoothMethod, DescribesWhatItDid) {
 std::string note_of_layer(const std::vector<TouchObject>& objects) {
   TouchScene scene{.objects = objects};
   for (TouchObject& object : scene.objects) object.mesh = made::shared(make_icosphere(0.05, 0));
-  const std::string text = make(scene, with_size(64, 1.0))->describe();
+  const std::string text = make_smooth(scene, with_size(64, 1.0))->describe();
   const std::size_t begin = text.find("note: ");
   if (begin == std::string::npos) return {};
   EXPECT_EQ(text.find("note: ", begin + 1), std::string::npos) << text;
@@ -189,7 +189,7 @@ TEST(SmoothMethod, CountsObjectsWithEffectsFrictionOrDampingForALayer) {
 }
 
 TEST(SmoothMethod, LeavesDampingAndFrictionOfTheMaterialsInUseToItsStep) {
-  const auto method = make(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
+  const auto method = make_smooth(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
   ASSERT_EQ(method->unrendered_drag().size(), 1U);
   EXPECT_EQ(method->unrendered_drag()[0].friction_static, 0.5);
   const Material other = {.damping_ns_per_m = 2.0};

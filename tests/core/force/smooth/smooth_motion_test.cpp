@@ -13,27 +13,27 @@ TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   int seed = 200;
   for (const TriangleMesh& mesh : {wingnut, fish, made::sphere(0.05, 24, 0.2), make_staircase(0.1, 5, 4), make_pit(0.1, 0.05),
                                    make_thin_wall(0.1, 0.002, 12), make_torus(0.05, 0.01, 40, 16)}) {
-    const auto method = make(scene_of(mesh));
-    const auto near = std::make_unique<LocalSet>();
-    const double allowed = 0.0025 * method->scene().diagonal();
-    const std::vector<Vec3> way = wander(mesh, static_cast<std::uint64_t>(seed++), 6000);
-    method->reset(way[0]);
-    int inside = 0;
-    for (std::size_t i = 0; i < way.size(); ++i) {
-      const MethodOutput felt = method->step({.p_SD = way[i]});
+    const auto method = make_smooth(scene_of(mesh));
+    const auto local_set = std::make_unique<LocalSet>();
+    const double max_depth = 0.0025 * method->scene().diagonal();
+    const std::vector<Vec3> path = wandering_path(mesh, static_cast<std::uint64_t>(seed++), 6000);
+    method->reset(path[0]);
+    int contact_steps = 0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const MethodOutput felt = method->step({.p_SD = path[i]});
       ASSERT_TRUE(felt.force_n.allFinite());
-      inside += felt.contact ? 1 : 0;
+      contact_steps += felt.contact ? 1 : 0;
       if (felt.contact) continue;
-      method->scene().select({way[i], way[i]}, 1, *near);
-      ASSERT_FALSE(near->nearest > allowed && winding_number(mesh, way[i]) > 0.5) << "seed " << seed - 1 << " step " << i;
+      method->scene().select({path[i], path[i]}, 1, *local_set);
+      ASSERT_FALSE(local_set->nearest > max_depth && winding_number(mesh, path[i]) > 0.5) << "seed " << seed - 1 << " step " << i;
     }
-    EXPECT_GT(inside, 500) << "seed " << seed - 1;
+    EXPECT_GT(contact_steps, 500) << "seed " << seed - 1;
   }
 }
 
 // A plate thinner than the depth of the probe: the history of the VCP keeps the probe on the side where it entered.
 TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
-  const auto method = make(scene_of(make_thin_wall(0.1, 0.0005, 20)));
+  const auto method = make_smooth(scene_of(make_thin_wall(0.1, 0.0005, 20)));
   method->reset(Vec3(0.0013, 0.0021, 0.005));
   for (int i = 0; i < 3000; ++i) {
     const double depth = -0.005 + std::min(0.012, 1e-5 * i);
@@ -47,7 +47,7 @@ TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
 
 // The probe moves along the outside of a box and off its edge: it is released there, and touches again on the next side.
 TEST(SmoothMethod, IsReleasedAtAConvexEdge) {
-  const auto method = make(scene_of(make_box(Vec3(0.1, 0.1, 0.1), 4)));
+  const auto method = make_smooth(scene_of(make_box(Vec3(0.1, 0.1, 0.1), 4)));
   method->reset(Vec3(0.04, 0.003, 0.055));
   ASSERT_NEAR(method->step({.p_SD = Vec3(0.04, 0.003, 0.049)}).force_n.z(), 1.0, kOffsetForce);
   for (int i = 1; i <= 120; ++i) method->step({.p_SD = Vec3(0.04 + 1e-4 * i, 0.003, 0.049)});
@@ -59,7 +59,7 @@ TEST(SmoothMethod, IsReleasedAtAConvexEdge) {
 
 // In a groove the probe is held by both walls at once, at the bottom.
 TEST(SmoothMethod, AGrooveHoldsAtItsBottom) {
-  const auto method = make(scene_of(make_gutter(0.1, 0.03, 0.5 * kPi, 8)));
+  const auto method = make_smooth(scene_of(make_gutter(0.1, 0.03, 0.5 * kPi, 8)));
   const Vec3 bottom(0.0, 0.05 - 0.03, 0.011);
   method->reset(bottom + Vec3(0, 0.01, 0));
   MethodOutput felt;
@@ -70,35 +70,36 @@ TEST(SmoothMethod, AGrooveHoldsAtItsBottom) {
 
 TEST(SmoothMethod, IsTheSameAtEveryScaleAndPosition) {
   const TriangleMesh mesh = made::sphere(0.05, 16, 0.1);
-  const std::vector<Vec3> way = wander(mesh, 103, 1500);
-  const auto base = make(scene_of(mesh));
-  base->reset(way[0]);
+  const std::vector<Vec3> path = wandering_path(mesh, 103, 1500);
+  const auto base = make_smooth(scene_of(mesh));
+  base->reset(path[0]);
   std::vector<MethodOutput> expected;
-  for (const Vec3& P : way) expected.push_back(base->step({.p_SD = P}));
-  struct Where {
+  for (const Vec3& P : path) expected.push_back(base->step({.p_SD = P}));
+  struct Placement {
     double scale;
     Vec3 move;
-    double allowed;
+    double tolerance;
   };
-  for (const Where& where : {Where{1e-6, Vec3::Zero(), 1e-6}, Where{1e6, Vec3::Zero(), 1e-6}, Where{1.0, Vec3(1e3, -2e3, 1e3), 1e-6},
-                             Where{1e3, Vec3(1e6, 1e6, -1e6), 1e-6}}) {
-    const auto method = make(scene_of(scaled_and_moved(mesh, where.scale, where.move)));
-    method->reset(where.scale * way[0] + where.move);
-    int differ = 0;
+  for (const Placement& placement : {Placement{1e-6, Vec3::Zero(), 1e-6}, Placement{1e6, Vec3::Zero(), 1e-6},
+                                     Placement{1.0, Vec3(1e3, -2e3, 1e3), 1e-6}, Placement{1e3, Vec3(1e6, 1e6, -1e6), 1e-6}}) {
+    const auto method = make_smooth(scene_of(scaled_and_moved(mesh, placement.scale, placement.move)));
+    method->reset(placement.scale * path[0] + placement.move);
+    int different_steps = 0;
     int contacts = 0;
-    for (std::size_t i = 0; i < way.size(); ++i) {
-      const MethodOutput felt = method->step({.p_SD = where.scale * way[i] + where.move});
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const MethodOutput felt = method->step({.p_SD = placement.scale * path[i] + placement.move});
       contacts += expected[i].contact ? 1 : 0;
-      differ += (felt.force_n / where.scale - expected[i].force_n).norm() > where.allowed * (1.0 + expected[i].force_n.norm()) ? 1 : 0;
+      different_steps +=
+          (felt.force_n / placement.scale - expected[i].force_n).norm() > placement.tolerance * (1.0 + expected[i].force_n.norm()) ? 1 : 0;
     }
     EXPECT_GT(contacts, 100);
     // At a tie rounding may choose the other side, but rarely.
-    EXPECT_LE(differ, contacts / 50) << "scale " << where.scale << " at " << where.move.transpose();
+    EXPECT_LE(different_steps, contacts / 50) << "scale " << placement.scale << " at " << placement.move.transpose();
   }
 }
 
 TEST(SmoothMethod, ANotFiniteSampleIsIgnored) {
-  const auto method = make(scene_of(make_icosphere(0.05, 3)));
+  const auto method = make_smooth(scene_of(make_icosphere(0.05, 3)));
   const Vec3 inside(0.049, 0.001, 0.002);
   method->reset(Vec3(0.06, 0, 0));
   const Vec3 before = method->step({.p_SD = inside}).force_n;
@@ -115,21 +116,21 @@ TEST(SmoothMethod, ANotFiniteSampleIsIgnored) {
 // A moving surface carries along a probe inside and catches a probe outside; the force is that of a scene built in that shape.
 TEST(SmoothMethod, MovingAndDeformingSurfacesExertForces) {
   TriangleMesh mesh = make_icosphere(0.05, 3);
-  const auto method = make(scene_of(mesh));
-  const Vec3 still(0.0485, 0.004, -0.003);
+  const auto method = make_smooth(scene_of(mesh));
+  const Vec3 device(0.0485, 0.004, -0.003);
   method->reset(Vec3(0.06, 0, 0));
-  ASSERT_TRUE(method->step({.p_SD = still}).contact);
+  ASSERT_TRUE(method->step({.p_SD = device}).contact);
   const std::vector<Vec3> rest = mesh.vertices;
   for (int i = 1; i <= 60; ++i) {
     // The sphere swells along x and drifts along y.
     for (std::size_t v = 0; v < rest.size(); ++v)
       mesh.vertices[v] = Vec3(rest[v].x() * (1.0 + 2e-4 * i), rest[v].y() + 1e-5 * i, rest[v].z());
     ASSERT_TRUE(method->move_vertices(0, mesh.vertices));
-    const Vec3 felt = method->step({.p_SD = still}).force_n;
-    const auto anew = make(scene_of(mesh));
+    const Vec3 felt = method->step({.p_SD = device}).force_n;
+    const auto anew = make_smooth(scene_of(mesh));
     anew->reset(Vec3(0.07, 0, 0));
     anew->step({.p_SD = Vec3(0.052 + 2e-5 * i, 0.004, -0.003)});
-    const Vec3 expected = anew->step({.p_SD = still}).force_n;
+    const Vec3 expected = anew->step({.p_SD = device}).force_n;
     ASSERT_GT(expected.norm(), 0.5);
     EXPECT_LT((felt - expected).norm(), 1e-4) << i;
   }
@@ -138,21 +139,21 @@ TEST(SmoothMethod, MovingAndDeformingSurfacesExertForces) {
 
 TEST(SmoothMethod, ASurfaceThatSweepsOverTheProbeCatchesIt) {
   TriangleMesh mesh = make_plane_grid(0.1, 10);
-  const auto method = make(scene_of(mesh));
-  const Vec3 still(0.0013, 0.0021, 0.002);
-  method->reset(still);
-  EXPECT_FALSE(method->step({.p_SD = still}).contact);
+  const auto method = make_smooth(scene_of(mesh));
+  const Vec3 device(0.0013, 0.0021, 0.002);
+  method->reset(device);
+  EXPECT_FALSE(method->step({.p_SD = device}).contact);
   for (Vec3& v : mesh.vertices) v.z() += 0.003;
   ASSERT_TRUE(method->move_vertices(0, mesh.vertices));
-  EXPECT_NEAR(method->step({.p_SD = still}).force_n.z(), 1.0, 1e-6);
+  EXPECT_NEAR(method->step({.p_SD = device}).force_n.z(), 1.0, 1e-6);
   for (Vec3& v : mesh.vertices) v.z() -= 0.003;
   ASSERT_TRUE(method->move_vertices(0, mesh.vertices));
-  EXPECT_FALSE(method->step({.p_SD = still}).contact);
+  EXPECT_FALSE(method->step({.p_SD = device}).contact);
   EXPECT_EQ(method->counters().releases, 1U);
 }
 
 TEST(SmoothMethod, FreeSpaceIsSkipped) {
-  const auto method = make(scene_of(make_icosphere(0.05, 4)));
+  const auto method = make_smooth(scene_of(make_icosphere(0.05, 4)));
   method->reset(Vec3(0.2, 0, 0));
   for (int i = 0; i < 1000; ++i) method->step({.p_SD = Vec3(0.2 - 1e-5 * i, 1e-5 * i, 0)});
   EXPECT_GT(method->counters().skipped, 990U);

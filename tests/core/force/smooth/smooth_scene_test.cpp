@@ -69,10 +69,10 @@ TEST(SmoothScene, ASetOfAnotherSceneHidesNothing) {
   const auto used = std::make_unique<LocalSet>();
   const auto fresh = std::make_unique<LocalSet>();
   other->select({p, p}, 64, *used);
-  const double tight = used->radius;
+  const double other_radius = used->radius;
   scene->select({p, p}, 64, *used);
   scene->select({p, p}, 64, *fresh);
-  EXPECT_LT(tight, fresh->radius);
+  EXPECT_LT(other_radius, fresh->radius);
   EXPECT_EQ(used->count, 64U);
   EXPECT_EQ(used->radius, fresh->radius);
   EXPECT_EQ(used->nearest, fresh->nearest);
@@ -145,9 +145,9 @@ TEST(SmoothScene, TypicalRadiusGrowsWithTheCount) {
   TouchScene touch;
   touch.objects.push_back({made::shared(make_plane_grid(0.1, 60)), {}});
   const auto scene = SmoothScene::build(touch, {});
-  const double few = scene->compute_typical_radius(32);
-  EXPECT_GT(few, 0.1 / 60.0);
-  EXPECT_NEAR(scene->compute_typical_radius(128) / few, 2.0, 0.6);
+  const double radius_of_32 = scene->compute_typical_radius(32);
+  EXPECT_GT(radius_of_32, 0.1 / 60.0);
+  EXPECT_NEAR(scene->compute_typical_radius(128) / radius_of_32, 2.0, 0.6);
 }
 
 }  // namespace

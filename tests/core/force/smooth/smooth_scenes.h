@@ -24,7 +24,7 @@ constexpr double kOffsetForce = 1e-6;
 constexpr double kContactOffset = 1e-9;
 constexpr double kPi = 3.14159265358979323846;
 
-inline std::unique_ptr<SmoothMethod> make(const TouchScene& scene, const MethodSettings& settings = {}) {
+inline std::unique_ptr<SmoothMethod> make_smooth(const TouchScene& scene, const MethodSettings& settings = {}) {
   auto method = SmoothMethod::make(settings, scene);
   EXPECT_TRUE(method) << (method ? "" : method.error().what);
   return method ? std::unique_ptr<SmoothMethod>(static_cast<SmoothMethod*>(method->release())) : nullptr;
@@ -37,7 +37,7 @@ inline MethodSettings with_size(std::uint32_t set_size, double layer = 0.0) {
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 // A hand that wanders over and into a mesh: towards a random point on it, about that point, out again. Some steps are tiny, some long.
-inline std::vector<Vec3> wander(const TriangleMesh& mesh, std::uint64_t seed, int steps) {
+inline std::vector<Vec3> wandering_path(const TriangleMesh& mesh, std::uint64_t seed, int steps) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto direction = [&] { return Vec3(unit(random), unit(random), unit(random)); };
@@ -48,16 +48,16 @@ inline std::vector<Vec3> wander(const TriangleMesh& mesh, std::uint64_t seed, in
     high = high.cwiseMax(v);
   }
   const double size = (high - low).norm();
-  std::vector<Vec3> way = {high + 0.1 * (high - low)};
-  Vec3 goal = way[0];
+  std::vector<Vec3> path = {high + 0.1 * (high - low)};
+  Vec3 goal = path[0];
   for (int i = 1; i < steps; ++i) {
     if (i % 150 == 1) goal = mesh.corner(random() % mesh.triangles.size(), 0) + 0.02 * size * direction();
     if (i % 600 == 500) goal = high + 0.1 * size * direction();
-    Vec3 step = 0.05 * (goal - way.back()) + 2e-4 * size * direction();
+    Vec3 step = 0.05 * (goal - path.back()) + 2e-4 * size * direction();
     if (i % 37 == 0) step *= 1e-6;
-    way.push_back(way.back() + step);
+    path.push_back(path.back() + step);
   }
-  return way;
+  return path;
 }
 
 inline std::unique_ptr<ForceMethod> make_with_crease(const TouchScene& scene, double crease_deg, double simplify_m) {

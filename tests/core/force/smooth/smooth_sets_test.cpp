@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// Why an exchange of sets cannot be felt: any set that covers enough gives the force of all triangles, to the last bit.
+// The reason that an exchange of sets cannot be felt: any set that covers enough gives the force of all triangles, to the last bit.
 TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
   struct Case {
     TriangleMesh mesh;
@@ -18,13 +18,13 @@ TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
   cases.push_back({make_gutter(0.05, 0.02, 1.0, 4), 0.5});
   for (std::size_t c = 0; c < cases.size(); ++c) {
     const TouchScene scene = scene_of(cases[c].mesh);
-    const std::vector<Vec3> way = wander(cases[c].mesh, 91 + c, 1200);
-    const auto twin = make(scene, with_size(64, cases[c].layer));
+    const std::vector<Vec3> path = wandering_path(cases[c].mesh, 91 + c, 1200);
+    const auto twin = make_smooth(scene, with_size(64, cases[c].layer));
     twin->use_all_triangles();
     std::vector<MethodOutput> expected;
-    twin->reset(way[0]);
+    twin->reset(path[0]);
     int contacts = 0;
-    for (const Vec3& P : way) {
+    for (const Vec3& P : path) {
       expected.push_back(twin->step({.p_SD = P}));
       contacts += expected.back().contact ? 1 : 0;
     }
@@ -32,10 +32,10 @@ TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
     for (const std::uint32_t size : {24U, 64U, 256U}) {
       MethodSettings settings = with_size(size, cases[c].layer);
       settings.smooth_radius_m = twin->radius_m();
-      const auto method = make(scene, settings);
-      method->reset(way[0]);
-      for (std::size_t i = 0; i < way.size(); ++i) {
-        const MethodOutput felt = method->step({.p_SD = way[i]});
+      const auto method = make_smooth(scene, settings);
+      method->reset(path[0]);
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        const MethodOutput felt = method->step({.p_SD = path[i]});
         ASSERT_EQ(felt.force_n, expected[i].force_n) << "case " << c << " size " << size << " step " << i;
         ASSERT_EQ(felt.p_SP, expected[i].p_SP) << "case " << c << " size " << size << " step " << i;
       }
@@ -50,17 +50,17 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
   const TouchScene scene = scene_of(mesh);
   MethodSettings settings = with_size(64);
   settings.smooth_radius_m = 0.003;
-  const auto twin = make(scene, settings);
+  const auto twin = make_smooth(scene, settings);
   twin->use_all_triangles();
   settings.set_size = 16;
-  const auto method = make(scene, settings);
-  const std::vector<Vec3> way = wander(mesh, 95, 400);
-  twin->reset(way[0]);
-  method->reset(way[0]);
+  const auto method = make_smooth(scene, settings);
+  const std::vector<Vec3> path = wandering_path(mesh, 95, 400);
+  twin->reset(path[0]);
+  method->reset(path[0]);
   int contacts = 0;
-  for (std::size_t i = 0; i < way.size(); ++i) {
-    const MethodOutput expected = twin->step({.p_SD = way[i]});
-    const MethodOutput felt = method->step({.p_SD = way[i]});
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const MethodOutput expected = twin->step({.p_SD = path[i]});
+    const MethodOutput felt = method->step({.p_SD = path[i]});
     ASSERT_EQ(felt.force_n, expected.force_n) << i;
     contacts += expected.contact ? 1 : 0;
   }
@@ -73,29 +73,29 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
 TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const TouchScene scene = scene_of(mesh);
-  const std::vector<Vec3> way = wander(mesh, 97, 3000);
-  const auto alone = make(scene, with_size(64));
+  const std::vector<Vec3> path = wandering_path(mesh, 97, 3000);
+  const auto alone = make_smooth(scene, with_size(64));
   std::vector<Vec3> expected;
-  alone->reset(way[0]);
-  for (const Vec3& P : way) expected.push_back(alone->step({.p_SD = P}).force_n);
+  alone->reset(path[0]);
+  for (const Vec3& P : path) expected.push_back(alone->step({.p_SD = P}).force_n);
 
   std::uint64_t late_when_quick = 0;
   std::uint64_t late_when_slow = 0;
   for (const auto& [period, latency] : {std::pair(1, 1), std::pair(4, 4), std::pair(10, 25), std::pair(100, 400)}) {
-    const auto method = make(scene, with_size(64));
-    method->reset(way[0]);
-    std::deque<std::pair<std::size_t, std::unique_ptr<LocalSet>>> mail;
-    for (std::size_t i = 0; i < way.size(); ++i) {
+    const auto method = make_smooth(scene, with_size(64));
+    method->reset(path[0]);
+    std::deque<std::pair<std::size_t, std::unique_ptr<LocalSet>>> pending_sets;
+    for (std::size_t i = 0; i < path.size(); ++i) {
       if (i % static_cast<std::size_t>(period) == 0) {
         auto set = std::make_unique<LocalSet>();
         method->scene().select(method->request(), method->set_size(), *set);
-        mail.emplace_back(i + static_cast<std::size_t>(latency), std::move(set));
+        pending_sets.emplace_back(i + static_cast<std::size_t>(latency), std::move(set));
       }
-      while (!mail.empty() && mail.front().first <= i) {
-        method->offer(*mail.front().second);
-        mail.pop_front();
+      while (!pending_sets.empty() && pending_sets.front().first <= i) {
+        method->offer(*pending_sets.front().second);
+        pending_sets.pop_front();
       }
-      ASSERT_EQ(method->step({.p_SD = way[i]}).force_n, expected[i]) << "period " << period << " latency " << latency << " step " << i;
+      ASSERT_EQ(method->step({.p_SD = path[i]}).force_n, expected[i]) << "period " << period << " latency " << latency << " step " << i;
     }
     if (latency == 1) {
       late_when_quick = method->counters().late;
@@ -114,20 +114,20 @@ TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
     const double a = 2e-3 * i;  // 94 mm/s
     return Vec3(0.047 * Vec3(std::cos(a), std::sin(a), 0.1 * std::sin(5.0 * a)));
   };
-  const auto alone = make(scene_of(mesh));
-  const auto with = make(scene_of(mesh));
+  const auto alone = make_smooth(scene_of(mesh));
+  const auto with_prepare = make_smooth(scene_of(mesh));
   alone->reset(Vec3(0.07, 0, 0));
-  with->reset(Vec3(0.07, 0, 0));
+  with_prepare->reset(Vec3(0.07, 0, 0));
   for (int i = 0; i < 3000; ++i) {
     const Vec3 expected = alone->step({.p_SD = at(i)}).force_n;
-    ASSERT_EQ(with->step({.p_SD = at(i)}).force_n, expected);
+    ASSERT_EQ(with_prepare->step({.p_SD = at(i)}).force_n, expected);
     if (i % 10 == 0) {
-      while (with->prepare()) {
+      while (with_prepare->prepare()) {
       }
     }
   }
-  EXPECT_GT(with->counters().offered, 50U);
-  EXPECT_LT(with->counters().selections, alone->counters().selections / 4);
+  EXPECT_GT(with_prepare->counters().offered, 50U);
+  EXPECT_LT(with_prepare->counters().selections, alone->counters().selections / 4);
 }
 
 // The paper's full layer (--layer 1) uses the slow task's sets as well: a run in which none is offered fails here.
@@ -137,54 +137,54 @@ TEST(SmoothMethod, TheFullLayerUsesOfferedSets) {
   ASSERT_TRUE(made) << made.error().what;
   auto& method = dynamic_cast<SmoothMethod&>(**made);
   EXPECT_DOUBLE_EQ(method.layer_m(), method.radius_m());
-  const auto alone = make(scene_of(mesh), with_size(64, kFdhPaperLayer));
+  const auto alone = make_smooth(scene_of(mesh), with_size(64, kFdhPaperLayer));
   method.reset(Vec3(0.07, 0, 0));
   alone->reset(Vec3(0.07, 0, 0));
-  int outside = 0;
+  int steps_outside = 0;
   for (int i = 0; i < 3000; ++i) {
     const double a = 2e-3 * i;
     const Vec3 P = (0.0487 + 0.0025 * std::sin(0.02 * i)) * Vec3(std::cos(a), std::sin(a), 0.1 * std::sin(5.0 * a)).normalized();
     const MethodOutput felt = method.step({.p_SD = P});
     ASSERT_EQ(felt.force_n, alone->step({.p_SD = P}).force_n) << i;
-    outside += felt.contact && !method.is_inside() ? 1 : 0;
+    steps_outside += felt.contact && !method.is_inside() ? 1 : 0;
     if (i % 10 == 0) {
       while (method.prepare()) {
       }
     }
   }
-  EXPECT_GT(outside, 100) << "the layer is felt before the surface is reached";
+  EXPECT_GT(steps_outside, 100) << "the layer is felt before the surface is reached";
   EXPECT_GT(method.counters().offered, 50U) << "no set ever came from the slow task";
   EXPECT_LT(method.counters().selections, alone->counters().selections / 2);
 }
 
 TEST(SmoothMethod, PrepareMayRunBesideStep) {
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
-  const std::vector<Vec3> way = wander(mesh, 105, 4000);
-  const auto alone = make(scene_of(mesh));
-  const auto with = make(scene_of(mesh));
-  alone->reset(way[0]);
-  with->reset(way[0]);
+  const std::vector<Vec3> path = wandering_path(mesh, 105, 4000);
+  const auto alone = make_smooth(scene_of(mesh));
+  const auto with_prepare = make_smooth(scene_of(mesh));
+  alone->reset(path[0]);
+  with_prepare->reset(path[0]);
   std::atomic<bool> stop = false;
   std::thread slow([&] {
     while (!stop.load()) {
-      if (!with->prepare()) std::this_thread::yield();
+      if (!with_prepare->prepare()) std::this_thread::yield();
     }
   });
-  int differ = 0;
-  for (int round = 0; round < 1000 && with->counters().offered == 0; ++round) {  // a busy machine may let the other thread wait
-    for (const Vec3& P : way) differ += with->step({.p_SD = P}).force_n != alone->step({.p_SD = P}).force_n ? 1 : 0;
+  int different_steps = 0;
+  for (int round = 0; round < 1000 && with_prepare->counters().offered == 0; ++round) {  // a busy machine may let the other thread wait
+    for (const Vec3& P : path) different_steps += with_prepare->step({.p_SD = P}).force_n != alone->step({.p_SD = P}).force_n ? 1 : 0;
   }
   stop.store(true);
   slow.join();
-  EXPECT_EQ(differ, 0);
-  EXPECT_GT(with->counters().offered, 0U);
+  EXPECT_EQ(different_steps, 0);
+  EXPECT_GT(with_prepare->counters().offered, 0U);
 }
 
 // The rate may change while running: the force does not depend on time, so the same path in finer steps ends at the same force.
 TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
   const TriangleMesh mesh = make_icosphere(0.05, 4);
-  const auto steady = make(scene_of(mesh));
-  const auto changing = make(scene_of(mesh));
+  const auto steady = make_smooth(scene_of(mesh));
+  const auto changing = make_smooth(scene_of(mesh));
   const auto at = [](double t) { return Vec3(0.0485 * std::cos(t), 0.0485 * std::sin(t), 0.003 * std::sin(3.0 * t)); };
   steady->reset(Vec3(0.06, 0, 0));
   changing->reset(Vec3(0.06, 0, 0));
@@ -208,14 +208,14 @@ TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
 
 TEST(SmoothMethod, ExchangingSetsDoesNotChangeTheForce) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
-  const auto method = make(scene_of(mesh), with_size(32));
+  const auto method = make_smooth(scene_of(mesh), with_size(32));
   method->reset(Vec3(0.07, 0, 0));
   Vec3 last = Vec3::Zero();
   Vec3 last_P;
   std::uint64_t selections = 0;
-  int exchanged = 0;
-  double worst_exchanged = 0.0;
-  double worst_kept = 0.0;
+  int exchanges = 0;
+  double worst_at_exchange = 0.0;
+  double worst_otherwise = 0.0;
   for (int i = 0; i < 6000; ++i) {
     const double a = 0.5 * kPi * i / 6000.0;
     const Vec3 P = 0.0465 * Vec3(std::cos(a), std::sin(a), 0.1 * std::sin(5.0 * a));
@@ -223,27 +223,27 @@ TEST(SmoothMethod, ExchangingSetsDoesNotChangeTheForce) {
     if (i > 1) {
       const double jump = (force - last).norm() / (1000.0 * (P - last_P).norm());
       const bool is_new = method->counters().selections != selections;
-      exchanged += is_new ? 1 : 0;
-      (is_new ? worst_exchanged : worst_kept) = std::max(is_new ? worst_exchanged : worst_kept, jump);
+      exchanges += is_new ? 1 : 0;
+      (is_new ? worst_at_exchange : worst_otherwise) = std::max(is_new ? worst_at_exchange : worst_otherwise, jump);
     }
     selections = method->counters().selections;
     last = force;
     last_P = P;
   }
-  EXPECT_GT(exchanged, 30);
-  EXPECT_LT(worst_exchanged, std::max(2.0, 1.2 * worst_kept));
+  EXPECT_GT(exchanges, 30);
+  EXPECT_LT(worst_at_exchange, std::max(2.0, 1.2 * worst_otherwise));
 }
 
 TEST(SmoothMethod, StepUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   for (const std::uint32_t size : {16U, 64U, 256U}) {
-    const auto method = make(scene_of(mesh), with_size(size, 1.0));
-    const std::vector<Vec3> way = wander(mesh, 101, 2000);
-    method->reset(way[0]);
+    const auto method = make_smooth(scene_of(mesh), with_size(size, 1.0));
+    const std::vector<Vec3> path = wandering_path(mesh, 101, 2000);
+    method->reset(path[0]);
     auto set = std::make_unique<LocalSet>();
     const AllocationGuard guard;
-    for (const Vec3& P : way) {
+    for (const Vec3& P : path) {
       method->step({.p_SD = P});
       method->scene().select(method->request(), size, *set);
       method->offer(*set);
