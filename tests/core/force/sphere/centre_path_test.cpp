@@ -16,7 +16,7 @@ class CentrePathTest : public testing::Test {
  protected:
   CentrePathTest() { RecordProperty("seed", std::to_string(kSeed)); }
   double unit() { return unit_(random_); }
-  double positive(double least, double most) { return least + (most - least) * 0.5 * (1.0 + unit()); }
+  double between(double least, double most) { return least + (most - least) * 0.5 * (1.0 + unit()); }
   Vec3 vector() {
     const double x = unit();
     const double y = unit();
@@ -24,22 +24,22 @@ class CentrePathTest : public testing::Test {
   }
   Vec3 direction() { return vector().normalized(); }
 
-  // A piece of a circle of the given radius, guided by nothing (0), round a line (1) or round a point (2).
+  // A piece of a circle of the given radius. guide_kind: 0 no guide, 1 round a line, 2 round a point.
   struct Arc {
-    Vec3 middle, axis, out, way;
+    Vec3 middle, axis, out, tangent;
     double radius, angle;
     CentrePath path;
-    Vec3 at(double time) const { return middle + radius * (std::cos(angle * time) * out + std::sin(angle * time) * way); }
+    Vec3 at(double time) const { return middle + radius * (std::cos(angle * time) * out + std::sin(angle * time) * tangent); }
   };
-  Arc arc(double radius, double angle, int guided) {
+  Arc arc(double radius, double angle, int guide_kind) {
     Arc arc{vector(), direction(), Vec3::Zero(), Vec3::Zero(), radius, angle, {}};
     arc.out = arc.axis.unitOrthogonal();
-    arc.way = arc.axis.cross(arc.out);
+    arc.tangent = arc.axis.cross(arc.out);
     const double speed = radius * angle;
-    arc.path =
-        CentrePath::curved(arc.at(0.0), arc.at(1.0), speed * arc.way, speed * (std::cos(angle) * arc.way - std::sin(angle) * arc.out));
-    if (guided == 1) arc.path.add_guide({Feature::edge, arc.middle, arc.axis, radius});
-    if (guided == 2) arc.path.add_guide({Feature::vertex, arc.middle, Vec3::Zero(), radius});
+    arc.path = CentrePath::curved(arc.at(0.0), arc.at(1.0), speed * arc.tangent,
+                                  speed * (std::cos(angle) * arc.tangent - std::sin(angle) * arc.out));
+    if (guide_kind == 1) arc.path.add_guide({Feature::edge, arc.middle, arc.axis, radius});
+    if (guide_kind == 2) arc.path.add_guide({Feature::vertex, arc.middle, Vec3::Zero(), radius});
     return arc;
   }
 
@@ -95,21 +95,21 @@ TEST_F(CentrePathTest, ACubicIsAsNearToItsArcAsStated) {
   for (const double angle : {0.05, 0.125, 0.25}) {
     const Arc free = arc(0.3, angle, 0);
     const Arc guided = arc(0.3, angle, 1);
-    double most = 0.0;
+    double largest_error = 0.0;
     for (int k = 0; k <= 64; ++k) {
-      most = std::max(most, std::fabs((free.path.at(k / 64.0) - free.middle).norm() - 0.3));
+      largest_error = std::max(largest_error, std::fabs((free.path.at(k / 64.0) - free.middle).norm() - 0.3));
       EXPECT_NEAR((guided.path.at(k / 64.0) - guided.middle).norm(), 0.3, 0x1p-51);
       EXPECT_LE(distance_from_segment(guided.path.at(k / 64.0), guided.path.start(), guided.path.end()), guided.path.bulge());
     }
-    EXPECT_LE(most, 1.01 * 0.3 * std::pow(angle, 4) / 384.0);
-    EXPECT_GE(most, 0.5 * 0.3 * std::pow(angle, 4) / 384.0) << "the figure in the header says too much";
+    EXPECT_LE(largest_error, 1.01 * 0.3 * std::pow(angle, 4) / 384.0);
+    EXPECT_GE(largest_error, 0.5 * 0.3 * std::pow(angle, 4) / 384.0) << "the bound in the header is too large";
   }
 }
 
 TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
-  int checked = 0;
+  int checked_paths = 0;
   for (int i = 0; i < 900; ++i) {
-    const double offset = positive(0.05, 0.4);
+    const double offset = between(0.05, 0.4);
     const Vec3 middle = vector();
     std::array<Guide, 2> guides;
     const int count = 1 + (i % 9 < 6 ? 1 : 0);
@@ -147,7 +147,7 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
     for (int g = 0; g < count; ++g)
       is_on = is_on && std::max(std::fabs(distance_to(guides[g], from) - offset), std::fabs(distance_to(guides[g], to) - offset)) < 1e-15;
     if (!is_on) continue;
-    ++checked;
+    ++checked_paths;
     const double chord = (to - from).norm();
     CentrePath path = CentrePath::curved(from, to, chord * tangent(from), chord * tangent(to));
     for (int g = 0; g < count; ++g) path.add_guide(guides[g]);
@@ -168,29 +168,29 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
       EXPECT_LE((ahead + behind - 2.0 * p).norm() / (kStep * kStep), 8.0 * path.bulge() + 1e-9) << "it bends more than it says";
     }
   }
-  EXPECT_GT(checked, 400);
+  EXPECT_GT(checked_paths, 400);
 }
 
 // Also where the path turns back beyond an end of the chord: its slope is longer than the chord, or points away from it at first.
 TEST_F(CentrePathTest, BulgesNoFartherFromItsChordThanItSays) {
-  int beyond = 0;
+  int samples_beyond = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 from = vector();
     const Vec3 along = direction();
     const Vec3 to = from + along;
-    const double across = std::pow(10.0, positive(-3.0, 0.0));
-    const auto slope = [&] { return Vec3(positive(-4.0, 8.0) * along + across * vector()); };
+    const double across = std::pow(10.0, between(-3.0, 0.0));
+    const auto slope = [&] { return Vec3(between(-4.0, 8.0) * along + across * vector()); };
     const Vec3 slope_from = slope();
     const CentrePath path = CentrePath::curved(from, to, slope_from, slope());
-    double most = 0.0;
+    double largest_bulge = 0.0;
     for (int k = 1; k < 200; ++k) {
       const Vec3 p = path.at(k / 200.0);
-      most = std::max(most, distance_from_segment(p, from, to));
-      beyond += std::fabs(along.dot(p - from) - 0.5) > 0.5 ? 1 : 0;
+      largest_bulge = std::max(largest_bulge, distance_from_segment(p, from, to));
+      samples_beyond += std::fabs(along.dot(p - from) - 0.5) > 0.5 ? 1 : 0;
     }
-    ASSERT_LE(most, path.bulge() + 1e-15) << i;
+    ASSERT_LE(largest_bulge, path.bulge() + 1e-15) << i;
   }
-  EXPECT_GT(beyond, 1000);
+  EXPECT_GT(samples_beyond, 1000);
 }
 
 // In both directions: the end before the crest may be the higher one, or the end after it.
@@ -199,7 +199,7 @@ TEST_F(CentrePathTest, ACrestBetweenTwoEndsBelowThePlaneIsFoundForLongDirections
     const Vec3 from = vector();
     const Vec3 along = direction();
     const Vec3 up = along.unitOrthogonal();
-    const double height = std::pow(10.0, positive(-6.0, -1.0));
+    const double height = std::pow(10.0, between(-6.0, -1.0));
     const double drop = (i % 2 == 0 ? 1.0 : -1.0) * 2.0 * height;  // from the first end to the last
     const Vec3 chord = along - drop * up;
     // A parabola above the chord, which is `height` above it in the middle.
@@ -230,14 +230,14 @@ TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
   int passed = 0;
   int crests = 0;
   for (int i = 0; i < 400; ++i) {
-    const Arc a = arc(positive(0.1, 0.5), positive(0.02, 0.25), i % 3);
+    const Arc a = arc(between(0.1, 0.5), between(0.02, 0.25), i % 3);
     const CentrePath path = i % 10 == 0 ? CentrePath::straight(a.at(0.0), a.at(1.0)) : a.path;
     const double length = (path.end() - path.start()).norm();
     const double until = i % 5 == 0 ? 0.7 : 1.0;
     // Every other plane is placed so that the path only just crosses it, or only just does not.
     Vec3 normal = direction();
-    if (i % 2 == 0) normal = (a.out + 0.02 * vector() + (0.3 * a.angle) * a.way).normalized();
-    const Vec3 origin = path.start() + positive(0.001, 0.2) * length * (i % 2 == 0 ? 0.2 * length : 1.0) * normal;
+    if (i % 2 == 0) normal = (a.out + 0.02 * vector() + (0.3 * a.angle) * a.tangent).normalized();
+    const Vec3 origin = path.start() + between(0.001, 0.2) * length * (i % 2 == 0 ? 0.2 * length : 1.0) * normal;
     const double margin = i % 4 == 0 ? 0x1p-44 : 0.0;
     const double expected = sampled_time_to_pass(path, origin, normal, margin, until);
     const double time = path.time_to_cross(origin, normal, margin, 0.0, until);
@@ -273,8 +273,8 @@ class FindBlock : public CentrePathTest {
     const Vec3 b = a + 0.4 * vector();
     return {a, b, i % 8 == 7 ? Vec3(a + 0.4 * (b - a) + 1e-7 * vector()) : Vec3(a + 0.4 * vector())};
   }
-  // A place at the given distance from the triangle.
-  Vec3 place(const ContactTriangle& shape, double distance) {
+  // A position at the given distance from the triangle.
+  Vec3 position_at(const ContactTriangle& shape, double distance) {
     for (;;) {
       const Vec3 p = shape.corner(0) + vector();
       const Separation at = shape.separation(p);
@@ -282,8 +282,8 @@ class FindBlock : public CentrePathTest {
     }
   }
 
-  // Compares find_block() with the distance at many times. Returns whether the triangle blocks the path.
-  static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned guiding, double until) {
+  // Compares find_block() with the distance at many times. Returns true if the triangle blocks the path.
+  static bool expect_block_as_sampled(const CentrePath& path, const ContactTriangle& shape, unsigned guiding, double until) {
     constexpr int kSamples = 2000;
     int tests = 0;
     const CentrePath::Block block = path.find_block(shape, kClearance, guiding, path.prefix(until), tests);
@@ -310,8 +310,8 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
   int contacts = 0;
   for (int i = 0; i < 1200; ++i) {
     const ContactTriangle shape = triangle(i);
-    const double gap = i % 4 == 0 ? 0.0 : i % 4 == 1 ? positive(0.0, 1e-12) : i % 4 == 2 ? positive(1e-9, 1e-4) : positive(0.0, 0.1);
-    const Vec3 from = place(shape, kClearance.offset + gap);
+    const double gap = i % 4 == 0 ? 0.0 : i % 4 == 1 ? between(0.0, 1e-12) : i % 4 == 2 ? between(1e-9, 1e-4) : between(0.0, 0.1);
+    const Vec3 from = position_at(shape, kClearance.offset + gap);
     const Vec3 way = (i % 3 == 0 ? Vec3(0.3 * vector()) : Vec3(direction() * (0.02 + 2.0 * gap)));
     CentrePath path = CentrePath::straight(from, from + way);
     if (i % 2 == 1) {
@@ -319,7 +319,7 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
       path = CentrePath::curved(from, from + way, way + turn, way - turn);
     }
     const double until = i % 5 == 0 ? 0.6 : 1.0;
-    blocked += check(path, shape, 0U, until) ? 1 : 0;
+    blocked += expect_block_as_sampled(path, shape, 0U, until) ? 1 : 0;
     int tests = 0;
     hits += path.find_block(shape, kClearance, 0U, path.prefix(until), tests).hits ? 1 : 0;
     contacts += gap == 0.0 ? 1 : 0;
@@ -327,7 +327,7 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
   }
   EXPECT_GT(blocked, 200);
   EXPECT_LT(blocked, 900);
-  EXPECT_GE(hits, blocked - 4) << "the search ended before it told";
+  EXPECT_GE(hits, blocked - 4) << "the search ended undecided";
   EXPECT_GT(contacts, 200);
 }
 
@@ -358,15 +358,15 @@ TEST_F(FindBlock, APathThatBendsDownAndUpBlocksWhereItComesTooNear) {
   for (int i = 0; i < 300; ++i) {
     const ContactTriangle shape = triangle(0);
     const double gap = 0.3 * kClearance.slop;
-    const double wanted = i % 3 == 0 ? 0.6 * kClearance.slop : i % 3 == 1 ? 1.5 * kClearance.slop : positive(1e-6, 1e-4);
+    const double dip = i % 3 == 0 ? 0.6 * kClearance.slop : i % 3 == 1 ? 1.5 * kClearance.slop : between(1e-6, 1e-4);
     const Vec3 from = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0 + (kClearance.offset + gap) * shape.normal();
     const Vec3 along = 0.01 * shape.edge(i % 3);
-    // With a = 27 / 4 wanted, the height above the start is a (t^3 - t^2): at its lowest, -4 a / 27.
-    const CentrePath path = CentrePath::curved(from, from + along, along, along + 27.0 / 4.0 * wanted * shape.normal());
+    // With a = 27 / 4 dip, the height above the start is a (t^3 - t^2): at its lowest, -4 a / 27 = -dip.
+    const CentrePath path = CentrePath::curved(from, from + along, along, along + 27.0 / 4.0 * dip * shape.normal());
     int tests = 0;
     const CentrePath::Block block = path.find_block(shape, kClearance, 0U, path.prefix(1.0), tests);
     EXPECT_EQ(block.hits, i % 3 != 0) << "path " << i;
-    check(path, shape, 0U, 1.0);
+    expect_block_as_sampled(path, shape, 0U, 1.0);
     if (HasFailure()) FAIL() << "path " << i;
   }
 }
@@ -399,7 +399,7 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
     } else if (shape.separation(to).distance < kClearance.offset - 1e-6) {
       ++into_face;
       EXPECT_TRUE(block.hits);
-      check(path, shape, 1U << corner, 1.0);
+      expect_block_as_sampled(path, shape, 1U << corner, 1.0);
     }
     if (HasFailure()) FAIL() << "path " << i;
   }
@@ -416,11 +416,11 @@ TEST_F(FindBlock, WhatBeginsAtACornerThatIsPassedBlocks) {
     const Vec3 along = direction();
     const Vec3 out = along.unitOrthogonal();
     const Vec3 side = along.cross(out);
-    const double turn = positive(0.1, 1.4);
+    const double turn = between(0.1, 1.4);
     const Vec3 edge = std::cos(turn) * along + std::sin(turn) * out;
-    const ContactTriangle shape(corner, corner + edge, corner + edge + positive(0.2, 1.0) * (along - 0.2 * out) + 0.1 * unit() * side);
-    const double length = std::pow(10.0, positive(1.0, 3.0)) * kClearance.offset;
-    const Vec3 from = corner - positive(2.0, 6.0) * kClearance.offset * along + kClearance.offset * out;
+    const ContactTriangle shape(corner, corner + edge, corner + edge + between(0.2, 1.0) * (along - 0.2 * out) + 0.1 * unit() * side);
+    const double length = std::pow(10.0, between(1.0, 3.0)) * kClearance.offset;
+    const Vec3 from = corner - between(2.0, 6.0) * kClearance.offset * along + kClearance.offset * out;
     const Vec3 to = from + length * along;
     const Vec3 bend = 1e-13 * length * vector();  // as that of a curve that is straight up to rounding
     CentrePath path = CentrePath::curved(from, to, to - from + bend, to - from - bend);
@@ -441,20 +441,20 @@ TEST_F(FindBlock, ACopyBesideWhatGuidesThePathIsDecided) {
   int passes = 0;
   for (int i = 0; i < 1200; ++i) {
     const bool is_corner = i % 3 == 0;
-    const Arc roll = arc(kClearance.offset, positive(0.02, 0.125), is_corner ? 2 : 1);
-    const auto displaced = [&] { return Vec3(std::pow(10.0, positive(-15.0, -7.0)) * vector()); };
-    const double ahead = i % 2 == 0 ? 0.0 : std::pow(10.0, positive(-12.0, -7.0));  // shift of the copy towards where the sphere goes
-    const Vec3 beside = roll.middle + (ahead > 0.0 ? Vec3(ahead * (roll.way - 0.01 * roll.angle * roll.out)) : displaced());
+    const Arc roll = arc(kClearance.offset, between(0.02, 0.125), is_corner ? 2 : 1);
+    const auto displaced = [&] { return Vec3(std::pow(10.0, between(-15.0, -7.0)) * vector()); };
+    const double ahead = i % 2 == 0 ? 0.0 : std::pow(10.0, between(-12.0, -7.0));  // shift of the copy towards where the sphere goes
+    const Vec3 beside = roll.middle + (ahead > 0.0 ? Vec3(ahead * (roll.tangent - 0.01 * roll.angle * roll.out)) : displaced());
     // The triangle lies on the other side of the edge, or begins at the corner.
-    const Vec3 below = -positive(0.2, 1.0) * (std::cos(0.5 * roll.angle) * roll.out + std::sin(0.5 * roll.angle) * roll.way);
-    const Vec3 along = positive(0.2, 1.0) * roll.axis;
+    const Vec3 below = -between(0.2, 1.0) * (std::cos(0.5 * roll.angle) * roll.out + std::sin(0.5 * roll.angle) * roll.tangent);
+    const Vec3 along = between(0.2, 1.0) * roll.axis;
     const Vec3 other = is_corner ? Vec3(0.1 * along + 0.5 * below) : Vec3(2.0 * along + (ahead > 0.0 ? Vec3(Vec3::Zero()) : displaced()));
     const ContactTriangle shape(i % 3 == 1 ? Vec3(beside - along) : beside, beside + other, beside + below + unit() * along);
     if (shape.separation(roll.at(0.0)).distance < kClearance.offset) continue;
     int tests = 0;
     const CentrePath::Block block = roll.path.find_block(shape, kClearance, 0U, roll.path.prefix(1.0), tests);
     EXPECT_TRUE(block.hits || block.time == kNever) << "undecided at " << block.time;
-    check(roll.path, shape, 0U, 1.0);
+    expect_block_as_sampled(roll.path, shape, 0U, 1.0);
     (block.hits ? hits : passes) += 1;
     if (HasFailure()) FAIL() << "path " << i;
   }
@@ -468,24 +468,24 @@ TEST_F(FindBlock, WhatGoesOnFromACopyBesideWhatGuidesThePathBlocks) {
   int hits = 0;
   for (int i = 0; i < 1500; ++i) {
     const bool is_corner = i % 3 == 0;
-    const Arc roll = arc(kClearance.offset, positive(0.05, 0.3), i % 3 == 2 ? 1 : is_corner ? 2 : 1);
-    const auto displaced = [&] { return Vec3(std::pow(10.0, positive(-16.0, -9.0)) * vector()); };
+    const Arc roll = arc(kClearance.offset, between(0.05, 0.3), i % 3 == 2 ? 1 : is_corner ? 2 : 1);
+    const auto displaced = [&] { return Vec3(std::pow(10.0, between(-16.0, -9.0)) * vector()); };
     // From the angle `turn` on, the triangle is nearer than the copy.
-    const double turn = positive(0.1, 0.9) * roll.angle;
-    const Vec3 ahead = 0.5 * (std::cos(turn) * roll.way - std::sin(turn) * roll.out);
-    const Vec3 below = -0.5 * roll.out - 0.2 * roll.way;
+    const double turn = between(0.1, 0.9) * roll.angle;
+    const Vec3 ahead = 0.5 * (std::cos(turn) * roll.tangent - std::sin(turn) * roll.out);
+    const Vec3 below = -0.5 * roll.out - 0.2 * roll.tangent;
     const Vec3 along = 0.3 * roll.axis;
     const Vec3 copy = roll.middle + displaced();
     const Vec3 corners[] = {i % 3 == 1 ? Vec3(copy - along) : copy,
                             i % 3 == 1 ? Vec3(copy + along + displaced()) : Vec3(copy + below + unit() * along),
                             Vec3(copy + ahead + (is_corner ? unit() : 0.0) * along)};
-    const int first = static_cast<int>(positive(0.0, 2.99));
+    const int first = static_cast<int>(between(0.0, 2.99));
     const bool is_turned = unit() < 0.0;
     const ContactTriangle shape(corners[first], corners[(first + (is_turned ? 2 : 1)) % 3], corners[(first + (is_turned ? 1 : 2)) % 3]);
     if (shape.separation(roll.at(0.0)).distance < kClearance.offset) continue;
     int tests = 0;
     hits += roll.path.find_block(shape, kClearance, 0U, roll.path.prefix(1.0), tests).hits ? 1 : 0;
-    check(roll.path, shape, 0U, 1.0);
+    expect_block_as_sampled(roll.path, shape, 0U, 1.0);
     if (HasFailure()) FAIL() << "path " << i;
   }
   EXPECT_GT(hits, 400);

@@ -34,7 +34,7 @@ class RandomNormals {
 
 TEST(ContactFrame, DualsHaveTheProductsOfAnIdentity) {
   RandomNormals random(5);
-  int wide = 0;
+  int wide_frames = 0;
   for (int i = 0; i < 2000; ++i) {
     ContactFrame frame;
     frame.count = 1 + i % 3;
@@ -44,7 +44,7 @@ TEST(ContactFrame, DualsHaveTheProductsOfAnIdentity) {
     if (frame.count == 3) volume = std::fabs(frame.normal[0].cross(frame.normal[1]).dot(frame.normal[2]));
     ASSERT_TRUE(frame.prepare());
     ASSERT_LE(error_of(frame), 0x1p-49 / volume);
-    wide += volume > 0.1 ? 1 : 0;
+    wide_frames += volume > 0.1 ? 1 : 0;
     if (frame.count == 2) {
       EXPECT_NEAR(frame.along.norm(), 1.0, 0x1p-50);
       for (int k = 0; k < 2; ++k) {
@@ -53,7 +53,7 @@ TEST(ContactFrame, DualsHaveTheProductsOfAnIdentity) {
       }
     }
   }
-  EXPECT_GT(wide, 1500);
+  EXPECT_GT(wide_frames, 1500);
 }
 
 TEST(ContactFrame, DualsGiveTheMultipliersOfAPullAndTheLeastMotionThatRaises) {
@@ -65,21 +65,21 @@ TEST(ContactFrame, DualsGiveTheMultipliersOfAPullAndTheLeastMotionThatRaises) {
     ASSERT_TRUE(frame.prepare());
     Vec3 pull = Vec3::Zero();
     Vec3 lift = Vec3::Zero();
-    std::array<double, 3> by{};
-    std::array<double, 3> raise{};
+    std::array<double, 3> multipliers{};
+    std::array<double, 3> raises{};
     double size = 1.0;
     for (int k = 0; k < frame.count; ++k) {
-      by[k] = random.number();
-      raise[k] = random.number();
-      pull += by[k] * frame.normal[k];
-      lift += raise[k] * frame.dual[k];
+      multipliers[k] = random.number();
+      raises[k] = random.number();
+      pull += multipliers[k] * frame.normal[k];
+      lift += raises[k] * frame.dual[k];
       size = std::max(size, frame.dual[k].norm());
     }
     Vec3 out_of_span = random.next();
     for (int k = 0; k < frame.count; ++k) out_of_span -= frame.dual[k].dot(out_of_span) * frame.normal[k];
     for (int k = 0; k < frame.count; ++k) {
-      EXPECT_NEAR(frame.dual[k].dot(pull), by[k], 1e-14 * size * size);
-      EXPECT_NEAR(frame.normal[k].dot(lift), raise[k], 1e-14 * size * size);
+      EXPECT_NEAR(frame.dual[k].dot(pull), multipliers[k], 1e-14 * size * size);
+      EXPECT_NEAR(frame.normal[k].dot(lift), raises[k], 1e-14 * size * size);
       EXPECT_NEAR(frame.normal[k].dot(out_of_span), 0.0, 1e-14 * size * size);
     }
     EXPECT_NEAR(lift.dot(out_of_span), 0.0, 1e-13 * size * size * size) << "a shorter motion would do";

@@ -19,12 +19,12 @@ class ContactSetOf : public testing::Test {
 
 // Searches the position nearest to `from` that is an offset from each contact, by ever smaller steps in random directions.
 Vec3 search_nearest(MadeContacts& made, const ContactSet& contacts, const Vec3& from, const Vec3& start) {
-  const auto cost = [&](const Vec3& c) { return (c - from).norm() + 1e3 * distance_off(contacts, c); };
+  const auto cost = [&](const Vec3& c) { return (c - from).norm() + 1e3 * largest_offset_error(contacts, c); };
   Vec3 best = start;
   for (double step = 1e-2; step > 1e-10; step *= 0.7) {
     for (int i = 0; i < 60; ++i) {
-      const Vec3 tried = best + step * made.vector();
-      if (cost(tried) < cost(best)) best = tried;
+      const Vec3 candidate = best + step * made.vector();
+      if (cost(candidate) < cost(best)) best = candidate;
     }
   }
   return best;
@@ -39,7 +39,7 @@ TEST_F(ContactSetOf, RestoreEndsAnOffsetFromEachAndHardlyFartherThanTheNearestSu
     int work = 0;
     ASSERT_TRUE(contacts.restore_to_frame(restored, frame, work)) << i;
     EXPECT_GT(work, 0);
-    EXPECT_LE(distance_off(contacts, restored), MadeContacts::kClearance.tolerance) << i;
+    EXPECT_LE(largest_offset_error(contacts, restored), MadeContacts::kClearance.tolerance) << i;
     for (int k = 0; k < contacts.active_count(); ++k) {
       EXPECT_LT((frame.normal[static_cast<std::size_t>(k)] - contacts[k].proximity(restored).normal).norm(), 1e-15);
       for (int j = 0; j < contacts.active_count(); ++j) {
@@ -91,7 +91,7 @@ TEST_F(ContactSetOf, HoldsOneContactOfATriangleAndNoMoreThanItHasRoomFor) {
 
 // The free part of a held pull is the vector nearest to the pull that leads into no contact. The multipliers of the active contacts are
 // positive, and times the normals they sum up to the part that was taken away.
-TEST_F(ContactSetOf, FindActiveIsTheNearestFreePullOfAllSubsets) {
+TEST_F(ContactSetOf, FindActiveGivesTheNearestFreePull) {
   for (int i = 0; i < 400; ++i) {
     const Vec3 c = made.vector();
     ContactSet contacts(MadeContacts::kClearance);
@@ -108,25 +108,25 @@ TEST_F(ContactSetOf, FindActiveIsTheNearestFreePullOfAllSubsets) {
     }
     for (const OffsetContact& contact : contacts.all()) EXPECT_GE(contact.normal.dot(free), -1e-14) << i;
     // Of sampled directions that lead into no contact, none has a larger component of the pull.
-    double most = 0.0;
+    double largest_component = 0.0;
     for (int k = 0; k < 300; ++k) {
       const Vec3 direction =
           (free.norm() > 1e-3 && k % 2 == 0 ? Vec3(free.normalized() + 0.1 * made.vector()) : made.vector()).normalized();
       bool is_free = true;
       for (const OffsetContact& contact : contacts.all()) is_free &= contact.normal.dot(direction) >= 0.0;
-      if (is_free) most = std::max(most, direction.dot(pull));
+      if (is_free) largest_component = std::max(largest_component, direction.dot(pull));
     }
-    EXPECT_LE(most, free.norm() + 1e-14) << i;
-    Vec3 left = pull - free;
+    EXPECT_LE(largest_component, free.norm() + 1e-14) << i;
+    Vec3 residual = pull - free;
     ContactFrame frame;
     ASSERT_TRUE(contacts.find_frame(c, frame));
-    const Vec3 held = left;
+    const Vec3 removed_pull = residual;
     for (int k = 0; k < contacts.active_count(); ++k) {
-      const double multiplier = -frame.dual[static_cast<std::size_t>(k)].dot(held);
+      const double multiplier = -frame.dual[static_cast<std::size_t>(k)].dot(removed_pull);
       EXPECT_GT(multiplier, 0.0) << i;
-      left += multiplier * contacts[k].normal;
+      residual += multiplier * contacts[k].normal;
     }
-    EXPECT_LT(left.norm(), 1e-13) << i;
+    EXPECT_LT(residual.norm(), 1e-13) << i;
   }
 }
 
@@ -145,14 +145,14 @@ TEST_F(ContactSetOf, TheMultipliersSumUpToWhatHoldsTheCentre) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 c = made.vector();
     ContactSet contacts = made.set(1 + i % 3, c, 0.0);
-    std::array<double, 3> given{};
+    std::array<double, 3> multipliers{};
     Vec3 device = c;
     for (int k = 0; k < contacts.active_count(); ++k) {
-      given[static_cast<std::size_t>(k)] = 0.5 + 0.4 * made.unit();
-      device -= given[static_cast<std::size_t>(k)] * contacts[k].proximity(c).normal;
+      multipliers[static_cast<std::size_t>(k)] = 0.5 + 0.4 * made.unit();
+      device -= multipliers[static_cast<std::size_t>(k)] * contacts[k].proximity(c).normal;
     }
     contacts.note_multipliers(c, device);
-    for (int k = 0; k < contacts.active_count(); ++k) EXPECT_NEAR(contacts[k].multiplier, given[static_cast<std::size_t>(k)], 1e-12);
+    for (int k = 0; k < contacts.active_count(); ++k) EXPECT_NEAR(contacts[k].multiplier, multipliers[static_cast<std::size_t>(k)], 1e-12);
   }
 }
 

@@ -20,10 +20,10 @@ struct PointInCorner : CornerStage {
 };
 
 TEST(CornerExitOf, TheFreeDirectionsAreThoseOfTheOctant) {
-  PointInCorner in;
-  ASSERT_TRUE(in.corner().find_cone(0.0));
-  const TangentCone& cone = in.corner().cone();
-  EXPECT_LT((cone.apex() - in.apex).norm(), 1e-15);
+  PointInCorner point;
+  ASSERT_TRUE(point.corner().find_cone(0.0));
+  const TangentCone& cone = point.corner().cone();
+  EXPECT_LT((cone.apex() - point.apex).norm(), 1e-15);
   for (const double x : {-0.5, 0.3, 1.0}) {
     for (const double y : {-0.2, 0.7}) {
       for (const double z : {-0.9, 0.4}) EXPECT_EQ(cone.contains(Vec3(x, y, z).normalized()), x > 0.0 && y > 0.0 && z > 0.0);
@@ -33,10 +33,10 @@ TEST(CornerExitOf, TheFreeDirectionsAreThoseOfTheOctant) {
 
 // No triangle has a vertex at the corner: the apex is where the planes of the three faces meet.
 TEST(CornerExitOf, ThreeFacesThatGoThroughOneAnotherMakeTheSameCorner) {
-  PointInCorner in({}, CornerStage::crossing_walls());
-  ASSERT_TRUE(in.corner().find_cone(0.0));
-  const TangentCone& cone = in.corner().cone();
-  EXPECT_LT((cone.apex() - in.apex).norm(), 1e-12);
+  PointInCorner point({}, CornerStage::crossing_walls());
+  ASSERT_TRUE(point.corner().find_cone(0.0));
+  const TangentCone& cone = point.corner().cone();
+  EXPECT_LT((cone.apex() - point.apex).norm(), 1e-12);
   EXPECT_TRUE(cone.contains(Vec3(0.3, 0.7, 0.4).normalized()));
   for (const Vec3& outside : {Vec3(-0.5, 0.7, 0.4), Vec3(0.3, -0.2, 0.4), Vec3(0.3, 0.7, -0.9)})
     EXPECT_FALSE(cone.contains(outside.normalized()));
@@ -44,51 +44,51 @@ TEST(CornerExitOf, ThreeFacesThatGoThroughOneAnotherMakeTheSameCorner) {
 
 // Two faces hold the point, and no vertex is near: the point can slide away.
 TEST(CornerExitOf, BetweenTwoFacesThereIsNoCorner) {
-  PointInCorner in({}, CornerStage::crossing_walls());
-  const OffsetContact kept[] = {in.contacts[0], in.contacts[1]};
-  in.contacts.hold_by(kept);
-  EXPECT_FALSE(in.corner().find_cone(0.0));
+  PointInCorner point({}, CornerStage::crossing_walls());
+  const OffsetContact two_walls[] = {point.contacts[0], point.contacts[1]};
+  point.contacts.hold_by(two_walls);
+  EXPECT_FALSE(point.corner().find_cone(0.0));
 }
 
 // The pull turns towards the x axis: from the time found on, the way out along that axis leads nearer by more than kMinGain offsets.
 TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
-  PointInCorner in;
-  const Vec3 from = in.apex + Vec3(-0.1, -0.2, -0.1);
-  const Vec3 to = in.apex + Vec3(0.3, -0.2, -0.1);
-  const double opens = in.corner().time_to_exit(from, to, 0.0);
-  ASSERT_LE(opens, 1.0);
-  const auto pull_at = [&](double time) { return Vec3(from + time * (to - from) - in.apex); };
-  EXPECT_GE(pull_at(opens).x(), in.corner().least_exit(pull_at(opens)));
-  EXPECT_LT(pull_at(opens).x(), 1.5 * in.corner().least_exit(pull_at(opens)));
+  PointInCorner point;
+  const Vec3 from = point.apex + Vec3(-0.1, -0.2, -0.1);
+  const Vec3 to = point.apex + Vec3(0.3, -0.2, -0.1);
+  const double exit_time = point.corner().time_to_exit(from, to, 0.0);
+  ASSERT_LE(exit_time, 1.0);
+  const auto pull_at = [&](double time) { return Vec3(from + time * (to - from) - point.apex); };
+  EXPECT_GE(pull_at(exit_time).x(), point.corner().least_exit(pull_at(exit_time)));
+  EXPECT_LT(pull_at(exit_time).x(), 1.5 * point.corner().least_exit(pull_at(exit_time)));
   // A way of the length least_exit() along the edge does lead nearer by more than kMinGain offsets.
-  const Vec3 out = in.corner().least_exit(pull_at(opens)) * Vec3::UnitX();
-  EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kMinGain * CornerStage::kClearance.offset);
-  EXPECT_EQ(in.corner().time_to_exit(from, from - Vec3::UnitX(), 0.0), 2.0);
+  const Vec3 out = point.corner().least_exit(pull_at(exit_time)) * Vec3::UnitX();
+  EXPECT_LT((pull_at(exit_time) - out).norm(), pull_at(exit_time).norm() - CornerExit::kMinGain * CornerStage::kClearance.offset);
+  EXPECT_EQ(point.corner().time_to_exit(from, from - Vec3::UnitX(), 0.0), 2.0);
 }
 
 TEST(CornerExitOf, ATargetPastTheCornerIsFreeOnlyWithNothingElseAround) {
   constexpr double kWide = 512.0 * CornerStage::kClearance.offset;
   const Vec3 inwards = Vec3(1.0, 0.5, 0.7).normalized();
-  PointInCorner in;
-  ASSERT_TRUE(in.corner().find_cone(0.0));
-  EXPECT_TRUE(in.corner().can_pass(in.apex + kWide * inwards, kWide));
-  EXPECT_FALSE(in.corner().can_pass(in.apex - kWide * inwards, kWide)) << "outside";
-  EXPECT_FALSE(in.corner().can_pass(in.apex + kWide * Vec3::UnitX(), kWide)) << "in the walls";
+  PointInCorner point;
+  ASSERT_TRUE(point.corner().find_cone(0.0));
+  EXPECT_TRUE(point.corner().can_pass(point.apex + kWide * inwards, kWide));
+  EXPECT_FALSE(point.corner().can_pass(point.apex - kWide * inwards, kWide)) << "outside";
+  EXPECT_FALSE(point.corner().can_pass(point.apex + kWide * Vec3::UnitX(), kWide)) << "in the walls";
   const TriangleMesh between = made::box(Vec3::Constant(0.003), Vec3::Constant(0.0031));
-  PointInCorner beside({&between});
-  ASSERT_TRUE(beside.corner().find_cone(0.0));
-  EXPECT_FALSE(beside.corner().can_pass(beside.apex + kWide * inwards, kWide));
+  PointInCorner beside_box({&between});
+  ASSERT_TRUE(beside_box.corner().find_cone(0.0));
+  EXPECT_FALSE(beside_box.corner().can_pass(beside_box.apex + kWide * inwards, kWide));
 }
 
 TEST(CornerExitOf, APositionPastTheCornerIsOffTheWalls) {
-  PointInCorner in;
-  ASSERT_TRUE(in.corner().find_cone(0.0));
-  const TangentCone::Steepest steepest = in.memory.cone.find_steepest(Vec3(1.0, -0.1, -0.1));
+  PointInCorner point;
+  ASSERT_TRUE(point.corner().find_cone(0.0));
+  const TangentCone::Steepest steepest = point.memory.cone.find_steepest(Vec3(1.0, -0.1, -0.1));
   EXPECT_GT(steepest.slope, 0.0);
-  const std::optional<Vec3> target = in.corner().find_past(steepest, 1e-3);
+  const std::optional<Vec3> target = point.corner().find_past(steepest, 1e-3);
   ASSERT_TRUE(target.has_value());
-  EXPECT_GE((*target - in.apex).minCoeff(), CornerStage::kClearance.offset);
-  EXPECT_FALSE(in.corner().find_past(steepest, 2.0 * CornerStage::kClearance.offset).has_value()) << "too near";
+  EXPECT_GE((*target - point.apex).minCoeff(), CornerStage::kClearance.offset);
+  EXPECT_FALSE(point.corner().find_past(steepest, 2.0 * CornerStage::kClearance.offset).has_value()) << "too near";
 }
 
 }  // namespace

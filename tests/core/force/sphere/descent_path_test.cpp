@@ -25,7 +25,7 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
     const HeldCentre at = made.held(1 + i % 2);
     const LocalMinimum minimum(at.contacts);
     const Vec3 device = at.device + 0.1 * made.vector();
-    Vec3 c = at.c;
+    Vec3 c = at.centre;
     int work = 0;
     bool goes_on = true;
     for (int piece = 0; goes_on && piece < kMaxPieces; ++piece) {
@@ -36,7 +36,7 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
       double before = (device - c).norm();
       for (int k = 1; k <= kSamples; ++k) {
         const Vec3 p = path.at(static_cast<double>(k) / kSamples);
-        EXPECT_LE(distance_off(at.contacts, p), MadeContacts::kClearance.tolerance) << i;
+        EXPECT_LE(largest_offset_error(at.contacts, p), MadeContacts::kClearance.tolerance) << i;
         if (at.contacts.active_count() == 2 && k < kSamples) continue;  // along a curve a piece may pass the minimum
         EXPECT_LE((device - p).norm(), before + 1e-9) << i;
         before = (device - p).norm();
@@ -59,28 +59,28 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
 // A point between the two faces of a blade is nearer to both than the offset, by half of the slop. The position where it would be an offset
 // from both is many offsets away.
 TEST_F(DescentPathOf, BetweenNearlyOppositeFacesACentreReturnsToWhereBothAreAtTheOffset) {
-  constexpr Clearance kOfPoint{0x1p-31, 0x1p-40, 0x1p-46};
+  constexpr Clearance kClearanceOfPoint{0x1p-31, 0x1p-40, 0x1p-46};
   for (const double angle : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     for (int i = 0; i < 50; ++i) {
       const Vec3 along = made.vector().normalized();
       const Vec3 up = along.unitOrthogonal();
       const Vec3 out = along.cross(up);
-      ContactSet contacts(kOfPoint);
+      ContactSet contacts(kClearanceOfPoint);
       for (const double side : {1.0, -1.0}) {
         const Vec3 far = std::cos(0.5 * angle) * out + side * std::sin(0.5 * angle) * up;
         contacts.add(OffsetContact::on_face(side > 0.0 ? 0U : 1U, {-along, along, far}, -side * up));
       }
       contacts.activate_all();
       // A position at the offset from both faces is `tip` out from the edge; the centre is nearer to the edge, by half of the slop.
-      const double tip = kOfPoint.offset / std::sin(0.5 * angle);
-      const double short_by = 0.5 * kOfPoint.slop / std::sin(0.5 * angle);
+      const double tip = kClearanceOfPoint.offset / std::sin(0.5 * angle);
+      const double short_by = 0.5 * kClearanceOfPoint.slop / std::sin(0.5 * angle);
       const Vec3 c = 0.2 * made.unit() * along + (tip - short_by) * out;
       int work = 0;
       CentrePath path;
       ASSERT_TRUE(DescentPath(contacts, c, work).return_to_crease(path)) << angle;
       EXPECT_TRUE(path.is_straight());
       EXPECT_EQ(path.start(), c);
-      EXPECT_LE(distance_off(contacts, path.end()), kOfPoint.tolerance);
+      EXPECT_LE(largest_offset_error(contacts, path.end()), kClearanceOfPoint.tolerance);
       EXPECT_NEAR((path.end() - c).dot(out) / short_by, 1.0, 1e-3) << angle;
       const Vec3 there = path.end();
       EXPECT_FALSE(DescentPath(contacts, there, work).return_to_crease(path)) << angle << ": it is there";
@@ -93,11 +93,11 @@ TEST_F(DescentPathOf, FacesAtALargerAngleNeedNoReturn) {
     const HeldCentre at = made.held(1 + i % 3);
     int work = 0;
     CentrePath path;
-    EXPECT_FALSE(DescentPath(at.contacts, at.c + 1e-10 * made.vector(), work).return_to_crease(path));
+    EXPECT_FALSE(DescentPath(at.contacts, at.centre + 1e-10 * made.vector(), work).return_to_crease(path));
   }
 }
 
-// Straight above a vertex all directions are alike: the hint decides.
+// Straight above a vertex all directions are equally steep: the hint decides.
 TEST_F(DescentPathOf, TheHintDecidesStraightAboveAVertex) {
   const Vec3 c(0.0, 0.0, MadeContacts::kOffset);
   ContactSet contacts(MadeContacts::kClearance);

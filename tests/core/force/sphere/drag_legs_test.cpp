@@ -15,8 +15,8 @@ constexpr Clearance kClearanceOfDrags{0.02, 0x1p-40, 0x1p-46};
 constexpr FrictionCoefficients kFrictionOfDrags{0.5, 0.4};
 
 // A sphere on a plane of many triangles, or on the edge of a box.
-struct Dragged {
-  explicit Dragged(TriangleMesh shape) : mesh(std::move(shape)), geometry(std::vector<const TriangleMesh*>{&mesh}) {
+struct DraggedSphere {
+  explicit DraggedSphere(TriangleMesh shape) : mesh(std::move(shape)), geometry(std::vector<const TriangleMesh*>{&mesh}) {
     near = std::make_unique<GatheredTriangles>(geometry, materials, kClearanceOfDrags, 1e-4);
   }
   void touch(const Vec3& c) {
@@ -46,31 +46,31 @@ struct Dragged {
 };
 
 TEST(DragLegsOf, ASlipOverAPlaneEndsOnTheCone) {
-  Dragged on(made::sheet(0.4, 0.0, 8));
-  on.touch(Vec3(0.031, 0.017, kClearanceOfDrags.offset));
-  const Vec3 device = on.centre + Vec3(0.015, -0.005, -0.02);
+  DraggedSphere sphere(made::sheet(0.4, 0.0, 8));
+  sphere.touch(Vec3(0.031, 0.017, kClearanceOfDrags.offset));
+  const Vec3 device = sphere.centre + Vec3(0.015, -0.005, -0.02);
   OffsetDrag::Pull pull;
-  ASSERT_TRUE(on.drag().find_pull(on.centre, device, pull));
+  ASSERT_TRUE(sphere.drag().find_pull(sphere.centre, device, pull));
   SlipPath slip;
-  ASSERT_TRUE(on.legs().make_slip(on.drag(), pull, device, false, slip));
+  ASSERT_TRUE(sphere.legs().make_slip(sphere.drag(), pull, device, false, slip));
   EXPECT_TRUE(slip.stops);
   const double length = Vec3(0.015, -0.005, 0.0).norm() - kFrictionOfDrags.dynamic_mu * 0.02;
   EXPECT_NEAR(slip.length, length, 1e-14);
-  EXPECT_LT((slip.path.end() - (on.centre + length * Vec3(0.015, -0.005, 0.0).normalized())).norm(), 1e-14);
+  EXPECT_LT((slip.path.end() - (sphere.centre + length * Vec3(0.015, -0.005, 0.0).normalized())).norm(), 1e-14);
 }
 
 // Compares with many small steps of return mapping, each of which puts the centre back onto the cone along the pull.
 TEST(DragLegsOf, ADragOverAPlaneIsTheLimitOfSmallSteps) {
   constexpr int kSteps = 200'000;
-  Dragged on(made::sheet(0.4, 0.0, 8));
-  on.touch(Vec3(0.031, 0.017, kClearanceOfDrags.offset));
+  DraggedSphere sphere(made::sheet(0.4, 0.0, 8));
+  sphere.touch(Vec3(0.031, 0.017, kClearanceOfDrags.offset));
   const double reach = kFrictionOfDrags.dynamic_mu * 0.02;
-  const Vec3 from = on.centre + Vec3(reach, 0.0, -0.02);
+  const Vec3 from = sphere.centre + Vec3(reach, 0.0, -0.02);
   const Vec3 to = from + Vec3(0.004, 0.01, 0.0);
   DragLeg leg;
-  ASSERT_EQ(on.legs().make(on.drag(), from, to, 0.0, leg), DragOutcome::moves);
+  ASSERT_EQ(sphere.legs().make(sphere.drag(), from, to, 0.0, leg), DragOutcome::moves);
   ASSERT_GT(leg.time, 0.0);
-  Vec3 c = on.centre;
+  Vec3 c = sphere.centre;
   for (int i = 1; i <= kSteps; ++i) {
     Vec3 off = on_path(from, to, leg.time * i / kSteps) - c;
     off.z() = 0.0;
@@ -80,31 +80,31 @@ TEST(DragLegsOf, ADragOverAPlaneIsTheLimitOfSmallSteps) {
 }
 
 TEST(DragLegsOf, AroundAnEdgeTheEndIsOnTheCone) {
-  Dragged on(made::box(Vec3(-0.3, -0.3, -0.3), Vec3(0.3, 0.3, 0.3)));
+  DraggedSphere sphere(made::box(Vec3(-0.3, -0.3, -0.3), Vec3(0.3, 0.3, 0.3)));
   const Vec3 edge(0.3, 0.02, 0.3);
   const Vec3 normal = Vec3(1.0, 0.0, 1.0).normalized();
-  on.touch(on.geometry.to_local(edge) + kClearanceOfDrags.offset * normal);
-  ASSERT_EQ(on.contacts[0].part, Feature::edge);
+  sphere.touch(sphere.geometry.to_local(edge) + kClearanceOfDrags.offset * normal);
+  ASSERT_EQ(sphere.contacts[0].part, Feature::edge);
   const double depth = 0.004;
-  const Vec3 from = on.centre - depth * normal + kFrictionOfDrags.dynamic_mu * depth * Vec3::UnitY();
+  const Vec3 from = sphere.centre - depth * normal + kFrictionOfDrags.dynamic_mu * depth * Vec3::UnitY();
   DragLeg leg;
   const Vec3 to = from + Vec3(0.001, 0.004, -0.001);
-  ASSERT_EQ(on.legs().make(on.drag(), from, to, 0.0, leg), DragOutcome::moves);
+  ASSERT_EQ(sphere.legs().make(sphere.drag(), from, to, 0.0, leg), DragOutcome::moves);
   ASSERT_GT(leg.time, 0.0);
   EXPECT_GT(leg.flow, 0.0);
-  EXPECT_GT(on.step, 0.0);
+  EXPECT_GT(sphere.step, 0.0);
   OffsetDrag::Pull there;
-  ASSERT_TRUE(on.drag().find_pull(leg.path.end(), on_path(from, to, leg.time), there));
+  ASSERT_TRUE(sphere.drag().find_pull(leg.path.end(), on_path(from, to, leg.time), there));
   EXPECT_NEAR(there.excess(), 0.0, 1e-9);
-  EXPECT_NEAR(on.contacts[0].proximity(leg.path.end()).distance, kClearanceOfDrags.offset, kClearanceOfDrags.tolerance);
+  EXPECT_NEAR(sphere.contacts[0].proximity(leg.path.end()).distance, kClearanceOfDrags.offset, kClearanceOfDrags.tolerance);
 }
 
 TEST(DragLegsOf, APullThatFallsBelowTheConeStops) {
-  Dragged on(made::sheet(0.4, 0.0, 8));
-  on.touch(Vec3(0.031, 0.017, kClearanceOfDrags.offset));
-  const Vec3 from = on.centre + Vec3(kFrictionOfDrags.dynamic_mu * 0.02, 0.0, -0.02);
+  DraggedSphere sphere(made::sheet(0.4, 0.0, 8));
+  sphere.touch(Vec3(0.031, 0.017, kClearanceOfDrags.offset));
+  const Vec3 from = sphere.centre + Vec3(kFrictionOfDrags.dynamic_mu * 0.02, 0.0, -0.02);
   DragLeg leg;
-  EXPECT_EQ(on.legs().make(on.drag(), from, from - Vec3(0.01, 0.0, 0.0), 0.0, leg), DragOutcome::stops);
+  EXPECT_EQ(sphere.legs().make(sphere.drag(), from, from - Vec3(0.01, 0.0, 0.0), 0.0, leg), DragOutcome::stops);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr Clearance kClearanceOfBalls{0.01, 0x1p-40, 0x1p-46};
 class GatheredTrianglesOf : public testing::Test {
  protected:
   GatheredTrianglesOf() { RecordProperty("seed", std::to_string(kSeedOfBalls)); }
-  Vec3 on_unit_sphere() {
+  Vec3 random_unit_vector() {
     const double x = unit_(random_);
     const double y = unit_(random_);
     return Vec3(x, y, unit_(random_)).normalized();
@@ -40,53 +40,53 @@ class GatheredTrianglesOf : public testing::Test {
 };
 
 TEST_F(GatheredTrianglesOf, HoldsAllThatBruteForceFindsAndASensibleNumber) {
-  int few = 0;
+  int small_sets = 0;
   for (int i = 0; i < 60; ++i) {
-    const Vec3 c = geometry.to_local(0.42 * on_unit_sphere());
+    const Vec3 c = geometry.to_local(0.42 * random_unit_vector());
     int work = 0;
-    const Vec3 towards = 0.02 * on_unit_sphere();
+    const Vec3 towards = 0.02 * random_unit_vector();
     ASSERT_TRUE(near->gather(c, towards, work));
     EXPECT_GE(work, near->count());
     ASSERT_TRUE(near->covers(c, kClearanceOfBalls.offset));
-    const double within = near->covered_radius_at(c);
+    const double covered_radius = near->covered_radius_at(c);
     std::vector<std::uint32_t> visited;
-    near->visit_near(c, c, within, [&](int slot) { visited.push_back(near->triangle(slot)); });
+    near->visit_near(c, c, covered_radius, [&](int slot) { visited.push_back(near->triangle(slot)); });
     for (std::uint32_t t = 0; t < count(); ++t) {
-      if (geometry.separation(t, c).distance > within) continue;
+      if (geometry.separation(t, c).distance > covered_radius) continue;
       EXPECT_TRUE(std::count(visited.begin(), visited.end(), t) == 1) << i;
     }
-    few += near->count() <= 300 ? 1 : 0;
+    small_sets += near->count() <= 300 ? 1 : 0;
   }
-  EXPECT_GT(few, 50) << "the radius adapts itself";
+  EXPECT_GT(small_sets, 50) << "the radius adapts itself";
   EXPECT_GE(near->gathered(), 60U);
 }
 
 TEST_F(GatheredTrianglesOf, IsClearWhereBruteForceIs) {
-  int clear = 0;
+  int clear_centres = 0;
   for (int i = 0; i < 200; ++i) {
-    const Vec3 c = geometry.to_local((0.41 + 0.02 * unit_(random_)) * on_unit_sphere());
+    const Vec3 c = geometry.to_local((0.41 + 0.02 * unit_(random_)) * random_unit_vector());
     int work = 0;
     const bool is_clear = near->is_clear_here(c, 0.0, work);
     EXPECT_EQ(is_clear, least_distance(c) >= kClearanceOfBalls.offset) << i;
-    clear += is_clear ? 1 : 0;
+    clear_centres += is_clear ? 1 : 0;
   }
-  EXPECT_GT(clear, 20);
-  EXPECT_LT(clear, 180);
+  EXPECT_GT(clear_centres, 20);
+  EXPECT_LT(clear_centres, 180);
 }
 
 TEST_F(GatheredTrianglesOf, CoversAPathOrItsBeginning) {
-  int whole = 0;
+  int whole_paths = 0;
   for (int i = 0; i < 100; ++i) {
-    const Vec3 c = geometry.to_local(0.42 * on_unit_sphere());
-    const CentrePath path = CentrePath::straight(c, c + (i % 2 == 0 ? 0.01 : 1.0) * on_unit_sphere());
+    const Vec3 c = geometry.to_local(0.42 * random_unit_vector());
+    const CentrePath path = CentrePath::straight(c, c + (i % 2 == 0 ? 0.01 : 1.0) * random_unit_vector());
     double until = 1.0;
     int work = 0;
     ASSERT_TRUE(near->cover(path, until, work));
     ASSERT_GT(until, 0.0);
     EXPECT_TRUE(near->covers(path.at(until), kClearanceOfBalls.offset));
-    whole += until >= 1.0 ? 1 : 0;
+    whole_paths += until >= 1.0 ? 1 : 0;
   }
-  EXPECT_GT(whole, 40) << "of 50 that are short";
+  EXPECT_GT(whole_paths, 40) << "of 50 that are short";
 }
 
 TEST_F(GatheredTrianglesOf, AOneSidedTriangleCanBeTouchedFromItsFrontOnly) {

@@ -12,11 +12,11 @@ namespace hapton {
 namespace {
 
 constexpr double kRadius = 1.0;
-constexpr double kDeep = 3.0;
+constexpr double kPullLength = 3.0;
 constexpr double kAngle = std::numbers::pi / 6.0;  // angle below the sphere's middle at which it leans on the edge
 
 // A floor with a step half a radius high: a sphere on the floor leans on the step's edge.
-TouchScene make_step() {
+TouchScene floor_with_step() {
   TriangleMesh mesh;
   const double x = kRadius * std::cos(kAngle);
   const double high = kRadius * (1.0 - std::sin(kAngle));
@@ -31,25 +31,26 @@ TouchScene make_step() {
   return scene;
 }
 
-// The device whose pull would just lift the sphere over the step, with the sideways part of the pull less by a share.
+// The device whose pull would just lift the sphere over the step, but with the sideways part of the pull reduced by this share.
 Vec3 device_short_of_lifting(double share) {
   const double sideways = std::cos(kAngle) / std::sin(kAngle) * (1.0 - share);
-  return Vec3(0.0, 0.0, kRadius) + kDeep * Vec3(sideways, 0.0, -1.0).normalized();
+  return Vec3(0.0, 0.0, kRadius) + kPullLength * Vec3(sideways, 0.0, -1.0).normalized();
 }
 
-const Vec3 kLeaning(0.0, 0.0, kRadius);
+const Vec3 kLeaningCentre(0.0, 0.0, kRadius);
 
 class HeldSphere : public testing::TestWithParam<std::string> {
  protected:
-  // The sphere is pressed onto the floor before the step, then pulled to the device in steps of a thousandth of its radius.
-  static Vec3 drawn_to(const Vec3& device) {
+  // Presses the sphere onto the floor before the step, and then pulls it to the device in steps of a thousandth of its radius. Returns the
+  // proxy.
+  static Vec3 pull_to(const Vec3& device) {
     MethodSettings settings;
     settings.name = GetParam();
     settings.probe_radius_m = kRadius;
-    const auto method = make_method(settings, make_step()).value();
-    const Vec3 free = kLeaning + Vec3(-1e-3, 0.0, 1e-3);
+    const auto method = make_method(settings, floor_with_step()).value();
+    const Vec3 free = kLeaningCentre + Vec3(-1e-3, 0.0, 1e-3);
     method->reset(free);
-    const Vec3 below = kLeaning - Vec3(0.0, 0.0, kDeep);
+    const Vec3 below = kLeaningCentre - Vec3(0.0, 0.0, kPullLength);
     method->step({.p_SD = below});
     const auto steps = static_cast<int>((device - below).norm() / (1e-3 * kRadius));
     Vec3 proxy;
@@ -60,21 +61,21 @@ class HeldSphere : public testing::TestWithParam<std::string> {
 
 TEST_P(HeldSphere, LeansOnTheStepAsLongAsNothingLeadsDown) {
   for (const double share : {0.2, 0.05, 0.01, 0.001}) {
-    EXPECT_LE((drawn_to(device_short_of_lifting(share)) - kLeaning).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
+    EXPECT_LE((pull_to(device_short_of_lifting(share)) - kLeaningCentre).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
   }
 }
 
-TEST_P(HeldSphere, GoesOverOnceItIsLifted) { EXPECT_GE((drawn_to(device_short_of_lifting(-0.001)) - kLeaning).norm(), 0.5 * kRadius); }
+TEST_P(HeldSphere, GoesOverOnceItIsLifted) { EXPECT_GE((pull_to(device_short_of_lifting(-0.001)) - kLeaningCentre).norm(), 0.5 * kRadius); }
 
 INSTANTIATE_TEST_SUITE_P(Methods, HeldSphere, testing::Values("proxy", "reference"));
 
 TEST(HeldSphere, TheReferenceFindsItAtAMinimumAtEveryOffset) {
   MethodSettings settings;
   settings.probe_radius_m = kRadius;
-  const auto reference = ReferenceMethod::make_reference(settings, make_step()).value();
+  const auto reference = ReferenceMethod::make_reference(settings, floor_with_step()).value();
   for (const double share : {0.2, 0.05, 0.01, 0.001}) {
-    const Vec3 proxy = reference->settle_from(kLeaning + Vec3(0.0, 0.0, 1e-9), device_short_of_lifting(share)).p_SP;
-    EXPECT_LE((proxy - kLeaning).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
+    const Vec3 proxy = reference->settle_from(kLeaningCentre + Vec3(0.0, 0.0, 1e-9), device_short_of_lifting(share)).p_SP;
+    EXPECT_LE((proxy - kLeaningCentre).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
   }
 }
 

@@ -77,14 +77,14 @@ TEST_P(OverAFlatFan, TheForceIsThatOfThePlane) {
 
 TEST_P(OverAFlatFan, FrictionIsThatOfThePlane) {
   constexpr double kMu = 0.3;
-  double most = 0.0;
+  double most_friction_n = 0.0;
   slide({.stiffness_n_per_m = kFanStiffness, .friction_static = kMu, .friction_dynamic = kMu},
         [&](const Vec3& force_n, const Vec3& device) {
           ASSERT_NEAR(force_n.z(), kFanStiffness * (kBallRadius - device.z()), 1e-6);
           ASSERT_LE(force_n.head<2>().norm(), kMu * force_n.z() + 1e-6);
-          most = std::max(most, force_n.head<2>().norm());
+          most_friction_n = std::max(most_friction_n, force_n.head<2>().norm());
         });
-  EXPECT_NEAR(most, kMu * 1.5, 1e-6);
+  EXPECT_NEAR(most_friction_n, kMu * 1.5, 1e-6);  // pressed with 1.5 N: 1.5 mm deep
   EXPECT_EQ(carried_, 0);
 }
 
@@ -94,12 +94,12 @@ INSTANTIATE_TEST_SUITE_P(Segments, OverAFlatFan, testing::Values(128U, 360U, 720
 class OverAVeryFlatFan : public OverAFlatFan {};
 
 TEST_P(OverAVeryFlatFan, TheForceIsThatOfThePlaneAfterTheFirstStep) {
-  int wrong = 0;
+  int wrong_steps = 0;
   slide({.stiffness_n_per_m = kFanStiffness}, [&](const Vec3& force_n, const Vec3& device) {
     const Vec3 force(0.0, 0.0, kFanStiffness * (kBallRadius - device.z()));
-    wrong += (force_n - force).norm() > 1e-6 ? 1 : 0;
+    wrong_steps += (force_n - force).norm() > 1e-6 ? 1 : 0;
   });
-  EXPECT_LE(wrong, 6) << "one of each line";
+  EXPECT_LE(wrong_steps, 6) << "one of each line";
   EXPECT_LE(carried_, 6);
 }
 

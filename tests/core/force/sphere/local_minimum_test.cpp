@@ -17,7 +17,7 @@ class LocalMinimumOf : public testing::Test {
 
   // A position beside the minimum that is also on the contacts.
   Vec3 beside(const HeldCentre& held, double step) {
-    Vec3 c = held.c + step * made.vector();
+    Vec3 c = held.centre + step * made.vector();
     int work = 0;
     EXPECT_TRUE(held.contacts.restore(c, work));
     return c;
@@ -29,12 +29,12 @@ TEST_F(LocalMinimumOf, SolveFindsTheNearestPosition) {
   for (int i = 0; i < 400; ++i) {
     const HeldCentre at = made.held(1 + i % 2);
     const LocalMinimum minimum(at.contacts);
-    if (!(minimum.find_stability(at.c, at.device) > 0.2)) continue;
+    if (!(minimum.find_stability(at.centre, at.device) > 0.2)) continue;
     Vec3 c = beside(at, 1e-3);
     int work = 0;
     ASSERT_TRUE(minimum.solve(at.device, c, work)) << i;
-    EXPECT_LE((c - at.c).norm(), (at.contacts.active_count() == 1 ? 0x1p-40 : 0x1p-26) * MadeContacts::kOffset) << i;
-    EXPECT_LE(distance_off(at.contacts, c), MadeContacts::kClearance.tolerance) << i;
+    EXPECT_LE((c - at.centre).norm(), (at.contacts.active_count() == 1 ? 0x1p-40 : 0x1p-26) * MadeContacts::kOffset) << i;
+    EXPECT_LE(largest_offset_error(at.contacts, c), MadeContacts::kClearance.tolerance) << i;
     for (int k = 0; k < 50; ++k) EXPECT_GT((beside(at, 1e-2) - at.device).norm(), (c - at.device).norm() - 1e-14) << i;
   }
 }
@@ -45,15 +45,15 @@ TEST_F(LocalMinimumOf, StabilityOfACurveIsTheSecondDerivative) {
   for (int i = 0; i < 200; ++i) {
     const HeldCentre at = made.held(2);
     ContactFrame frame;
-    ASSERT_TRUE(at.contacts.find_frame(at.c, frame));
+    ASSERT_TRUE(at.contacts.find_frame(at.centre, frame));
     const auto value = [&](double step) {
-      Vec3 c = at.c + step * frame.along;
+      Vec3 c = at.centre + step * frame.along;
       int work = 0;
       EXPECT_TRUE(at.contacts.restore(c, work));
       return 0.5 * (c - at.device).squaredNorm();
     };
     const double second = (value(kStep) + value(-kStep) - 2.0 * value(0.0)) / (kStep * kStep);
-    EXPECT_NEAR(LocalMinimum(at.contacts).find_stability(at.c, at.device), second, 1e-4) << i;
+    EXPECT_NEAR(LocalMinimum(at.contacts).find_stability(at.centre, at.device), second, 1e-4) << i;
   }
 }
 
@@ -62,15 +62,15 @@ TEST_F(LocalMinimumOf, TheRateIsThatOfTheMinimaOfADeviceThatMoves) {
   for (int i = 0; i < 400; ++i) {
     const HeldCentre at = made.held(1 + i % 2);
     const LocalMinimum minimum(at.contacts);
-    if (!(minimum.find_stability(at.c, at.device) > 0.2)) continue;
+    if (!(minimum.find_stability(at.centre, at.device) > 0.2)) continue;
     const Vec3 motion = made.vector();
-    Vec3 before = at.c;
-    Vec3 after = at.c;
+    Vec3 before = at.centre;
+    Vec3 after = at.centre;
     int work = 0;
     ASSERT_TRUE(minimum.solve(at.device - kStep * motion, before, work)) << i;
     ASSERT_TRUE(minimum.solve(at.device + kStep * motion, after, work)) << i;
     const Vec3 rate = (after - before) / (2.0 * kStep);
-    EXPECT_LT((minimum.find_rate(at.c, at.device, motion) - rate).norm(), 1e-6 * (1.0 + rate.norm())) << i;
+    EXPECT_LT((minimum.find_rate(at.centre, at.device, motion) - rate).norm(), 1e-6 * (1.0 + rate.norm())) << i;
   }
 }
 

@@ -9,7 +9,7 @@ namespace hapton {
 // A centre at a minimum that contacts hold, for a device below it.
 struct HeldCentre {
   ContactSet contacts;
-  Vec3 c;
+  Vec3 centre;
   Vec3 device;
 };
 
@@ -72,7 +72,7 @@ class MadeContacts {
 };
 
 // The largest difference between the offset and the distance of the centre from an active contact.
-inline double distance_off(const ContactSet& contacts, const Vec3& c) {
+inline double largest_offset_error(const ContactSet& contacts, const Vec3& c) {
   double most = 0.0;
   for (const OffsetContact& contact : contacts.active())
     most = std::max(most, std::fabs(contact.proximity(c).distance - contacts.offset()));

@@ -19,20 +19,20 @@ const ContactTriangle kFlat(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
 const ContactTriangle kUpright(Vec3(-1, 0.2, -1), Vec3(1, 0.2, -1), Vec3(0, 0.2, 2));
 
 // The drag on a single contact.
-struct Single {
-  explicit Single(const OffsetContact& of, const FrictionCoefficients& friction = kRough)
+struct SingleContactDrag {
+  explicit SingleContactDrag(const OffsetContact& of, const FrictionCoefficients& friction = kRough)
       : contacts{of}, coefficients{friction}, drag(contacts, coefficients, kOffset) {}
   std::array<OffsetContact, 1> contacts;
   std::array<FrictionCoefficients, 1> coefficients;
   OffsetDrag drag;
 };
 
-// Finds the centre at which the pull of a device is on the cone, going from the foot back along `way`.
-Vec3 on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& way, const Vec3& device) {
+// Finds the centre at which the pull of a device is on the cone, going from the foot back along `direction`.
+Vec3 find_centre_on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& direction, const Vec3& device) {
   Vec3 c = foot;
   OffsetDrag::Pull pull;
   for (double off = 0.0, step = 0.02; step > 1e-17 && off < kOffset;) {
-    Vec3 there = foot - (off + step) * way;
+    Vec3 there = foot - (off + step) * direction;
     EXPECT_TRUE(drag.restore(there) && drag.find_pull(there, device, pull));
     if (pull.excess() <= 0.0) {
       off += step;
@@ -44,9 +44,9 @@ Vec3 on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& way, const Ve
   return c;
 }
 
-// Quasi-static friction in the plainest way: the device moves a little; then the centre moves along the pull by the excess over the cone,
+// Quasi-static friction in small steps: the device moves a little; then the centre moves along the pull by the excess over the cone,
 // and back to the offset, until no excess is left. Of first order in the step; results with two numbers of steps together are of second.
-Vec3 drag_plainly(const OffsetDrag& drag, const Vec3& from, const Vec3& to, Vec3 c, int steps) {
+Vec3 drag_in_small_steps(const OffsetDrag& drag, const Vec3& from, const Vec3& to, Vec3 c, int steps) {
   for (int i = 1; i <= steps; ++i) {
     const Vec3 device = from + (static_cast<double>(i) / steps) * (to - from);
     for (int round = 0; round < 60; ++round) {
@@ -60,12 +60,12 @@ Vec3 drag_plainly(const OffsetDrag& drag, const Vec3& from, const Vec3& to, Vec3
   return c;
 }
 
-Vec3 drag_plainly_to_second_order(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& c, int steps) {
-  return 2.0 * drag_plainly(drag, from, to, c, 2 * steps) - drag_plainly(drag, from, to, c, steps);
+Vec3 drag_in_small_steps_to_second_order(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& c, int steps) {
+  return 2.0 * drag_in_small_steps(drag, from, to, c, 2 * steps) - drag_in_small_steps(drag, from, to, c, steps);
 }
 
 TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
-  const Single single(OffsetContact::on_face(0, kFlat, Vec3::UnitZ()));
+  const SingleContactDrag single(OffsetContact::on_face(0, kFlat, Vec3::UnitZ()));
   const Vec3 from(0.1, 0.05, -0.1);
   const Vec3 to(0.16, 0.1, -0.15);
   const Vec3 start_pull = 0.3 * 0.2 * Vec3(0.8, -0.6, 0.0);
@@ -100,10 +100,10 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
     const double y = unit(random);
     return Vec3(x, y, unit(random));
   };
-  int followed = 0;
+  int followed_cases = 0;
   for (const bool is_edge : {true, false}) {
     for (const double mu : {0.05, 0.2, 0.4}) {
-      const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0), {mu, mu});
+      const SingleContactDrag single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0), {mu, mu});
       const Vec3 out = Vec3(is_edge ? 0.0 : 0.2 * unit(random), -1.0, 1.0).normalized();
       const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
       // The depth is small enough for the place on the cone to be stable.
@@ -111,15 +111,15 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       const Vec3 to = from + 0.006 * vector();
       Vec3 foot = origin + kOffset * out;
       ASSERT_TRUE(single.drag.restore(foot));
-      Vec3 c = on_cone(single.drag, foot, (to - from - out * out.dot(to - from) + 0.002 * vector()).normalized(), from);
-      const Vec3 expected = drag_plainly_to_second_order(single.drag, from, to, c, 2000);
+      Vec3 c = find_centre_on_cone(single.drag, foot, (to - from - out * out.dot(to - from) + 0.002 * vector()).normalized(), from);
+      const Vec3 expected = drag_in_small_steps_to_second_order(single.drag, from, to, c, 2000);
       OffsetDrag::Flow at{.centre = c};
       int tests = 0;
       // Follows the flow to the end of the device's motion.
       OffsetDrag::Pull pull;
       ASSERT_TRUE(single.drag.find_pull(c, from, pull));
       if (!(single.drag.find_excess_rate(pull, to - from) > 0.0)) continue;
-      ++followed;
+      ++followed_cases;
       for (int i = 0; i < 20; ++i) {
         ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
         const OffsetDrag::Flow before{.centre = at.centre, .time = at.time};
@@ -138,13 +138,13 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       EXPECT_GT(tests, 0);
     }
   }
-  EXPECT_GT(followed, 0);
+  EXPECT_GT(followed_cases, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoundAnEdgeOrVertex, testing::Values(1, 2, 3, 4, 5, 6));
 
 // On the line where two offset planes meet, the centre is mu times the depth behind the device's projection.
-TEST(OffsetDrag, AlongTheCurveOfTwoThePullIsOnTheCone) {
+TEST(OffsetDrag, AlongTheCurveOfTwoContactsThePullIsOnTheCone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
                                               OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
   const std::array<FrictionCoefficients, 2> friction{kRough, kRough};
@@ -152,9 +152,9 @@ TEST(OffsetDrag, AlongTheCurveOfTwoThePullIsOnTheCone) {
   EXPECT_TRUE(drag.is_flat());
   const Vec3 from(0.0, 0.14, -0.03);
   const Vec3 to(0.05, 0.2, -0.05);
-  const double before = 0.3 * std::hypot(0.04, 0.13);
-  const double after = 0.3 * std::hypot(0.1, 0.15);
-  Vec3 c(-before, 0.1, kOffset);
+  const double lag_at_start = 0.3 * std::hypot(0.04, 0.13);
+  const double lag_at_end = 0.3 * std::hypot(0.1, 0.15);
+  Vec3 c(-lag_at_start, 0.1, kOffset);
   int tests = 0;
   OffsetDrag::Pull pull;
   ASSERT_TRUE(drag.find_pull(c, from, pull));
@@ -162,7 +162,7 @@ TEST(OffsetDrag, AlongTheCurveOfTwoThePullIsOnTheCone) {
   EXPECT_NEAR(pull.multiplier[1], 0.04, 1e-14);
   EXPECT_NEAR(pull.excess(), 0.0, 1e-14);
   ASSERT_TRUE(drag.follow(from, to, c, tests));
-  EXPECT_LT((c - Vec3(0.05 - after, 0.1, kOffset)).norm(), 1e-14);
+  EXPECT_LT((c - Vec3(0.05 - lag_at_end, 0.1, kOffset)).norm(), 1e-14);
 }
 
 // The coefficients are means, weighted by the multipliers, as those of the material are.
@@ -189,10 +189,10 @@ TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
     const double y = unit(random);
     return Vec3(x, y, unit(random));
   };
-  int seen = 0;
+  int compared_lengths = 0;
   for (int i = 0; i < 200; ++i) {
     const bool is_edge = i % 2 == 0;
-    const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
+    const SingleContactDrag single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
     const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
     Vec3 start = origin + vector().normalized() * kOffset;
     ASSERT_TRUE(single.drag.restore(start));
@@ -204,27 +204,27 @@ TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
     if (!(pull.length > 1e-6)) continue;
     const Vec3 along = pull.tangential / pull.length;
     int tests = 0;
-    const auto go = [&](double length) {
+    const auto descend_by = [&](double length) {
       OffsetDrag::Descent at{.centre = start};
       EXPECT_TRUE(single.drag.descend(device, along, length, at, tests));
       return at;
     };
     constexpr double kStep = 1e-7;
-    EXPECT_LT((go(1e-9).centre - start - 1e-9 * along).norm(), 1e-13);
+    EXPECT_LT((descend_by(1e-9).centre - start - 1e-9 * along).norm(), 1e-13);
     for (const double length : {0.001, 0.004, 0.0125, 0.03}) {
-      const OffsetDrag::Descent at = go(length);
+      const OffsetDrag::Descent at = descend_by(length);
       EXPECT_NEAR(single.contacts[0].proximity(at.centre).distance, kOffset, 1e-15);
       ASSERT_TRUE(single.drag.find_pull(at.centre, device, pull));
       if (!(pull.length > 1e-3)) continue;  // at the end of the line
       const Vec3 direction = pull.tangential / pull.length;
       EXPECT_GT(at.slope.dot(direction), 0.0);
       EXPECT_LT((at.slope - at.slope.dot(direction) * direction).norm(), 1e-9 * at.slope.norm()) << i << ' ' << length;
-      const Vec3 measured = (go(length + kStep).centre - go(length - kStep).centre) / (2.0 * kStep);
+      const Vec3 measured = (descend_by(length + kStep).centre - descend_by(length - kStep).centre) / (2.0 * kStep);
       EXPECT_LT((measured - at.slope).norm(), 1e-6 * at.slope.squaredNorm()) << i << ' ' << length;
-      ++seen;
+      ++compared_lengths;
     }
   }
-  EXPECT_GT(seen, 200);
+  EXPECT_GT(compared_lengths, 200);
 }
 
 // A descent that is longer than the line ends at the place nearest to the device.
@@ -232,7 +232,7 @@ TEST_P(DescentAroundAnEdgeOrVertex, EndsNearestToTheDevice) {
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const bool is_edge : {true, false}) {
-    const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
+    const SingleContactDrag single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
     const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
     Vec3 start = origin + kOffset * Vec3(is_edge ? 0.0 : 0.1 * unit(random), -0.5, 1.0).normalized();
     ASSERT_TRUE(single.drag.restore(start));
@@ -250,7 +250,7 @@ TEST_P(DescentAroundAnEdgeOrVertex, EndsNearestToTheDevice) {
 INSTANTIATE_TEST_SUITE_P(Seeds, DescentAroundAnEdgeOrVertex, testing::Values(1, 2, 3, 4));
 
 TEST(OffsetDrag, ADeviceComesOutOnTheSideOfTheCentre) {
-  const Single single(OffsetContact::on_edge(0, kFlat, 0));
+  const SingleContactDrag single(OffsetContact::on_edge(0, kFlat, 0));
   const Vec3 c(0.0, -1.0, kOffset);
   OffsetDrag::Pull pull;
   const Vec3 from(0.0, -1.0, 0.05);

@@ -28,22 +28,22 @@ class PathEventsOf : public testing::Test {
   }
   PathEvents events() { return {contacts, *near, *space, work}; }
   std::unique_ptr<TouchGeometry> make_geometry() const { return std::make_unique<TouchGeometry>(std::vector<const TriangleMesh*>{&mesh}); }
-  // False: another triangle is nearer.
+  // Returns false if another triangle is nearer.
   bool place_on(std::uint32_t triangle) {
     const ObjectGeometry::Corners corners = geometry->corners(triangle);
     const ContactTriangle shape(corners.a, corners.b, corners.c);
     const double u = 0.2 + 0.2 * unit();
     const double v = 0.2 + 0.2 * unit();
-    c = corners.a + u * (corners.b - corners.a) + v * (corners.c - corners.a) + kClearanceOfEvents.offset * shape.normal();
+    centre = corners.a + u * (corners.b - corners.a) + v * (corners.c - corners.a) + kClearanceOfEvents.offset * shape.normal();
     const OffsetContact face = OffsetContact::on_face(triangle, shape, shape.normal());
     contacts.hold_by({&face, 1});
-    return near->is_clear_here(c, kClearanceOfEvents.slop, work);
+    return near->is_clear_here(centre, kClearanceOfEvents.slop, work);
   }
   // A path in the plane of the face.
   CentrePath path_over_face(double length) {
     const Vec3 normal = contacts[0].normal;
     const Vec3 any(unit(), unit(), unit());
-    return CentrePath::straight(c, c + length * (any - normal.dot(any) * normal).normalized());
+    return CentrePath::straight(centre, centre + length * (any - normal.dot(any) * normal).normalized());
   }
 
   TriangleMesh mesh = made::sphere(0.4, 24, 0.05);
@@ -52,7 +52,7 @@ class PathEventsOf : public testing::Test {
   std::unique_ptr<GatheredTriangles> near = std::make_unique<GatheredTriangles>(*geometry, materials, kClearanceOfEvents, 1e-4);
   std::unique_ptr<PathEvents::Space> space = std::make_unique<PathEvents::Space>();
   ContactSet contacts{kClearanceOfEvents};
-  Vec3 c = Vec3::Zero();
+  Vec3 centre = Vec3::Zero();
   int work = 0;
   std::mt19937_64 random_{kSeedOfEvents};
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
@@ -122,15 +122,15 @@ TEST_F(PathEventsOf, TheDistanceToTheBoundaryIsThatOfTheFirstExit) {
   for (std::uint32_t triangle = 0; triangle < count(); triangle += 7) {
     if (!place_on(triangle)) continue;
     const CentrePath path = path_over_face(1.0);
-    double first = 1.0;
+    double first_exit = 1.0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 out = contacts[0].shape.edge(k).cross(contacts[0].normal).normalized();
-      const double pace = out.dot(path.end() - c);
-      if (pace > 0.0) first = std::min(first, (out.dot(contacts[0].shape.corner(k) - c) + PathEvents::kOnBoundary) / pace);
+      const double pace = out.dot(path.end() - centre);
+      if (pace > 0.0) first_exit = std::min(first_exit, (out.dot(contacts[0].shape.corner(k) - centre) + PathEvents::kOnBoundary) / pace);
     }
-    const double distance = events().distance_to_boundary(c, path.end() - c, 1.0);
-    EXPECT_NEAR(distance, 1.25 * first + 0x1p-10 * kClearanceOfEvents.offset, 1e-13);
-    EXPECT_EQ(events().distance_to_boundary(c, path.end() - c, 0.5 * first), std::numeric_limits<double>::infinity());
+    const double distance = events().distance_to_boundary(centre, path.end() - centre, 1.0);
+    EXPECT_NEAR(distance, 1.25 * first_exit + 0x1p-10 * kClearanceOfEvents.offset, 1e-13);
+    EXPECT_EQ(events().distance_to_boundary(centre, path.end() - centre, 0.5 * first_exit), std::numeric_limits<double>::infinity());
   }
 }
 
@@ -140,8 +140,8 @@ TEST_F(PathEventsOf, APathIsClearOverAFaceOnlyWithinItAndFarFromOthers) {
   for (std::uint32_t triangle = 0; triangle < count(); triangle += 2) {
     if (!place_on(triangle)) continue;
     const CentrePath path = path_over_face(0.02 + 0.02 * unit());
-    const Vec3 along = (path.end() - c).normalized();
-    if (!events().is_clear_over_face(c, path.end(), along, along)) {
+    const Vec3 along = (path.end() - centre).normalized();
+    if (!events().is_clear_over_face(centre, path.end(), along, along)) {
       ++unclear;
       continue;
     }

@@ -1,4 +1,4 @@
-// A small sphere that represents a point, held where the point is not: the ways out (core/force/sphere/point_escape.cpp).
+// A small sphere that represents a point, held where the point itself would not be: its ways out (core/force/sphere/point_escape.cpp).
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -130,7 +130,7 @@ TEST(APointInASlit, NoLongerCountsAsInASlitAfterAStart) {
     EXPECT_FALSE(stage.follower->start(stage.geometry.to_local({0.3, 0.1, 0.0}), false, 0.0)) << angle;
     EXPECT_FALSE(stage.follower->is_in_slit()) << angle;
   }
-  EXPECT_GT(slits, 0) << "the test is about something";
+  EXPECT_GT(slits, 0) << "no point was in a slit: this test proves nothing";
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(SphereFollower, OverAPlaneItStaysAboveTheDevice) {
   ASSERT_EQ(stage.move({0.31, -0.27, -0.2}), Outcome::settled);
   expect_centre(stage, {0.31, -0.27, kOffset});
   ASSERT_EQ(stage.follower->contacts().size(), 1U);
-  EXPECT_NEAR(stage.follower->contacts()[0].multiplier * stage.unit(), 0.2 + kOffset, kNear);
+  EXPECT_NEAR(stage.follower->contacts()[0].multiplier * stage.unit(), 0.2 + kOffset, kCentreTolerance);
   ASSERT_EQ(stage.move({0.125, 0.125, 0.03}), Outcome::settled);
   expect_centre(stage, {0.125, 0.125, kOffset});
   EXPECT_FALSE(stage.follower->is_free());
@@ -57,7 +57,7 @@ TEST(SphereFollower, RollsRoundAConvexEdge) {
   expect_centre(stage, {0.5 + kOffset, 0.1, 0.3});
 }
 
-TEST(SphereFollower, RoundAnEdgeInOneStep) {
+TEST(SphereFollower, GoesRoundAnEdgeInOneStep) {
   Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
   stage.put({0.3, 0.0, 0.8});
   ASSERT_EQ(stage.move({0.4, 0.1, 0.55}), Outcome::settled);
@@ -99,15 +99,15 @@ TEST(SphereFollower, InACreaseItIsHeldByBothFaces) {
     const Vec3 wall_normal(std::sin(angle), 0.0, -std::cos(angle));
     stage.put({x + 0.01, 0.3, kOffset + 0.005});
     // A device whose pull both faces must hold.
-    const Vec3 deep = Vec3(x, 0.25, kOffset) - 0.2 * Vec3::UnitZ() - 0.1 * wall_normal;
-    ASSERT_EQ(stage.move(deep), Outcome::settled);
+    const Vec3 device = Vec3(x, 0.25, kOffset) - 0.2 * Vec3::UnitZ() - 0.1 * wall_normal;
+    ASSERT_EQ(stage.move(device), Outcome::settled);
     expect_centre(stage, {x, 0.25, kOffset});
     ASSERT_EQ(stage.follower->contacts().size(), 2U);
     for (const OffsetContact& contact : stage.follower->contacts()) {
       const bool is_floor = std::fabs(contact.normal.z()) > 1.0 - 1e-12;
-      EXPECT_NEAR(contact.multiplier * stage.unit(), is_floor ? 0.2 : 0.1, kNear);
+      EXPECT_NEAR(contact.multiplier * stage.unit(), is_floor ? 0.2 : 0.1, kCentreTolerance);
     }
-    ASSERT_EQ(stage.move(deep + Vec3(0.0, -0.6, 0.0)), Outcome::settled);
+    ASSERT_EQ(stage.move(device + Vec3(0.0, -0.6, 0.0)), Outcome::settled);
     expect_centre(stage, {x, -0.35, kOffset});
     // Off the wall, over the floor.
     ASSERT_EQ(stage.move({x + 0.3, -0.2, -0.1}), Outcome::settled);
@@ -127,7 +127,7 @@ TEST(SphereFollower, InACornerOfThreeWallsItStaysUntilAMultiplierIsZero) {
   for (const OffsetContact& contact : stage.follower->contacts()) {
     int axis = 0;
     contact.normal.maxCoeff(&axis);
-    EXPECT_NEAR(contact.multiplier * stage.unit(), kOffset + 0.1 * (axis + 1), kNear);
+    EXPECT_NEAR(contact.multiplier * stage.unit(), kOffset + 0.1 * (axis + 1), kCentreTolerance);
   }
   ASSERT_EQ(stage.move({0.05, -0.1, 0.09}), Outcome::settled);
   expect_centre(stage, Vec3::Constant(kOffset));
@@ -140,19 +140,19 @@ TEST(SphereFollower, InACornerOfThreeWallsItStaysUntilAMultiplierIsZero) {
   expect_centre(stage, Vec3::Constant(1.0 - kOffset));
 }
 
-// On the axis all places round the edge are equally near: the centre keeps its angle, and turns to the device once that leaves the axis.
+// On the axis all positions round the edge are equally near: the centre keeps its angle, and turns to the device once that leaves the axis.
 TEST(SphereFollower, OnTheAxisOfAnEdgeItKeepsItsAngle) {
   // Within 2^-39 of the axis the device counts as on it; so near, rounding turns its direction by up to this angle.
-  constexpr double kTurned = 0x1p-53 / 0x1p-39;
+  constexpr double kMaxTurn = 0x1p-53 / 0x1p-39;
   Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
   stage.put(round_the_edge(0.3, 0.7, 0.0));
   ASSERT_EQ(stage.move(round_the_edge(0.05, 0.7, 0.0)), Outcome::settled);
   expect_centre(stage, round_the_edge(kOffset, 0.7, 0.0));
   ASSERT_EQ(stage.move(round_the_edge(0.0, 0.0, 0.0)), Outcome::settled);
-  const Vec3 there = stage.centre();
-  EXPECT_LT((there - round_the_edge(kOffset, 0.7, 0.0)).norm(), kTurned * kOffset);
+  const Vec3 held_centre = stage.centre();
+  EXPECT_LT((held_centre - round_the_edge(kOffset, 0.7, 0.0)).norm(), kMaxTurn * kOffset);
   ASSERT_EQ(stage.move(round_the_edge(0.0, 0.0, 0.3)), Outcome::settled);
-  expect_centre(stage, there + Vec3(0.0, 0.3, 0.0));
+  expect_centre(stage, held_centre + Vec3(0.0, 0.3, 0.0));
   ASSERT_EQ(stage.move(round_the_edge(0.02, 0.2, 0.3)), Outcome::settled);
   expect_centre(stage, round_the_edge(kOffset, 0.2, 0.3));
 }
@@ -228,7 +228,7 @@ TEST(SphereFollower, TakesOverACentreBetweenWallsThatItTouches) {
       const Vec3 along_other = (out - other.dot(out) * other).normalized();
       ASSERT_TRUE(stage.follower->start(place - 0.5 * short_by * along_other, false, short_by)) << end_wall;
       EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
-      EXPECT_LT((stage.follower->centre() - place).norm(), kNear);
+      EXPECT_LT((stage.follower->centre() - place).norm(), kCentreTolerance);
     }
   }
 }
@@ -244,40 +244,40 @@ TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
   Stage stage(made::sphere(0.4, 16, 0.05), 0.03);
   Wanderer wanderer(GetParam());
   stage.put({0.3, 0.5, 0.7});
-  int settled = 0;
-  int touching = 0;
-  int several = 0;
+  int settled_steps = 0;
+  int contact_steps = 0;
+  int several_contact_steps = 0;
   for (int i = 0; i < kSteps; ++i) {
     const Vec3 from = stage.device;
     const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
     SphereFollower in_parts(*stage.follower);
-    const bool held = stage.move_local(to) == Outcome::settled;
+    const bool is_settled = stage.move_local(to) == Outcome::settled;
     ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "step " << i;
     const bool parts_settled = follow_in_parts(in_parts, from, to);
-    if (held && parts_settled) {
-      ++settled;
-      ASSERT_LT(stage.imbalance(), kNear);
+    if (is_settled && parts_settled) {
+      ++settled_steps;
+      ASSERT_LT(stage.imbalance(), kCentreTolerance);
       const double error = kStiffness * stage.unit() * (stage.follower->centre() - in_parts.centre()).norm();
       const double force = kStiffness * stage.unit() * (stage.follower->centre() - to).norm();
       ASSERT_LE(error, 1e-8 * std::max(1.0, force)) << "N, step " << i;
-      touching += stage.follower->is_free() ? 0 : 1;
-      several += stage.follower->contacts().size() > 1 ? 1 : 0;
+      contact_steps += stage.follower->is_free() ? 0 : 1;
+      several_contact_steps += stage.follower->contacts().size() > 1 ? 1 : 0;
     } else {
       stage.follower->start_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
       stage.device = stage.follower->centre();
     }
   }
-  RecordProperty("settled", settled);
-  EXPECT_GE(settled, kSteps - kSteps / 20);
-  EXPECT_GT(touching, kSteps / 2);
-  EXPECT_GT(several, 5);
+  RecordProperty("settled", settled_steps);
+  EXPECT_GE(settled_steps, kSteps - kSteps / 20);
+  EXPECT_GT(contact_steps, kSteps / 2);
+  EXPECT_GT(several_contact_steps, 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumps, testing::Values(1, 2, 3, 4, 5, 6));
 
 // With each of these seeds there is a step in which the sphere cannot go on: what was tried there must not be left as the centre.
 TEST(SphereFollower, TheCentreKeepsItsDistanceWhateverTheOutcome) {
-  int touching = 0;
+  int contact_steps = 0;
   for (const std::uint64_t seed : {107U, 149U}) {
     RecordProperty("seed", std::to_string(seed));
     Stage stage(made::sphere(0.4, 16, 0.05), 0.03);
@@ -287,16 +287,16 @@ TEST(SphereFollower, TheCentreKeepsItsDistanceWhateverTheOutcome) {
       const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
       const Outcome outcome = stage.move_local(to);
       ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "seed " << seed << " step " << i;
-      touching += stage.follower->is_free() ? 0 : 1;
+      contact_steps += stage.follower->is_free() ? 0 : 1;
       if (outcome != Outcome::failed) continue;
       stage.follower->start_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
       stage.device = stage.follower->centre();
     }
   }
-  EXPECT_GT(touching, 100);
+  EXPECT_GT(contact_steps, 100);
 }
 
-// A fine and bumpy sheet beside a large plain one: a way crosses few edges on the average of the object, but hundreds on the fine sheet.
+// A fine and bumpy sheet beside a large plain one: a path crosses few edges on the average of the object, but hundreds on the fine sheet.
 TriangleMesh fine_patch() {
   TriangleMesh mesh = made::sheet(0.05, 0.0, 200);
   for (Vec3& p : mesh.vertices) p.z() = 0.0004 * std::sin(2500.0 * p.x()) * std::sin(1900.0 * p.y() + 1.0);
@@ -307,7 +307,7 @@ TriangleMesh fine_patch() {
   return mesh;
 }
 
-TEST(SphereFollower, AHostileMotionIsBoundedAndGoneOnWithUntilItHasSettled) {
+TEST(SphereFollower, TheWorkOfAHostileMotionIsBoundedAndItGoesOnUntilItHasSettled) {
   constexpr std::uint64_t kOneEvent = 512;  // units, on this patch
   Stage stage(fine_patch(), 0.002);
   stage.put({-0.0442, 0.0027, 0.01});
@@ -330,14 +330,14 @@ TEST(SphereFollower, AHostileMotionIsBoundedAndGoneOnWithUntilItHasSettled) {
     EXPECT_EQ(outcome, Outcome::exhausted);
     for (int i = 0; i < 1000 && outcome == Outcome::exhausted; ++i) outcome = follow(to);
     ASSERT_EQ(outcome, Outcome::settled);
-    EXPECT_LT(stage.imbalance(), kNear);
+    EXPECT_LT(stage.imbalance(), kCentreTolerance);
     EXPECT_FALSE(stage.follower->is_free());
     EXPECT_LT((stage.centre() - target).norm(), 0.01) << "it was left behind";
   }
   EXPECT_GT(exhausted, 3);
 }
 
-// Far beyond the scene the device's direction, seen from the centre, is what counts.
+// Far beyond the scene, only the direction of the device, seen from the centre, counts.
 TEST(SphereFollower, ADeviceFarOutIsFollowed) {
   Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
   stage.put({0.1, 0.2, 0.3});
@@ -356,12 +356,12 @@ TEST(SphereFollower, ADeviceFarOutIsFollowed) {
   EXPECT_FALSE(stage.follower->is_free()) << "its way leads through the sheet";
 }
 
-// Each call replaces the far device by another nearer target, so the distance to that says nothing about the calls before.
+// Each call replaces the far device by another, nearer target, so the distance to the target does not show the progress between calls.
 TEST(SphereFollower, ADeviceFarOutIsFollowedHoweverLittleWorkACallHas) {
-  constexpr int kLittle = 40;  // units
+  constexpr int kWorkPerCall = 40;  // units
   std::mt19937_64 random(29);
   std::normal_distribution<double> normal;
-  int carried = 0;
+  int exhausted_calls = 0;
   for (int i = 0; i < 60; ++i) {
     Stage stage(made::sphere(0.4, 24, 0.05), 0.005);
     const Vec3 side = Vec3(normal(random), normal(random), normal(random)).normalized();
@@ -371,15 +371,15 @@ TEST(SphereFollower, ADeviceFarOutIsFollowedHoweverLittleWorkACallHas) {
     Outcome outcome = Outcome::exhausted;
     for (int call = 0; call < 2000 && outcome == Outcome::exhausted; ++call) {
       double time = 0.0;
-      outcome = stage.follower->follow(call == 0 ? stage.device : far, far, time, kLittle);
-      carried += outcome == Outcome::exhausted ? 1 : 0;
+      outcome = stage.follower->follow(call == 0 ? stage.device : far, far, time, kWorkPerCall);
+      exhausted_calls += outcome == Outcome::exhausted ? 1 : 0;
     }
     EXPECT_EQ(outcome, Outcome::settled) << i;
   }
-  EXPECT_GT(carried, 60);
+  EXPECT_GT(exhausted_calls, 60);
 }
 
-TEST(SphereFollower, WhatIsNotFiniteIsUnclearAndChangesNothing) {
+TEST(SphereFollower, ADeviceThatIsNotFiniteFailsAndChangesNothing) {
   Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
   stage.put({0.1, 0.2, 0.3});
   ASSERT_EQ(stage.move({0.1, 0.2, -0.1}), Outcome::settled);

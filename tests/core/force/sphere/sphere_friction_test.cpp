@@ -14,10 +14,10 @@
 namespace hapton {
 namespace {
 
-constexpr Material kRubs{.friction_static = 0.5, .friction_dynamic = 0.3};
+constexpr Material kRubbing{.friction_static = 0.5, .friction_dynamic = 0.3};
 
 TEST(SphereFollowerWithFriction, SticksExactlyInsideTheCone) {
-  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubs);
+  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubbing);
   stage.put({0.3, 0.4, 0.5});
   stage.move(0.39 * Vec3(0.3, 0.4, 0.5).normalized());
   ASSERT_FALSE(stage.follower->is_free());
@@ -27,15 +27,15 @@ TEST(SphereFollowerWithFriction, SticksExactlyInsideTheCone) {
   for (int i = 0; i < 200; ++i) {
     const double depth = (before - stage.device).norm();
     const double turn = 0.1 * i;
-    const Vec3 way = 0.1 * depth * (std::cos(turn) * aside + std::sin(turn) * out.cross(aside));
-    ASSERT_EQ(stage.move_local(before - 0.02 * (1.0 + 0.5 * std::sin(0.3 * i)) * out + way * (0.02 / depth)), Outcome::settled);
+    const Vec3 offset = 0.1 * depth * (std::cos(turn) * aside + std::sin(turn) * out.cross(aside));
+    ASSERT_EQ(stage.move_local(before - 0.02 * (1.0 + 0.5 * std::sin(0.3 * i)) * out + offset * (0.02 / depth)), Outcome::settled);
     ASSERT_EQ(stage.follower->centre(), before) << "step " << i;
   }
 }
 
 // Over a sheet of many faces the sphere moves as a point on a plane does, in closed form.
 TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
-  Stage stage(made::sheet(0.5, 0.0, 13), kOffset, kRubs);
+  Stage stage(made::sheet(0.5, 0.0, 13), kOffset, kRubbing);
   stage.put({0.03, 0.02, 0.4});
   ASSERT_EQ(stage.move({0.03, 0.02, 0.0}), Outcome::settled);
   FrictionDrag expected;
@@ -47,8 +47,8 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
                                  .motion = motion,
                                  .pressure_start = kOffset - device.z(),
                                  .pressure_end = kOffset - to.z(),
-                                 .friction_static = kRubs.friction_static,
-                                 .friction_dynamic = kRubs.friction_dynamic,
+                                 .friction_static = kRubbing.friction_static,
+                                 .friction_dynamic = kRubbing.friction_dynamic,
                                  .sliding = expected.sliding});
     ASSERT_EQ(stage.move(to), Outcome::settled);
     ASSERT_LT((stage.centre() - (Vec3(to.x(), to.y(), kOffset) - expected.pull)).norm(), 1e-11) << "step " << i;
@@ -59,8 +59,8 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
 
 // A flight ends the slide, even if the sphere slides off one surface and lands on another within one motion of the device.
 TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
-  constexpr Material kGrips{.friction_static = 0.8, .friction_dynamic = 0.3};
-  Stage stage(joined(made::sheet(0.5, 0.0, 2), made::sheet(0.5, 0.5, 2)), kOffset, kGrips);
+  constexpr Material kGripping{.friction_static = 0.8, .friction_dynamic = 0.3};
+  Stage stage(joined(made::sheet(0.5, 0.0, 2), made::sheet(0.5, 0.5, 2)), kOffset, kGripping);
   stage.put({-0.3, 0.11, 0.2});
   ASSERT_EQ(stage.move({-0.3, 0.11, 0.05}), Outcome::settled);
   ASSERT_EQ(stage.move({-0.2, 0.11, 0.05}), Outcome::settled);
@@ -70,9 +70,9 @@ TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
   // Through the gap and into the ceiling, at a slope between the two coefficients.
   ASSERT_EQ(stage.move({0.0, 0.11, 0.45}), Outcome::settled);
   EXPECT_FALSE(stage.follower->slides());
-  EXPECT_LT((stage.centre() - Vec3(-0.025, 0.11, 0.4)).norm(), kNear) << stage.centre().transpose();
+  EXPECT_LT((stage.centre() - Vec3(-0.025, 0.11, 0.4)).norm(), kCentreTolerance) << stage.centre().transpose();
   ASSERT_TRUE(follow_in_parts(in_parts, from, stage.device));
-  EXPECT_LT((in_parts.centre() - stage.follower->centre()).norm(), kNear);
+  EXPECT_LT((in_parts.centre() - stage.follower->centre()).norm(), kCentreTolerance);
 }
 
 // A motion that is undone does not count: a sweep goes on from where the centre was, with the coefficient that held it there. An object
@@ -81,7 +81,7 @@ TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
   const auto sheet = made::shared(made::sheet(0.5, 0.0, 4));
   const auto late = made::shared(scaled_and_moved(made::sheet(0.02, 0.0, 2), 1.0, Vec3(0.07, 0.0, 0.13)));
   TouchGeometry geometry({sheet, late}, BuildPolicy::on_approach, std::nullopt, Box{Vec3::Constant(-1.0), Vec3::Constant(1.0)});
-  const std::vector<Material> materials{kRubs, kRubs};
+  const std::vector<Material> materials{kRubbing, kRubbing};
   SphereFollower follower(geometry, materials, kOffset / geometry.unit_m());
   const auto build_next = [&](double range) {
     geometry.request_ahead(follower.centre(), range);
@@ -123,9 +123,9 @@ TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
   EXPECT_LT((stage.centre() - Vec3(kOffset, 0.6 - pull, kOffset)).norm(), 1e-11) << stage.centre().transpose();
   EXPECT_TRUE(stage.follower->slides());
   // The device goes a little back: the centre stays.
-  const Vec3 there = stage.follower->centre();
+  const Vec3 held_centre = stage.follower->centre();
   ASSERT_EQ(stage.move({-0.2, 0.6 - 0.5 * pull, -0.3}), Outcome::settled);
-  EXPECT_EQ(stage.follower->centre(), there);
+  EXPECT_EQ(stage.follower->centre(), held_centre);
 }
 
 // A roof whose ridge is the y axis.
@@ -142,11 +142,11 @@ TriangleMesh make_roof() {
 // is. The centre must not come out on the other side of the faces.
 TEST(SphereFollowerWithFriction, AlongARidgeWithTheDeviceStraightBelowItStaysOutside) {
   constexpr double kStart = -0.9;
-  int turned = 0;
+  int turned_off = 0;
   for (const double offset_m : {1e-9, 1e-6, 1e-3}) {
     for (const double aside_m : {0.0, 1e-300, -1e-129, 1e-60, 1e-30, -1e-16, 1e-12, 1e-9, -1e-6, 1e-3}) {
       for (const double along_m : {-0.8999, -0.89, -0.8, -0.3, 0.2, 0.8}) {
-        Stage stage(make_roof(), offset_m, kRubs);
+        Stage stage(make_roof(), offset_m, kRubbing);
         stage.put({0.0, kStart, 0.1});
         ASSERT_EQ(stage.move({0.0, kStart, -1e-3}), Outcome::settled);
         ASSERT_FALSE(stage.follower->is_free());
@@ -156,11 +156,11 @@ TEST(SphereFollowerWithFriction, AlongARidgeWithTheDeviceStraightBelowItStaysOut
         ASSERT_GE(centre.z() + std::fabs(centre.x()), 0.0)
             << "offset " << offset_m << ", aside " << aside_m << ", along " << along_m << ": " << centre.transpose();
         ASSERT_TRUE(outcome != Outcome::settled || stage.distance_to_nearest() >= stage.offset - kSlop);
-        turned += std::fabs(centre.x()) > offset_m ? 1 : 0;
+        turned_off += std::fabs(centre.x()) > offset_m ? 1 : 0;
       }
     }
   }
-  EXPECT_GT(turned, 10) << "the test is about something";
+  EXPECT_GT(turned_off, 10) << "few centres turn off the ridge: this test proves little";
 }
 
 class OverBumpsWithFriction : public testing::TestWithParam<std::tuple<std::uint64_t, double, double>> {};
@@ -173,10 +173,10 @@ TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
   Stage stage(made::sphere(0.4, 16, 0.05), 0.03, {.friction_static = static_mu, .friction_dynamic = dynamic_mu});
   Wanderer wanderer(seed);
   stage.put({0.3, 0.5, 0.7});
-  int touching = 0;
-  int slides = 0;
-  int several = 0;
-  double worst = 0.0;
+  int contact_steps = 0;
+  int sliding_steps = 0;
+  int several_contact_steps = 0;
+  double worst_error = 0.0;
   for (int i = 0; i < kSteps; ++i) {
     const Vec3 from = stage.device;
     const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
@@ -186,16 +186,16 @@ TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
     ASSERT_TRUE(follow_in_parts(in_parts, from, to)) << "step " << i;
     const double error = kStiffness * stage.unit() * (stage.follower->centre() - in_parts.centre()).norm();
     const double force = kStiffness * stage.unit() * (stage.follower->centre() - to).norm();
-    worst = std::max(worst, error / std::max(1.0, force));
+    worst_error = std::max(worst_error, error / std::max(1.0, force));
     ASSERT_LE(error, 1e-8 * std::max(1.0, force)) << "N, step " << i;
-    touching += stage.follower->is_free() ? 0 : 1;
-    slides += stage.follower->slides() ? 1 : 0;
-    several += stage.follower->contacts().size() > 1 ? 1 : 0;
+    contact_steps += stage.follower->is_free() ? 0 : 1;
+    sliding_steps += stage.follower->slides() ? 1 : 0;
+    several_contact_steps += stage.follower->contacts().size() > 1 ? 1 : 0;
   }
-  RecordProperty("worst", std::to_string(worst));
-  EXPECT_GT(touching, kSteps / 2);
-  EXPECT_GT(slides, kSteps / 4);
-  RecordProperty("several", several);
+  RecordProperty("worst", std::to_string(worst_error));
+  EXPECT_GT(contact_steps, kSteps / 2);
+  EXPECT_GT(sliding_steps, kSteps / 4);
+  RecordProperty("several", several_contact_steps);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumpsWithFriction,
@@ -203,7 +203,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, OverBumpsWithFriction,
 
 // A sphere that stands for a point: its radius is a small number of units in the last digits of its position.
 struct PointStage {
-  explicit PointStage(const TriangleMesh& mesh) : geometry({&mesh}), materials{kRubs}, follower(geometry, materials, 0x1p-31, true) {}
+  explicit PointStage(const TriangleMesh& mesh) : geometry({&mesh}), materials{kRubbing}, follower(geometry, materials, 0x1p-31, true) {}
 
   void put(const Vec3& p_S) {
     device = geometry.to_local(p_S);
@@ -260,7 +260,7 @@ TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
   stage.put({-0.3, 0.1, 0.1});
   ASSERT_EQ(stage.move({-0.3, 0.1, -kDepth}), Outcome::settled);
   ASSERT_EQ(stage.move({-0.2, 0.1, -kDepth}), Outcome::settled);
-  FrictionDrag lag{.pull = {kRubs.friction_dynamic * kDepth, 0.0, 0.0}, .sliding = true};
+  FrictionDrag lag{.pull = {kRubbing.friction_dynamic * kDepth, 0.0, 0.0}, .sliding = true};
   const Vec3 start(-0.2, 0.1, 0.0);
   const Vec3 to(-0.18, 0.25, 0.0);
   ASSERT_EQ(stage.move(to - Vec3(0.0, 0.0, kDepth)), Outcome::settled);
@@ -269,8 +269,8 @@ TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
                           .motion = to - start,
                           .pressure_start = kDepth,
                           .pressure_end = kDepth,
-                          .friction_static = kRubs.friction_static,
-                          .friction_dynamic = kRubs.friction_dynamic,
+                          .friction_static = kRubbing.friction_static,
+                          .friction_dynamic = kRubbing.friction_dynamic,
                           .sliding = true});
   const Vec3 off = stage.geometry.to_scene(stage.follower.centre()) - (to - lag.pull);
   EXPECT_LT(std::hypot(off.x(), off.y()), 1e-9) << "the contact offset adds 1e-10 to the depth";
@@ -282,7 +282,7 @@ TEST(SphereFollowerWithFriction, AMotionAlongAnEdgeThatIsOnlyJustTouchedIsLeftTo
   TriangleMesh fin;
   fin.vertices = {{-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, -1.0}};
   fin.triangles = {{0, 1, 2}};
-  Stage stage(fin, kOffset, kRubs);
+  Stage stage(fin, kOffset, kRubbing);
   stage.put({-0.9, 0.0, 1.5 * kOffset});
   ASSERT_EQ(stage.move({-0.9, 0.0, kOffset - kShallowDepth}), Outcome::settled);
   const std::uint64_t events = stage.follower->events();
@@ -295,13 +295,13 @@ TEST(SphereFollowerWithFriction, AMotionAlongAnEdgeThatIsOnlyJustTouchedIsLeftTo
 }
 
 TEST(SphereFollowerWithFriction, UsesNoHeap) {
-  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubs);
+  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubbing);
   Wanderer wanderer(7);
   stage.put({0.3, 0.5, 0.7});
-  std::vector<Vec3> way;
-  for (int i = 0; i < 100; ++i) way.push_back(stage.geometry.to_local(wanderer.next(0.05)));
+  std::vector<Vec3> path;
+  for (int i = 0; i < 100; ++i) path.push_back(stage.geometry.to_local(wanderer.next(0.05)));
   const AllocationGuard guard;
-  for (const Vec3& to : way) stage.move_local(to);
+  for (const Vec3& to : path) stage.move_local(to);
   EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
 }
 

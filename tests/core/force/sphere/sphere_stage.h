@@ -69,16 +69,16 @@ struct Stage {
 };
 
 constexpr double kOffset = 0.1;
-constexpr double kNear = 1e-11;  // larger than the slop and than the shift of borders
+constexpr double kCentreTolerance = 1e-11;  // larger than the slop and than the shift of borders
 constexpr double kSlop = 0x1p-40;
 
 inline void expect_centre(const Stage& stage, const Vec3& expected) {
-  EXPECT_LT((stage.centre() - expected).norm(), kNear) << stage.centre().transpose() << " not " << expected.transpose();
+  EXPECT_LT((stage.centre() - expected).norm(), kCentreTolerance) << stage.centre().transpose() << " not " << expected.transpose();
   EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
-  EXPECT_LT(stage.imbalance(), kNear);
+  EXPECT_LT(stage.imbalance(), kCentreTolerance);
 }
 
-// The same motion in 37 parts. False: one of them did not settle.
+// Follows the motion in 37 parts. Returns false if one of them does not settle.
 inline bool follow_in_parts(SphereFollower& follower, const Vec3& from, const Vec3& to) {
   constexpr int kParts = 37;
   Vec3 before = from;
@@ -95,7 +95,7 @@ inline bool follow_in_parts(SphereFollower& follower, const Vec3& from, const Ve
   return true;
 }
 
-// A device that goes to and fro at the surface of a bumpy sphere of radius 0.4, mostly inside.
+// A device that wanders at the surface of a bumpy sphere of radius 0.4, mostly inside.
 class Wanderer {
  public:
   explicit Wanderer(std::uint64_t seed) : random_(seed) {}

@@ -58,15 +58,15 @@ TEST(TangentCone, OfACubesCornerHasThreeEdgesThatOpenOutwardsOrInwards) {
 TEST(TangentCone, OfOneTriangleGoesAlongBothItsSides) {
   TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY())});
   ASSERT_TRUE(cone.find_boundary(Vec3(0.1, 0.1, 1.0).normalized()));
-  bool above = false;
-  bool below = false;
+  bool has_above = false;
+  bool has_below = false;
   double opening = 0.0;
   for (const TangentCone::Piece& piece : cone.boundary()) {
-    above = above || piece.normal.z() > 0.5;
-    below = below || piece.normal.z() < -0.5;
+    has_above = has_above || piece.normal.z() > 0.5;
+    has_below = has_below || piece.normal.z() < -0.5;
     opening = std::max(opening, piece.opening);
   }
-  EXPECT_TRUE(above && below);
+  EXPECT_TRUE(has_above && has_below);
   EXPECT_NEAR(opening, 2.0 * kPi, 1e-12);
 }
 
@@ -83,15 +83,15 @@ TEST(TangentCone, OfThreeFacesThatCrossIsTheOctantThatThePointIsIn) {
     const Vec3 inside = Vec3(octant & 1 ? 1.0 : -1.0, octant & 2 ? 1.1 : -1.1, octant & 4 ? 0.9 : -0.9).normalized();
     TangentCone cone = cone_of(apex, triangles);
     ASSERT_TRUE(cone.find_boundary(inside)) << octant;
-    double turned = 0.0;
+    double turned_rad = 0.0;
     for (const TangentCone::Piece& piece : cone.boundary()) {
       for (int k = 0; k < 3; ++k) {
         EXPECT_GE(piece.to[k] * inside[k], -1e-12) << octant;
         EXPECT_GE(piece.normal[k] * inside[k], -1e-12) << octant;
       }
-      turned += std::acos(std::clamp(piece.from.dot(piece.to), -1.0, 1.0));
+      turned_rad += std::acos(std::clamp(piece.from.dot(piece.to), -1.0, 1.0));
     }
-    EXPECT_NEAR(turned, 1.5 * kPi, 1e-6) << octant;
+    EXPECT_NEAR(turned_rad, 1.5 * kPi, 1e-6) << octant;
   }
 }
 
@@ -124,10 +124,10 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
     for (const Vec3& inside : {Vec3(Vec3::UnitZ()), Vec3(-Vec3::UnitZ())}) {
       TangentCone cone = cone_of(apex, fan);
       ASSERT_TRUE(cone.find_boundary(inside)) << round;
-      const TangentCone::Steepest found = cone.find_steepest(pull);
-      EXPECT_NEAR(found.slope, steepest, 1e-5) << round;
-      EXPECT_NEAR(found.direction.dot(pull), found.slope, 1e-15) << round;
-      EXPECT_GE(found.slope, steepest - 1e-12) << round;
+      const TangentCone::Steepest best = cone.find_steepest(pull);
+      EXPECT_NEAR(best.slope, steepest, 1e-5) << round;
+      EXPECT_NEAR(best.direction.dot(pull), best.slope, 1e-15) << round;
+      EXPECT_GE(best.slope, steepest - 1e-12) << round;
     }
   }
 }
@@ -144,8 +144,8 @@ TEST(TangentCone, SteepestDirectionsLieInTheirPieceWhereThePullIsNormalToIt) {
     TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(5.0 * u, -4.0 * u + 6.0 * v, -4.0 * u - 7.0 * v)});
     ASSERT_TRUE(cone.find_boundary(normal));
     const double off = std::pow(2.0, -40.0 - static_cast<double>(random() % 14));
-    const TangentCone::Steepest found = cone.find_steepest(off * u - 0.1 * normal);
-    EXPECT_LE(std::fabs(found.direction.dot(normal)), 1e-14) << round;
+    const TangentCone::Steepest best = cone.find_steepest(off * u - 0.1 * normal);
+    EXPECT_LE(std::fabs(best.direction.dot(normal)), 1e-14) << round;
   }
 }
 
@@ -253,16 +253,16 @@ TEST(TangentCone, FindsTheNextSteepestDirections) {
   ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));
   const Vec3 pull(-0.9, -0.5, 0.3);
   double below = std::numeric_limits<double>::infinity();
-  int found = 0;
-  for (; found < 100; ++found) {
+  int directions_found = 0;
+  for (; directions_found < 100; ++directions_found) {
     const TangentCone::Steepest next = cone.find_steepest(pull, below);
     if (next.piece < 0) break;
     EXPECT_LT(next.slope, below);
     EXPECT_NEAR(next.slope, next.direction.dot(pull), 1e-12);
     below = next.slope;
   }
-  EXPECT_GE(found, 3);
-  EXPECT_LE(found, 2 * static_cast<int>(cone.boundary().size()));
+  EXPECT_GE(directions_found, 3);
+  EXPECT_LE(directions_found, 2 * static_cast<int>(cone.boundary().size()));
 }
 
 TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {

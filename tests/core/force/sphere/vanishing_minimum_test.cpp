@@ -11,16 +11,17 @@
 namespace hapton {
 namespace {
 
-constexpr double kSine = 0.5;  // sine of the angle of the ridge
-constexpr double kLong = kOffset / kSine;
+constexpr double kSineOfRidge = 0.5;  // of its angle with the floor
+constexpr double kSemiMajor = kOffset / kSineOfRidge;
 constexpr double kDeviceHeight = -0.3;  // z of the device; if it were less deep, the ridge would lift the ball off the floor
-constexpr double kNearTo = 1e-5;        // share of the way; even nearer, the barrier is too low to hold a minimum
+// Distance from the evolute, as a share of its y; even nearer, the barrier is too low to hold a minimum.
+constexpr double kNearEvolute = 1e-5;
 
 // The ridge goes up along x, through the middle of the ball's plane.
 TriangleMesh floor_with_ridge() {
   TriangleMesh mesh = made::sheet(0.5, 0.0, 5);
   const Vec3 middle(0.0, 0.0, kOffset);
-  const Vec3 along(std::sqrt(1.0 - kSine * kSine), 0.0, kSine);
+  const Vec3 along(std::sqrt(1.0 - kSineOfRidge * kSineOfRidge), 0.0, kSineOfRidge);
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.push_back(middle - 0.3 * along);
   mesh.vertices.push_back(middle + 0.5 * along);
@@ -31,8 +32,8 @@ TriangleMesh floor_with_ridge() {
 
 // (a x)^(2/3) + (b y)^(2/3) = (a^2 - b^2)^(2/3)
 double evolute_at(double x) {
-  const double all = std::cbrt(std::pow(kLong * kLong - kOffset * kOffset, 2));
-  const double of_x = std::cbrt(std::pow(kLong * x, 2));
+  const double all = std::cbrt(std::pow(kSemiMajor * kSemiMajor - kOffset * kOffset, 2));
+  const double of_x = std::cbrt(std::pow(kSemiMajor * x, 2));
   return std::pow(all - of_x, 1.5) / kOffset;
 }
 
@@ -47,32 +48,32 @@ class VanishingMinimum : public ::testing::TestWithParam<double> {
   void expect_on_ellipse_at_minimum() const {
     const Vec3 c = stage_.centre();
     const Vec3 pull = stage_.geometry.to_scene(stage_.device) - c;
-    EXPECT_NEAR(std::hypot(c.x() / kLong, c.y() / kOffset), 1.0, 1e-9);
+    EXPECT_NEAR(std::hypot(c.x() / kSemiMajor, c.y() / kOffset), 1.0, 1e-9);
     EXPECT_NEAR(c.z(), kOffset, 1e-9);
-    const Vec3 tangent = Vec3(-c.y() * kLong / kOffset, c.x() * kOffset / kLong, 0.0).normalized();
+    const Vec3 tangent = Vec3(-c.y() * kSemiMajor / kOffset, c.x() * kOffset / kSemiMajor, 0.0).normalized();
     EXPECT_NEAR(tangent.dot(pull), 0.0, 1e-9);
     EXPECT_GE(stage_.distance_to_nearest(), stage_.offset - kSlop);
   }
 
   const double x_ = GetParam();
-  const double end_ = evolute_at(x_);
+  const double evolute_y_ = evolute_at(x_);
   Stage stage_{floor_with_ridge(), kOffset};
 };
 
 TEST_P(VanishingMinimum, HoldsUpToTheEvoluteAndNotBeyond) {
-  move_to(0.5 * end_);
+  move_to(0.5 * evolute_y_);
   expect_on_ellipse_at_minimum();
-  move_to((1.0 - kNearTo) * end_);
+  move_to((1.0 - kNearEvolute) * evolute_y_);
   expect_on_ellipse_at_minimum();
   EXPECT_LT(stage_.centre().y(), 0.0);
-  move_to((1.0 + kNearTo) * end_);
+  move_to((1.0 + kNearEvolute) * evolute_y_);
   expect_on_ellipse_at_minimum();
   EXPECT_GT(stage_.centre().y(), 0.0);
 }
 
 TEST_P(VanishingMinimum, IsPassedInFewEventsFromHoweverFar) {
   const std::uint64_t before = stage_.follower->events();
-  move_to(1.01 * end_);
+  move_to(1.01 * evolute_y_);
   expect_on_ellipse_at_minimum();
   EXPECT_GT(stage_.centre().y(), 0.0);
   EXPECT_LE(stage_.follower->events() - before, 40U);
@@ -83,8 +84,8 @@ TEST_P(VanishingMinimum, PartsOfTheMotionEndWhereTheWholeDoes) {
   Stage whole(floor_with_ridge(), kOffset);
   whole.put({x_, -0.3, 0.4});
   ASSERT_EQ(whole.move({x_, -0.3, kDeviceHeight}), Outcome::settled);
-  ASSERT_EQ(whole.finish(whole.geometry.to_local({x_, 1.1 * end_, kDeviceHeight})), Outcome::settled);
-  const Vec3 to = stage_.geometry.to_local({x_, 1.1 * end_, kDeviceHeight});
+  ASSERT_EQ(whole.finish(whole.geometry.to_local({x_, 1.1 * evolute_y_, kDeviceHeight})), Outcome::settled);
+  const Vec3 to = stage_.geometry.to_local({x_, 1.1 * evolute_y_, kDeviceHeight});
   ASSERT_TRUE(follow_in_parts(*stage_.follower, stage_.device, to));
   EXPECT_LT((whole.centre() - stage_.centre()).norm(), 1e-9);
 }
