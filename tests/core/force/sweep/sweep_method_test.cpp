@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffsetVector = 0.0005 * 0.0254;
+constexpr double kOffsetVector = 0.0005 * 0.0254;  // 0.0005 inches, in metres
 
 std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int, 3> division = {32, 32, 32},
                                         double offset_m = kOffsetVector) {
@@ -54,12 +54,12 @@ TEST(SweepMethod, AgreesWithItsBruteForceTwin) {
   std::normal_distribution<double> normal(0.0, 1.0);
   const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
 
-  TouchScene two = scene_of(made::sphere(0.03, 16, 0.1));
-  two.objects.push_back({made::shared(made::box({0.01, -0.05, -0.05}, {0.05, 0.05, 0.05})), {.stiffness_n_per_m = 300.0}});
+  TouchScene two_objects = scene_of(made::sphere(0.03, 16, 0.1));
+  two_objects.objects.push_back({made::shared(made::box({0.01, -0.05, -0.05}, {0.05, 0.05, 0.05})), {.stiffness_n_per_m = 300.0}});
   const std::vector<TouchScene> scenes = {scene_of(made::soup(kSeed, 600, 0.05, 0.03)), scene_of(made::sphere(0.05, 20, 0.2)),
-                                          scene_of(made::sheet(0.05, 0.0, 20)), two};
+                                          scene_of(made::sheet(0.05, 0.0, 20)), two_objects};
   std::size_t contacts = 0;
-  std::size_t many = 0;
+  std::size_t steps_with_several_collisions = 0;
   for (const TouchScene& scene : scenes) {
     for (const auto& division : {std::array<int, 3>{32, 32, 32}, std::array<int, 3>{1, 1, 1}, std::array<int, 3>{5, 60, 13}}) {
       const auto method = make_sweep(scene, division);
@@ -79,12 +79,12 @@ TEST(SweepMethod, AgreesWithItsBruteForceTwin) {
         ASSERT_EQ(felt.contact, expected.contact) << "step " << i;
         ASSERT_EQ(method->counters().collisions - before, twin.collisions) << "step " << i;
         contacts += felt.contact ? 1 : 0;
-        many += twin.collisions > 1 ? 1 : 0;
+        steps_with_several_collisions += twin.collisions > 1 ? 1 : 0;
       }
     }
   }
   EXPECT_GT(contacts, 3000U);
-  EXPECT_GT(many, 100U);
+  EXPECT_GT(steps_with_several_collisions, 100U);
 }
 
 TEST(SweepMethod, PressingAPlaneIsHookesLawFromEitherSide) {
@@ -218,9 +218,10 @@ TEST(SweepMethod, RestingAndWildSamplesAreHarmless) {
 }
 
 TEST(SweepMethod, HugeFiniteSamplesGiveFiniteForcesAndBringNoneBackWithThem) {
-  const double most = std::numeric_limits<double>::max();
+  const double largest = std::numeric_limits<double>::max();
   const auto method = make_sweep(scene_of(made::sphere(0.05, 12)));
-  const std::vector<Vec3> wild = {{-most, 0.001, 0.002}, {most, most, most}, {-most, most, -most}, {1e160, -1e200, 3.0}, {0.0, 0.0, -most}};
+  const std::vector<Vec3> wild = {
+      {-largest, 0.001, 0.002}, {largest, largest, largest}, {-largest, largest, -largest}, {1e160, -1e200, 3.0}, {0.0, 0.0, -largest}};
   std::size_t contacts = 0;
   for (const Vec3& from : wild) {
     for (const Vec3& to : wild) {
