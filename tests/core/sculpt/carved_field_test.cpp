@@ -20,22 +20,22 @@ using testing::HasSubstr;
 
 constexpr double kVoxelM = 0.002;
 
-CarvedField ball_of_clay(double radius_m = 0.03, double voxel_m = kVoxelM) {
+CarvedField make_clay_ball(double radius_m = 0.03, double voxel_m = kVoxelM) {
   auto field = CarvedField::make(make_icosphere(radius_m, 5), voxel_m);
   EXPECT_TRUE(field.has_value()) << field.error().what;
   return std::move(*field);
 }
 
-std::vector<float> copy_of(const CarvedField& field) { return {field.values().begin(), field.values().end()}; }
+std::vector<float> values_of(const CarvedField& field) { return {field.values().begin(), field.values().end()}; }
 
 std::vector<Carve> random_carves(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-0.035, 0.035), length(-0.004, 0.004), radius(0.002, 0.008);
-  const auto vec = [&](auto& from) { return Vec3(from(random), from(random), from(random)); };
+  const auto draw_vector = [&](auto& distribution) { return Vec3(distribution(random), distribution(random), distribution(random)); };
   std::vector<Carve> carves;
   for (int i = 0; i < count; ++i) {
-    const Vec3 from = vec(place);
-    carves.push_back({from, i % 5 == 0 ? from : Vec3(from + vec(length)), radius(random)});
+    const Vec3 from = draw_vector(place);
+    carves.push_back({from, i % 5 == 0 ? from : Vec3(from + draw_vector(length)), radius(random)});
   }
   return carves;
 }
@@ -47,7 +47,7 @@ double distance_to_capsule(const Carve& carve, const Vec3& p) {
 }
 
 template <class Visit>
-void for_nodes_of(const CarvedField& field, Visit&& visit) {
+void for_each_node_of(const CarvedField& field, Visit&& visit) {
   for (int z = 0; z < field.nodes()[2]; ++z) {
     for (int y = 0; y < field.nodes()[1]; ++y) {
       for (int x = 0; x < field.nodes()[0]; ++x) visit(x, y, z, field.grid().index(x, y, z));
@@ -56,24 +56,24 @@ void for_nodes_of(const CarvedField& field, Visit&& visit) {
 }
 
 TEST(CarvedField, OfABallIsItsDistance) {
-  const CarvedField field = ball_of_clay();
+  const CarvedField field = make_clay_ball();
   EXPECT_EQ(field.nodes()[0] % 8, 0);
   EXPECT_EQ(field.values().size(), field.grid().size());
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> place(-0.036, 0.036);
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p(place(random), place(random), place(random));
-    const double exact = p.norm() - 0.03;
+    const double exact_distance = p.norm() - 0.03;
     // The tolerance is for the flat faces of the icosphere and for interpolation. Nodes near the band's end are left out: the values stop
     // there.
-    if (std::abs(exact) > field.band_m() - 2.0 * kVoxelM) continue;
-    EXPECT_NEAR(field.value(p), exact, 0.05 * kVoxelM) << p.transpose();
+    if (std::abs(exact_distance) > field.band_m() - 2.0 * kVoxelM) continue;
+    EXPECT_NEAR(field.value(p), exact_distance, 0.05 * kVoxelM) << p.transpose();
     EXPECT_NEAR((field.gradient(p) - p.normalized()).norm(), 0.0, 0.1) << p.transpose();
   }
 }
 
 TEST(CarvedField, ValueIsContinuousAtTheEdgeOfTheGridAndBoundsTheDistanceOutside) {
-  const CarvedField field = ball_of_clay();
+  const CarvedField field = make_clay_ball();
   const Vec3 low = field.origin_m(), high = field.grid().node(field.nodes()[0] - 1, field.nodes()[1] - 1, field.nodes()[2] - 1);
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -82,23 +82,23 @@ TEST(CarvedField, ValueIsContinuousAtTheEdgeOfTheGridAndBoundsTheDistanceOutside
     const int axis = i % 3;
     p[axis] = i % 2 == 0 ? low[axis] : high[axis];
     EXPECT_NEAR(field.value(p), field.band_m(), 1e-6 * kVoxelM);
-    const Vec3 out = p + (i % 2 == 0 ? -1.0 : 1.0) * 0.01 * Vec3::Unit(axis);
-    EXPECT_NEAR(field.value(out), field.band_m() + 0.01, 1e-6 * kVoxelM);
-    EXPECT_LE(field.value(out), out.norm() - 0.03);
-    EXPECT_GT(field.gradient(out)[axis] * out[axis], 0.0);
+    const Vec3 outside = p + (i % 2 == 0 ? -1.0 : 1.0) * 0.01 * Vec3::Unit(axis);
+    EXPECT_NEAR(field.value(outside), field.band_m() + 0.01, 1e-6 * kVoxelM);
+    EXPECT_LE(field.value(outside), outside.norm() - 0.03);
+    EXPECT_GT(field.gradient(outside)[axis] * outside[axis], 0.0);
   }
   EXPECT_TRUE(std::isnan(field.value(Vec3(std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0))));
 }
 
 TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
-  CarvedField field = ball_of_clay();
-  std::vector<float> expected = copy_of(field);
+  CarvedField field = make_clay_ball();
+  std::vector<float> expected = values_of(field);
   const double band = field.band_m();
   for (const Carve& carve : random_carves(21, 60)) {
-    const std::vector<float> before = copy_of(field);
+    const std::vector<float> before = values_of(field);
     const CarvedFieldBox box = field.carve(carve);
     CarvedFieldBox changed{{1 << 20, 1 << 20, 1 << 20}, {0, 0, 0}};
-    for_nodes_of(field, [&](int x, int y, int z, std::size_t i) {
+    for_each_node_of(field, [&](int x, int y, int z, std::size_t i) {
       const double carved = std::min(band, -distance_to_capsule(rounded(carve), field.grid().node(x, y, z)));
       expected[i] = std::max(expected[i], static_cast<float>(carved));
       ASSERT_NEAR(field.values()[i], expected[i], 1e-6 * band);
@@ -119,80 +119,81 @@ TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
 // A ball with a radius of 31 m, with carves 1024 times as large: the code contains no absolute length.
 TEST(CarvedField, LargeBodiesAreCarvedAsSmallOnesAre) {
   constexpr double kScale = 1024.0;
-  CarvedField small = ball_of_clay(), large = ball_of_clay(0.03 * kScale, kVoxelM * kScale);
+  CarvedField small = make_clay_ball(), large = make_clay_ball(0.03 * kScale, kVoxelM * kScale);
   ASSERT_EQ(large.nodes(), small.nodes());
-  const double near = 1e-5 * small.band_m();
+  const double tolerance = 1e-5 * small.band_m();
   for (const Carve& carve : random_carves(27, 60)) {
     const CarvedFieldBox box = small.carve(carve);
     const CarvedFieldBox large_box = large.carve({kScale * carve.from_m, kScale * carve.to_m, kScale * carve.radius_m});
     EXPECT_EQ(large_box.is_empty(), box.is_empty());
   }
-  for (std::size_t i = 0; i < small.values().size(); ++i) ASSERT_NEAR(large.values()[i] / kScale, small.values()[i], near) << i;
+  for (std::size_t i = 0; i < small.values().size(); ++i) ASSERT_NEAR(large.values()[i] / kScale, small.values()[i], tolerance) << i;
 }
 
 TEST(CarvedField, WhetherACarveChangesAnythingIsKnownBefore) {
-  CarvedField field = ball_of_clay();
-  int changes = 0;
+  CarvedField field = make_clay_ball();
+  int effective_carves = 0;
   for (const Carve& carve : random_carves(26, 300)) {
-    const std::vector<float> before = copy_of(field);
+    const std::vector<float> before = values_of(field);
     const bool expected = field.would_change(carve);
-    ASSERT_EQ(copy_of(field), before) << "asking changes nothing";
+    ASSERT_EQ(values_of(field), before) << "would_change() changes nothing";
     ASSERT_EQ(!field.carve(carve).is_empty(), expected);
-    changes += expected ? 1 : 0;
+    effective_carves += expected ? 1 : 0;
   }
-  EXPECT_GT(changes, 100);
-  EXPECT_LT(changes, 290);
+  EXPECT_GT(effective_carves, 100);
+  EXPECT_LT(effective_carves, 290);
 }
 
 TEST(CarvedField, OrderAndRepetitionOfCarvesDoNotMatter) {
   std::vector<Carve> carves = random_carves(22, 80);
-  CarvedField one = ball_of_clay(), other = ball_of_clay();
-  for (const Carve& carve : carves) one.carve(carve);
+  CarvedField in_order = make_clay_ball(), shuffled = make_clay_ball();
+  for (const Carve& carve : carves) in_order.carve(carve);
   std::shuffle(carves.begin(), carves.end(), std::mt19937_64(23));
   for (const Carve& carve : carves) {
-    other.carve(rounded(carve));
-    EXPECT_TRUE(other.carve(carve).is_empty());
+    shuffled.carve(rounded(carve));
+    EXPECT_TRUE(shuffled.carve(carve).is_empty());
   }
-  EXPECT_EQ(copy_of(one), copy_of(other));
-  EXPECT_NE(copy_of(one), copy_of(ball_of_clay()));
+  EXPECT_EQ(values_of(in_order), values_of(shuffled));
+  EXPECT_NE(values_of(in_order), values_of(make_clay_ball()));
 }
 
 TEST(CarvedField, ValuesAfterCarvesBoundTheDistanceToWhatIsLeft) {
-  CarvedField field = ball_of_clay(0.02);
+  CarvedField field = make_clay_ball(0.02);
   const std::vector<Carve> carves = random_carves(24, 25);
   for (const Carve& carve : carves) field.carve(carve);
-  std::vector<Vec3> left;
-  for_nodes_of(field, [&](int x, int y, int z, std::size_t i) {
-    if (field.values()[i] < 0.0F) left.push_back(field.grid().node(x, y, z));
+  std::vector<Vec3> remaining_nodes;
+  for_each_node_of(field, [&](int x, int y, int z, std::size_t i) {
+    if (field.values()[i] < 0.0F) remaining_nodes.push_back(field.grid().node(x, y, z));
   });
-  ASSERT_GT(left.size(), 500U);
-  for_nodes_of(field, [&](int x, int y, int z, std::size_t i) {
+  ASSERT_GT(remaining_nodes.size(), 500U);
+  for_each_node_of(field, [&](int x, int y, int z, std::size_t i) {
     if (field.values()[i] <= 0.0F || i % 7 != 0) return;
     const Vec3 p = field.grid().node(x, y, z);
     double nearest = 1.0;
-    for (const Vec3& q : left) nearest = std::min(nearest, (p - q).norm());
+    for (const Vec3& q : remaining_nodes) nearest = std::min(nearest, (p - q).norm());
     ASSERT_LE(field.values()[i], nearest * (1.0 + 1e-6));
   });
 }
 
 TEST(CarvedField, CarvesThatAreNoCapsuleChangeNothing) {
-  CarvedField field = ball_of_clay();
-  const std::vector<float> before = copy_of(field);
+  CarvedField field = make_clay_ball();
+  const std::vector<float> before = values_of(field);
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-  const Vec3 o = Vec3::Zero();
-  for (const Carve& carve : {Carve{o, o, 0.0}, Carve{o, o, -0.01}, Carve{o, o, nan}, Carve{o, o, infinity}, Carve{o, Vec3(nan, 0, 0), 0.01},
-                             Carve{Vec3(0, infinity, 0), o, 0.01}, Carve{Vec3(0, 1e300, 0), o, 0.01},
-                             Carve{Vec3(1, 0, 0), Vec3(2, 0, 0), 0.01}, Carve{Vec3(-1e30, 0, 0), Vec3(-1e30, 0, 0), 0.01}}) {
+  const Vec3 origin = Vec3::Zero();
+  for (const Carve& carve :
+       {Carve{origin, origin, 0.0}, Carve{origin, origin, -0.01}, Carve{origin, origin, nan}, Carve{origin, origin, infinity},
+        Carve{origin, Vec3(nan, 0, 0), 0.01}, Carve{Vec3(0, infinity, 0), origin, 0.01}, Carve{Vec3(0, 1e300, 0), origin, 0.01},
+        Carve{Vec3(1, 0, 0), Vec3(2, 0, 0), 0.01}, Carve{Vec3(-1e30, 0, 0), Vec3(-1e30, 0, 0), 0.01}}) {
     EXPECT_TRUE(field.carve(carve).is_empty());
   }
-  EXPECT_EQ(copy_of(field), before);
-  EXPECT_FALSE(field.carve({o, o, 1.0}).is_empty());
+  EXPECT_EQ(values_of(field), before);
+  EXPECT_FALSE(field.carve({origin, origin, 1.0}).is_empty());
   for (const float value : field.values()) EXPECT_EQ(value, static_cast<float>(field.band_m()));
 }
 
 TEST(CarvedField, CarveAndQueriesUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP();
-  CarvedField field = ball_of_clay();
+  CarvedField field = make_clay_ball();
   const std::vector<Carve> carves = random_carves(25, 20);
   double sum = 0.0;
   const AllocationGuard guard;

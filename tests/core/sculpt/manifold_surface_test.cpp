@@ -53,29 +53,29 @@ SurfaceNet net_of(const NodeValues& grid) {
   return net;
 }
 
-// Vertices whose triangles are not one fan: from one of them, some cannot be reached over edges at the vertex.
-std::size_t count_split_fans(const TriangleMesh& mesh) {
-  std::vector<std::map<std::uint32_t, std::uint32_t>> next(mesh.vertices.size());
+// The number of vertices whose triangles are not one fan: from one of these triangles, some cannot be reached over edges at the vertex.
+std::size_t count_vertices_with_split_fans(const TriangleMesh& mesh) {
+  std::vector<std::map<std::uint32_t, std::uint32_t>> next_around(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) next[t[k]][t[(k + 1) % 3]] = t[(k + 2) % 3];
+    for (std::size_t k = 0; k < 3; ++k) next_around[t[k]][t[(k + 1) % 3]] = t[(k + 2) % 3];
   }
-  std::size_t split = 0;
-  for (const auto& fan : next) {
+  std::size_t split_count = 0;
+  for (const auto& fan : next_around) {
     if (fan.empty()) continue;
     std::size_t steps = 1;
     for (std::uint32_t at = fan.begin()->second; at != fan.begin()->first && steps <= fan.size(); ++steps) {
-      const auto further = fan.find(at);
-      if (further == fan.end()) break;
-      at = further->second;
+      const auto following = fan.find(at);
+      if (following == fan.end()) break;
+      at = following->second;
     }
-    split += steps == fan.size() ? 0 : 1;
+    split_count += steps == fan.size() ? 0 : 1;
   }
-  return split;
+  return split_count;
 }
 
 // In 40 grids of 16^3 random nodes, practically every kind of cell, and of pair of adjacent cells, occurs many times.
 TEST(ManifoldSurface, IsAClosedManifoldForRandomValues) {
-  std::size_t shared_by_four = 0;
+  std::size_t non_manifold_edges = 0;
   for (std::uint32_t seed = 1; seed <= 40; ++seed) {
     MadeGrid grid(16);
     grid.fill(seed, 0.1 + 0.02 * seed);
@@ -83,11 +83,11 @@ TEST(ManifoldSurface, IsAClosedManifoldForRandomValues) {
     const EdgeCensus edges = count_edges(mesh);
     EXPECT_TRUE(edges.closed()) << "seed " << seed << ": " << edges.boundary << " open, " << edges.non_manifold << " non-manifold, "
                                 << edges.inconsistent << " inconsistent";
-    EXPECT_EQ(count_split_fans(mesh), 0U) << "seed " << seed;
+    EXPECT_EQ(count_vertices_with_split_fans(mesh), 0U) << "seed " << seed;
     EXPECT_GT(compute_volume(mesh), 0.0) << "it faces outwards";
-    shared_by_four += count_edges(mesh_of(net_of(grid.nodes()))).non_manifold;
+    non_manifold_edges += count_edges(mesh_of(net_of(grid.nodes()))).non_manifold;
   }
-  EXPECT_GT(shared_by_four, 10'000U) << "of the surface nets of the same grids";
+  EXPECT_GT(non_manifold_edges, 10'000U) << "the surface nets of the same grids have many edges of four quads";
 }
 
 // Each of the 4,096 ways in which the nodes of two adjacent cells can be inside, along each axis.
@@ -104,7 +104,7 @@ TEST(ManifoldSurface, IsAClosedManifoldForEveryPairOfCells) {
       }
       const TriangleMesh mesh = mesh_of(make_manifold_surface(grid.nodes()));
       ASSERT_TRUE(count_edges(mesh).closed()) << inside << " along axis " << axis;
-      ASSERT_EQ(count_split_fans(mesh), 0U) << inside << " along axis " << axis;
+      ASSERT_EQ(count_vertices_with_split_fans(mesh), 0U) << inside << " along axis " << axis;
     }
   }
 }

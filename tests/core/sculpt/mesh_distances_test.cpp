@@ -20,7 +20,7 @@ FieldGrid grid_around(double half_m, double spacing_m) {
   return {.origin_m = Vec3::Constant(-0.5 * spacing_m * (nodes - 1)), .spacing_m = spacing_m, .nodes = {nodes, nodes, nodes}};
 }
 
-std::vector<float> distances(const TriangleMesh& mesh, const FieldGrid& grid, double band_m) {
+std::vector<float> compute_values(const TriangleMesh& mesh, const FieldGrid& grid, double band_m) {
   std::vector<float> values(grid.size());
   compute_mesh_distances(mesh, grid, band_m, values);
   return values;
@@ -37,10 +37,10 @@ void for_each_node(const FieldGrid& grid, Visit&& visit) {
 
 // Checks the distance at each node against all triangles, and its sign against the solid angle of the mesh.
 void expect_as_brute_force(const TriangleMesh& mesh, const FieldGrid& grid, double band_m) {
-  const std::vector<float> values = distances(mesh, grid, band_m);
-  const PointInMesh brute(mesh);
+  const std::vector<float> values = compute_values(mesh, grid, band_m);
+  const PointInMesh twin(mesh);
   for_each_node(grid, [&](const Vec3& p, std::size_t i) {
-    const double distance = std::min(band_m, brute.compute_distance(p));
+    const double distance = std::min(band_m, twin.compute_distance(p));
     const bool is_inside = std::abs(compute_winding_number(mesh, p)) > 0.5;
     ASSERT_NEAR(values[i], is_inside ? -distance : distance, kRounding * band_m) << p.transpose();
   });
@@ -67,15 +67,15 @@ TEST(MeshDistances, OfAMeshThatGoesBeyondTheGridAreThoseOfItsNodes) {
 TEST(MeshDistances, OfABoxWhoseFacesLieInTheGridAreExact) {
   const FieldGrid grid{.origin_m = Vec3::Constant(-0.08), .spacing_m = 0.01, .nodes = {20, 17, 17}};
   for (const int cells : {1, 5}) {
-    const std::vector<float> values = distances(make_box(Vec3::Constant(0.1), cells), grid, 0.03);
+    const std::vector<float> values = compute_values(make_box(Vec3::Constant(0.1), cells), grid, 0.03);
     for_each_node(grid, [&](const Vec3& p, std::size_t i) {
-      const Vec3 over = p.cwiseAbs().array() - 0.05;
-      const double exact = over.cwiseMax(0.0).norm() + std::min(0.0, over.maxCoeff());
+      const Vec3 beyond_face = p.cwiseAbs().array() - 0.05;
+      const double exact_distance = beyond_face.cwiseMax(0.0).norm() + std::min(0.0, beyond_face.maxCoeff());
       // On the surface itself the sign may be either.
-      if (std::abs(exact) < 1e-9) {
+      if (std::abs(exact_distance) < 1e-9) {
         ASSERT_NEAR(values[i], 0.0, 1e-8);
       } else {
-        ASSERT_NEAR(values[i], std::clamp(exact, -0.03, 0.03), 3e-8) << p.transpose();
+        ASSERT_NEAR(values[i], std::clamp(exact_distance, -0.03, 0.03), 3e-8) << p.transpose();
       }
     });
   }
@@ -84,7 +84,7 @@ TEST(MeshDistances, OfABoxWhoseFacesLieInTheGridAreExact) {
 TEST(MeshDistances, OfAMeshThatIsInsideOutAreTheSame) {
   const FieldGrid grid = grid_around(0.06, 0.01);
   const TriangleMesh sphere = make_icosphere(0.04, 2);
-  EXPECT_EQ(distances(sphere, grid, 0.02), distances(flipped(sphere), grid, 0.02));
+  EXPECT_EQ(compute_values(sphere, grid, 0.02), compute_values(flipped(sphere), grid, 0.02));
 }
 
 }  // namespace

@@ -9,12 +9,12 @@
 namespace hapton {
 namespace {
 
-constexpr SculptSettings kSculpted{.voxel_m = 0.002, .tool_radius_m = 0.005, .button = 1};
+constexpr SculptSettings kSculptSettings{.voxel_m = 0.002, .tool_radius_m = 0.005, .button = 1};
 
 TEST(Sculpture, NumbersTheCarvesOfAllBodiesAndHasTheOneOfTheStep) {
   Sculpture sculpture;
-  ASSERT_TRUE(sculpture.add(3, kSculpted, make_icosphere(0.02, 3)));
-  ASSERT_TRUE(sculpture.add(7, kSculpted, make_box(Vec3::Constant(0.02))));
+  ASSERT_TRUE(sculpture.add(3, kSculptSettings, make_icosphere(0.02, 3)));
+  ASSERT_TRUE(sculpture.add(7, kSculptSettings, make_box(Vec3::Constant(0.02))));
   EXPECT_FALSE(sculpture.made());
   const Carve carve{{0.02, 0.0, 0.0}, {0.021, 0.0001, 0.0}, 0.005};
   sculpture.carve(0, carve);
@@ -35,55 +35,55 @@ TEST(Sculpture, NumbersTheCarvesOfAllBodiesAndHasTheOneOfTheStep) {
 }
 
 TEST(Sculpture, IsAlikeWhatWasTheSameBeforeAnyCarve) {
-  Sculpture one, same, other_mesh, other_settings, other_object;
+  Sculpture sculpture, same, other_mesh, other_settings, other_object;
   const TriangleMesh ball = make_icosphere(0.02, 3);
-  ASSERT_TRUE(one.add(0, kSculpted, ball) && same.add(0, kSculpted, ball) && other_object.add(1, kSculpted, ball));
-  ASSERT_TRUE(other_mesh.add(0, kSculpted, make_icosphere(0.02, 2)));
+  ASSERT_TRUE(sculpture.add(0, kSculptSettings, ball) && same.add(0, kSculptSettings, ball) && other_object.add(1, kSculptSettings, ball));
+  ASSERT_TRUE(other_mesh.add(0, kSculptSettings, make_icosphere(0.02, 2)));
   ASSERT_TRUE(other_settings.add(0, {.voxel_m = 0.002, .tool_radius_m = 0.006, .button = 1}, ball));
-  one.carve(0, {{0.02, 0.0, 0.0}, {0.02, 0.0, 0.0}, 0.005});
-  EXPECT_TRUE(one.is_alike(same));
-  EXPECT_FALSE(one.is_alike(other_mesh));
-  EXPECT_FALSE(one.is_alike(other_settings));
-  EXPECT_FALSE(one.is_alike(other_object));
-  EXPECT_FALSE(one.is_alike(Sculpture()));
-  Sculpture other_place, other_button, more;
-  ASSERT_TRUE(other_place.add(0, kSculpted, scaled_and_moved(ball, 1.0, Vec3(0.002, 0.0, 0.0))));  // by one voxel: same field values
+  sculpture.carve(0, {{0.02, 0.0, 0.0}, {0.02, 0.0, 0.0}, 0.005});
+  EXPECT_TRUE(sculpture.is_alike(same));
+  EXPECT_FALSE(sculpture.is_alike(other_mesh));
+  EXPECT_FALSE(sculpture.is_alike(other_settings));
+  EXPECT_FALSE(sculpture.is_alike(other_object));
+  EXPECT_FALSE(sculpture.is_alike(Sculpture()));
+  Sculpture other_place, other_button, two_bodies;
+  ASSERT_TRUE(other_place.add(0, kSculptSettings, scaled_and_moved(ball, 1.0, Vec3(0.002, 0.0, 0.0))));  // by one voxel: same field values
   ASSERT_TRUE(other_button.add(0, {.voxel_m = 0.002, .tool_radius_m = 0.005, .button = 2}, ball));
-  ASSERT_TRUE(more.add(0, kSculpted, ball) && more.add(1, kSculpted, ball));
-  for (const Sculpture* other : {&other_place, &other_button, &more}) {
-    EXPECT_FALSE(one.is_alike(*other));
-    EXPECT_FALSE(other->is_alike(one));
+  ASSERT_TRUE(two_bodies.add(0, kSculptSettings, ball) && two_bodies.add(1, kSculptSettings, ball));
+  for (const Sculpture* other : {&other_place, &other_button, &two_bodies}) {
+    EXPECT_FALSE(sculpture.is_alike(*other));
+    EXPECT_FALSE(other->is_alike(sculpture));
   }
-  EXPECT_FALSE(one.add(1, kSculpted, make_plane_grid(0.1, 2)));
+  EXPECT_FALSE(sculpture.add(1, kSculptSettings, make_plane_grid(0.1, 2)));
 }
 
 // The other shapes come from an undo; the next carve has the number after that of the undo, and the step has no carve of its own.
 TEST(Sculpture, GoesOnWithTheShapesOfAnother) {
   const TriangleMesh ball = make_icosphere(0.02, 3);
   const Carve carve{{0.02, 0.0, 0.0}, {0.02, 0.0, 0.0}, 0.005};
-  Sculpture felt, undone;
-  ASSERT_TRUE(felt.add(0, kSculpted, ball) && undone.add(0, kSculpted, ball));
-  felt.carve(0, carve);
-  ASSERT_TRUE(felt.made());
-  undone.field(0).carve({{-0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}, 0.005});
-  felt.exchange_shapes(undone, 2);
-  EXPECT_EQ(felt.newest(), 2U);
-  EXPECT_FALSE(felt.made());
-  EXPECT_FALSE(undone.bodies()[0].field.would_change(carve)) << "which has the shape that was felt";
-  EXPECT_FALSE(felt.bodies()[0].field.would_change({{-0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}, 0.005}));
-  felt.carve(0, carve);
-  ASSERT_TRUE(felt.made()) << "the material is there again";
-  EXPECT_EQ(felt.made()->serial, 3U);
-  felt.exchange_shapes(undone, Sculpture::kMaxCarves - 1);
-  EXPECT_FALSE(felt.is_full());
-  felt.exchange_shapes(undone, Sculpture::kMaxCarves);
-  EXPECT_TRUE(felt.is_full());
+  Sculpture sculpture, undone_sculpture;
+  ASSERT_TRUE(sculpture.add(0, kSculptSettings, ball) && undone_sculpture.add(0, kSculptSettings, ball));
+  sculpture.carve(0, carve);
+  ASSERT_TRUE(sculpture.made());
+  undone_sculpture.field(0).carve({{-0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}, 0.005});
+  sculpture.exchange_shapes(undone_sculpture, 2);
+  EXPECT_EQ(sculpture.newest(), 2U);
+  EXPECT_FALSE(sculpture.made());
+  EXPECT_FALSE(undone_sculpture.bodies()[0].field.would_change(carve)) << "it has the shape that the other had before";
+  EXPECT_FALSE(sculpture.bodies()[0].field.would_change({{-0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}, 0.005}));
+  sculpture.carve(0, carve);
+  ASSERT_TRUE(sculpture.made()) << "the material is there again";
+  EXPECT_EQ(sculpture.made()->serial, 3U);
+  sculpture.exchange_shapes(undone_sculpture, Sculpture::kMaxCarves - 1);
+  EXPECT_FALSE(sculpture.is_full());
+  sculpture.exchange_shapes(undone_sculpture, Sculpture::kMaxCarves);
+  EXPECT_TRUE(sculpture.is_full());
 }
 
 // The first carve, and the first one after a carving button went down, begin a press; carves while it is held and other buttons do not.
 TEST(Sculpture, APressBeginsWithTheButton) {
   Sculpture sculpture;
-  ASSERT_TRUE(sculpture.add(0, kSculpted, make_icosphere(0.02, 3)));
+  ASSERT_TRUE(sculpture.add(0, kSculptSettings, make_icosphere(0.02, 3)));
   double angle = 0.0;
   const auto begins = [&](std::uint32_t buttons) {
     sculpture.begin_step();

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-using Place = std::array<float, 3>;
+using Position = std::array<float, 3>;
 
 // A grid of nodes whose values are a function of their place.
 struct SampledNodes {
@@ -32,10 +32,10 @@ struct SampledNodes {
 };
 
 // A ball that extends over several blocks; its centre is not at whole numbers.
-const Vec3 kBallAt(22.3, 20.7, 19.1);
+const Vec3 kBallCentre(22.3, 20.7, 19.1);
 constexpr double kBallRadius = 14.2;
 SampledNodes sampled_ball() {
-  return {{44, 41, 39}, [](const Vec3& p) { return (p - kBallAt).norm() - kBallRadius; }};
+  return {{44, 41, 39}, [](const Vec3& p) { return (p - kBallCentre).norm() - kBallRadius; }};
 }
 
 // All blocks joined to one net; vertices whose places are equal to the last bit become one vertex.
@@ -55,14 +55,14 @@ struct WholeNet {
   }
   void add(const SurfaceNet& net) {
     for (const auto& quad : net.quads) {
-      std::array<std::uint32_t, 4> whole = {};
+      std::array<std::uint32_t, 4> joined_quad = {};
       for (std::size_t k = 0; k < 4; ++k) {
         const Eigen::Vector3f& p = net.positions[quad[k]];
-        const auto [at, is_new] = index.emplace(Place{p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(positions.size()));
+        const auto [entry, is_new] = vertex_at.emplace(Position{p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(positions.size()));
         if (is_new) positions.push_back(p);
-        whole[k] = at->second;
+        joined_quad[k] = entry->second;
       }
-      quads.push_back(whole);
+      quads.push_back(joined_quad);
     }
   }
   // How often each edge is traversed from its first vertex to its second.
@@ -74,20 +74,20 @@ struct WholeNet {
     return edges;
   }
   double volume() const {
-    double six = 0.0;
+    double six_volumes = 0.0;
     for (const auto& q : quads) {
       const auto p = [&](std::size_t k) { return positions[q[k]].cast<double>().eval(); };
-      six += p(0).dot(p(1).cross(p(2))) + p(0).dot(p(2).cross(p(3)));
+      six_volumes += p(0).dot(p(1).cross(p(2))) + p(0).dot(p(2).cross(p(3)));
     }
-    return six / 6.0;
+    return six_volumes / 6.0;
   }
 
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::array<std::uint32_t, 4>> quads;
-  std::map<Place, std::uint32_t> index;
+  std::map<Position, std::uint32_t> vertex_at;
 };
 
-TEST(SurfaceNets, ABallIsWhereItIs) {
+TEST(SurfaceNets, TheNetOfABallLiesOnItsSurface) {
   const SampledNodes ball = sampled_ball();
   for (const int stride : {1, 2, 4}) {
     const WholeNet net(ball.view(), stride);
@@ -95,9 +95,9 @@ TEST(SurfaceNets, ABallIsWhereItIs) {
     // A vertex is the mean of points on the ball's surface in a cell, so it is inside the ball, by about the sagitta of a cell's diagonal.
     const double sagitta = 3.0 * stride * stride / (8.0 * kBallRadius);
     for (const Eigen::Vector3f& p : net.positions) {
-      const double height = (p.cast<double>() - kBallAt).norm() - kBallRadius;
-      EXPECT_LT(height, 0.3 * sagitta) << stride;
-      EXPECT_GT(height, -1.3 * sagitta) << stride;
+      const double above_surface = (p.cast<double>() - kBallCentre).norm() - kBallRadius;
+      EXPECT_LT(above_surface, 0.3 * sagitta) << stride;
+      EXPECT_GT(above_surface, -1.3 * sagitta) << stride;
     }
     const double volume = 4.0 / 3.0 * M_PI * std::pow(kBallRadius, 3);
     EXPECT_NEAR(net.volume(), volume, 3.9 * sagitta / kBallRadius * volume) << "positive: quads face outward";
@@ -133,19 +133,19 @@ TEST(SurfaceNets, OneQuadForEachEdgeThatIsCrossed) {
     const bool is_border = p.minCoeff() == 0.0 || p.x() == counts[0] - 1 || p.y() == counts[1] - 1 || p.z() == counts[2] - 1;
     return is_border ? 1.0 : std::uniform_real_distribution(-1.0, 1.0)(random);
   });
-  std::size_t crossed = 0;
+  std::size_t crossed_edges = 0;
   const auto at = [&](int x, int y, int z) { return noise.values[static_cast<std::size_t>(x + counts[0] * (y + counts[1] * z))]; };
   for (int z = 1; z < counts[2]; ++z) {
     for (int y = 1; y < counts[1]; ++y) {
       for (int x = 1; x < counts[0]; ++x) {
-        for (const float before : {at(x - 1, y, z), at(x, y - 1, z), at(x, y, z - 1)}) {
-          crossed += (before < 0.0F) != (at(x, y, z) < 0.0F) ? 1U : 0U;
+        for (const float neighbour : {at(x - 1, y, z), at(x, y - 1, z), at(x, y, z - 1)}) {
+          crossed_edges += (neighbour < 0.0F) != (at(x, y, z) < 0.0F) ? 1U : 0U;
         }
       }
     }
   }
   const WholeNet net(noise.view(), 1);
-  EXPECT_EQ(net.quads.size(), crossed);
+  EXPECT_EQ(net.quads.size(), crossed_edges);
   for (const auto& quad : net.quads) {
     EXPECT_EQ(std::set<std::uint32_t>(quad.begin(), quad.end()).size(), 4U);
   }
@@ -163,27 +163,28 @@ TEST(SurfaceNets, OneVertexForEachCellThatTheSurfacePassesThrough) {
   SurfaceNet net;
   for (const int stride : {1, 2, 4}) {
     for (int block = 0; block < count[0] * count[1] * count[2]; ++block) {
-      const SurfaceNets::Index at = {block % count[0], block / count[0] % count[1], block / count[0] / count[1]};
-      std::set<SurfaceNets::Index> cells;
-      const auto first = [&](std::size_t k) { return at[k] * SurfaceNets::kBlock - stride; };
-      const auto end = [&](std::size_t k) { return (at[k] + 1) * SurfaceNets::kBlock; };
+      const SurfaceNets::Index block_index = {block % count[0], block / count[0] % count[1], block / count[0] / count[1]};
+      std::set<SurfaceNets::Index> expected;
+      const auto first = [&](std::size_t k) { return block_index[k] * SurfaceNets::kBlock - stride; };
+      const auto end = [&](std::size_t k) { return (block_index[k] + 1) * SurfaceNets::kBlock; };
       for (int z = first(2); z < end(2); z += stride) {
         for (int y = first(1); y < end(1); y += stride) {
           for (int x = first(0); x < end(0); x += stride) {
-            int inside = 0;
-            for (int n = 0; n < 8; ++n) inside += is_inside(x + (n & 1) * stride, y + (n >> 1 & 1) * stride, z + (n >> 2) * stride) ? 1 : 0;
-            if (inside != 0 && inside != 8) cells.insert({x, y, z});
+            int inside_corners = 0;
+            for (int n = 0; n < 8; ++n)
+              inside_corners += is_inside(x + (n & 1) * stride, y + (n >> 1 & 1) * stride, z + (n >> 2) * stride) ? 1 : 0;
+            if (inside_corners != 0 && inside_corners != 8) expected.insert({x, y, z});
           }
         }
       }
-      nets.compute(ball.view(), at, stride, net);
+      nets.compute(ball.view(), block_index, stride, net);
       std::set<SurfaceNets::Index> found;
       for (const Eigen::Vector3f& p : net.positions) {
         const Eigen::Vector3i cell = (p / static_cast<float>(stride)).array().floor().cast<int>() * stride;
         found.insert({cell.x(), cell.y(), cell.z()});
       }
-      EXPECT_EQ(found, cells) << block << " at " << stride;
-      EXPECT_EQ(net.positions.size(), cells.size()) << block << " at " << stride;
+      EXPECT_EQ(found, expected) << block << " at " << stride;
+      EXPECT_EQ(net.positions.size(), expected.size()) << block << " at " << stride;
     }
   }
 }
@@ -203,13 +204,13 @@ TEST(SurfaceNets, ZeroIsOutside) {
     return is_border ? 1.0 : static_cast<double>(random() % 3) - 1.0;
   });
   SurfaceNets nets;
-  SurfaceNet of_zeros, of_halves;
-  nets.compute(zeros.view(), {0, 0, 0}, 1, of_zeros);
+  SurfaceNet net_of_zeros, net_of_halves;
+  nets.compute(zeros.view(), {0, 0, 0}, 1, net_of_zeros);
   std::replace(zeros.values.begin(), zeros.values.end(), 0.0F, 0.5F);
-  nets.compute(zeros.view(), {0, 0, 0}, 1, of_halves);
-  EXPECT_GT(of_halves.quads.size(), 500U);
-  EXPECT_EQ(of_zeros.quads, of_halves.quads);
-  EXPECT_EQ(of_zeros.positions.size(), of_halves.positions.size());
+  nets.compute(zeros.view(), {0, 0, 0}, 1, net_of_halves);
+  EXPECT_GT(net_of_halves.quads.size(), 500U);
+  EXPECT_EQ(net_of_zeros.quads, net_of_halves.quads);
+  EXPECT_EQ(net_of_zeros.positions.size(), net_of_halves.positions.size());
 }
 
 // A box whose faces lie between the border of the grid and the nodes beside it.
@@ -229,7 +230,6 @@ TEST(SurfaceNets, NodesAtTheBorderCountWithTheirValues) {
   }
 }
 
-// A block uses the nodes from one stride before its first cell to the end of its last cell.
 // Nodes beyond the grid count as outside by 1 at every stride, whatever the border's values: as in a grid that goes on with 1 on all sides.
 TEST(SurfaceNets, BeyondTheGridEverythingIsOutsideByOne) {
   const SurfaceNets::Index counts = {14, 15, 16};
@@ -242,9 +242,9 @@ TEST(SurfaceNets, BeyondTheGridEverythingIsOutsideByOne) {
     }
     return (is_inside(random) ? -1.0 : 1.0) * distance(random);
   });
-  constexpr int kBefore = SurfaceNets::kBlock;
+  constexpr int kNodesBefore = SurfaceNets::kBlock;
   const SampledNodes wide({48, 48, 48}, [&](const Vec3& p) {
-    const Eigen::Vector3i node = p.cast<int>() - Eigen::Vector3i::Constant(kBefore);
+    const Eigen::Vector3i node = p.cast<int>() - Eigen::Vector3i::Constant(kNodesBefore);
     for (int axis = 0; axis < 3; ++axis) {
       if (node[axis] < 0 || node[axis] >= counts[static_cast<std::size_t>(axis)]) return 1.0;
     }
@@ -259,16 +259,17 @@ TEST(SurfaceNets, BeyondTheGridEverythingIsOutsideByOne) {
     EXPECT_EQ(net.quads, expected.quads) << stride;
     ASSERT_EQ(net.positions.size(), expected.positions.size()) << stride;
     for (std::size_t v = 0; v < net.positions.size(); ++v) {
-      const Eigen::Vector3f there = expected.positions[v] - Eigen::Vector3f::Constant(kBefore);
-      ASSERT_LT((net.positions[v] - there).norm(), 1e-5F) << stride;
+      const Eigen::Vector3f expected_position = expected.positions[v] - Eigen::Vector3f::Constant(kNodesBefore);
+      ASSERT_LT((net.positions[v] - expected_position).norm(), 1e-5F) << stride;
     }
   }
 }
 
+// A block uses the nodes from one stride before its first cell to the end of its last cell.
 TEST(SurfaceNets, ABlockChangesWithTheNodesFromAStrideBeforeItToItsEnd) {
   EXPECT_EQ(SurfaceNets::count_blocks({16, 17, 48}), (SurfaceNets::Index{1, 2, 3}));
   constexpr int kNodes = 64;
-  const auto changed_by = [&](int node) {
+  const auto find_changed_range = [&](int node) {
     const SurfaceNets::Blocks changed =
         SurfaceNets::find_changed({kNodes, kNodes, kNodes}, {node, node, node}, {node + 1, node + 1, node + 1});
     for (std::size_t axis = 1; axis < 3; ++axis) {
@@ -284,12 +285,12 @@ TEST(SurfaceNets, ABlockChangesWithTheNodesFromAStrideBeforeItToItsEnd) {
       first = std::min(first, block);
       end = std::max(end, block + 1);
     }
-    EXPECT_EQ(changed_by(node), std::pair(first, end)) << node;
+    EXPECT_EQ(find_changed_range(node), std::pair(first, end)) << node;
   }
 }
 
 // A change of one node changes, at every stride, only blocks that are listed; at most eight are.
-TEST(SurfaceNets, TheBlocksThatANodeChanges) {
+TEST(SurfaceNets, ANodeChangesOnlyListedBlocks) {
   const SampledNodes ball = sampled_ball();
   const SurfaceNets::Index count = SurfaceNets::count_blocks(ball.counts);
   SurfaceNets nets;
