@@ -17,8 +17,9 @@ namespace {
 
 constexpr double kTolerance = 1e-10;
 
-// Contacts on a disc that faces up (1) or down (-1), as bounds of its shift and its turn about the middle. Their `least`: from 0 to this.
-std::vector<MotionBound> face_of(std::size_t count, std::mt19937_64& random, double up = 1.0, double least = -1e-3) {
+// Contacts at random points of a disc that faces up (`up` is 1) or down (-1), as bounds of its shift and its turn about the middle. Their
+// `least` is random from 0 to `least`.
+std::vector<MotionBound> make_face_bounds(std::size_t count, std::mt19937_64& random, double up = 1.0, double least = -1e-3) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::vector<MotionBound> bounds;
   while (bounds.size() < count) {
@@ -32,8 +33,8 @@ std::vector<MotionBound> face_of(std::size_t count, std::mt19937_64& random, dou
   return bounds;
 }
 
-// The coupling's own metric, in which turns cost as much as shifts, but `stiffer` times as stiff, as contacts may make it.
-LocalContacts metric_of(double stiffer = 1.0) {
+// The coupling's own metric, in which turns cost as much as shifts, made `stiffer` times as stiff, as the curvature of contacts can.
+LocalContacts make_metric(double stiffer = 1.0) {
   LocalContacts metric;
   metric.tolerance = kTolerance;
   metric.is_blocked = false;
@@ -62,7 +63,7 @@ Vec6 motion_within(std::vector<MotionBound> bounds, const Vec6& goal, const Loca
   return active_count > 0 ? curved : find(1.0, active_count);
 }
 
-Placement placement_of(const Vec6& motion) { return RigidMotion{Placement(), motion.head<3>(), motion.tail<3>()}.at(1.0); }
+Placement placement_after(const Vec6& motion) { return RigidMotion{Placement(), motion.head<3>(), motion.tail<3>()}.at(1.0); }
 
 // The largest difference, over all goals, between the motion within the chosen bounds and the motion within all bounds.
 double find_error(const std::vector<MotionBound>& bounds, const std::vector<Vec6>& goals, const LocalContacts& metric) {
@@ -70,11 +71,11 @@ double find_error(const std::vector<MotionBound>& bounds, const std::vector<Vec6
   EXPECT_EQ(choose_contacts(bounds, goals, metric, chosen), LocalContacts::kMax);
   LocalContacts local = metric;
   for (const std::uint32_t number : chosen) local.add(bounds.at(number));
-  double most = 0.0;
+  double largest_error = 0.0;
   for (const Vec6& goal : goals) {
-    most = std::max(most, (local.solve(placement_of(goal)).motion - motion_within(bounds, goal, metric)).norm());
+    largest_error = std::max(largest_error, (local.solve(placement_after(goal)).motion - motion_within(bounds, goal, metric)).norm());
   }
-  return most;
+  return largest_error;
 }
 
 class ContactChoice : public testing::TestWithParam<unsigned> {
@@ -96,11 +97,11 @@ class ContactChoice : public testing::TestWithParam<unsigned> {
 TEST_P(ContactChoice, TheMotionIsThatWithinAllBounds) {
   for (const double stiffer : {1.0, 9.0}) {
     for (const std::size_t count : {65U, 300U, 3000U}) {
-      const std::vector<MotionBound> bounds = face_of(count, random_);
+      const std::vector<MotionBound> bounds = make_face_bounds(count, random_);
       const std::vector<Vec6> goals = draw_goals(13, 1.0);
-      EXPECT_LT(find_error(bounds, goals, metric_of(stiffer)), 1e-7) << count << " bounds, curvature " << stiffer;
+      EXPECT_LT(find_error(bounds, goals, make_metric(stiffer)), 1e-7) << count << " bounds, curvature " << stiffer;
       std::array<std::uint32_t, LocalContacts::kMax> chosen;
-      choose_contacts(bounds, goals, metric_of(stiffer), chosen);
+      choose_contacts(bounds, goals, make_metric(stiffer), chosen);
       std::sort(chosen.begin(), chosen.end());
       EXPECT_EQ(std::unique(chosen.begin(), chosen.end()), chosen.end());
     }
@@ -109,9 +110,9 @@ TEST_P(ContactChoice, TheMotionIsThatWithinAllBounds) {
 
 // In a stiffer metric a motion is shorter, so it may meet no bound; the motion is then that of the plain metric.
 TEST_P(ContactChoice, TheMotionIsThatOfThePlainMetricWhereTheOtherHasNoActiveBound) {
-  std::vector<MotionBound> bounds = face_of(1000, random_);
+  std::vector<MotionBound> bounds = make_face_bounds(1000, random_);
   for (MotionBound& bound : bounds) bound.least = -0.01 - 1e-4 * bound.row.tail<3>().squaredNorm();  // the nearest in the middle
-  for (int trial = 0; trial < 10; ++trial) EXPECT_LT(find_error(bounds, draw_goals(1, 0.1, 0.5), metric_of(64.0)), 1e-7);
+  for (int trial = 0; trial < 10; ++trial) EXPECT_LT(find_error(bounds, draw_goals(1, 0.1, 0.5), make_metric(64.0)), 1e-7);
 }
 
 // Between two faces, with less room in their middles than both contact offsets, and more room farther out.
@@ -120,13 +121,13 @@ TEST_P(ContactChoice, BoundsThatContradictEachOtherAreLowered) {
     for (const std::size_t count : {50U, 500U, 2000U}) {
       std::vector<MotionBound> bounds;
       for (const double up : {1.0, -1.0}) {
-        for (MotionBound bound : face_of(count, random_, up)) {
+        for (MotionBound bound : make_face_bounds(count, random_, up)) {
           bound.least = -1e-3 - 1e-4 * bound.row.tail<3>().squaredNorm();  // the nearest in the middle
           bounds.push_back(bound);
         }
         bounds.push_back({.row = up * Vec6::Unit(2), .least = 1e-5});
       }
-      EXPECT_LT(find_error(bounds, draw_goals(13, 0.1), metric_of(stiffer)), 1e-7) << count << " bounds a face, curvature " << stiffer;
+      EXPECT_LT(find_error(bounds, draw_goals(13, 0.1), make_metric(stiffer)), 1e-7) << count << " bounds a face, curvature " << stiffer;
     }
   }
 }
@@ -140,18 +141,18 @@ TEST_P(ContactChoice, TheFirstGoalMayUseAllPlaces) {
     for (int k = 0; k < 6; ++k) row[k] = normal(random_);
     bounds.push_back({.row = row.normalized(), .least = -1e-3});
   }
-  EXPECT_LT(find_error(bounds, draw_goals(1, 1.0), metric_of()), 1e-5);
+  EXPECT_LT(find_error(bounds, draw_goals(1, 1.0), make_metric()), 1e-5);
 }
 
-TEST_P(ContactChoice, TheRestAreThoseWithTheLeastRoom) {
-  const std::vector<MotionBound> bounds = face_of(500, random_);
+TEST_P(ContactChoice, TheOtherPlacesAreForTheBoundsWithTheLeastRoom) {
+  const std::vector<MotionBound> bounds = make_face_bounds(500, random_);
   std::vector<std::uint32_t> expected(bounds.size());
   for (std::uint32_t i = 0; i < expected.size(); ++i) expected[i] = i;
   std::sort(expected.begin(), expected.end(), [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; });
   expected.resize(LocalContacts::kMax);
   std::sort(expected.begin(), expected.end());
   std::array<std::uint32_t, LocalContacts::kMax> chosen;
-  ASSERT_EQ(choose_contacts(bounds, {}, metric_of(), chosen), LocalContacts::kMax);
+  ASSERT_EQ(choose_contacts(bounds, {}, make_metric(), chosen), LocalContacts::kMax);
   std::sort(chosen.begin(), chosen.end());
   EXPECT_TRUE(std::equal(chosen.begin(), chosen.end(), expected.begin()));
 }
@@ -160,12 +161,12 @@ INSTANTIATE_TEST_SUITE_P(Seeds, ContactChoice, testing::Values(1U, 2U, 3U));
 
 TEST(ContactChoiceOfFew, TakesAllAndNoMoreThanFit) {
   std::mt19937_64 random(5);
-  const std::vector<MotionBound> bounds = face_of(5, random);
+  const std::vector<MotionBound> bounds = make_face_bounds(5, random);
   const std::array<Vec6, 1> goals = {Vec6(-Vec6::Unit(2))};
   std::array<std::uint32_t, LocalContacts::kMax> chosen;
-  EXPECT_EQ(choose_contacts(bounds, goals, metric_of(), chosen), 5U);
-  EXPECT_EQ(choose_contacts({}, goals, metric_of(), chosen), 0U);
-  EXPECT_EQ(choose_contacts(bounds, goals, metric_of(), std::span(chosen).first(2)), 2U);
+  EXPECT_EQ(choose_contacts(bounds, goals, make_metric(), chosen), 5U);
+  EXPECT_EQ(choose_contacts({}, goals, make_metric(), chosen), 0U);
+  EXPECT_EQ(choose_contacts(bounds, goals, make_metric(), std::span(chosen).first(2)), 2U);
 }
 
 // A box over a fine slab that moves: the bounds are those for the place where the slab will be.
@@ -181,7 +182,7 @@ TEST(LocalSetOfAMovingPart, HoldsTheToolWhereThePartWillBe) {
   ToolStep& step = **made;
   const double unit_m = step.scene().unit_m();
   NearFeatures near(step.tool(), step.moving(0));
-  int held = 0;
+  int held_trials = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const Placement at = step.to_local({.X_WD = Pose(Eigen::Translation3d(0.0, 0.0, 0.2015))});
     step.proxy().reset(at);
@@ -193,27 +194,27 @@ TEST(LocalSetOfAMovingPart, HoldsTheToolWhereThePartWillBe) {
     ASSERT_EQ(local.count, LocalContacts::kMax);
     local.follow(moved);
     ASSERT_TRUE(near.collect(at, reach + ToolProxy::kContactOffset, 2.0 * reach / step.proxy().radius()));
-    std::vector<MotionBound> all;
-    for (const NearFeature& one : near.features()) {
-      if (!one.is_minimum) continue;
-      MotionBound bound{.least = ToolProxy::kContactOffset - one.gap.distance};
-      bound.row << one.gap.normal, one.gap.on_tool.cross(one.gap.normal);
-      const Vec3& point = one.gap.on_scene;
-      bound.least += one.gap.normal.dot(moved[0].at(point) - point);
+    std::vector<MotionBound> all_bounds;
+    for (const NearFeature& feature : near.features()) {
+      if (!feature.is_minimum) continue;
+      MotionBound bound{.least = ToolProxy::kContactOffset - feature.gap.distance};
+      bound.row << feature.gap.normal, feature.gap.on_tool.cross(feature.gap.normal);
+      const Vec3& point = feature.gap.on_scene;
+      bound.least += feature.gap.normal.dot(moved[0].at(point) - point);
       for (int k = 0; k < 6; ++k) bound.row[k] *= local.plain_inverse_root[k];
-      all.push_back(bound);
+      all_bounds.push_back(bound);
     }
-    EXPECT_GT(all.size(), LocalContacts::kMax);
+    EXPECT_GT(all_bounds.size(), LocalContacts::kMax);
     Vec6 goal;
     goal << device.position - at.position, turn_between(at.orientation, device.orientation);
     const LeastMotion least =
-        find_least_motion(local.plain_inverse_root.cwiseProduct(local.stiffness.cwiseProduct(goal)), all, local.tolerance);
+        find_least_motion(local.plain_inverse_root.cwiseProduct(local.stiffness.cwiseProduct(goal)), all_bounds, local.tolerance);
     ASSERT_TRUE(least.solved);
     const Vec6 motion = local.plain_inverse_root.cwiseProduct(least.y);
     EXPECT_LT((local.solve(device).motion - motion).norm(), 1e-6 * reach) << "trial " << trial;
-    held += least.active_count > 0 ? 1 : 0;
+    held_trials += least.active_count > 0 ? 1 : 0;
   }
-  EXPECT_GT(held, 10);
+  EXPECT_GT(held_trials, 10);
 }
 
 }  // namespace

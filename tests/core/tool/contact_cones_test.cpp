@@ -10,7 +10,8 @@ namespace hapton {
 namespace {
 
 // A tool with contacts at these points (relative to the grip point), each on a surface with the normal given beside it.
-LocalContacts cones_at(std::initializer_list<std::pair<Vec3, Vec3>> points, const CoulombFriction& friction, double turn_length = 0.5) {
+LocalContacts make_contacts_at(std::initializer_list<std::pair<Vec3, Vec3>> points, const CoulombFriction& friction,
+                               double turn_length = 0.5) {
   LocalContacts local;
   local.is_blocked = false;
   local.tolerance = 1e-9;
@@ -25,21 +26,21 @@ LocalContacts cones_at(std::initializer_list<std::pair<Vec3, Vec3>> points, cons
   return local;
 }
 
-LocalContacts::Solution frictionless_at(const LocalContacts& local, const Vec6& wanted) {
+LocalContacts::Solution solve_frictionless(const LocalContacts& local, const Vec6& wanted) {
   const Vec3 turn = wanted.tail<3>();
   return local.solve({wanted.head<3>(), turn_by(turn)});
 }
 
-Vec6 cone_motion(ContactCones& cones, const LocalContacts& local, const Vec6& wanted, bool is_static = false,
-                 const Vec6& from = Vec6::Zero()) {
-  cones.solve(local, wanted, from, frictionless_at(local, wanted), is_static);
+Vec6 solve_motion(ContactCones& cones, const LocalContacts& local, const Vec6& wanted, bool is_static = false,
+                  const Vec6& from = Vec6::Zero()) {
+  cones.solve(local, wanted, from, solve_frictionless(local, wanted), is_static);
   return cones.motion();
 }
 
 // Four corners of a box on a floor, below its grip point.
 LocalContacts box_on_floor(const CoulombFriction& friction) {
   const Vec3 up = Vec3::UnitZ();
-  return cones_at({{{0.1, 0.1, -0.1}, up}, {{-0.1, 0.1, -0.1}, up}, {{0.1, -0.1, -0.1}, up}, {{-0.1, -0.1, -0.1}, up}}, friction);
+  return make_contacts_at({{{0.1, 0.1, -0.1}, up}, {{-0.1, 0.1, -0.1}, up}, {{0.1, -0.1, -0.1}, up}, {{-0.1, -0.1, -0.1}, up}}, friction);
 }
 
 TEST(ContactCones, ABoxThatIsPressedSticksUntilTheCoefficientIsReached) {
@@ -48,7 +49,7 @@ TEST(ContactCones, ABoxThatIsPressedSticksUntilTheCoefficientIsReached) {
     ContactCones cones;
     Vec6 wanted = Vec6::Zero();
     wanted.head<3>() << along, 0.0, -0.01;
-    const Vec6 motion = cone_motion(cones, local, wanted, true);
+    const Vec6 motion = solve_motion(cones, local, wanted, true);
     EXPECT_NEAR(motion[2], 0.0, 2e-6);
     EXPECT_NEAR(motion[0], along < 0.005 ? 0.0 : along - 0.005, 2e-6) << along;
     EXPECT_EQ(cones.slip() > 1e-6, along > 0.005);
@@ -60,7 +61,7 @@ TEST(ContactCones, ABoxThatSlidesLagsByTheDynamicCoefficient) {
   ContactCones cones;
   Vec6 wanted = Vec6::Zero();
   wanted.head<3>() << 0.006, 0.008, -0.01;
-  const Vec6 motion = cone_motion(cones, local, wanted);
+  const Vec6 motion = solve_motion(cones, local, wanted);
   EXPECT_NEAR((wanted - motion).head<2>().norm(), 0.003, 1e-7);
   EXPECT_NEAR(motion[0] * 0.8 - motion[1] * 0.6, 0.0, 1e-6) << "against the slide";
 }
@@ -68,48 +69,48 @@ TEST(ContactCones, ABoxThatSlidesLagsByTheDynamicCoefficient) {
 // Friction in a groove with a right angle is root 2 times that on a floor.
 TEST(ContactCones, AGrooveHoldsByItsSides) {
   const double h = std::sqrt(0.5);
-  const LocalContacts local = cones_at(
+  const LocalContacts local = make_contacts_at(
       {{{0.2, 0.1, -0.1}, {0, -h, h}}, {{-0.2, 0.1, -0.1}, {0, -h, h}}, {{0.2, -0.1, -0.1}, {0, h, h}}, {{-0.2, -0.1, -0.1}, {0, h, h}}},
       {0.3, 0.3});
   ContactCones cones;
   Vec6 wanted = Vec6::Zero();
   wanted.head<3>() << 0.02, 0.0, -0.01;
-  EXPECT_NEAR(wanted[0] - cone_motion(cones, local, wanted)[0], 0.3 * std::sqrt(2.0) * 0.01, 2e-7);
+  EXPECT_NEAR(wanted[0] - solve_motion(cones, local, wanted)[0], 0.3 * std::sqrt(2.0) * 0.01, 2e-7);
 }
 
 // Random contacts on one tool, friction up to 1.2: penetration is no more than what the iteration leaves, and the energy of the
 // coupling is at most 5 % above that of the tool that stays.
 TEST(ContactCones, RandomContactsHoldTheTool) {
   std::mt19937_64 random(20261128);
-  std::uniform_real_distribution<double> u(-1.0, 1.0);
-  int slid = 0, stuck = 0, unsettled = 0;
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int sliding_trials = 0, sticking_trials = 0, unconverged_trials = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    LocalContacts local = cones_at({}, {});
+    LocalContacts local = make_contacts_at({}, {});
     const int count = 1 + trial % 6;
     for (int i = 0; i < count; ++i) {
-      const Vec3 normal = Vec3(0.6 * u(random), 0.6 * u(random), 1.0).normalized();
-      const Vec3 arm(0.3 * u(random), 0.3 * u(random), -0.2 + 0.1 * u(random));
-      const double coefficient = 0.6 * (1.0 + u(random));
+      const Vec3 normal = Vec3(0.6 * uniform(random), 0.6 * uniform(random), 1.0).normalized();
+      const Vec3 arm(0.3 * uniform(random), 0.3 * uniform(random), -0.2 + 0.1 * uniform(random));
+      const double coefficient = 0.6 * (1.0 + uniform(random));
       MotionBound bound;
       bound.row << normal, arm.cross(normal);
       local.add(bound, {.arm = arm, .friction = {coefficient, coefficient}});
     }
     Vec6 wanted;
-    for (int k = 0; k < 6; ++k) wanted[k] = 0.01 * u(random);
+    for (int k = 0; k < 6; ++k) wanted[k] = 0.01 * uniform(random);
     wanted[2] -= 0.02;
     ContactCones cones;
-    const Vec6 motion = cone_motion(cones, local, wanted);
+    const Vec6 motion = solve_motion(cones, local, wanted);
     const auto energy = [&](const Vec6& at) { return local.stiffness.cwiseProduct(at - wanted).dot(at - wanted); };
     ASSERT_LE(energy(motion), energy(Vec6::Zero()) * 1.05) << trial;
     double deepest = 0.0;
     for (std::size_t i = 0; i < local.count; ++i) deepest = std::max(deepest, -local.bounds[i].row.dot(motion));
     ASSERT_LT(deepest, 3e-3) << trial;
-    unsettled += deepest > 1e-4 ? 1 : 0;
-    ++(cones.slip() > 1e-5 ? slid : stuck);
+    unconverged_trials += deepest > 1e-4 ? 1 : 0;
+    ++(cones.slip() > 1e-5 ? sliding_trials : sticking_trials);
   }
-  EXPECT_LT(unsettled, 100) << "that ran out of rounds";
-  EXPECT_GT(slid, 400);
-  EXPECT_GT(stuck, 400);
+  EXPECT_LT(unconverged_trials, 100) << "trials that ran out of rounds";
+  EXPECT_GT(sliding_trials, 400);
+  EXPECT_GT(sticking_trials, 400);
 }
 
 TEST(ContactCones, TheLastStepIsTheFirstGuess) {
@@ -117,14 +118,14 @@ TEST(ContactCones, TheLastStepIsTheFirstGuess) {
   ContactCones cones;
   Vec6 wanted = Vec6::Zero();
   wanted.head<3>() << 0.004, 0.0, -0.01;
-  const Vec6 first = cone_motion(cones, local, wanted);
-  const int before = cones.rounds();
-  const Vec6 again = cone_motion(cones, local, wanted);
-  EXPECT_LT(cones.rounds(), before);
+  const Vec6 first = solve_motion(cones, local, wanted);
+  const int rounds_without_guess = cones.rounds();
+  const Vec6 again = solve_motion(cones, local, wanted);
+  EXPECT_LT(cones.rounds(), rounds_without_guess);
   EXPECT_LT((again - first).norm(), 5e-6);
   cones.forget();
-  cone_motion(cones, local, wanted);
-  EXPECT_EQ(cones.rounds(), before);
+  solve_motion(cones, local, wanted);
+  EXPECT_EQ(cones.rounds(), rounds_without_guess);
 }
 
 TEST(ContactCones, AContactThatWasLeftOutIsAdded) {

@@ -38,22 +38,22 @@ class ContactSurfaceTest : public testing::Test {
       std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.3, 0.2, 0.3}, 3), 1.0, {0.4, 0.0, 0.0})),
       std::make_shared<TriangleMesh>(),
       std::make_shared<TriangleMesh>(scaled_and_moved(make_cylinder(0.1, 0.4, 12, 2), 1.0, {-0.35, 0.1, 0.0}))};
-  const TouchGeometry built{meshes};
+  const TouchGeometry scene_at_once{meshes};
   std::vector<std::shared_ptr<const ContactSurface>> objects = prepare();
-  const TouchGeometry shared{geometries(), built.frame()};
+  const TouchGeometry joined_scene{geometries(), scene_at_once.frame()};
 
   std::vector<std::shared_ptr<const ContactSurface>> prepare() const {
     std::vector<std::shared_ptr<const ContactSurface>> prepared;
     for (const auto& mesh : meshes) {
-      prepared.push_back(std::make_shared<const ContactSurface>(
-          std::make_shared<const ObjectGeometry>(ObjectGeometry::make(*mesh, built.frame(), TouchGeometry::most_triangles(meshes)))));
+      prepared.push_back(std::make_shared<const ContactSurface>(std::make_shared<const ObjectGeometry>(
+          ObjectGeometry::make(*mesh, scene_at_once.frame(), TouchGeometry::most_triangles(meshes)))));
     }
     return prepared;
   }
   std::vector<std::shared_ptr<const ObjectGeometry>> geometries() const {
-    std::vector<std::shared_ptr<const ObjectGeometry>> all;
-    for (const auto& object : objects) all.emplace_back(object, &object->geometry());
-    return all;
+    std::vector<std::shared_ptr<const ObjectGeometry>> shared_geometries;
+    for (const auto& object : objects) shared_geometries.emplace_back(object, &object->geometry());
+    return shared_geometries;
   }
   Vec3 draw() {
     const double x = uniform(random);
@@ -65,24 +65,25 @@ class ContactSurfaceTest : public testing::Test {
 // The twin is built from the same meshes at once: one tree over all triangles, and the features of each object.
 TEST_F(ContactSurfaceTest, AJoinedSceneHasTheNearFeaturesOfOneThatIsBuiltAtOnce) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  const ObjectGeometry tool(make_box({0.1, 0.2, 0.15}, 2), {Vec3::Zero(), built.unit_m()});
-  NearFeatures at_once(tool, built);
-  NearFeatures joined(tool, std::make_shared<const ToolSurface>(tool), shared, std::make_shared<const SceneSurface>(objects, shared));
-  std::size_t found = 0;
-  std::set<std::uint32_t> touched;
+  const ObjectGeometry tool(make_box({0.1, 0.2, 0.15}, 2), {Vec3::Zero(), scene_at_once.unit_m()});
+  NearFeatures near_at_once(tool, scene_at_once);
+  NearFeatures near_in_joined(tool, std::make_shared<const ToolSurface>(tool), joined_scene,
+                              std::make_shared<const SceneSurface>(objects, joined_scene));
+  std::size_t feature_count = 0;
+  std::set<std::uint32_t> touched_objects;
   for (int n = 0; n < 150; ++n) {
     const Placement at{{0.8 * uniform(random), 0.4 * uniform(random), 0.5 * uniform(random)}, turn_by(3.0 * draw())};
-    ASSERT_TRUE(at_once.collect(at, 0.05, 0.01));
-    ASSERT_TRUE(joined.collect(at, 0.05, 0.01));
-    ASSERT_EQ(gaps_of(joined), gaps_of(at_once)) << n;
+    ASSERT_TRUE(near_at_once.collect(at, 0.05, 0.01));
+    ASSERT_TRUE(near_in_joined.collect(at, 0.05, 0.01));
+    ASSERT_EQ(gaps_of(near_in_joined), gaps_of(near_at_once)) << n;
     const RigidMotion motion{at, 0.05 * draw(), 0.1 * draw()};
-    ASSERT_TRUE(at_once.extend(motion, 0.01));
-    ASSERT_TRUE(joined.extend(motion, 0.01));
-    found += joined.features().size();
-    for (const NearFeature& each : joined.features()) touched.insert(joined.object_of(each.pair));
+    ASSERT_TRUE(near_at_once.extend(motion, 0.01));
+    ASSERT_TRUE(near_in_joined.extend(motion, 0.01));
+    feature_count += near_in_joined.features().size();
+    for (const NearFeature& each : near_in_joined.features()) touched_objects.insert(near_in_joined.object_of(each.pair));
   }
-  EXPECT_GT(found, 2000U);
-  EXPECT_EQ(touched, (std::set<std::uint32_t>{0, 1, 3}));
+  EXPECT_GT(feature_count, 2000U);
+  EXPECT_EQ(touched_objects, (std::set<std::uint32_t>{0, 1, 3}));
 }
 
 // The tool is the surface of a prepared object, relative to its grip point; its features refer to the prepared positions.
@@ -90,22 +91,22 @@ TEST_F(ContactSurfaceTest, AToolOfAPreparedObjectHasTheNearFeaturesOfOneThatIsBu
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 8);
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball});
-  for (const std::uint32_t held : {0U, 1U, 3U}) {
-    const Vec3 grip = objects[held]->geometry().corner(0, 0) + 0.01 * draw();
-    const ObjectGeometry tool = objects[held]->geometry().with_origin_at(grip);
+  for (const std::uint32_t object : {0U, 1U, 3U}) {
+    const Vec3 grip = objects[object]->geometry().corner(0, 0) + 0.01 * draw();
+    const ObjectGeometry tool = objects[object]->geometry().with_origin_at(grip);
     NearFeatures anew(tool, scene);
-    NearFeatures prepared(tool, std::make_shared<const ToolSurface>(objects[held], grip, tool), scene,
+    NearFeatures prepared(tool, std::make_shared<const ToolSurface>(objects[object], grip, tool), scene,
                           std::make_shared<const SceneSurface>(scene));
     EXPECT_EQ(prepared.radius(), anew.radius());
-    std::size_t found = 0;
+    std::size_t feature_count = 0;
     for (int n = 0; n < 60; ++n) {
       const Placement at{0.6 * draw().normalized(), turn_by(3.0 * draw())};
       ASSERT_TRUE(anew.collect(at, 0.05, 0.01));
       ASSERT_TRUE(prepared.collect(at, 0.05, 0.01));
-      ASSERT_EQ(gaps_of(prepared), gaps_of(anew)) << "object " << held << ", " << n;
-      found += prepared.features().size();
+      ASSERT_EQ(gaps_of(prepared), gaps_of(anew)) << "object " << object << ", " << n;
+      feature_count += prepared.features().size();
     }
-    EXPECT_GT(found, 100U) << held;
+    EXPECT_GT(feature_count, 100U) << object;
   }
 }
 

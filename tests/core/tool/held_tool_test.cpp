@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kTickNs = 1'000'000;
 
-std::unique_ptr<ToolStep> held_step(const TriangleMesh& tool, const TriangleMesh& scene) {
+std::unique_ptr<ToolStep> make_held_step(const TriangleMesh& tool, const TriangleMesh& scene) {
   auto made = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scene)}, {});
   EXPECT_TRUE(made) << made.error().what;
   return std::move(*made);
@@ -29,7 +29,7 @@ ToolInput input_at(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
 }
 
 // A box that is pressed on a bumpy ball, slid and turned over it, at up to 100 mm/s and 1 rad/s.
-ToolInput sliding(int n) {
+ToolInput sliding_input(int n) {
   const double t = 1e-3 * n;
   const double depth = std::min(t * 0.05, 0.02);
   return input_at({0.012 * std::sin(7.0 * t), 0.01 * std::sin(5.0 * t), 0.075 - depth},
@@ -39,22 +39,22 @@ ToolInput sliding(int n) {
 struct Difference {
   double force_n = 0.0;  // largest difference
   double torque_nm = 0.0;
-  double most_n = 0.0;  // largest force of the whole step
-  int contacts = 0;
+  double largest_n = 0.0;  // largest force of the whole step
+  int samples_in_contact = 0;
 };
 
-// Compares the fast task with the whole step at each sample; the slow task runs at every `every`-th sample.
-Difference compare(int every) {
+// Compares the fast task with the whole step at each sample; the slow task runs once in `slow_period` samples.
+Difference compare_with_whole_step(int slow_period) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 3);
   const TriangleMesh scene = make_bumpy_sphere(0.05, 0.05, 5000, 1);
-  const auto whole = held_step(tool, scene);
-  HeldTool held(held_step(tool, scene));
+  const auto whole = make_held_step(tool, scene);
+  HeldTool held(make_held_step(tool, scene));
   Difference difference;
   for (int n = 0; n < 2500; ++n) {
-    const ToolInput input = sliding(n);
+    const ToolInput input = sliding_input(n);
     if (n == 0) whole->reset(input);
     const ToolOutput expected = whole->step(input);
-    if (n % every == 0) {
+    if (n % slow_period == 0) {
       held.step(input, n * kTickNs);  // the sample that the slow task takes up
       held.follow();
     }
@@ -62,8 +62,8 @@ Difference compare(int every) {
     if (n < 5) continue;
     difference.force_n = std::max(difference.force_n, (felt.force_n - expected.force_n).norm());
     difference.torque_nm = std::max(difference.torque_nm, (felt.torque_nm - expected.torque_nm).norm());
-    difference.most_n = std::max(difference.most_n, expected.force_n.norm());
-    difference.contacts += felt.contact ? 1 : 0;
+    difference.largest_n = std::max(difference.largest_n, expected.force_n.norm());
+    difference.samples_in_contact += felt.contact ? 1 : 0;
   }
   return difference;
 }
@@ -73,9 +73,9 @@ TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 3);
   for (const int cells : {40, 100}) {  // up to 1,200 vertices below the box
     const TriangleMesh scene = make_plane_grid(0.06, cells);
-    const auto whole = held_step(tool, scene);
-    HeldTool held(held_step(tool, scene));
-    int contacts = 0;
+    const auto whole = make_held_step(tool, scene);
+    HeldTool held(make_held_step(tool, scene));
+    int samples_in_contact = 0;
     for (int n = 0; n < 300; ++n) {
       const double t = 1e-3 * n;
       const ToolInput input = input_at({0.004 * std::sin(7.0 * t), 0.003 * std::sin(5.0 * t), 0.0115 - std::min(t * 0.05, 0.004)},
@@ -91,9 +91,9 @@ TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
       EXPECT_LT((felt.force_n - expected.force_n).norm(), 1e-4) << cells << " cells, sample " << n;
       EXPECT_LT((felt.torque_nm - expected.torque_nm).norm(), 1e-5) << cells << " cells, sample " << n;
       EXPECT_GT(held.tool().proxy().last_local_reach(), 2.0 * ToolProxy::kMinLocalReach) << "a shorter one would find as many";
-      contacts += felt.contact ? 1 : 0;
+      samples_in_contact += felt.contact ? 1 : 0;
     }
-    EXPECT_GT(contacts, 200);
+    EXPECT_GT(samples_in_contact, 200);
   }
 }
 
@@ -101,10 +101,10 @@ TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
 TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
   const TriangleMesh tool = make_icosphere(0.0099, 4);
   const TriangleMesh scene = make_icosphere(0.01, 5);
-  const auto whole = held_step(tool, scene);
-  HeldTool held(held_step(tool, scene));
-  const double kMin = ToolProxy::kMinLocalReach;
-  int contacts = 0;
+  const auto whole = make_held_step(tool, scene);
+  HeldTool held(make_held_step(tool, scene));
+  const double kMinReach = ToolProxy::kMinLocalReach;
+  int samples_in_contact = 0;
   for (int n = 0; n < 100; ++n) {
     const double t = 1e-3 * n;
     const double d = std::min(t * 0.05, 0.003);
@@ -115,27 +115,27 @@ TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
     held.follow();
     const ToolOutput felt = held.step(input, n * kTickNs);
     if (n < 20) continue;
-    EXPECT_GE(held.tool().proxy().last_local_reach(), kMin);
-    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kMin) << "sample " << n;  // requested: 15 times kMin
+    EXPECT_GE(held.tool().proxy().last_local_reach(), kMinReach);
+    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kMinReach) << "sample " << n;  // requested: 15 times kMinReach
     EXPECT_LT((felt.force_n - expected.force_n).norm(), 0.01 * expected.force_n.norm()) << "sample " << n;
-    contacts += felt.contact ? 1 : 0;
+    samples_in_contact += felt.contact ? 1 : 0;
   }
-  EXPECT_EQ(contacts, 80);
+  EXPECT_EQ(samples_in_contact, 80);
 }
 
 TEST(HeldTool, FeelsWhatTheWholeStepFeels) {
-  const Difference each = compare(1);
-  EXPECT_GT(each.contacts, 1000);
-  EXPECT_GT(each.most_n, 5.0);
-  EXPECT_LT(each.force_n, 2e-3 * each.most_n);
-  EXPECT_LT(each.torque_nm, 2e-3 * each.most_n * 0.02);
+  const Difference at_each_sample = compare_with_whole_step(1);
+  EXPECT_GT(at_each_sample.samples_in_contact, 1000);
+  EXPECT_GT(at_each_sample.largest_n, 5.0);
+  EXPECT_LT(at_each_sample.force_n, 2e-3 * at_each_sample.largest_n);
+  EXPECT_LT(at_each_sample.torque_nm, 2e-3 * at_each_sample.largest_n * 0.02);
   // The slow task runs only every 5 ms; until it runs again, the fast task uses the surface near the pose of its last run.
-  const Difference late = compare(5);
-  EXPECT_LT(late.force_n, 0.1 * late.most_n);
+  const Difference at_each_fifth = compare_with_whole_step(5);
+  EXPECT_LT(at_each_fifth.force_n, 0.1 * at_each_fifth.largest_n);
 }
 
 TEST(HeldTool, FreeSpaceGivesNothingAtAll) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   for (int n = 0; n < 100; ++n) {
     const ToolOutput out = held.step(input_at({0.0001 * n, 0.0, 0.03}, {0.01 * n, 0.02 * n, 0.0}), n * kTickNs);
     held.follow();
@@ -146,7 +146,7 @@ TEST(HeldTool, FreeSpaceGivesNothingAtAll) {
 }
 
 TEST(HeldTool, GivesNoForceBeforeItKnowsAndWhereItOverlaps) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   ToolOutput out = held.step(input_at({0.0, 0.0, 0.005}), 0);
   EXPECT_FALSE(out.proxy.is_blocked) << "not known yet";
   EXPECT_FALSE(held.is_known());
@@ -167,7 +167,7 @@ TEST(HeldTool, GivesNoForceBeforeItKnowsAndWhereItOverlaps) {
 }
 
 TEST(HeldTool, TheForceFadesWhereTheSlowTaskStalls) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   std::int64_t now_ns = 0;
   for (int n = 0; n <= 150; ++n, now_ns += kTickNs) {
     held.step(input_at({0.0, 0.0, 0.02 - 1e-4 * n}), now_ns);
@@ -190,7 +190,7 @@ TEST(HeldTool, TheForceFadesWhereTheSlowTaskStalls) {
   held.follow();
   for (int n = 0; n < 25; ++n, now_ns += kTickNs) {
     const double force_n = held.step(pressed, now_ns).force_n.z();
-    EXPECT_LE(force_n, before_n + 0.06 * whole_n) << "nor when it goes on";
+    EXPECT_LE(force_n, before_n + 0.06 * whole_n) << "no jump when the slow task runs again either";
     before_n = force_n;
   }
   EXPECT_NEAR(before_n, whole_n, 0.1);
@@ -199,9 +199,9 @@ TEST(HeldTool, TheForceFadesWhereTheSlowTaskStalls) {
 // The hand moves on into a plate that the slow task has not found yet: the tool is drawn above the plate.
 TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 2);
-  HeldTool held(held_step(tool, make_box({0.1, 0.1, 0.02}, 4)));
-  std::int64_t now = 0;
-  const auto step = [&](double height_m) { return held.step(input_at({0, 0, 0.02 + height_m}), now += kTickNs); };
+  HeldTool held(make_held_step(tool, make_box({0.1, 0.1, 0.02}, 4)));
+  std::int64_t now_ns = 0;
+  const auto step = [&](double height_m) { return held.step(input_at({0, 0, 0.02 + height_m}), now_ns += kTickNs); };
   for (int n = 0; n < 5; ++n) {
     step(0.002);
     held.follow();
@@ -217,10 +217,10 @@ TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
   held.follow();
   EXPECT_NEAR(step(-0.0079).X_WP.translation().z(), 0.02, 1e-4) << "on the plate";
   const auto before = held.lateness();
-  now += 10'000'000'000;
+  now_ns += 10'000'000'000;
   step(-0.0079);
   step(-0.0079);
-  EXPECT_EQ(held.lateness().samples, before.samples) << "nobody was late: there were no samples";
+  EXPECT_EQ(held.lateness().samples, before.samples) << "a gap between samples does not count as late contacts";
   held.follow();
   step(-0.0079);
   EXPECT_EQ(held.lateness().samples, before.samples + 1);
@@ -228,13 +228,13 @@ TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
 }
 
 TEST(HeldTool, BeginningAnewPutsTheToolWhereTheDeviceIs) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   for (int n = 0; n <= 150; ++n) {
     held.step(input_at({0.0, 0.0, 0.02 - 1e-4 * n}), n * kTickNs);
     held.follow();
   }
   held.begin_anew();
-  EXPECT_EQ(held.step(input_at({0.0, 0.0, 0.03}), 200 * kTickNs).force_n, Vec3(Vec3::Zero())) << "what was known is of before";
+  EXPECT_EQ(held.step(input_at({0.0, 0.0, 0.03}), 200 * kTickNs).force_n, Vec3(Vec3::Zero())) << "the contacts that were known are dropped";
   held.follow();
   const ToolOutput out = held.step(input_at({0.0, 0.0, 0.03}), 201 * kTickNs);
   EXPECT_FALSE(out.contact);
@@ -243,9 +243,9 @@ TEST(HeldTool, BeginningAnewPutsTheToolWhereTheDeviceIs) {
 
 // Two fine faces that are flush, with more pairs of features than are considered: the proxy cannot move. It must not hold the hand
 // forever.
-TEST(HeldTool, WhereTooManyPairsAreNearItLetsGo) {
+TEST(HeldTool, WhereTooManyPairsAreNearTheForceFades) {
   const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 36);
-  HeldTool held(held_step(tool, make_plane_grid(0.02, 36)));
+  HeldTool held(make_held_step(tool, make_plane_grid(0.02, 36)));
   int n = 0;
   const auto step_at = [&](double z) {
     const ToolOutput out = held.step(input_at({0.0, 0.0, z}), (n += 4) * kTickNs);
@@ -253,9 +253,9 @@ TEST(HeldTool, WhereTooManyPairsAreNearItLetsGo) {
     return out.force_n.norm();
   };
   for (double z = 0.0102; z > 0.00995; z -= 2e-5) step_at(z);
-  double most_n = 0.0;
-  for (double z = 0.01; z < 0.03; z += 2e-3) most_n = std::max(most_n, step_at(z));
-  EXPECT_GT(most_n, 0.5) << "it was not held: the test needs more triangles";
+  double largest_n = 0.0;
+  for (double z = 0.01; z < 0.03; z += 2e-3) largest_n = std::max(largest_n, step_at(z));
+  EXPECT_GT(largest_n, 0.5) << "it was not held: the test needs more triangles";
   double before_n = step_at(0.03);
   for (int k = 0; k < 45; ++k) {
     const double force_n = step_at(0.03);
@@ -276,75 +276,75 @@ TEST(HeldTool, TheTorqueReversesAtHalfATurnWithoutAJump) {
   const auto make_soft = [&] { return std::move(*ToolStep::make(box, {std::make_shared<TriangleMesh>(sheet)}, soft)); };
   const auto whole = make_soft();
   HeldTool held(make_soft());
-  double held_nm = 0.0;
-  double whole_nm = 0.0;
-  double most_nm = 0.0;
-  double least_nm = 0.0;
+  double last_held_nm = 0.0;
+  double last_whole_nm = 0.0;
+  double largest_nm = 0.0;
+  double smallest_nm = 0.0;
   for (int n = 0; n < 2000; ++n) {
     const ToolInput input = input_at({0.0, 0.0, 0.00501}, {0.0, 0.002 * n, 0.0});
     if (n == 0) whole->reset(input);
-    const double of_held_nm = held.step(input, n * kTickNs).torque_nm.y();
+    const double held_nm = held.step(input, n * kTickNs).torque_nm.y();
     held.follow();
-    const double of_whole_nm = whole->step(input).torque_nm.y();
-    EXPECT_LT(std::abs(of_held_nm - held_nm), 0.03 * 0.0157) << n;
-    EXPECT_LT(std::abs(of_whole_nm - whole_nm), 0.03 * 0.0157) << n;
-    held_nm = of_held_nm;
-    whole_nm = of_whole_nm;
-    most_nm = std::max(most_nm, held_nm);
-    least_nm = std::min(least_nm, held_nm);
+    const double whole_nm = whole->step(input).torque_nm.y();
+    EXPECT_LT(std::abs(held_nm - last_held_nm), 0.03 * 0.0157) << n;
+    EXPECT_LT(std::abs(whole_nm - last_whole_nm), 0.03 * 0.0157) << n;
+    last_held_nm = held_nm;
+    last_whole_nm = whole_nm;
+    largest_nm = std::max(largest_nm, last_held_nm);
+    smallest_nm = std::min(smallest_nm, last_held_nm);
   }
-  EXPECT_GT(most_nm, 0.01);
-  EXPECT_LT(least_nm, -0.01);
+  EXPECT_GT(largest_nm, 0.01);
+  EXPECT_LT(smallest_nm, -0.01);
 }
 
 TEST(HeldTool, IgnoresWhatIsNotFinite) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   const ToolOutput out = held.step(input_at({std::nan(""), 0.0, 0.0}), 0);
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
   EXPECT_FALSE(held.follow()) << "the slow task never sees it";
 }
 
 TEST(HeldTool, TwoThreadsUseNoHeapInTheFastOne) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}, 3), make_bumpy_sphere(0.05, 0.05, 5000, 1)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}, 3), make_bumpy_sphere(0.05, 0.05, 5000, 1)));
   std::atomic<bool> stop = false;
   std::thread slow([&] {
     while (!stop) {
       if (!held.follow()) std::this_thread::yield();
     }
   });
-  std::uint64_t count = 0;
+  std::uint64_t allocation_count = 0;
   for (int n = 0; n < 2000; ++n) {
-    const ToolInput input = sliding(n);
+    const ToolInput input = sliding_input(n);
     const AllocationGuard guard;
     const ToolOutput out = held.step(input, n * kTickNs);
-    count += guard.count();
+    allocation_count += guard.count();
     ASSERT_TRUE(out.force_n.allFinite() && out.torque_nm.allFinite());
   }
   stop = true;
   slow.join();
   if (!AllocationGuard::is_available()) GTEST_SKIP();
-  EXPECT_EQ(count, 0U);
+  EXPECT_EQ(allocation_count, 0U);
 }
 
 // The slow task runs only every 40 ms: it finds the contact after the box has entered the plate, and notices only later that it has left.
 TEST(HeldTool, ContactsThatComeLateChangeTheForceWithoutADiscontinuity) {
-  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}, 2), make_box({0.2, 0.2, 0.02}, 4)));
+  HeldTool held(make_held_step(make_box({0.02, 0.02, 0.02}, 2), make_box({0.2, 0.2, 0.02}, 4)));
   Vec3 last_n = Vec3::Zero();
-  double most_change_n = 0.0;
-  double most_n = 0.0;
-  constexpr double kSpeed = 0.1;
+  double largest_jump_n = 0.0;
+  double largest_n = 0.0;
+  constexpr double kSpeedMPerS = 0.1;
   for (int n = 0; n < 600; ++n) {
-    const double way = kSpeed * 1e-3 * (n < 300 ? n : 600 - n);
-    const ToolOutput felt = held.step(input_at({0.0, 0.0, 0.035 - way}), n * kTickNs);
+    const double travel_m = kSpeedMPerS * 1e-3 * (n < 300 ? n : 600 - n);
+    const ToolOutput felt = held.step(input_at({0.0, 0.0, 0.035 - travel_m}), n * kTickNs);
     if (n % 40 == 0) held.follow();
-    most_change_n = std::max(most_change_n, (felt.force_n - last_n).norm());
-    most_n = std::max(most_n, felt.force_n.norm());
+    largest_jump_n = std::max(largest_jump_n, (felt.force_n - last_n).norm());
+    largest_n = std::max(largest_n, felt.force_n.norm());
     last_n = felt.force_n;
   }
-  const double k = held.tool().coupling().stiffness_n_per_m;
-  EXPECT_GT(most_n, 10.0);
+  const double stiffness = held.tool().coupling().stiffness_n_per_m;
+  EXPECT_GT(largest_n, 10.0);
   // At most the distance that the device moved until the slow task knew, spread over kContactFadeS, plus the motion of the step itself.
-  EXPECT_LT(most_change_n, k * kSpeed * (0.08 * 1e-3 / HeldTool::kContactFadeS + 2e-3));
+  EXPECT_LT(largest_jump_n, stiffness * kSpeedMPerS * (0.08 * 1e-3 / HeldTool::kContactFadeS + 2e-3));
   EXPECT_EQ(last_n, Vec3::Zero());
 }
 

@@ -10,13 +10,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kVoxelM = 0.0005;
+constexpr double kHeldVoxelM = 0.0005;
 
 // A cube of 20 mm, held in its middle, over a floor whose top is at z = 0.
 std::unique_ptr<VoxelTool> cube_over_floor() {
   auto made = VoxelTool::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)),
                               {made::shared(made::box({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}))},
-                              {.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2}, kVoxelM);
+                              {.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2}, kHeldVoxelM);
   EXPECT_TRUE(made);
   return std::move(*made);
 }
@@ -33,7 +33,7 @@ TEST(HeldVoxels, BeginsAtTheDeviceAndIsKnownFromTheNextStepOn) {
   const ToolOutput first = held.step(hand_at(0.05), 0);
   EXPECT_FALSE(first.contact);
   EXPECT_FALSE(held.is_known());
-  EXPECT_EQ(held.tool().placement().position, Vec3(0.0, 0.0, 0.05)) << "not on its way there from the origin";
+  EXPECT_EQ(held.tool().placement().position, Vec3(0.0, 0.0, 0.05)) << "at the device at once, not on the way to it from the origin";
   held.step(hand_at(0.05), 1'000'000);
   EXPECT_TRUE(held.is_known());
   EXPECT_EQ(held.vertex_m(), Vec3(0.01, 0.01, 0.01));

@@ -18,29 +18,29 @@ namespace {
 // Finds the optimum by trying every set of up to six active bounds.
 class Enumeration {
  public:
-  Enumeration(const Vec6& goal, const std::vector<MotionBound>& bounds) : goal_(goal), bounds_(bounds) { extend(0); }
+  Enumeration(const Vec6& goal, const std::vector<MotionBound>& bounds) : goal_(goal), bounds_(bounds) { try_supersets(0); }
   const Vec6& best() const { return best_; }
 
  private:
-  void extend(std::size_t from) {
-    consider();
-    if (set_.size() == 6) return;
+  void try_supersets(std::size_t from) {
+    try_active_set();
+    if (active_set_.size() == 6) return;
     for (std::size_t i = from; i < bounds_.size(); ++i) {
-      set_.push_back(i);
-      extend(i + 1);
-      set_.pop_back();
+      active_set_.push_back(i);
+      try_supersets(i + 1);
+      active_set_.pop_back();
     }
   }
-  void consider() {
+  void try_active_set() {
     Vec6 y = goal_;
-    if (!set_.empty()) {
-      Eigen::MatrixXd rows(set_.size(), 6);
-      Eigen::VectorXd missing(set_.size());
-      for (std::size_t k = 0; k < set_.size(); ++k) {
-        rows.row(k) = bounds_[set_[k]].row;
-        missing[k] = bounds_[set_[k]].least - bounds_[set_[k]].row.dot(goal_);
+    if (!active_set_.empty()) {
+      Eigen::MatrixXd rows(active_set_.size(), 6);
+      Eigen::VectorXd shortfalls(active_set_.size());
+      for (std::size_t k = 0; k < active_set_.size(); ++k) {
+        rows.row(k) = bounds_[active_set_[k]].row;
+        shortfalls[k] = bounds_[active_set_[k]].least - bounds_[active_set_[k]].row.dot(goal_);
       }
-      const Eigen::VectorXd multipliers = (rows * rows.transpose()).fullPivLu().solve(missing);
+      const Eigen::VectorXd multipliers = (rows * rows.transpose()).fullPivLu().solve(shortfalls);
       if ((multipliers.array() < 0.0).any()) return;
       y += rows.transpose() * multipliers;
     }
@@ -55,7 +55,7 @@ class Enumeration {
 
   Vec6 goal_;
   const std::vector<MotionBound>& bounds_;
-  std::vector<std::size_t> set_;
+  std::vector<std::size_t> active_set_;
   Vec6 best_ = Vec6::Zero();
   double distance_ = std::numeric_limits<double>::infinity();
 };
@@ -84,16 +84,16 @@ class LeastMotionTest : public testing::Test {
 
 TEST_F(LeastMotionTest, AgreesWithEnumerationOfAllActiveSets) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::array<int, 7> cases_with = {};
+  std::array<int, 7> cases_by_active_count = {};
   for (int n = 0; n < 1500; ++n) {
     const Vec6 goal = draw();
     const std::vector<MotionBound> bounds = draw_bounds(goal, 1 + random() % 9);
     const LeastMotion found = find_least_motion(goal, bounds, 1e-12);
     ASSERT_TRUE(found.solved) << "case " << n;
     ASSERT_LE((found.y - Enumeration(goal, bounds).best()).norm(), 1e-7) << "case " << n;
-    ++cases_with[found.active_count];
+    ++cases_by_active_count[found.active_count];
   }
-  EXPECT_GT(*std::min_element(cases_with.begin() + 1, cases_with.end()), 5) << "each number of active bounds occurs";
+  EXPECT_GT(*std::min_element(cases_by_active_count.begin() + 1, cases_by_active_count.end()), 5) << "each number of active bounds occurs";
 }
 
 TEST_F(LeastMotionTest, MultipliersBalanceTheMotion) {
@@ -115,7 +115,7 @@ TEST_F(LeastMotionTest, MultipliersBalanceTheMotion) {
   }
 }
 
-TEST_F(LeastMotionTest, SaysThatNothingMeetsOpposedBounds) {
+TEST_F(LeastMotionTest, IsUnsolvedWhereBoundsContradictEachOther) {
   Vec6 up = Vec6::Zero();
   up[2] = 1.0;
   const std::vector<MotionBound> bounds = {{up, 0.1}, {-up, 0.1}};

@@ -12,11 +12,11 @@ TEST(LinearizedMotion, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+  const auto random_vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
   for (int n = 0; n < 300; ++n) {
-    const RigidMotion motion{{vector(), turn_by(3.0 * vector())}, 0.3 * vector(), 0.4 * vector()};
+    const RigidMotion motion{{random_vector(), turn_by(3.0 * random_vector())}, 0.3 * random_vector(), 0.4 * random_vector()};
     const LinearizedMotion linear(motion);
-    const Vec3 r = vector();
+    const Vec3 r = random_vector();
     const Vec3 arm = linear.orientation * r;
     const Vec3 start = motion.from.at(r);
     EXPECT_LT((start - (linear.from.position + arm)).norm(), 1e-14);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-MotionBound bound_of(const Vec3& normal, const Vec3& lever, double least) {
+MotionBound make_bound(const Vec3& normal, const Vec3& lever, double least) {
   MotionBound bound;
   bound.row << normal, lever.cross(normal);
   bound.least = least;
@@ -15,7 +15,7 @@ MotionBound bound_of(const Vec3& normal, const Vec3& lever, double least) {
 }
 
 // A tool at the origin; a turn of one radian costs as much as a shift of `turn_length`.
-LocalContacts local_of(double turn_length = 0.1) {
+LocalContacts make_local_contacts(double turn_length = 0.1) {
   LocalContacts local;
   local.is_blocked = false;
   local.tolerance = 1e-9;
@@ -26,17 +26,17 @@ LocalContacts local_of(double turn_length = 0.1) {
 }
 
 TEST(LocalContacts, LeavesTheDeviceAloneToTheBitWhereNothingHolds) {
-  LocalContacts local = local_of();
+  LocalContacts local = make_local_contacts();
   const Placement device{{0.01, -0.02, 0.03}, turn_by({0.1, 0.2, -0.1})};
-  local.add(bound_of({0, 0, 1}, {0.05, 0, 0}, -0.02));
+  local.add(make_bound({0, 0, 1}, {0.05, 0, 0}, -0.02));
   const Placement at = local.constrain(device);
   EXPECT_EQ(at.position, device.position);
   EXPECT_EQ(at.orientation.coeffs(), device.orientation.coeffs());
 }
 
 TEST(LocalContacts, APlaneUnderTheMiddleHoldsOnlyTheDepth) {
-  LocalContacts local = local_of();
-  local.add(bound_of({0, 0, 1}, {0, 0, 0}, -0.001));
+  LocalContacts local = make_local_contacts();
+  local.add(make_bound({0, 0, 1}, {0, 0, 0}, -0.001));
   const Placement at = local.constrain({{0.004, -0.003, -0.02}, turn_by({0.0, 0.0, 0.2})});
   EXPECT_LT((at.position - Vec3(0.004, -0.003, -0.001)).norm(), 1e-9);
   EXPECT_LT((turn_between(Quat::Identity(), at.orientation) - Vec3(0, 0, 0.2)).norm(), 1e-9);
@@ -46,8 +46,8 @@ TEST(LocalContacts, APlaneUnderTheMiddleHoldsOnlyTheDepth) {
 TEST(LocalContacts, AContactWithALeverTurnsTheTool) {
   constexpr double kLever = 0.2;
   constexpr double kLength = 0.1;
-  LocalContacts local = local_of(kLength);
-  local.add(bound_of({0, 0, 1}, {kLever, 0, 0}, 0.0));
+  LocalContacts local = make_local_contacts(kLength);
+  local.add(make_bound({0, 0, 1}, {kLever, 0, 0}, 0.0));
   const Placement at = local.constrain({{0, 0, -0.01}, Quat::Identity()});
   const double ratio = kLever * kLever / (kLength * kLength);
   EXPECT_NEAR(at.position.z(), -0.01 + 0.01 / (1.0 + ratio), 1e-9);
@@ -60,15 +60,15 @@ TEST(LocalContacts, NoMotionNearbyIsBetter) {
   std::normal_distribution<double> normal;
   const auto draw = [&] { return Vec3(normal(random), normal(random), normal(random)); };
   for (int trial = 0; trial < 50; ++trial) {
-    LocalContacts local = local_of();
+    LocalContacts local = make_local_contacts();
     const int count = 1 + trial % 12;
     for (int n = 0; n < count; ++n) {
-      local.add(bound_of((Vec3(0, 0, 2) + draw()).normalized(), 0.1 * draw(), -1e-3 * std::abs(normal(random))));
+      local.add(make_bound((Vec3(0, 0, 2) + draw()).normalized(), 0.1 * draw(), -1e-3 * std::abs(normal(random))));
     }
     const Placement device{0.01 * draw() - Vec3(0, 0, 0.02), turn_by(0.05 * draw())};
-    Vec6 wanted;
-    wanted << device.position, turn_between(Quat::Identity(), device.orientation);
-    const auto energy = [&](const Vec6& motion) { return local.stiffness.cwiseProduct(motion - wanted).dot(motion - wanted); };
+    Vec6 goal;
+    goal << device.position, turn_between(Quat::Identity(), device.orientation);
+    const auto energy = [&](const Vec6& motion) { return local.stiffness.cwiseProduct(motion - goal).dot(motion - goal); };
     const auto is_allowed = [&](const Vec6& motion, double slack) {
       for (std::size_t i = 0; i < local.count; ++i) {
         if (local.bounds[i].row.dot(motion) < local.bounds[i].least - slack) return false;
@@ -76,35 +76,35 @@ TEST(LocalContacts, NoMotionNearbyIsBetter) {
       return true;
     };
     const Placement at = local.constrain(device);
-    Vec6 found;
-    found << at.position, turn_between(Quat::Identity(), at.orientation);
-    ASSERT_TRUE(is_allowed(found, 1e-8)) << trial;
-    const double best = energy(found);
+    Vec6 found_motion;
+    found_motion << at.position, turn_between(Quat::Identity(), at.orientation);
+    ASSERT_TRUE(is_allowed(found_motion, 1e-8)) << trial;
+    const double least_energy = energy(found_motion);
     for (int n = 0; n < 5000; ++n) {
       Vec6 step;
       step << draw(), 10.0 * draw();
-      const Vec6 other = found + 1e-4 * std::abs(normal(random)) * step;
-      if (is_allowed(other, 0.0)) {
-        ASSERT_GE(energy(other), best - 1e-9 * (1.0 + best)) << trial;
+      const Vec6 nearby_motion = found_motion + 1e-4 * std::abs(normal(random)) * step;
+      if (is_allowed(nearby_motion, 0.0)) {
+        ASSERT_GE(energy(nearby_motion), least_energy - 1e-9 * (1.0 + least_energy)) << trial;
       }
     }
   }
 }
 
 TEST(LocalContacts, KeepsThoseWithTheLeastRoom) {
-  LocalContacts local = local_of();
+  LocalContacts local = make_local_contacts();
   for (std::size_t n = 0; n < 3 * LocalContacts::kMax; ++n) {
-    local.add(bound_of({0, 0, 1}, {0, 0, 0}, -1e-3 * static_cast<double>(1 + (n * 37) % (3 * LocalContacts::kMax))));
+    local.add(make_bound({0, 0, 1}, {0, 0, 0}, -1e-3 * static_cast<double>(1 + (n * 37) % (3 * LocalContacts::kMax))));
   }
   EXPECT_EQ(local.count, LocalContacts::kMax);
   for (std::size_t i = 0; i < local.count; ++i) EXPECT_GE(local.bounds[i].least, -1e-3 * static_cast<double>(LocalContacts::kMax));
 }
 
-TEST(LocalContacts, BlockedFollowsTheDeviceAndHeldStays) {
+TEST(LocalContacts, ABlockedToolFollowsTheDeviceAndAHeldOneStays) {
   LocalContacts local;
   const Placement device{{1, 2, 3}, Quat::Identity()};
   EXPECT_EQ(local.constrain(device).position, device.position) << "nothing is known: no force";
-  local = local_of();
+  local = make_local_contacts();
   local.is_held = true;
   EXPECT_EQ(local.constrain(device).position, local.proxy.position);
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr unsigned kSeed = 218;
 constexpr double kTurnLength = 0.3;
 
-Vec6 parts_of(const RigidMotion& motion) { return (Vec6() << motion.shift, motion.turn).finished(); }
+Vec6 shift_and_turn_of(const RigidMotion& motion) { return (Vec6() << motion.shift, motion.turn).finished(); }
 
 class MotionEnergyTest : public testing::Test {
  protected:
@@ -36,24 +36,24 @@ TEST_F(MotionEnergyTest, OfTheCouplingAloneIsTheSquaredLength) {
   }
 }
 
-TEST_F(MotionEnergyTest, HasTheCurvatureThatItWasGivenWithinItsBounds) {
+TEST_F(MotionEnergyTest, HasTheCurvatureThatWasSetWithinItsBounds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const Vec3 u = draw_in_cube(random).normalized();
-  Mat6 contacts = Mat6::Zero();
-  contacts.bottomRightCorner<3, 3>() = -2.0 * kTurnLength * kTurnLength * u * u.transpose();
-  energy.set_curvature(energy.coupling_curvature() - contacts);
-  const Mat6 curvature = energy.coupling_curvature() - contacts;
+  Mat6 contact_curvature = Mat6::Zero();
+  contact_curvature.bottomRightCorner<3, 3>() = -2.0 * kTurnLength * kTurnLength * u * u.transpose();
+  energy.set_curvature(energy.coupling_curvature() - contact_curvature);
+  const Mat6 curvature = energy.coupling_curvature() - contact_curvature;
   for (int n = 0; n < 20; ++n) {
     const RigidMotion motion = draw();
-    const Vec6 parts = parts_of(motion);
-    EXPECT_NEAR(energy.to_coordinates(motion).squaredNorm(), parts.dot(curvature * parts), 1e-13);
-    EXPECT_LT((parts_of(energy.to_motion({}, energy.to_coordinates(motion))) - parts).norm(), 1e-13);
+    const Vec6 shift_and_turn = shift_and_turn_of(motion);
+    EXPECT_NEAR(energy.to_coordinates(motion).squaredNorm(), shift_and_turn.dot(curvature * shift_and_turn), 1e-13);
+    EXPECT_LT((shift_and_turn_of(energy.to_motion({}, energy.to_coordinates(motion))) - shift_and_turn).norm(), 1e-13);
     // In these coordinates, the pull of the coupling does the same work.
-    const RigidMotion wanted = draw();
-    const Vec6 pull = energy.coupling_curvature() * parts_of(wanted);
-    EXPECT_NEAR(energy.goal_of(wanted).dot(energy.to_coordinates(motion)), pull.dot(parts), 1e-13);
-    const Vec6 row = parts_of(draw());
-    EXPECT_NEAR(energy.to_row(row).dot(energy.to_coordinates(motion)), row.dot(parts), 1e-13);
+    const RigidMotion device_motion = draw();
+    const Vec6 pull = energy.coupling_curvature() * shift_and_turn_of(device_motion);
+    EXPECT_NEAR(energy.goal_of(device_motion).dot(energy.to_coordinates(motion)), pull.dot(shift_and_turn), 1e-13);
+    const Vec6 row = shift_and_turn_of(draw());
+    EXPECT_NEAR(energy.to_row(row).dot(energy.to_coordinates(motion)), row.dot(shift_and_turn), 1e-13);
   }
   energy.set_curvature(-energy.coupling_curvature());
   const RigidMotion motion = draw();

@@ -24,7 +24,7 @@ class NearFeaturesTest : public testing::Test {
   const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}, 3), {Vec3::Zero(), scene.unit_m()}};
   NearFeatures near{tool, scene};
 
-  double brute_distance(const Placement& at) const {
+  double brute_force_distance(const Placement& at) const {
     double least = 1e300;
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
       const std::array<Vec3, 3> a = {at.at(tool.corner(t, 0)), at.at(tool.corner(t, 1)), at.at(tool.corner(t, 2))};
@@ -40,7 +40,7 @@ class NearFeaturesTest : public testing::Test {
 TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   Placement at;
-  int compared = 0;
+  int compared_poses = 0;
   for (int n = 0; n < 200; ++n) {
     if (n % 10 == 0)
       at = {Vec3(uniform(random), uniform(random), uniform(random)).normalized() * 0.5,
@@ -49,7 +49,7 @@ TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
     at.orientation = turn_by(0.02 * Vec3(uniform(random), uniform(random), uniform(random))) * at.orientation;
     const double distance = 0.15;
     if (!near.collect(at, distance, 0.0)) continue;
-    const double brute = brute_distance(at);
+    const double expected = brute_force_distance(at);
     double least = 1e300;
     double least_minimum = 1e300;
     for (const NearFeature& feature : near.features()) {
@@ -57,12 +57,12 @@ TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
       least = std::min(least, feature.gap.distance);
       if (feature.is_minimum) least_minimum = std::min(least_minimum, feature.gap.distance);
     }
-    if (brute > distance || brute < 1e-6) continue;
-    ++compared;
-    ASSERT_NEAR(least, brute, 1e-12) << "case " << n;
-    ASSERT_NEAR(least_minimum, brute, 1e-9) << "case " << n;
+    if (expected > distance || expected < 1e-6) continue;
+    ++compared_poses;
+    ASSERT_NEAR(least, expected, 1e-12) << "case " << n;
+    ASSERT_NEAR(least_minimum, expected, 1e-9) << "case " << n;
   }
-  EXPECT_GT(compared, 100);
+  EXPECT_GT(compared_poses, 100);
 }
 
 // Identifies the two features of a pair by their corners, however the triangles around them are numbered.
@@ -98,28 +98,28 @@ std::vector<FeaturePair> all_pairs_of(const std::array<Vec3, 3>& tool, const std
 // Compared with all pairs of features, at five times of the motion.
 TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::size_t brought = 0;
-  std::size_t added = 0;
+  std::size_t near_count = 0;
+  std::size_t added_count = 0;
   Placement at;
   for (int n = 0; n < 60; ++n) {
     if (n % 6 == 0)
       at = {Vec3(uniform(random), uniform(random), uniform(random)).normalized() * 0.5, turn_by(3.0 * Vec3(0.3, 0.1 * n, -0.2))};
     const double length = n % 2 == 0 ? 0.1 : 0.01;
-    const double near_by = 0.01;
+    const double collected_distance = 0.01;
     const double distance = 0.02 * std::abs(uniform(random));
-    const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
-    const RigidMotion motion{at, length * vector(), length * vector()};
-    ASSERT_TRUE(near.collect(at, near_by, 0.0));
+    const auto random_vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+    const RigidMotion motion{at, length * random_vector(), length * random_vector()};
+    ASSERT_TRUE(near.collect(at, collected_distance, 0.0));
     const std::size_t collected = near.features().size();
     // Called twice: pairs that are known are not added again.
     ASSERT_TRUE(near.extend(motion, distance));
     const std::size_t extended = near.features().size();
     ASSERT_TRUE(near.extend(motion, distance));
     ASSERT_EQ(near.features().size(), extended);
-    added += extended - collected;
-    std::set<FeatureKey> found;
+    added_count += extended - collected;
+    std::set<FeatureKey> found_keys;
     for (const NearFeature& feature : near.features()) {
-      ASSERT_TRUE(found.insert(key_of(feature.pair)).second) << "found twice";
+      ASSERT_TRUE(found_keys.insert(key_of(feature.pair)).second) << "found twice";
       ASSERT_EQ(feature.gap.distance, measure_gap(feature.pair, at).distance);
     }
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
@@ -128,18 +128,18 @@ TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
         const std::array<Vec3, 3> b = {scene.corner(s, 0), scene.corner(s, 1), scene.corner(s, 2)};
         if (triangle_gap({at.at(a[0]), at.at(a[1]), at.at(a[2])}, b) > distance + 4.0 * length) continue;
         for (const FeaturePair& pair : all_pairs_of(a, b)) {
-          double least = measure_gap(pair, at).distance - (near_by - distance);
+          double least = measure_gap(pair, at).distance - (collected_distance - distance);
           for (double time = 0.0; time <= 1.0; time += 0.25) least = std::min(least, measure_gap(pair, motion.at(time)).distance);
           if (least > distance - 1e-12) continue;
-          ++brought;
-          ASSERT_EQ(found.count(key_of(pair)), 1U) << "case " << n;
+          ++near_count;
+          ASSERT_EQ(found_keys.count(key_of(pair)), 1U) << "case " << n;
         }
       }
     }
     at = motion.at(0.5);
   }
-  EXPECT_GT(brought, 500U);
-  EXPECT_GT(added, 100U);
+  EXPECT_GT(near_count, 500U);
+  EXPECT_GT(added_count, 100U);
 }
 
 // In a slide, most calls of collect measure only the features that were near before. Between two calls, extend asks for fewer of them.
@@ -151,41 +151,41 @@ TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
     for (const NearFeature& feature : features.features()) keys.insert(key_of(feature.pair));
     return keys;
   };
-  std::size_t found = 0;
+  std::size_t feature_count = 0;
   for (int slide = 0; slide < 20; ++slide) {
-    const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
-    Placement at{vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * vector())};
+    const auto random_vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+    Placement at{random_vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * random_vector())};
     const double distance = 0.04;
     for (int n = 0; n < 40; ++n) {
       ASSERT_TRUE(near.collect(at, distance, 0.0));
       from_roots.restart();
       ASSERT_TRUE(from_roots.collect(at, distance, 0.0));
       ASSERT_EQ(keys_of(near), keys_of(from_roots)) << "slide " << slide << ", step " << n;
-      found += near.features().size();
+      feature_count += near.features().size();
       // The motion has a large turn: features near its axis move less than the bound for the whole tool.
-      const RigidMotion motion{at, 0.2 * distance * vector(), 1.5 * distance / near.radius() * vector()};
+      const RigidMotion motion{at, 0.2 * distance * random_vector(), 1.5 * distance / near.radius() * random_vector()};
       ASSERT_TRUE(near.extend(motion, 0x1p-20));
       at = motion.at(0.02 * std::abs(uniform(random)));
     }
   }
-  EXPECT_GT(found, 10000U);
+  EXPECT_GT(feature_count, 10000U);
 }
 
 // Several motions after one call of collect: the pairs that each brings near are measured at its end. Short motions need no walk.
-TEST_F(NearFeaturesTest, WhatIsFollowedHasAllThatACollectThereFinds) {
+TEST_F(NearFeaturesTest, FollowFindsAllThatACollectThereFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   NearFeatures from_roots{tool, scene};
-  const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
-  std::size_t compared = 0;
+  const auto random_vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+  std::size_t compared_features = 0;
   for (int slide = 0; slide < 40; ++slide) {
-    Placement at{vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * vector())};
+    Placement at{random_vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * random_vector())};
     ASSERT_TRUE(near.collect(at, 0.01, 0.02));
     for (int n = 0; n < 12; ++n) {
       const double distance = 0.01 * std::abs(uniform(random));
       const double length = n % 3 == 0 ? 0.1 * distance : 0.02;
       // Of several motions given to extend, the last one is carried out.
-      ASSERT_TRUE(near.extend({at, length * vector(), length * vector()}, distance));
-      const RigidMotion motion{at, length * vector(), length * vector()};
+      ASSERT_TRUE(near.extend({at, length * random_vector(), length * random_vector()}, distance));
+      const RigidMotion motion{at, length * random_vector(), length * random_vector()};
       ASSERT_TRUE(near.extend(motion, distance));
       at = motion.at(n % 2 == 0 ? 1.0 : std::abs(uniform(random)));
       const double turn = 0.05 * std::abs(uniform(random));
@@ -202,11 +202,11 @@ TEST_F(NearFeaturesTest, WhatIsFollowedHasAllThatACollectThereFinds) {
         ASSERT_NE(same, followed.end()) << "slide " << slide << ", motion " << n << ": a pair " << feature.gap.distance << " apart";
         ASSERT_EQ(same->second.gap.distance, feature.gap.distance);
         ASSERT_EQ(same->second.is_minimum, feature.is_minimum);
-        ++compared;
+        ++compared_features;
       }
     }
   }
-  EXPECT_GT(compared, 1000U);
+  EXPECT_GT(compared_features, 1000U);
 }
 
 TEST_F(NearFeaturesTest, NothingIsFoundFarAway) {

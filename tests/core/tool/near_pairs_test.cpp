@@ -26,7 +26,7 @@ TEST(NearPairs, FindsEveryPairThatABruteForceSearchFinds) {
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball, &box});
   const ObjectGeometry tool(make_box({0.1, 0.2, 0.15}, 4), {Vec3::Zero(), scene.unit_m()});
   NearPairs near(tool, scene, 1U << 16);
-  std::size_t found = 0;
+  std::size_t overlap_count = 0;
   for (int n = 0; n < 60; ++n) {
     const Placement at{Vec3(uniform(random), uniform(random), uniform(random)),
                        turn_by(3.0 * Vec3(uniform(random), uniform(random), uniform(random)))};
@@ -35,20 +35,20 @@ TEST(NearPairs, FindsEveryPairThatABruteForceSearchFinds) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (const TrianglePairIds& ids : near.pairs()) EXPECT_TRUE(pairs.insert({ids.tool, ids.scene}).second) << "found twice";
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
-      const Box around = box_at(tool, t, at).inflated(margin);
+      const Box inflated_box = box_at(tool, t, at).inflated(margin);
       for (std::uint32_t o = 0; o < 2; ++o) {
         for (std::uint32_t s = 0; s < scene.object_geometry(o).triangle_count(); ++s) {
-          if (!around.overlaps(box_at(scene.object_geometry(o), s, {}))) continue;
-          ++found;
+          if (!inflated_box.overlaps(box_at(scene.object_geometry(o), s, {}))) continue;
+          ++overlap_count;
           // In the id, the bits of the object's number are above those of the triangle's number.
           const std::uint32_t id = s | (o == 0 ? 0U : scene.object_bits() & (~scene.object_bits() + 1U));
           ASSERT_EQ(pairs.count({t, id}), 1U) << "case " << n;
         }
       }
     }
-    ASSERT_FALSE(!pairs.empty() && NearPairs(tool, scene, pairs.size() - 1).collect(at, margin)) << "more than fit";
+    ASSERT_FALSE(!pairs.empty() && NearPairs(tool, scene, pairs.size() - 1).collect(at, margin)) << "one pair more than fits";
   }
-  EXPECT_GT(found, 1000U);
+  EXPECT_GT(overlap_count, 1000U);
 }
 
 }  // namespace

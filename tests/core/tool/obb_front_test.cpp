@@ -38,7 +38,7 @@ class ObbFrontTest : public testing::Test {
       if (node.is_leaf()) scene_ids.push_back(scene_tree.triangle(node));
     }
   }
-  Vec3 vector() { return {uniform(random), uniform(random), uniform(random)}; }
+  Vec3 random_vector() { return {uniform(random), uniform(random), uniform(random)}; }
   Corners3 tool_at(std::uint32_t t, const Placement& at) const {
     return {at.at(tool.corner(t, 0)), at.at(tool.corner(t, 1)), at.at(tool.corner(t, 2))};
   }
@@ -55,14 +55,15 @@ class ObbFrontTest : public testing::Test {
 // visit found to be far apart.
 TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::size_t found = 0;
-  std::size_t visited = 0;
+  std::size_t near_pair_count = 0;
+  std::size_t visit_count = 0;
   Placement at;
   for (int n = 0; n < 60; ++n) {
-    if (n % 15 == 0) at = {vector().normalized() * (n % 2 == 0 ? 0.45 : 0.9), turn_by(3.0 * vector())};
+    if (n % 15 == 0) at = {random_vector().normalized() * (n % 2 == 0 ? 0.45 : 0.9), turn_by(3.0 * random_vector())};
     const double length = std::pow(10.0, -1.0 - 2.0 * std::abs(uniform(random)));
     const bool is_still = n % 3 == 0;
-    const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * vector()), is_still ? Vec3::Zero() : Vec3(length * vector())};
+    const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * random_vector()),
+                             is_still ? Vec3::Zero() : Vec3(length * random_vector())};
     const double distance = 0.03 * std::abs(uniform(random));
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
     ASSERT_TRUE(
@@ -71,7 +72,7 @@ TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
           const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
           return ObbFront::Visited{gap, gap, true};
         }));
-    visited += pairs.size();
+    visit_count += pairs.size();
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
       for (const std::uint32_t id : scene_ids) {
         if (pairs.count({t, id}) > 0) continue;
@@ -79,11 +80,11 @@ TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
         ASSERT_GT(distance_over(motion, t, id), distance) << "case " << n;
       }
     }
-    for (const auto& [t, id] : pairs) found += distance_over(motion, t, id) <= distance ? 1U : 0U;
+    for (const auto& [t, id] : pairs) near_pair_count += distance_over(motion, t, id) <= distance ? 1U : 0U;
     at = motion.at(0.3 + 0.3 * uniform(random));
   }
-  EXPECT_GT(found, 1000U);
-  EXPECT_LT(visited, 6 * found) << "the search is not a search";
+  EXPECT_GT(near_pair_count, 1000U);
+  EXPECT_LT(visit_count, 6 * near_pair_count) << "the walks visit far more pairs than are near";
 }
 
 // The visitor returns an infinite distance for pairs that do not matter to it. This must not become the bound of pairs beside them.
@@ -92,9 +93,9 @@ TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto matters = [](std::uint32_t t, std::uint32_t id) { return (t + id) % 5 == 0; };
-  std::size_t found = 0;
+  std::size_t near_pair_count = 0;
   for (int n = 0; n < 30; ++n) {
-    const Placement at{vector().normalized() * 0.6, turn_by(3.0 * vector())};
+    const Placement at{random_vector().normalized() * 0.6, turn_by(3.0 * random_vector())};
     const auto walk = [&](const RigidMotion& motion, double distance) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
       EXPECT_TRUE(
@@ -114,25 +115,25 @@ TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
       for (const std::uint32_t id : scene_ids) {
         if (!matters(t, id) || triangle_gap(tool_at(t, at), scene_at(id)) > 0.299) continue;
-        ++found;
+        ++near_pair_count;
         ASSERT_EQ(pairs.count({t, id}), 1U) << "case " << n;
       }
     }
   }
-  EXPECT_GT(found, 1000U);
+  EXPECT_GT(near_pair_count, 1000U);
 }
 
 // Hundreds of short motions, mostly along the surface, so that bounds from many placements ago decide which pairs a walk visits.
 TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::size_t found = 0;
+  std::size_t visit_count = 0;
   for (int slide = 0; slide < 6; ++slide) {
-    Placement at{vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * vector())};
+    Placement at{random_vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * random_vector())};
     const double step = std::pow(10.0, -2.0 - 0.4 * slide);
-    const Vec3 turn = step / radius * 0.5 * vector();
-    const Vec3 along_surface = at.position.cross(vector()).normalized();
+    const Vec3 turn = step / radius * 0.5 * random_vector();
+    const Vec3 along_surface = at.position.cross(random_vector()).normalized();
     for (int n = 0; n < 150; ++n) {
-      const Vec3 shift = step * (along_surface + 0.3 * vector());
+      const Vec3 shift = step * (along_surface + 0.3 * random_vector());
       const RigidMotion motion{at, n % 2 == 0 ? Vec3::Zero() : shift, n % 2 == 0 ? Vec3::Zero() : turn};
       const double distance = 0.3 * step * std::abs(uniform(random));
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
@@ -142,7 +143,7 @@ TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
             const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
             return ObbFront::Visited{gap, gap, true};
           }));
-      found += pairs.size();
+      visit_count += pairs.size();
       for (std::uint32_t t = 0; t < tool.triangle_count() && n % 15 == 14; ++t) {
         for (const std::uint32_t id : scene_ids) {
           if (pairs.count({t, id}) > 0) continue;
@@ -153,25 +154,25 @@ TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
       at = motion.at(uniform(random));
     }
   }
-  EXPECT_GT(found, 1000U);
+  EXPECT_GT(visit_count, 1000U);
 }
 
 TEST_F(ObbFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
-  const auto walk = [&](std::size_t most) {
+  const auto walk = [&](std::size_t max_visits) {
     std::size_t visits = 0;
-    const bool complete =
+    const bool is_complete =
         front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::VisitId, std::uint32_t, std::uint32_t, std::uint16_t) {
-          return ObbFront::Visited{0.0, 0.0, ++visits != most};
+          return ObbFront::Visited{0.0, 0.0, ++visits != max_visits};
         });
-    EXPECT_EQ(complete, visits < most);
+    EXPECT_EQ(is_complete, visits < max_visits);
     return visits;
   };
-  const std::size_t all = walk(~std::size_t{0});
-  ASSERT_GT(all, 10U);
+  const std::size_t all_visits = walk(~std::size_t{0});
+  ASSERT_GT(all_visits, 10U);
   EXPECT_EQ(walk(5), 5U);
-  const std::size_t again = walk(~std::size_t{0});
-  EXPECT_EQ(again, all);
+  const std::size_t visits_again = walk(~std::size_t{0});
+  EXPECT_EQ(visits_again, all_visits);
 }
 
 // A walk leaves out pairs whose features the visitor has found before, until forget() is called.
@@ -185,53 +186,53 @@ TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
     }));
     return visits;
   };
-  const std::size_t all = walk();
-  ASSERT_GT(all, 10U);
+  const std::size_t all_visits = walk();
+  ASSERT_GT(all_visits, 10U);
   EXPECT_EQ(walk(), 0U);
   front.forget();
-  const std::size_t again = walk();  // less than all: some pairs were found to be too far away
-  EXPECT_GT(again, all / 2);
-  EXPECT_LE(again, all);
+  const std::size_t visits_again = walk();  // less than all: some pairs were found to be too far away
+  EXPECT_GT(visits_again, all_visits / 2);
+  EXPECT_LE(visits_again, all_visits);
 }
 
 // Any number of workers visits the same pairs at the same places (ObbFront::VisitId), also after walks that a visitor has ended.
 TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   using Visits = std::vector<std::array<std::uint32_t, 3>>;
-  const auto walk = [&](ObbFront& shared, const RigidMotion& motion, double distance, std::size_t most, int workers) {
+  const auto walk = [&](ObbFront& shared, const RigidMotion& motion, double distance, std::size_t max_visits, int workers) {
     std::vector<Visits> by_worker(static_cast<std::size_t>(workers));
     std::atomic<std::size_t> count = 0;
-    const bool is_whole = shared.for_each_near(LinearizedMotion(motion), distance,
-                                               [&](ObbFront::VisitId turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-                                                 by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
-                                                 const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
-                                                 return ObbFront::Visited{gap, gap, ++count <= most};
-                                               });
+    const bool is_complete = shared.for_each_near(LinearizedMotion(motion), distance,
+                                                  [&](ObbFront::VisitId visit, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+                                                    by_worker[static_cast<std::size_t>(visit.worker)].push_back({visit.place, t, id});
+                                                    const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
+                                                    return ObbFront::Visited{gap, gap, ++count <= max_visits};
+                                                  });
     Visits all;
     for (const Visits& visits : by_worker) {
       EXPECT_TRUE(std::is_sorted(visits.begin(), visits.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; }));
       all.insert(all.end(), visits.begin(), visits.end());
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
-    return is_whole ? all : Visits();
+    return is_complete ? all : Visits();
   };
   for (const int workers : {2, 3, 8}) {
     made::ThreadTeam team(workers);
-    ObbFront together(tool_tree, scene_tree, radius, team);
-    ObbFront alone(tool_tree, scene_tree, radius);
-    std::size_t found = 0;
+    ObbFront front_of_team(tool_tree, scene_tree, radius, team);
+    ObbFront front_of_one(tool_tree, scene_tree, radius);
+    std::size_t visit_count = 0;
     Placement at;
     for (int n = 0; n < 60; ++n) {
-      if (n % 15 == 0) at = {vector().normalized() * 0.45, turn_by(3.0 * vector())};
-      const RigidMotion motion{at, Vec3(0.02 * vector()), Vec3(0.02 * vector())};
-      const std::size_t most = n % 10 == 7 ? 20 : ~std::size_t{0};
+      if (n % 15 == 0) at = {random_vector().normalized() * 0.45, turn_by(3.0 * random_vector())};
+      const RigidMotion motion{at, Vec3(0.02 * random_vector()), Vec3(0.02 * random_vector())};
+      const std::size_t max_visits = n % 10 == 7 ? 20 : ~std::size_t{0};
       const double distance = 0.1 * std::abs(uniform(random));
-      const Visits expected = walk(alone, motion, distance, most, 1);
-      ASSERT_EQ(walk(together, motion, distance, most, workers), expected) << workers << " workers, walk " << n;
-      found += expected.size();
+      const Visits expected = walk(front_of_one, motion, distance, max_visits, 1);
+      ASSERT_EQ(walk(front_of_team, motion, distance, max_visits, workers), expected) << workers << " workers, walk " << n;
+      visit_count += expected.size();
       at = motion.at(1.0);
     }
-    EXPECT_GT(found, 1000U);
+    EXPECT_GT(visit_count, 1000U);
   }
 }
 

@@ -11,39 +11,39 @@
 namespace hapton {
 namespace {
 
-struct Checked {
+struct TreeContents {
   std::set<std::uint32_t> triangles;
   int depth = 0;
 };
 
 // Expects that every box contains the exact corners of all triangles below it. Returns these triangles and the depth of the tree.
-Checked check_tree(const ObbTree& tree, const std::function<std::array<Vec3, 3>(std::uint32_t)>& corners) {
-  Checked checked;
+TreeContents check_tree(const ObbTree& tree, const std::function<std::array<Vec3, 3>(std::uint32_t)>& corners) {
+  TreeContents contents;
   const std::function<std::vector<std::uint32_t>(std::uint32_t, int)> visit = [&](std::uint32_t at, int depth) {
     const ObbTree::Node& node = tree.nodes()[at];
-    checked.depth = std::max(checked.depth, depth);
-    std::vector<std::uint32_t> below;
+    contents.depth = std::max(contents.depth, depth);
+    std::vector<std::uint32_t> triangles_below;
     if (node.is_leaf()) {
-      below.push_back(tree.triangle(node));
-      EXPECT_TRUE(checked.triangles.insert(below[0]).second) << "twice in the tree";
+      triangles_below.push_back(tree.triangle(node));
+      EXPECT_TRUE(contents.triangles.insert(triangles_below[0]).second) << "twice in the tree";
     } else {
       for (const std::uint32_t child : {node.link, node.link + 1}) {
-        for (const std::uint32_t id : visit(child, depth + 1)) below.push_back(id);
+        for (const std::uint32_t id : visit(child, depth + 1)) triangles_below.push_back(id);
       }
     }
     Mat3 axes;
     for (int i = 0; i < 3; ++i) axes.col(i) = node.axis(i);
     EXPECT_LT((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff(), 0x1p-20);
-    for (const std::uint32_t id : below) {
+    for (const std::uint32_t id : triangles_below) {
       for (const Vec3& p : corners(id)) {
         const Vec3 y = axes.inverse() * (p - node.at());
         EXPECT_TRUE((y.cwiseAbs().array() <= node.half_size().array()).all());
       }
     }
-    return below;
+    return triangles_below;
   };
   if (!tree.nodes().empty()) visit(0, 0);
-  return checked;
+  return contents;
 }
 
 TEST(ObbTree, BoxesContainTheirTriangles) {
@@ -51,11 +51,11 @@ TEST(ObbTree, BoxesContainTheirTriangles) {
                                    make_gutter(0.1, 0.03, 1.5, 3), make_plane_grid(0.2, 6)}) {
     const ObjectGeometry surface(mesh, {Vec3::Zero(), 1.0});
     const ObbTree tree(surface);
-    const Checked checked = check_tree(tree, [&](std::uint32_t t) {
+    const TreeContents contents = check_tree(tree, [&](std::uint32_t t) {
       return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
     });
-    EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
-    EXPECT_LE(checked.depth, ObbTree::kMaxDepth);
+    EXPECT_EQ(contents.triangles.size(), surface.triangle_count());
+    EXPECT_LE(contents.depth, ObbTree::kMaxDepth);
   }
 }
 
@@ -63,10 +63,10 @@ TEST(ObbTree, HoldsTheTrianglesOfAllObjectsUnderTheirNumbersInTheScene) {
   const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 3);
   const TriangleMesh box = scaled_and_moved(make_box({0.4, 0.2, 0.3}, 3), 1.0, {0.5, 0.0, 0.0});
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball, &box});
-  const Checked checked = check_tree(ObbTree(scene), [&](std::uint32_t id) {
+  const TreeContents contents = check_tree(ObbTree(scene), [&](std::uint32_t id) {
     return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
   });
-  EXPECT_EQ(checked.triangles.size(), scene.triangle_count());
+  EXPECT_EQ(contents.triangles.size(), scene.triangle_count());
 }
 
 TEST(ObbTree, TreesOfObjectsAreJoined) {
@@ -83,11 +83,11 @@ TEST(ObbTree, TreesOfObjectsAreJoined) {
     std::vector<const ObbTree*> all;
     for (const ObbTree& tree : trees) all.push_back(&tree);
     const ObbTree joined(all, scene);
-    const Checked checked = check_tree(joined, [&](std::uint32_t id) {
+    const TreeContents contents = check_tree(joined, [&](std::uint32_t id) {
       return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
     });
-    EXPECT_EQ(checked.triangles.size(), scene.triangle_count()) << count;
-    EXPECT_LE(checked.depth, ObbTree::kMaxDepth);
+    EXPECT_EQ(contents.triangles.size(), scene.triangle_count()) << count;
+    EXPECT_LE(contents.depth, ObbTree::kMaxDepth);
     EXPECT_EQ(joined.nodes().size(), count == 0 ? 0 : 2 * scene.triangle_count() - 1) << count;
   }
 }
@@ -98,10 +98,10 @@ TEST(ObbTree, WithAnotherOriginBoxesContainTheDisplacedTriangles) {
   for (const Vec3& p : {Vec3(0.1, -0.2, 0.3), Vec3(-1.7, 0.9, 0.4), Vec3(0.0, 0.0, 0.0)}) {
     const ObjectGeometry displaced = surface.with_origin_at(p);
     const ObbTree moved = tree.with_origin_at(p);
-    const Checked checked = check_tree(moved, [&](std::uint32_t t) {
+    const TreeContents contents = check_tree(moved, [&](std::uint32_t t) {
       return std::array<Vec3, 3>{displaced.corner(t, 0), displaced.corner(t, 1), displaced.corner(t, 2)};
     });
-    EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
+    EXPECT_EQ(contents.triangles.size(), surface.triangle_count());
     for (std::size_t n = 0; n < tree.nodes().size(); ++n) {
       ASSERT_TRUE((moved.nodes()[n].half_size() - tree.nodes()[n].half_size()).maxCoeff() < 0x1p-21) << "no larger than rounding makes it";
     }
@@ -135,10 +135,10 @@ TEST(ObbTree, OfTrianglesWithoutAreaIsComplete) {
     mesh.triangles.push_back({v, v + 1, v + 2});
   }
   const ObjectGeometry surface(mesh, {Vec3::Zero(), 1.0});
-  const Checked checked = check_tree(ObbTree(surface), [&](std::uint32_t t) {
+  const TreeContents contents = check_tree(ObbTree(surface), [&](std::uint32_t t) {
     return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
   });
-  EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
+  EXPECT_EQ(contents.triangles.size(), surface.triangle_count());
 }
 
 }  // namespace

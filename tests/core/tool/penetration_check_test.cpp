@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(PenetrationCheck, ABoxAboveAndInAPlane) {
+TEST(PenetrationCheck, ABoxThatTouchesAPlanePenetratesIt) {
   const TriangleMesh plane = make_plane_grid(1.0, 4);
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&plane});
   const ObjectGeometry tool(make_box({0.2, 0.2, 0.2}), {Vec3::Zero(), scene.unit_m()});
@@ -15,7 +15,7 @@ TEST(PenetrationCheck, ABoxAboveAndInAPlane) {
   const auto at = [](double z) { return Placement{{0.01, 0.02, z}, turn_by({0.0, 0.0, 0.3})}; };
   EXPECT_FALSE(check.penetrates(at(0.1 + 1e-9)));
   EXPECT_TRUE(check.penetrates(at(0.1 - 1e-9)));
-  EXPECT_TRUE(check.penetrates(at(0.1))) << "touching counts";
+  EXPECT_TRUE(check.penetrates(at(0.1))) << "touching counts as penetration";
   EXPECT_NEAR(check.find_gap(at(0.103), 0.01), 0.003, 1e-12);
   EXPECT_GT(check.find_gap(at(0.2), 0.01), 1.0);
 }

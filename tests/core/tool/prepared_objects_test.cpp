@@ -24,10 +24,10 @@ Meshes make_objects() {
 }
 
 constexpr std::size_t kHeldCube = 1;
-const std::vector<CoulombFriction> kRough = {{0.3, 0.2}, {0.1, 0.1}};
+const std::vector<CoulombFriction> kRoughObjects = {{0.3, 0.2}, {0.1, 0.1}};
 
-std::shared_ptr<const TriangleMesh> displaced(const TriangleMesh& mesh, const Vec3& by) {
-  return std::make_shared<TriangleMesh>(scaled_and_moved(mesh, 1.0, by));
+std::shared_ptr<const TriangleMesh> moved_copy(const TriangleMesh& mesh, const Vec3& shift) {
+  return std::make_shared<TriangleMesh>(scaled_and_moved(mesh, 1.0, shift));
 }
 
 Pose grip_pose() {
@@ -80,7 +80,7 @@ std::unique_ptr<ToolStep> make_twin(const Meshes& meshes, const std::vector<Coul
 }
 
 TEST(PreparedObjects, AHeldObjectIsFeltAsAToolOfItsMeshIs) {
-  for (const std::vector<CoulombFriction>& friction : {std::vector<CoulombFriction>(), kRough}) {
+  for (const std::vector<CoulombFriction>& friction : {std::vector<CoulombFriction>(), kRoughObjects}) {
     const Meshes meshes = make_objects();
     PreparedObjects objects(meshes);
     const auto held = hold_cube(objects, friction);
@@ -101,7 +101,7 @@ TEST(PreparedObjects, AHeldObjectIsFeltAsAToolOfItsMeshIs) {
 
 TEST(PreparedObjects, AHeldObjectPenetratesNothing) {
   PreparedObjects objects(make_objects());
-  const auto step = hold_cube(objects, kRough);
+  const auto step = hold_cube(objects, kRoughObjects);
   PenetrationCheck check(step->tool(), step->scene());
   step->reset({.X_WD = grip_pose()});
   for (int n = 0; n <= 400; ++n) {
@@ -114,9 +114,9 @@ TEST(PreparedObjects, AHeldObjectPenetratesNothing) {
 // If it moves with the ball and there is friction, held object and twin may begin to slip in different steps: hence the larger bound.
 TEST(PreparedObjects, AHeldObjectFeelsWhatMovesAsAToolOfItsMeshDoes) {
   for (const auto& [friction, parts, bound_n] :
-       {std::tuple(std::vector<CoulombFriction>(), std::vector{0, 1}, 1e-9), std::tuple(kRough, std::vector{0, 1}, 1e-9),
-        std::tuple(kRough, std::vector{2, 1}, 1e-9), std::tuple(std::vector<CoulombFriction>(), std::vector{1, 1}, 1e-9),
-        std::tuple(kRough, std::vector{1, 1}, 3e-3)}) {
+       {std::tuple(std::vector<CoulombFriction>(), std::vector{0, 1}, 1e-9), std::tuple(kRoughObjects, std::vector{0, 1}, 1e-9),
+        std::tuple(kRoughObjects, std::vector{2, 1}, 1e-9), std::tuple(std::vector<CoulombFriction>(), std::vector{1, 1}, 1e-9),
+        std::tuple(kRoughObjects, std::vector{1, 1}, 3e-3)}) {
     const Meshes meshes = make_objects();
     PreparedObjects objects(meshes);
     const auto held = objects.hold(kHeldCube, grip_pose(), {.stiffness_n_per_m = 800.0}, friction, nullptr, parts);
@@ -152,7 +152,7 @@ TEST(PreparedObjects, TooManyPartsThatMoveAreRejected) {
   Meshes meshes = make_objects();
   std::vector<int> parts = {0, 0};
   for (int n = 1; n <= ToolStep::kMaxParts + 1; ++n) {
-    meshes.push_back(displaced(*meshes[2], {0.001 * n, 0.1, 0.0}));
+    meshes.push_back(moved_copy(*meshes[2], {0.001 * n, 0.1, 0.0}));
     parts.push_back(n);
   }
   PreparedObjects objects(meshes);
@@ -163,16 +163,16 @@ TEST(PreparedObjects, TooManyPartsThatMoveAreRejected) {
 }
 
 TEST(PreparedObjects, ItIsTheSameToTheBitWhetherItWasPreparedBeforeOrNot) {
-  PreparedObjects before(make_objects());
-  int prepared = 0;
-  while (before.prepare_next()) ++prepared;
-  EXPECT_EQ(prepared, 3);
+  PreparedObjects prepared_before(make_objects());
+  int prepared_count = 0;
+  while (prepared_before.prepare_next()) ++prepared_count;
+  EXPECT_EQ(prepared_count, 3);
   PreparedObjects not_yet(make_objects());
   EXPECT_EQ(not_yet.bytes(), 0U);
-  const auto first = hold_cube(before, kRough);
-  const auto second = hold_cube(not_yet, kRough);
+  const auto first = hold_cube(prepared_before, kRoughObjects);
+  const auto second = hold_cube(not_yet, kRoughObjects);
   expect_same_bits(follow_path(*first), follow_path(*second));
-  EXPECT_EQ(not_yet.bytes(), before.bytes());
+  EXPECT_EQ(not_yet.bytes(), prepared_before.bytes());
   EXPECT_FALSE(not_yet.prepare_next());
 }
 
@@ -181,15 +181,15 @@ TEST(PreparedObjects, WhatHasMovedIsPreparedAgainAndNothingElse) {
   PreparedObjects objects(meshes);
   while (objects.prepare_next()) {
   }
-  const auto ball = displaced(*meshes[2], {0.005, 0.003, 0.0});
+  const auto ball = moved_copy(*meshes[2], {0.005, 0.003, 0.0});
   objects.replace(2, ball);
   EXPECT_TRUE(objects.prepare_next());
   EXPECT_FALSE(objects.prepare_next());
   meshes[2] = ball;
   PreparedObjects anew(meshes);
   ASSERT_EQ(anew.frame().origin, objects.frame().origin);
-  const auto first = hold_cube(objects, kRough);
-  const auto second = hold_cube(anew, kRough);
+  const auto first = hold_cube(objects, kRoughObjects);
+  const auto second = hold_cube(anew, kRoughObjects);
   expect_same_bits(follow_path(*first), follow_path(*second));
 }
 
@@ -225,7 +225,7 @@ TEST(PreparedObjects, AProbeGetsThemMarkedWhereTheyTouchAndOnlyWhatHasMovedIsBui
     }
     EXPECT_EQ(objects.build()->objects, first->objects);
     // The cube is moved down onto the plate.
-    meshes[kHeldCube] = displaced(*meshes[kHeldCube], {-0.03, 0.0, -0.001});
+    meshes[kHeldCube] = moved_copy(*meshes[kHeldCube], {-0.03, 0.0, -0.001});
     objects.replace(kHeldCube, meshes[kHeldCube]);
     const auto second = objects.build();
     expect_as_built_anew(*second, meshes);
@@ -235,7 +235,7 @@ TEST(PreparedObjects, AProbeGetsThemMarkedWhereTheyTouchAndOnlyWhatHasMovedIsBui
     EXPECT_TRUE(objects.prepare_next());
     EXPECT_FALSE(objects.prepare_next());
     // The cube is moved up again, into the air above another place.
-    meshes[kHeldCube] = displaced(*make_objects()[kHeldCube], {-0.02, 0.05, 0.005});
+    meshes[kHeldCube] = moved_copy(*make_objects()[kHeldCube], {-0.02, 0.05, 0.005});
     objects.replace(kHeldCube, meshes[kHeldCube]);
     const auto third = objects.build();
     expect_as_built_anew(*third, meshes);
@@ -246,13 +246,13 @@ TEST(PreparedObjects, AProbeGetsThemMarkedWhereTheyTouchAndOnlyWhatHasMovedIsBui
 
 TEST(PreparedObjects, AToolIsTheSameToTheBitAfterAProbeHasItsObjects) {
   PreparedObjects objects(make_objects());
-  objects.replace(kHeldCube, displaced(*make_objects()[kHeldCube], {0.0, 0.0, -0.001}));
+  objects.replace(kHeldCube, moved_copy(*make_objects()[kHeldCube], {0.0, 0.0, -0.001}));
   (void)objects.build();
   objects.replace(kHeldCube, make_objects()[kHeldCube]);
   (void)objects.build();
-  const auto first = hold_cube(objects, kRough);
+  const auto first = hold_cube(objects, kRoughObjects);
   PreparedObjects anew(make_objects());
-  const auto second = hold_cube(anew, kRough);
+  const auto second = hold_cube(anew, kRoughObjects);
   expect_same_bits(follow_path(*first), follow_path(*second));
 }
 
@@ -261,7 +261,7 @@ TEST(PreparedObjects, AToolOutlivesWhatItWasPreparedFrom) {
   const auto kept = hold_cube(*objects);
   const auto other = hold_cube(*objects);
   const std::vector<ToolOutput> expected = follow_path(*other);
-  objects->replace(0, displaced(*make_objects()[0], {0.0, 0.0, -0.01}));
+  objects->replace(0, moved_copy(*make_objects()[0], {0.0, 0.0, -0.01}));
   objects.reset();
   expect_same_bits(follow_path(*kept), expected);
 }
@@ -270,9 +270,9 @@ TEST(PreparedObjects, AToolOutlivesWhatItWasPreparedFrom) {
 TEST(PreparedObjects, AreAllPreparedAgainWhereOneHasManyMoreTriangles) {
   PreparedObjects objects(make_objects());
   const auto prepare_all = [&] {
-    int prepared = 0;
-    while (objects.prepare_next()) ++prepared;
-    return prepared;
+    int prepared_count = 0;
+    while (objects.prepare_next()) ++prepared_count;
+    return prepared_count;
   };
   EXPECT_EQ(prepare_all(), 3);
   for (const int cells : {40, 2}) {
@@ -289,19 +289,19 @@ TEST(PreparedObjects, TheFrameStaysWhereTheSceneSuitsItAndElseAllIsPreparedAgain
   while (objects.prepare_next()) {
   }
   // The box of the scene is larger now, but within the frame.
-  objects.replace(kHeldCube, displaced(*meshes[kHeldCube], {0.0, 0.0, 0.03}));
+  objects.replace(kHeldCube, moved_copy(*meshes[kHeldCube], {0.0, 0.0, 0.03}));
   EXPECT_EQ(objects.frame().origin, before.origin);
   EXPECT_TRUE(objects.prepare_next());
   EXPECT_FALSE(objects.prepare_next());
   // The cube is far outside the frame.
   Meshes far = meshes;
-  far[kHeldCube] = displaced(*meshes[kHeldCube], {0.0, 0.0, 1.0});
+  far[kHeldCube] = moved_copy(*meshes[kHeldCube], {0.0, 0.0, 1.0});
   objects.replace(kHeldCube, far[kHeldCube]);
   EXPECT_EQ(objects.frame().origin, TouchGeometry(far).origin());
   EXPECT_EQ(objects.frame().unit_m, TouchGeometry(far).unit_m());
-  int prepared = 0;
-  while (objects.prepare_next()) ++prepared;
-  EXPECT_EQ(prepared, 3);
+  int prepared_count = 0;
+  while (objects.prepare_next()) ++prepared_count;
+  EXPECT_EQ(prepared_count, 3);
   // The cube is back at its place: the scene is too small for the larger frame.
   objects.replace(kHeldCube, meshes[kHeldCube]);
   EXPECT_EQ(objects.frame().origin, before.origin);

@@ -85,13 +85,13 @@ class SeparatingPlanesTest : public testing::Test {
     return pairs;
   }
 
-  static void put_about(SeparatingPlanes& planes, std::size_t i, const Vec3& direction, const Node& tool, const Node& scene) {
+  static void put_plane_along(SeparatingPlanes& planes, std::size_t i, const Vec3& direction, const Node& tool, const Node& scene) {
     const Vec3 normal = SeparatingPlanes::normal_along(direction);
     planes.put(i, normal, planes.gap_along(normal, tool, scene), tool);
   }
 
   // Puts planes for the pairs that are apart. A normal points along the line between the closest points, turned a little.
-  std::vector<bool> put(SeparatingPlanes& planes, const Pairs& pairs, const Placement& at) {
+  std::vector<bool> put_planes(SeparatingPlanes& planes, const Pairs& pairs, const Placement& at) {
     std::vector<bool> has_plane(kPairs, false);
     for (std::size_t i = 0; i < kPairs; ++i) {
       planes.clear(i);
@@ -103,7 +103,7 @@ class SeparatingPlanesTest : public testing::Test {
       if (!(direction.norm() > 1e-9 * tool.half.norm())) continue;
       const Vec3 about = direction + 0.05 * direction.norm() * draw();
       if (i % 2 == 0) {
-        put_about(planes, i, about, pairs.tool[i], pairs.scene[i]);
+        put_plane_along(planes, i, about, pairs.tool[i], pairs.scene[i]);
       } else {
         const Vec3 normal = SeparatingPlanes::normal_along(about);
         planes.put(i, normal, -tool.highest(-normal) - scene.highest(normal), pairs.tool[i]);
@@ -119,28 +119,28 @@ class SeparatingPlanesTest : public testing::Test {
 // This holds after motions and turns of all sizes since the plane was put, in scenes of all sizes.
 TEST_F(SeparatingPlanesTest, NoGapIsLargerThanTheDistanceOfTheBoxes) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  int positive = 0;
+  int positive_gaps = 0;
   for (const double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
     for (int n = 0; n < 20; ++n) {
       SeparatingPlanes planes(kPairs, scale);
       Placement at{2.0 * scale * draw(), turn_by(3.0 * draw())};
       planes.restart({at.position + scale * draw_size(6.0) * draw(), turn_by(draw_size(4.0) * draw()) * at.orientation});
-      double turned = 7.0;
+      double turned_rad = 7.0;
       const double step = draw_size(5.0);
       Pairs pairs;
       for (int k = 0; k < 12; ++k) {
         const RigidMotion motion{at, scale * step * draw(), step * draw()};
-        planes.begin(LinearizedMotion(motion), turned);
+        planes.begin(LinearizedMotion(motion), turned_rad);
         if (k == 0 || k == 6) {
           pairs = draw_pairs(at, scale);
-          put(planes, pairs, at);
+          put_planes(planes, pairs, at);
         }
         for (std::size_t i = 0; i < kPairs; ++i) {
           const SeparatingPlanes::Gaps gaps = planes.find_gaps(i / SeparatingPlanes::kTogether);
           const BoxInScene scene(pairs.scene[i], {});
           const double start = find_distance(BoxInScene(pairs.tool[i], at), scene);
           ASSERT_LE(gap_of(gaps.start, i), start) << "scale " << scale << ", case " << n << ", walk " << k << ", pair " << i;
-          positive += gap_of(gaps.start, i) > 0.0F && k % 6 != 0 ? 1 : 0;
+          positive_gaps += gap_of(gaps.start, i) > 0.0F && k % 6 != 0 ? 1 : 0;
           for (const double time : {0.0, 0.3, 0.5, 0.8, 1.0}) {
             const double distance = find_distance(BoxInScene(pairs.tool[i], motion.at(time)), scene);
             ASSERT_LE(gap_of(gaps.over, i), distance) << "scale " << scale << ", case " << n << ", walk " << k << ", pair " << i;
@@ -148,12 +148,12 @@ TEST_F(SeparatingPlanesTest, NoGapIsLargerThanTheDistanceOfTheBoxes) {
         }
         const double share = 0.5 + 0.5 * uniform(random);
         const Placement next = motion.at(share);
-        turned = turn_between(at.orientation, next.orientation).norm() + 0x1p-45;
+        turned_rad = turn_between(at.orientation, next.orientation).norm() + 0x1p-45;
         at = next;
       }
     }
   }
-  EXPECT_GT(positive, 5000);
+  EXPECT_GT(positive_gaps, 5000);
 }
 
 // A small box far from the grip point moves on an arc; in the middle of the arc it is nearer to the scene's box than at both ends.
@@ -168,26 +168,26 @@ TEST_F(SeparatingPlanesTest, TheGapOfATurnIsNoLargerThanTheDistanceInItsMiddle) 
     for (float& half : tool.half) half = 1e-6F;
     const double sagitta = 1.0 - std::cos(0.5 * angle);
     const Node scene = draw_box((1.2 + 2.0 * sagitta) * Vec3::UnitX(), 0.1);
-    put_about(planes, 0, -Vec3::UnitX(), tool, scene);
+    put_plane_along(planes, 0, -Vec3::UnitX(), tool, scene);
     const SeparatingPlanes::Gaps gaps = planes.find_gaps(0);
     const double middle = -BoxInScene(scene, {}).highest(-Vec3::UnitX()) - BoxInScene(tool, motion.at(0.5)).highest(Vec3::UnitX());
     EXPECT_LE(gap_of(gaps.over, 0), middle);
     EXPECT_GT(gap_of(gaps.over, 0), 0.0F);
-    EXPECT_GT(gap_of(gaps.start, 0), gap_of(gaps.over, 0) + static_cast<float>(0.9 * sagitta)) << "there is no arc to speak of";
+    EXPECT_GT(gap_of(gaps.start, 0), gap_of(gaps.over, 0) + static_cast<float>(0.9 * sagitta)) << "the arc is too flat to matter";
   }
 }
 
 // For planes between the closest points, gaps are not much less than the distances, at the start of a small motion and over it.
 TEST_F(SeparatingPlanesTest, AGapIsTheDistanceAlongTheNormal) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  int compared = 0;
+  int compared_gaps = 0;
   for (int n = 0; n < 50; ++n) {
     SeparatingPlanes planes(kPairs, 1.0);
     const Placement at{draw(), turn_by(3.0 * draw())};
     planes.restart(at);
     planes.begin(LinearizedMotion(RigidMotion{at}), 0.0);
     const Pairs pairs = draw_pairs(at, 1.0);
-    const std::vector<bool> has_plane = put(planes, pairs, at);
+    const std::vector<bool> has_plane = put_planes(planes, pairs, at);
     // The start differs from `at`, and the motion goes on: by a shift of about 1e-2 and a turn of about 1e-3 at most in total.
     const RigidMotion motion{{at.position + 0.005 * draw(), turn_by(0.0005 * draw()) * at.orientation}, 0.005 * draw(), 0.0005 * draw()};
     planes.begin(LinearizedMotion(motion), turn_between(at.orientation, motion.from.orientation).norm());
@@ -198,12 +198,12 @@ TEST_F(SeparatingPlanesTest, AGapIsTheDistanceAlongTheNormal) {
       const double size = pairs.tool[i].half_size().norm() + pairs.scene[i].half_size().norm();
       if (start < 0.5 * size || start < 0.02) continue;
       const SeparatingPlanes::Gaps gaps = planes.find_gaps(i / SeparatingPlanes::kTogether);
-      ++compared;
+      ++compared_gaps;
       EXPECT_GT(gap_of(gaps.start, i), 0.5 * start);
       EXPECT_GT(gap_of(gaps.over, i), gap_of(gaps.start, i) - 1.1 * motion.length(0.9) - 1e-5);
     }
   }
-  EXPECT_GT(compared, 100);
+  EXPECT_GT(compared_gaps, 100);
 }
 
 TEST_F(SeparatingPlanesTest, APlaneThatIsClearedGivesNoGap) {
@@ -214,7 +214,7 @@ TEST_F(SeparatingPlanesTest, APlaneThatIsClearedGivesNoGap) {
   const Node tool = draw_box({0.0, 0.0, 1.0}, 0.1);
   const Node scene = draw_box({0.0, 0.0, 0.0}, 0.1);
   EXPECT_LT(gap_of(planes.find_gaps(1).start, 9), -1e30F);
-  put_about(planes, 9, Vec3::UnitZ(), tool, scene);
+  put_plane_along(planes, 9, Vec3::UnitZ(), tool, scene);
   EXPECT_GT(gap_of(planes.find_gaps(1).start, 9), 0.6F);
   EXPECT_GT(gap_of(planes.find_gaps(1).over, 9), 0.6F);
   EXPECT_LT(gap_of(planes.find_gaps(1).start, 8), -1e30F);

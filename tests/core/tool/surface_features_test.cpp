@@ -16,28 +16,28 @@ TEST(SurfaceFeatures, EachVertexAndEdgeHasOneOwner) {
   const SurfaceFeatures features(sphere);
   std::size_t vertices = 0;
   std::size_t edges = 0;
-  std::set<std::uint32_t> owned;
+  std::set<std::uint32_t> owned_vertices;
   for (std::uint32_t t = 0; t < sphere.triangle_count(); ++t) {
     for (int k = 0; k < 3; ++k) {
       edges += features.owns_edge(t, k) ? 1 : 0;
       if (!features.owns_vertex(t, k)) continue;
       ++vertices;
-      owned.insert(sphere.triangle(t)[k]);
+      owned_vertices.insert(sphere.triangle(t)[k]);
     }
   }
   EXPECT_EQ(vertices, sphere.vertices().size());
-  EXPECT_EQ(owned.size(), vertices);
+  EXPECT_EQ(owned_vertices.size(), vertices);
   EXPECT_EQ(edges, sphere.triangle_count() * 3 / 2);
 }
 
 TEST(SurfaceFeatures, ABoundaryEdgeIsItsTrianglesOwn) {
   const ObjectGeometry sheet(make_plane_grid(1.0, 1), kMetres);
   const SurfaceFeatures features(sheet);
-  int edges = 0;
+  int owned_edges = 0;
   for (std::uint32_t t = 0; t < 2; ++t) {
-    for (int k = 0; k < 3; ++k) edges += features.owns_edge(t, k) ? 1 : 0;
+    for (int k = 0; k < 3; ++k) owned_edges += features.owns_edge(t, k) ? 1 : 0;
   }
-  EXPECT_EQ(edges, 5);
+  EXPECT_EQ(owned_edges, 5) << "four at the boundary, and the diagonal";
 }
 
 TEST(SurfaceFeatures, ARingIsTheNeighbouringVertices) {
@@ -56,23 +56,23 @@ TEST(SurfaceFeatures, ARingIsTheNeighbouringVertices) {
   }
 }
 
-TEST(SurfaceFeatures, OnlyTheHighestOfABoxIsATop) {
+TEST(SurfaceFeatures, OnlyTheHighestVertexOfABoxIsALocalMaximum) {
   const ObjectGeometry box(make_box({1.0, 1.0, 1.0}), kMetres);
   const SurfaceFeatures features(box);
   const Vec3 corner = Vec3(1.0, 1.0, 1.0).normalized();
-  int tops = 0;
-  for (std::uint32_t v = 0; v < box.vertices().size(); ++v) tops += features.is_local_maximum(v, corner) ? 1 : 0;
-  EXPECT_EQ(tops, 1);
+  int maxima = 0;
+  for (std::uint32_t v = 0; v < box.vertices().size(); ++v) maxima += features.is_local_maximum(v, corner) ? 1 : 0;
+  EXPECT_EQ(maxima, 1);
   // `up` is tilted by 0.1: only the two corners of the far upper edge are maxima; if that slope is allowed, all four upper corners.
   const Vec3 up = Vec3(0.1, 0.0, 1.0).normalized();
-  int level = 0;
-  int within = 0;
+  int flat_maxima = 0;
+  int maxima_with_slope = 0;
   for (std::uint32_t v = 0; v < box.vertices().size(); ++v) {
-    level += features.is_local_maximum(v, up) ? 1 : 0;
-    within += features.is_local_maximum(v, up, 0.11) ? 1 : 0;
+    flat_maxima += features.is_local_maximum(v, up) ? 1 : 0;
+    maxima_with_slope += features.is_local_maximum(v, up, 0.11) ? 1 : 0;
   }
-  EXPECT_EQ(level, 2);
-  EXPECT_EQ(within, 4);
+  EXPECT_EQ(flat_maxima, 2);
+  EXPECT_EQ(maxima_with_slope, 4);
 }
 
 }  // namespace

@@ -21,37 +21,37 @@ std::set<Key> keys_of(const std::vector<SurfaceVoxel>& voxels) {
   return keys;
 }
 
-// The brute-force twin: points that are distributed over the triangles (`sown`) lie in voxels that are found, and the middle of each
-// voxel that is found is at most half a diagonal away from some triangle.
+// The brute-force twin: random sample points on the triangles lie in voxels that are found, and the middle of each voxel that is found is
+// at most half a diagonal away from some triangle.
 TEST(SurfaceVoxels, HoldEachPointOfTheSurfaceAndNothingFarther) {
   std::mt19937_64 random(11);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (const double voxel : {0.03, 0.007}) {
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (const double voxel_m : {0.03, 0.007}) {
     const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.2, 300, 5);
-    const VoxelGrid grid{Vec3(0.01, -0.02, 0.003), voxel};
+    const VoxelGrid grid{Vec3(0.01, -0.02, 0.003), voxel_m};
     const auto found = find_surface_voxels(mesh, grid);
     ASSERT_TRUE(found);
     const std::set<Key> keys = keys_of(*found);
     EXPECT_EQ(keys.size(), found->size()) << "each once";
-    std::vector<Vec3> sown;
+    std::vector<Vec3> samples;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       for (int n = 0; n < 200; ++n) {
-        double u = unit(random);
-        double v = unit(random);
+        double u = uniform(random);
+        double v = uniform(random);
         if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
         const Vec3 p = mesh.corner(t, 0) + u * (mesh.corner(t, 1) - mesh.corner(t, 0)) + v * (mesh.corner(t, 2) - mesh.corner(t, 0));
-        sown.push_back(p);
-        const Vec3 cell = ((p - grid.origin_m) / voxel).array().floor();
+        samples.push_back(p);
+        const Vec3 cell = ((p - grid.origin_m) / voxel_m).array().floor();
         ASSERT_TRUE(keys.contains({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}))
             << p.transpose() << ", seed 11";
       }
     }
-    for (const SurfaceVoxel& one : *found) {
-      const Vec3 middle = grid.centre_m(one.cell);
+    for (const SurfaceVoxel& found_voxel : *found) {
+      const Vec3 middle = grid.centre_m(found_voxel.cell);
       double nearest = 1.0;
-      for (const Vec3& p : sown) nearest = std::min(nearest, (p - middle).norm());
-      // Sown points lie less than a tenth of a voxel's diagonal apart.
-      EXPECT_LE(nearest, (0.5 * std::sqrt(3.0) + 0.2) * voxel) << one.cell.transpose();
+      for (const Vec3& p : samples) nearest = std::min(nearest, (p - middle).norm());
+      // The samples lie less than a tenth of a voxel's diagonal apart.
+      EXPECT_LE(nearest, (0.5 * std::sqrt(3.0) + 0.2) * voxel_m) << found_voxel.cell.transpose();
     }
   }
 }
@@ -84,7 +84,7 @@ TEST(SurfaceVoxels, AreThoseThatATestOfEveryCellFinds) {
 }
 
 // The bounding box of this triangle has more than 10^11 cells.
-TEST(SurfaceVoxels, ALongTriangleTakesTimeForWhatItMeetsAlone) {
+TEST(SurfaceVoxels, ALongTriangleCostsOnlyTheCellsThatItTouches) {
   const Vec3 end(1e4, 0.9e4, 0.8e4);
   const auto found = find_surface_voxels(triangle_of(Vec3::Zero(), end, end + Vec3(0.0, 0.0, 0.5)), {Vec3::Zero(), 1.0});
   ASSERT_TRUE(found);
@@ -95,9 +95,9 @@ TEST(SurfaceVoxels, ALongTriangleTakesTimeForWhatItMeetsAlone) {
 TEST(SurfaceVoxels, NormalsPointOutwards) {
   const auto found = find_surface_voxels(make_icosphere(0.04, 4), {Vec3::Zero(), 0.005});
   ASSERT_TRUE(found);
-  for (const SurfaceVoxel& one : *found) {
-    EXPECT_NEAR(one.normal.norm(), 1.0, 1e-12);
-    EXPECT_GT(one.normal.dot(VoxelGrid{Vec3::Zero(), 0.005}.centre_m(one.cell).normalized()), 0.9);
+  for (const SurfaceVoxel& voxel : *found) {
+    EXPECT_NEAR(voxel.normal.norm(), 1.0, 1e-12);
+    EXPECT_GT(voxel.normal.dot(VoxelGrid{Vec3::Zero(), 0.005}.centre_m(voxel.cell).normalized()), 0.9);
   }
 }
 
@@ -122,9 +122,9 @@ TEST(SurfaceVoxels, ASizeThatDoesNotFitIsAnErrorThatNamesOne) {
   const auto at_one_end = find_surface_voxels(from_origin, {Vec3::Zero(), 1e-9});
   ASSERT_FALSE(at_one_end);
   EXPECT_THAT(at_one_end.error().what, testing::HasSubstr("fits"));
-  const auto many = find_surface_voxels(mesh, {Vec3::Zero(), 0.001}, 100);
-  ASSERT_FALSE(many);
-  EXPECT_THAT(many.error().what, testing::HasSubstr("larger"));
+  const auto too_many = find_surface_voxels(mesh, {Vec3::Zero(), 0.001}, 100);
+  ASSERT_FALSE(too_many);
+  EXPECT_THAT(too_many.error().what, testing::HasSubstr("larger"));
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace {
 
 using TimeOfImpact = FeaturePairTest;
 
-bool is_left_to_its_ends(const FeaturePair& pair, const RigidMotion& motion, double floor) {
+// True if the edges may become so nearly parallel that bound_time_of_impact leaves them to the pairs of their ends.
+bool is_too_parallel(const FeaturePair& pair, const RigidMotion& motion, double floor) {
   const Vec3 d = motion.from.orientation * (pair.tool[1] - pair.tool[0]);
   const Vec3 e = pair.scene[1] - pair.scene[0];
   const double sine = d.normalized().cross(e.normalized()).norm();
@@ -21,15 +22,15 @@ bool is_left_to_its_ends(const FeaturePair& pair, const RigidMotion& motion, dou
 // Dense samples of the motion stay above the floor until the bound. The bound is 1 for most motions that stay above it to the end.
 TEST_F(TimeOfImpact, NoMotionComesBelowItsFloorBeforeTheBound) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  int keeps = 0;
-  int found = 0;
-  int shortened = 0;
+  int clear_motions = 0;
+  int clear_to_the_end = 0;
+  int shortened_motions = 0;
   for (int n = 0; n < 6000; ++n) {
     const FeaturePair pair = draw_pair(kKinds[n % 3]);
     const RigidMotion motion{draw_placement(), draw(0.2), draw(n % 2 == 0 ? 0.5 : 0.02)};
     const FeatureGap gap = measure_gap(pair, motion.from);
     const double floor = gap.distance * (0.05 + 0.9 * std::abs(uniform(random)));
-    if (pair.kind == Kind::edge_edge && is_left_to_its_ends(pair, motion, floor)) continue;
+    if (pair.kind == Kind::edge_edge && is_too_parallel(pair, motion, floor)) continue;
     const double time = bound_time_of_impact(pair, gap, motion, floor, 1.0);
     ASSERT_GE(time, 0.0);
     ASSERT_LE(time, 1.0);
@@ -40,14 +41,14 @@ TEST_F(TimeOfImpact, NoMotionComesBelowItsFloorBeforeTheBound) {
     }
     for (int i = 0; i <= 200; ++i) least = std::min(least, measure_gap(pair, motion.at(i / 200.0)).distance);
     if (least > 1.01 * floor) {
-      ++keeps;
-      found += time >= 1.0 ? 1 : 0;
+      ++clear_motions;
+      clear_to_the_end += time >= 1.0 ? 1 : 0;
     } else {
-      shortened += time < 1.0 ? 1 : 0;
+      shortened_motions += time < 1.0 ? 1 : 0;
     }
   }
-  EXPECT_GT(shortened, 500);
-  EXPECT_GT(found, keeps * 98 / 100) << "of " << keeps;
+  EXPECT_GT(shortened_motions, 500);
+  EXPECT_GT(clear_to_the_end, clear_motions * 98 / 100) << "of " << clear_motions;
 }
 
 TEST_F(TimeOfImpact, ParallelEdgesAreLeftToTheirEnds) {
@@ -60,7 +61,7 @@ TEST_F(TimeOfImpact, ParallelEdgesAreLeftToTheirEnds) {
 }
 
 // A vertex circles above a face: every advance has the same length, because the bound does not know that it never comes nearer.
-TEST_F(TimeOfImpact, ThePairIsLeftAfterTheLargestNumberOfAdvancesOrAShortOne) {
+TEST_F(TimeOfImpact, TheSearchEndsAfterTheLargestNumberOfAdvancesOrAfterAShortOne) {
   constexpr double kFloor = 5e-6;
   const RigidMotion motion{{}, Vec3::Zero(), {0.0, 0.0, 0.5}};
   const auto time_for = [&](double advance_share) {

@@ -15,13 +15,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kRubK = 1000.0;
-constexpr double kDepth = 0.002;
+constexpr double kRubStiffness = 1000.0;  // N/m, of the coupling
+constexpr double kPressDepthM = 0.002;    // m, to which the hand presses the cube into the plane
 constexpr CoulombFriction kRubFriction = {0.5, 0.3};
 
 std::unique_ptr<ToolStep> make_rough_step(const TriangleMesh& scene, const CoulombFriction& friction) {
-  auto made =
-      ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(scene)}, {.stiffness_n_per_m = kRubK}, {friction});
+  auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(scene)}, {.stiffness_n_per_m = kRubStiffness},
+                             {friction});
   EXPECT_TRUE(made) << made.error().what;
   return std::move(*made);
 }
@@ -57,21 +57,21 @@ void press_down(ToolStep& step) {
 TEST(ToolFriction, ABoxSticksUpToTheStaticLimitAndThenLagsByTheDynamicOne) {
   const auto step = make_rough_step(make_plane_grid(0.2, 8), kRubFriction);
   press_down(*step);
-  const double normal_n = kRubK * kDepth;
-  double most_n = 0.0;
+  const double normal_n = kRubStiffness * kPressDepthM;
+  double largest_n = 0.0;
   double x = 0.003;
   ToolOutput out;
   for (int n = 0; n < 60; ++n, x += 2e-5) {
     out = step->step(rub_at({x, 0.004, 0.008}));
-    most_n = std::max(most_n, std::abs(out.force_n.x()));
+    largest_n = std::max(largest_n, std::abs(out.force_n.x()));
   }
-  EXPECT_NEAR(most_n, kRubFriction.friction_static * normal_n, kRubK * 2e-5 + 1e-3);
+  EXPECT_NEAR(largest_n, kRubFriction.friction_static * normal_n, kRubStiffness * 2e-5 + 1e-3);
   EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n, 2e-3);
   EXPECT_NEAR(out.force_n.z(), normal_n, 2e-3);
   EXPECT_NEAR(out.force_n.y(), 0.0, 1e-3);
   // On the way back, the box sticks until the pull has reversed.
   for (int n = 0; n < 20; ++n, x -= 2e-5) out = step->step(rub_at({x, 0.004, 0.008}));
-  EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n + kRubK * 20 * 2e-5, kRubK * 4e-5 + 2e-3);
+  EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n + kRubStiffness * 20 * 2e-5, kRubStiffness * 4e-5 + 2e-3);
 }
 
 TEST(ToolFriction, ARestingToolDoesNotCreep) {
@@ -87,8 +87,8 @@ TEST(ToolFriction, ARestingToolDoesNotCreep) {
 
 // Each side of a right-angled groove carries the force divided by root 2, so friction along the groove is root 2 times that on a plane.
 TEST(ToolFriction, AGrooveHoldsByItsSides) {
-  auto made = ToolStep::make(make_rod_along_x(), {std::make_shared<TriangleMesh>(make_right_groove())}, {.stiffness_n_per_m = kRubK},
-                             {kRubFriction});
+  auto made = ToolStep::make(make_rod_along_x(), {std::make_shared<TriangleMesh>(make_right_groove())},
+                             {.stiffness_n_per_m = kRubStiffness}, {kRubFriction});
   ASSERT_TRUE(made) << made.error().what;
   ToolStep& step = **made;
   const double rest = 0.01 * std::numbers::sqrt2;
@@ -96,7 +96,7 @@ TEST(ToolFriction, AGrooveHoldsByItsSides) {
   for (int n = 0; n <= 70; ++n) step.step(rub_at({0.0, 0.0, rest + 0.005 - 1e-4 * n}));
   ToolOutput out;
   for (int n = 0; n < 100; ++n) out = step.step(rub_at({3e-5 * n, 0.0, rest - 0.002}));
-  EXPECT_NEAR(out.force_n.z(), kRubK * 0.002, 0.02);
+  EXPECT_NEAR(out.force_n.z(), kRubStiffness * 0.002, 0.02);
   EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * std::numbers::sqrt2 * out.force_n.z(), 0.02 * out.force_n.z());
 }
 
@@ -106,25 +106,25 @@ TEST(ToolFriction, ABoxOnItsCornersResistsATurn) {
   step->reset(rub_at({0.0, 0.0, 0.03}));
   for (int n = 0; n <= 220; ++n) step->step(rub_at({0.0, 0.0, 0.03 - 0.0001 * n}));
   const double corner = 0.01 * std::numbers::sqrt2;
-  const double limit_nm = kRubK * kDepth * corner;
-  double most_nm = 0.0;
+  const double limit_nm = kRubStiffness * kPressDepthM * corner;
+  double largest_nm = 0.0;
   double turn = 0.0;
   // The box slides as long as the device turns, whichever of its contacts carry the force.
   for (int n = 0; n < 400; ++n, turn += 1e-3) {
     const ToolOutput out = step->step(rub_at({0.0, 0.0, 0.008}, turn));
-    most_nm = std::max(most_nm, -out.torque_nm.z());
-    ASSERT_NEAR(out.force_n.z(), kRubK * kDepth, 0.01) << n;
+    largest_nm = std::max(largest_nm, -out.torque_nm.z());
+    ASSERT_NEAR(out.force_n.z(), kRubStiffness * kPressDepthM, 0.01) << n;
     if (n >= 140) {
       ASSERT_NEAR(-out.torque_nm.z(), kRubFriction.friction_dynamic * limit_nm, 0.15 * kRubFriction.friction_dynamic * limit_nm) << n;
     }
   }
-  EXPECT_NEAR(most_nm, kRubFriction.friction_static * limit_nm, 0.02 * limit_nm);
+  EXPECT_NEAR(largest_nm, kRubFriction.friction_static * limit_nm, 0.02 * limit_nm);
 }
 
 TEST(ToolFriction, WithoutFrictionNothingChangesToTheBit) {
   const auto plain = make_rough_step(make_bumpy_sphere(0.05, 0.05, 2000, 1), {});
   auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_bumpy_sphere(0.05, 0.05, 2000, 1))},
-                             {.stiffness_n_per_m = kRubK});
+                             {.stiffness_n_per_m = kRubStiffness});
   ASSERT_TRUE(made);
   for (int n = 0; n < 500; ++n) {
     const ToolInput input = rub_at({1e-5 * n, 0.0, 0.07 - 2e-5 * n});
@@ -136,24 +136,24 @@ TEST(ToolFriction, TheFastTaskFeelsWhatTheWholeStepFeels) {
   HeldTool held(make_rough_step(make_plane_grid(0.2, 8), kRubFriction));
   const auto whole = make_rough_step(make_plane_grid(0.2, 8), kRubFriction);
   whole->reset(rub_at({0.003, 0.004, 0.03}));
-  double most_n = 0.0;
-  double moved_n = 0.0;
+  double largest_n = 0.0;
+  double largest_difference_n = 0.0;
   for (int n = 0; n < 1500; ++n) {
     const double t = 1e-3 * n;
     const ToolInput input = rub_at({0.003 + 0.01 * std::sin(6.0 * t), 0.004 + 0.008 * std::sin(4.0 * t), std::max(0.03 - 0.1 * t, 0.008)});
     const ToolOutput expected = whole->step(input);
-    std::uint64_t heap = 0;
+    std::uint64_t allocation_count = 0;
     const AllocationGuard guard;
     const ToolOutput felt = held.step(input, n * 1'000'000);
-    heap = AllocationGuard::is_available() ? guard.count() : 0;
-    ASSERT_EQ(heap, 0U);
+    allocation_count = AllocationGuard::is_available() ? guard.count() : 0;
+    ASSERT_EQ(allocation_count, 0U);
     held.follow();
     if (n < 300) continue;
-    most_n = std::max(most_n, expected.force_n.norm());
-    moved_n = std::max(moved_n, (felt.force_n - expected.force_n).norm());
+    largest_n = std::max(largest_n, expected.force_n.norm());
+    largest_difference_n = std::max(largest_difference_n, (felt.force_n - expected.force_n).norm());
   }
-  EXPECT_GT(most_n, 2.0);
-  EXPECT_LT(moved_n, 0.03 * most_n);
+  EXPECT_GT(largest_n, 2.0);
+  EXPECT_LT(largest_difference_n, 0.03 * largest_n);
 }
 
 // A cube is pressed onto an edge or a corner; the fast task computes the force. The force stays the same while the hand holds still. While
@@ -162,7 +162,7 @@ TEST(ToolFriction, ATiltedToolSticksAndSlidesAsAFlatOneDoes) {
   const Vec3 tilts[] = {{0.0, 0.35, 0.0}, {0.0, std::numbers::pi / 4, 0.0}, {1.2, 0.0, 0.0}, {0.5, 0.6, 0.2}};
   for (const double coefficient : {0.3, 0.5, 0.8}) {
     for (const Vec3& tilt : tilts) {
-      for (const Vec3& along : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.6, 0.8, 0)}) {
+      for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.6, 0.8, 0)}) {
         HeldTool held(make_rough_step(make_plane_grid(0.2, 8), {coefficient, 0.8 * coefficient}));
         std::int64_t n = 0;
         const auto felt_at = [&](const Vec3& p) {
@@ -184,8 +184,8 @@ TEST(ToolFriction, ATiltedToolSticksAndSlidesAsAFlatOneDoes) {
         for (int i = 0; i < 300; ++i) ASSERT_LT((felt_at(p).force_n - still_n).norm(), 2e-3 * still_n.norm()) << coefficient;
         ASSERT_GT(still_n.z(), 0.5);
         ToolOutput out;
-        for (int i = 0; i < 400; ++i) out = felt_at(p += 3e-5 * along);
-        EXPECT_NEAR(-out.force_n.dot(along) / out.force_n.z(), 0.8 * coefficient, 0.01) << coefficient << ", " << tilt.transpose();
+        for (int i = 0; i < 400; ++i) out = felt_at(p += 3e-5 * direction);
+        EXPECT_NEAR(-out.force_n.dot(direction) / out.force_n.z(), 0.8 * coefficient, 0.01) << coefficient << ", " << tilt.transpose();
         const Vec3 end_n = out.force_n;
         for (int i = 0; i < 200; ++i) ASSERT_LT((felt_at(p).force_n - end_n).norm(), 2e-3 * end_n.norm()) << coefficient;
         for (int i = 0; i < 300; ++i) ASSERT_GT(felt_at(p += Vec3(0, 0, 3e-5)).force_n.z(), -1e-9) << "pulled down";
@@ -202,16 +202,17 @@ TEST(ToolFriction, ARandomHandFeelsNoKick) {
     TriangleMesh scene;
     double height_m;
   };
-  const Rubbing pairs[] = {{make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8), 0.012},
-                           {make_rod_along_x(), make_right_groove(), 0.0135}};
-  for (const Rubbing& pair : pairs) {
+  const Rubbing rubbing_bodies[] = {{make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8), 0.012},
+                                    {make_rod_along_x(), make_right_groove(), 0.0135}};
+  for (const Rubbing& bodies : rubbing_bodies) {
     for (const std::uint64_t seed : {1, 2, 3}) {
-      auto made = ToolStep::make(pair.tool, {std::make_shared<TriangleMesh>(pair.scene)}, {.stiffness_n_per_m = kRubK}, {{0.8, 0.64}});
+      auto made =
+          ToolStep::make(bodies.tool, {std::make_shared<TriangleMesh>(bodies.scene)}, {.stiffness_n_per_m = kRubStiffness}, {{0.8, 0.64}});
       ASSERT_TRUE(made);
       HeldTool held(std::move(*made));
       std::mt19937_64 random(seed);
       std::normal_distribution<double> push;
-      const Vec3 home(0, 0, pair.height_m);
+      const Vec3 home(0, 0, bodies.height_m);
       Vec3 p = home + Vec3(0, 0, 0.01), v = Vec3::Zero(), turn = Vec3::Zero(), spin = Vec3::Zero(), before_n = Vec3::Zero();
       double energy_j = 0.0, largest_n = 0.0;
       for (int i = 0; i < 6000; ++i) {
@@ -224,7 +225,8 @@ TEST(ToolFriction, ARandomHandFeelsNoKick) {
         input.X_WD.linear() = turn_by(turn).toRotationMatrix();
         const ToolOutput out = held.step(input, i * std::int64_t{1'000'000});
         if (i % 2 == 0) held.follow();
-        const double explained_n = kRubK * (v.norm() + 0.02 * spin.norm()) + 0.16 * before_n.norm();
+        // The motion stretches the coupling, and a break-away drops the friction by 0.8 - 0.64 of the normal force.
+        const double explained_n = kRubStiffness * (v.norm() + 0.02 * spin.norm()) + 0.16 * before_n.norm();
         ASSERT_LT((out.force_n - before_n).norm(), explained_n + 0.5) << "seed " << seed << ", step " << i;
         energy_j += 0.5 * (out.force_n + before_n).dot(v) + out.torque_nm.dot(spin);
         before_n = out.force_n;
@@ -246,17 +248,17 @@ TEST(ToolFriction, ACubeThatTipsComesBackGradually) {
     held.follow();
     return out;
   };
-  const auto turned = [](const ToolOutput& out) { return Eigen::AngleAxisd(out.X_WP.linear()).angle(); };
+  const auto turn_of = [](const ToolOutput& out) { return Eigen::AngleAxisd(out.X_WP.linear()).angle(); };
   Vec3 p(0.003, 0.004, 0.014);
   for (int i = 0; i < 300; ++i) felt_at(p -= Vec3(0, 0, 2e-5));
   ToolOutput out;
   for (int i = 0; i < 600; ++i) out = felt_at(p += Vec3(3e-5, 0, 0));
-  EXPECT_GT(turned(out), 0.5) << "it tips";
-  double before = turned(out);
+  EXPECT_GT(turn_of(out), 0.5) << "it tips";
+  double before = turn_of(out);
   for (int i = 0; i < 1000; ++i) {
     out = felt_at(i < 300 ? p : Vec3(p += Vec3(0, 0, 3e-5)));
-    ASSERT_LT(std::abs(turned(out) - before), 0.11) << i;
-    before = turned(out);
+    ASSERT_LT(std::abs(turn_of(out) - before), 0.11) << i;
+    before = turn_of(out);
   }
   EXPECT_EQ(before, 0.0);
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
@@ -265,7 +267,7 @@ TEST(ToolFriction, ACubeThatTipsComesBackGradually) {
 // Whatever error the iteration leaves, the tool does not penetrate a known contact.
 TEST(ToolFriction, NoKnownContactIsViolated) {
   std::mt19937_64 random(20261129);
-  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (int trial = 0; trial < 1000; ++trial) {
     LocalContacts local;
     local.is_blocked = false;
@@ -274,15 +276,16 @@ TEST(ToolFriction, NoKnownContactIsViolated) {
     local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(2.0);
     local.inverse_root = local.plain_inverse_root.asDiagonal();
     for (int i = 0; i < 6; ++i) {
-      const Vec3 normal = Vec3(0.6 * u(random), 0.6 * u(random), 1.0).normalized();
-      const Vec3 arm(0.3 * u(random), 0.3 * u(random), -0.2 + 0.1 * u(random));
+      const Vec3 normal = Vec3(0.6 * uniform(random), 0.6 * uniform(random), 1.0).normalized();
+      const Vec3 arm(0.3 * uniform(random), 0.3 * uniform(random), -0.2 + 0.1 * uniform(random));
       MotionBound bound;
       bound.row << normal, arm.cross(normal);
       local.add(bound, {.arm = arm, .friction = {1.2, 1.2}});
     }
     ToolFriction friction;
     friction.reset({});
-    const Placement device{0.01 * Vec3(u(random), u(random), -3.0), turn_by(0.02 * Vec3(u(random), u(random), u(random)))};
+    const Placement device{0.01 * Vec3(uniform(random), uniform(random), -3.0),
+                           turn_by(0.02 * Vec3(uniform(random), uniform(random), uniform(random)))};
     const Placement at = friction.step(local, device).at;
     Vec6 motion;
     motion << at.position, turn_between(Quat::Identity(), at.orientation);
@@ -291,8 +294,9 @@ TEST(ToolFriction, NoKnownContactIsViolated) {
 }
 
 TEST(ToolFriction, ImpossibleFrictionIsRejected) {
-  for (const CoulombFriction bad : {CoulombFriction{0.1, 0.2}, {-0.1, -0.1}, {std::nan(""), 0.0}, {1.0, std::nan("")}}) {
-    const auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 2))}, {}, {bad});
+  for (const CoulombFriction impossible : {CoulombFriction{0.1, 0.2}, {-0.1, -0.1}, {std::nan(""), 0.0}, {1.0, std::nan("")}}) {
+    const auto made =
+        ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 2))}, {}, {impossible});
     EXPECT_FALSE(made);
   }
 }

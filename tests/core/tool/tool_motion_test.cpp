@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSpring = 1000.0;
+constexpr double kCouplingStiffness = 1000.0;              // N/m, of the coupling
 const TriangleMesh kSlab = make_box({0.2, 0.2, 0.02}, 3);  // its top is at 10 mm
 const TriangleMesh kCube = make_box({0.02, 0.02, 0.02}, 2);
 
@@ -33,12 +33,12 @@ std::unique_ptr<ToolStep> make_moving_step(const TriangleMesh& tool, const std::
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const TriangleMesh& mesh : scene) meshes.push_back(std::make_shared<TriangleMesh>(mesh));
   std::vector<CoulombFriction> all(scene.size(), friction);
-  auto made = ToolStep::make(tool, std::move(meshes), {.stiffness_n_per_m = kSpring}, std::move(all), nullptr, parts);
+  auto made = ToolStep::make(tool, std::move(meshes), {.stiffness_n_per_m = kCouplingStiffness}, std::move(all), nullptr, parts);
   EXPECT_TRUE(made) << made.error().what;
   return std::move(*made);
 }
 
-// Checks the tool against each part, where the tool feels the part: for penetration by exact signs, and for the distance.
+// Checks the tool against each part, at the pose at which the tool feels the part: for penetration by exact signs, and for the distance.
 class MovingCheck {
  public:
   explicit MovingCheck(const ToolStep& step) : step_(step) {
@@ -49,7 +49,7 @@ class MovingCheck {
   }
   bool penetrates() {
     for (std::size_t p = 0; p < checks_.size(); ++p) {
-      if (checks_[p]->penetrates(own(p))) return true;
+      if (checks_[p]->penetrates(placement_in_part(p))) return true;
     }
     return false;
   }
@@ -57,13 +57,13 @@ class MovingCheck {
   double gap() {
     double least = 4.0;
     for (std::size_t p = 0; p < checks_.size(); ++p) {
-      least = std::min(least, checks_[p]->find_gap(own(p), 4.0 * ToolProxy::kContactOffset) / ToolProxy::kContactOffset);
+      least = std::min(least, checks_[p]->find_gap(placement_in_part(p), 4.0 * ToolProxy::kContactOffset) / ToolProxy::kContactOffset);
     }
     return least;
   }
 
  private:
-  Placement own(std::size_t p) const {
+  Placement placement_in_part(std::size_t p) const {
     const Placement& tool = step_.proxy().placement();
     return p == 0 ? tool : step_.proxy().part_placement(p - 1).inverse() * tool;
   }
@@ -86,8 +86,8 @@ TEST(ToolAndMotion, ASlabThatRisesPushesTheToolAheadAndIsFelt) {
     ASSERT_FALSE(out.proxy.is_squeezed);
     ASSERT_FALSE(check.penetrates()) << n;
     ASSERT_GE(check.gap(), 0.5) << n;
-    ASSERT_NEAR(out.force_n.z(), kSpring * std::max(0.0, rise - 0.005), 2e-3) << n;
-    ASSERT_LE(std::abs(out.force_n.z() - before_n), kSpring * 2.6e-5) << "no jump";
+    ASSERT_NEAR(out.force_n.z(), kCouplingStiffness * std::max(0.0, rise - 0.005), 2e-3) << n;
+    ASSERT_LE(std::abs(out.force_n.z() - before_n), kCouplingStiffness * 2.6e-5) << "no jump";
     before_n = out.force_n.z();
   }
   EXPECT_TRUE(out.contact);
@@ -109,7 +109,7 @@ TEST(ToolAndMotion, ASlabThatSinksIsFollowed) {
   for (int n = 1; n <= 100; ++n) {
     X_SO.translation().z() = -2.5e-5 * n;
     const ToolOutput out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
-    ASSERT_NEAR(out.force_n.z(), kSpring * (0.005 - 2.5e-5 * n), 2e-3) << n;
+    ASSERT_NEAR(out.force_n.z(), kCouplingStiffness * (0.005 - 2.5e-5 * n), 2e-3) << n;
   }
 }
 
@@ -119,33 +119,33 @@ TEST(ToolAndMotion, OnlyTheMotionOfOnePastTheOtherCounts) {
   const auto still = make_moving_step(kCube, {bumps}, {});
   const auto moving = make_moving_step(kCube, {bumps}, {1});
   MovingCheck check(*moving);
-  int touching = 0;
-  int compared = 0;
+  int touching_steps = 0;
+  int compared_steps = 0;
   for (int n = 0; n < 1200; ++n) {
     const double t = 1e-3 * n;
     const Pose X_OD = moved_by({0.01 * std::sin(3.0 * t), 0.008 * std::sin(4.0 * t), 0.08 - 0.025 * std::min(t, 0.8)},
                                {0.2 * std::sin(2.0 * t), 0.3 * std::sin(3.0 * t), 0.5 * t});
     const Pose X_SO = moved_by({0.02 * std::sin(2.0 * t), 0.01 * t, 0.01 * std::sin(5.0 * t)}, {0.3 * t, 0.2 * std::sin(4.0 * t), 0.4 * t});
-    const ToolInput own{.X_WD = X_OD};
-    const ToolInput both{.X_WD = X_SO * X_OD, .X_SO = {&X_SO, 1}};
+    const ToolInput input_at_rest{.X_WD = X_OD};
+    const ToolInput moving_input{.X_WD = X_SO * X_OD, .X_SO = {&X_SO, 1}};
     if (n == 0) {
-      still->reset(own);
-      moving->reset(both);
+      still->reset(input_at_rest);
+      moving->reset(moving_input);
     }
-    const ToolOutput expected = still->step(own);
-    const ToolOutput out = moving->step(both);
+    const ToolOutput expected = still->step(input_at_rest);
+    const ToolOutput out = moving->step(moving_input);
     ASSERT_FALSE(out.proxy.is_squeezed);
     ASSERT_FALSE(check.penetrates()) << n;
     ASSERT_GE(check.gap(), 0.5) << n;
-    touching += expected.contact ? 1 : 0;
+    touching_steps += expected.contact ? 1 : 0;
     if (!expected.proxy.converged || !out.proxy.converged) continue;
-    ++compared;
+    ++compared_steps;
     const Mat3 R_OS = X_SO.linear().transpose();
     ASSERT_LT((R_OS * out.force_n - expected.force_n).norm(), 2e-3 + 2e-3 * expected.force_n.norm()) << n;
     ASSERT_LT((R_OS * out.torque_nm - expected.torque_nm).norm(), 2e-5 + 3e-3 * expected.torque_nm.norm()) << n;
   }
-  EXPECT_GT(touching, 400);
-  EXPECT_GT(compared, 1100);
+  EXPECT_GT(touching_steps, 400);
+  EXPECT_GT(compared_steps, 1100);
 }
 
 // Between a moving part and one at rest there is no room for the tool: the part stays behind, and the force does not depend on its target.
@@ -155,7 +155,7 @@ TEST(ToolAndMotion, ASqueezedToolKeepsThePartBackUntilThereIsRoom) {
   MovingCheck check(*step);
   const Pose hand = moved_by({0.0, 0.0, 0.025}, {0.0, 0.0, 0.1});
   step->reset({.X_WD = hand});
-  int squeezed = 0;
+  int squeezed_steps = 0;
   Vec3 before_n = Vec3::Zero();
   Vec3 before_nm = Vec3::Zero();
   for (int n = 0; n <= 1200; ++n) {
@@ -165,14 +165,14 @@ TEST(ToolAndMotion, ASqueezedToolKeepsThePartBackUntilThereIsRoom) {
     ASSERT_FALSE(out.proxy.is_blocked) << n;
     ASSERT_FALSE(check.penetrates()) << n;
     ASSERT_GE(check.gap(), 0.5) << n;
-    ASSERT_LE((out.force_n - before_n).norm(), kSpring * 6e-5) << n;
-    ASSERT_LE((out.torque_nm - before_nm).norm(), kSpring * 1e-6) << n;
+    ASSERT_LE((out.force_n - before_n).norm(), kCouplingStiffness * 6e-5) << n;
+    ASSERT_LE((out.torque_nm - before_nm).norm(), kCouplingStiffness * 1e-6) << n;
     ASSERT_EQ(out.proxy.is_squeezed, X_SO.translation().z() > 0.010 - 1.5e-6) << n << " at " << X_SO.translation().z();
-    squeezed += out.proxy.is_squeezed ? 1 : 0;
+    squeezed_steps += out.proxy.is_squeezed ? 1 : 0;
     before_n = out.force_n;
     before_nm = out.torque_nm;
   }
-  EXPECT_NEAR(squeezed, 400, 3);
+  EXPECT_NEAR(squeezed_steps, 400, 3);
   EXPECT_EQ(before_n, Vec3(Vec3::Zero()));
 }
 
@@ -190,17 +190,17 @@ TEST(ToolAndMotion, APartThatWasKeptBackCatchesUpAtABoundedSpeed) {
   }
   ASSERT_TRUE(out.proxy.is_squeezed);
   const auto height = [&] { return step->proxy().part_placement(0).position.z(); };
-  constexpr double kMost = ToolProxy::kCatchUp * ToolProxy::kContactOffset;
-  const double first = height();
+  constexpr double kMaxCatchUp = ToolProxy::kCatchUp * ToolProxy::kContactOffset;
+  const double start_height = height();
   hand = moved_by({0.25, 0.0, 0.025});
   int steps = 0;
-  for (double before = first; out.proxy.is_squeezed && steps < 1000; ++steps) {
+  for (double last_height = start_height; out.proxy.is_squeezed && steps < 1000; ++steps) {
     out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
-    ASSERT_LE(height() - before, kMost * (1.0 + 1e-9)) << steps;
-    before = height();
+    ASSERT_LE(height() - last_height, kMaxCatchUp * (1.0 + 1e-9)) << steps;
+    last_height = height();
   }
   EXPECT_FALSE(out.proxy.is_squeezed);
-  EXPECT_NEAR(steps, (height() - first) / kMost, 2.0) << "and not more slowly";
+  EXPECT_NEAR(steps, (height() - start_height) / kMaxCatchUp, 2.0) << "no more slowly than it may";
 }
 
 TEST(ToolAndMotion, APartThatIsKeptBackKeepsNoOtherBack) {
@@ -221,7 +221,7 @@ TEST(ToolAndMotion, APartThatIsKeptBackKeepsNoOtherBack) {
   EXPECT_NEAR(out.X_WP.translation().x(), 0.030, 2e-6);
 }
 
-// With a seed, two bodies tumble around a pressed tool, in some walks faster than a scene file allows; a slab stands still.
+// Two bodies tumble at random around a pressed tool, in some walks faster than a scene file allows; a slab stands still.
 TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
   constexpr unsigned kSeed = 21;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -232,9 +232,9 @@ TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
   const auto step = make_moving_step(
       kCube, {scaled_and_moved(bumps, 1.0, {0.05, 0.0, 0.0}), scaled_and_moved(wedge, 1.0, {-0.1, 0.0, 0.0}), kSlab}, {1, 2, 0});
   MovingCheck check(*step);
-  int touching = 0;
-  int squeezed = 0;
-  int unconverged = 0;
+  int touching_steps = 0;
+  int squeezed_steps = 0;
+  int unconverged_steps = 0;
   for (int walk = 0; walk < 8; ++walk) {
     const double speed = std::pow(10.0, -4.5 + 2.0 * walk / 7.0);  // m per step
     Pose hand = moved_by({0.0, 0.0, 0.06}, draw());
@@ -251,38 +251,38 @@ TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
       }
       const ToolOutput out = step->step({.X_WD = hand, .X_SO = X_SO});
       ASSERT_TRUE(out.force_n.allFinite() && out.torque_nm.allFinite());
-      touching += out.contact ? 1 : 0;
-      squeezed += out.proxy.is_squeezed ? 1 : 0;
-      unconverged += out.proxy.converged ? 0 : 1;
+      touching_steps += out.contact ? 1 : 0;
+      squeezed_steps += out.proxy.is_squeezed ? 1 : 0;
+      unconverged_steps += out.proxy.converged ? 0 : 1;
       if (out.proxy.is_blocked) continue;
       ASSERT_FALSE(check.penetrates()) << "walk " << walk << " step " << n;
       ASSERT_GE(check.gap(), 0.49) << "walk " << walk << " step " << n;
     }
   }
-  EXPECT_GT(touching, 1000);
-  EXPECT_GT(squeezed, 0);
-  EXPECT_LT(unconverged, touching / 4);
+  EXPECT_GT(touching_steps, 1000);
+  EXPECT_GT(squeezed_steps, 0);
+  EXPECT_LT(unconverged_steps, touching_steps / 4);
 }
 
 TEST(ToolAndMotion, AToolThatSticksIsCarriedAlong) {
-  constexpr CoulombFriction kGrip = {0.5, 0.3};
-  const auto step = make_moving_step(kCube, {kSlab}, {1}, kGrip);
+  constexpr CoulombFriction kSlabFriction = {0.5, 0.3};
+  const auto step = make_moving_step(kCube, {kSlab}, {1}, kSlabFriction);
   step->reset({.X_WD = moved_by({0.0, 0.0, 0.03})});
   ToolOutput out;
   // At a depth of 2 mm, 2 N press the tool: static friction holds up to 1 N, which stretches the spring by 1 mm.
   for (int n = 0; n <= 120; ++n) out = step->step({.X_WD = moved_by({0.0, 0.0, 0.03 - 1e-4 * n})});
-  double most_n = 0.0;
+  double largest_n = 0.0;
   for (int n = 0; n <= 300; ++n) {
     const double x = 1e-5 * n;
     const Pose X_SO = moved_by({x, 0.0, 0.0});
     out = step->step({.X_WD = moved_by({0.0, 0.0, 0.018}), .X_SO = {&X_SO, 1}});
     if (x < 0.9e-3) {
-      ASSERT_NEAR(out.force_n.x(), kSpring * x, 5e-3) << n;
+      ASSERT_NEAR(out.force_n.x(), kCouplingStiffness * x, 5e-3) << n;
     }
-    most_n = std::max(most_n, out.force_n.x());
+    largest_n = std::max(largest_n, out.force_n.x());
   }
-  EXPECT_NEAR(most_n, kGrip.friction_static * 2.0, 0.02);
-  EXPECT_NEAR(out.force_n.x(), kGrip.friction_dynamic * 2.0, 0.02);
+  EXPECT_NEAR(largest_n, kSlabFriction.friction_static * 2.0, 0.02);
+  EXPECT_NEAR(out.force_n.x(), kSlabFriction.friction_dynamic * 2.0, 0.02);
   EXPECT_NEAR(out.force_n.z(), 2.0, 5e-3);
 }
 
@@ -303,13 +303,13 @@ TEST(ToolAndMotion, FrictionFollowsASlabThatRisesInTheSameStep) {
     hand.translation().x() += 1e-4;
     out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
   }
-  ASSERT_NEAR(out.force_n.z(), kSpring * 0.001, 2e-3);
-  ASSERT_NEAR(out.force_n.x(), -friction.friction_dynamic * kSpring * 0.001, 5e-3);
+  ASSERT_NEAR(out.force_n.z(), kCouplingStiffness * 0.001, 2e-3);
+  ASSERT_NEAR(out.force_n.x(), -friction.friction_dynamic * kCouplingStiffness * 0.001, 5e-3);
   for (const double rise : {0.0005, -0.0005}) {
     X_SO.translation().z() += rise;
     hand.translation().x() += 1e-3;
     out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
-    const double expected = kSpring * (0.001 + X_SO.translation().z());
+    const double expected = kCouplingStiffness * (0.001 + X_SO.translation().z());
     EXPECT_NEAR(out.force_n.z(), expected, 2e-3) << rise;
     EXPECT_NEAR(out.force_n.x(), -friction.friction_dynamic * expected, 5e-3) << rise;
   }
@@ -326,14 +326,14 @@ TEST(ToolAndMotion, AHeldToolFeelsAPartThatMovesWithoutADiscontinuity) {
     const ToolOutput out = held.step({.X_WD = hand, .X_SO = {&X_SO, 1}}, 1'000'000 * n);
     if (n % 5 == 0) held.follow();  // the slow task; between two of its steps the contacts move with the part
     if (n > 120 && n < 280) {
-      ASSERT_NEAR(out.force_n.z(), kSpring * (rise - 0.005), 5e-3) << n;
+      ASSERT_NEAR(out.force_n.z(), kCouplingStiffness * (rise - 0.005), 5e-3) << n;
     }
     // A new contact is felt when the slow task has found it.
-    ASSERT_LE(std::abs(out.force_n.z() - before_n), kSpring * 5e-5 * (n < 120 ? 6.0 : 1.1) + 1e-3) << n;
+    ASSERT_LE(std::abs(out.force_n.z() - before_n), kCouplingStiffness * 5e-5 * (n < 120 ? 6.0 : 1.1) + 1e-3) << n;
     before_n = out.force_n.z();
     largest_n = std::max(largest_n, before_n);
   }
-  EXPECT_NEAR(largest_n, kSpring * 0.005, 0.01);
+  EXPECT_NEAR(largest_n, kCouplingStiffness * 0.005, 0.01);
 }
 
 TEST(ToolAndMotion, AHeldToolPushesNothingWhereAPositionIsNotFinite) {
@@ -356,7 +356,7 @@ TEST(ToolAndMotion, AHeldToolPushesNothingWhereAPositionIsNotFinite) {
 }
 
 // A tool whose contacts are late is drawn near the place where they were found, but its force acts where the hand is.
-TEST(ToolAndMotion, WhatALateToolDoesToAPartIsAboutItsDrawnGripPoint) {
+TEST(ToolAndMotion, AToolWithLateContactsPushesAPartAboutItsDrawnGripPoint) {
   HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
   const Pose X_SO = Pose::Identity();
   std::int64_t time_ns = 0;

@@ -38,13 +38,13 @@ class ToolProxyTest : public testing::Test {
   }
 };
 
-// Seeded walks that press and turn the tool: the gap is kept in every step, and where the proxy has converged, no small motion that keeps
+// Random motions press and turn the tool: it keeps its gap in every step, and where the proxy has converged, no small motion that keeps
 // the contact offset comes nearer to the device.
 TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  int converged = 0;
-  int touching = 0;
-  int nearer = 0;
+  int converged_steps = 0;
+  int touching_steps = 0;
+  int nearer_motions = 0;
   for (int walk = 0; walk < 12; ++walk) {
     Placement device{0.9 * draw().normalized(), turn_by(draw())};
     proxy.reset(device);
@@ -59,26 +59,26 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
       const double gap = least_gap(proxy.placement());
       ASSERT_GE(gap, 0.49 * ToolProxy::kContactOffset) << "walk " << walk << " step " << n;
       if (proxy.contacts().empty()) continue;
-      ++touching;
+      ++touching_steps;
       if (!step.converged) continue;
-      ++converged;
+      ++converged_steps;
       if (n % 20 != 0) continue;
-      const double now = energy(proxy.placement(), device);
+      const double current_energy = energy(proxy.placement(), device);
       for (int trial = 0; trial < 200; ++trial) {
         // Less than two offsets long: after a longer one a penetration could look like a gap.
         RigidMotion motion{proxy.placement(), draw(), draw() / kTurnLength};
         motion = motion.scaled(1.9 * ToolProxy::kContactOffset * std::abs(uniform(random)) / motion.length(proxy.radius()));
         const Placement moved = motion.at(1.0);
         // The margin is twice the slope of the energy, times the tolerance of the rounds.
-        if (energy(moved, device) < now - 4.0 * std::sqrt(now) * ToolProxy::kConverged * ToolProxy::kContactOffset) {
-          nearer += least_gap(moved) > 1.01 * ToolProxy::kContactOffset ? 1 : 0;
+        if (energy(moved, device) < current_energy - 4.0 * std::sqrt(current_energy) * ToolProxy::kConverged * ToolProxy::kContactOffset) {
+          nearer_motions += least_gap(moved) > 1.01 * ToolProxy::kContactOffset ? 1 : 0;
         }
       }
     }
   }
-  EXPECT_GT(touching, 500);
-  EXPECT_GT(converged, touching * 9 / 10);
-  EXPECT_EQ(nearer, 0);
+  EXPECT_GT(touching_steps, 500);
+  EXPECT_GT(converged_steps, touching_steps * 9 / 10);
+  EXPECT_EQ(nearer_motions, 0);
 }
 
 // An earlier version repeated cycles of two to five placements until it reached kMaxRounds.
@@ -86,23 +86,23 @@ TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const TriangleMesh knob = make_bumpy_sphere(0.1, 0.2, 300, 7);
   const ObjectGeometry knob_tool(knob, {Vec3::Zero(), scene.unit_m()});
-  ToolProxy pressed(knob_tool, scene, kTurnLength);
-  int touching = 0;
-  int most = 0;
+  ToolProxy proxy_of_knob(knob_tool, scene, kTurnLength);
+  int touching_steps = 0;
+  int most_rounds = 0;
   for (int walk = 0; walk < 12; ++walk) {
     Placement device{0.9 * draw_in_cube(random).normalized(), turn_by(draw_in_cube(random))};
-    pressed.reset(device);
+    proxy_of_knob.reset(device);
     const Vec3 towards = -device.position.normalized();
     const Vec3 turn = 0.004 * draw_in_cube(random);
     for (int n = 0; n < 200; ++n) {
       device.position += (n < 100 ? 0.005 : 0.0005) * towards + 0.001 * draw_in_cube(random);
       device.orientation = (turn_by(turn) * device.orientation).normalized();
-      most = std::max(most, pressed.step(device).rounds);
-      touching += pressed.contacts().empty() ? 0 : 1;
+      most_rounds = std::max(most_rounds, proxy_of_knob.step(device).rounds);
+      touching_steps += proxy_of_knob.contacts().empty() ? 0 : 1;
     }
   }
-  EXPECT_GT(touching, 500);
-  EXPECT_LT(most, ToolProxy::kMaxRounds);
+  EXPECT_GT(touching_steps, 500);
+  EXPECT_LT(most_rounds, ToolProxy::kMaxRounds);
 }
 
 // A tool that was nearly at rest is moved far along the surface. An earlier version searched once along the whole motion, which crossed the
@@ -122,10 +122,10 @@ TEST(ToolProxy, ALongMotionIsSearchedFromItsBeginning) {
     const double y = uniform(random);
     return Vec3(uniform(random), y, z);
   };
-  int touching = 0;
-  std::size_t most = 0;
+  int touching_steps = 0;
+  std::size_t most_features = 0;
   for (int walk = 0; walk < 40; ++walk) {
-    constexpr std::array<double, 4> kHops = {0.002, 0.005, 0.01, 0.02};
+    constexpr std::array<double, 4> kHopLengths = {0.002, 0.005, 0.01, 0.02};
     Vec3 at = draw().normalized();
     Placement device{0.45 * at, turn_by(draw())};
     proxy.reset(device);
@@ -133,14 +133,14 @@ TEST(ToolProxy, ALongMotionIsSearchedFromItsBeginning) {
       device.position = (0.3 + 0.1 + 0.05 - std::min(0.08, 0.02 * n)) * at;
       const ToolProxyStep step = proxy.step(device);
       if (n > 10 && !proxy.contacts().empty()) {
-        ++touching;
-        most = std::max(most, step.feature_count);
+        ++touching_steps;
+        most_features = std::max(most_features, step.feature_count);
       }
-      if (n > 8 && n % 4 == 0) at = (at + kHops[walk / 10] * draw()).normalized();
+      if (n > 8 && n % 4 == 0) at = (at + kHopLengths[walk / 10] * draw()).normalized();
     }
   }
-  EXPECT_GT(touching, 1000);
-  EXPECT_LT(most, 1000U);
+  EXPECT_GT(touching_steps, 1000);
+  EXPECT_LT(most_features, 1000U);
 }
 
 TEST(ToolProxy, APlateThatLeavesAContactFastStaysOut) {
@@ -153,7 +153,7 @@ TEST(ToolProxy, APlateThatLeavesAContactFastStaysOut) {
   const ObjectGeometry tool(make_thin_wall(0.25, 1e-3, 3), {Vec3::Zero(), scene.unit_m()});
   ToolProxy proxy(tool, scene, 0.1);
   PenetrationCheck check(tool, scene);
-  int touching = 0;
+  int touching_steps = 0;
   for (int walk = 0; walk < 20; ++walk) {
     Placement device{0.9 * draw().normalized(), turn_by(3.0 * draw())};
     proxy.reset(device);
@@ -161,11 +161,11 @@ TEST(ToolProxy, APlateThatLeavesAContactFastStaysOut) {
       device.position += 0.02 * (draw() - 0.3 * device.position.normalized());
       device.orientation = (turn_by(0.1 * draw()) * device.orientation).normalized();
       proxy.step(device);
-      touching += proxy.contacts().empty() ? 0 : 1;
+      touching_steps += proxy.contacts().empty() ? 0 : 1;
       ASSERT_FALSE(check.penetrates(proxy.placement())) << "walk " << walk << " step " << n;
     }
   }
-  EXPECT_GT(touching, 200);
+  EXPECT_GT(touching_steps, 200);
 }
 
 TEST_F(ToolProxyTest, ATurnOfHalfARoundInFreeSpaceIsFollowed) {

@@ -42,7 +42,7 @@ bool penetrates(const ToolStep& step) {
   return false;
 }
 
-constexpr double kK = 1000.0;
+constexpr double kDefaultStiffness = 1000.0;  // N/m, of ToolCoupling
 
 TEST(ToolStep, ABoxPressedFlatOnAPlaneGivesTheForceOfItsDepth) {
   const auto step = make_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8));
@@ -51,7 +51,7 @@ TEST(ToolStep, ABoxPressedFlatOnAPlaneGivesTheForceOfItsDepth) {
   for (int n = 0; n <= 250; ++n) out = step->step({pose_at({0.003, 0.004, 0.03 - 0.0001 * n})});
   // The device is 5 mm above the plane: without contact the box's lower face would be 5 mm below it.
   EXPECT_TRUE(out.contact);
-  EXPECT_NEAR(out.force_n.z(), kK * 0.005, 2e-3);
+  EXPECT_NEAR(out.force_n.z(), kDefaultStiffness * 0.005, 2e-3);
   EXPECT_NEAR(out.force_n.head<2>().norm(), 0.0, 2e-3);
   EXPECT_NEAR(out.torque_nm.norm(), 0.0, 2e-5);
   EXPECT_GE(out.proxy.haptons, 3);
@@ -119,28 +119,28 @@ TEST(ToolStep, APegStaysInItsHole) {
   constexpr double kSide = 0.01;
   constexpr double kClearance = 20e-6;
   TriangleMesh walls;
-  const double out_by = 0.5 * kSide + kClearance + 0.01;
+  const double wall_distance = 0.5 * kSide + kClearance + 0.01;
   for (const double side : {-1.0, 1.0}) {
-    walls = joined(walls, scaled_and_moved(make_box({0.02, 0.05, 0.02}, 3), 1.0, {side * out_by, 0.0, 0.0}));
-    walls = joined(walls, scaled_and_moved(make_box({kSide + 2.0 * kClearance, 0.02, 0.02}, 3), 1.0, {0.0, side * out_by, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({0.02, 0.05, 0.02}, 3), 1.0, {side * wall_distance, 0.0, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({kSide + 2.0 * kClearance, 0.02, 0.02}, 3), 1.0, {0.0, side * wall_distance, 0.0}));
   }
   const auto step = make_step(make_box({kSide, kSide, 0.03}, 2), walls);
   step->reset({pose_at({0.0, 0.0, 0.03})});
-  int blocked = 0;
-  double most = 0.0;
+  int blocked_steps = 0;
+  double largest_n = 0.0;
   for (int n = 0; n < 3000; ++n) {
     const double t = 0.001 * n;
     const Pose X = pose_at({0.002 * std::sin(7.0 * t), 0.001 * std::cos(5.0 * t), 0.03 * std::cos(1.5 * t)},
                            {0.05 * std::sin(9.0 * t), 0.04 * std::sin(11.0 * t), 0.06 * std::sin(6.0 * t)});
     const ToolOutput out = step->step({X});
-    blocked += out.proxy.is_blocked ? 1 : 0;
-    most = std::max(most, out.force_n.norm());
+    blocked_steps += out.proxy.is_blocked ? 1 : 0;
+    largest_n = std::max(largest_n, out.force_n.norm());
     if (n % 50 == 0) {
       ASSERT_FALSE(penetrates(*step)) << "step " << n;
     }
   }
-  EXPECT_EQ(blocked, 0);
-  EXPECT_GT(most, 0.5);
+  EXPECT_EQ(blocked_steps, 0);
+  EXPECT_GT(largest_n, 0.5);
 }
 
 TEST(ToolStep, UsesNoHeap) {
@@ -161,29 +161,29 @@ TEST(ToolStep, UsesNoHeap) {
 TEST(ToolStep, WorkersChangeNothingButTheTime) {
   const TriangleMesh scene = make_bumpy_sphere(0.05, 0.1, 1200, 3);
   const TriangleMesh tool = make_bumpy_sphere(0.01, 0.1, 300, 5);
-  const auto alone = make_step(tool, scene);
+  const auto step_of_one = make_step(tool, scene);
   for (const int workers : {2, 5}) {
     auto made = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scene)}, {}, {}, std::make_unique<made::ThreadTeam>(workers));
     ASSERT_TRUE(made);
-    ToolStep& together = **made;
-    int contacts = 0;
+    ToolStep& step_of_team = **made;
+    int steps_in_contact = 0;
     for (int n = 0; n < 400; ++n) {
       const double angle = 0.004 * n;
-      const Vec3 out(std::cos(angle), std::sin(angle), 0.2 * std::sin(3.0 * angle));
-      const ToolInput input{pose_at((n == 0 ? 0.09 : 0.056) * out, Vec3(2.0 * angle, -angle, 0.0))};
+      const Vec3 direction(std::cos(angle), std::sin(angle), 0.2 * std::sin(3.0 * angle));
+      const ToolInput input{pose_at((n == 0 ? 0.09 : 0.056) * direction, Vec3(2.0 * angle, -angle, 0.0))};
       if (n == 0) {
-        alone->reset(input);
-        together.reset(input);
+        step_of_one->reset(input);
+        step_of_team.reset(input);
       }
-      const ToolOutput expected = alone->step(input);
-      const ToolOutput output = together.step(input);
+      const ToolOutput expected = step_of_one->step(input);
+      const ToolOutput output = step_of_team.step(input);
       ASSERT_EQ(output.force_n, expected.force_n) << "step " << n << ", " << workers << " workers";
       ASSERT_EQ(output.torque_nm, expected.torque_nm);
       ASSERT_EQ(output.X_WP.matrix(), expected.X_WP.matrix());
       ASSERT_EQ(output.proxy.feature_count, expected.proxy.feature_count);
-      contacts += expected.contact ? 1 : 0;
+      steps_in_contact += expected.contact ? 1 : 0;
     }
-    EXPECT_GT(contacts, 300);
+    EXPECT_GT(steps_in_contact, 300);
   }
 }
 

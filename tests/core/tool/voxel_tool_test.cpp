@@ -22,37 +22,37 @@ std::shared_ptr<const TriangleMesh> shared_mesh(TriangleMesh mesh) { return std:
 
 constexpr ToolCoupling kSoftCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};
 
-ToolInput at(const Vec3& p) {
+ToolInput device_at(const Vec3& p) {
   ToolInput input;
   input.X_WD.translation() = p;
   return input;
 }
 
 // Presses a cube of 20 mm 4 mm into a plane; the right force is 4 N. Voxels keep the cube up to a voxel away, and their springs yield.
-double error_of_pressing(double voxel_m) {
+double press_force_error_n(double voxel_m) {
   auto tool = VoxelTool::make(make_box(Vec3::Constant(0.02), 2), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, voxel_m);
   EXPECT_TRUE(tool);
-  (*tool)->reset(at({0.0, 0.0, 0.02}));
+  (*tool)->reset(device_at({0.0, 0.0, 0.02}));
   ToolOutput felt;
   // Down at 40 mm/s, then at rest.
-  for (int i = 0; i <= 1500; ++i) felt = (*tool)->step(at({0.0, 0.0, std::max(0.006, 0.02 - 4e-5 * i)}));
+  for (int i = 0; i <= 1500; ++i) felt = (*tool)->step(device_at({0.0, 0.0, std::max(0.006, 0.02 - 4e-5 * i)}));
   EXPECT_TRUE(felt.contact);
   EXPECT_LE(std::hypot(felt.force_n.x(), felt.force_n.y()), 0.05);
   return std::fabs(felt.force_n.z() - 4.0);
 }
 
 TEST(VoxelTool, ErrsByLessThanTwoVoxelsAndLessWithSmallerOnes) {
-  for (const double voxel_m : {0.002, 0.001, 0.0005, 0.00025}) EXPECT_LE(error_of_pressing(voxel_m), 2.0 * 1000.0 * voxel_m) << voxel_m;
-  EXPECT_LT(error_of_pressing(0.00025), 0.5 * error_of_pressing(0.002) + 0.05);
+  for (const double voxel_m : {0.002, 0.001, 0.0005, 0.00025}) EXPECT_LE(press_force_error_n(voxel_m), 2.0 * 1000.0 * voxel_m) << voxel_m;
+  EXPECT_LT(press_force_error_n(0.00025), 0.5 * press_force_error_n(0.002) + 0.05);
 }
 
 TEST(VoxelTool, GivesNoForceInFreeSpaceAndFollowsTheDevice) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
-  (*tool)->reset(at({0.0, 0.0, 0.05}));
+  (*tool)->reset(device_at({0.0, 0.0, 0.05}));
   for (int i = 0; i < 100; ++i) {
     const Vec3 p(0.0001 * i, 0.0, 0.05);
-    const ToolOutput felt = (*tool)->step(at(p));
+    const ToolOutput felt = (*tool)->step(device_at(p));
     EXPECT_FALSE(felt.contact);
     EXPECT_EQ(felt.force_n, Vec3::Zero());
     EXPECT_LE(((*tool)->placement().position - p).norm(), 1e-9);
@@ -65,15 +65,15 @@ ToolOutput press_far_end(const Pose& X_WS) {
   const TriangleMesh block = scaled_and_moved(make_box({0.02, 0.04, 0.02}, 4), 1.0, {0.04, 0.0, -0.01});
   auto tool = VoxelTool::make(bar, {shared_mesh(block)}, {.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 2.0}, 0.001);
   EXPECT_TRUE(tool);
-  const auto press = [&](double z_m) {
-    ToolInput input = at({0.00037, 0.00041, z_m});
+  const auto press_at = [&](double z_m) {
+    ToolInput input = device_at({0.00037, 0.00041, z_m});
     input.X_WS = X_WS;
     input.X_WD = X_WS * input.X_WD;
     return input;
   };
-  (*tool)->reset(press(0.02));
+  (*tool)->reset(press_at(0.02));
   ToolOutput felt;
-  for (int n = 0; n <= 600; ++n) felt = (*tool)->step(press(std::max(0.00213, 0.02 - 4e-5 * n)));
+  for (int n = 0; n <= 600; ++n) felt = (*tool)->step(press_at(std::max(0.00213, 0.02 - 4e-5 * n)));
   return felt;
 }
 
@@ -81,7 +81,7 @@ TEST(VoxelTool, WhatPressesOnItsFarEndTurnsItAwayFromThere) {
   const ToolOutput felt = press_far_end(Pose::Identity());
   ASSERT_TRUE(felt.contact);
   EXPECT_GT(felt.force_n.z(), 0.5);
-  EXPECT_NEAR(-felt.torque_nm.y() / felt.force_n.z(), 0.035, 0.01) << "its lever";
+  EXPECT_NEAR(-felt.torque_nm.y() / felt.force_n.z(), 0.035, 0.01) << "the lever of the block's force";
   EXPECT_GT(felt.X_WP.translation().z(), 0.00213);
   EXPECT_GT((felt.X_WP * Vec3(0.04, 0.0, 0.0)).z(), felt.X_WP.translation().z());
 }
@@ -104,9 +104,9 @@ TEST(VoxelTool, FeelsTheSameInASceneThatIsMovedAndTurned) {
 TEST(VoxelTool, IsNotThrownThroughAWall) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_box({0.2, 0.2, 0.02}, 4))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
-  (*tool)->reset(at({0.0, 0.0, 0.03}));
+  (*tool)->reset(device_at({0.0, 0.0, 0.03}));
   ToolOutput felt;
-  for (int i = 0; i < 500; ++i) felt = (*tool)->step(at({0.0, 0.0, 0.0}));
+  for (int i = 0; i < 500; ++i) felt = (*tool)->step(device_at({0.0, 0.0, 0.0}));
   EXPECT_TRUE(felt.contact);
   EXPECT_GT(felt.force_n.z(), 5.0);
   EXPECT_GT((*tool)->placement().position.z(), 0.018);
@@ -125,11 +125,11 @@ int count_contacts(const TriangleMesh& tool, const std::vector<std::shared_ptr<c
     const auto voxels = find_surface_voxels(*mesh, grid);
     for (const SurfaceVoxel& voxel : *voxels) cells.insert({voxel.cell.x(), voxel.cell.y(), voxel.cell.z()});
   }
-  const VoxelGrid of_tool{Vec3::Zero(), voxel_m};
-  const auto shell = find_surface_voxels(tool, of_tool);
+  const VoxelGrid tool_grid{Vec3::Zero(), voxel_m};
+  const auto shell = find_surface_voxels(tool, tool_grid);
   int count = 0;
   for (const SurfaceVoxel& voxel : *shell) {
-    const Vec3 p = X_SD * of_tool.centre_m(voxel.cell);
+    const Vec3 p = X_SD * tool_grid.centre_m(voxel.cell);
     const Eigen::Vector3i cell = ((p - grid.origin_m) / voxel_m).array().floor().cast<int>();
     const double outward_m = (grid.centre_m(cell) - p).dot(X_SD.linear() * voxel.normal);
     count += outward_m < 0.0 && cells.contains({cell.x(), cell.y(), cell.z()}) ? 1 : 0;
@@ -148,23 +148,23 @@ TEST(VoxelTool, FindsTheContactsThatBruteForceFinds) {
   ASSERT_TRUE(made);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> share(-0.2, 1.2);
-  int touching = 0;
+  int touching_poses = 0;
   for (int n = 0; n < 600; ++n) {
     const Vec3 corner = n % 3 == 0 ? Vec3::Zero() : Vec3(0.043, 0.031, 0.037);
-    const Vec3 apart(share(random), share(random), share(random));
+    const Vec3 shares(share(random), share(random), share(random));
     ToolInput input;
     input.X_WD.linear() = Eigen::AngleAxisd(6.0 * share(random), Vec3(share(random), 1.0, share(random)).normalized()).toRotationMatrix();
-    input.X_WD.translation() =
-        n % 3 == 2 ? Vec3(0.043 * apart.x(), 0.031 * apart.y(), 0.037 * apart.z()) : Vec3(corner + 0.02 * (apart - Vec3::Constant(0.5)));
+    input.X_WD.translation() = n % 3 == 2 ? Vec3(0.043 * shares.x(), 0.031 * shares.y(), 0.037 * shares.z())
+                                          : Vec3(corner + 0.02 * (shares - Vec3::Constant(0.5)));
     (*made)->reset(input);
     const ToolOutput felt = (*made)->step(input);
     const int expected = count_contacts(tool, scene, kVoxelM, input.X_WD);
     ASSERT_EQ(felt.proxy.haptons, expected) << n;
     ASSERT_EQ(felt.contact, expected > 0) << n;
-    touching += expected > 0 ? 1 : 0;
+    touching_poses += expected > 0 ? 1 : 0;
   }
-  EXPECT_GT(touching, 100);
-  EXPECT_LT(touching, 500);
+  EXPECT_GT(touching_poses, 100);
+  EXPECT_LT(touching_poses, 500);
 }
 
 TEST(VoxelTool, TheRotationalStiffnessScalesWithTheStiffness) {
@@ -184,7 +184,7 @@ TEST(VoxelTool, NoPointMovesFartherThanHalfAVoxelAStepHoweverItIsTurned) {
     const TriangleMesh bar = scaled_and_moved(make_box({0.004, 0.004, kLengthM}, 1), 1.0, {0.0, 0.0, middle_m});
     auto tool = VoxelTool::make(bar, {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, kVoxelM);
     ASSERT_TRUE(tool);
-    ToolInput input = at({0.0, 0.0, 0.1});
+    ToolInput input = device_at({0.0, 0.0, 0.1});
     (*tool)->reset(input);
     input.X_WD.linear() = Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()).toRotationMatrix();
     const Vec3 far_end(0.0, 0.0, 2.0 * middle_m);
@@ -196,8 +196,8 @@ TEST(VoxelTool, NoPointMovesFartherThanHalfAVoxelAStepHoweverItIsTurned) {
       farthest_m = std::max(farthest_m, (far_point() - before).norm());
     }
     EXPECT_LE(farthest_m, 0.55 * kVoxelM) << "the end lies up to half a voxel beyond the last point";
-    EXPECT_GT(farthest_m, 0.45 * kVoxelM) << "and no slower than it may";
-    EXPECT_LE((far_point() - input.X_WD * far_end).norm(), 1e-6) << "it gets there";
+    EXPECT_GT(farthest_m, 0.45 * kVoxelM) << "no more slowly than the limit allows";
+    EXPECT_LE((far_point() - input.X_WD * far_end).norm(), 1e-6) << "it reaches the device's pose";
   }
 }
 
@@ -205,28 +205,28 @@ TEST(VoxelTool, AStepTakesNothingFromTheHeap) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
   const AllocationGuard guard;
-  for (int i = 0; i < 100; ++i) (void)(*tool)->step(at({0.0, 0.0, 0.012 - 0.0001 * i}));
+  for (int i = 0; i < 100; ++i) (void)(*tool)->step(device_at({0.0, 0.0, 0.012 - 0.0001 * i}));
   EXPECT_EQ(guard.count(), 0U);
 }
 
 TEST(VoxelTool, AnInvalidPoseIsNotFollowed) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
-  (*tool)->reset(at({0.0, 0.0, 0.05}));
-  const ToolOutput felt = (*tool)->step(at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+  (*tool)->reset(device_at({0.0, 0.0, 0.05}));
+  const ToolOutput felt = (*tool)->step(device_at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
   EXPECT_EQ(felt.force_n, Vec3::Zero());
   EXPECT_EQ((*tool)->placement().position, Vec3(0.0, 0.0, 0.05));
   // Far outside the grid the tool touches nothing.
-  EXPECT_FALSE((*tool)->step(at(Vec3::Constant(1e12))).contact);
+  EXPECT_FALSE((*tool)->step(device_at(Vec3::Constant(1e12))).contact);
 }
 
 TEST(VoxelTool, ImpossibleSizesAreErrorsThatNameOneThatFits) {
   const auto scene = shared_mesh(make_plane_grid(0.2, 10));
   const auto cube = shared_mesh(make_box(Vec3::Constant(0.2), 2));
-  for (const double none : {0.0, -0.001, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-    const auto made = VoxelTool::make(make_icosphere(0.01, 2), {scene}, kSoftCoupling, none);
-    ASSERT_FALSE(made) << none;
-    EXPECT_THAT(made.error().what, testing::HasSubstr("give a positive size")) << none;
+  for (const double size_m : {0.0, -0.001, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    const auto made = VoxelTool::make(make_icosphere(0.01, 2), {scene}, kSoftCoupling, size_m);
+    ASSERT_FALSE(made) << size_m;
+    EXPECT_THAT(made.error().what, testing::HasSubstr("give a positive size")) << size_m;
   }
   const auto tiny = VoxelTool::make(make_icosphere(0.01, 2), {cube}, kSoftCoupling, 1e-6);
   ASSERT_FALSE(tiny);
