@@ -20,18 +20,17 @@ using ::testing::Not;
 constexpr std::uint64_t kAnnotatedHash = 0xFEDCBA9876543210;
 const std::vector<std::string> kAnnotatedNames = {"lid", "box", "lid"};
 
-Annotations some_annotations() {
-  Annotations some;
-  some.objects = kAnnotatedNames;
-  some.entries = {Stroke{1, {{0.1, -0.2, 1.0 / 3.0}, {1e-9, 5e-324, -0.0}, {123456.789, 2, 3}}},
-                  Measure{{{{0, {0.25, 0, 1}}, {2, {1.0 / 7.0, 0, -1}}}}}, Stroke{2, {{1, 2, 3}}}};
-  some.put_down = {{2, {0.1, 0.2, 0.3}, Quat(0.5, -0.5, 0.5, 0.5)}};
-  return some;
+Annotations make_annotations() {
+  Annotations annotations;
+  annotations.objects = kAnnotatedNames;
+  annotations.entries = {Stroke{1, {{0.1, -0.2, 1.0 / 3.0}, {1e-9, 5e-324, -0.0}, {123456.789, 2, 3}}},
+                         Measure{{{{0, {0.25, 0, 1}}, {2, {1.0 / 7.0, 0, -1}}}}}, Stroke{2, {{1, 2, 3}}}};
+  annotations.put_down = {{2, {0.1, 0.2, 0.3}, Quat(0.5, -0.5, 0.5, 0.5)}};
+  return annotations;
 }
 
 bool same_annotations(const Annotations& a, const Annotations& b) {
   if (a.objects != b.objects || a.entries.size() != b.entries.size() || a.put_down.size() != b.put_down.size()) return false;
-  std::size_t strokes_a = 0;
   for (std::size_t i = 0; i < a.entries.size(); ++i) {
     if (a.entries[i].index() != b.entries[i].index()) return false;
   }
@@ -43,15 +42,16 @@ bool same_annotations(const Annotations& a, const Annotations& b) {
     }
     return lists;
   };
-  const auto [sa, ma] = list(a);
-  const auto [sb, mb] = list(b);
-  if (sa.size() != sb.size()) return false;
-  for (strokes_a = 0; strokes_a < sa.size(); ++strokes_a) {
-    if (sa[strokes_a].object != sb[strokes_a].object || sa[strokes_a].points_m != sb[strokes_a].points_m) return false;
+  const auto [strokes_a, measures_a] = list(a);
+  const auto [strokes_b, measures_b] = list(b);
+  if (strokes_a.size() != strokes_b.size()) return false;
+  for (std::size_t i = 0; i < strokes_a.size(); ++i) {
+    if (strokes_a[i].object != strokes_b[i].object || strokes_a[i].points_m != strokes_b[i].points_m) return false;
   }
-  for (std::size_t i = 0; i < ma.size(); ++i) {
+  for (std::size_t i = 0; i < measures_a.size(); ++i) {
     for (std::size_t e = 0; e < 2; ++e) {
-      if (ma[i].ends[e].object != mb[i].ends[e].object || ma[i].ends[e].p_O != mb[i].ends[e].p_O) return false;
+      if (measures_a[i].ends[e].object != measures_b[i].ends[e].object || measures_a[i].ends[e].p_O != measures_b[i].ends[e].p_O)
+        return false;
     }
   }
   for (std::size_t i = 0; i < a.put_down.size(); ++i) {
@@ -68,10 +68,10 @@ std::string annotations_error(const std::string& text) {
 }
 
 TEST(AnnotationsFile, RoundTripIsExact) {
-  const Annotations some = some_annotations();
-  const auto read = parse_annotations(write_annotations(some, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash);
+  const Annotations annotations = make_annotations();
+  const auto read = parse_annotations(write_annotations(annotations, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash);
   ASSERT_TRUE(read) << read.error().what;
-  EXPECT_TRUE(same_annotations(read->annotations, some));
+  EXPECT_TRUE(same_annotations(read->annotations, annotations));
   EXPECT_EQ(read->left_out, 0U);
   EXPECT_FALSE(read->is_other_scene);
   EXPECT_THAT(read->describe_misfit(), IsEmpty());
@@ -84,12 +84,12 @@ TEST(AnnotationsFile, RoundTripOfAnyNumbersIsExact) {
   for (int round = 0; round < 200; ++round) {
     Annotations made;
     made.objects = kAnnotatedNames;
-    const auto any = [&] {
+    const auto draw_number = [&] {
       return std::ldexp(static_cast<double>(static_cast<std::int64_t>(random())), -44 - static_cast<int>(random() % 200));
     };
     for (int i = 0; i < 5; ++i) {
       Stroke stroke{static_cast<std::int32_t>(random() % 3), {}};
-      for (std::size_t k = 0; k < 1 + random() % 4; ++k) stroke.points_m.emplace_back(any(), any(), any());
+      for (std::size_t k = 0; k < 1 + random() % 4; ++k) stroke.points_m.emplace_back(draw_number(), draw_number(), draw_number());
       made.entries.emplace_back(stroke);
     }
     const auto read = parse_annotations(write_annotations(made, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash);
@@ -99,7 +99,7 @@ TEST(AnnotationsFile, RoundTripOfAnyNumbersIsExact) {
 }
 
 TEST(AnnotationsFile, ObjectsAreFoundByTheirNames) {
-  Annotations other = some_annotations();
+  Annotations other = make_annotations();
   other.objects = {"lid", "something else", "lid"};
   const auto read = parse_annotations(write_annotations(other, kAnnotatedHash + 1), kAnnotatedNames, kAnnotatedHash);
   ASSERT_TRUE(read) << read.error().what;
@@ -117,7 +117,7 @@ TEST(AnnotationsFile, ObjectsAreFoundByTheirNames) {
 }
 
 TEST(AnnotationsFile, AnotherVersionOfTheSceneIsNoticed) {
-  const auto read = parse_annotations(write_annotations(some_annotations(), kAnnotatedHash + 1), kAnnotatedNames, kAnnotatedHash);
+  const auto read = parse_annotations(write_annotations(make_annotations(), kAnnotatedHash + 1), kAnnotatedNames, kAnnotatedHash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(read->left_out, 0U);
   EXPECT_THAT(read->describe_misfit(), HasSubstr("another version"));
@@ -182,9 +182,9 @@ TEST(AnnotationsFile, MutatedFilesAreReadOrRejected) {
   constexpr std::uint64_t kSeed = 11;
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
-  const std::string original = write_annotations(some_annotations(), kAnnotatedHash);
+  const std::string original = write_annotations(make_annotations(), kAnnotatedHash);
   const std::string_view words[] = {"[", "]", "nan", "inf", "-1", "99999999999999999999", "\"", "[[stroke]]", "\n", "1e400", "object"};
-  int was_read = 0;
+  int read_count = 0;
   for (int i = 0; i < 5000; ++i) {
     std::string text = original;
     for (std::size_t changes = 1 + random() % 4; changes > 0 && !text.empty(); --changes) {
@@ -208,18 +208,18 @@ TEST(AnnotationsFile, MutatedFilesAreReadOrRejected) {
       EXPECT_THAT(read.error().what, Not(HasSubstr("\n")));
       continue;
     }
-    ++was_read;
+    ++read_count;
     const std::string written = write_annotations(read->annotations, kAnnotatedHash);
     const auto again = parse_annotations(written, kAnnotatedNames, kAnnotatedHash);
     ASSERT_TRUE(again) << again.error().what << "\n" << text;
   }
-  EXPECT_GT(was_read, 0);
+  EXPECT_GT(read_count, 0);
 }
 
 TEST(AnnotationsExport, ObjHasPolylinesWhereTheObjectsAre) {
   Pose X = Pose::Identity();
   X.translation() = Vec3(0, 0, 1);
-  const std::string text = write_annotations_obj(some_annotations(), {Pose::Identity(), X}, kAnnotatedNames.size());
+  const std::string text = write_annotations_obj(make_annotations(), {Pose::Identity(), X}, kAnnotatedNames.size());
   EXPECT_THAT(text, HasSubstr("g stroke_1_box\nv 0.1 -0.2 1.3333333333333333\n"));
   EXPECT_THAT(text, HasSubstr("l 1 2 3\n"));
   EXPECT_THAT(text, HasSubstr("g measure_1\nv 0.25 0 1\n"));
@@ -228,20 +228,20 @@ TEST(AnnotationsExport, ObjHasPolylinesWhereTheObjectsAre) {
 }
 
 TEST(AnnotationsExport, WhatIsOfAnotherSceneIsLeftOut) {
-  const std::string obj = write_annotations_obj(some_annotations(), {}, 1);
+  const std::string obj = write_annotations_obj(make_annotations(), {}, 1);
   EXPECT_THAT(obj, Not(HasSubstr("\nv ")));
-  EXPECT_THAT(write_annotations_vtp(some_annotations(), {}, 1), HasSubstr("NumberOfPoints=\"0\" NumberOfVerts=\"0\" NumberOfLines=\"0\""));
+  EXPECT_THAT(write_annotations_vtp(make_annotations(), {}, 1), HasSubstr("NumberOfPoints=\"0\" NumberOfVerts=\"0\" NumberOfLines=\"0\""));
 }
 
 TEST(AnnotationsExport, VtpCountsItsCells) {
-  const std::string text = write_annotations_vtp(some_annotations(), {}, kAnnotatedNames.size());
+  const std::string text = write_annotations_vtp(make_annotations(), {}, kAnnotatedNames.size());
   EXPECT_THAT(text, HasSubstr("NumberOfPoints=\"6\" NumberOfVerts=\"1\" NumberOfLines=\"2\""));
 }
 
 // Carves have numbers of single precision: forces and pictures are computed with exactly these.
 TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
   std::mt19937_64 random(11);
-  Annotations some = some_annotations();
+  Annotations annotations = make_annotations();
   for (std::int32_t press = 0; press < 40; ++press) {
     CarvedPress carved{.object = press % 3, .radius_m = rounded_to_float(0.001 + 1e-4 * press), .carves = {}};
     for (int n = 0; n < 50; ++n) {
@@ -253,45 +253,45 @@ TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
       carve.to_m = n % 4 == 0 ? carve.from_m : Vec3(number(), number(), 0.0);
       carved.carves.push_back(rounded(carve));
     }
-    some.carved.push_back(carved);
+    annotations.carved.push_back(carved);
   }
-  const std::string text = write_annotations(some, kAnnotatedHash);
+  const std::string text = write_annotations(annotations, kAnnotatedHash);
   const auto read = parse_annotations(text, kAnnotatedNames, kAnnotatedHash);
   ASSERT_TRUE(read) << read.error().what;
-  EXPECT_TRUE(read->annotations.carved == some.carved);
+  EXPECT_TRUE(read->annotations.carved == annotations.carved);
   EXPECT_EQ(read->left_out, 0U);
   EXPECT_EQ(write_annotations(read->annotations, kAnnotatedHash), text);
 }
 
 // Undo removes the newest item, be it a carve, a stroke or a measure: the file must keep the order of all of them.
 TEST(AnnotationsFile, TheOrderInWhichThingsWereMadeIsKept) {
-  Annotations some;
-  some.objects = kAnnotatedNames;
+  Annotations annotations;
+  annotations.objects = kAnnotatedNames;
   const auto press = [](double x) {
     return CarvedPress{.object = 0, .radius_m = 0.5, .carves = {{.from_m = Vec3(x, 0, 0), .radius_m = 0.5}}};
   };
-  some.carved = {press(1), press(2), press(3)};
-  some.entries = {Measure{}, Stroke{0, {{1, 0, 0}}}, Measure{}, Stroke{0, {{2, 0, 0}}}};
-  for (Annotation& entry : some.entries) {
+  annotations.carved = {press(1), press(2), press(3)};
+  annotations.entries = {Measure{}, Stroke{0, {{1, 0, 0}}}, Measure{}, Stroke{0, {{2, 0, 0}}}};
+  for (Annotation& entry : annotations.entries) {
     if (auto* measure = std::get_if<Measure>(&entry)) measure->ends[0].object = measure->ends[1].object = 1;
   }
-  some.carved_before = {0, 2, 2, 3};
-  const std::string text = write_annotations(some, kAnnotatedHash);
+  annotations.carved_before = {0, 2, 2, 3};
+  const std::string text = write_annotations(annotations, kAnnotatedHash);
   const auto read = parse_annotations(text, kAnnotatedNames, kAnnotatedHash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_THAT(read->annotations.carved_before, ElementsAre(0, 2, 2, 3));
   ASSERT_EQ(read->annotations.entries.size(), 4U);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(read->annotations.entries[i].index(), some.entries[i].index()) << i;
-  EXPECT_TRUE(read->annotations.carved == some.carved);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(read->annotations.entries[i].index(), annotations.entries[i].index()) << i;
+  EXPECT_TRUE(read->annotations.carved == annotations.carved);
   EXPECT_EQ(write_annotations(read->annotations, kAnnotatedHash), text);
 }
 
 TEST(AnnotationsFile, CarvesOfAnotherSceneStay) {
-  Annotations some;
-  some.objects = {"clay", "lid"};
-  some.carved = {{.object = 0, .radius_m = 0.5, .carves = {{.radius_m = 0.5}}},
-                 {.object = 1, .radius_m = 0.25, .carves = {{.radius_m = 0.25}}}};
-  const auto read = parse_annotations(write_annotations(some, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash);
+  Annotations annotations;
+  annotations.objects = {"clay", "lid"};
+  annotations.carved = {{.object = 0, .radius_m = 0.5, .carves = {{.radius_m = 0.5}}},
+                        {.object = 1, .radius_m = 0.25, .carves = {{.radius_m = 0.25}}}};
+  const auto read = parse_annotations(write_annotations(annotations, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(read->left_out, 1U);
   ASSERT_EQ(read->annotations.carved.size(), 2U);

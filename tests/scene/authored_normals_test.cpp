@@ -52,26 +52,26 @@ std::string ply_of(const TriangleMesh& mesh, const Normals& normals) {
 // The mesh with its normals as a glTF file. transform: further JSON members of its only node, each preceded by a comma.
 std::string gltf_of(const TriangleMesh& mesh, const Normals& normals, const std::string& transform) {
   std::string bytes = sample::gltf_buffer(mesh);
-  const std::size_t plain = bytes.size();
-  bytes.resize((plain + 3) / 4 * 4, '\0');
+  const std::size_t byte_count_before = bytes.size();
+  bytes.resize((byte_count_before + 3) / 4 * 4, '\0');
   const std::size_t offset = bytes.size();
   for (const auto& n : normals) {
     for (int axis = 0; axis < 3; ++axis) sample::append(bytes, n[axis]);
   }
   std::string json = sample::gltf_json(mesh, R"("uri":"data:application/octet-stream;base64,)" + sample::base64(bytes) + R"(",)",
                                        R"([{"mesh":0,"name":"body")" + transform + "}]");
-  const auto put = [&](const std::string& at, const std::string& what) {
+  const auto insert_after = [&](const std::string& at, const std::string& what) {
     const auto place = json.find(at);
     ASSERT_NE(place, std::string::npos);
     json.insert(place + at.size(), what);
   };
-  put(R"("POSITION":0)", R"(,"NORMAL":2)");
-  put(R"("type":"SCALAR"})", fmt::format(R"(,{{"bufferView":2,"componentType":5126,"count":{},"type":"VEC3"}})", normals.size()));
+  insert_after(R"("POSITION":0)", R"(,"NORMAL":2)");
+  insert_after(R"("type":"SCALAR"})", fmt::format(R"(,{{"bufferView":2,"componentType":5126,"count":{},"type":"VEC3"}})", normals.size()));
   const std::string views = fmt::format(R"("byteLength":{}}}])", 6 * mesh.triangles.size());
   json.replace(json.find(views), views.size(),
                fmt::format(R"("byteLength":{}}},{{"buffer":0,"byteOffset":{},"byteLength":{}}}])", 6 * mesh.triangles.size(), offset,
                            12 * normals.size()));
-  const std::string length = fmt::format(R"("byteLength":{}}}]}})", plain);
+  const std::string length = fmt::format(R"("byteLength":{}}}]}})", byte_count_before);
   json.replace(json.find(length), length.size(), fmt::format(R"("byteLength":{}}}]}})", bytes.size()));
   return json;
 }
@@ -185,10 +185,10 @@ TEST(AuthoredNormals, StayWithTheirTrianglesWhenAMeshIsRepaired) {
   std::swap(mesh.triangles[20][1], mesh.triangles[20][2]);
   std::swap(mesh.authored_normals[20][1], mesh.authored_normals[20][2]);
   RepairReport report;
-  const TriangleMesh mended = repair_mesh(mesh, report);
+  const TriangleMesh repaired = repair_mesh(mesh, report);
   EXPECT_EQ(report.dropped_duplicates, 1U);
   EXPECT_EQ(report.turned, 1U);
-  expect_radial(mended);
+  expect_radial(repaired);
 }
 
 TEST(AuthoredNormals, InfoSaysWhetherTheyAreThereAndUsed) {

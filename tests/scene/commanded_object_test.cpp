@@ -53,20 +53,21 @@ TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFile) {
     const auto scene = load("moved_by = \"program\"\n" + rest, before);
     ASSERT_TRUE(scene) << scene.error().what;
     const CommandedObject& flap = *scene->objects[0].commanded;
-    const Quat turned(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
-    const Vec3 there(-0.3, 0.1, 0.05);
+    const Quat commanded_rotation(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+    const Vec3 commanded_position(-0.3, 0.1, 0.05);
     const Keyframe now{0.0, flap.pivot(), Quat::Identity()};
-    const Keyframe placed = flap.place(there, turned, now);
+    const Keyframe placed = flap.place(commanded_position, commanded_rotation, now);
     const Pose X_SO = pose_of(placed, flap.pivot());
-    const double fitted = scene->fit_scale;
+    const double fit_scale = scene->fit_scale;
     const SceneObject& at_rest = scene->objects[0];
     const Quat q_rest(Eigen::AngleAxisd(std::numbers::pi / 6, Vec3::UnitZ()) * Eigen::AngleAxisd(std::numbers::pi / 9, Vec3::UnitY()) *
                       Eigen::AngleAxisd(std::numbers::pi / 18, Vec3::UnitX()));
     for (std::size_t v = 0; v < 3; ++v) {
       const Vec3 in_mesh(v == 1 ? 0.1 : 0.0, v == 2 ? 0.1 : 0.0, 0.0);
       // Compared with the pose at rest, because fit_m also shifts the scene.
-      const Vec3 by = fitted * ((there + turned * (2.0 * in_mesh)) - (Vec3(0.1, 0.2, 0.3) + q_rest * (2.0 * in_mesh)));
-      EXPECT_LT((X_SO * at_rest.mesh->vertices[v] - (at_rest.mesh->vertices[v] + by)).norm(), 1e-12) << v << before;
+      const Vec3 displacement =
+          fit_scale * ((commanded_position + commanded_rotation * (2.0 * in_mesh)) - (Vec3(0.1, 0.2, 0.3) + q_rest * (2.0 * in_mesh)));
+      EXPECT_LT((X_SO * at_rest.mesh->vertices[v] - (at_rest.mesh->vertices[v] + displacement)).norm(), 1e-12) << v << before;
     }
   }
 }
@@ -139,8 +140,8 @@ TEST_F(CommandedObjectTest, WhatIsNotGivenStaysAsItIs) {
   EXPECT_EQ(shifted.turn.coeffs(), tilted.coeffs());
   const Quat q_now = tilted * Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   EXPECT_LT((shifted.p_S - (Vec3(1, 2, 3) + q_now * Vec3(0.02, 0, 0))).norm(), 1e-12);
-  const Quat long_one(2.0 * 0.0005 + 1.0, 0, 0, 0);
-  EXPECT_NEAR(flap.place(std::nullopt, long_one, now).turn.norm(), 1.0, 1e-15) << "rounded numbers";
+  const Quat slightly_too_long(2.0 * 0.0005 + 1.0, 0, 0, 0);
+  EXPECT_NEAR(flap.place(std::nullopt, slightly_too_long, now).turn.norm(), 1.0, 1e-15) << "rounded numbers";
 }
 
 // The hashes tell commanded objects apart, so that a haptics node does not work with a vision node or recording of another one.
@@ -175,16 +176,16 @@ TEST_F(CommandedObjectTest, HasTheEffectsOfItsMaterial) {
 
 // When a scene is read again, the object stays where it was moved only if requests still lead to the same places.
 TEST_F(CommandedObjectTest, IsTheSameWhereNothingThatPlacesItHasChanged) {
-  const auto made = [&](const std::string& keys, const std::string& before = "") {
+  const auto load_commanded = [&](const std::string& keys, const std::string& before = "") {
     return *load("moved_by = \"program\"\nposition_m = [0.1, 0.2, 0.3]\n" + keys, before)->objects[0].commanded;
   };
-  const CommandedObject first = made("");
-  EXPECT_TRUE(first == made(""));
-  EXPECT_TRUE(first == made("material = \"soft\"\n", "[material.soft]\nviscosity_ns_per_m = 2.0\n"));
-  EXPECT_FALSE(first == made("rotation_deg = [0, 0, 30]\n")) << "about its pivot, which stays where it is";
-  EXPECT_FALSE(first == made("pivot_m = [0.01, 0, 0]\n"));
-  EXPECT_FALSE(first == made("scale = 2.0\n"));
-  EXPECT_FALSE(first == made("", "fit_m = [0.05, 0.05, 0.05]\n"));
+  const CommandedObject first = load_commanded("");
+  EXPECT_TRUE(first == load_commanded(""));
+  EXPECT_TRUE(first == load_commanded("material = \"soft\"\n", "[material.soft]\nviscosity_ns_per_m = 2.0\n"));
+  EXPECT_FALSE(first == load_commanded("rotation_deg = [0, 0, 30]\n")) << "about its pivot, which stays where it is";
+  EXPECT_FALSE(first == load_commanded("pivot_m = [0.01, 0, 0]\n"));
+  EXPECT_FALSE(first == load_commanded("scale = 2.0\n"));
+  EXPECT_FALSE(first == load_commanded("", "fit_m = [0.05, 0.05, 0.05]\n"));
 }
 
 TEST_F(CommandedObjectTest, IsInTheReport) {

@@ -59,19 +59,19 @@ tap_frequency_hz = 250
 tap_decay_s = 0.03
 tap_max_force_n = 1.5)"));
   ASSERT_TRUE(scene) << scene.error().what;
-  const SurfaceEffects& e = scene->objects[0].effects;
-  EXPECT_EQ(e.progressive.n_per_m2, 2e5);
-  EXPECT_EQ(e.viscosity.damping_ns_per_m, 3);
-  EXPECT_EQ(e.snap.range_m, 0.002);
-  EXPECT_EQ(e.snap.stiffness_n_per_m, 250);
-  EXPECT_EQ(e.bumps.height_m, 0.001);
-  EXPECT_EQ(e.bumps.length_m, 0.006);
-  EXPECT_EQ(e.bumps.pattern, SurfaceBumps::Pattern::ridges);
-  EXPECT_EQ(e.bumps.direction, Vec3::UnitY());
-  EXPECT_EQ(e.tap.ns_per_m, 6);
-  EXPECT_EQ(e.tap.frequency_hz, 250);
-  EXPECT_EQ(e.tap.decay_s, 0.03);
-  EXPECT_EQ(e.tap.max_force_n, 1.5);
+  const SurfaceEffects& effects = scene->objects[0].effects;
+  EXPECT_EQ(effects.progressive.n_per_m2, 2e5);
+  EXPECT_EQ(effects.viscosity.damping_ns_per_m, 3);
+  EXPECT_EQ(effects.snap.range_m, 0.002);
+  EXPECT_EQ(effects.snap.stiffness_n_per_m, 250);
+  EXPECT_EQ(effects.bumps.height_m, 0.001);
+  EXPECT_EQ(effects.bumps.length_m, 0.006);
+  EXPECT_EQ(effects.bumps.pattern, SurfaceBumps::Pattern::ridges);
+  EXPECT_EQ(effects.bumps.direction, Vec3::UnitY());
+  EXPECT_EQ(effects.tap.ns_per_m, 6);
+  EXPECT_EQ(effects.tap.frequency_hz, 250);
+  EXPECT_EQ(effects.tap.decay_s, 0.03);
+  EXPECT_EQ(effects.tap.max_force_n, 1.5);
   EXPECT_TRUE(scene->touch_scene().has_effects());
   EXPECT_TRUE(scene->touch_scene().objects[0].effects.any());
 }
@@ -284,24 +284,24 @@ TEST_F(EffectReader, NamesTheLineTheKeyAndWhatIsAllowed) {
 }
 
 TEST_F(EffectReader, RejectsLayersThatCannotBe) {
-  const auto layers = [&](const std::string& head, const std::string& tail) {
+  const auto layers_error = [&](const std::string& head, const std::string& tail) {
     return error_of(with_material(head + "\n[[material.m.layer]]\ndepth_m = 0\nstiffness_n_per_m = 100\n" + tail));
   };
   const std::string one_sided = "two_sided = false";
-  EXPECT_THAT(layers("", ""), HasSubstr("need 'two_sided = false'"));
-  EXPECT_THAT(layers(one_sided + "\ndamping_ns_per_m = 1", ""), HasSubstr("line 6: layers have no 'damping_ns_per_m'"));
-  EXPECT_THAT(layers(one_sided + "\nprogressive_n_per_m2 = 1", ""), HasSubstr("layers have no 'progressive_n_per_m2'"));
-  EXPECT_THAT(layers(one_sided + "\nstiffness_n_per_m = 1", ""), HasSubstr("layers replace 'stiffness_n_per_m'"));
-  EXPECT_THAT(layers(one_sided, "drag_ns_per_m = 1"), HasSubstr("never punctured"));
-  EXPECT_THAT(layers(one_sided, "[[material.m.layer]]\ndepth_m = 0.01\nstiffness_n_per_m = 1"), HasSubstr("is never reached"));
-  EXPECT_THAT(layers(one_sided, "pop_force_n = 1\n[[material.m.layer]]\ndepth_m = 0\nstiffness_n_per_m = 1"),
+  EXPECT_THAT(layers_error("", ""), HasSubstr("need 'two_sided = false'"));
+  EXPECT_THAT(layers_error(one_sided + "\ndamping_ns_per_m = 1", ""), HasSubstr("line 6: layers have no 'damping_ns_per_m'"));
+  EXPECT_THAT(layers_error(one_sided + "\nprogressive_n_per_m2 = 1", ""), HasSubstr("layers have no 'progressive_n_per_m2'"));
+  EXPECT_THAT(layers_error(one_sided + "\nstiffness_n_per_m = 1", ""), HasSubstr("layers replace 'stiffness_n_per_m'"));
+  EXPECT_THAT(layers_error(one_sided, "drag_ns_per_m = 1"), HasSubstr("never punctured"));
+  EXPECT_THAT(layers_error(one_sided, "[[material.m.layer]]\ndepth_m = 0.01\nstiffness_n_per_m = 1"), HasSubstr("is never reached"));
+  EXPECT_THAT(layers_error(one_sided, "pop_force_n = 1\n[[material.m.layer]]\ndepth_m = 0\nstiffness_n_per_m = 1"),
               HasSubstr("must be more than"));
-  EXPECT_THAT(layers(one_sided, "pop_force_n = 1\n[[material.m.layer]]\nstiffness_n_per_m = 1"),
+  EXPECT_THAT(layers_error(one_sided, "pop_force_n = 1\n[[material.m.layer]]\nstiffness_n_per_m = 1"),
               HasSubstr("[[material.m.layer]] 2 has no 'depth_m'"));
-  EXPECT_THAT(layers(one_sided, "pop_froce_n = 1"), HasSubstr("did you mean 'pop_force_n'?"));
+  EXPECT_THAT(layers_error(one_sided, "pop_froce_n = 1"), HasSubstr("did you mean 'pop_force_n'?"));
   std::string many;
   for (int i = 1; i < 9; ++i) many += fmt::format("pop_force_n = 1\n[[material.m.layer]]\ndepth_m = {}\nstiffness_n_per_m = 1\n", 0.01 * i);
-  EXPECT_THAT(layers(one_sided, many), HasSubstr("9 layers: give at most 8"));
+  EXPECT_THAT(layers_error(one_sided, many), HasSubstr("9 layers: give at most 8"));
 }
 
 // A recording must be replayed with the scene in which it was made: every key of an effect in a scene file is part of the hash.
@@ -327,36 +327,36 @@ TEST_F(EffectReader, EveryKeyIsPartOfTheHash) {
         "depth_m = 0\nstiffness_n_per_m = 1\npop_force_n = 1\n[[material.m.layer]]\ndepth_m = 1\nstiffness_n_per_m = 1"}) {
     add(with_material(layer + line));
   }
-  const std::string at = "\nposition_m = [0, 0, 0]\n";
+  const std::string position = "\nposition_m = [0, 0, 0]\n";
   for (const char* type : {"spring", "magnet", "gravity_well"}) {
     const std::string begin = std::string("type = '") + type + "'";
-    add(with_effect(begin + at));
+    add(with_effect(begin + position));
     add(with_effect(begin + "\nposition_m = [0, 0, 1]\n"));
-    add(with_effect(begin + at + "max_force_n = 0.7"));
+    add(with_effect(begin + position + "max_force_n = 0.7"));
   }
-  add(with_effect("type = 'spring'" + at + "stiffness_n_per_m = 7"));
-  add(with_effect("type = 'magnet'" + at + "range_m = 7"));
-  add(with_effect("type = 'gravity_well'" + at + "radius_m = 7"));
-  add(with_effect("type = 'line_snap'" + at + "direction = [0, 0, 1]"));
-  add(with_effect("type = 'line_snap'" + at + "direction = [0, 1, 0]"));
-  add(with_effect("type = 'plane_snap'" + at + "normal = [0, 0, 1]"));
+  add(with_effect("type = 'spring'" + position + "stiffness_n_per_m = 7"));
+  add(with_effect("type = 'magnet'" + position + "range_m = 7"));
+  add(with_effect("type = 'gravity_well'" + position + "radius_m = 7"));
+  add(with_effect("type = 'line_snap'" + position + "direction = [0, 0, 1]"));
+  add(with_effect("type = 'line_snap'" + position + "direction = [0, 1, 0]"));
+  add(with_effect("type = 'plane_snap'" + position + "normal = [0, 0, 1]"));
   add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]"));
   add(with_effect("type = 'constant'\nforce_n = [2, 0, 0]"));
   add(with_effect("type = 'constant'\nforce_n = [2, 0, 0]\nbutton = 1"));
   add(with_effect("type = 'constant'\nforce_n = [2, 0, 0]\nbutton = 3"));
-  add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nradius_m = 1" + at));
-  add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nradius_m = 2" + at));
-  add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nsize_m = [2, 2, 2]" + at));
+  add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nradius_m = 1" + position));
+  add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nradius_m = 2" + position));
+  add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nsize_m = [2, 2, 2]" + position));
   add(with_effect("type = 'viscous'\ndamping_ns_per_m = 1"));
   add(with_effect("type = 'viscous'\ndamping_ns_per_m = 2"));
   add(with_effect("type = 'viscous'\ndamping_ns_per_m = 1\nmax_force_n = 0.7"));
   const std::string mass = "type = 'mass'\nmass_kg = ";
   for (const char* line : {"0.1", "0.2", "0.1\nfilter_s = 0.07", "0.1\nmax_force_n = 0.7"}) add(with_effect(mass + line));
-  add(with_effect(mass + "0.1\nradius_m = 1" + at));
+  add(with_effect(mass + "0.1\nradius_m = 1" + position));
   const std::string wave = "type = 'wave'\ndirection = [1, 0, 0]\n";
   for (const char* line : {"", "waveform = 'square'", "amplitude_n = 0.7", "frequency_hz = 7"}) add(with_effect(wave + line));
   add(with_effect("type = 'wave'\ndirection = [0, 1, 0]\n"));
-  const std::string burst = "type = 'burst'\ndirection = [1, 0, 0]\nradius_m = 1" + at;
+  const std::string burst = "type = 'burst'\ndirection = [1, 0, 0]\nradius_m = 1" + position;
   for (const char* line : {"", "amplitude_n = 0.7", "frequency_hz = 7", "decay_s = 0.7", "duration_s = 0.7"})
     add(with_effect(burst + line));
   EXPECT_EQ(hashes.size(), count);

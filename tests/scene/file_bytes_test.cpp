@@ -39,7 +39,7 @@ TEST(FileBytes, RejectsWithTheReason) {
 
 // The first half of a mesh file may itself be a valid file, so a file that is still growing must be rejected.
 TEST(FileBytes, RejectsAFileThatIsStillBeingWritten) {
-  constexpr int kMostReads = 2000;  // each takes a few ms, long enough for the other thread to write something if it runs at all
+  constexpr int kMaxReads = 2000;  // each takes a few ms, long enough for the other thread to write something if it runs at all
   const ScratchFolder folder;
   const auto path = folder.write("a", std::string(std::size_t{1} << 22, 'x'));
   std::atomic<bool> has_ended = false;
@@ -47,14 +47,14 @@ TEST(FileBytes, RejectsAFileThatIsStillBeingWritten) {
     std::ofstream file(path, std::ios::binary | std::ios::app);
     while (!has_ended) file.put('x').flush();
   });
-  std::string why;
-  for (int i = 0; i < kMostReads && why.empty(); ++i) {
+  std::string error;
+  for (int i = 0; i < kMaxReads && error.empty(); ++i) {
     const auto read = read_file_bytes(path, std::size_t{1} << 30);
-    if (!read) why = read.error().what;
+    if (!read) error = read.error().what;
   }
   has_ended = true;
   writer.join();
-  EXPECT_THAT(why, HasSubstr("got longer while it was read: try again"));
+  EXPECT_THAT(error, HasSubstr("got longer while it was read: try again"));
   EXPECT_TRUE(read_file_bytes(path, std::size_t{1} << 30));
 }
 

@@ -58,34 +58,34 @@ TEST_F(FindTool, HasAHashOfItsMeshItsPoseAndItsGrip) {
   ASSERT_TRUE(scene) << scene.error().what;
   std::vector<std::string> notes;
   const auto hash_of = [&](const ToolChoice& choice) { return find_tool(choice, *scene, {}, notes).value()->given_hash; };
-  const std::uint64_t own = hash_of({});
-  EXPECT_EQ(own, hash_of({.file = folder.path() / "a.obj"}));
-  EXPECT_EQ(own, hash_of({.file = folder.path() / "b.obj"})) << "the same mesh";
-  EXPECT_NE(own, hash_of({.file = folder.path() / "a.obj", .grip = ToolGrip::center}));
-  EXPECT_NE(own, hash_of({.file = folder.path() / "a.obj", .unit = Unit::mm}));
+  const std::uint64_t own_hash = hash_of({});
+  EXPECT_EQ(own_hash, hash_of({.file = folder.path() / "a.obj"}));
+  EXPECT_EQ(own_hash, hash_of({.file = folder.path() / "b.obj"})) << "the same mesh";
+  EXPECT_NE(own_hash, hash_of({.file = folder.path() / "a.obj", .grip = ToolGrip::center}));
+  EXPECT_NE(own_hash, hash_of({.file = folder.path() / "a.obj", .unit = Unit::mm}));
   const auto turned = load(std::string(kObject) + "[tool]\nmesh = 'a.obj'\nrotation_deg = [0, 0, 90]\n");
   const auto centred = load(std::string(kObject) + "[tool]\nmesh = 'a.obj'\ngrip = 'centre'\n");
   ASSERT_TRUE(turned && centred);
-  EXPECT_NE(own, turned->tool->given_hash);
+  EXPECT_NE(own_hash, turned->tool->given_hash);
   EXPECT_EQ(centred->tool->given_hash, hash_of({.file = folder.path() / "a.obj", .grip = ToolGrip::center}));
 }
 
-TEST_F(FindTool, IsOddWhereItIsFarFromTheGripOrOfAnotherSizeThanTheScene) {
+TEST_F(FindTool, HasAFlawIfItIsFarFromTheGripOrOfAnotherSizeThanTheScene) {
   const auto scene = load(kObject);  // its extent is 2.25 m
   ASSERT_TRUE(scene) << scene.error().what;
-  const auto fix_of = [&](double scale, const Vec3& moved_m = Vec3::Zero()) {
+  const auto fixes_of = [&](double scale, const Vec3& moved_m = Vec3::Zero()) {
     std::string fixes;
     for (const ToolFlaw& flaw : find_tool_flaws(scaled_and_moved(sample::tetrahedron(), scale, moved_m), *scene)) fixes += flaw.fix;
     return fixes;
   };
-  for (const double scale : {1.1e-3, 1.0, 9.9}) EXPECT_EQ(fix_of(scale), "") << scale;
-  for (const double scale : {0.9e-3, 10.1}) EXPECT_THAT(fix_of(scale), HasSubstr("check the units of both")) << scale;
+  for (const double scale : {1.1e-3, 1.0, 9.9}) EXPECT_EQ(fixes_of(scale), "") << scale;
+  for (const double scale : {0.9e-3, 10.1}) EXPECT_THAT(fixes_of(scale), HasSubstr("check the units of both")) << scale;
   // At scale 0.1 the tool is 0.225 m long, and the limit is half the scene's extent; at scale 1 it is twice the tool's own 2.25 m.
-  EXPECT_EQ(fix_of(0.1, Vec3(1.1, 0.0, 0.0)), "");
-  EXPECT_THAT(fix_of(0.1, Vec3(1.2, 0.0, 0.0)), HasSubstr("hold it in the middle"));
-  EXPECT_THAT(fix_of(0.1, Vec3(-1.35, 0.0, 0.0)), HasSubstr("hold it in the middle")) << "0.15 m of it are on this side";
-  EXPECT_EQ(fix_of(1.0, Vec3(0.0, 4.4, 0.0)), "");
-  EXPECT_THAT(fix_of(1.0, Vec3(0.0, 4.6, 0.0)), HasSubstr("hold it in the middle"));
+  EXPECT_EQ(fixes_of(0.1, Vec3(1.1, 0.0, 0.0)), "");
+  EXPECT_THAT(fixes_of(0.1, Vec3(1.2, 0.0, 0.0)), HasSubstr("hold it in the middle"));
+  EXPECT_THAT(fixes_of(0.1, Vec3(-1.35, 0.0, 0.0)), HasSubstr("hold it in the middle")) << "0.15 m of it are on this side";
+  EXPECT_EQ(fixes_of(1.0, Vec3(0.0, 4.4, 0.0)), "");
+  EXPECT_THAT(fixes_of(1.0, Vec3(0.0, 4.6, 0.0)), HasSubstr("hold it in the middle"));
 }
 
 TEST(ToolGrips, KeepTheSpellingOfEarlierVersions) {

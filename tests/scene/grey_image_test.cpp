@@ -64,9 +64,9 @@ TEST(GreyImage, SaysWhatIsWrong) {
   EXPECT_THAT(decode_grey_image("").error().what, HasSubstr("neither PNG nor JPEG"));
   const auto rows = picture::grey_rows(64, 64, ramp_at);
   for (const std::string& whole : {picture::png_of(64, 64, rows), picture::jpeg_of(64, 64, rows)}) {
-    for (const std::size_t kept : {std::size_t{8}, std::size_t{20}, whole.size() / 2, whole.size() - 40}) {
-      const auto image = decode_grey_image(whole.substr(0, kept));
-      ASSERT_FALSE(image) << kept;
+    for (const std::size_t byte_count : {std::size_t{8}, std::size_t{20}, whole.size() / 2, whole.size() - 40}) {
+      const auto image = decode_grey_image(whole.substr(0, byte_count));
+      ASSERT_FALSE(image) << byte_count;
       EXPECT_THAT(image.error().what, HasSubstr("broken"));
     }
   }

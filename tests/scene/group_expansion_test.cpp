@@ -28,23 +28,23 @@ class GroupedScene : public ::testing::Test {
   Result<Scene> load(const std::string& text) { return load_scene(folder_.write("s.toml", text)); }
 
   // Both files make the same scene: equal names, materials and colours, and equal geometry up to rounding.
-  void expect_same(const std::string& text, const std::string& plain) {
-    const auto made = load(text);
-    const auto meant = load(plain);
-    ASSERT_TRUE(made) << made.error().what;
-    ASSERT_TRUE(meant) << meant.error().what;
-    ASSERT_EQ(made->objects.size(), meant->objects.size());
-    for (std::size_t o = 0; o < made->objects.size(); ++o) {
-      const SceneObject& one = made->objects[o];
-      const SceneObject& other = meant->objects[o];
-      EXPECT_EQ(one.name, other.name);
-      EXPECT_EQ(one.material_name, other.material_name) << one.name;
-      EXPECT_EQ(one.colour, other.colour) << one.name;
-      EXPECT_EQ(one.is_movable, other.is_movable) << one.name;
-      EXPECT_EQ(one.mesh->triangles, other.mesh->triangles) << one.name;
-      ASSERT_EQ(one.mesh->vertices.size(), other.mesh->vertices.size());
-      for (std::size_t v = 0; v < one.mesh->vertices.size(); ++v) {
-        EXPECT_LT((one.mesh->vertices[v] - other.mesh->vertices[v]).norm(), kRounding) << one.name;
+  void expect_same(const std::string& grouped_text, const std::string& plain_text) {
+    const auto grouped = load(grouped_text);
+    const auto plain = load(plain_text);
+    ASSERT_TRUE(grouped) << grouped.error().what;
+    ASSERT_TRUE(plain) << plain.error().what;
+    ASSERT_EQ(grouped->objects.size(), plain->objects.size());
+    for (std::size_t o = 0; o < grouped->objects.size(); ++o) {
+      const SceneObject& object = grouped->objects[o];
+      const SceneObject& expected = plain->objects[o];
+      EXPECT_EQ(object.name, expected.name);
+      EXPECT_EQ(object.material_name, expected.material_name) << object.name;
+      EXPECT_EQ(object.colour, expected.colour) << object.name;
+      EXPECT_EQ(object.is_movable, expected.is_movable) << object.name;
+      EXPECT_EQ(object.mesh->triangles, expected.mesh->triangles) << object.name;
+      ASSERT_EQ(object.mesh->vertices.size(), expected.mesh->vertices.size());
+      for (std::size_t v = 0; v < object.mesh->vertices.size(); ++v) {
+        EXPECT_LT((object.mesh->vertices[v] - expected.mesh->vertices[v]).norm(), kRounding) << object.name;
       }
     }
   }
@@ -254,7 +254,7 @@ color = [0, 1, 0]
 }
 
 // An instance moves as its object does: relative to its own pose, its motion is that of the object relative to the object's pose.
-TEST_F(GroupedScene, KeyframesGoAlong) {
+TEST_F(GroupedScene, KeyframesFollowTheGroupAndTheInstance) {
   const auto scene = load(R"(
 [[group]]
 name = "g"
@@ -282,17 +282,17 @@ scale = 0.2
   ASSERT_TRUE(scene) << scene.error().what;
   ASSERT_THAT(scene->objects, SizeIs(2));
   const Vec3 in_mesh(1.5, 0, 0);  // vertex 1
-  const Vec3 moved = Eigen::AngleAxisd(80.0 * M_PI / 180.0, Vec3::UnitZ()) * in_mesh;
-  const Quat upright(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()));
+  const Vec3 turned_in_mesh = Eigen::AngleAxisd(80.0 * M_PI / 180.0, Vec3::UnitZ()) * in_mesh;
+  const Quat instance_rotation(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()));
   // The object moves from (0.1, 0, 0) by (0, 0.2, 0); the instance is twice as large, turned, and begins at (0.4, 0, 0).
-  const Vec3 at_end = Vec3(0.4, 0, 0) + upright * (2.0 * Vec3(0, 0.2, 0) + 0.2 * moved);
+  const Vec3 expected_second = Vec3(0.4, 0, 0) + instance_rotation * (2.0 * Vec3(0, 0.2, 0) + 0.2 * turned_in_mesh);
   const SceneObject& second = scene->objects[0];
   EXPECT_EQ(second.name, "second");
-  EXPECT_LT((second.motion->pose_at(100.0) * second.mesh->vertices[1] - at_end).norm(), 1e-9);
+  EXPECT_LT((second.motion->pose_at(100.0) * second.mesh->vertices[1] - expected_second).norm(), 1e-9);
   const SceneObject& lid = scene->objects[1];
-  const Vec3 in_group = Vec3(0.1, 0.2, 0) + 0.1 * moved;
-  const Vec3 of_lid = Vec3(0, 5, 0) + Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY()) * in_group;
-  EXPECT_LT((lid.motion->pose_at(100.0) * lid.mesh->vertices[1] - of_lid).norm(), 1e-9);
+  const Vec3 in_group = Vec3(0.1, 0.2, 0) + 0.1 * turned_in_mesh;
+  const Vec3 expected_lid = Vec3(0, 5, 0) + Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY()) * in_group;
+  EXPECT_LT((lid.motion->pose_at(100.0) * lid.mesh->vertices[1] - expected_lid).norm(), 1e-9);
 }
 
 TEST_F(GroupedScene, WhatIsInNoGroupComesFirst) {

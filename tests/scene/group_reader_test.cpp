@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-Result<std::vector<GroupSpec>> read_both(const std::string& text) {
+Result<std::vector<GroupSpec>> read_groups_and_instances(const std::string& text) {
   const auto table = parse_toml(text);
   EXPECT_TRUE(table) << text;
   auto groups = read_groups(*table);
@@ -24,12 +24,12 @@ Result<std::vector<GroupSpec>> read_both(const std::string& text) {
 }
 
 std::string group_error(const std::string& text) {
-  const auto read = read_both(text);
+  const auto read = read_groups_and_instances(text);
   return read ? "it was read" : read.error().what;
 }
 
 TEST(GroupReader, ReadsEveryKey) {
-  const auto read = read_both(R"(
+  const auto read = read_groups_and_instances(R"(
 [[group]]
 name = "left"
 group = "car"
@@ -71,12 +71,12 @@ color = [0.3, 0.2, 0.1]
 }
 
 TEST(GroupReader, LeavesOutWhatIsNotGiven) {
-  const auto read = read_both("[[instance]]\nname = 'b'\nof = 'a'\n");
+  const auto read = read_groups_and_instances("[[instance]]\nname = 'b'\nof = 'a'\n");
   ASSERT_TRUE(read) << read.error().what;
-  const GroupSpec& one = read->at(0);
-  EXPECT_FALSE(one.p || one.q || one.scale || one.colour);
-  EXPECT_THAT(one.material, IsEmpty());
-  EXPECT_THAT(*read_both("fit_m = 1\n"), IsEmpty());
+  const GroupSpec& instance = read->at(0);
+  EXPECT_FALSE(instance.p || instance.q || instance.scale || instance.colour);
+  EXPECT_THAT(instance.material, IsEmpty());
+  EXPECT_THAT(*read_groups_and_instances("fit_m = 1\n"), IsEmpty());
 }
 
 TEST(GroupReader, NamesLineKeyAndWhatIsAllowed) {

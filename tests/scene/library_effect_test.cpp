@@ -40,11 +40,12 @@ TEST_F(LibraryEffectTest, IsNamedAndNotLoaded) {
       load("type = 'plugin'\nlibrary = 'lib/magnet.so'\nparameters = { range_m = 0.04, steps = 3, is_on = true, at = 'tip' }\n");
   ASSERT_TRUE(scene) << scene.error().what;
   ASSERT_THAT(scene->libraries, SizeIs(1));
-  const LibraryEffect& named = scene->libraries[0];
-  EXPECT_EQ(named.name, "magnet");
-  EXPECT_EQ(named.library, folder_.path() / "lib/magnet.so") << "beside the scene";
-  EXPECT_EQ(named.line, 4U);
-  EXPECT_THAT(named.parameters, ElementsAre(Pair("at", "tip"), Pair("is_on", "true"), Pair("range_m", "0.04"), Pair("steps", "3")));
+  const LibraryEffect& library_effect = scene->libraries[0];
+  EXPECT_EQ(library_effect.name, "magnet");
+  EXPECT_EQ(library_effect.library, folder_.path() / "lib/magnet.so") << "beside the scene";
+  EXPECT_EQ(library_effect.line, 4U);
+  EXPECT_THAT(library_effect.parameters,
+              ElementsAre(Pair("at", "tip"), Pair("is_on", "true"), Pair("range_m", "0.04"), Pair("steps", "3")));
   EXPECT_THAT(scene->effects, SizeIs(0));
   EXPECT_THAT(scene->notes,
               ElementsAre(AllOf(HasSubstr("line 4: effect magnet is the plug-in "), HasSubstr("only haptics_node --allow-plugins"))));

@@ -33,7 +33,7 @@ class MeshAppearances : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-TEST(MeshAppearance, TurnsPlacesInATextureUpsideDown) {
+TEST(MeshAppearance, FlipsTextureCoordinatesVertically) {
   EXPECT_EQ(texcoord_of(0.25, 0.75), Eigen::Vector2f(0.25F, 0.25F));
   EXPECT_EQ(texcoord_of(-3.0, 2.0), Eigen::Vector2f(-3.0F, -1.0F));
   EXPECT_EQ(texcoord_of(NAN, 0.5), Eigen::Vector2f(0.0F, 0.0F));
@@ -65,7 +65,7 @@ TEST_F(MeshAppearances, OfAnObjFileAreTheMaterialsItsTrianglesNameWithTheirTextu
   EXPECT_EQ(*red.colour, Eigen::Vector3f(0.8F, 0.1F, 0.0F));
   EXPECT_FALSE(red.image);
   const VisualMaterial& wood = file.appearance.materials.at(file.appearance.triangles[2].material);
-  EXPECT_FALSE(wood.colour) << "what stands beside an image is a default";
+  EXPECT_FALSE(wood.colour) << "a colour beside an image is a default of the exporter";
   ASSERT_TRUE(wood.image);
   EXPECT_EQ(file.appearance.images.at(*wood.image).bytes, kPngBytes);
   // v is flipped, because OBJ files count it from the lower edge of the image.
@@ -82,10 +82,10 @@ TEST_F(MeshAppearances, ImagesOfBumpsAreIgnoredWithANote) {
   EXPECT_THAT(load("b.obj", kObj).notes, IsEmpty());
 }
 
-TEST_F(MeshAppearances, AreNotReadUnlessTheyAreWanted) {
+TEST_F(MeshAppearances, AreReadOnlyOnRequest) {
   const MeshFile file = load("a.obj", kObj, AppearanceReading::off);
   EXPECT_TRUE(file.appearance.triangles.empty());
-  EXPECT_THAT(file.notes, IsEmpty()) << "no library is missed";
+  EXPECT_THAT(file.notes, IsEmpty()) << "no note says that the library is missing";
 }
 
 TEST_F(MeshAppearances, WhatIsMissingIsANoteAndNoError) {
@@ -119,12 +119,12 @@ TEST_F(MeshAppearances, OfAPlyFileAreColoursAndATexture) {
   ASSERT_EQ(textured.appearance.triangles.size(), 1U);
   EXPECT_EQ(textured.appearance.materials.at(textured.appearance.triangles[0].material).image, 0U);
   EXPECT_EQ(textured.appearance.triangles[0].corners[2].texcoord, Eigen::Vector2f(0, 0));
-  const MeshFile bright = load("f.ply", header + "property float red\nproperty float green\nproperty float blue\n" + faces +
-                                            "0 0 0 1 0.2 0\n1 0 0 0 0 0\n0 1 0 9 nan 0\n3 0 1 2\n");
-  EXPECT_EQ(bright.appearance.triangles.at(0).corners[0].colour, (Rgb{255, 51, 0}));
-  const MeshFile fine = load("w.ply", header + "property ushort red\nproperty ushort green\nproperty ushort blue\n" + faces +
-                                          "0 0 0 65535 257 2570\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
-  EXPECT_EQ(fine.appearance.triangles.at(0).corners[0].colour, (Rgb{255, 1, 10}));
+  const MeshFile with_float_colours = load("f.ply", header + "property float red\nproperty float green\nproperty float blue\n" + faces +
+                                                        "0 0 0 1 0.2 0\n1 0 0 0 0 0\n0 1 0 9 nan 0\n3 0 1 2\n");
+  EXPECT_EQ(with_float_colours.appearance.triangles.at(0).corners[0].colour, (Rgb{255, 51, 0}));
+  const MeshFile with_16_bit_colours = load("w.ply", header + "property ushort red\nproperty ushort green\nproperty ushort blue\n" + faces +
+                                                         "0 0 0 65535 257 2570\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+  EXPECT_EQ(with_16_bit_colours.appearance.triangles.at(0).corners[0].colour, (Rgb{255, 1, 10}));
 }
 
 TEST_F(MeshAppearances, OfAPlyFileAreColoursOfFaces) {
@@ -141,12 +141,12 @@ TEST_F(MeshAppearances, OfAPlyFileAreColoursOfFaces) {
     EXPECT_EQ(file.appearance.triangles[0].corners[2].colour, (Rgb{10, 20, 30}));
     EXPECT_EQ(file.appearance.triangles[1].corners[0].colour, (Rgb{40, 50, 60}));
   }
-  const MeshFile both =
+  const MeshFile with_both =
       load("b.ply", vertices + "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n" + corners + colours +
                         "end_header\n0 0 0 1 2 3\n1 0 0 4 5 6\n1 1 0 7 8 9\n0 1 0 0 0 0\n" + "3 0 1 2 10 20 30 255\n");
-  EXPECT_EQ(both.appearance.triangles.at(0).corners[1].colour, (Rgb{4, 5, 6})) << "those of vertices are finer";
-  const MeshFile without = load("f.ply", vertices + "element face 1\n" + corners + "end_header\n" + points + "3 0 1 2\n");
-  EXPECT_TRUE(without.appearance.triangles.empty());
+  EXPECT_EQ(with_both.appearance.triangles.at(0).corners[1].colour, (Rgb{4, 5, 6})) << "those of vertices are finer";
+  const MeshFile without_colours = load("f.ply", vertices + "element face 1\n" + corners + "end_header\n" + points + "3 0 1 2\n");
+  EXPECT_TRUE(without_colours.appearance.triangles.empty());
 }
 
 TEST_F(MeshAppearances, OfAPlyFileIsTheAlphaOfItsColours) {
@@ -189,7 +189,7 @@ TEST_F(MeshAppearances, OfAPlyFileAreTexturesOfItsFacesCorners) {
   EXPECT_EQ(file.appearance.materials.at(file.appearance.triangles[0].material).image, 1U);
   EXPECT_EQ(file.appearance.triangles[0].corners[2].texcoord, Eigen::Vector2f(0, 0.75F));
   EXPECT_EQ(file.appearance.materials.at(file.appearance.triangles[1].material).image, 0U);
-  EXPECT_EQ(file.appearance.triangles[2].material, TriangleAppearance::kNoMaterial) << "it has no places";
+  EXPECT_EQ(file.appearance.triangles[2].material, TriangleAppearance::kNoMaterial) << "it has no texture coordinates";
   EXPECT_EQ(file.appearance.triangles[3].material, TriangleAppearance::kNoMaterial) << "there is no such texture";
   const MeshFile nowhere = load("n.ply", begin + points + "3 0 1 2\n3 0 1 2\n3 0 1 2\n3 0 1 2\n");
   EXPECT_THAT(nowhere.notes, ElementsAre("its texture is not drawn: neither its vertices nor its faces have places in it"));
@@ -286,34 +286,33 @@ TEST_F(MeshAppearances, AGlbFileWhoseTextureIsMissingIsStillRead) {
   const MeshFile file = load("a.glb", textured_glb(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":7}}})"));
   EXPECT_EQ(file.mesh.triangles.size(), 4U);
   EXPECT_THAT(file.notes, Contains(HasSubstr("a texture is missing")));
-  EXPECT_FALSE(file.appearance.has_colours_or_images()) << "but where it would lie is known"
-                                                        << "nothing is said of any colour";
+  EXPECT_FALSE(file.appearance.has_colours_or_images()) << "texture coordinates alone are no colours";
 }
 
 TEST_F(MeshAppearances, GoWithThePartsOfAFileAndStayOutOfTheHash) {
   folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nnewmtl wood\nKd 0.3 0.2 0.1\n");
   folder_.write("a.obj", "mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\no one\nusemtl red\nf 1 2 3\no two\nusemtl wood\nf 1 3 2\n");
   const auto path = folder_.write("s.toml", "[[object]]\nmesh = 'a.obj'\npart = 'two'\n[[object]]\nmesh = 'a.obj'\ncolor = [1, 0, 0]\n");
-  const auto seen = load_scene(path, {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
-  const auto output = load_scene(path);
-  ASSERT_TRUE(seen && output);
-  EXPECT_EQ(seen->given_hash, output->given_hash);
-  ASSERT_TRUE(seen->objects[0].appearance);
-  ASSERT_EQ(seen->objects[0].appearance->triangles.size(), 1U);
-  EXPECT_EQ(seen->objects[0].appearance->materials.at(seen->objects[0].appearance->triangles[0].material).name, "wood");
-  EXPECT_FALSE(seen->objects[1].appearance) << "the scene's colour is over the file's";
-  EXPECT_FALSE(output->objects[0].appearance);
+  const auto drawn_scene = load_scene(path, {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
+  const auto touched_scene = load_scene(path);
+  ASSERT_TRUE(drawn_scene && touched_scene);
+  EXPECT_EQ(drawn_scene->given_hash, touched_scene->given_hash);
+  ASSERT_TRUE(drawn_scene->objects[0].appearance);
+  ASSERT_EQ(drawn_scene->objects[0].appearance->triangles.size(), 1U);
+  EXPECT_EQ(drawn_scene->objects[0].appearance->materials.at(drawn_scene->objects[0].appearance->triangles[0].material).name, "wood");
+  EXPECT_FALSE(drawn_scene->objects[1].appearance) << "the scene's colour is over the file's";
+  EXPECT_FALSE(touched_scene->objects[0].appearance);
 }
 
 // Reading the appearance does not change how concave polygons are cut into triangles.
 TEST_F(MeshAppearances, ChangeNoTriangle) {
   const std::string bytes = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1 4/1 5/1\n";
-  const MeshFile with = load("a.obj", bytes);
-  const MeshFile without = load("b.obj", bytes, AppearanceReading::off);
-  EXPECT_EQ(with.mesh.triangles, without.mesh.triangles);
+  const MeshFile with_appearance = load("a.obj", bytes);
+  const MeshFile without_appearance = load("b.obj", bytes, AppearanceReading::off);
+  EXPECT_EQ(with_appearance.mesh.triangles, without_appearance.mesh.triangles);
 }
 
-constexpr std::string_view kTextured = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+constexpr std::string_view kTexturedMaterial = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
 
 TEST_F(MeshAppearances, OfAGlbFileAreAlphaModeAndCutoff) {
   const auto material = [&](const std::string& json, const std::string& attributes = "") {
@@ -357,24 +356,24 @@ TEST_F(MeshAppearances, AlphaThatMakesNoSenseIsANote) {
 }
 
 // textured_glb() with this sampler. index: the sampler that its only texture names; it may not exist.
-std::string sampled_glb(const std::string& sampler, const std::string& index = "0") {
-  return textured_glb(std::string(kTextured), R"(,"TEXCOORD_0":2)",
+std::string textured_glb_with_sampler(const std::string& sampler, const std::string& index = "0") {
+  return textured_glb(std::string(kTexturedMaterial), R"(,"TEXCOORD_0":2)",
                       R"("textures":[{"source":0,"sampler":)" + index + R"(}],"samplers":[)" + sampler + "],");
 }
 
 TEST_F(MeshAppearances, OfAGlbFileAreTheWrapModesOfItsSamplers) {
   using Wraps = std::array<TextureWrap, 2>;
   const auto wraps = [&](const std::string& sampler) {
-    const MeshFile file = load("a.glb", sampled_glb(sampler));
+    const MeshFile file = load("a.glb", textured_glb_with_sampler(sampler));
     EXPECT_THAT(file.notes, IsEmpty());
     return file.appearance.materials.at(0).wrap;
   };
-  EXPECT_EQ(load("a.glb", textured_glb(std::string(kTextured))).appearance.materials.at(0).wrap, (Wraps{}));
+  EXPECT_EQ(load("a.glb", textured_glb(std::string(kTexturedMaterial))).appearance.materials.at(0).wrap, (Wraps{}));
   EXPECT_EQ(wraps("{}"), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
   EXPECT_EQ(wraps(R"({"wrapS":33071,"wrapT":33648})"), (Wraps{TextureWrap::clamp, TextureWrap::mirror}));
   EXPECT_EQ(wraps(R"({"wrapS":10497,"wrapT":33071})"), (Wraps{TextureWrap::repeat, TextureWrap::clamp}));
-  EXPECT_THAT(load("a.glb", sampled_glb(R"({"wrapS":1})")).notes, Contains(HasSubstr("samplers[0].wrapS")));
-  EXPECT_THAT(load("a.glb", sampled_glb("{}", "3")).notes, Contains(HasSubstr("a texture repeats")));
+  EXPECT_THAT(load("a.glb", textured_glb_with_sampler(R"({"wrapS":1})")).notes, Contains(HasSubstr("samplers[0].wrapS")));
+  EXPECT_THAT(load("a.glb", textured_glb_with_sampler("{}", "3")).notes, Contains(HasSubstr("a texture repeats")));
 }
 
 TEST_F(MeshAppearances, OfAnObjFileAreOpacitiesAndClampedTextures) {

@@ -22,7 +22,7 @@ using ::testing::StartsWith;
 struct Sample {
   std::string name;
   std::string bytes;
-  bool is_lines;  // OBJ and the like: a cut between lines leaves a valid, shorter file
+  bool is_valid_if_cut;  // OBJ and the like: a cut between lines leaves a valid, shorter file
 };
 
 std::vector<Sample> samples() {
@@ -38,7 +38,7 @@ std::vector<Sample> samples() {
           {"a.glb", sample::glb(sample::gltf_json(mesh, ""), sample::gltf_buffer(mesh)), false}};
 }
 
-void expect_sound(const TriangleMesh& mesh) {
+void expect_valid_mesh(const TriangleMesh& mesh) {
   EXPECT_FALSE(mesh.triangles.empty());
   for (const Vec3& v : mesh.vertices) EXPECT_TRUE(v.allFinite());
   for (const Triangle& t : mesh.triangles) {
@@ -47,7 +47,7 @@ void expect_sound(const TriangleMesh& mesh) {
 }
 
 // The error is one line of plain text that begins with the path of the file.
-void expect_clear(const Error& error, const std::filesystem::path& path) {
+void expect_clear_error(const Error& error, const std::filesystem::path& path) {
   EXPECT_THAT(error.what, StartsWith(path.string() + ": "));
   EXPECT_EQ(error.what.find('\n'), std::string::npos) << error.what;
   for (const char c : error.what) EXPECT_TRUE(c >= ' ' && c <= '~') << error.what;
@@ -57,7 +57,7 @@ void expect_clear(const Error& error, const std::filesystem::path& path) {
 std::string error_of(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt) {
   const auto file = load_mesh_file(path, unit);
   if (file) return "it was read";
-  expect_clear(file.error(), path);
+  expect_clear_error(file.error(), path);
   return file.error().what;
 }
 
@@ -167,16 +167,17 @@ TEST(MeshFile, ReadsNoFileThatWasCutShort) {
       const auto path = folder.write(sample.name, cut);
       const auto file = load_mesh_file(path);
       if (!file) {
-        expect_clear(file.error(), path);
+        expect_clear_error(file.error(), path);
         continue;
       }
-      expect_sound(file->mesh);
+      expect_valid_mesh(file->mesh);
       const bool only_blanks_gone = size > last;
       const bool noted = !file->notes.empty() && file->notes.back().find("cut short") != std::string::npos;
       const bool ends_a_line = cut.ends_with('\n');
       const bool last_number_shorter = sample.name == "ascii.ply" && size == last;  // "3 2 3 10" cut to "3 2 3 1"
       const bool only_name_gone = sample.name == "ascii.stl" && size >= sample.bytes.find("endsolid") + 8;
-      EXPECT_TRUE(only_blanks_gone || (sample.is_lines && (noted || ends_a_line)) || (last_number_shorter && noted) || only_name_gone)
+      EXPECT_TRUE(only_blanks_gone || (sample.is_valid_if_cut && (noted || ends_a_line)) || (last_number_shorter && noted) ||
+                  only_name_gone)
           << sample.name << " cut to " << size << " of " << sample.bytes.size();
     }
   }
@@ -213,13 +214,13 @@ TEST(MeshFile, SurvivesDamage) {
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);
   const ScratchFolder folder;
-  int read = 0;
-  int rejected = 0;
+  int read_count = 0;
+  int rejected_count = 0;
   for (const Sample& sample : samples()) {
     for (int round = 0; round < 1500; ++round) {
       std::string damaged = sample.bytes;
-      const auto hits = 1 + random() % 4;
-      for (unsigned k = 0; k < hits; ++k) {
+      const auto change_count = 1 + random() % 4;
+      for (unsigned k = 0; k < change_count; ++k) {
         const std::size_t at = random() % damaged.size();
         switch (random() % 4) {
           case 0:
@@ -239,29 +240,29 @@ TEST(MeshFile, SurvivesDamage) {
       }
       const auto path = folder.write(sample.name, damaged);
       const auto file = load_mesh_file(path);
-      ++(file ? read : rejected);
+      ++(file ? read_count : rejected_count);
       if (file)
-        expect_sound(file->mesh);
+        expect_valid_mesh(file->mesh);
       else
-        expect_clear(file.error(), path);
+        expect_clear_error(file.error(), path);
     }
   }
-  EXPECT_GT(read, 100);
-  EXPECT_GT(rejected, 100);
+  EXPECT_GT(read_count, 100);
+  EXPECT_GT(rejected_count, 100);
 }
 
 TEST(MeshFile, GivesAPartByItsName) {
   const auto file = load_mesh_file(HAPTON_SOURCE_DIR "/meshes/nist_assembly_insert.obj");
   ASSERT_TRUE(file) << file.error().what;
-  std::size_t sum = 0;
+  std::size_t triangle_count = 0;
   for (const char* name : {"insert_base", "mounts", "pipe_1", "pipe_2", "hardware", "screen"}) {
     const auto part = extract_part(*file, name);
     ASSERT_TRUE(part) << part.error().what;
-    expect_sound(*part);
+    expect_valid_mesh(*part);
     EXPECT_LT(part->vertices.size(), file->mesh.vertices.size());
-    sum += part->triangles.size();
+    triangle_count += part->triangles.size();
   }
-  EXPECT_EQ(sum, 7216U);
+  EXPECT_EQ(triangle_count, 7216U);
   const auto none = extract_part(*file, "pipe_3");
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().what, AllOf(HasSubstr("'pipe_3'"), HasSubstr("'pipe_1'")));

@@ -9,13 +9,13 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::uint32_t kNone = TriangleAppearance::kNoMaterial;
+constexpr std::uint32_t kNoMaterial = TriangleAppearance::kNoMaterial;
 
 TEST(MeshHaptics, TellsWhichMaterialsOccur) {
   EXPECT_THAT(list_haptic_materials({}), IsEmpty());
   const MeshAppearance maps = {
-      .images = {}, .materials = {}, .triangles = {{.material = 2}, {.material = kNone}, {.material = 2}, {.material = 0}}};
-  EXPECT_THAT(list_haptic_materials(maps), ElementsAre(2, kNone, 0));
+      .images = {}, .materials = {}, .triangles = {{.material = 2}, {.material = kNoMaterial}, {.material = 2}, {.material = 0}}};
+  EXPECT_THAT(list_haptic_materials(maps), ElementsAre(2, kNoMaterial, 0));
 }
 
 TEST(MeshHaptics, KeepsTheTrianglesOfOne) {

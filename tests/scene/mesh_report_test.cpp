@@ -49,7 +49,9 @@ const Figures kFigures[] = {
 void PrintTo(const Figures& figures, std::ostream* out) { *out << figures.file; }
 
 // Equal up to the digits with which the figure was written.
-void expect_digits(double value, double figure, int digits) { EXPECT_NEAR(value, figure, std::abs(figure) * std::pow(10.0, 1 - digits)); }
+void expect_equal_to_digits(double value, double figure, int digits) {
+  EXPECT_NEAR(value, figure, std::abs(figure) * std::pow(10.0, 1 - digits));
+}
 
 class MeshReports : public ::testing::TestWithParam<Figures> {};
 
@@ -73,8 +75,8 @@ TEST_P(MeshReports, AgreeWithTheFiguresOfTheMeshes) {
   EXPECT_EQ(report->flaws.borders.open + report->flaws.borders.cracks, expected.boundary_edges);
   EXPECT_EQ(report->flaws.repair.dropped_duplicates + report->flaws.repair.double_faces, expected.duplicate_triangles);
   EXPECT_EQ(t.is_closed(), expected.closed);
-  for (int axis = 0; axis < 3; ++axis) expect_digits(t.highest[axis] - t.lowest[axis], expected.extents[axis], 6);
-  expect_digits(t.signed_volume, expected.signed_volume, 5);
+  for (int axis = 0; axis < 3; ++axis) expect_equal_to_digits(t.highest[axis] - t.lowest[axis], expected.extents[axis], 6);
+  expect_equal_to_digits(t.signed_volume, expected.signed_volume, 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEveryMesh, MeshReports, ::testing::ValuesIn(kFigures));

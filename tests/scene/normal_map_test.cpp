@@ -20,11 +20,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// The normal of a wavy surface at (u, v) of an image of 100 mm. The largest slope is kSteep along u, and half of it along v.
-constexpr double kSteep = 0.3;
+// The normal of a wavy surface at (u, v) of an image of 100 mm. The largest slope is kLargestSlope along u, and half of it along v.
+constexpr double kLargestSlope = 0.3;
 Vec3 wave_normal(double u, double v) {
-  const double turn = 2.0 * std::numbers::pi;
-  return Vec3(-kSteep * std::cos(turn * u), 0.5 * kSteep * std::sin(2.0 * turn * v), 1.0).normalized();  // green is up, v is down
+  const double full_turn = 2.0 * std::numbers::pi;
+  return Vec3(-kLargestSlope * std::cos(full_turn * u), 0.5 * kLargestSlope * std::sin(2.0 * full_turn * v), 1.0)
+      .normalized();  // green is up, v is down
 }
 
 // has_alpha: with an alpha channel; many tools store a height in it.
@@ -95,8 +96,8 @@ class NormalMap : public ::testing::Test {
         MapPlace place = map_gradients(maps.triangles->front());
         place.texcoord = {u, v};
         const Vec3 normal = wave_normal(u, v);
-        const Vec3 wanted = scale * Vec3(-normal.x() / normal.z(), -normal.y() / normal.z(), 0.0);
-        EXPECT_LT((maps.sample(place).height_gradient - wanted).norm(), 0.02 * scale) << u << ' ' << v;
+        const Vec3 expected = scale * Vec3(-normal.x() / normal.z(), -normal.y() / normal.z(), 0.0);
+        EXPECT_LT((maps.sample(place).height_gradient - expected).norm(), 0.02 * scale) << u << ' ' << v;
       }
     }
   }
@@ -114,14 +115,14 @@ TEST_F(NormalMap, IsFeltAlikeWhateverItsAlphaIs) {
   expect_waves("normal_map = 'alpha.png'", "sheet.obj");
 }
 
-TEST_F(NormalMap, ThatOfAGltfFileIsFeltWhereItIsAskedFor) {
+TEST_F(NormalMap, OfAGltfFileIsFeltOnlyOnRequest) {
   write_gltf(R"({"normalTexture":{"index":0}})");
   expect_waves("normal_map = true", "sheet.gltf");
   write_gltf(R"({"normalTexture":{"index":0,"scale":2},"pbrMetallicRoughness":{"baseColorTexture":{"index":1}}})");
   expect_waves("normal_map = true\nnormal_map_scale = 0.25", "sheet.gltf", 0.5);
-  const auto silent = load("stiffness_n_per_m = 500", "sheet.gltf");
-  ASSERT_TRUE(silent) << silent.error().what;
-  EXPECT_FALSE(silent->objects[0].effects.any());
+  const auto without_request = load("stiffness_n_per_m = 500", "sheet.gltf");
+  ASSERT_TRUE(without_request) << without_request.error().what;
+  EXPECT_FALSE(without_request->objects[0].effects.any());
 }
 
 // Only normal_map = true uses the normal map of the mesh file; materials with another image keep the file's texture coordinates.

@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 // The slopes of a relief along u and v. normal_map() asks for them at the centre of each texel, with u and v from 0 to 1.
 struct Slopes {
@@ -36,10 +36,11 @@ ImageTexels normal_map(int width, int height, SlopesAt slopes_at) {
 
 // The sum of two waves over an image of 80 x 50 mm.
 const Eigen::Vector2d kImageM(0.08, 0.05);
-double wave_m(double u, double v) { return 0.0008 * std::sin(3.0 * kTurn * u) + 0.0005 * std::cos(kTurn * (2.0 * u - v)); }
+double wave_m(double u, double v) { return 0.0008 * std::sin(3.0 * kFullTurn * u) + 0.0005 * std::cos(kFullTurn * (2.0 * u - v)); }
 Slopes wave_slopes(double u, double v) {
-  const double tilted = -0.0005 * kTurn * std::sin(kTurn * (2.0 * u - v));
-  return {(0.0008 * 3.0 * kTurn * std::cos(3.0 * kTurn * u) + 2.0 * tilted) / kImageM.x(), -tilted / kImageM.y()};
+  const double second_wave_slope = -0.0005 * kFullTurn * std::sin(kFullTurn * (2.0 * u - v));
+  return {(0.0008 * 3.0 * kFullTurn * std::cos(3.0 * kFullTurn * u) + 2.0 * second_wave_slope) / kImageM.x(),
+          -second_wave_slope / kImageM.y()};
 }
 
 // The largest difference of relief and wave in metres, when the highest point of each is at height 0.
@@ -76,11 +77,11 @@ TEST(NormalRelief, OddSidesAndSingleRowsWorkToo) {
   EXPECT_LT(error_of(*odd, 1.0), 0.02 * odd->height_m);
   const auto row = relief_of_normals(normal_map(64, 1,
                                                 [](double u, double) {
-                                                  return Slopes{0.3 * std::cos(kTurn * u), 0.0};
+                                                  return Slopes{0.3 * std::cos(kFullTurn * u), 0.0};
                                                 }),
                                      {0.1, 0.1}, 1.0);
   ASSERT_TRUE(row);
-  EXPECT_NEAR(row->height_m, 2.0 * 0.3 * 0.1 / kTurn, 0.02 * row->height_m);
+  EXPECT_NEAR(row->height_m, 2.0 * 0.3 * 0.1 / kFullTurn, 0.02 * row->height_m);
 }
 
 TEST(NormalRelief, ATiltOfTheWholeMapIsLeftOut) {

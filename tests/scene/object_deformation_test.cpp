@@ -35,7 +35,7 @@ struct ObjectDeformation : testing::Test {
 };
 
 // A push is given in the frame of the mesh: the object's scale, pose and fit transform its direction and length.
-TEST_F(ObjectDeformation, APushIsThatOfTheMesh) {
+TEST_F(ObjectDeformation, APushIsInTheFrameOfTheMesh) {
   const auto scene =
       load("position_m = [0, 0, 0.01]\nrotation_deg = [0, 0, 90]\nscale = 2", morph("push_m = [0.01, 0, 0.02]\nkeys = [[0, 0], [1, 1]]"));
   ASSERT_TRUE(scene) << scene.error().what;
@@ -52,20 +52,20 @@ TEST_F(ObjectDeformation, APushIsThatOfTheMesh) {
 TEST_F(ObjectDeformation, WithARadiusItFallsOff) {
   const auto scene = load("", morph("push_m = [0, 0, 0.01]\ncenter_m = [0.1, 0, 0]\nradius_m = 0.11\nkeys = [[0, 0], [1, 1]]"));
   ASSERT_TRUE(scene) << scene.error().what;
-  const auto at = shape(scene->objects[0], 1.0);
-  EXPECT_DOUBLE_EQ(at[1].z(), 0.01);
+  const auto vertices = shape(scene->objects[0], 1.0);
+  EXPECT_DOUBLE_EQ(vertices[1].z(), 0.01);
   const double share = 1.0 - 0.01 / 0.0121;
-  EXPECT_NEAR(at[0].z(), 0.01 * share * share, 1e-15);
-  EXPECT_EQ(at[3].z(), 0.0) << "farther than the radius";
+  EXPECT_NEAR(vertices[0].z(), 0.01 * share * share, 1e-15);
+  EXPECT_EQ(vertices[3].z(), 0.0) << "farther than the radius";
   EXPECT_EQ(scene->objects[0].deformation->moved().size(), 3U);
 }
 
 TEST_F(ObjectDeformation, StretchesAlongTheMeshsAxes) {
   const auto scene = load("rotation_deg = [0, 0, 90]", morph("stretch = [1.2, 1, 1]\ncenter_m = [0.05, 0, 0]\nkeys = [[0, 0], [1, 1]]"));
   ASSERT_TRUE(scene) << scene.error().what;
-  const auto at = shape(scene->objects[0], 1.0);
-  EXPECT_LT((at[0] - Vec3(0, -0.01, 0)).norm(), 1e-15);
-  EXPECT_LT((at[2] - Vec3(-0.1, 0.11, 0)).norm(), 1e-15);
+  const auto vertices = shape(scene->objects[0], 1.0);
+  EXPECT_LT((vertices[0] - Vec3(0, -0.01, 0)).norm(), 1e-15);
+  EXPECT_LT((vertices[2] - Vec3(-0.1, 0.11, 0)).norm(), 1e-15);
 }
 
 TEST_F(ObjectDeformation, SeveralAddUpWithTheirOwnTimes) {
@@ -152,10 +152,10 @@ TEST_F(ObjectDeformation, TheHashOfTheFilesDoesNotDependOnSealedCracks) {
     const auto sealed = load("position_m = [0, 0, 0.01]\nscale = 2", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]"), head);
     ASSERT_TRUE(sealed) << sealed.error().what;
     EXPECT_TRUE(sealed->objects[0].sealed.has_sealed());
-    const auto seen = load_scene(folder.path() / "a.toml", {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
-    ASSERT_TRUE(seen) << seen.error().what;
-    EXPECT_FALSE(seen->objects[0].sealed.has_sealed());
-    EXPECT_EQ(sealed->given_hash, seen->given_hash) << head;
+    const auto unsealed = load_scene(folder.path() / "a.toml", {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
+    ASSERT_TRUE(unsealed) << unsealed.error().what;
+    EXPECT_FALSE(unsealed->objects[0].sealed.has_sealed());
+    EXPECT_EQ(sealed->given_hash, unsealed->given_hash) << head;
   }
 }
 

@@ -69,7 +69,7 @@ TEST_F(ObjectMotion, IsFittedWithTheScene) {
   EXPECT_LT((scene->objects[0].motion->pivot() - Vec3(0.025, -0.025, 0)).norm(), 1e-12);
 }
 
-TEST_F(ObjectMotion, ASurfaceMayNotPushAHandFasterThanIsSaid) {
+TEST_F(ObjectMotion, ASurfaceMayNotMoveFasterThanTheLimit) {
   // The farthest vertex is 0.1 m from the pivot: it moves 157 mm in a quarter of a turn.
   const std::string at_rest = keyframe("time_s = 0");
   EXPECT_THAT(error_of("", at_rest + keyframe("time_s = 0.5\nrotation_deg = [0, 0, 90]")),
@@ -81,9 +81,9 @@ TEST_F(ObjectMotion, ASurfaceMayNotPushAHandFasterThanIsSaid) {
 }
 
 TEST_F(ObjectMotion, ALoopEndsWhereItBegins) {
-  const std::string ways = keyframe("time_s = 0") + keyframe("time_s = 1\nposition_m = [0.1, 0, 0]\nrotation_deg = [0, 0, 10]");
-  EXPECT_THAT(error_of("loop = true", ways), HasSubstr("line 7: the last keyframe of 'flap' has another pose than the first"));
-  const auto scene = load_object("loop = true", ways + keyframe("time_s = 2\nrotation_deg = [0, 0, 360]"));
+  const std::string keyframes = keyframe("time_s = 0") + keyframe("time_s = 1\nposition_m = [0.1, 0, 0]\nrotation_deg = [0, 0, 10]");
+  EXPECT_THAT(error_of("loop = true", keyframes), HasSubstr("line 7: the last keyframe of 'flap' has another pose than the first"));
+  const auto scene = load_object("loop = true", keyframes + keyframe("time_s = 2\nrotation_deg = [0, 0, 360]"));
   ASSERT_TRUE(scene) << scene.error().what;
   EXPECT_TRUE(scene->objects[0].motion->loops());
   EXPECT_EQ(scene->objects[0].motion->pose_at(2.0).matrix(), scene->objects[0].motion->pose_at(4.0).matrix());
@@ -91,14 +91,15 @@ TEST_F(ObjectMotion, ALoopEndsWhereItBegins) {
 
 // Numbers in a file have few digits: if the last pose differs from the first only by rounding, the loop ends exactly at the first.
 TEST_F(ObjectMotion, ALoopThatEndsNextToItsBeginningEndsThere) {
-  const std::string ways = keyframe("time_s = 0\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 0]") +
-                           keyframe("time_s = 2\nposition_m = [0, 0.01, 0]\nrotation_deg = [0, 0, 30]");
-  const auto scene = load_object("loop = true", ways + keyframe("time_s = 4\nposition_m = [3e-7, 0, 0]\nrotation_deg = [0, 0, 1e-4]"));
+  const std::string first_keyframes = keyframe("time_s = 0\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 0]") +
+                                      keyframe("time_s = 2\nposition_m = [0, 0.01, 0]\nrotation_deg = [0, 0, 30]");
+  const auto scene =
+      load_object("loop = true", first_keyframes + keyframe("time_s = 4\nposition_m = [3e-7, 0, 0]\nrotation_deg = [0, 0, 1e-4]"));
   ASSERT_TRUE(scene) << scene.error().what;
   const std::vector<Keyframe>& keyframes = scene->objects[0].motion->keyframes();
   EXPECT_EQ(keyframes.back().p_S, keyframes.front().p_S);
   EXPECT_EQ(keyframes.back().turn.coeffs(), keyframes.front().turn.coeffs());
-  EXPECT_THAT(error_of("loop = true", ways + keyframe("time_s = 4\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 1]")),
+  EXPECT_THAT(error_of("loop = true", first_keyframes + keyframe("time_s = 4\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 1]")),
               HasSubstr("has another pose than the first"))
       << "turned in its place";
 }
@@ -144,9 +145,9 @@ TEST_F(ObjectMotion, IsPartOfTheScenesHashes) {
 TEST_F(ObjectMotion, TheExampleSceneMoves) {
   const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/machine.toml");
   ASSERT_TRUE(scene) << scene.error().what;
-  int moving = 0;
-  for (const SceneObject& object : scene->objects) moving += object.motion != nullptr ? 1 : 0;
-  EXPECT_EQ(moving, 3);
+  int moving_objects = 0;
+  for (const SceneObject& object : scene->objects) moving_objects += object.motion != nullptr ? 1 : 0;
+  EXPECT_EQ(moving_objects, 3);
   // The open lid's free edge is up, the closed one's just over the box.
   const SceneObject& lid = scene->objects[4];
   const SceneObject& box = scene->objects[3];

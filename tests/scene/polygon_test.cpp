@@ -91,7 +91,7 @@ TEST(Polygon, CoversRandomStars) {
 
 // Brute-force twin: it cuts ears in the same order, but tests each corner against all remaining ones, every time. Pre: the polygon is
 // in z = 0 and counter-clockwise. Empty: it found no ear to cut.
-std::vector<Triangle> cut_plainly(const std::vector<Vec3>& vertices) {
+std::vector<Triangle> cut_ears_by_brute_force(const std::vector<Vec3>& vertices) {
   const auto turn = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
     const Vec3 &a = vertices[i], &b = vertices[j], &c = vertices[k];
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
@@ -103,13 +103,13 @@ std::vector<Triangle> cut_plainly(const std::vector<Vec3>& vertices) {
     const std::size_t n = ring.size();
     at %= n;
     const Triangle ear = {ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]};
-    const auto is_in_it = [&](std::uint32_t p) {
-      for (const std::uint32_t own : ear) {
-        if (vertices[p] == vertices[own]) return false;
+    const auto is_in_ear = [&](std::uint32_t p) {
+      for (const std::uint32_t ear_corner : ear) {
+        if (vertices[p] == vertices[ear_corner]) return false;
       }
       return turn(ear[0], ear[1], p) >= 0 && turn(ear[1], ear[2], p) >= 0 && turn(ear[2], ear[0], p) >= 0;
     };
-    if (!(turn(ear[0], ear[1], ear[2]) > 0) || std::any_of(ring.begin(), ring.end(), is_in_it)) {
+    if (!(turn(ear[0], ear[1], ear[2]) > 0) || std::any_of(ring.begin(), ring.end(), is_in_ear)) {
       if (++misses == n) return {};
       ++at;
       continue;
@@ -140,7 +140,7 @@ TEST(Polygon, CutsTheEarsThatItsTwinCuts) {
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  int cut = 0;
+  int compared_polygons = 0;
   for (int round = 0; round < 300; ++round) {
     const int n = 5 + static_cast<int>(random() % 120);
     std::vector<Vec3> polygon = spiral(n, 0.05 * (round % 60));
@@ -154,9 +154,9 @@ TEST(Polygon, CutsTheEarsThatItsTwinCuts) {
     double area = 0;
     for (int i = 0; i < n; ++i) area += polygon[static_cast<std::size_t>(i)].cross(polygon[static_cast<std::size_t>((i + 1) % n)]).z();
     if (area < 0) std::reverse(polygon.begin(), polygon.end());
-    const std::vector<Triangle> expected = cut_plainly(polygon);
+    const std::vector<Triangle> expected = cut_ears_by_brute_force(polygon);
     if (area == 0 || expected.empty()) continue;  // triangulate_polygon() makes a fan then
-    ++cut;
+    ++compared_polygons;
     std::vector<Triangle> triangles;
     ASSERT_TRUE(triangulate_polygon(corners_of(polygon), polygon, triangles));
     // A convex polygon becomes a fan, whose triangles are in another order than the twin's.
@@ -165,7 +165,7 @@ TEST(Polygon, CutsTheEarsThatItsTwinCuts) {
       continue;
     EXPECT_EQ(triangles, expected) << round;
   }
-  EXPECT_GT(cut, 150);
+  EXPECT_GT(compared_polygons, 150);
 }
 
 TEST(Polygon, TakesQuadraticTimeAtWorst) {
@@ -194,14 +194,14 @@ TEST(Polygon, GivesAFanWhereNothingBetterExists) {
 }
 
 TEST(Polygon, RejectsOnlyHollowOnesWithTooManyCorners) {
-  std::vector<Vec3> round;
+  std::vector<Vec3> circle;
   for (int i = 0; i < 5000; ++i)
-    round.emplace_back(std::cos(2 * std::numbers::pi * i / 5000), std::sin(2 * std::numbers::pi * i / 5000), 0);
+    circle.emplace_back(std::cos(2 * std::numbers::pi * i / 5000), std::sin(2 * std::numbers::pi * i / 5000), 0);
   std::vector<Triangle> triangles;
-  EXPECT_TRUE(triangulate_polygon(corners_of(round), round, triangles));
+  EXPECT_TRUE(triangulate_polygon(corners_of(circle), circle, triangles));
   EXPECT_EQ(triangles.size(), 4998U);
-  round[7] *= 0.5;
-  EXPECT_FALSE(triangulate_polygon(corners_of(round), round, triangles));
+  circle[7] *= 0.5;
+  EXPECT_FALSE(triangulate_polygon(corners_of(circle), circle, triangles));
   EXPECT_EQ(triangles.size(), 4998U) << "nothing may be appended";
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::vector<ProbeSpec> read(const std::string& text) {
+std::vector<ProbeSpec> read_probe_text(const std::string& text) {
   const auto table = parse_toml(text);
   EXPECT_TRUE(table);
   auto probes = read_probes(*table);
@@ -29,10 +29,11 @@ std::string error_of_probes(const std::string& text) {
   return probes ? "it was read" : probes.error().what;
 }
 
-const std::string kTwo = "[[probe]]\nname = 'left'\n[[probe]]\nname = 'right'\nradius_m = 0.003\nmethod = 'reference'\nshading = 0.5\n";
+const std::string kTwoProbes =
+    "[[probe]]\nname = 'left'\n[[probe]]\nname = 'right'\nradius_m = 0.003\nmethod = 'reference'\nshading = 0.5\n";
 
 TEST(ProbeReader, ReadsEveryKeyAndLeavesOutWhatIsNotGiven) {
-  const auto probes = read(kTwo);
+  const auto probes = read_probe_text(kTwoProbes);
   ASSERT_EQ(probes.size(), 2U);
   EXPECT_EQ(probes[0].name, "left");
   EXPECT_FALSE(probes[0].radius_m || probes[0].method || probes[0].shading);
@@ -40,11 +41,11 @@ TEST(ProbeReader, ReadsEveryKeyAndLeavesOutWhatIsNotGiven) {
   EXPECT_EQ(probes[1].method, "reference");
   EXPECT_EQ(probes[1].shading, 0.5);
   EXPECT_EQ(probes[1].line, 3U);
-  EXPECT_TRUE(read("fit_m = [1, 1, 1]\n").empty());
+  EXPECT_TRUE(read_probe_text("fit_m = [1, 1, 1]\n").empty());
 }
 
 TEST(ProbeReader, IsFoundByItsNameOrIsTheFirst) {
-  const auto probes = read(kTwo);
+  const auto probes = read_probe_text(kTwoProbes);
   EXPECT_EQ(*find_probe(probes, ""), &probes[0]);
   EXPECT_EQ(*find_probe(probes, "right"), &probes[1]);
   EXPECT_EQ(*find_probe({}, ""), nullptr);
@@ -53,7 +54,7 @@ TEST(ProbeReader, IsFoundByItsNameOrIsTheFirst) {
 }
 
 TEST(ProbeReader, SaysHowItTouches) {
-  const auto probes = read(kTwo + "[[probe]]\nname = 'tip'\nradius_m = 0\n");
+  const auto probes = read_probe_text(kTwoProbes + "[[probe]]\nname = 'tip'\nradius_m = 0\n");
   EXPECT_EQ(describe(probes[0]), "probe 'left'");
   EXPECT_EQ(describe(probes[1]), "probe 'right': radius 0.003 m, method reference, shading 0.5");
   EXPECT_EQ(describe(probes[2]), "probe 'tip': a point");
@@ -70,18 +71,18 @@ TEST(ProbeReader, NamesLineKeyAndWhatIsAllowed) {
   EXPECT_THAT(error_of_probes("[[probe]]\nname = 'a'\nshading = 2\n"), HasSubstr("'shading' in [[probe]] 1 is 2"));
   EXPECT_THAT(error_of_probes("[[probe]]\nname = 'a'\nmethod = 'smoth'\n"),
               HasSubstr("line 3: 'method' in [[probe]] 1 is 'smoth': choose one of proxy, reference, smooth, sweep"));
-  EXPECT_THAT(error_of_probes(kTwo + "[[probe]]\nname = 'left'\n"), HasSubstr("line 8: there are two probes named 'left'"));
+  EXPECT_THAT(error_of_probes(kTwoProbes + "[[probe]]\nname = 'left'\n"), HasSubstr("line 8: there are two probes named 'left'"));
 }
 
 // The probes of a scene file change neither its shapes nor its hash, which haptics node and vision node compare.
 TEST(ProbeReader, IsNoPartOfTheSceneButOfItsReport) {
   const ScratchFolder folder;
   folder.write("a.obj", sample::obj(sample::tetrahedron()));
-  const auto plain = load_scene(folder.write("plain.toml", "[[object]]\nmesh = 'a.obj'\n"));
-  const auto file = folder.write("two.toml", "[[object]]\nmesh = 'a.obj'\n" + kTwo);
-  const auto two = load_scene(file);
-  ASSERT_TRUE(plain && two) << (two ? "" : two.error().what);
-  EXPECT_EQ(plain->given_hash, two->given_hash);
+  const auto without_probes = load_scene(folder.write("plain.toml", "[[object]]\nmesh = 'a.obj'\n"));
+  const auto file = folder.write("two.toml", "[[object]]\nmesh = 'a.obj'\n" + kTwoProbes);
+  const auto with_probes = load_scene(file);
+  ASSERT_TRUE(without_probes && with_probes) << (with_probes ? "" : with_probes.error().what);
+  EXPECT_EQ(without_probes->given_hash, with_probes->given_hash);
   const auto report = make_scene_report(file);
   ASSERT_TRUE(report) << report.error().what;
   EXPECT_THAT(to_text(*report), HasSubstr("\nprobe 'left'\nprobe 'right': radius 0.003 m, method reference, shading 0.5\n"));

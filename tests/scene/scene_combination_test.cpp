@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kFile = "room.toml";
 
-Scene moving_scene_with(bool moves, bool is_movable) {
+Scene make_lid_and_peg(bool moves, bool is_movable) {
   Scene scene;
   scene.objects.push_back({.name = "lid", .mesh = nullptr, .material = {}, .line = 2});
   scene.objects.push_back({.name = "peg", .mesh = nullptr, .material = {}, .line = 7});
@@ -28,20 +28,20 @@ Scene moving_scene_with(bool moves, bool is_movable) {
 
 TEST(SceneCombination, GoesWithAProbeAndOtherObjects) {
   for (const bool has_tool : {false, true}) {
-    EXPECT_TRUE(check_combination(kFile, moving_scene_with(false, false), has_tool));
-    EXPECT_TRUE(check_combination(kFile, moving_scene_with(false, true), has_tool));
+    EXPECT_TRUE(check_combination(kFile, make_lid_and_peg(false, false), has_tool));
+    EXPECT_TRUE(check_combination(kFile, make_lid_and_peg(false, true), has_tool));
   }
-  EXPECT_TRUE(check_combination(kFile, moving_scene_with(true, false), false));
+  EXPECT_TRUE(check_combination(kFile, make_lid_and_peg(true, false), false));
 }
 
 TEST(SceneCombination, WhatMovesGoesWithAToolAndBesideMovableObjects) {
-  EXPECT_TRUE(check_combination(kFile, moving_scene_with(true, false), true));
-  EXPECT_TRUE(check_combination(kFile, moving_scene_with(true, true), true)) << "a tool leaves movable objects where they are";
-  EXPECT_TRUE(check_combination(kFile, moving_scene_with(true, true), false));
+  EXPECT_TRUE(check_combination(kFile, make_lid_and_peg(true, false), true));
+  EXPECT_TRUE(check_combination(kFile, make_lid_and_peg(true, true), true)) << "a tool leaves movable objects where they are";
+  EXPECT_TRUE(check_combination(kFile, make_lid_and_peg(true, true), false));
 }
 
 TEST(SceneCombination, DeformingObjectsAreRejectedWithToolsAndMovableObjects) {
-  Scene scene = moving_scene_with(false, true);
+  Scene scene = make_lid_and_peg(false, true);
   scene.objects[0].deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{{0}, {Vec3::UnitX()}}},
                                                                          std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
   EXPECT_EQ(check_combination(kFile, scene, true).error().what,
@@ -52,8 +52,8 @@ TEST(SceneCombination, DeformingObjectsAreRejectedWithToolsAndMovableObjects) {
   EXPECT_TRUE(check_combination(kFile, scene, false));
 }
 
-TEST(SceneCombination, WhatProgramsMoveDoesToo) {
-  Scene scene = moving_scene_with(false, true);
+TEST(SceneCombination, WhatProgramsMoveGoesWithAToolAndBesideMovableObjects) {
+  Scene scene = make_lid_and_peg(false, true);
   ObjectSpec spec;
   spec.motion.by_program = true;
   scene.objects[0].commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), TriangleMesh());
@@ -63,8 +63,8 @@ TEST(SceneCombination, WhatProgramsMoveDoesToo) {
   EXPECT_TRUE(check_combination(kFile, scene, false));
 }
 
-TEST(SceneCombination, WhatProgramsDeformIsToldLikewise) {
-  Scene scene = moving_scene_with(false, true);
+TEST(SceneCombination, ObjectsThatProgramsDeformAreRejectedLikewise) {
+  Scene scene = make_lid_and_peg(false, true);
   scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.01});
   EXPECT_EQ(check_combination(kFile, scene, true).error().what,
             "room.toml: line 2: object 'lid' deforms, which a rigid tool does not support: leave out the tool, or 'deformed_by'");
@@ -80,7 +80,7 @@ TEST(SceneCombination, WhatProgramsDeformIsToldLikewise) {
 }
 
 TEST(SceneCombination, WhatCanBeCarvedGoesWithAProbeOnly) {
-  Scene scene = moving_scene_with(false, false);
+  Scene scene = make_lid_and_peg(false, false);
   EXPECT_TRUE(check_combination(kFile, scene, true));
   scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1};
   EXPECT_TRUE(check_combination(kFile, scene, false));
@@ -92,14 +92,14 @@ TEST(SceneCombination, WhatCanBeCarvedGoesWithAProbeOnly) {
 }
 
 TEST(SceneCombination, AnObjectThatMovesByItselfIsNotMovable) {
-  Scene scene = moving_scene_with(true, false);
+  Scene scene = make_lid_and_peg(true, false);
   scene.objects[0].is_movable = true;
   EXPECT_EQ(check_combination(kFile, scene, false).error().what,
             "room.toml: line 2: object 'lid' moves by keyframes and is movable, which cannot be combined: keep one of the two");
 }
 
 TEST(SceneCombination, AMovableObjectTouchesAsManyPartsThatMoveAsAToolDoes) {
-  Scene scene = moving_scene_with(false, true);
+  Scene scene = make_lid_and_peg(false, true);
   const auto add_lid_by_program = [&] {
     ObjectSpec spec;
     spec.motion.by_program = true;
@@ -115,7 +115,7 @@ TEST(SceneCombination, AMovableObjectTouchesAsManyPartsThatMoveAsAToolDoes) {
 }
 
 TEST(SceneCombination, NoLineIsNamedWhereNoneIsKnown) {
-  Scene scene = moving_scene_with(false, true);
+  Scene scene = make_lid_and_peg(false, true);
   scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1};
   for (SceneObject& object : scene.objects) object.line = 0;
   EXPECT_EQ(check_combination(kFile, scene, false).error().what,

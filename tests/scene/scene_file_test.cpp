@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-constexpr double kTiny = 1e-12;
+constexpr double kSceneTolerance = 1e-12;
 
 class SceneFile : public ::testing::Test {
  protected:
@@ -79,7 +79,7 @@ two_sided = false
   EXPECT_EQ(first.material.friction_static, 0.5);
   EXPECT_EQ(first.material.friction_dynamic, 0.4);
   EXPECT_FALSE(first.material.two_sided);
-  EXPECT_LT((first.mesh->corner(0, 1) - Vec3(1, 2.5 + 0.03, 3)).norm(), kTiny);
+  EXPECT_LT((first.mesh->corner(0, 1) - Vec3(1, 2.5 + 0.03, 3)).norm(), kSceneTolerance);
   EXPECT_EQ(scene->objects[1].name, "a");
   EXPECT_EQ(scene->objects[1].material.stiffness_n_per_m, Material().stiffness_n_per_m);
   EXPECT_EQ(scene->objects[1].mesh->corner(0, 1), Vec3(1.5, 0, 0));
@@ -98,8 +98,8 @@ TEST_F(SceneFile, TurnsAboutFixedAxesXThenYThenZ) {
   // x by 90 takes (1.5, 0, 0) to itself, (0, 2.25, 0) to (0, 0, 2.25); then z by 90 takes those to (0, 1.5, 0) and (0, 0, 2.25).
   const auto scene = load("[[object]]\nmesh = 'a.obj'\nrotation_deg = [90, 0, 90]\n");
   ASSERT_TRUE(scene) << scene.error().what;
-  EXPECT_LT((scene->objects[0].mesh->corner(0, 1) - Vec3(0, 1.5, 0)).norm(), kTiny);
-  EXPECT_LT((scene->objects[0].mesh->corner(0, 2) - Vec3(0, 0, 2.25)).norm(), kTiny);
+  EXPECT_LT((scene->objects[0].mesh->corner(0, 1) - Vec3(0, 1.5, 0)).norm(), kSceneTolerance);
+  EXPECT_LT((scene->objects[0].mesh->corner(0, 2) - Vec3(0, 0, 2.25)).norm(), kSceneTolerance);
 }
 
 TEST_F(SceneFile, QuaternionIsWxyz) {
@@ -107,7 +107,7 @@ TEST_F(SceneFile, QuaternionIsWxyz) {
   const auto by_quaternion = load("[[object]]\nmesh = 'a.obj'\nrotation = [0.7071067811865476, 0, 0.7071067811865476, 0]\n");
   ASSERT_TRUE(by_degrees && by_quaternion);
   for (int k = 0; k < 3; ++k) {
-    EXPECT_LT((by_degrees->objects[0].mesh->corner(1, k) - by_quaternion->objects[0].mesh->corner(1, k)).norm(), kTiny);
+    EXPECT_LT((by_degrees->objects[0].mesh->corner(1, k) - by_quaternion->objects[0].mesh->corner(1, k)).norm(), kSceneTolerance);
   }
 }
 
@@ -115,9 +115,9 @@ TEST_F(SceneFile, FitsAllObjectsTogetherAroundTheOrigin) {
   const auto scene = load("fit_m = [0.3, 0.3, 0.3]\n[[object]]\nmesh = 'a.obj'\n[[object]]\nmesh = 'a.obj'\nposition_m = [4.5, 0, 0]\n");
   ASSERT_TRUE(scene) << scene.error().what;
   const auto box = box_of(*scene);
-  EXPECT_LT(box.center().norm(), kTiny);
-  EXPECT_NEAR(box.sizes().x(), 0.3, kTiny);
-  EXPECT_NEAR(box.sizes().y(), 0.3 * 2.25 / 6.0, kTiny);
+  EXPECT_LT(box.center().norm(), kSceneTolerance);
+  EXPECT_NEAR(box.sizes().x(), 0.3, kSceneTolerance);
+  EXPECT_NEAR(box.sizes().y(), 0.3 * 2.25 / 6.0, kSceneTolerance);
 }
 
 TEST_F(SceneFile, RejectsToFitAPoint) {
@@ -149,13 +149,13 @@ TEST_F(SceneFile, TakesAPlainMeshFile) {
 
 // In TOML, a key belongs to the last table header above it, so keys of the whole scene must stand above all tables.
 TEST_F(SceneFile, SaysWhereAKeyOfTheWholeSceneBelongs) {
-  const auto says_so = [](const char* line) {
+  const auto names_its_place = [](const char* line) {
     return AllOf(HasSubstr(line), HasSubstr("'fit_m' is a key of the whole scene"), HasSubstr("above the first line that begins with ["));
   };
   const std::string object = "[[object]]\nmesh = 'a.obj'\n";
-  EXPECT_THAT(error_of(object + "fit_m = [1, 1, 1]\n"), says_so("line 3: "));
-  EXPECT_THAT(error_of(object + "[material.steel]\nstiffness_n_per_m = 500\nfit_m = [1, 1, 1]\n"), says_so("line 5: "));
-  EXPECT_THAT(error_of(object + "[camera]\nposition_m = [0, 0, 1]\nfit_m = [1, 1, 1]\n"), says_so("line 5: "));
+  EXPECT_THAT(error_of(object + "fit_m = [1, 1, 1]\n"), names_its_place("line 3: "));
+  EXPECT_THAT(error_of(object + "[material.steel]\nstiffness_n_per_m = 500\nfit_m = [1, 1, 1]\n"), names_its_place("line 5: "));
+  EXPECT_THAT(error_of(object + "[camera]\nposition_m = [0, 0, 1]\nfit_m = [1, 1, 1]\n"), names_its_place("line 5: "));
   EXPECT_TRUE(load("fit_m = [1, 1, 1]\n" + object));
   EXPECT_TRUE(load(object + "material = 'fit_m'\n[material.fit_m]\nstiffness_n_per_m = 500\n")) << "a material of that name";
   EXPECT_TRUE(load(object + "[[effect]]\ntype = 'plugin'\nlibrary = 'x.so'\nparameters = { fit_m = 3 }\n")) << "a parameter of that name";
@@ -302,12 +302,12 @@ TEST(SceneAsGiven, HasAHashOfWhatTheFilesGive) {
   }
   EXPECT_NE(hash_of(plain), hash_of("fit_m = [1, 1, 1]\n" + plain));
   const auto path = folder.path() / "a.stl";
-  const auto output = load_scene(path, {.fit = MeshFit::workspace});
-  const auto seen = load_scene(path, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
-  const auto unfitted = load_scene(path, {});
-  ASSERT_TRUE(output && seen && unfitted);
-  EXPECT_EQ(output->given_hash, seen->given_hash);
-  EXPECT_NE(output->given_hash, unfitted->given_hash);
+  const auto touched_scene = load_scene(path, {.fit = MeshFit::workspace});
+  const auto drawn_scene = load_scene(path, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
+  const auto unfitted_scene = load_scene(path, {});
+  ASSERT_TRUE(touched_scene && drawn_scene && unfitted_scene);
+  EXPECT_EQ(touched_scene->given_hash, drawn_scene->given_hash);
+  EXPECT_NE(touched_scene->given_hash, unfitted_scene->given_hash);
 }
 
 TEST(SceneAsGiven, NamesTheLineAtFault) {

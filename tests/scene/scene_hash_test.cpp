@@ -9,35 +9,35 @@
 namespace hapton {
 namespace {
 
-TriangleMesh corner() { return {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {{0, 1, 2}, {0, 2, 3}}}; }
+TriangleMesh corner_mesh() { return {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {{0, 1, 2}, {0, 2, 3}}}; }
 
 std::uint64_t hash_of(const TriangleMesh& mesh, const Material& material = {}) {
   return hash_scene({{{std::make_shared<const TriangleMesh>(mesh), material}}});
 }
 
-TEST(SceneHash, EqualScenesHaveEqualHashes) { EXPECT_EQ(hash_of(corner()), hash_of(corner())); }
+TEST(SceneHash, EqualScenesHaveEqualHashes) { EXPECT_EQ(hash_of(corner_mesh()), hash_of(corner_mesh())); }
 
 TEST(SceneHash, WhateverChangesTheForceChangesIt) {
-  std::set<std::uint64_t> hashes = {hash_of(corner())};
-  TriangleMesh moved = corner();
+  std::set<std::uint64_t> hashes = {hash_of(corner_mesh())};
+  TriangleMesh moved = corner_mesh();
   moved.vertices[1].x() = 1.0 + 1e-15;
   hashes.insert(hash_of(moved));
-  TriangleMesh turned = corner();
+  TriangleMesh turned = corner_mesh();
   std::swap(turned.triangles[0][1], turned.triangles[0][2]);
   hashes.insert(hash_of(turned));
-  TriangleMesh fewer = corner();
+  TriangleMesh fewer = corner_mesh();
   fewer.triangles.pop_back();
   hashes.insert(hash_of(fewer));
-  TriangleMesh shaded = corner();  // force shading turns the force to the normals
+  TriangleMesh shaded = corner_mesh();  // force shading turns the force to the normals
   for (const float z : {1.0F, 2.0F}) {
     shaded.authored_normals.assign(2, {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitX(), Eigen::Vector3f(0.0F, 0.0F, z)});
     hashes.insert(hash_of(shaded));
   }
-  hashes.insert(hash_of(corner(), {.stiffness_n_per_m = 999.0}));
-  hashes.insert(hash_of(corner(), {.friction_static = 0.1}));
-  hashes.insert(hash_of(corner(), {.friction_dynamic = 0.1}));
-  hashes.insert(hash_of(corner(), {.two_sided = false}));
-  const auto shared = std::make_shared<const TriangleMesh>(corner());
+  hashes.insert(hash_of(corner_mesh(), {.stiffness_n_per_m = 999.0}));
+  hashes.insert(hash_of(corner_mesh(), {.friction_static = 0.1}));
+  hashes.insert(hash_of(corner_mesh(), {.friction_dynamic = 0.1}));
+  hashes.insert(hash_of(corner_mesh(), {.two_sided = false}));
+  const auto shared = std::make_shared<const TriangleMesh>(corner_mesh());
   hashes.insert(hash_scene({{{shared, {}}, {shared, {}}}}));
   const auto moved_for = [&](double seconds, bool loops) {
     TouchScene scene{{{shared, {}}}};
@@ -48,16 +48,16 @@ TEST(SceneHash, WhateverChangesTheForceChangesIt) {
   for (const bool loops : {false, true}) {
     for (const double seconds : {1.0, 2.0}) hashes.insert(moved_for(seconds, loops));
   }
-  EXPECT_EQ(hashes.size(), 15U);
+  EXPECT_EQ(hashes.size(), 15U) << "each scene above has a hash of its own";
 }
 
 // Two objects share a mesh. In each scene another one of them deforms, by the same displacements.
 TEST(SceneHash, SaysWhichObjectDeforms) {
-  const auto shared = std::make_shared<const TriangleMesh>(corner());
+  const auto shared = std::make_shared<const TriangleMesh>(corner_mesh());
   std::set<std::uint64_t> hashes;
-  for (const std::size_t which : {0U, 1U}) {
+  for (const std::size_t deforming_object : {0U, 1U}) {
     TouchScene scene{{{shared, {}}, {shared, {}}}};
-    scene.objects[which].deformation =
+    scene.objects[deforming_object].deformation =
         std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{.vertices = {1}, .displacements = {Vec3(0, 0, 0.001)}}},
                                                 std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
     hashes.insert(hash_scene(scene));
@@ -68,23 +68,23 @@ TEST(SceneHash, SaysWhichObjectDeforms) {
 // A haptics node and the windows of its vision nodes must agree on what is felt.
 TEST(SceneHash, EachNumberOfEachEffectInSpaceChangesIt) {
   const EffectVolume ball = EffectVolume::ball(Vec3::Zero(), 0.01);
-  const Vec3 away(0, 0, 1);
+  const Vec3 off_centre(0, 0, 1);
   const std::vector<SwitchedEffect> effects = {SpringEffect(),
-                                               SpringEffect{.centre = away},
+                                               SpringEffect{.centre = off_centre},
                                                SpringEffect{.stiffness_n_per_m = 7.0},
                                                SpringEffect{.max_force_n = 0.5},
                                                SwitchedEffect(SpringEffect(), {.button = 1}),
                                                ConstantEffect(),
-                                               ConstantEffect{.force_n = 2.0 * away},
+                                               ConstantEffect{.force_n = 2.0 * off_centre},
                                                ConstantEffect{.volume = ball},
                                                SnapEffect(),
                                                SnapEffect{.target = SnapEffect::Target::line},
-                                               SnapEffect{.position = away},
+                                               SnapEffect{.position = off_centre},
                                                SnapEffect{.direction = Vec3::UnitX()},
                                                SnapEffect{.range_m = 0.03},
                                                SnapEffect{.max_force_n = 0.5},
                                                GravityWellEffect(),
-                                               GravityWellEffect{.centre = away},
+                                               GravityWellEffect{.centre = off_centre},
                                                GravityWellEffect{.radius_m = 0.7},
                                                GravityWellEffect{.max_force_n = 0.5},
                                                ViscousEffect(),

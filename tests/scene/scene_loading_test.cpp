@@ -15,7 +15,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-TEST(SceneLoading, EveryOneHasACodeOfItsOwnThatIsNotZero) {
+TEST(SceneLoading, EveryCombinationHasACodeOfItsOwnThatIsNotZero) {
   std::vector<std::uint32_t> codes;
   for (const std::optional<Unit> unit :
        {std::optional<Unit>(), std::optional(Unit::m), std::optional(Unit::cm), std::optional(Unit::mm), std::optional(Unit::in)}) {
@@ -30,7 +30,7 @@ TEST(SceneLoading, EveryOneHasACodeOfItsOwnThatIsNotZero) {
       }
     }
   }
-  for (const std::uint32_t other : {0U, 2U, 6U, 0x31U, 0xFFFFFFFFU}) EXPECT_FALSE(from_code(other)) << other;
+  for (const std::uint32_t invalid_code : {0U, 2U, 6U, 0x31U, 0xFFFFFFFFU}) EXPECT_FALSE(from_code(invalid_code)) << invalid_code;
 }
 
 class FittedMesh : public ::testing::Test {
@@ -78,13 +78,13 @@ TEST_F(FittedMesh, IsFittedAlikeHoweverItsCracksAreTreated) {
   const auto path = folder_.write("roof.obj",
                                   "v 0 1 0\nv 1 1 0\nv 0 0 -0.9\nv 0.5 0 -0.9\nv 1 0 -0.9\nf 1 3 4\nf 1 4 2\nf 2 4 5\n"
                                   "v 0 1.00005 0\nv 1 1.00005 0\nv 0 0 0.9\nv 1 0 0.9\nf 6 7 8\nf 7 9 8\n");
-  const auto felt = load_scene(path, {.fit = MeshFit::workspace});
-  const auto seen = load_scene(path, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
-  ASSERT_TRUE(felt && seen);
-  EXPECT_TRUE(felt->objects.at(0).sealed.has_sealed());
-  EXPECT_LT(box_of(*felt).sizes().y(), box_of(*seen).sizes().y()) << "the ridge is lower";
-  EXPECT_EQ(felt->fit_scale, seen->fit_scale);
-  EXPECT_EQ(box_of(*felt).min(), box_of(*seen).min());
+  const auto touched_scene = load_scene(path, {.fit = MeshFit::workspace});
+  const auto drawn_scene = load_scene(path, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
+  ASSERT_TRUE(touched_scene && drawn_scene);
+  EXPECT_TRUE(touched_scene->objects.at(0).sealed.has_sealed());
+  EXPECT_LT(box_of(*touched_scene).sizes().y(), box_of(*drawn_scene).sizes().y()) << "the ridge is lower";
+  EXPECT_EQ(touched_scene->fit_scale, drawn_scene->fit_scale);
+  EXPECT_EQ(box_of(*touched_scene).min(), box_of(*drawn_scene).min());
 }
 
 TEST_F(FittedMesh, IsLeftAsItIsWithoutFit) {

@@ -26,7 +26,7 @@ std::string screen_error(const std::string& text) {
 }
 
 // kScreenText with `from` replaced by `to`.
-std::string changed(const std::string& from, const std::string& to) {
+std::string changed_screen_text(const std::string& from, const std::string& to) {
   std::string text = kScreenText;
   return text.replace(text.find(from), from.size(), to);
 }
@@ -75,22 +75,24 @@ TEST(ScreenFile, AScreenThatAFileMayNotHaveIsFoundBeforeItIsWritten) {
 }
 
 TEST(ScreenFile, ErrorsNameLineKeyAndAllowedValues) {
-  EXPECT_EQ(screen_error(changed("0.52", "0")), "line 4: 'width_m' in the file is 0: it must be at least 0.02 and at most 100");
-  EXPECT_EQ(screen_error(changed("0.29", "290")), "line 5: 'height_m' in the file is 290: it must be at least 0.02 and at most 100");
-  EXPECT_EQ(screen_error(changed("0.29", "nan")), "line 5: 'height_m' in the file is nan: it must be at least 0.02 and at most 100");
-  EXPECT_EQ(screen_error(changed("0.29", "\"a\"")), "line 5: 'height_m' in the file must be a number");
-  EXPECT_EQ(screen_error(changed("-0.12", "-120")),
+  EXPECT_EQ(screen_error(changed_screen_text("0.52", "0")), "line 4: 'width_m' in the file is 0: it must be at least 0.02 and at most 100");
+  EXPECT_EQ(screen_error(changed_screen_text("0.29", "290")),
+            "line 5: 'height_m' in the file is 290: it must be at least 0.02 and at most 100");
+  EXPECT_EQ(screen_error(changed_screen_text("0.29", "nan")),
+            "line 5: 'height_m' in the file is nan: it must be at least 0.02 and at most 100");
+  EXPECT_EQ(screen_error(changed_screen_text("0.29", "\"a\"")), "line 5: 'height_m' in the file must be a number");
+  EXPECT_EQ(screen_error(changed_screen_text("-0.12", "-120")),
             "line 2: number 3 of 'position_m' in the file is -120: it must be at least -100 and at most 100");
-  EXPECT_EQ(screen_error(changed("[0.01, ", "[")), "line 2: 'position_m' in the file must be a list of 3 numbers");
-  EXPECT_THAT(screen_error(changed("height_m", "hight_m")),
+  EXPECT_EQ(screen_error(changed_screen_text("[0.01, ", "[")), "line 2: 'position_m' in the file must be a list of 3 numbers");
+  EXPECT_THAT(screen_error(changed_screen_text("height_m", "hight_m")),
               HasSubstr("line 5: unknown key 'hight_m' in the file; did you mean 'height_m'?"));
-  EXPECT_THAT(screen_error(changed("width_m = 0.52\n", "")), HasSubstr("the file has no 'width_m': add it"));
-  EXPECT_THAT(screen_error(changed("rotation_deg = [-30, 0, 0]\n", "")), HasSubstr("the file has no 'rotation': add it"));
-  EXPECT_EQ(screen_error(changed("rotation_deg = [-30, 0, 0]", "rotation = [1, 1, 0, 0]")),
+  EXPECT_THAT(screen_error(changed_screen_text("width_m = 0.52\n", "")), HasSubstr("the file has no 'width_m': add it"));
+  EXPECT_THAT(screen_error(changed_screen_text("rotation_deg = [-30, 0, 0]\n", "")), HasSubstr("the file has no 'rotation': add it"));
+  EXPECT_EQ(screen_error(changed_screen_text("rotation_deg = [-30, 0, 0]", "rotation = [1, 1, 0, 0]")),
             "line 3: 'rotation' has length 1.41421: a rotation is a quaternion [w, x, y, z] of length 1");
-  EXPECT_THAT(screen_error(changed("width_m", "rotation = [1, 0, 0, 0]\nwidth_m")), HasSubstr("keep one"));
+  EXPECT_THAT(screen_error(changed_screen_text("width_m", "rotation = [1, 0, 0, 0]\nwidth_m")), HasSubstr("keep one"));
   EXPECT_EQ(
-      screen_error(changed("screen/1", "screen/2")),
+      screen_error(changed_screen_text("screen/1", "screen/2")),
       "line 1: the schema is 'hapton.screen/2', and this program reads 'hapton.screen/1': calibrate the screen with a program of this "
       "version");
   EXPECT_THAT(screen_error("schema = \n"), HasSubstr("line 1: "));
@@ -99,7 +101,7 @@ TEST(ScreenFile, ErrorsNameLineKeyAndAllowedValues) {
 
 TEST(ScreenFile, AnErrorNamesTheFile) {
   const ScratchFolder scratch;
-  scratch.write("screen.toml", changed("0.52", "0"));
+  scratch.write("screen.toml", changed_screen_text("0.52", "0"));
   const auto wrong = read_screen(scratch.path() / "screen.toml");
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().what,

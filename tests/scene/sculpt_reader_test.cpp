@@ -92,19 +92,19 @@ TEST_F(SculptScene, EveryKeyIsPartOfTheHash) {
   const auto plain = load("");
   ASSERT_TRUE(plain) << plain.error().what;
   EXPECT_FALSE(plain->touch_scene().has_sculpt());
-  std::vector<std::uint64_t> hashes = {hash_scene(plain->touch_scene())}, given = {plain->given_hash};
+  std::vector<std::uint64_t> hashes = {hash_scene(plain->touch_scene())}, given_hashes = {plain->given_hash};
   for (const char* keys : {"sculpt = true", "sculpt = true\nvoxel_mm = 0.9\ntool_radius_mm = 3",
                            "sculpt = true\nvoxel_mm = 0.9\ntool_radius_mm = 4", "sculpt = true\ncarve_button = 2"}) {
     const auto scene = load(keys);
     ASSERT_TRUE(scene) << scene.error().what;
     ASSERT_TRUE(scene->touch_scene().has_sculpt());
     hashes.push_back(hash_scene(scene->touch_scene()));
-    given.push_back(scene->given_hash);
+    given_hashes.push_back(scene->given_hash);
   }
   std::sort(hashes.begin(), hashes.end());
-  std::sort(given.begin(), given.end());
+  std::sort(given_hashes.begin(), given_hashes.end());
   EXPECT_EQ(std::unique(hashes.begin(), hashes.end()), hashes.end());
-  EXPECT_EQ(std::unique(given.begin(), given.end()), given.end());
+  EXPECT_EQ(std::unique(given_hashes.begin(), given_hashes.end()), given_hashes.end());
 }
 
 TEST_F(SculptScene, RejectsEffectsAndTooSmallVoxelsWithTheLine) {

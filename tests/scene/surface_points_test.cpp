@@ -12,12 +12,12 @@ TEST(SurfacePoints, AreSpreadOverTheSurface) {
   const TouchScene scene{.objects = {{made::shared(make_icosphere(1.0, 4)), {}}}};
   const std::vector<Vec3> points = find_surface_points(scene, 16);
   ASSERT_EQ(points.size(), 16U);
-  double nearest = 10.0;
+  double least_distance = 10.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_NEAR(points[i].norm(), 1.0, 0.02);
-    for (std::size_t j = 0; j < i; ++j) nearest = std::min(nearest, (points[i] - points[j]).norm());
+    for (std::size_t j = 0; j < i; ++j) least_distance = std::min(least_distance, (points[i] - points[j]).norm());
   }
-  EXPECT_GT(nearest, 0.4);
+  EXPECT_GT(least_distance, 0.4);
   EXPECT_EQ(points, find_surface_points(scene, 16));
 }
 

@@ -52,11 +52,11 @@ TEST(ParseNumber, TakesWholeWordsOnly) {
 // A program that embeds the library may have set any locale.
 TEST(ParseNumber, HasAPointInEveryLocale) {
   const std::string before = std::setlocale(LC_NUMERIC, nullptr);
-  const char* set = nullptr;
+  const char* locale = nullptr;
   for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "fr_FR", "es_ES.UTF-8", "it_IT.UTF-8"}) {
-    if (set == nullptr) set = std::setlocale(LC_NUMERIC, name);
+    if (locale == nullptr) locale = std::setlocale(LC_NUMERIC, name);
   }
-  if (set == nullptr) GTEST_SKIP() << "no locale with a decimal comma is installed";
+  if (locale == nullptr) GTEST_SKIP() << "no locale with a decimal comma is installed";
   for (const auto& [word, expected] : {std::pair("1.5", 1.5), {"1.5e-400", 0.0}, {"1.5e400", HUGE_VAL}, {"-1.5e400", -HUGE_VAL}}) {
     double value = 7.0;
     EXPECT_TRUE(parse_number(word, value)) << word;

@@ -131,12 +131,12 @@ TEST_F(TextureReader, ForcesRepeatBitForBit) {
   };
   for (const char* name : {"proxy", "smooth", "sweep", "reference"}) {
     TouchStep step = begin(name);
-    TouchStep other = begin(name);
-    const auto first = run(step);
-    EXPECT_EQ(first, run(step)) << name << ": after a reset";
-    EXPECT_EQ(first, run(other)) << name << ": in a new step";
+    TouchStep new_step = begin(name);
+    const auto forces = run(step);
+    EXPECT_EQ(forces, run(step)) << name << ": after a reset";
+    EXPECT_EQ(forces, run(new_step)) << name << ": in a new step";
     double sideways_n = 0.0;
-    for (const Vec3& force_n : first) sideways_n = std::max(sideways_n, force_n.head<2>().norm());
+    for (const Vec3& force_n : forces) sideways_n = std::max(sideways_n, force_n.head<2>().norm());
     EXPECT_GT(sideways_n, 0.02) << name;
   }
 }

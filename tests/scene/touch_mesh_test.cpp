@@ -49,7 +49,7 @@ TEST_F(TouchMeshes, AreLeftAsTheyAreOnRequest) {
   EXPECT_THAT(touch->notes, IsEmpty());
 }
 
-TEST_F(TouchMeshes, OfAMeshFileAndOfAScene) {
+TEST_F(TouchMeshes, AreSealedInMeshFilesAndInScenes) {
   const auto mesh = load_scene(folder_.path() / "cracked.obj");
   ASSERT_TRUE(mesh) << mesh.error().what;
   EXPECT_TRUE(count_edges(*mesh->objects[0].mesh).closed());
@@ -110,7 +110,7 @@ TEST_F(TouchMeshes, TheReportSaysWhatWillBeSealed) {
 struct SealedFile {
   const char* file;
   std::size_t boundary_edges;
-  std::size_t most_left;
+  std::size_t max_edges_left;
   bool is_closed;
 };
 
@@ -123,7 +123,7 @@ TEST_P(SealedFiles, LoseTheirCracks) {
   ASSERT_TRUE(report) << report.error().what;
   EXPECT_EQ(report->flaws.topology.boundary_edges, GetParam().boundary_edges);
   EXPECT_EQ(report->sealed.boundary_edges, GetParam().boundary_edges);
-  EXPECT_LE(report->sealed.boundary_edges_left, GetParam().most_left);
+  EXPECT_LE(report->sealed.boundary_edges_left, GetParam().max_edges_left);
   EXPECT_EQ(report->borders_left.open + report->borders_left.cracks, report->sealed.boundary_edges_left);
   EXPECT_EQ(report->is_closed_for_touch(), GetParam().is_closed);
 }

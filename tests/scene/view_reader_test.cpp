@@ -105,13 +105,14 @@ TEST(ViewReader, ASceneFileHasItsView) {
   const ScratchFolder folder;
   folder.write("a.obj", sample::obj(sample::tetrahedron()));
   const std::string object = "[[object]]\nmesh = 'a.obj'\n";
-  const auto plain = load_scene(folder.write("a.toml", object));
-  const auto seen = load_scene(folder.write("b.toml", object + "[camera]\nposition_m = [0, 0, 1]\n[[light]]\ndirection = [0, -1, 0]\n"));
-  ASSERT_TRUE(plain && seen);
-  EXPECT_EQ(plain->given_hash, seen->given_hash);
-  EXPECT_FALSE(plain->view.camera);
-  EXPECT_TRUE(seen->view.camera);
-  EXPECT_THAT(seen->view.lights, SizeIs(1));
+  const auto without_view = load_scene(folder.write("a.toml", object));
+  const auto with_view =
+      load_scene(folder.write("b.toml", object + "[camera]\nposition_m = [0, 0, 1]\n[[light]]\ndirection = [0, -1, 0]\n"));
+  ASSERT_TRUE(without_view && with_view);
+  EXPECT_EQ(without_view->given_hash, with_view->given_hash);
+  EXPECT_FALSE(without_view->view.camera);
+  EXPECT_TRUE(with_view->view.camera);
+  EXPECT_THAT(with_view->view.lights, SizeIs(1));
   const auto wrong = load_scene(folder.write("c.toml", object + "[camera]\nposition_m = 1\n"));
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().what, HasSubstr("c.toml: line 4: 'position_m' in [camera] must be a list of 3 numbers"));

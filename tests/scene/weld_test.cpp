@@ -33,9 +33,10 @@ TEST(Weld, AgreesWithAMap) {
   const unsigned seed = 11;
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);
-  std::uniform_int_distribution<int> draw(0, 8);
+  std::uniform_int_distribution<int> grid_number(0, 8);
   TriangleMesh mesh;
-  for (int i = 0; i < 3000; ++i) mesh.vertices.emplace_back(0.1 * draw(random), 1e-9 * draw(random), 1e9 * draw(random));
+  for (int i = 0; i < 3000; ++i)
+    mesh.vertices.emplace_back(0.1 * grid_number(random), 1e-9 * grid_number(random), 1e9 * grid_number(random));
   for (std::uint32_t i = 0; i + 2 < 3000; ++i) mesh.triangles.push_back({i, i + 1, i + 2});
   std::map<std::tuple<double, double, double>, int> distinct;
   for (const Vec3& v : mesh.vertices) ++distinct[{v.x(), v.y(), v.z()}];

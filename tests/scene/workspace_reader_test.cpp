@@ -26,11 +26,11 @@ class Workspace : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-const std::string kPlaced = "[[object]]\nmesh = 'a.obj'\nposition_m = [1, 2, 3]\nrotation_deg = [0, 0, 90]\n";
+const std::string kPlacedObject = "[[object]]\nmesh = 'a.obj'\nposition_m = [1, 2, 3]\nrotation_deg = [0, 0, 90]\n";
 
 // The centre of the workspace is the origin; in this test its x axis is the scene's y axis, and 1 m at the hand is 10 m in the scene.
 TEST_F(Workspace, SaysWhereTheHandIsInTheScene) {
-  const auto scene = load(kPlaced + "[workspace]\ncenter_m = [1, 2, 2]\nrotation_deg = [0, 0, 90]\nscale = 10\n");
+  const auto scene = load(kPlacedObject + "[workspace]\ncenter_m = [1, 2, 2]\nrotation_deg = [0, 0, 90]\nscale = 10\n");
   ASSERT_TRUE(scene) << scene.error().what;
   const TriangleMesh& mesh = *scene->objects[0].mesh;
   EXPECT_LT((mesh.vertices[0] - Vec3(0, 0, 0.1)).norm(), 1e-12);
@@ -41,10 +41,10 @@ TEST_F(Workspace, SaysWhereTheHandIsInTheScene) {
 }
 
 TEST_F(Workspace, InItsSizeNeedsNoNote) {
-  for (const char* same : {"[workspace]\ncenter_m = [1, 2, 2]\n", "[workspace]\nscale = 1\n", "[workspace]\nscale = 1.00001\n"}) {
-    const auto scene = load(kPlaced + same);
+  for (const char* workspace : {"[workspace]\ncenter_m = [1, 2, 2]\n", "[workspace]\nscale = 1\n", "[workspace]\nscale = 1.00001\n"}) {
+    const auto scene = load(kPlacedObject + workspace);
     ASSERT_TRUE(scene) << scene.error().what;
-    EXPECT_THAT(scene->notes, ::testing::IsEmpty()) << same;
+    EXPECT_THAT(scene->notes, ::testing::IsEmpty()) << workspace;
   }
   const auto fitted = load("fit_m = [1.5, 9, 9]\n[[object]]\nmesh = 'a.obj'\n");
   ASSERT_TRUE(fitted) << fitted.error().what;
@@ -74,7 +74,7 @@ TEST_F(Workspace, MovesKeyframesAlong) {
 
 TEST_F(Workspace, IsPartOfTheHash) {
   const auto hash_of = [&](const std::string& text) {
-    const auto scene = load(kPlaced + text);
+    const auto scene = load(kPlacedObject + text);
     return scene ? scene->given_hash : 0;
   };
   const std::uint64_t plain = hash_of("");

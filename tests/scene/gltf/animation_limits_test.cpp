@@ -37,12 +37,12 @@ struct SharedAnimation {
   }
 
   void add_animation(std::size_t channels) {
-    nlohmann::json one;
-    one["samplers"] = {{{"input", 1}, {"output", 2}}};
+    nlohmann::json animation;
+    animation["samplers"] = {{{"input", 1}, {"output", 2}}};
     for (std::size_t c = 0; c < channels; ++c) {
-      one["channels"].push_back({{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}});
+      animation["channels"].push_back({{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}});
     }
-    json["animations"].push_back(one);
+    json["animations"].push_back(animation);
   }
   RawMesh read() const {
     auto raw = read_glb(sample::glb(json.dump(), buffer), ".");
@@ -60,13 +60,13 @@ TEST(GltfAnimationLimits, ChannelsMayShareASamplerAFewTimes) {
     shared.json["nodes"] = {{{"mesh", 0}}};
     shared.add_animation(channels);
     const RawMesh raw = shared.read();
-    const auto is_told = Contains(HasSubstr("its animations cannot be read: animations[0].samplers[0]: the channels of all animations"));
+    const auto is_noted = Contains(HasSubstr("its animations cannot be read: animations[0].samplers[0]: the channels of all animations"));
     EXPECT_EQ(raw.mesh.triangles.size(), 1U) << "the shape is what matters";
     EXPECT_EQ(raw.animations.size(), channels == 50U ? 1U : 0U);
     if (channels == 50U) {
-      EXPECT_THAT(raw.notes, Not(is_told));
+      EXPECT_THAT(raw.notes, Not(is_noted));
     } else {
-      EXPECT_THAT(raw.notes, is_told);
+      EXPECT_THAT(raw.notes, is_noted);
     }
   }
 }
@@ -96,13 +96,13 @@ TEST(GltfAnimationLimits, TheKeyframesOfAllPartsAreBounded) {
 TEST(GltfAnimationLimits, TheNodesAboveAllPartsAreBounded) {
   for (const std::size_t animations : {1U, 5U}) {
     SharedAnimation shared(2);
-    constexpr std::size_t kDeepest = 3000;
-    for (std::size_t n = 0; n + 1 < kDeepest; ++n) shared.json["nodes"].push_back({{"mesh", 0}, {"children", {n + 1}}});
+    constexpr std::size_t kDepth = 3000;
+    for (std::size_t n = 0; n + 1 < kDepth; ++n) shared.json["nodes"].push_back({{"mesh", 0}, {"children", {n + 1}}});
     shared.json["nodes"].push_back({{"mesh", 0}});
     shared.json["scenes"] = {{{"nodes", {0}}}};
     for (std::size_t a = 0; a < animations; ++a) shared.add_animation(0);
     const RawMesh raw = shared.read();
-    EXPECT_EQ(raw.parts.size(), kDeepest);
+    EXPECT_EQ(raw.parts.size(), kDepth);
     EXPECT_EQ(raw.animations.size() == animations, animations == 1U);
     if (animations > 1U) {
       EXPECT_THAT(raw.notes, Contains(HasSubstr("too many nodes above them")));

@@ -51,15 +51,15 @@ struct GltfAnimation : testing::Test {
   // Adds a channel to the animation with that index.
   void add_channel(std::size_t animation, std::size_t node, const char* path, const std::vector<float>& times,
                    const std::vector<float>& values, const char* interpolation = "LINEAR") {
-    Json& one = document["animations"][animation];
-    const std::size_t sampler = one["samplers"].size();
+    Json& target_animation = document["animations"][animation];
+    const std::size_t sampler = target_animation["samplers"].size();
     const bool is_rotation = std::string(path) == "rotation";
     const std::size_t input = add_numbers("SCALAR", 1, times);
     const std::size_t output = add_numbers(is_rotation ? "VEC4" : "VEC3", is_rotation ? 4 : 3, values);
-    one["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
-    one["channels"].push_back({{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
+    target_animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+    target_animation["channels"].push_back({{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
   }
-  static std::vector<float> about_z(const std::vector<double>& degrees) {
+  static std::vector<float> rotations_about_z(const std::vector<double>& degrees) {
     std::vector<float> values;
     for (const double each : degrees) {
       const double half = each * std::numbers::pi / 360.0;
@@ -92,7 +92,7 @@ struct GltfAnimation : testing::Test {
 // The arm turns about the base, and the hand goes with it.
 TEST_F(GltfAnimation, ANodeMovesWithTheOneAboveIt) {
   document["animations"] = {{{"name", "swing"}}};
-  add_channel(0, 1, "rotation", {0.0F, 1.0F, 2.0F}, about_z({0, 90, 0}));
+  add_channel(0, 1, "rotation", {0.0F, 1.0F, 2.0F}, rotations_about_z({0, 90, 0}));
   const MeshFile file = load();
   ASSERT_EQ(file.animations.size(), 1U);
   const MeshAnimation& swing = file.animations[0];
@@ -111,7 +111,7 @@ TEST_F(GltfAnimation, ANodeMovesWithTheOneAboveIt) {
 
 TEST_F(GltfAnimation, TwoNodesOfAPathMoveTogether) {
   add_channel(0, 0, "translation", {0.0F, 2.0F}, {1, 0, 0, 1, 0.2F, 0});
-  add_channel(0, 1, "rotation", {1.0F, 2.0F}, about_z({0, 90}));
+  add_channel(0, 1, "rotation", {1.0F, 2.0F}, rotations_about_z({0, 90}));
   const MeshFile file = load();
   ASSERT_EQ(file.animations.size(), 1U);
   EXPECT_EQ(file.animations[0].name, "animation 0");
@@ -131,8 +131,8 @@ TEST_F(GltfAnimation, MayBeginElsewhereThanTheFileRests) {
 
 // Exporters mirror by a negative scale. The combined transform alone does not tell which axis was mirrored.
 TEST_F(GltfAnimation, AMirroredNodeBeginsWhereItRests) {
-  document["nodes"][3]["rotation"] = about_z({30});
-  add_channel(0, 3, "rotation", {0.0F, 1.0F}, about_z({30, 120}));
+  document["nodes"][3]["rotation"] = rotations_about_z({30});
+  add_channel(0, 3, "rotation", {0.0F, 1.0F}, rotations_about_z({30, 120}));
   const Vec3 p(0.3, 0.2, 0.1);
   for (const std::array<double, 3>& scale : {std::array{-1.0, 1.0, 1.0}, {1.0, -1.0, 1.0}, {-2.0, -2.0, -2.0}, {-1.0, 2.0, 1.0}}) {
     document["nodes"][3]["scale"] = scale;
@@ -159,8 +159,9 @@ struct GltfMorphs : GltfAnimation {
     const std::size_t aside = add_numbers("VEC3", 3, {0.01F, 0, 0, 0.01F, 0, 0, 0.01F, 0, 0});
     document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}, {{"POSITION", aside}}};
   }
-  void add_weights(std::size_t node, const std::vector<float>& times, const std::vector<float>& weights, const char* how = "LINEAR") {
-    add_channel(0, node, "weights", times, {0, 0, 0}, how);
+  void add_weights(std::size_t node, const std::vector<float>& times, const std::vector<float>& weights,
+                   const char* interpolation = "LINEAR") {
+    add_channel(0, node, "weights", times, {0, 0, 0}, interpolation);
     document["animations"][0]["samplers"].back()["output"] = add_numbers("SCALAR", 1, weights);
   }
   Result<Scene> load_playing(const std::string& more) {
@@ -194,10 +195,10 @@ TEST_F(GltfMorphs, AnimationsOfWeightsDeformTheirNode) {
   EXPECT_FALSE(post.motion);
   ASSERT_TRUE(post.deformation);
   EXPECT_EQ(post.deformation->duration_s(), 2.0);
-  const auto at = post.deformation->vertices_at(post.mesh->vertices, post.deformation->weights_at(1.5));
+  const auto vertices = post.deformation->vertices_at(post.mesh->vertices, post.deformation->weights_at(1.5));
   for (std::size_t v = 0; v < 3; ++v) {
     const Vec3 expected = post.mesh->vertices[v] + Vec3(0.0025, 0, post.mesh->vertices[v].x() > 0.05 ? 0.01 : 0.0);
-    EXPECT_LT((at[v] - expected).norm(), 1e-7) << v;
+    EXPECT_LT((vertices[v] - expected).norm(), 1e-7) << v;
   }
 }
 
@@ -279,10 +280,10 @@ TEST_F(GltfMorphs, WeightsThatAreNotNumbersAreRejected) {
 // The weights at rest also apply to the normals of a target: otherwise the triangle would be shaded as if it were not deformed.
 TEST_F(GltfMorphs, AtRestTheNormalsAreThoseOfTheWeights) {
   const std::size_t normals = add_numbers("VEC3", 3, {0, 0, 1, 0, 0, 1, 0, 0, 1});
-  const std::size_t turned = add_numbers("VEC3", 3, {-0.2F, 0, 0, -0.2F, 0, 0, -0.2F, 0, 0});
+  const std::size_t normal_displacements = add_numbers("VEC3", 3, {-0.2F, 0, 0, -0.2F, 0, 0, -0.2F, 0, 0});
   Json& primitive = document["meshes"][0]["primitives"][0];
   primitive["attributes"]["NORMAL"] = normals;
-  primitive["targets"][0]["NORMAL"] = turned;
+  primitive["targets"][0]["NORMAL"] = normal_displacements;
   document["meshes"][0]["weights"] = {1, 0};
   MeshFile file = load();
   ASSERT_FALSE(file.mesh.authored_normals.empty());
@@ -303,14 +304,14 @@ TEST_F(GltfMorphs, AnAnimationOverridesTheWeightsAtRest) {
   ASSERT_TRUE(scene) << scene.error().what;
   const SceneObject& post = scene->objects.back();
   ASSERT_TRUE(post.deformation);
-  const auto place = [&](double time_s, std::size_t v) {
+  const auto vertex_at = [&](double time_s, std::size_t v) {
     return post.deformation->vertices_at(post.mesh->vertices, post.deformation->weights_at(time_s))[v];
   };
-  std::size_t lifted = 0;
-  while (lifted < 3 && post.mesh->vertices[lifted].z() < 0.005) ++lifted;
-  ASSERT_LT(lifted, 3U) << "the weights at rest lift it by 10 mm";
-  EXPECT_LT((place(0.0, lifted) - Vec3(0.11, 0, 0.01)).norm(), 1e-7) << "as at rest";
-  EXPECT_LT((place(1.0, lifted) - Vec3(0.1, 0, 0.02)).norm(), 1e-7) << "the first target alone";
+  std::size_t lifted_vertex = 0;
+  while (lifted_vertex < 3 && post.mesh->vertices[lifted_vertex].z() < 0.005) ++lifted_vertex;
+  ASSERT_LT(lifted_vertex, 3U) << "the weights at rest lift it by 10 mm";
+  EXPECT_LT((vertex_at(0.0, lifted_vertex) - Vec3(0.11, 0, 0.01)).norm(), 1e-7) << "as at rest";
+  EXPECT_LT((vertex_at(1.0, lifted_vertex) - Vec3(0.1, 0, 0.02)).norm(), 1e-7) << "the first target alone";
 }
 
 // A morph target moves two vertices at the same position in different ways.
@@ -319,8 +320,9 @@ TEST_F(GltfMorphs, ASurfaceThatWouldBeTornIsRejected) {
     sample::append(bytes, x);
   }
   const std::size_t positions = add_accessor("VEC3", 6, bytes.size() - 72);
-  const std::size_t apart = add_numbers("VEC3", 3, {0, 0, 0, 0, 0, 0.01F, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
-  document["meshes"][1] = {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"targets", {{{"POSITION", apart}}}}}}}};
+  const std::size_t tearing_displacements = add_numbers("VEC3", 3, {0, 0, 0, 0, 0, 0.01F, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  document["meshes"][1] = {
+      {"primitives", {{{"attributes", {{"POSITION", positions}}}, {"targets", {{{"POSITION", tearing_displacements}}}}}}}};
   document["nodes"][3]["mesh"] = 1;
   add_weights(3, {0.0F, 1.0F}, {0, 1});
   const auto scene = load_playing("");
@@ -331,7 +333,7 @@ TEST_F(GltfMorphs, ASurfaceThatWouldBeTornIsRejected) {
 // A node that turns below a node with a non-uniform scale would shear its part.
 TEST_F(GltfAnimation, APartThatWouldBeShearedStandsStill) {
   document["nodes"][0]["scale"] = {2, 1, 1};
-  add_channel(0, 1, "rotation", {0.0F, 1.0F}, about_z({0, 45}));
+  add_channel(0, 1, "rotation", {0.0F, 1.0F}, rotations_about_z({0, 45}));
   const MeshFile file = load();
   EXPECT_TRUE(file.animations.at(0).motions.empty());
   EXPECT_THAT(file.notes, Contains(HasSubstr("1 parts would deform, which is not supported; they stay at rest")));
@@ -340,7 +342,7 @@ TEST_F(GltfAnimation, APartThatWouldBeShearedStandsStill) {
 TEST_F(GltfAnimation, ScalesAtRestStayAsTheyAre) {
   document["nodes"][2]["scale"] = {1, 2, 3};
   document["nodes"][0]["scale"] = {0.5, 0.5, 0.5};
-  add_channel(0, 1, "rotation", {0.0F, 1.0F}, about_z({0, 90}));
+  add_channel(0, 1, "rotation", {0.0F, 1.0F}, rotations_about_z({0, 90}));
   const KeyframeMotion hand = load().animations.at(0).motions.at(2);
   EXPECT_LT((hand.pose_at(1.0) * Vec3(1.05, 0, 0) - Vec3(1, 0.05, 0)).norm(), 1e-6);
 }
@@ -377,7 +379,7 @@ TEST_F(GltfAnimation, SplinesOfRotationsAreFollowed) {
 TEST_F(GltfAnimation, ConstantStepsAndScalesAreAccepted) {
   document["nodes"][3]["scale"] = {2, 2, 2};
   add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0.3F, 0, 0, 0.3F}, "STEP");
-  add_channel(0, 3, "rotation", {0.0F, 1.0F}, about_z({0, 90}));
+  add_channel(0, 3, "rotation", {0.0F, 1.0F}, rotations_about_z({0, 90}));
   add_channel(0, 3, "scale", {0.0F, 1.0F}, {2, 2, 2, 2, 2, 2});
   const MeshFile file = load();
   const KeyframeMotion& post = file.animations.at(0).motions.at(3);
@@ -387,24 +389,24 @@ TEST_F(GltfAnimation, ConstantStepsAndScalesAreAccepted) {
 
 // A file is read even if its animation is broken, because its shape matters more.
 TEST_F(GltfAnimation, ABrokenAnimationIsANote) {
-  const std::size_t before = bytes.size();
+  const std::size_t byte_count_before = bytes.size();
   for (const auto& [times, values, what] :
        {std::tuple(std::vector<float>{1, 1}, std::vector<float>{0, 0, 0, 0, 0, 0}, "do not increase"),
         std::tuple(std::vector<float>{0, 1, 2}, std::vector<float>{0, 0, 0, 0, 0, 0}, "3 times and 2 values"),
         std::tuple(std::vector<float>{0, 1}, std::vector<float>{0, 0, 0, 0, 0, NAN}, "not finite")}) {
-    const Json whole = document;
+    const Json document_before = document;
     add_channel(0, 3, "translation", times, values);
     const MeshFile file = load();
     EXPECT_EQ(file.mesh.triangles.size(), 2U);
     EXPECT_THAT(file.notes, Contains(HasSubstr(what)));
-    document = whole;
-    bytes.resize(before);
+    document = document_before;
+    bytes.resize(byte_count_before);
   }
 }
 
 TEST_F(GltfAnimation, AnObjectThatPlaysItBecomesOneForEachMotion) {
   document["animations"] = {{{"name", "swing"}}};
-  add_channel(0, 1, "rotation", {0.0F, 0.5F, 1.0F}, about_z({0, 45, 0}));
+  add_channel(0, 1, "rotation", {0.0F, 0.5F, 1.0F}, rotations_about_z({0, 45, 0}));
   write();
   const auto scene = load_scene(folder.write(
       "a.toml", "[[object]]\nname = 'crane'\nmesh = 'a.gltf'\nposition_m = [0, 0, 0.5]\nscale = 0.5\nanimation = 'swing'\nloop = true\n"));
@@ -422,7 +424,7 @@ TEST_F(GltfAnimation, AnObjectThatPlaysItBecomesOneForEachMotion) {
 
 // Exporters leave out the last keyframe if it repeats the first: a wheel that turns by thirds then lacks the third back to its start.
 TEST_F(GltfAnimation, ALoopThatEndsElsewhereGoesBackAtItsMeanSpeed) {
-  add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, about_z({0, 120, 240}));
+  add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, rotations_about_z({0, 120, 240}));
   write();
   const std::string object = "[[object]]\nname = 'crane'\nmesh = 'a.gltf'\nscale = 0.5\nanimation = 'animation 0'\n";
   const auto scene = load_scene(folder.write("a.toml", object + "loop = true\nanimation_speed = 0.5\n"));
@@ -434,39 +436,39 @@ TEST_F(GltfAnimation, ALoopThatEndsElsewhereGoesBackAtItsMeanSpeed) {
   EXPECT_TRUE(hand.pose_at(12.0).isApprox(hand.pose_at(0.0), 1e-6));
   const auto once = load_scene(folder.write("a.toml", object));
   ASSERT_TRUE(once) << once.error().what;
-  EXPECT_EQ(once->objects[1].motion->keyframes().size(), 3U) << "it stays there";
+  EXPECT_EQ(once->objects[1].motion->keyframes().size(), 3U) << "without a loop, none is added";
 }
 
 // The parts belong together: all repeat after the same time, although only one of them ends away from its first pose.
 TEST_F(GltfAnimation, AllPartsOfALoopBeginAgainTogether) {
-  add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, about_z({0, 120, 240}));
+  add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, rotations_about_z({0, 120, 240}));
   add_channel(0, 3, "translation", {0.0F, 2.0F, 4.0F}, {0, 0, 0, 0.1F, 0, 0, 0, 0, 0});
   write();
   const auto scene = load_scene(
       folder.write("a.toml", "[[object]]\nname = 'crane'\nmesh = 'a.gltf'\nscale = 0.1\nanimation = 'animation 0'\nloop = true\n"));
   ASSERT_TRUE(scene) << scene.error().what;
-  int moving = 0;
+  int moving_objects = 0;
   for (const SceneObject& object : scene->objects) {
     if (object.motion == nullptr) continue;
-    ++moving;
+    ++moving_objects;
     EXPECT_NEAR(object.motion->keyframes().back().time_s, 6.0, 1e-6) << object.name;
     EXPECT_TRUE(object.motion->pose_at(6.0).isApprox(object.motion->pose_at(0.0), 1e-6)) << object.name;
   }
-  EXPECT_GE(moving, 2);
+  EXPECT_GE(moving_objects, 2);
 }
 
-TEST_F(GltfAnimation, IsPlayedSlower) {
-  add_channel(0, 1, "rotation", {0.0F, 0.5F}, about_z({0, 90}));
+TEST_F(GltfAnimation, TooFastAnAnimationNamesTheSpeedThatFits) {
+  add_channel(0, 1, "rotation", {0.0F, 0.5F}, rotations_about_z({0, 90}));
   EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("line 3: 'a/hand' moves at up to"));
   EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("set animation_speed to 0.39 or less")) << "0.2 m at pi rad/s";
   EXPECT_EQ(scene_error("animation = 'animation 0'\nanimation_speed = 0.39"), "it was read");
 }
 
-TEST_F(GltfAnimation, SaysWhichThereAre) {
+TEST_F(GltfAnimation, NamesTheAnimationsThatTheFileHas) {
   EXPECT_THAT(scene_error("animation = 'swing'"), HasSubstr("line 3: "));
   EXPECT_THAT(scene_error("animation = 'swing'"), HasSubstr("has no animations"));
   document["animations"] = {{{"name", "swing"}}, {{"name", "walk"}}};
-  add_channel(0, 1, "rotation", {0.0F, 9.0F}, about_z({0, 90}));
+  add_channel(0, 1, "rotation", {0.0F, 9.0F}, rotations_about_z({0, 90}));
   add_channel(1, 3, "translation", {0.0F, 9.0F}, {0, 0, 0, 0.1F, 0, 0});
   EXPECT_THAT(scene_error("animation = 'swin'"), HasSubstr("has no animation 'swin': it has 'swing', 'walk'"));
   EXPECT_EQ(scene_error("animation = 'walk'\npart = 'post'"), "it was read");

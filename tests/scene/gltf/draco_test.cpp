@@ -127,14 +127,14 @@ TEST(Draco, PositionsMayBeIntegersOfAnyType) {
 }
 
 // The most regular mesh with the best compression has the most triangles per byte: kMaxTrianglesOfAByte (draco.cpp) must admit it.
-TEST(Draco, UnfoldsTheMostRegularMesh) {
+TEST(Draco, DecodesTheMostRegularMesh) {
   const TriangleMesh mesh = make_plane_grid(1.0, 500);
   const std::string packed = sample::draco(mesh, DracoKind::edgebreaker, {}, 11, 0);
   RecordProperty("triangles_a_byte", static_cast<int>(mesh.triangles.size() / packed.size()));
   EXPECT_LT(mesh.triangles.size() / packed.size(), 128U);
-  const auto unfolded = gltf::decode_draco(packed, {.position = 0, .normal = {}, .max_triangles = kMaxMeshTriangles}, "here");
-  ASSERT_TRUE(unfolded) << unfolded.error().what;
-  EXPECT_EQ(unfolded->corners.size(), 3 * mesh.triangles.size());
+  const auto decoded = gltf::decode_draco(packed, {.position = 0, .normal = {}, .max_triangles = kMaxMeshTriangles}, "here");
+  ASSERT_TRUE(decoded) << decoded.error().what;
+  EXPECT_EQ(decoded->corners.size(), 3 * mesh.triangles.size());
 }
 
 TEST(Draco, RejectsWhatItsBytesCannotHold) {
@@ -163,8 +163,8 @@ TEST(Draco, SaysWhatIsWrong) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   const std::string packed = sample::draco(mesh, DracoKind::edgebreaker);
   const auto error_of = [](const std::string& bytes, std::uint32_t position = 0) {
-    const auto unfolded = gltf::decode_draco(bytes, {.position = position, .normal = {}, .max_triangles = 1000}, "here");
-    return unfolded ? "it was read" : unfolded.error().what;
+    const auto decoded = gltf::decode_draco(bytes, {.position = position, .normal = {}, .max_triangles = 1000}, "here");
+    return decoded ? "it was read" : decoded.error().what;
   };
   EXPECT_THAT(error_of(""), HasSubstr("holds no Draco data"));
   EXPECT_THAT(error_of("nonsense that is long enough to be a header"), HasSubstr("holds no Draco data"));
@@ -209,12 +209,12 @@ TEST(Draco, HapticTexturesNeedCoordinatesOfTwoNumbers) {
                                    R"("extensions":{"MPEG_haptic_material":{"materials":[{"stiffness":[{"texture":{"index":0}}],)"
                                    R"("extras":{"hapton":{"stiffness_map_n_per_m":[100,200]}}}]}},)");
   EXPECT_TRUE(read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":1)"));
-  const auto of_colours = read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":2)");
-  ASSERT_FALSE(of_colours);
-  EXPECT_THAT(of_colours.error().what, HasSubstr(".TEXCOORD_0 is not of type VEC2"));
-  const auto of_none = read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":7)");
-  ASSERT_FALSE(of_none);
-  EXPECT_THAT(of_none.error().what, HasSubstr("no TEXCOORD_0"));
+  const auto from_colours = read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":2)");
+  ASSERT_FALSE(from_colours);
+  EXPECT_THAT(from_colours.error().what, HasSubstr(".TEXCOORD_0 is not of type VEC2"));
+  const auto from_no_attribute = read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":7)");
+  ASSERT_FALSE(from_no_attribute);
+  EXPECT_THAT(from_no_attribute.error().what, HasSubstr("no TEXCOORD_0"));
 }
 
 // Bytes changed at random: never a crash, a hang or an unsound mesh.
@@ -225,11 +225,11 @@ TEST(Draco, SurvivesDamage) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
-    const std::string bare = sample::draco(mesh, kind, {}, 11);
+    const std::string without_appearance = sample::draco(mesh, kind, {}, 11);
     const std::string with_appearance = sample::draco_with_appearance(mesh, kind);
     for (int round = 0; round < 4000; ++round) {
       const bool has_appearance = round % 4 == 0;
-      std::string damaged = has_appearance ? with_appearance : bare;
+      std::string damaged = has_appearance ? with_appearance : without_appearance;
       for (unsigned k = 0; k <= random() % 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
       const auto raw = has_appearance
                            ? read_glb(sample::draco_appearance_glb(mesh, damaged, image), ".", kMaxMeshTriangles, AppearanceReading::on)

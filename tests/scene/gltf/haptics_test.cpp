@@ -26,15 +26,16 @@ using ::testing::StartsWith;
 constexpr double kSideM = 0.1;
 
 // A square at z = 0 with texture coordinates along x and y, and three images: a ramp along u, a ramp along v, and uniform grey.
-struct FeltSheet {
+struct HapticSheet {
   std::string materials;  // the materials of the extension, as JSON
+  // Members of mesh 0, before its primitives.
   std::string mesh = R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}},)";
   std::string attributes = R"("TEXCOORD_0":2)";
   std::string more_nodes = {};
   std::string more_meshes = {};
   std::string node = {};      // members of node 0
   std::string samplers = {};  // members of samplers[0], which textures[2] uses
-  std::string used = R"("extensionsUsed":["MPEG_haptic_material"],)";
+  std::string extensions_used = R"("extensionsUsed":["MPEG_haptic_material"],)";
   std::string textures = R"({"source":0},{"source":1},{"source":2,"sampler":0},{"source":0})";
 
   std::string images = R"({"bufferView":3},{"bufferView":4},{"bufferView":5})";
@@ -64,7 +65,7 @@ struct FeltSheet {
                       fmt::format(R"({}"extensions":{{"MPEG_haptic_material":{{"materials":[{}]}}}},"textures":[{}],"samplers":[{{{}}}],)"
                                   R"("images":[{}],"nodes":[{{{}"mesh":0,"name":"sheet"}}{}],)"
                                   R"("meshes":[{{{}"primitives":[{{"attributes":{{"POSITION":0,{}}},"indices":1}}]}}{}])",
-                                  used, materials, textures, samplers, images, node, more_nodes, mesh, attributes, more_meshes));
+                                  extensions_used, materials, textures, samplers, images, node, more_nodes, mesh, attributes, more_meshes));
   }
 };
 
@@ -73,18 +74,18 @@ std::string texture(int index, const std::string& more = "") {
 }
 
 // The value, 0 to 1, of the ramp (64 columns, 4 grey levels each) at x, away from the edges of the sheet, where the texture repeats.
-double felt_ramp_at(double x_m) { return 4.0 * (64.0 * x_m / kSideM - 0.5) / 255.0; }
-constexpr double kRampSlope = 4.0 * 64.0 / 255.0 / kSideM;
+double ramp_value_at(double x_m) { return 4.0 * (64.0 * x_m / kSideM - 0.5) / 255.0; }
+constexpr double kRampSlope = 4.0 * 64.0 / 255.0 / kSideM;  // of this value, per metre
 
 // Touches a scene with a force method.
-class Feeler {
+class TouchingHand {
  public:
-  explicit Feeler(const Scene& scene, const Vec3& start = {0.05, 0.05, 0.01}, const std::string& method = "proxy")
+  explicit TouchingHand(const Scene& scene, const Vec3& start = {0.05, 0.05, 0.01}, const std::string& method = "proxy")
       : step_(*make_method({.name = method}, scene.touch_scene()), scene.touch_scene()) {
     step_.reset({.p_WD = start});
     at_ = start;
   }
-  TouchOutput go(const Vec3& to, int steps = 200) {
+  TouchOutput move_to(const Vec3& to, int steps = 200) {
     TouchOutput output;
     const Vec3 from = at_;
     for (int n = 1; n <= steps; ++n) {
@@ -101,7 +102,7 @@ class Feeler {
 
 class GltfHaptics : public ::testing::Test {
  protected:
-  Scene load(const FeltSheet& sheet, const std::string& toml = {}) {
+  Scene load(const HapticSheet& sheet, const std::string& toml = {}) {
     folder_.write("sheet.glb", sheet.glb());
     auto scene = toml.empty() ? load_scene(folder_.path() / "sheet.glb") : load_scene(folder_.write("a.toml", toml));
     EXPECT_TRUE(scene) << scene.error().what;
@@ -110,7 +111,7 @@ class GltfHaptics : public ::testing::Test {
     none.objects.emplace_back();
     return none;
   }
-  std::string error_of(const FeltSheet& sheet, const std::string& toml = {}) {
+  std::string error_of(const HapticSheet& sheet, const std::string& toml = {}) {
     folder_.write("sheet.glb", sheet.glb());
     const auto scene = toml.empty() ? load_scene(folder_.path() / "sheet.glb") : load_scene(folder_.write("a.toml", toml));
     if (scene) return "it was read";
@@ -131,11 +132,11 @@ TEST_F(GltfHaptics, StiffnessIsFeltAsMapped) {
     ASSERT_EQ(scene.objects.size(), 1U);
     EXPECT_EQ(scene.objects[0].material.stiffness_n_per_m, 1000.0);
     for (const double x : {0.02, 0.05, 0.08}) {
-      Feeler feeler(scene, {x, 0.05, 0.005}, method);
-      const TouchOutput felt = feeler.go({x, 0.05, -0.002});
+      TouchingHand hand(scene, {x, 0.05, 0.005}, method);
+      const TouchOutput felt = hand.move_to({x, 0.05, -0.002});
       const double depth = felt.visual_offset_m.z();
       EXPECT_NEAR(depth, 0.002, 1e-5);
-      const double k = 200.0 + 800.0 * felt_ramp_at(x);
+      const double k = 200.0 + 800.0 * ramp_value_at(x);
       EXPECT_NEAR(felt.force_n.z(), k * depth, 1e-5 * k * depth) << method << " " << x;
       // The gradient of k d^2 / 2 along x.
       EXPECT_NEAR(felt.force_n.x(), -0.5 * 800.0 * kRampSlope * depth * depth, 1e-5) << method << " " << x;
@@ -147,63 +148,65 @@ TEST_F(GltfHaptics, StiffnessIsFeltAsMapped) {
 TEST_F(GltfHaptics, FrictionIsFeltAsMapped) {
   const Scene scene = load(
       {.materials = R"({"friction":)" + texture(0) + R"(,"extras":{"hapton":{"friction_map_range":[0.1,0.9],"stiffness_n_per_m":500}}})"});
-  Feeler feeler(scene, {0.01, 0.05, 0.005});
-  feeler.go({0.01, 0.05, -0.002});
+  TouchingHand hand(scene, {0.01, 0.05, 0.005});
+  hand.move_to({0.01, 0.05, -0.002});
   for (const double x : {0.03, 0.05, 0.07}) {
-    const TouchOutput felt = feeler.go({x, 0.05, -0.002}, 2000);
+    const TouchOutput felt = hand.move_to({x, 0.05, -0.002}, 2000);
     const double normal_n = 500.0 * felt.visual_offset_m.z();
     EXPECT_NEAR(felt.force_n.z(), normal_n, 1e-6);
-    EXPECT_NEAR(felt.force_n.x(), -(0.1 + 0.8 * felt_ramp_at(x)) * normal_n, 1e-4 * normal_n) << x;
+    EXPECT_NEAR(felt.force_n.x(), -(0.1 + 0.8 * ramp_value_at(x)) * normal_n, 1e-4 * normal_n) << x;
   }
 }
 
 TEST_F(GltfHaptics, ACustomTextureWithAScaleIsAViscosity) {
   const Scene scene = load({.materials = R"({"custom":)" + texture(0) + R"(,"extras":{"hapton":{"viscosity_map_ns_per_m":[0,6]}}})"});
   EXPECT_THAT(scene.notes, testing::Each(testing::Not(HasSubstr("is ignored"))));
-  Feeler feeler(scene, {0.01, 0.05, 0.005});
-  feeler.go({0.01, 0.05, -0.002});
+  TouchingHand hand(scene, {0.01, 0.05, 0.005});
+  hand.move_to({0.01, 0.05, -0.002});
   // 0.07 m in 2,000 steps of 1 ms.
-  const TouchOutput felt = feeler.go({0.08, 0.05, -0.002}, 2000);
-  EXPECT_NEAR(felt.force_n.x(), -6.0 * felt_ramp_at(0.08) * 0.035, 1e-3);
+  const TouchOutput felt = hand.move_to({0.08, 0.05, -0.002}, 2000);
+  EXPECT_NEAR(felt.force_n.x(), -6.0 * ramp_value_at(0.08) * 0.035, 1e-3);
 }
 
 TEST_F(GltfHaptics, TheTactileTextureIsAHeight) {
   const Scene scene = load({.materials = R"({"vibrotactileTexture":)" + texture(0) +
                                          R"(,"extras":{"hapton":{"bump_height_m":0.001,"stiffness_n_per_m":800}}})"});
-  Feeler feeler(scene, {0.05, 0.05, 0.005});
-  const TouchOutput felt = feeler.go({0.05, 0.05, -0.002});
-  const double pressed = felt.visual_offset_m.z() - 0.001 * (1.0 - felt_ramp_at(0.05));
-  EXPECT_NEAR(felt.force_n.z(), 800.0 * pressed, 1e-5);
-  EXPECT_NEAR(felt.force_n.x(), -800.0 * pressed * 0.001 * kRampSlope, 1e-5);
+  TouchingHand hand(scene, {0.05, 0.05, 0.005});
+  const TouchOutput felt = hand.move_to({0.05, 0.05, -0.002});
+  const double depth_m = felt.visual_offset_m.z() - 0.001 * (1.0 - ramp_value_at(0.05));
+  EXPECT_NEAR(felt.force_n.z(), 800.0 * depth_m, 1e-5);
+  EXPECT_NEAR(felt.force_n.x(), -800.0 * depth_m * 0.001 * kRampSlope, 1e-5);
 }
 
 TEST_F(GltfHaptics, TheTextureLiesWhereItsCoordinatesSay) {
-  const std::string scale = R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[200,1000]}}})";
+  const std::string range = R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[200,1000]}}})";
   const auto stiffness_at = [&](const Scene& scene, double x, double y) {
-    Feeler feeler(scene, {x, y, 0.005});
-    const TouchOutput felt = feeler.go({x, y, -0.001});
+    TouchingHand hand(scene, {x, y, 0.005});
+    const TouchOutput felt = hand.move_to({x, y, -0.001});
     return felt.force_n.z() / felt.visual_offset_m.z();
   };
   // v runs downwards in the image.
-  EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(1) + scale}), 0.05, 0.02), 200 + 800 * felt_ramp_at(0.02), 0.01);
+  EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(1) + range}), 0.05, 0.02), 200 + 800 * ramp_value_at(0.02),
+              0.01);
   // TEXCOORD_1 repeats the texture twice across the sheet.
-  const FeltSheet second = {.materials = R"({"stiffness":)" + texture(0, R"(,"texCoord":1)") + scale,
-                            .attributes = R"("TEXCOORD_0":2,"TEXCOORD_1":3)"};
-  EXPECT_NEAR(stiffness_at(load(second), 0.02, 0.05), 200 + 800 * felt_ramp_at(0.04), 0.01);
+  const HapticSheet second = {.materials = R"({"stiffness":)" + texture(0, R"(,"texCoord":1)") + range,
+                              .attributes = R"("TEXCOORD_0":2,"TEXCOORD_1":3)"};
+  EXPECT_NEAR(stiffness_at(load(second), 0.02, 0.05), 200 + 800 * ramp_value_at(0.04), 0.01);
   const std::string transform = R"(,"extensions":{"KHR_texture_transform":{"offset":[0.25,0],"scale":[0.5,0.5]}})";
-  EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(0, transform) + scale}), 0.02, 0.05),
-              200 + 800 * felt_ramp_at(0.035), 0.01);
+  EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(0, transform) + range}), 0.02, 0.05),
+              200 + 800 * ramp_value_at(0.035), 0.01);
   // A quarter turn: with the matrix of KHR_texture_transform, u of the image is v of the sheet.
   const std::string turned = R"(,"extensions":{"KHR_texture_transform":{"rotation":1.5707963267948966,"texCoord":0}})";
-  EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(0, turned) + scale}), 0.05, 0.03),
-              200 + 800 * felt_ramp_at(0.03), 0.01);
+  EXPECT_NEAR(stiffness_at(load({.materials = R"({"stiffness":)" + texture(0, turned) + range}), 0.05, 0.03),
+              200 + 800 * ramp_value_at(0.03), 0.01);
   // Both nodes move and mirror the sheet: first with uniform grey (51 of 255) and a texture that does not repeat, then with the ramp.
-  const FeltSheet moved = {.materials = R"({"stiffness":)" + texture(2) + scale,
-                           .node = R"("scale":[-2,1,1],"translation":[0.3,0,0],)",
-                           .samplers = R"("wrapS":33071,"wrapT":33648)"};
+  const HapticSheet moved = {.materials = R"({"stiffness":)" + texture(2) + range,
+                             .node = R"("scale":[-2,1,1],"translation":[0.3,0,0],)",
+                             .samplers = R"("wrapS":33071,"wrapT":33648)"};
   EXPECT_NEAR(stiffness_at(load(moved), 0.15, 0.05), 360, 0.01);
-  const FeltSheet mirrored = {.materials = R"({"stiffness":)" + texture(0) + scale, .node = R"("scale":[-1,1,1],"translation":[0.3,0,0],)"};
-  EXPECT_NEAR(stiffness_at(load(mirrored), 0.27, 0.05), 200 + 800 * felt_ramp_at(0.03), 0.01);
+  const HapticSheet mirrored = {.materials = R"({"stiffness":)" + texture(0) + range,
+                                .node = R"("scale":[-1,1,1],"translation":[0.3,0,0],)"};
+  EXPECT_NEAR(stiffness_at(load(mirrored), 0.27, 0.05), 200 + 800 * ramp_value_at(0.03), 0.01);
 }
 
 TEST_F(GltfHaptics, NumbersWithoutATextureAreThoseOfTheWholeMesh) {
@@ -223,7 +226,7 @@ TEST_F(GltfHaptics, NumbersWithoutATextureAreThoseOfTheWholeMesh) {
 }
 
 // The sheet with a child node that has a second mesh beside it. second_extension: JSON members of that mesh.
-FeltSheet two_sheets(const std::string& second_extension) {
+HapticSheet two_sheets(const std::string& second_extension) {
   return {.materials =
               R"({"name":"soft","stiffness":)" + texture(2) +
               R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[100,600]}}},{"name":"hard","extras":{"hapton":{"stiffness_n_per_m":2000}}})",
@@ -233,35 +236,35 @@ FeltSheet two_sheets(const std::string& second_extension) {
 }
 
 TEST_F(GltfHaptics, EachHapticMaterialBecomesAnObject) {
-  const Scene both = load(two_sheets(R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":1}},)"));
-  ASSERT_EQ(both.objects.size(), 2U);
-  EXPECT_EQ(both.objects[0].name, "sheet/soft");
-  EXPECT_EQ(both.objects[1].name, "sheet/hard");
-  EXPECT_EQ(both.objects[1].material.stiffness_n_per_m, 2000.0);
-  EXPECT_EQ(both.objects[0].mesh->triangles.size(), 2U);
-  EXPECT_EQ(both.objects[1].mesh->triangles.size(), 2U);
-  EXPECT_EQ(both.objects[1].mesh->vertices.size(), 4U);
-  Feeler left(both, {0.05, 0.05, 0.005});
-  EXPECT_NEAR(left.go({0.05, 0.05, -0.001}).force_n.z(), 0.001 * (100 + 500 * 0.2), 1e-5);
-  Feeler right(both, {0.25, 0.05, 0.005});
-  EXPECT_NEAR(right.go({0.25, 0.05, -0.001}).force_n.z(), 0.001 * 2000, 1e-5);
+  const Scene with_both = load(two_sheets(R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":1}},)"));
+  ASSERT_EQ(with_both.objects.size(), 2U);
+  EXPECT_EQ(with_both.objects[0].name, "sheet/soft");
+  EXPECT_EQ(with_both.objects[1].name, "sheet/hard");
+  EXPECT_EQ(with_both.objects[1].material.stiffness_n_per_m, 2000.0);
+  EXPECT_EQ(with_both.objects[0].mesh->triangles.size(), 2U);
+  EXPECT_EQ(with_both.objects[1].mesh->triangles.size(), 2U);
+  EXPECT_EQ(with_both.objects[1].mesh->vertices.size(), 4U);
+  TouchingHand left(with_both, {0.05, 0.05, 0.005});
+  EXPECT_NEAR(left.move_to({0.05, 0.05, -0.001}).force_n.z(), 0.001 * (100 + 500 * 0.2), 1e-5);
+  TouchingHand right(with_both, {0.25, 0.05, 0.005});
+  EXPECT_NEAR(right.move_to({0.25, 0.05, -0.001}).force_n.z(), 0.001 * 2000, 1e-5);
   // A mesh without a haptic material keeps the default material, and its object is named after the file.
-  const Scene one = load(two_sheets(""));
-  ASSERT_EQ(one.objects.size(), 2U);
-  EXPECT_EQ(one.objects[1].name, "sheet");
-  EXPECT_EQ(one.objects[1].material.stiffness_n_per_m, Material().stiffness_n_per_m);
-  EXPECT_FALSE(one.objects[1].effects.any());
+  const Scene with_one = load(two_sheets(""));
+  ASSERT_EQ(with_one.objects.size(), 2U);
+  EXPECT_EQ(with_one.objects[1].name, "sheet");
+  EXPECT_EQ(with_one.objects[1].material.stiffness_n_per_m, Material().stiffness_n_per_m);
+  EXPECT_FALSE(with_one.objects[1].effects.any());
 }
 
 TEST_F(GltfHaptics, ASceneFileTakesThemOrGivesItsOwn) {
-  const FeltSheet sheets = two_sheets("");
+  const HapticSheet sheets = two_sheets("");
   const std::string object = "[[object]]\nmesh = 'sheet.glb'\n";
   EXPECT_EQ(load(sheets, object).objects.size(), 2U);
   const Scene part = load(sheets, object + "part = 'sheet'\nposition_m = [0, 0, 0.5]\n");
   ASSERT_EQ(part.objects.size(), 1U);
   EXPECT_EQ(part.objects[0].name, "sheet");
-  Feeler feeler(part, {0.05, 0.05, 0.505});
-  EXPECT_NEAR(feeler.go({0.05, 0.05, 0.499}).force_n.z(), 0.001 * 200, 1e-5);
+  TouchingHand hand(part, {0.05, 0.05, 0.505});
+  EXPECT_NEAR(hand.move_to({0.05, 0.05, 0.499}).force_n.z(), 0.001 * 200, 1e-5);
   EXPECT_FALSE(load(sheets, object + "part = 'other'\n").objects[0].effects.any());
   const Scene own = load(sheets, object + "material = 'm'\n[material.m]\nstiffness_n_per_m = 700\n");
   ASSERT_EQ(own.objects.size(), 1U);
@@ -272,19 +275,19 @@ TEST_F(GltfHaptics, ASceneFileTakesThemOrGivesItsOwn) {
               AllOf(HasSubstr("line 2: object 'sheet' is movable"), HasSubstr("2 haptic materials"), HasSubstr("name a part")));
 }
 
-TEST_F(GltfHaptics, FitsAMeshAloneAsOneWithoutMaps) {
-  const FeltSheet sheet = {.materials = R"({"stiffness":)" + texture(2) + R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[100,600]}}})"};
-  FeltSheet plain = sheet;
+TEST_F(GltfHaptics, FitsAMeshWithMapsAsOneWithoutMaps) {
+  const HapticSheet sheet = {.materials = R"({"stiffness":)" + texture(2) + R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[100,600]}}})"};
+  HapticSheet plain = sheet;
   plain.mesh = "";
   folder_.write("sheet.glb", sheet.glb());
   folder_.write("plain.glb", plain.glb());
-  const auto felt = load_scene(folder_.path() / "sheet.glb", {.fit = MeshFit::workspace});
-  const auto other = load_scene(folder_.path() / "plain.glb", {.fit = MeshFit::workspace});
-  ASSERT_TRUE(felt && other);
-  EXPECT_EQ(felt->fit_scale, other->fit_scale);
-  EXPECT_EQ(felt->objects[0].mesh->vertices, other->objects[0].mesh->vertices);
-  EXPECT_THAT(felt->notes, Contains(HasSubstr("--no-fit leaves it as it is")));
-  EXPECT_FALSE(other->objects[0].effects.any());
+  const auto with_maps = load_scene(folder_.path() / "sheet.glb", {.fit = MeshFit::workspace});
+  const auto without_maps = load_scene(folder_.path() / "plain.glb", {.fit = MeshFit::workspace});
+  ASSERT_TRUE(with_maps && without_maps);
+  EXPECT_EQ(with_maps->fit_scale, without_maps->fit_scale);
+  EXPECT_EQ(with_maps->objects[0].mesh->vertices, without_maps->objects[0].mesh->vertices);
+  EXPECT_THAT(with_maps->notes, Contains(HasSubstr("--no-fit leaves it as it is")));
+  EXPECT_FALSE(without_maps->objects[0].effects.any());
 }
 
 TEST_F(GltfHaptics, TheReportNamesThem) {
@@ -298,12 +301,12 @@ TEST_F(GltfHaptics, TheReportNamesThem) {
 
 // `hapton info` also reports what would make a scene with this file fail.
 TEST_F(GltfHaptics, TheReportNamesAKeyThatIsUnknown) {
-  folder_.write("sheet.glb", FeltSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stifness_n_per_m":300}}})"}.glb());
+  folder_.write("sheet.glb", HapticSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stifness_n_per_m":300}}})"}.glb());
   const auto report = make_mesh_report(folder_.path() / "sheet.glb", std::nullopt);
   ASSERT_TRUE(report) << report.error().what;
   EXPECT_THAT(to_text(*report), AllOf(HasSubstr("note                  cannot be touched before this is corrected: "),
                                       HasSubstr("unknown key 'stifness_n_per_m' in extras.hapton")));
-  folder_.write("sheet.glb", FeltSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stiffness_n_per_m":300}}})"}.glb());
+  folder_.write("sheet.glb", HapticSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stiffness_n_per_m":300}}})"}.glb());
   EXPECT_THAT(to_text(*make_mesh_report(folder_.path() / "sheet.glb", std::nullopt)), testing::Not(HasSubstr("cannot be touched")));
 }
 
@@ -327,7 +330,7 @@ TEST_F(GltfHaptics, WhatIsNotFeltIsNoted) {
   EXPECT_THAT(notes_of(R"({"custom":[],"name":"a","extras":{"other":1},"extensions":{}})"),
               testing::Each(testing::Not(HasSubstr("is ignored"))));
   EXPECT_THAT(notes_of(R"({"friction":[{"texture":{"index":0},"type":"Reference"}]})"), Contains(HasSubstr("only refers to haptic data")));
-  const Scene draft = load({.materials = "{}", .used = R"("extensionsUsed":["MPEG_material_haptic"],)"});
+  const Scene draft = load({.materials = "{}", .extensions_used = R"("extensionsUsed":["MPEG_material_haptic"],)"});
   EXPECT_THAT(draft.notes, Contains(HasSubstr("export it as MPEG_haptic_material")));
 }
 
@@ -348,9 +351,10 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"stiffness_n_per_m":null}})"), HasSubstr("must be a number"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":[[[[[1]]]]]}})"), HasSubstr("must be true or false"));
   // So many nested lists would exhaust the stack of a recursive reader.
-  const std::size_t lists = 200'000;
-  EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":)" + std::string(lists, '[') + std::string(lists, ']') + "}}"),
-              HasSubstr(where + ".extras.hapton has more than 16 lists and objects inside each other"));
+  const std::size_t nesting_depth = 200'000;
+  EXPECT_THAT(
+      error_of_material(R"("extras":{"hapton":{"two_sided":)" + std::string(nesting_depth, '[') + std::string(nesting_depth, ']') + "}}"),
+      HasSubstr(where + ".extras.hapton has more than 16 lists and objects inside each other"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"friction_map_range":[0,1]}})"), HasSubstr("without a texture in 'friction'"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"bump_map":"a.png"}})"), HasSubstr("the texture of 'vibrotactileTexture'"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"map_repeat":[2,2]}})"), HasSubstr("KHR_texture_transform"));
@@ -389,7 +393,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
 // A hostile file could have many such images, of a few bytes each.
 TEST_F(GltfHaptics, ImagesMayShareABufferViewAFewTimes) {
   for (const int count : {3, 100}) {
-    FeltSheet sheet{.materials = {}, .textures = {}, .images = {}};
+    HapticSheet sheet{.materials = {}, .textures = {}, .images = {}};
     for (int n = 0; n < count; ++n) {
       const std::string comma = n == 0 ? "" : ",";
       sheet.images += comma + R"({"bufferView":3})";
@@ -408,7 +412,7 @@ TEST_F(GltfHaptics, ImagesLieBesideTheFileToo) {
   folder_.write("a b.png", picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 255; })));
   folder_.write("bad.png", "no picture");
   const auto with_image = [&](const std::string& uri) {
-    FeltSheet sheet{.materials = R"({"stiffness":)" + texture(0) + R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[100,600]}}})"};
+    HapticSheet sheet{.materials = R"({"stiffness":)" + texture(0) + R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[100,600]}}})"};
     sheet.images = fmt::format(R"({{"uri":"{}"}},{{}},{{}})", uri);
     return load_scene(folder_.write("sheet.glb", sheet.glb()));
   };

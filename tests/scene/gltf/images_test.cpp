@@ -26,9 +26,9 @@ constexpr std::size_t kImageBytes = 10'000;
 std::string numbered_list(std::size_t count, const std::string& members) {
   std::string list;
   for (std::size_t n = 0; n < count; ++n) {
-    std::string one = members;
-    if (const auto at = one.find('N'); at != std::string::npos) one.replace(at, 1, std::to_string(n));
-    list += (list.empty() ? "{" : ",{") + one + "}";
+    std::string entry = members;
+    if (const auto at = entry.find('N'); at != std::string::npos) entry.replace(at, 1, std::to_string(n));
+    list += (list.empty() ? "{" : ",{") + entry + "}";
   }
   return list;
 }
@@ -60,7 +60,7 @@ TEST(GltfImages, MayShareABufferViewAFewTimes) {
   EXPECT_THAT(few.appearance.images, SizeIs(4));
   EXPECT_EQ(few.appearance.images[3].bytes, std::string(kImageBytes, 'x'));
   const RawMesh many = read_images(1000, R"("bufferView":2)");
-  EXPECT_LE(count_bytes(many), 9 * kImageBytes) << "as a hostile file of some bytes an image has them";
+  EXPECT_LE(count_bytes(many), 9 * kImageBytes) << "a hostile file needs only a few bytes for each such image";
   EXPECT_THAT(many.appearance.materials, SizeIs(1000));
   EXPECT_THAT(many.notes, AllOf(SizeIs(1000 - many.appearance.images.size()),
                                 Each(AllOf(HasSubstr("a texture is missing: images["), HasSubstr("more than 8 times the 10")))));
@@ -86,15 +86,15 @@ TEST(GltfImages, PartsInASceneKeepThoseThatTheyUse) {
                  {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
   ASSERT_TRUE(scene) << scene.error().what;
   ASSERT_EQ(scene->objects.size(), 2U);
-  for (const std::size_t used : {0U, 2U}) {
-    const auto& appearance = scene->objects[used / 2].appearance;
+  for (const std::size_t used_image : {0U, 2U}) {
+    const auto& appearance = scene->objects[used_image / 2].appearance;
     ASSERT_NE(appearance, nullptr);
     ASSERT_EQ(appearance->images.size(), 3U);
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_EQ(appearance->images[i].bytes.size(), i == used ? kImageBytes : 0U) << i;
-      EXPECT_EQ(appearance->materials[i].image.has_value(), i == used) << i;
+      EXPECT_EQ(appearance->images[i].bytes.size(), i == used_image ? kImageBytes : 0U) << i;
+      EXPECT_EQ(appearance->materials[i].image.has_value(), i == used_image) << i;
     }
-    EXPECT_EQ(appearance->triangles.at(0).material, used) << "the numbers stay";
+    EXPECT_EQ(appearance->triangles.at(0).material, used_image) << "the numbers stay";
   }
 }
 

@@ -22,7 +22,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr const char* kUsed = R"("extensionsUsed":["EXT_meshopt_compression"],"extensionsRequired":["EXT_meshopt_compression"],)";
+constexpr const char* kMeshoptExtensions =
+    R"("extensionsUsed":["EXT_meshopt_compression"],"extensionsRequired":["EXT_meshopt_compression"],)";
 
 // The positions have the mode ATTRIBUTES, the indices TRIANGLES or, as a sequence, INDICES.
 std::string compressed_glb(const TriangleMesh& mesh, bool as_sequence) {
@@ -31,7 +32,7 @@ std::string compressed_glb(const TriangleMesh& mesh, bool as_sequence) {
   pieces.add_meshopt(sample::meshopt_vertices(sample::positions_of(mesh), n, 12), n, 12, "ATTRIBUTES");
   pieces.add_meshopt(as_sequence ? sample::meshopt_indices(mesh) : sample::meshopt_triangles(mesh), 3 * mesh.triangles.size(), 2,
                      as_sequence ? "INDICES" : "TRIANGLES");
-  return pieces.glb(sample::accessors_of(mesh), std::string(kUsed) + sample::kOneNode);
+  return pieces.glb(sample::accessors_of(mesh), std::string(kMeshoptExtensions) + sample::kOneNode);
 }
 
 TEST(Meshopt, GivesTheMeshThatWasPacked) {
@@ -174,9 +175,9 @@ TEST(Meshopt, SurvivesDamage) {
   const unsigned seed = 20261121;
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);
-  const std::string whole = compressed_glb(make_icosphere(1.0, 1), false);
+  const std::string undamaged = compressed_glb(make_icosphere(1.0, 1), false);
   for (int round = 0; round < 5000; ++round) {
-    std::string damaged = whole;
+    std::string damaged = undamaged;
     for (unsigned k = 0; k <= random() % 3; ++k) damaged[20 + random() % (damaged.size() - 20)] = static_cast<char>(random());
     const auto raw = read_glb(damaged, ".");
     if (!raw) continue;

@@ -21,7 +21,7 @@ std::string floats(std::initializer_list<float> values) {
   return bytes;
 }
 
-std::string error_of(const Result<RawMesh>& raw) { return raw ? "it was read" : raw.error().what; }
+std::string reader_error(const Result<RawMesh>& raw) { return raw ? "it was read" : raw.error().what; }
 
 std::string instancing(const std::string& attributes) {
   return R"("extensionsUsed":["EXT_mesh_gpu_instancing"],"nodes":[{"mesh":0,"translation":[100,0,0],"extensions":)"
@@ -29,14 +29,14 @@ std::string instancing(const std::string& attributes) {
          attributes + R"(}}}}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])";
 }
 
-struct Instanced {
+struct InstancedMesh {
   sample::Pieces pieces;
   std::string accessors;
 };
 
 // The tetrahedron twice: once as it is; once ten metres up, turned by 180 degrees about z and three times as large.
-Instanced instanced_tetrahedron() {
-  Instanced two;
+InstancedMesh instanced_tetrahedron() {
+  InstancedMesh two;
   const TriangleMesh mesh = sample::tetrahedron();
   two.pieces.add(sample::positions_of(mesh));
   two.pieces.add(sample::indices_of(mesh));
@@ -64,17 +64,18 @@ TEST(GltfInstancing, DrawsTheMeshOfANodeAtEveryInstance) {
 
 TEST(GltfInstancing, SaysWhatIsWrong) {
   auto [pieces, accessors] = instanced_tetrahedron();
-  EXPECT_THAT(error_of(read_glb(pieces.glb(accessors, instancing(R"("TRANSLATION":3)")), ".")), HasSubstr("not of type VEC3"));
-  std::string odd = accessors;
-  odd.replace(odd.rfind("\"count\":2"), 9, "\"count\":1");
-  EXPECT_THAT(error_of(read_glb(pieces.glb(odd, instancing(R"("TRANSLATION":2,"SCALE":4)")), ".")), HasSubstr("2 of one attribute and 1"));
+  EXPECT_THAT(reader_error(read_glb(pieces.glb(accessors, instancing(R"("TRANSLATION":3)")), ".")), HasSubstr("not of type VEC3"));
+  std::string with_fewer_scales = accessors;
+  with_fewer_scales.replace(with_fewer_scales.rfind("\"count\":2"), 9, "\"count\":1");
+  EXPECT_THAT(reader_error(read_glb(pieces.glb(with_fewer_scales, instancing(R"("TRANSLATION":2,"SCALE":4)")), ".")),
+              HasSubstr("2 of one attribute and 1"));
 }
 
 TEST(GltfInstancing, CountsAllInstancesAgainstTheLimit) {
   const auto [pieces, accessors] = instanced_tetrahedron();
   const std::string glb = pieces.glb(accessors, instancing(R"("TRANSLATION":2)"));
   EXPECT_TRUE(read_glb(glb, ".", 8));
-  EXPECT_THAT(error_of(read_glb(glb, ".", 7)), HasSubstr("more than 7 triangles with all its instances"));
+  EXPECT_THAT(reader_error(read_glb(glb, ".", 7)), HasSubstr("more than 7 triangles with all its instances"));
 }
 
 // Morph targets that have no data, or share the same data, take only a few bytes each in the file.
@@ -90,20 +91,20 @@ TEST(GltfMorphTargets, AreBoundedByTheLimitOfTriangles) {
     return sample::glb(json, sample::gltf_buffer(mesh));
   };
   EXPECT_TRUE(read_glb(glb_of(6), ".", 8));
-  EXPECT_THAT(error_of(read_glb(glb_of(7), ".", 8)), HasSubstr("has 7 morph targets of 4 vertices, more than 24 displacements"));
+  EXPECT_THAT(reader_error(read_glb(glb_of(7), ".", 8)), HasSubstr("has 7 morph targets of 4 vertices, more than 24 displacements"));
   const std::string two = R"([{"mesh":0},{"mesh":0}])";
   EXPECT_TRUE(read_glb(glb_of(3, two, "[0,1]"), ".", 8));
-  EXPECT_THAT(error_of(read_glb(glb_of(4, two, "[0,1]"), ".", 8)), HasSubstr("more than 24 displacements of morph targets"));
+  EXPECT_THAT(reader_error(read_glb(glb_of(4, two, "[0,1]"), ".", 8)), HasSubstr("more than 24 displacements of morph targets"));
   // A primitive with fewer morph targets counts as having as many as the one with the most.
   const std::string with_one = R"(,{"attributes":{"POSITION":0},"indices":1,"targets":[{}]})";
   EXPECT_TRUE(read_glb(glb_of(3, R"([{"mesh":0}])", "[0]", with_one), ".", 8));
-  EXPECT_THAT(error_of(read_glb(glb_of(4, R"([{"mesh":0}])", "[0]", with_one), ".", 8)),
+  EXPECT_THAT(reader_error(read_glb(glb_of(4, R"([{"mesh":0}])", "[0]", with_one), ".", 8)),
               HasSubstr("more than 24 displacements of morph targets"));
 }
 
 // Nodes may share a mesh without triangles, with a long name or with a list of weights: the limit of triangles does not bound these.
 TEST(GltfNodes, AreBoundedByWhatTheyReadWithoutTriangles) {
-  const auto glb_of = [](int nodes, const std::string& count, const std::string& of_mesh) {
+  const auto glb_of = [](int nodes, const std::string& count, const std::string& mesh_members) {
     const TriangleMesh mesh = sample::tetrahedron();
     std::string list = R"({"mesh":0})";
     std::string roots = "0";
@@ -113,18 +114,18 @@ TEST(GltfNodes, AreBoundedByWhatTheyReadWithoutTriangles) {
     }
     std::string json = sample::gltf_json(mesh, "", "[" + list + "]", "[" + roots + "]");
     json.replace(json.find(R"("count":12)"), 10, R"("count":)" + count);
-    json.insert(json.find(R"("primitives")"), of_mesh);
+    json.insert(json.find(R"("primitives")"), mesh_members);
     return sample::glb(json, sample::gltf_buffer(mesh));
   };
   const std::string what = "has more than 80 vertices, morph targets, instances, primitives and bytes of names with all its nodes";
   EXPECT_TRUE(read_glb(glb_of(13, "0", ""), ".", 8));
-  EXPECT_THAT(error_of(read_glb(glb_of(14, "0", ""), ".", 8)), HasSubstr(what));
+  EXPECT_THAT(reader_error(read_glb(glb_of(14, "0", ""), ".", 8)), HasSubstr(what));
   EXPECT_TRUE(read_glb(glb_of(2, "3", R"("name":")" + std::string(34, 'x') + R"(",)"), ".", 8));
-  EXPECT_THAT(error_of(read_glb(glb_of(2, "3", R"("name":")" + std::string(35, 'x') + R"(",)"), ".", 8)), HasSubstr(what));
+  EXPECT_THAT(reader_error(read_glb(glb_of(2, "3", R"("name":")" + std::string(35, 'x') + R"(",)"), ".", 8)), HasSubstr(what));
   EXPECT_TRUE(read_glb(glb_of(2, "3", R"("weights":[0,0,0,0,0],)"), ".", 8));
   std::string weights = "0";
   for (int n = 1; n < 35; ++n) weights += ",0";
-  EXPECT_THAT(error_of(read_glb(glb_of(2, "3", R"("weights":[)" + weights + "],"), ".", 8)), HasSubstr(what));
+  EXPECT_THAT(reader_error(read_glb(glb_of(2, "3", R"("weights":[)" + weights + "],"), ".", 8)), HasSubstr(what));
 }
 
 // Normalized indices would be fractions: each would mean vertex 0 or 1.
@@ -132,7 +133,7 @@ TEST(GltfIndices, AreNotNormalized) {
   const TriangleMesh mesh = sample::tetrahedron();
   std::string json = sample::gltf_json(mesh, "");
   json.insert(json.find(R"("componentType":5123)"), R"("normalized":true,)");
-  EXPECT_THAT(error_of(read_glb(sample::glb(json, sample::gltf_buffer(mesh)), ".")), HasSubstr("accessors[1] are not whole numbers"));
+  EXPECT_THAT(reader_error(read_glb(sample::glb(json, sample::gltf_buffer(mesh)), ".")), HasSubstr("accessors[1] are not whole numbers"));
 }
 
 // A sparse accessor replaces two of the four vertices of the base; without a base all other vertices are zero.
@@ -162,15 +163,16 @@ TEST(GltfSparse, ReplacesItems) {
 
 TEST(GltfSparse, SaysWhatIsWrong) {
   const std::string base = R"("bufferView":0,)";
-  EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string("\1\4", 2)), ".")), HasSubstr("index 1 is 4, out of range"));
-  EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string("\1", 1)), ".")), HasSubstr("promises 2 items but its buffer view holds 1"));
-  EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string(8, '\1'), "5126"), ".")), HasSubstr("5126, not an index"));
+  EXPECT_THAT(reader_error(read_glb(sparse_glb(base, std::string("\1\4", 2)), ".")), HasSubstr("index 1 is 4, out of range"));
+  EXPECT_THAT(reader_error(read_glb(sparse_glb(base, std::string("\1", 1)), ".")),
+              HasSubstr("promises 2 items but its buffer view holds 1"));
+  EXPECT_THAT(reader_error(read_glb(sparse_glb(base, std::string(8, '\1'), "5126"), ".")), HasSubstr("5126, not an index"));
 }
 
 TEST(GltfSparse, DoesNotBelieveACountOfZeros) {
   std::string glb = sample::inline_gltf(sample::tetrahedron());
   glb.replace(glb.find(R"("bufferView":0,"componentType":5126,"count":4)"), 45, R"("componentType":5126,"count":4000000000)");
-  EXPECT_THAT(error_of(read_gltf(glb, ".")), HasSubstr("promises 4000000000 zeros"));
+  EXPECT_THAT(reader_error(read_gltf(glb, ".")), HasSubstr("promises 4000000000 zeros"));
 }
 
 TEST(GltfExtensions, NotesWhatMayChangeTheShapeAndIsNotRead) {

@@ -8,7 +8,7 @@
 namespace hapton::gltf {
 namespace {
 
-double spline_track_at(const NumberTrack& track, double time) {
+double value_at_time(const NumberTrack& track, double time) {
   const auto after = std::upper_bound(track.times.begin(), track.times.end(), time);
   if (after == track.times.end()) return track.values.back()[0];
   const auto i = static_cast<std::size_t>(after - track.times.begin());
@@ -24,8 +24,8 @@ TEST(Spline, FollowsACubic) {
   const NumberTrack track = straighten_spline(times, rows);
   ASSERT_EQ(track.times.size(), track.values.size());
   EXPECT_TRUE(std::is_sorted(track.times.begin(), track.times.end()));
-  for (double t = 0.0; t <= 2.0; t += 0.001) ASSERT_NEAR(spline_track_at(track, t), t * t * t, 8.0 / 256.0) << t;
-  for (const double t : times) EXPECT_NEAR(spline_track_at(track, t), t * t * t, 1e-12) << "keyframes stay";
+  for (double t = 0.0; t <= 2.0; t += 0.001) ASSERT_NEAR(value_at_time(track, t), t * t * t, 8.0 / 256.0) << t;
+  for (const double t : times) EXPECT_NEAR(value_at_time(track, t), t * t * t, 1e-12) << "keyframes stay";
 }
 
 TEST(Spline, AStraightOneStaysTwoKeyframes) {
@@ -39,7 +39,7 @@ TEST(Spline, OneKeyframeOrNoChangeIsLeftAlone) {
   EXPECT_EQ(straighten_spline({0.0, 1.0}, {{0}, {4}, {0}, {0}, {4}, {0}}).times.size(), 2U);
 }
 
-TEST(Spline, HasAtMostItsPieces) {
+TEST(Spline, HasAtMostTheLargestNumberOfPieces) {
   const NumberTrack track = straighten_spline({0.0, 1.0}, {{0}, {0}, {1e9}, {-1e9}, {1}, {0}});
   EXPECT_EQ(track.times.size(), 1U + kMaxPieces);
 }
