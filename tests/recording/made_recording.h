@@ -46,15 +46,15 @@ struct MadeRecording {
     for (std::uint64_t sample = 1; sample <= samples; ++sample) {
       if (sample >= lost_from && sample < lost_to) continue;
       add_sample(sample);
-      add_what_happens(sample);
+      add_events(sample);
       if (also) also(sample);
     }
     return scratch.write("made.hapton", bytes);
   }
 
-  // The hub receives a message at the time of a sample, or later_ns after it.
-  void receive(std::uint64_t sender, const Message& message, std::uint64_t sample, std::int64_t later_ns = 0) {
-    add(SessionEntry::Kind::received, sender, message, sample_ns(sample) + later_ns);
+  // The hub receives a message at the time of a sample, or delay_ns after it.
+  void receive(std::uint64_t sender, const Message& message, std::uint64_t sample, std::int64_t delay_ns = 0) {
+    add(SessionEntry::Kind::received, sender, message, sample_ns(sample) + delay_ns);
   }
 
   // The hub sends a probe state to a vision node.
@@ -72,7 +72,7 @@ struct MadeRecording {
     entry.kind = kind;
     entry.time_ns = time_ns + 300'000;
     const Datagram datagram{{.session = session, .sender = sender, .sequence = ++sequence}, message};
-    entry.datagram = std::span(wire).first(datagrams.encode(datagram, wire));
+    entry.datagram = std::span(wire).first(datagram_codec.encode(datagram, wire));
     codec.append(entry, bytes);
   }
 
@@ -102,7 +102,7 @@ struct MadeRecording {
     receive(kHaptics, force, sample, sample % 4 == 0 ? slower_ns : 0);
   }
 
-  void add_what_happens(std::uint64_t sample) {
+  void add_events(std::uint64_t sample) {
     if (std::ranges::count(marks_at, sample) > 0) codec.append(marker_of(sample, "one more"), bytes);
     if (sample == 1000) codec.append(marker_of(sample, "trial 7"), bytes);
     if (sample == 3500) codec.append(marker_of(sample, "trial 8"), bytes);
@@ -134,7 +134,7 @@ struct MadeRecording {
   std::string bytes;
   std::uint64_t sequence = 0;
   SessionCodec codec;
-  Codec datagrams;
+  Codec datagram_codec;
   std::array<std::byte, kMaxDatagramBytes> wire;
 };
 

@@ -21,7 +21,7 @@ void receive(ObjectChanges& changes, const Message& message, double t_s, Session
   changes.add(entry, &datagram);
 }
 
-ObjectMove moved(std::uint32_t source, std::uint32_t serial, std::int32_t object) {
+ObjectMove make_object_move(std::uint32_t source, std::uint32_t serial, std::int32_t object) {
   ObjectMove move{.source = source,
                   .serial = serial,
                   .object = object,
@@ -32,7 +32,7 @@ ObjectMove moved(std::uint32_t source, std::uint32_t serial, std::int32_t object
   return move;
 }
 
-Carves carved(std::uint32_t source, std::uint32_t newest, std::uint32_t first, std::uint32_t count) {
+Carves make_carves(std::uint32_t source, std::uint32_t newest, std::uint32_t first, std::uint32_t count) {
   Carves carves{.source = source, .newest = newest, .first = first, .count = count};
   for (std::uint32_t n = 0; n < count; ++n)
     carves.carves[n] = {.object = 1, .to_m = {0.5F, 0.0F, 0.0F}, .radius_m = static_cast<float>(first + n)};
@@ -65,13 +65,13 @@ TEST(ObjectChanges, EachSceneAndMethodIsThereOnceInItsOrder) {
 
 TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
   ObjectChanges changes(kCyclesStartNs);
-  receive(changes, moved(5, 0, 2), 0.5);
-  receive(changes, moved(5, 1, 2), 1.0);
-  receive(changes, moved(5, 1, 2), 1.1);
-  receive(changes, moved(5, 1, 2), 1.1, SessionEntry::Kind::sent);
-  receive(changes, moved(5, 2, 0), 1.2);
-  receive(changes, moved(5, 3, 2), 1.3);
-  receive(changes, moved(6, 1, 2), 1.4);
+  receive(changes, make_object_move(5, 0, 2), 0.5);
+  receive(changes, make_object_move(5, 1, 2), 1.0);
+  receive(changes, make_object_move(5, 1, 2), 1.1);
+  receive(changes, make_object_move(5, 1, 2), 1.1, SessionEntry::Kind::sent);
+  receive(changes, make_object_move(5, 2, 0), 1.2);
+  receive(changes, make_object_move(5, 3, 2), 1.3);
+  receive(changes, make_object_move(6, 1, 2), 1.4);
   changes.finish();
   ASSERT_EQ(changes.moves().size(), 4U) << "neither the pose at rest nor repetitions nor the hub's copies";
   EXPECT_STREQ(changes.moves()[0].move.name.data(), "lid");
@@ -89,9 +89,9 @@ TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
 TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
   ObjectChanges changes(kCyclesStartNs);
   receive(changes, Carves{.source = 7, .newest = 3}, 0.1);
-  receive(changes, carved(7, 5, 4, 2), 0.2);  // made during the recording
-  receive(changes, carved(7, 5, 1, 4), 0.3);  // sent again on request
-  receive(changes, carved(9, 1, 1, 1), 0.4);
+  receive(changes, make_carves(7, 5, 4, 2), 0.2);  // made during the recording
+  receive(changes, make_carves(7, 5, 1, 4), 0.3);  // sent again on request
+  receive(changes, make_carves(9, 1, 1, 1), 0.4);
   changes.finish();
   ASSERT_EQ(changes.carves().size(), 6U);
   for (std::uint32_t n = 0; n < 5; ++n) {
@@ -111,12 +111,12 @@ TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
 // Whoever joins the tables by the number of the process finds what one process did.
 TEST(ObjectChanges, AProcessHasOneNumberInAllTables) {
   ObjectChanges changes(kCyclesStartNs);
-  receive(changes, moved(7, 1, 2), 0.1);
+  receive(changes, make_object_move(7, 1, 2), 0.1);
   receive(changes, ShapeStart{.source = 8, .serial = 1, .object = 1, .total = 2}, 0.2);
-  receive(changes, carved(9, 2, 2, 1), 0.3);
-  receive(changes, moved(9, 1, 2), 0.4);
+  receive(changes, make_carves(9, 2, 2, 1), 0.3);
+  receive(changes, make_object_move(9, 1, 2), 0.4);
   receive(changes, CarveStatus{.source = 11}, 0.5);
-  receive(changes, carved(9, 2, 1, 1), 0.6);
+  receive(changes, make_carves(9, 2, 1, 1), 0.6);
   changes.finish();
   ASSERT_EQ(changes.moves().size(), 2U);
   EXPECT_EQ(changes.moves()[0].process, 0U);
@@ -129,7 +129,7 @@ TEST(ObjectChanges, AProcessHasOneNumberInAllTables) {
 // Memory is bounded: a serial far above those of any session is ignored.
 TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
   ObjectChanges changes(kCyclesStartNs);
-  receive(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
+  receive(changes, make_carves(7, ~0U, ~0U - 3, 4), 0.1);
   changes.finish();
   EXPECT_TRUE(changes.carves().empty());
 }
@@ -185,8 +185,8 @@ TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
   SessionEntry entry;
   entry.kind = SessionEntry::Kind::received;
   entry.time_ns = kCyclesStartNs + 3'500'000'000;
-  const Datagram of_another{{.sender = 9}, setup};
-  changes.add(entry, &of_another);
+  const Datagram from_another_node{{.sender = 9}, setup};
+  changes.add(entry, &from_another_node);
   ASSERT_EQ(changes.setups().size(), 6U);
   EXPECT_EQ(changes.setups().back().sender, 9U);
 }
@@ -194,9 +194,9 @@ TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
 // The hub began to record while the stylus carved: the first message already has carves, and the hub requests the earlier ones.
 TEST(ObjectChanges, CarvesBeforeTheFirstReceivedOneAreFromBeforeTheRecording) {
   ObjectChanges changes(kCyclesStartNs);
-  receive(changes, carved(7, 6, 4, 2), 0.2);
-  receive(changes, carved(7, 6, 6, 1), 0.25);
-  receive(changes, carved(7, 6, 1, 3), 0.3);
+  receive(changes, make_carves(7, 6, 4, 2), 0.2);
+  receive(changes, make_carves(7, 6, 6, 1), 0.25);
+  receive(changes, make_carves(7, 6, 1, 3), 0.3);
   changes.finish();
   ASSERT_EQ(changes.carves().size(), 6U);
   for (std::uint32_t n = 0; n < 3; ++n) EXPECT_TRUE(std::isnan(changes.carves()[n].t_s)) << n;

@@ -110,7 +110,7 @@ TEST(RecordingIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBegin
 }
 
 // Each haptics process numbers its changes from 1 again.
-TEST(RecordingIndex, WhatAnotherProcessSaysIsNoRepetition) {
+TEST(RecordingIndex, AMessageOfAnotherProcessIsNoRepetition) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.is_carved_before = true;
@@ -224,7 +224,7 @@ TEST(RecordingIndex, EachChangeOfTheSetupIsKnownFromItsTimeOn) {
   EXPECT_EQ(index.find_setup(1.51)->scene_hash, 6U);
   EXPECT_EQ(index.find_setup(1.99)->scene_loading, 0U);
   EXPECT_EQ(index.find_setup(2.01)->scene_loading, 3U);
-  EXPECT_EQ(index.find_setup(3.9), index.find_setup(2.1)) << "what is said again changes nothing";
+  EXPECT_EQ(index.find_setup(3.9), index.find_setup(2.1)) << "a repeated message changes nothing";
 }
 
 TEST(RecordingIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
@@ -275,7 +275,7 @@ TEST(RecordingIndex, AViewIsFoundByItsRevision) {
 }
 
 // As in a file whose times were changed.
-TEST(RecordingIndex, WhatWasSaidLaterInTheFileIsNotEarlierInTime) {
+TEST(RecordingIndex, AMessageThatIsLaterInTheFileIsNotEarlierInTime) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
@@ -303,13 +303,13 @@ TEST(RecordingIndex, NoticesOfTheDeviceAreThoseThatChanged) {
   ASSERT_NE(index.find_notice(0.25), nullptr);
   EXPECT_EQ(index.find_notice(0.25)->energy_percent, 40U);
   EXPECT_EQ(index.find_notice(0.25)->force_limit_n, 8.0F);
-  EXPECT_EQ(index.find_notice(0.35), index.find_notice(0.25)) << "said again";
+  EXPECT_EQ(index.find_notice(0.35), index.find_notice(0.25)) << "repeated";
   EXPECT_EQ(index.find_notice(2.5)->status, ProbeStatus::ok);
   EXPECT_EQ(index.find_notice(99.0)->status, ProbeStatus::fault_latched);
 }
 
 // About a megabyte in each 25 ms: after a jump to a time, reading begins no more than about a megabyte before it.
-TEST(RecordingIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
+TEST(RecordingIndex, APositionIsNotFarBeforeItsTimeAlsoAmongManyMessages) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.samples = 400;

@@ -14,31 +14,31 @@ namespace hapton {
 namespace {
 
 // The newest sample until t_s, found by a search through all rows.
-std::uint64_t brute_force_sample(const std::vector<CycleRow>& all, double t_s) {
-  std::uint64_t newest = all.front().sample;
-  for (const CycleRow& row : all) {
+std::uint64_t brute_force_sample(const std::vector<CycleRow>& all_rows, double t_s) {
+  std::uint64_t newest = all_rows.front().sample;
+  for (const CycleRow& row : all_rows) {
     if (row.sample_t_s <= t_s) newest = row.sample;
   }
   return newest;
 }
 
 std::vector<CycleRow> read_all(const std::filesystem::path& file) {
-  std::vector<CycleRow> all;
+  std::vector<CycleRow> all_rows;
   auto reader = SessionReader::open(file);
-  CycleTable(kCyclesStartNs, [&](const CycleRow& row) { all.push_back(row); }).add_all(*reader);
-  return all;
+  CycleTable(kCyclesStartNs, [&](const CycleRow& row) { all_rows.push_back(row); }).add_all(*reader);
+  return all_rows;
 }
 
 TEST(RecordingRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
   OpenedRecording opened;
-  const std::vector<CycleRow> all = read_all(opened.file);
+  const std::vector<CycleRow> all_rows = read_all(opened.file);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> times(-0.5, 4.5);
   for (int i = 0; i < 60; ++i) {
     const double t_s = times(random);
     const CycleRow* row = opened.rows->at(t_s);
     ASSERT_NE(row, nullptr);
-    EXPECT_EQ(row->sample, brute_force_sample(all, t_s)) << t_s;
+    EXPECT_EQ(row->sample, brute_force_sample(all_rows, t_s)) << t_s;
     EXPECT_EQ(std::isfinite(row->p_WP.x()), row->sample % 2 == 0) << t_s;
   }
 }
@@ -78,7 +78,7 @@ TEST(RecordingRows, TheNewestSampleWithAReplyIsFound) {
   EXPECT_EQ(replied->sample, 2000U);
   EXPECT_EQ(replied->view_revision, 4U);
   EXPECT_EQ(replied->scene_time_ns, 2'000'000'000);
-  EXPECT_EQ(opened.rows->replied_at(2.0015, 0.0005), nullptr) << "older than asked for";
+  EXPECT_EQ(opened.rows->replied_at(2.0015, 0.0005), nullptr) << "older than requested";
   const std::vector<double> trips = opened.rows->round_trips(3.0);
   EXPECT_NEAR(static_cast<double>(trips.size()), 500.0, 2.0);
   EXPECT_NEAR(trips.front(), 3e-4, 1e-9);
@@ -117,11 +117,11 @@ TEST(RecordingRows, BeforeTheFirstSampleTheFirstIsShown) {
   EXPECT_EQ(opened.rows->at(99.0)->sample, 4000U) << "after the last, the last";
 }
 
-TEST(RecordingRows, AReplyAsOldAsAskedForIsOne) {
+TEST(RecordingRows, AReplyAsOldAsRequestedIsFound) {
   OpenedRecording opened;
-  const double at_s = opened.rows->at(2.0005)->sample_t_s;
-  ASSERT_NE(opened.rows->replied_at(at_s + 0.0009, 0.001), nullptr);
-  EXPECT_EQ(opened.rows->replied_at(at_s, 0.0)->sample, 2000U);
+  const double sample_t_s = opened.rows->at(2.0005)->sample_t_s;
+  ASSERT_NE(opened.rows->replied_at(sample_t_s + 0.0009, 0.001), nullptr);
+  EXPECT_EQ(opened.rows->replied_at(sample_t_s, 0.0)->sample, 2000U);
 }
 
 // As after a device was unplugged: datagrams are recorded, but no samples.

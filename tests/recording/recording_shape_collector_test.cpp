@@ -19,26 +19,27 @@ struct ShapeCollectorTest : testing::Test {
   void receive(const Message& message) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::received;
-    entry.time_ns = kCyclesStartNs + ++milliseconds * 1'000'000;
+    entry.time_ns = kCyclesStartNs + ++time_ms * 1'000'000;
     const Datagram datagram{{.session = 1, .sender = 2}, message};
     collector.add(entry, &datagram, take);
   }
-  void part(std::uint32_t serial, std::uint32_t first, std::uint32_t source = 5, std::int32_t object = 0) {
+  void receive_part(std::uint32_t serial, std::uint32_t first, std::uint32_t source = 5, std::int32_t object = 0) {
     ObjectShape shape{.source = source, .serial = serial, .object = object};
     shape.part = {.total = kCollectedVertices, .first = first};
     shape.part.displacements_m.fill({1e-3F * static_cast<float>(serial), 0.0F, static_cast<float>(first)});
     receive(shape);
   }
-  void start(std::uint32_t serial, std::uint32_t source = 5, std::int32_t object = 0) {
+  void receive_start(std::uint32_t serial, std::uint32_t source = 5, std::int32_t object = 0) {
     receive(ShapeStart{.source = source, .serial = serial, .before = serial - 1, .object = object, .total = kCollectedVertices});
   }
 
-  std::int64_t milliseconds = 0;
+  std::int64_t time_ms = 0;
   // "process.serial" of each shape that was handed on, with a question mark if it has no vertices.
-  std::vector<std::string> taken;
+  std::vector<std::string> collected;
   std::vector<double> times_s;
   RecordingShapeCollector::Take take = [this](const RecordedShape& shape) {
-    taken.push_back(std::to_string(shape.process) + "." + std::to_string(shape.start.serial) + (shape.displacements_m.empty() ? "?" : ""));
+    collected.push_back(std::to_string(shape.process) + "." + std::to_string(shape.start.serial) +
+                        (shape.displacements_m.empty() ? "?" : ""));
     times_s.push_back(shape.t_s);
     if (shape.displacements_m.empty()) return;
     ASSERT_EQ(shape.displacements_m.size(), kCollectedVertices);
@@ -51,73 +52,73 @@ struct ShapeCollectorTest : testing::Test {
 };
 
 TEST_F(ShapeCollectorTest, EachShapeIsHandedOnOnceItIsThere) {
-  part(1, 64);
-  part(1, 0);
-  EXPECT_TRUE(taken.empty()) << "it has not begun";
-  start(1);
-  ASSERT_EQ(taken, std::vector<std::string>({"0.1"}));
+  receive_part(1, 64);
+  receive_part(1, 0);
+  EXPECT_TRUE(collected.empty()) << "it has not begun";
+  receive_start(1);
+  ASSERT_EQ(collected, std::vector<std::string>({"0.1"}));
   EXPECT_NEAR(times_s[0], 0.003, 1e-9);
-  start(1);
-  part(1, 0);
-  part(1, 64);
+  receive_start(1);
+  receive_part(1, 0);
+  receive_part(1, 64);
   collector.finish(take);
-  EXPECT_EQ(taken.size(), 1U) << "what is repeated";
+  EXPECT_EQ(collected.size(), 1U) << "repetitions add nothing";
 }
 
 // As for a shape from before the recording, whose parts the hub requests.
 TEST_F(ShapeCollectorTest, PartsMayComeAfterTheStart) {
-  start(4);
-  part(4, 0);
-  part(5, 0);
-  part(5, 64);
-  start(5);
-  EXPECT_TRUE(taken.empty());
-  part(4, 64);
-  EXPECT_EQ(taken, std::vector<std::string>({"0.4", "0.5"})) << "in their order";
+  receive_start(4);
+  receive_part(4, 0);
+  receive_part(5, 0);
+  receive_part(5, 64);
+  receive_start(5);
+  EXPECT_TRUE(collected.empty());
+  receive_part(4, 64);
+  EXPECT_EQ(collected, std::vector<std::string>({"0.4", "0.5"})) << "in their order";
 }
 
 TEST_F(ShapeCollectorTest, WithoutAPartAShapeHasNoVertices) {
-  part(1, 0);
-  start(1);
-  part(2, 0);
-  part(2, 64);
-  start(2);
-  part(3, 0);
-  part(3, 64);
+  receive_part(1, 0);
+  receive_start(1);
+  receive_part(2, 0);
+  receive_part(2, 64);
+  receive_start(2);
+  receive_part(3, 0);
+  receive_part(3, 64);
   collector.finish(take);
-  EXPECT_EQ(taken, std::vector<std::string>({"0.1?", "0.2"})) << "the third one was never felt";
+  EXPECT_EQ(collected, std::vector<std::string>({"0.1?", "0.2"})) << "the third one was never felt";
 }
 
 TEST_F(ShapeCollectorTest, AnotherProcessBeginsWithItsObjectsAtRest) {
-  part(7, 0);
-  part(7, 64);
-  start(7);
-  start(0, 6);
-  part(1, 0, 6);
-  part(1, 64, 6);
-  start(1, 6);
-  EXPECT_EQ(taken, std::vector<std::string>({"0.7", "1.1"}));
+  receive_part(7, 0);
+  receive_part(7, 64);
+  receive_start(7);
+  receive_start(0, 6);
+  receive_part(1, 0, 6);
+  receive_part(1, 64, 6);
+  receive_start(1, 6);
+  EXPECT_EQ(collected, std::vector<std::string>({"0.7", "1.1"}));
 }
 
 // The tables of moves and carves have the same numbers.
 TEST_F(ShapeCollectorTest, AProcessOfWhichOnlyMovesAreRecordedCountsToo) {
   receive(ObjectMove{.source = 4, .serial = 1});
-  part(1, 0);
-  part(1, 64);
-  start(1);
+  receive_part(1, 0);
+  receive_part(1, 64);
+  receive_start(1);
   receive(Carves{.source = 6, .newest = 1, .first = 1, .count = 1});
-  start(0, 7);
-  part(1, 0, 7);
-  part(1, 64, 7);
-  start(1, 7);
-  EXPECT_EQ(taken, std::vector<std::string>({"1.1", "3.1"}));
+  receive_start(0, 7);
+  receive_part(1, 0, 7);
+  receive_part(1, 64, 7);
+  receive_start(1, 7);
+  EXPECT_EQ(collected, std::vector<std::string>({"1.1", "3.1"}));
 }
 
 TEST_F(ShapeCollectorTest, AFileWithAnyNumberOfPartsTakesLittleMemory) {
-  for (std::uint32_t serial = 1; serial <= 1000; ++serial) part(serial, 0, 5, static_cast<std::int32_t>(serial % 8));
-  start(1000, 5, 0);
+  for (std::uint32_t serial = 1; serial <= 1000; ++serial) receive_part(serial, 0, 5, static_cast<std::int32_t>(serial % 8));
+  receive_start(1000, 5, 0);
   collector.finish(take);
-  EXPECT_EQ(taken, std::vector<std::string>({"0.1000?"}));
+  EXPECT_EQ(collected, std::vector<std::string>({"0.1000?"}));
 }
 
 // The hub sends shapes on to vision nodes, and receives what cannot be read.
@@ -131,26 +132,26 @@ TEST_F(ShapeCollectorTest, OnlyReadableDatagramsThatTheHubReceivedCount) {
   entry.kind = SessionEntry::Kind::received;
   collector.add(entry, nullptr, take);
   collector.finish(take);
-  EXPECT_TRUE(taken.empty());
+  EXPECT_TRUE(collected.empty());
 }
 
-// A hub asks for parts again for a picture that begins later, long after the shape was handed on.
+// A hub requests parts again for a picture that begins later, long after the shape was handed on.
 TEST_F(ShapeCollectorTest, PartsThatAreSentAgainDelayNoLaterShape) {
   for (const std::uint32_t serial : {1U, 2U}) {
-    part(serial, 0);
-    part(serial, 64);
-    start(serial);
-    part(serial, 0);
+    receive_part(serial, 0);
+    receive_part(serial, 64);
+    receive_start(serial);
+    receive_part(serial, 0);
   }
-  EXPECT_EQ(taken, std::vector<std::string>({"0.1", "0.2"}));
+  EXPECT_EQ(collected, std::vector<std::string>({"0.1", "0.2"}));
 }
 
 TEST_F(ShapeCollectorTest, PartsOfAnotherNumberOfVerticesAreNotThoseOfTheShape) {
-  part(1, 0);
-  part(1, 64);
+  receive_part(1, 0);
+  receive_part(1, 64);
   receive(ShapeStart{.source = 5, .serial = 1, .total = kCollectedVertices + 1});
   collector.finish(take);
-  EXPECT_EQ(taken, std::vector<std::string>({"0.1?"}));
+  EXPECT_EQ(collected, std::vector<std::string>({"0.1?"}));
 }
 
 // An export has one array for each object and process, with as many vertices as the first shape in it.
@@ -161,18 +162,18 @@ TEST_F(ShapeCollectorTest, CountsTheShapesThatAnExportHasTheVerticesOf) {
     rows.push_back(fmt::format("{}.{}.{} {}", shape.process, shape.start.object, shape.start.serial, row));
     EXPECT_EQ(std::isnan(shape_columns().back().of(shape)), !shape.row);
   };
-  const auto whole = [&](std::uint32_t serial, std::uint32_t source, std::int32_t object, std::uint32_t vertices) {
+  const auto receive_shape = [&](std::uint32_t serial, std::uint32_t source, std::int32_t object, std::uint32_t vertices) {
     receive(ObjectShape{.source = source, .serial = serial, .object = object, .part = {.total = vertices}});
     receive(ShapeStart{.source = source, .serial = serial, .before = serial - 1, .object = object, .total = vertices});
   };
-  whole(1, 5, 0, 3);
-  whole(1, 5, 1, 7);
-  whole(2, 5, 0, 4);  // another number of vertices: the object of another scene
-  whole(3, 5, 0, 3);
-  start(4);
-  start(1, 6);
-  whole(2, 6, 0, 4);
-  whole(3, 6, 0, 4);
+  receive_shape(1, 5, 0, 3);
+  receive_shape(1, 5, 1, 7);
+  receive_shape(2, 5, 0, 4);  // another number of vertices: the object of another scene
+  receive_shape(3, 5, 0, 3);
+  receive_start(4);
+  receive_start(1, 6);
+  receive_shape(2, 6, 0, 4);
+  receive_shape(3, 6, 0, 4);
   collector.finish(take);
   EXPECT_EQ(rows,
             std::vector<std::string>({"0.0.1 0", "0.1.1 0", "0.0.2 none", "0.0.3 1", "0.0.4 none", "1.0.1 none", "1.0.2 0", "1.0.3 1"}));

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kAheadS = 0.2;
+constexpr double kLookAheadS = 0.2;  // before its message, a shape is found by this time
 
 ShapeStart shape_start(std::uint32_t serial, std::int64_t start_ms, std::int32_t object = 0, std::uint32_t source = 5) {
   return {.source = source,
@@ -33,7 +33,7 @@ ObjectShape shape_part(std::uint32_t serial, std::uint32_t first, std::uint32_t 
 }
 
 std::uint32_t serial_at(const ShapeIndex& index, double t_s, std::int32_t object = 0) {
-  const IndexedShape* shape = index.find(object, t_s, kAheadS, std::llround(1e9 * t_s));
+  const IndexedShape* shape = index.find(object, t_s, kLookAheadS, std::llround(1e9 * t_s));
   return shape != nullptr ? shape->start.serial : 0;
 }
 
@@ -56,7 +56,7 @@ TEST(ShapeIndex, AMomentHasTheMotionThatBeganLast) {
   EXPECT_EQ(serial_at(index, 1.931, 1), 30U);
   EXPECT_EQ(serial_at(index, 9.0), 39U);
   EXPECT_EQ(serial_at(index, 9.0, 2), 0U);
-  const IndexedShape* last = index.find(1, 9.0, kAheadS, 9'000'000'000);
+  const IndexedShape* last = index.find(1, 9.0, kLookAheadS, 9'000'000'000);
   ASSERT_NE(last, nullptr);
   const IndexedShape* before = index.find_before(last->start);
   ASSERT_NE(before, nullptr);
@@ -75,7 +75,7 @@ TEST(ShapeIndex, AnotherProcessBeginsAtRest) {
   EXPECT_EQ(serial_at(index, 1.9), 7U) << "the other one has not come, though it is known soon";
   EXPECT_EQ(serial_at(index, 2.1), 0U);
   EXPECT_EQ(serial_at(index, 3.1), 1U);
-  EXPECT_EQ(index.find(0, 3.1, kAheadS, 1'400'000'000), nullptr) << "in its own scene time";
+  EXPECT_EQ(index.find(0, 3.1, kLookAheadS, 1'400'000'000), nullptr) << "in its own scene time";
 }
 
 // Before the first shape was recorded, the one that comes first counts, though another process follows within the time ahead.
@@ -92,7 +92,7 @@ TEST(ShapeIndex, BeforeAllShapesTheFirstProcessCounts) {
 }
 
 // The start of a shape is repeated, and its parts come on request.
-TEST(ShapeIndex, AShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
+TEST(ShapeIndex, AShapeFromBeforeTheRecordingIsThereFromItsBeginning) {
   ShapeIndex index;
   index.add(ForceCommand{.scene_time_ns = 5'000'000'000});
   index.add(shape_start(3, 100), 0.7);
@@ -100,7 +100,7 @@ TEST(ShapeIndex, AShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
   index.add(shape_part(3, 64), 710);
   index.add(shape_start(4, 5800), 0.8);
   ASSERT_EQ(index.all().size(), 2U);
-  const IndexedShape* shape = index.find(0, 0.0, kAheadS, 5'000'000'000);
+  const IndexedShape* shape = index.find(0, 0.0, kLookAheadS, 5'000'000'000);
   ASSERT_NE(shape, nullptr);
   EXPECT_EQ(shape->start.serial, 3U);
   EXPECT_EQ(shape->first_position, 700U);
@@ -117,7 +117,7 @@ TEST(ShapeIndex, AShapeOfALaterProcessIsNotThereFromTheBeginning) {
   ASSERT_EQ(index.all().size(), 3U);
   EXPECT_EQ(index.all().front().message.start.source, 5U);
   EXPECT_EQ(index.all().back().t_s, 2.1);
-  EXPECT_EQ(index.find(1, 1.0, kAheadS, 6'000'000'000), nullptr);
+  EXPECT_EQ(index.find(1, 1.0, kLookAheadS, 6'000'000'000), nullptr);
 }
 
 TEST(ShapeIndex, PartsThatAreSentAgainAreLeftOut) {

@@ -15,15 +15,15 @@ namespace {
 
 using Kind = SessionEntry::Kind;
 
-const Address kFirst = {{}, 5001};
-const Address kSecond = {{}, 5002};
+const Address kFirstNode = {{}, 5001};
+const Address kSecondNode = {{}, 5002};
 const Address kVision = {{}, 5003};
 
 struct TakenDatagramsTest : testing::Test {
-  bool receives(const Address& from, const Message& message, std::uint64_t session = 7) {
+  bool takes_received(const Address& from, const Message& message, std::uint64_t session = 7) {
     return take(Kind::received, from, message, session);
   }
-  bool sends(const Address& to, const Message& message) { return take(Kind::sent, to, message, 7); }
+  bool takes_sent(const Address& to, const Message& message) { return take(Kind::sent, to, message, 7); }
   bool take(Kind kind, const Address& peer, const Message& message, std::uint64_t session) {
     SessionEntry entry;
     entry.kind = kind;
@@ -35,55 +35,55 @@ struct TakenDatagramsTest : testing::Test {
 };
 
 TEST_F(TakenDatagramsTest, NotThoseOfAnEarlierSessionOfTheHub) {
-  EXPECT_FALSE(receives(kFirst, ForceCommand{}, 6));
-  EXPECT_FALSE(receives(kFirst, ViewTransform{}, 6));
-  EXPECT_TRUE(receives(kFirst, Hello{NodeRole::haptics}, 0)) << "of no session yet";
-  EXPECT_TRUE(receives(kFirst, ForceCommand{}));
+  EXPECT_FALSE(takes_received(kFirstNode, ForceCommand{}, 6));
+  EXPECT_FALSE(takes_received(kFirstNode, ViewTransform{}, 6));
+  EXPECT_TRUE(takes_received(kFirstNode, Hello{NodeRole::haptics}, 0)) << "of no session yet";
+  EXPECT_TRUE(takes_received(kFirstNode, ForceCommand{}));
   taken = TakenDatagrams(0);
-  EXPECT_TRUE(receives(kFirst, ForceCommand{})) << "the recording does not say which it is";
+  EXPECT_TRUE(takes_received(kFirstNode, ForceCommand{})) << "the recording does not say which it is";
 }
 
 TEST_F(TakenDatagramsTest, ForcesOfTheHapticsNodeThatGetsTheStates) {
-  EXPECT_TRUE(receives(kFirst, ForceCommand{})) << "not known yet which it is";
-  EXPECT_TRUE(sends(kFirst, DeviceState{}));
-  EXPECT_TRUE(receives(kFirst, ForceCommand{}));
-  EXPECT_FALSE(receives(kSecond, ForceCommand{}));
-  EXPECT_FALSE(receives(kSecond, HapticsSetup{}));
-  EXPECT_TRUE(receives(kSecond, ViewTransform{})) << "of a vision node";
-  EXPECT_TRUE(sends(kSecond, DeviceState{}));
-  EXPECT_FALSE(receives(kFirst, ForceCommand{})) << "another one has its place";
+  EXPECT_TRUE(takes_received(kFirstNode, ForceCommand{})) << "not known yet which it is";
+  EXPECT_TRUE(takes_sent(kFirstNode, DeviceState{}));
+  EXPECT_TRUE(takes_received(kFirstNode, ForceCommand{}));
+  EXPECT_FALSE(takes_received(kSecondNode, ForceCommand{}));
+  EXPECT_FALSE(takes_received(kSecondNode, HapticsSetup{}));
+  EXPECT_TRUE(takes_received(kSecondNode, ViewTransform{})) << "of a vision node";
+  EXPECT_TRUE(takes_sent(kSecondNode, DeviceState{}));
+  EXPECT_FALSE(takes_received(kFirstNode, ForceCommand{})) << "another one has its place";
 }
 
 TEST_F(TakenDatagramsTest, ASecondHapticsNodeCountsOnceTheHubHasAcceptedIt) {
-  sends(kFirst, DeviceState{});
-  receives(kSecond, Hello{NodeRole::haptics});
-  sends(kSecond, Welcome{.accepted = false});
-  EXPECT_FALSE(receives(kSecond, HapticsSetup{}));
-  receives(kVision, Hello{NodeRole::vision});
-  sends(kVision, Welcome{.accepted = true});
-  EXPECT_FALSE(receives(kVision, HapticsSetup{}));
-  receives(kSecond, Hello{NodeRole::vision});
-  sends(kSecond, Welcome{.accepted = true});
-  EXPECT_FALSE(receives(kSecond, HapticsSetup{})) << "another program at that address";
-  EXPECT_TRUE(receives(kFirst, HapticsSetup{}));
-  receives(kSecond, Hello{NodeRole::haptics});
-  sends(kSecond, Welcome{.accepted = true});
-  EXPECT_TRUE(receives(kSecond, HapticsSetup{}));
-  EXPECT_FALSE(receives(kFirst, HapticsSetup{}));
+  takes_sent(kFirstNode, DeviceState{});
+  takes_received(kSecondNode, Hello{NodeRole::haptics});
+  takes_sent(kSecondNode, Welcome{.accepted = false});
+  EXPECT_FALSE(takes_received(kSecondNode, HapticsSetup{}));
+  takes_received(kVision, Hello{NodeRole::vision});
+  takes_sent(kVision, Welcome{.accepted = true});
+  EXPECT_FALSE(takes_received(kVision, HapticsSetup{}));
+  takes_received(kSecondNode, Hello{NodeRole::vision});
+  takes_sent(kSecondNode, Welcome{.accepted = true});
+  EXPECT_FALSE(takes_received(kSecondNode, HapticsSetup{})) << "another program at that address";
+  EXPECT_TRUE(takes_received(kFirstNode, HapticsSetup{}));
+  takes_received(kSecondNode, Hello{NodeRole::haptics});
+  takes_sent(kSecondNode, Welcome{.accepted = true});
+  EXPECT_TRUE(takes_received(kSecondNode, HapticsSetup{}));
+  EXPECT_FALSE(takes_received(kFirstNode, HapticsSetup{}));
 }
 
 // Sample numbers begin anew with each session of the hub: the force was for the sample of this number in the earlier session.
 TEST(TakenDatagramsOfARecording, AForceOfAnEarlierSessionIsInNoTable) {
   const ScratchFolder scratch;
-  MadeRecording made;
-  made.also = [&](std::uint64_t sample) {
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
     if (sample != 1000) return;
-    made.session = 5;
-    made.receive(MadeRecording::kHaptics, force_of(1001), sample);
-    made.receive(MadeRecording::kHaptics, HapticsSetup{.method_serial = 9}, sample);
-    made.session = MadeRecording::kSession;
+    recording.session = 5;
+    recording.receive(MadeRecording::kHaptics, force_of(1001), sample);
+    recording.receive(MadeRecording::kHaptics, HapticsSetup{.method_serial = 9}, sample);
+    recording.session = MadeRecording::kSession;
   };
-  const auto file = made.write(scratch);
+  const auto file = recording.write(scratch);
   auto reader = SessionReader::open(file);
   ASSERT_TRUE(reader) << reader.error().what;
   std::map<std::uint64_t, double> wanted_n;
