@@ -45,10 +45,10 @@ TEST(MeasureHaptons, ARunWithMissedOrWrongPairsDoesNotHold) {
   run.results[1].mislocated = 0;
   run.results.back().is_peer = true;
   run.results.back().missed = 1;
-  EXPECT_TRUE(run.holds()) << "a peer's accuracy is shown, not asked for";
+  EXPECT_TRUE(run.holds()) << "a peer's accuracy is shown, not required";
 }
 
-// A collider is judged by the position of its contact. Before it has run, it must report that it has found none (an error below 0).
+// A collider is evaluated by the position of its contact. Before it has run, it must report that it has found none (an error below 0).
 TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
   const auto pairs = make_edge_pairs({.seed = 2, .count = 64});
   for (const auto& collider : make_pair_colliders(pairs)) {
@@ -78,7 +78,7 @@ class WrongCollider final : public PairCollider {
   std::vector<double> errors_;
 };
 
-TEST(MeasureHaptons, ANanErrorCountsAsOff) {
+TEST(MeasureHaptons, ANanErrorCountsAsMislocated) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   HaptonResult result;
   count_errors(WrongCollider({1e-4, kNan, -1.0, 2e-3, 1e-3}), 5, result);
@@ -93,10 +93,10 @@ TEST(LocationErrors, OfAnEndThatIsNotFiniteIsInfinite) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const TrianglePair pair = make_edge_pairs({.seed = 2, .count = 8}).front();
   const ExtendedContact exact = intersect_extended(pair);
-  const TriangleContact found = intersect_triangles(pair);
+  const TriangleContact computed = intersect_triangles(pair);
   ASSERT_EQ(exact.count, 2);
-  EXPECT_LT(location_error(found, exact), kHaptonAccuracy * size_of(pair));
-  TriangleContact wrong = found;
+  EXPECT_LT(location_error(computed, exact), kHaptonAccuracy * size_of(pair));
+  TriangleContact wrong = computed;
   wrong.end.y() = kNan;
   EXPECT_EQ(location_error(wrong, exact), std::numeric_limits<double>::infinity());
   wrong.begin.x() = kNan;

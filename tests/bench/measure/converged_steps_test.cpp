@@ -13,8 +13,8 @@ namespace {
 
 using SwitchCause = BranchSwitch::Cause;
 
-constexpr std::size_t kStart = 3;
-constexpr int kAfter = 12;  // steps
+constexpr std::size_t kStartStep = 3;
+constexpr int kStepsFromJump = 12;
 
 MethodSettings settings_for(const char* name) {
   MethodSettings settings;
@@ -39,40 +39,40 @@ TouchScene strip_of(std::uint32_t cells, const Material& material = {}) {
 }
 
 // The device goes down onto the strip at x = -40 mm, makes two short steps, then one of `distance_m` along the strip, and 11 short ones.
-TouchTrajectory jump_by(double distance_m) {
+TouchTrajectory jump_trajectory(double distance_m) {
   TouchTrajectory trajectory;
   trajectory.p_SD = {Vec3(-0.04, 0.003, 1e-3), Vec3(-0.04, 0.003, -1e-3), Vec3(-0.0399, 0.003, -1e-3), Vec3(-0.0398, 0.003, -1e-3)};
-  for (int i = 0; i < kAfter; ++i) trajectory.p_SD.emplace_back(-0.0398 + distance_m + 1e-4 * i, 0.003, -1e-3);
+  for (int i = 0; i < kStepsFromJump; ++i) trajectory.p_SD.emplace_back(-0.0398 + distance_m + 1e-4 * i, 0.003, -1e-3);
   return trajectory;
 }
 
 ForceError compare(const TouchScene& scene, const TouchTrajectory& trajectory) {
-  const std::size_t count = trajectory.p_SD.size() - kStart - 1;
-  const std::vector<ForceSample> felt = compute_forces(settings_for("proxy"), scene, trajectory).value();
-  auto converged = ConvergedSteps::make(settings_for("proxy"), scene).value().compute(trajectory, kStart, count).felt;
+  const std::size_t count = trajectory.p_SD.size() - kStartStep - 1;
+  const std::vector<ForceSample> proxy_steps = compute_forces(settings_for("proxy"), scene, trajectory).value();
+  auto converged = ConvergedSteps::make(settings_for("proxy"), scene).value().compute(trajectory, kStartStep, count).felt;
   auto reference = ReferenceMethod::make_reference(settings_for("reference"), scene).value();
-  reference->continue_from(felt[kStart].proxy, felt[kStart].device, true);
-  std::vector<ForceSample> method(felt.begin() + kStart + 1, felt.end()), expected;
+  reference->continue_from(proxy_steps[kStartStep].proxy, proxy_steps[kStartStep].device, true);
+  std::vector<ForceSample> method(proxy_steps.begin() + kStartStep + 1, proxy_steps.end()), expected;
   for (const ForceSample& step : method) {
     const MethodOutput output = reference->step({.p_SD = step.device});
     expected.push_back({step.device, output.p_SP, output.force_n, reference->last_step().settled});
   }
-  const ForceError finished = compare_forces(converged, expected, {}, converged);
-  EXPECT_EQ(finished.branch_switches, 0u);
-  EXPECT_LT(finished.error.most, 1e-6);
+  const ForceError converged_error = compare_forces(converged, expected, {}, converged);
+  EXPECT_EQ(converged_error.branch_switches, 0u);
+  EXPECT_LT(converged_error.error.most, 1e-6);
   return compare_forces(method, expected, {}, converged);
 }
 
 TEST(ConvergedSteps, AJumpLongerThanTheWorkLimitIsAnUnconvergedSwitch) {
-  const ForceError error = compare(strip_of(1200), jump_by(0.079));  // over 1,900 triangles, of which a step crosses about 500
+  const ForceError error = compare(strip_of(1200), jump_trajectory(0.079));  // over 1,900 triangles, of which a step crosses about 500
   EXPECT_EQ(error.branch_switches, 1u);
   EXPECT_EQ(error.count(SwitchCause::unconverged), 1u);
   EXPECT_GT(error.error.most, 1.0);
-  EXPECT_LT(error.switched_steps, std::size_t{kAfter});
+  EXPECT_LT(error.switched_steps, std::size_t{kStepsFromJump});
 }
 
 TEST(ConvergedSteps, AShortMotionIsNoSwitch) {
-  const ForceError error = compare(strip_of(50), jump_by(0.02));
+  const ForceError error = compare(strip_of(50), jump_trajectory(0.02));
   EXPECT_EQ(error.branch_switches, 0u);
 }
 
@@ -80,17 +80,17 @@ TEST(ConvergedSteps, AShortMotionIsNoSwitch) {
 // so the switch does not count as unconverged.
 TEST(ConvergedSteps, AnotherBranchIsNotUnconverged) {
   const TouchScene scene = strip_of(1200);
-  TouchTrajectory trajectory = jump_by(0.079);
-  const std::size_t count = trajectory.p_SD.size() - kStart - 1;
+  TouchTrajectory trajectory = jump_trajectory(0.079);
+  const std::size_t count = trajectory.p_SD.size() - kStartStep - 1;
   auto reference = compute_forces(settings_for("reference"), scene, trajectory).value();
   trajectory.p_SD[0].z() = trajectory.p_SD[1].z();
-  const std::vector<ForceSample> felt = compute_forces(settings_for("proxy"), scene, trajectory).value();
-  const auto converged = ConvergedSteps::make(settings_for("proxy"), scene).value().compute(trajectory, kStart, count).felt;
-  const std::vector<ForceSample> method(felt.begin() + kStart + 1, felt.end());
-  reference.erase(reference.begin(), reference.begin() + kStart + 1);
+  const std::vector<ForceSample> proxy_steps = compute_forces(settings_for("proxy"), scene, trajectory).value();
+  const auto converged = ConvergedSteps::make(settings_for("proxy"), scene).value().compute(trajectory, kStartStep, count).felt;
+  const std::vector<ForceSample> method(proxy_steps.begin() + kStartStep + 1, proxy_steps.end());
+  reference.erase(reference.begin(), reference.begin() + kStartStep + 1);
   const ForceError error = compare_forces(method, reference, {}, converged);
   EXPECT_EQ(error.branch_switches, 1u);
-  EXPECT_EQ(error.switched_steps, std::size_t{kAfter});
+  EXPECT_EQ(error.switched_steps, std::size_t{kStepsFromJump});
   EXPECT_EQ(error.count(SwitchCause::unconverged), 0u);
   EXPECT_EQ(error.count(SwitchCause::unexplained), 1u);
 }
@@ -101,14 +101,14 @@ TEST(ConvergedSteps, IsTheMethodItselfWhereNothingIsCarried) {
   auto trajectory = make_slide_trajectory(*mesh, {.seed = 1, .rows = 8000, .rate_hz = 1000.0}).value();
   ASSERT_GT(trajectory.reset_every, 0u);
   scene.objects.push_back({mesh, Material{.friction_static = 0.5, .friction_dynamic = 0.4}});
-  const std::vector<ForceSample> felt = compute_forces(settings_for("proxy"), scene, trajectory).value();
+  const std::vector<ForceSample> proxy_steps = compute_forces(settings_for("proxy"), scene, trajectory).value();
   ConvergedSteps steps = ConvergedSteps::make(settings_for("proxy"), scene).value();
   for (const std::size_t start : {std::size_t{700}, trajectory.reset_every + 900, std::size_t{300}}) {
     const std::vector<ForceSample> converged = steps.compute(trajectory, start, 40).felt;
     ASSERT_EQ(converged.size(), 40u);
     for (std::size_t i = 0; i < 40; ++i) {
-      EXPECT_EQ(converged[i].force_n, felt[start + 1 + i].force_n);
-      EXPECT_EQ(converged[i].proxy, felt[start + 1 + i].proxy);
+      EXPECT_EQ(converged[i].force_n, proxy_steps[start + 1 + i].force_n);
+      EXPECT_EQ(converged[i].proxy, proxy_steps[start + 1 + i].proxy);
     }
   }
 }
@@ -129,15 +129,15 @@ TEST(ConvergedSteps, TellWhetherTheWindowBeginsSliding) {
 
 TEST(ConvergedSteps, AWindowMayBeginWithACarriedStep) {
   const TouchScene scene = strip_of(1200);
-  const TouchTrajectory trajectory = jump_by(0.079);
-  const std::size_t jump = kStart + 1;
-  const std::vector<ForceSample> felt = compute_forces(settings_for("proxy"), scene, trajectory).value();
+  const TouchTrajectory trajectory = jump_trajectory(0.079);
+  const std::size_t jump = kStartStep + 1;
+  const std::vector<ForceSample> proxy_steps = compute_forces(settings_for("proxy"), scene, trajectory).value();
   ConvergedSteps steps = ConvergedSteps::make(settings_for("proxy"), scene).value();
-  EXPECT_EQ(steps.compute(trajectory, kStart, 1).begins_at, felt[kStart].device);
+  EXPECT_EQ(steps.compute(trajectory, kStartStep, 1).begins_at, proxy_steps[kStartStep].device);
   const ConvergedSteps::Window window = steps.compute(trajectory, jump, 4);
-  EXPECT_GT(window.begins_at.x(), felt[kStart].device.x() + 0.01);
-  EXPECT_LT(window.begins_at.x(), felt[jump].device.x() - 0.01);
-  EXPECT_NEAR(window.begins_at.x(), felt[jump].proxy.x(), 1e-4);  // over the plane the proxy is above the device
+  EXPECT_GT(window.begins_at.x(), proxy_steps[kStartStep].device.x() + 0.01);
+  EXPECT_LT(window.begins_at.x(), proxy_steps[jump].device.x() - 0.01);
+  EXPECT_NEAR(window.begins_at.x(), proxy_steps[jump].proxy.x(), 1e-4);  // over the plane the proxy is above the device
 }
 
 TEST(ConvergedSteps, AMethodThatCannotBeMadeIsAnError) {

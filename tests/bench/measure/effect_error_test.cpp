@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-const EffectCase& named(const std::vector<EffectCase>& cases, const std::string& name) {
+const EffectCase& find_case(const std::vector<EffectCase>& cases, const std::string& name) {
   return *std::find_if(cases.begin(), cases.end(), [&](const EffectCase& one) { return one.name == name; });
 }
 
@@ -28,7 +28,7 @@ TEST(EffectErrorOf, EffectsOfPositionDifferByRoundingOnly) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     for (const char* name : {"none", "progressive stiffness", "bumps, ridges", "bumps, grid", "spring", "constant", "magnet", "line snap",
                              "plane snap", "gravity well", "wave"}) {
-      EXPECT_LT(error_of(named(cases, name), 1000.0, seed).rms, 1e-6) << name << ", seed " << seed;
+      EXPECT_LT(error_of(find_case(cases, name), 1000.0, seed).rms, 1e-6) << name << ", seed " << seed;
     }
   }
 }
@@ -37,7 +37,7 @@ TEST(EffectErrorOf, EffectsOfPositionDifferByRoundingOnly) {
 TEST(EffectErrorOf, ImagesIsThatOfTheirResolution) {
   const auto cases = make_effect_cases(effect_plane());
   for (const char* name : {"bumps, image", "stiffness, image"}) {
-    const double rms = error_of(named(cases, name)).rms;
+    const double rms = error_of(find_case(cases, name)).rms;
     EXPECT_GT(rms, 1e-4) << name;
     EXPECT_LT(rms, 0.01) << name;
   }
@@ -47,8 +47,8 @@ TEST(EffectErrorOf, ImagesIsThatOfTheirResolution) {
 TEST(EffectErrorOf, WhatDependsOnTimeFallsWithTheRate) {
   const auto cases = make_effect_cases(effect_plane());
   for (const char* name : {"viscosity", "viscous", "mass", "vibration on tap", "burst", "8 layers"}) {
-    const double slow = error_of(named(cases, name)).rms;
-    const double fast = error_of(named(cases, name), 10000.0).rms;
+    const double slow = error_of(find_case(cases, name)).rms;
+    const double fast = error_of(find_case(cases, name), 10000.0).rms;
     EXPECT_LT(fast, slow / 3.0) << name;
     EXPECT_LT(fast, 0.1) << name;
   }
@@ -56,14 +56,14 @@ TEST(EffectErrorOf, WhatDependsOnTimeFallsWithTheRate) {
 
 TEST(EffectErrorOf, AWrongParameterShows) {
   const auto cases = make_effect_cases(effect_plane());
-  EffectCase bumps = named(cases, "bumps, ridges");
+  EffectCase bumps = find_case(cases, "bumps, ridges");
   const auto right = EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}});
   bumps.surface.bumps.height_m *= 1.01;
   EXPECT_GT((EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - right).norm(), 1e-4);
 }
 
 TEST(EffectErrorOf, ARecordedTextureHasNoFormula) {
-  const auto error = measure_effect_error(named(make_effect_cases(effect_plane()), "texture of 1 kHz"), {.steps = 300});
+  const auto error = measure_effect_error(find_case(make_effect_cases(effect_plane()), "texture of 1 kHz"), {.steps = 300});
   ASSERT_TRUE(error);
   EXPECT_FALSE(*error);
 }

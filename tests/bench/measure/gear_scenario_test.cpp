@@ -21,10 +21,10 @@ TEST(GearScenario, TheGapsSlopeIsItsDerivative) {
       (void)find_flank_gap(gear, at.head<2>(), at.z(), ccw, &slope);
       for (int i = 0; i < 3; ++i) {
         const Vec3 step = 1e-7 * Vec3::Unit(i);
-        const double found = (find_flank_gap(gear, (at + step).head<2>(), (at + step).z(), ccw) -
-                              find_flank_gap(gear, (at - step).head<2>(), (at - step).z(), ccw)) /
-                             2e-7;
-        EXPECT_NEAR(found, slope[i], 1e-5) << "seed 3, axis " << i;
+        const double numeric_slope = (find_flank_gap(gear, (at + step).head<2>(), (at + step).z(), ccw) -
+                                      find_flank_gap(gear, (at - step).head<2>(), (at - step).z(), ccw)) /
+                                     2e-7;
+        EXPECT_NEAR(numeric_slope, slope[i], 1e-5) << "seed 3, axis " << i;
       }
     }
   }
@@ -44,17 +44,17 @@ TEST(GearScenario, TheGapIsThatOfTheMeshes) {
   int closed = 0;
   for (int n = 0; n < 300; ++n) {
     const Vec3 at(0.0403 + 2e-4 * unit(random), 2e-4 * unit(random), 0.008 * unit(random));
-    const double least = std::min(find_flank_gap(gear, at.head<2>(), at.z(), true), find_flank_gap(gear, at.head<2>(), at.z(), false));
+    const double least_gap = std::min(find_flank_gap(gear, at.head<2>(), at.z(), true), find_flank_gap(gear, at.head<2>(), at.z(), false));
     ToolInput input;
     input.X_WD.translation() = Vec3(at.x(), at.y(), 0.0005);
     input.X_WD.linear() = turn_by({0.0, 0.0, at.z()}).toRotationMatrix();
     const bool penetrates = check.penetrates((*step)->to_local(input));
-    if (least > 1e-6) {
-      EXPECT_FALSE(penetrates) << at.transpose() << " gap " << least;
+    if (least_gap > 1e-6) {
+      EXPECT_FALSE(penetrates) << at.transpose() << " gap " << least_gap;
       ++open;
     }
-    if (least < -3e-6) {
-      EXPECT_TRUE(penetrates) << at.transpose() << " gap " << least;
+    if (least_gap < -3e-6) {
+      EXPECT_TRUE(penetrates) << at.transpose() << " gap " << least_gap;
       ++closed;
     }
   }

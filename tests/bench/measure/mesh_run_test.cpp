@@ -45,11 +45,11 @@ TEST(MeshRun, TheSeedChoosesTheWindows) {
   const std::vector<MeshFigures> once = measure(kSmall), again = measure(kSmall);
   MeshRunSettings other = kSmall;
   other.seeds = {3, 4};
-  const std::vector<MeshFigures> elsewhere = measure(other);
+  const std::vector<MeshFigures> with_other_seeds = measure(other);
   for (std::size_t i = 0; i < once.size(); ++i) {
     EXPECT_EQ(once[i].error.error.rms, again[i].error.error.rms);
     EXPECT_EQ(once[i].facets_crossed, again[i].facets_crossed);
-    EXPECT_NE(once[i].error.error.rms, elsewhere[i].error.error.rms);
+    EXPECT_NE(once[i].error.error.rms, with_other_seeds[i].error.error.rms);
   }
 }
 

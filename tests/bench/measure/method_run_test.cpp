@@ -20,13 +20,13 @@ TEST(RunReference, HasTheEffectsOfTheScene) {
   for (int i = 0; i < 20; ++i) trajectory.p_SD.emplace_back(1e-4 * i, 0.003, 1e-3 - 2e-4 * i);
   const auto reference = run_reference(Stopwatch::calibrate(), scene, trajectory, 0.0);
   ASSERT_TRUE(reference) << reference.error().what;
-  const auto felt = compute_forces({.name = "reference"}, scene, trajectory);
-  ASSERT_TRUE(felt) << felt.error().what;
-  const auto without = compute_forces({.name = "reference"}, plain, trajectory);
-  ASSERT_TRUE(without) << without.error().what;
-  ASSERT_EQ(reference->felt.size(), felt->size());
-  for (std::size_t i = 0; i < felt->size(); ++i) EXPECT_EQ(reference->felt[i].force_n, (*felt)[i].force_n) << i;
-  EXPECT_GT((reference->felt.back().force_n - without->back().force_n).norm(), 0.1) << "the effect acts";
+  const auto with_effects = compute_forces({.name = "reference"}, scene, trajectory);
+  ASSERT_TRUE(with_effects) << with_effects.error().what;
+  const auto without_effects = compute_forces({.name = "reference"}, plain, trajectory);
+  ASSERT_TRUE(without_effects) << without_effects.error().what;
+  ASSERT_EQ(reference->felt.size(), with_effects->size());
+  for (std::size_t i = 0; i < with_effects->size(); ++i) EXPECT_EQ(reference->felt[i].force_n, (*with_effects)[i].force_n) << i;
+  EXPECT_GT((reference->felt.back().force_n - without_effects->back().force_n).norm(), 0.1) << "the effect acts";
 }
 
 }  // namespace

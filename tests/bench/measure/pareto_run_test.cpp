@@ -15,11 +15,11 @@ namespace {
 
 // Counts the columns of a CSV line; a comma within quotes does not separate.
 std::size_t count_columns(const std::string& line) {
-  bool quoted = false;
+  bool is_quoted = false;
   std::size_t columns = 1;
   for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    if (c == ',' && !quoted) ++columns;
+    if (c == '"') is_quoted = !is_quoted;
+    if (c == ',' && !is_quoted) ++columns;
   }
   return columns;
 }
@@ -42,12 +42,12 @@ TEST(TakeHeads, OfAllRowsIsTheWhole) {
 }
 
 TEST(MakeQueries, LeadFromProxyToDeviceAndNotAcrossAReset) {
-  std::vector<ForceSample> felt(6);
-  for (std::size_t i = 0; i < felt.size(); ++i) {
-    felt[i].device = Vec3::Constant(static_cast<double>(i));
-    felt[i].proxy = Vec3::Constant(static_cast<double>(i) + 100.0);
+  std::vector<ForceSample> samples(6);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].device = Vec3::Constant(static_cast<double>(i));
+    samples[i].proxy = Vec3::Constant(static_cast<double>(i) + 100.0);
   }
-  const TouchQueries queries = make_queries(felt, 3, 0.1);
+  const TouchQueries queries = make_queries(samples, 3, 0.1);
   EXPECT_EQ(queries.points.size(), 6U);
   ASSERT_EQ(queries.segments.size(), 4U);
   EXPECT_EQ(queries.segments[2].from.x(), 103.0);

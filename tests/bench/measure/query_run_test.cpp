@@ -44,10 +44,10 @@ TEST(QueryRun, AStructureThatFindsWhatBruteForceFindsAgreesInAll) {
     SCOPED_TRACE(kind.precision);
     const auto timing = time_at_sheet(kind);
     ASSERT_TRUE(timing) << timing.error().what;
-    for (const QueryTiming& of : {timing->segments, timing->nearests}) {
-      EXPECT_EQ(of.found, kQueries);
-      EXPECT_EQ(of.compared, kQueries);
-      EXPECT_EQ(of.agree, kQueries);
+    for (const QueryTiming& query_timing : {timing->segments, timing->nearests}) {
+      EXPECT_EQ(query_timing.found, kQueries);
+      EXPECT_EQ(query_timing.compared, kQueries);
+      EXPECT_EQ(query_timing.agree, kQueries);
     }
   }
 }
@@ -57,10 +57,10 @@ TEST(QueryRun, AStructureThatFindsNothingAgreesInNone) {
                                        return std::make_unique<FindsNothing>();
                                      }});
   ASSERT_TRUE(timing) << timing.error().what;
-  for (const QueryTiming& of : {timing->segments, timing->nearests}) {
-    EXPECT_EQ(of.found, 0U);
-    EXPECT_EQ(of.compared, kQueries);
-    EXPECT_EQ(of.agree, 0U);
+  for (const QueryTiming& query_timing : {timing->segments, timing->nearests}) {
+    EXPECT_EQ(query_timing.found, 0U);
+    EXPECT_EQ(query_timing.compared, kQueries);
+    EXPECT_EQ(query_timing.agree, 0U);
   }
 }
 

@@ -6,12 +6,12 @@
 namespace hapton {
 namespace {
 
-constexpr TimingBudget kOnce{.repetitions = 1, .seconds = 0.0};
+constexpr TimingBudget kOneRepetition{.repetitions = 1, .seconds = 0.0};
 
 TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates) {
   const Stopwatch watch = Stopwatch::calibrate();
   for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
-    const auto row = measure_scenario(scenario, proxy_tool(), watch, kOnce);
+    const auto row = measure_scenario(scenario, proxy_tool(), watch, kOneRepetition);
     ASSERT_TRUE(row) << row.error().what;
     EXPECT_GT(row->contact_steps, 100U) << row->name;
     EXPECT_LT(row->force_error_percent, 1.0) << row->name;
@@ -26,7 +26,7 @@ TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates)
 TEST(SixdofRun, TheForceTaskIsAsNearToTheoryWithAPoseEachSample) {
   const Stopwatch watch = Stopwatch::calibrate();
   for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
-    const auto row = measure_scenario(scenario, force_task(1), watch, kOnce);
+    const auto row = measure_scenario(scenario, force_task(1), watch, kOneRepetition);
     ASSERT_TRUE(row) << row.error().what;
     EXPECT_EQ(row->method, "force");
     EXPECT_GT(row->contact_steps, 100U) << row->name;
@@ -38,7 +38,7 @@ TEST(SixdofRun, TheForceTaskIsAsNearToTheoryWithAPoseEachSample) {
 
 TEST(SixdofRun, TheForceTaskErrsWhereThePoseIsRare) {
   const SixdofScenario scenario = make_analytic_scenarios(400).front();
-  const auto row = measure_scenario(scenario, force_task(200), Stopwatch::calibrate(), kOnce);
+  const auto row = measure_scenario(scenario, force_task(200), Stopwatch::calibrate(), kOneRepetition);
   ASSERT_TRUE(row);
   EXPECT_EQ(row->method, "force, 200 ms");
   EXPECT_GT(row->force_error_percent, 10.0) << "contacts come late, and age";
@@ -47,7 +47,7 @@ TEST(SixdofRun, TheForceTaskErrsWhereThePoseIsRare) {
 // Voxels keep the tool tenths of a millimetre away from the scene, so their force is wrong by some percent.
 TEST(SixdofRun, VoxelsAreFartherFromTheory) {
   const SixdofScenario scenario = make_analytic_scenarios(1200).front();
-  const auto row = measure_scenario(scenario, voxel_tool(1e-3), Stopwatch::calibrate(), kOnce);
+  const auto row = measure_scenario(scenario, voxel_tool(1e-3), Stopwatch::calibrate(), kOneRepetition);
   ASSERT_TRUE(row);
   EXPECT_EQ(row->method, "voxels, 1 mm");
   EXPECT_GT(row->contact_steps, 300U);
@@ -64,7 +64,7 @@ TEST(SixdofRun, AWrongWrenchIsAnError) {
     wrench.force_n.x() += 0.1 * wrench.force_n.z();
     return wrench;
   };
-  const auto row = measure_scenario(scenario, proxy_tool(), watch, kOnce);
+  const auto row = measure_scenario(scenario, proxy_tool(), watch, kOneRepetition);
   ASSERT_TRUE(row);
   EXPECT_GT(row->force_error_percent, 5.0);
   EXPECT_GT(row->force_angle_deg, 3.0);
@@ -77,14 +77,14 @@ TEST(SixdofRun, AForceThatIsNotExpectedIsAnError) {
     is_odd = !is_odd;
     return is_odd ? right(X) : Wrench6{};
   };
-  const auto row = measure_scenario(scenario, proxy_tool(), Stopwatch::calibrate(), kOnce);
+  const auto row = measure_scenario(scenario, proxy_tool(), Stopwatch::calibrate(), kOneRepetition);
   ASSERT_TRUE(row);
   EXPECT_NEAR(row->force_error_percent, 100.0, 10.0);
   EXPECT_LT(row->force_angle_deg, 1.0);
 }
 
 TEST(SixdofRun, APegIsNeverNearerThanHalfTheOffset) {
-  const auto row = measure_scenario(make_peg_scenario(2500, 7), proxy_tool(), Stopwatch::calibrate(), kOnce);
+  const auto row = measure_scenario(make_peg_scenario(2500, 7), proxy_tool(), Stopwatch::calibrate(), kOneRepetition);
   ASSERT_TRUE(row);
   EXPECT_GT(row->contact_steps, 1000U);
   EXPECT_EQ(row->penetrations, 0U);

@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-// The expected wrench of each scenario is minus the slope of the least energy over the places that the tool may take. So its work along any
-// motion of the device is the change of that energy: over a closed loop none.
+// The expected wrench of each scenario is minus the gradient of the least energy over the poses that the tool may take. So its work along
+// any motion of the device is the change of that energy: over a closed loop none.
 TEST(SixdofScenes, ExpectedWrenchesAreConservative) {
   for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
     ASSERT_TRUE(scenario.expected) << scenario.name;
@@ -19,7 +19,7 @@ TEST(SixdofScenes, ExpectedWrenchesAreConservative) {
     double work = 0.0;
     double size = 0.0;
     constexpr int kParts = 20'000;
-    const auto at = [&](int n) {
+    const auto pose_at = [&](int n) {
       const double angle = 2.0 * 3.14159265358979 * n / kParts;
       Pose X = middle;
       X.translation() += 5e-4 * Vec3(std::cos(angle), std::sin(2.0 * angle), std::sin(angle));
@@ -27,8 +27,8 @@ TEST(SixdofScenes, ExpectedWrenchesAreConservative) {
       return X;
     };
     for (int n = 0; n < kParts; ++n) {
-      const Pose from = at(n);
-      const Pose to = at(n + 1);
+      const Pose from = pose_at(n);
+      const Pose to = pose_at(n + 1);
       const Wrench6 a = scenario.expected(from);
       const Wrench6 b = scenario.expected(to);
       const Vec3 turn = turn_between(Quat(from.linear()), Quat(to.linear()));
@@ -50,17 +50,17 @@ TEST(SixdofScenes, EveryMotionBeginsInFreeSpaceAndPresses) {
     auto step = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
     ASSERT_TRUE(step) << scenario.name;
     (*step)->reset({scenario.device.front()});
-    int contact = 0;
+    int contact_steps = 0;
     for (std::size_t i = 0; i < scenario.device.size(); ++i) {
       const ToolOutput out = (*step)->step({scenario.device[i]});
       ASSERT_FALSE(out.proxy.is_blocked) << scenario.name << " at " << i;
-      contact += out.contact ? 1 : 0;
+      contact_steps += out.contact ? 1 : 0;
     }
-    EXPECT_GT(contact, 100) << scenario.name;
+    EXPECT_GT(contact_steps, 100) << scenario.name;
   }
 }
 
-TEST(SixdofScenes, SizesAreAboutThoseAskedFor) {
+TEST(SixdofScenes, SizesAreAboutThoseRequested) {
   const SixdofScenario made = make_size_scenario(1000, 5000, 10, 1);
   EXPECT_GE(made.tool->triangles.size(), 1000U);
   EXPECT_GE(made.scene->triangles.size(), 5000U);

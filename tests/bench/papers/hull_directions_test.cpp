@@ -8,21 +8,21 @@ namespace hapton {
 namespace {
 
 TEST(CompareHullDirections, MoreDirectionsLookAtNoMoreTriangles) {
-  const auto all = compare_hull_directions({.seed = 1, .steps = 400, .budget = {.repetitions = 1, .seconds = 0.05}}, Stopwatch::calibrate(),
-                                           make_bumpy_sphere(0.045, 0.2, 5000, 1));
-  ASSERT_TRUE(all) << all.error().what;
-  ASSERT_EQ(all->size(), 4U);
+  const auto rows = compare_hull_directions({.seed = 1, .steps = 400, .budget = {.repetitions = 1, .seconds = 0.05}},
+                                            Stopwatch::calibrate(), make_bumpy_sphere(0.045, 0.2, 5000, 1));
+  ASSERT_TRUE(rows) << rows.error().what;
+  ASSERT_EQ(rows->size(), 4U);
   const int directions[] = {6, 14, 18, 26};
   for (std::size_t i = 0; i < 4; ++i) {
-    const HullDirections& h = (*all)[i];
+    const HullDirections& h = (*rows)[i];
     EXPECT_EQ(h.directions, directions[i]);
     EXPECT_GT(h.local_set.p50_ns, 0.0);
-    EXPECT_GE(h.triangles, 64.0) << "fewer than were asked for";
+    EXPECT_GE(h.triangles, 64.0) << "fewer than requested";
     EXPECT_EQ(h.structure.nearests.agree, h.structure.nearests.compared) << "wrong results are not a gain";
     EXPECT_EQ(h.structure.segments.agree, h.structure.segments.compared);
   }
-  EXPECT_LE((*all)[1].triangles, 1.05 * (*all)[0].triangles);
-  EXPECT_GT((*all)[3].structure.bytes, (*all)[0].structure.bytes);
+  EXPECT_LE((*rows)[1].triangles, 1.05 * (*rows)[0].triangles);
+  EXPECT_GT((*rows)[3].structure.bytes, (*rows)[0].structure.bytes);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-PapersReport filled() {
+PapersReport make_filled_report() {
   PapersReport report = make_papers_report();
   for (PaperRow& row : report.rows) row.ours = 2.0;
   return report;
@@ -31,7 +31,7 @@ TEST(PapersReport, HoldsBothPapersFigures) {
 TEST(PapersReport, ARowWithoutAValueMakesItIncomplete) {
   PapersReport report = make_papers_report();
   EXPECT_FALSE(report.is_complete());
-  report = filled();
+  report = make_filled_report();
   EXPECT_TRUE(report.is_complete());
   report.row(kStereoCulled).ours.reset();
   report.row(kStereoCulled).how = "could not be measured: vision_node is not built";
@@ -53,17 +53,17 @@ TEST(PapersReport, TheRatioIsOursOverTheirs) {
 
 // Counts the fields: commas within quotes do not separate, and a quote in a field is doubled.
 std::size_t count_fields(const std::string& line) {
-  bool quoted = false;
+  bool is_quoted = false;
   std::size_t fields = 1;
   for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    if (c == ',' && !quoted) ++fields;
+    if (c == '"') is_quoted = !is_quoted;
+    if (c == ',' && !is_quoted) ++fields;
   }
   return fields;
 }
 
 TEST(PapersReport, TextCsvAndJsonSayTheSame) {
-  PapersReport report = filled();
+  PapersReport report = make_filled_report();
   report.row(kRoundTrip).ours = 0.0315;
   report.row(kRoundTrip).how = "p50, \"sealed\", over loopback";
   report.tasks.emplace_back().rate_hz = 3000.0;
@@ -72,14 +72,14 @@ TEST(PapersReport, TextCsvAndJsonSayTheSame) {
   const auto json = nlohmann::json::parse(to_json(report));
   EXPECT_EQ(json["rows"].size(), report.rows.size());
   EXPECT_TRUE(json["complete"].get<bool>());
-  bool found = false;
+  bool is_found = false;
   for (const auto& row : json["rows"]) {
     if (row["key"] != std::string(kRoundTrip)) continue;
-    found = true;
+    is_found = true;
     EXPECT_DOUBLE_EQ(row["ours"].get<double>(), 0.0315);
     EXPECT_NEAR(row["ours_over_paper"].get<double>(), 0.045, 1e-12);
   }
-  EXPECT_TRUE(found);
+  EXPECT_TRUE(is_found);
   EXPECT_NEAR(json["tasks"][0]["idle_share"].get<double>(), 1.0 - 3333e-9 * 3000.0, 1e-12);
   const std::string text = to_text(report);
   EXPECT_NE(text.find("0.0315 ms"), std::string::npos) << text;

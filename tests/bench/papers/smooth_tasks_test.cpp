@@ -42,19 +42,19 @@ TEST(MeasureSmoothTasks, TheFastTaskLivesOnTheSlowOnesSets) {
 }
 
 // If the slow task runs seldom, the fast one selects more often by itself. If it never runs, that is an error, not a row of zeros.
-TEST(MeasureSmoothTasks, ASeldomSlowTaskShows) {
+TEST(MeasureSmoothTasks, ASlowTaskThatRunsSeldomShows) {
   const TouchScene scene = bumpy_scene();
   const Stopwatch watch = Stopwatch::calibrate();
   SmoothTasksSettings often = short_run();
   often.slow_period_s = 0.001;
   SmoothTasksSettings seldom = short_run();
   seldom.slow_period_s = 0.2;
-  const auto quick = measure_smooth_tasks(often, watch, scene, 1000.0);
-  const auto slow = measure_smooth_tasks(seldom, watch, scene, 1000.0);
-  ASSERT_TRUE(quick) << quick.error().what;
-  ASSERT_TRUE(slow) << slow.error().what;
-  EXPECT_LT(quick->without_set, slow->without_set);
-  EXPECT_GT(quick->offered, slow->offered);
+  const auto with_frequent_sets = measure_smooth_tasks(often, watch, scene, 1000.0);
+  const auto with_rare_sets = measure_smooth_tasks(seldom, watch, scene, 1000.0);
+  ASSERT_TRUE(with_frequent_sets) << with_frequent_sets.error().what;
+  ASSERT_TRUE(with_rare_sets) << with_rare_sets.error().what;
+  EXPECT_LT(with_frequent_sets->without_set, with_rare_sets->without_set);
+  EXPECT_GT(with_frequent_sets->offered, with_rare_sets->offered);
 
   SmoothTasksSettings never = short_run();
   never.slow_period_s = 1e6;

@@ -17,17 +17,17 @@ std::vector<QueryStructureKind> all_structures() {
   return kinds;
 }
 
-std::vector<std::size_t> those_with(bool QueryStructureKind::*query) {
-  std::vector<std::size_t> places;
+std::vector<std::size_t> indices_of_kinds_with(bool QueryStructureKind::*query) {
+  std::vector<std::size_t> indices;
   const std::vector<QueryStructureKind> kinds = all_structures();
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    if (kinds[i].*query) places.push_back(i);
+    if (kinds[i].*query) indices.push_back(i);
   }
-  return places;
+  return indices;
 }
 
-std::string name_of(const testing::TestParamInfo<std::size_t>& at) {
-  const QueryStructureKind kind = all_structures()[at.param];
+std::string name_of(const testing::TestParamInfo<std::size_t>& info) {
+  const QueryStructureKind kind = all_structures()[info.param];
   std::string name = kind.full_name() + " " + kind.precision;
   for (char& c : name) c = c == ' ' ? '_' : c;
   return name;
@@ -44,16 +44,16 @@ class Structures : public testing::TestWithParam<std::size_t> {
     structure_ = std::move(*made);
   }
 
-  // A point on the surface, moved off it by up to `off`.
-  Vec3 draw_near(double off) {
+  // A point on the surface, moved off it by up to `max_offset`.
+  Vec3 draw_near(double max_offset) {
     std::uniform_int_distribution<std::size_t> triangle(0, mesh_.triangles.size() - 1);
     std::uniform_real_distribution<double> weight(0.05, 1.0);
     const std::size_t t = triangle(random_);
     Vec3 weights(weight(random_), weight(random_), weight(random_));
     weights /= weights.sum();
-    const Vec3 on = weights[0] * mesh_.corner(t, 0) + weights[1] * mesh_.corner(t, 1) + weights[2] * mesh_.corner(t, 2);
+    const Vec3 on_surface = weights[0] * mesh_.corner(t, 0) + weights[1] * mesh_.corner(t, 1) + weights[2] * mesh_.corner(t, 2);
     const Vec3 normal = (mesh_.corner(t, 1) - mesh_.corner(t, 0)).cross(mesh_.corner(t, 2) - mesh_.corner(t, 0)).normalized();
-    return on + std::uniform_real_distribution<double>(-off, off)(random_) * normal;
+    return on_surface + std::uniform_real_distribution<double>(-max_offset, max_offset)(random_) * normal;
   }
 
   static constexpr double kExtent = 0.1;
@@ -79,8 +79,8 @@ TEST_P(SegmentQuery, FindsTheFirstHit) {
     const double found = structure_->first_hit(from, to);
     (std::isfinite(expected) ? hits : misses) += 1;
     // For a segment that ends, or begins, on the surface rounding decides, so it is left out.
-    const bool on_end = brute_->nearest(from, 1.0) < kTolerance * kExtent || brute_->nearest(to, 1.0) < kTolerance * kExtent;
-    if (on_end) continue;
+    const bool is_on_end = brute_->nearest(from, 1.0) < kTolerance * kExtent || brute_->nearest(to, 1.0) < kTolerance * kExtent;
+    if (is_on_end) continue;
     ASSERT_EQ(std::isfinite(found), std::isfinite(expected)) << kind_.full_name() << ", segment " << i;
     if (std::isfinite(expected)) {
       EXPECT_NEAR(found * length, expected * length, kTolerance * kExtent) << kind_.full_name() << ", segment " << i;
@@ -93,7 +93,7 @@ TEST_P(SegmentQuery, FindsTheFirstHit) {
 class NearestQuery : public Structures {};
 
 TEST_P(NearestQuery, FindsTheNearestTriangle) {
-  int beyond = 0;
+  int points_beyond = 0;
   for (int i = 0; i < 300; ++i) {
     const double radius = 0.025 * kExtent;
     const Vec3 p = draw_near(0.05 * kExtent);
@@ -101,13 +101,13 @@ TEST_P(NearestQuery, FindsTheNearestTriangle) {
     if (std::fabs(expected - radius) < kTolerance * kExtent) continue;
     const double found = structure_->nearest(p, radius);
     if (expected > radius) {
-      ++beyond;
+      ++points_beyond;
       EXPECT_FALSE(std::isfinite(found)) << kind_.full_name() << ", point " << i;
     } else {
       EXPECT_NEAR(found, expected, kTolerance * kExtent) << kind_.full_name() << ", point " << i;
     }
   }
-  EXPECT_GT(beyond, 20);
+  EXPECT_GT(points_beyond, 20);
 }
 
 TEST(StructureKinds, HaveNamesOfTheirOwn) {
@@ -119,8 +119,8 @@ TEST(StructureKinds, HaveNamesOfTheirOwn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SegmentQuery, testing::ValuesIn(those_with(&QueryStructureKind::segments)), name_of);
-INSTANTIATE_TEST_SUITE_P(All, NearestQuery, testing::ValuesIn(those_with(&QueryStructureKind::nearests)), name_of);
+INSTANTIATE_TEST_SUITE_P(All, SegmentQuery, testing::ValuesIn(indices_of_kinds_with(&QueryStructureKind::segments)), name_of);
+INSTANTIATE_TEST_SUITE_P(All, NearestQuery, testing::ValuesIn(indices_of_kinds_with(&QueryStructureKind::nearests)), name_of);
 
 }  // namespace
 }  // namespace hapton
