@@ -12,11 +12,11 @@
 namespace hapton {
 namespace {
 
-std::filesystem::path scratch(const std::string& name) {
+std::filesystem::path scratch_file(const std::string& name) {
   return std::filesystem::temp_directory_path() / ("hapton_child_" + std::to_string(::getpid()) + "_" + name);
 }
 
-std::string take_text(const std::filesystem::path& path) {
+std::string read_and_remove(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
@@ -33,20 +33,20 @@ TEST(ChildProcess, GivesTheExitCode) {
 }
 
 TEST(ChildProcess, ArgumentsArriveAsTheyAre) {
-  const auto out = scratch("out");
+  const auto out = scratch_file("out");
   auto child =
       ChildProcess::start({.program = "printf", .arguments = {"%s|", "a b", "$HOME", "'; exit 3", "*"}, .folder = "/", .output = out});
   ASSERT_TRUE(child);
   EXPECT_EQ(child->wait(30.0), 0);
-  EXPECT_EQ(take_text(out), "a b|$HOME|'; exit 3|*|");
+  EXPECT_EQ(read_and_remove(out), "a b|$HOME|'; exit 3|*|");
 }
 
 TEST(ChildProcess, RunsInItsFolder) {
-  const auto out = scratch("pwd");
+  const auto out = scratch_file("pwd");
   auto child = ChildProcess::start({.program = "pwd", .arguments = {}, .folder = "/usr", .output = out});
   ASSERT_TRUE(child);
   EXPECT_EQ(child->wait(30.0), 0);
-  EXPECT_EQ(take_text(out), "/usr\n");
+  EXPECT_EQ(read_and_remove(out), "/usr\n");
 }
 
 TEST(ChildProcess, StopsWhatWouldGoOn) {
@@ -57,7 +57,7 @@ TEST(ChildProcess, StopsWhatWouldGoOn) {
 }
 
 TEST(ChildProcess, KillsWhatWillNotStop) {
-  const auto out = scratch("deaf");
+  const auto out = scratch_file("deaf");
   auto child = ChildProcess::start(
       {.program = "sh", .arguments = {"-c", "trap '' TERM; echo on; while :; do sleep 0.05; done"}, .folder = {}, .output = out});
   ASSERT_TRUE(child);

@@ -113,7 +113,7 @@ TEST_F(CommandLineTest, HoldsOptionsTogetherAndApart) {
   EXPECT_EQ(rejection("--needed n --host h --key k"), "");
 }
 
-TEST_F(CommandLineTest, WantsAsManyOfAGroupAsWasSaid) {
+TEST_F(CommandLineTest, RequiresAsManyOptionsOfAGroupAsAreSet) {
   std::string mesh;
   std::string shape;
   const CommandLine source = line_.add_group("source").require_options(1, 1);
@@ -124,7 +124,7 @@ TEST_F(CommandLineTest, WantsAsManyOfAGroupAsWasSaid) {
   EXPECT_EQ(rejection("--shape s"), "");
 }
 
-TEST_F(CommandLineTest, WantsAMeshFileOrAShapeAndNotBoth) {
+TEST_F(CommandLineTest, RequiresAMeshFileOrAShapeAndNotBoth) {
   MeshChoice choice;
   add_mesh_options(line_, choice);
   EXPECT_NE(rejection(""), "");
@@ -139,15 +139,15 @@ TEST_F(CommandLineTest, ShowsInItsHelpWhatAVariableHolds) {
 }
 
 TEST_F(CommandLineTest, RunsTheCommandThatWasGivenAndNoOther) {
-  std::string ran;
+  std::string commands_run;
   const CommandLine top = line_.add_subcommand("top", "").require_subcommands(0, 1);
-  top.on_run([&] { ran += top.has_subcommand() ? "top of below " : "top "; });
-  top.add_subcommand("below", "").on_run([&] { ran += "below "; });
-  line_.add_subcommand("other", "").on_run([&] { ran += "other "; });
+  top.on_run([&] { commands_run += top.has_subcommand() ? "top of below " : "top "; });
+  top.add_subcommand("below", "").on_run([&] { commands_run += "below "; });
+  line_.add_subcommand("other", "").on_run([&] { commands_run += "other "; });
   EXPECT_EQ(rejection("top"), "");
-  EXPECT_EQ(ran, "top ");
+  EXPECT_EQ(commands_run, "top ");
   EXPECT_EQ(rejection("top below"), "");
-  EXPECT_EQ(ran, "top below top of below ");
+  EXPECT_EQ(commands_run, "top below top of below ");
 }
 
 }  // namespace

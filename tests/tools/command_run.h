@@ -10,18 +10,18 @@
 
 namespace hapton {
 
-// What a person sees of a command.
+// Exit code and output of a command.
 struct CommandRun {
   int code = -1;
   std::string out;
   std::string err;
 };
 
-// Runs `hapton` with these words in this process.
-inline CommandRun run_hapton(std::vector<std::string> words) {
-  words.insert(words.begin(), "hapton");
+// Runs `hapton` with these arguments in this process.
+inline CommandRun run_hapton(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "hapton");
   std::vector<const char*> argv;
-  for (const std::string& word : words) argv.push_back(word.c_str());
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   CommandRun run;

@@ -41,10 +41,10 @@ class HaptonCommandTest : public ::testing::Test {
   ~HaptonCommandTest() override { std::filesystem::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::vector<std::string> replay(const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"replay", "--trajectory", path("t.csv"), "--out", path("r.csv"), "--method", "sweep"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+  std::vector<std::string> replay_arguments(const std::vector<std::string>& more_arguments) const {
+    std::vector<std::string> arguments = {"replay", "--trajectory", path("t.csv"), "--out", path("r.csv"), "--method", "sweep"};
+    arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
+    return arguments;
   }
 
   std::filesystem::path folder_;
@@ -55,12 +55,12 @@ double last_tool_force_n(const std::string& out) {
   std::ifstream file(out);
   std::string line;
   std::string last;
-  std::string head;
+  std::string header;
   for (; std::getline(file, line);) {
-    if (line.rfind("t_s,", 0) == 0) head = line;
+    if (line.rfind("t_s,", 0) == 0) header = line;
     if (!line.empty() && line.front() != '#') last = line;
   }
-  std::istringstream names(head);
+  std::istringstream names(header);
   std::istringstream values(last);
   std::string value;
   for (std::string name; std::getline(names, name, ',') && std::getline(values, value, ',');) {
@@ -125,7 +125,7 @@ TEST_F(HaptonCommandTest, HelpListsEachCommandInALineUnderWhatPeopleWantToDo) {
   EXPECT_EQ(group_of["figures"], "Develop:");
   EXPECT_EQ(group_of.size(), std::size(kCommands));
   EXPECT_FALSE(group_of.contains("judge")) << "an old name";
-  EXPECT_THAT(run_hapton({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  effects")) << "groups are of the commands, not of theirs";
+  EXPECT_THAT(run_hapton({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  effects")) << "only commands are grouped, not subcommands";
 }
 
 TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
@@ -159,18 +159,18 @@ TEST_F(HaptonCommandTest, KeygenMakesTheKeysOfRolesFromAMasterKey) {
 }
 
 TEST_F(HaptonCommandTest, AWrongOptionIsReportedInOneLine) {
-  const CommandRun seen = run_hapton({"relay", "--loss", "2"});
-  EXPECT_EQ(seen.code, 2);
-  EXPECT_THAT(seen.err, HasSubstr("hapton relay: --loss"));
-  EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1);
+  const CommandRun run = run_hapton({"relay", "--loss", "2"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("hapton relay: --loss"));
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1);
   EXPECT_EQ(run_hapton({"relay", "--delay-ms", "nan"}).code, 2);
   EXPECT_THAT(run_hapton({"latency", "run", "--hosts", "x", "--rate", "1000"}).err, HasSubstr("see hapton latency run --help"));
 }
 
 TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
-  const CommandRun seen = run_hapton({"replya"});
-  EXPECT_EQ(seen.code, 2);
-  EXPECT_EQ(seen.err, "hapton: unknown command 'replya'; did you mean 'replay'?\n");
+  const CommandRun run = run_hapton({"replya"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_EQ(run.err, "hapton: unknown command 'replya'; did you mean 'replay'?\n");
   EXPECT_EQ(run_hapton({"bench", "numbres"}).err, "hapton bench: unknown command 'numbres'; did you mean 'numbers'?\n");
   EXPECT_THAT(run_hapton({"session", "xyzzy", "file"}).err, HasSubstr("unknown command 'xyzzy'; known are info, export, replay"));
   EXPECT_EQ(run_hapton({"session", "xyzzy"}).code, 2);
@@ -185,27 +185,26 @@ TEST_F(HaptonCommandTest, AMissingCommandIsNamedAndSoIsAFlagInItsPlace) {
 }
 
 TEST_F(HaptonCommandTest, UnknownFlagsAreHinted) {
-  const CommandRun seen = run_hapton({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
-  EXPECT_EQ(seen.code, 2);
-  EXPECT_THAT(seen.err, HasSubstr("did you mean '--trajectory'?"));
-  const CommandRun grouped = run_hapton(replay({"--mehs", path("t.obj")}));
+  const CommandRun run = run_hapton({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("did you mean '--trajectory'?"));
+  const CommandRun grouped = run_hapton(replay_arguments({"--mehs", path("t.obj")}));
   EXPECT_EQ(grouped.code, 2);
   EXPECT_THAT(grouped.err, HasSubstr("did you mean '--mesh'?"));
 }
 
 TEST_F(HaptonCommandTest, AnOutputThatCannotBeWrittenIsRejectedBeforeTheWork) {
-  const CommandRun seen =
-      run_hapton({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
-  EXPECT_EQ(seen.code, 2);
-  EXPECT_THAT(seen.err, HasSubstr("cannot be a folder"));
+  const CommandRun run = run_hapton({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("cannot be a folder"));
 }
 
 TEST_F(HaptonCommandTest, ReplayWritesTheForces) {
-  const CommandRun seen =
-      run_hapton(replay({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
-  EXPECT_EQ(seen.code, 0) << seen.err;
-  EXPECT_THAT(seen.out, HasSubstr("4 x 3 x 2 cells"));
-  EXPECT_THAT(seen.out, HasSubstr("3 steps, 2 in contact, force max 2 N"));
+  const CommandRun run =
+      run_hapton(replay_arguments({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("4 x 3 x 2 cells"));
+  EXPECT_THAT(run.out, HasSubstr("3 steps, 2 in contact, force max 2 N"));
   std::ifstream file(path("r.csv"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) {
@@ -217,9 +216,9 @@ TEST_F(HaptonCommandTest, ReplayWritesTheForces) {
 
 TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
   const auto replaced = [&](const std::string& flag, const std::string& value) {
-    std::vector<std::string> words = replay({"--mesh", path("t.obj")});
-    *(std::find(words.begin(), words.end(), flag) + 1) = value;
-    return words;
+    std::vector<std::string> arguments = replay_arguments({"--mesh", path("t.obj")});
+    *(std::find(arguments.begin(), arguments.end(), flag) + 1) = value;
+    return arguments;
   };
   EXPECT_THAT(run_hapton(replaced("--method", "swep")).err, HasSubstr("swep"));
   EXPECT_THAT(run_hapton(replaced("--trajectory", path("gone.csv"))).err, HasSubstr("gone.csv"));
@@ -233,55 +232,55 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
       {{"--mesh", path("t.obj"), "--crease", "181"}, "--crease"},
       {{"--mesh", path("t.obj"), "--simplify", "2 furlong"}, "--simplify: '2 furlong' is not a length"},
   };
-  for (const auto& [more, word] : cases) {
-    const CommandRun seen = run_hapton(replay(more));
-    EXPECT_NE(seen.code, 0) << word;
-    EXPECT_THAT(seen.err, HasSubstr(word));
+  for (const auto& [more_arguments, word] : cases) {
+    const CommandRun run = run_hapton(replay_arguments(more_arguments));
+    EXPECT_NE(run.code, 0) << word;
+    EXPECT_THAT(run.err, HasSubstr(word));
   }
-  EXPECT_EQ(run_hapton(replay({})).code, 2);  // neither mesh nor scene
-  EXPECT_EQ(run_hapton(replay({"--mesh", path("t.obj"), "--scene", path("t.toml")})).code, 2);
-  EXPECT_EQ(run_hapton(replay({"--mesh", path("t.obj"), "--stiffness", "-1"})).code, 2);
-  EXPECT_EQ(run_hapton(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
+  EXPECT_EQ(run_hapton(replay_arguments({})).code, 2);  // neither mesh nor scene
+  EXPECT_EQ(run_hapton(replay_arguments({"--mesh", path("t.obj"), "--scene", path("t.toml")})).code, 2);
+  EXPECT_EQ(run_hapton(replay_arguments({"--mesh", path("t.obj"), "--stiffness", "-1"})).code, 2);
+  EXPECT_EQ(run_hapton(replay_arguments({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
 }
 
 TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatCountedAsSharp) {
-  std::vector<std::string> words = replay({"--mesh", path("t.obj"), "--unit", "mm", "--simplify", "0.5mm", "--crease", "70"});
-  *(std::find(words.begin(), words.end(), "sweep")) = "smooth";
-  const CommandRun seen = run_hapton(words);
-  EXPECT_EQ(seen.code, 0) << seen.err;
-  EXPECT_THAT(seen.out, HasSubstr("simplify: 4 triangles, none merged within 0.0005 m"));
-  EXPECT_THAT(seen.out, HasSubstr("faces turn by more than 70 degrees"));
+  std::vector<std::string> arguments = replay_arguments({"--mesh", path("t.obj"), "--unit", "mm", "--simplify", "0.5mm", "--crease", "70"});
+  *(std::find(arguments.begin(), arguments.end(), "sweep")) = "smooth";
+  const CommandRun run = run_hapton(arguments);
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("simplify: 4 triangles, none merged within 0.0005 m"));
+  EXPECT_THAT(run.out, HasSubstr("faces turn by more than 70 degrees"));
 }
 
 TEST_F(HaptonCommandTest, EvaluateIsStillFoundUnderItsOldName) {
-  const CommandRun seen = run_hapton({"judge", "--shape", "torus", "--rows", "50", "--threads", "1"});
-  EXPECT_EQ(seen.code, 0) << seen.err;
-  EXPECT_THAT(seen.err, HasSubstr("hapton judge is now hapton evaluate"));
-  EXPECT_THAT(seen.out, HasSubstr("force error"));
+  const CommandRun run = run_hapton({"judge", "--shape", "torus", "--rows", "50", "--threads", "1"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("hapton judge is now hapton evaluate"));
+  EXPECT_THAT(run.out, HasSubstr("force error"));
   EXPECT_THAT(run_hapton({"--help"}).out, Not(HasSubstr("judge")));
 }
 
 TEST_F(HaptonCommandTest, EvaluateLabelsAShadedForce) {
-  const CommandRun seen = run_hapton({"evaluate", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
-  EXPECT_EQ(seen.code, 0) << seen.err;
-  EXPECT_THAT(seen.out, HasSubstr("force shading 1: the shaded force against the unshaded reference"));
+  const CommandRun run = run_hapton({"evaluate", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("force shading 1: the shaded force against the unshaded reference"));
 }
 
 TEST_F(HaptonCommandTest, GovernorHoldsAndSaysHowNearItCame) {
-  const CommandRun seen = run_hapton({"governor", "--steps", "2e5", "--seed", "5", "--threads", "2"});
-  EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("seed 5"));
-  EXPECT_THAT(seen.out, HasSubstr("worst, 1 is the limit: force "));
-  EXPECT_THAT(seen.out, HasSubstr("governor: 0 breaches in 2"));
+  const CommandRun run = run_hapton({"governor", "--steps", "2e5", "--seed", "5", "--threads", "2"});
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("seed 5"));
+  EXPECT_THAT(run.out, HasSubstr("worst, 1 is the limit: force "));
+  EXPECT_THAT(run.out, HasSubstr("governor: 0 breaches in 2"));
   EXPECT_EQ(run_hapton({"governor", "--steps", "0"}).code, 2);
   EXPECT_EQ(run_hapton({"governor", "--program", "7"}).code, 0);
 }
 
 // On a machine of 64 CPUs a run of an hour would take days otherwise.
 TEST_F(HaptonCommandTest, LongRunsUseEveryCpuUnlessToldOtherwise) {
-  const unsigned all = std::max(1U, std::thread::hardware_concurrency());
+  const unsigned cpu_count = std::max(1U, std::thread::hardware_concurrency());
   for (const char* command : {"stress", "governor", "evaluate"}) {
-    EXPECT_THAT(run_hapton({command, "--help"}).out, HasSubstr("--threads UINT:[1, 1024]=" + std::to_string(all) + " ")) << command;
+    EXPECT_THAT(run_hapton({command, "--help"}).out, HasSubstr("--threads UINT:[1, 1024]=" + std::to_string(cpu_count) + " ")) << command;
   }
 }
 
@@ -303,17 +302,17 @@ TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
 // `hapton bench` alone takes the flags of `bench numbers`, and checks its folder before it measures.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
-  const CommandRun seen = run_hapton({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
-  EXPECT_EQ(seen.code, 2);
-  EXPECT_THAT(seen.err, HasSubstr("a file is not a folder"));
+  const CommandRun run = run_hapton({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("a file is not a folder"));
 }
 
 TEST_F(HaptonCommandTest, BenchTakesTheOldNameOfComparedStepsAndSaysSo) {
   std::ofstream(folder_ / "a file");
   for (const std::string kind : {"numbers", "pareto"}) {
-    const CommandRun seen = run_hapton({"bench", kind, "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
-    EXPECT_EQ(seen.code, 2) << kind;
-    EXPECT_THAT(seen.err, HasSubstr("--judged-steps is now --compared-steps")) << kind;
+    const CommandRun run = run_hapton({"bench", kind, "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
+    EXPECT_EQ(run.code, 2) << kind;
+    EXPECT_THAT(run.err, HasSubstr("--judged-steps is now --compared-steps")) << kind;
     EXPECT_THAT(run_hapton({"bench", kind, "--judged-steps", "1", "--out", path("numbers")}).err, HasSubstr("--compared-steps")) << kind;
     EXPECT_THAT(run_hapton({"bench", kind, "--help"}).out, AllOf(Not(HasSubstr("judged")), Not(HasSubstr("Excludes: \n")))) << kind;
     const CommandRun both = run_hapton({"bench", kind, "--judged-steps", "20", "--compared-steps", "20", "--out", path("a file/numbers")});
@@ -323,22 +322,22 @@ TEST_F(HaptonCommandTest, BenchTakesTheOldNameOfComparedStepsAndSaysSo) {
 }
 
 TEST_F(HaptonCommandTest, StressTakesTheOldNameOfMinimumEveryAndSaysSo) {
-  const CommandRun seen = run_hapton({"stress", "--body", "box", "--rest-every", "16", "--friction-dynamic", "0.3"});
-  EXPECT_EQ(seen.code, 1);
-  EXPECT_THAT(seen.err, HasSubstr("--rest-every is now --minimum-every"));
+  const CommandRun run = run_hapton({"stress", "--body", "box", "--rest-every", "16", "--friction-dynamic", "0.3"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("--rest-every is now --minimum-every"));
   EXPECT_THAT(run_hapton({"stress", "--help"}).out, Not(HasSubstr("rest-every")));
 }
 
 TEST_F(HaptonCommandTest, StressRejectsADynamicFrictionAboveTheStaticOne) {
-  const CommandRun seen = run_hapton({"stress", "--body", "box", "--friction-dynamic", "0.3"});
-  EXPECT_EQ(seen.code, 1);
-  EXPECT_THAT(seen.err, HasSubstr("dynamic friction 0.3 is above static friction 0"));
+  const CommandRun run = run_hapton({"stress", "--body", "box", "--friction-dynamic", "0.3"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("dynamic friction 0.3 is above static friction 0"));
 }
 
 TEST_F(HaptonCommandTest, EchoEndsWhenItsTimeIsOver) {
-  const CommandRun seen = run_hapton({"echo", "--bind", "127.0.0.1:0", "--seconds", "0.05"});
-  EXPECT_EQ(seen.code, 0);
-  EXPECT_THAT(seen.out, HasSubstr("echo at 127.0.0.1:"));
+  const CommandRun run = run_hapton({"echo", "--bind", "127.0.0.1:0", "--seconds", "0.05"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.out, HasSubstr("echo at 127.0.0.1:"));
   EXPECT_EQ(run_hapton({"echo", "--bind", "somewhere else"}).code, 1);
 }
 

@@ -19,23 +19,23 @@ namespace {
 
 using ::testing::HasSubstr;
 
-LocalNode shell(const ScratchFolder& scratch, const std::string& script) {
+LocalNode start_shell(const ScratchFolder& scratch, const std::string& script) {
   auto node = LocalNode::start(scratch.path(), "sh", "sh", {"-c", script});
   EXPECT_TRUE(node) << node.error().what;
   return std::move(*node);
 }
 
-TEST(LocalNode, WaitsForANumberAmidWhatElseIsSaid) {
+TEST(LocalNode, WaitsForANumberAmidOtherOutput) {
   const ScratchFolder scratch;
-  LocalNode node = shell(scratch, "echo 3 servers are running; printf 4; sleep 0.2; echo 7; echo warning: none; sleep 5");
+  LocalNode node = start_shell(scratch, "echo 3 servers are running; printf 4; sleep 0.2; echo 7; echo warning: none; sleep 5");
   const auto number = node.wait_for_number();
   ASSERT_TRUE(number) << number.error().what;
-  EXPECT_EQ(*number, "47") << "of the whole line";
+  EXPECT_EQ(*number, "47") << "the whole line is read";
 }
 
 TEST(LocalNode, ThatEndsWithoutTheNumberSaysSo) {
   const ScratchFolder scratch;
-  LocalNode node = shell(scratch, "echo no display; exit 3");
+  LocalNode node = start_shell(scratch, "echo no display; exit 3");
   const auto number = node.wait_for_number();
   ASSERT_FALSE(number);
   EXPECT_THAT(number.error().what, HasSubstr("sh ended with 3: no display"));
@@ -43,7 +43,7 @@ TEST(LocalNode, ThatEndsWithoutTheNumberSaysSo) {
 
 TEST(LocalNode, IsKilledAsByACrash) {
   const ScratchFolder scratch;
-  LocalNode node = shell(scratch, "trap '' TERM; echo ready; sleep 60");
+  LocalNode node = start_shell(scratch, "trap '' TERM; echo ready; sleep 60");
   ASSERT_TRUE(node.wait_for("ready"));
   EXPECT_TRUE(node.check_running());
   node.kill();

@@ -19,13 +19,14 @@
 
 namespace hapton {
 
-// A hub in its own thread and with its own key, which nodes can join. A function takes what they send, in the hub's thread.
+// A hub in its own thread and with its own key, which nodes can join. A function is called with each message that they send, in the hub's
+// thread.
 class ReplyingHub {
  public:
-  // Called for each message. If it returns false, the hub is silent from then on.
-  using Take = std::function<bool(HubPeers& peers, std::size_t peer, const Message& message)>;
+  // If it returns false, the hub is silent from then on.
+  using OnMessage = std::function<bool(HubPeers& peers, std::size_t peer, const Message& message)>;
 
-  explicit ReplyingHub(Take take) : take_(std::move(take)), thread_([this] { run(); }) {}
+  explicit ReplyingHub(OnMessage on_message) : on_message_(std::move(on_message)), thread_([this] { run(); }) {}
   ~ReplyingHub() { end(); }
   ReplyingHub(const ReplyingHub&) = delete;
   ReplyingHub& operator=(const ReplyingHub&) = delete;
@@ -34,7 +35,7 @@ class ReplyingHub {
   std::string key_file() const { return key_file_; }
   // Ends the hub's thread: after that the test can read whatever the function has written.
   void end() {
-    ends_ = true;
+    is_ending_ = true;
     if (thread_.joinable()) thread_.join();
   }
 
@@ -44,15 +45,15 @@ class ReplyingHub {
     SealedHub sealed(*endpoint_, clock_, key);
     HubPeers peers(sealed, clock_, make_random_id(), 1000.0);
     Datagram datagram;
-    bool replies = true;
-    while (!ends_) {
+    bool is_replying = true;
+    while (!is_ending_) {
       const std::int64_t until_ns = clock_.now_ns() + kNanosecondsPerMillisecond;
-      if (!replies) {
+      if (!is_replying) {
         clock_.sleep_until_ns(until_ns);
         continue;
       }
       const PeerEvent event = peers.receive(datagram, until_ns);
-      if (event.kind == PeerEvent::Kind::message) replies = take_(peers, event.peer, datagram.message);
+      if (event.kind == PeerEvent::Kind::message) is_replying = on_message_(peers, event.peer, datagram.message);
     }
   }
 
@@ -65,8 +66,8 @@ class ReplyingHub {
   std::string key_file_ = make_key((folder_.path() / "key").string());
   SteadyClock clock_;
   std::unique_ptr<Endpoint> endpoint_ = *open_udp_endpoint("127.0.0.1:0");
-  Take take_;
-  std::atomic<bool> ends_{false};
+  OnMessage on_message_;
+  std::atomic<bool> is_ending_{false};
   std::thread thread_;
 };
 

@@ -16,30 +16,30 @@
 namespace hapton {
 namespace {
 
-TouchScene bumps() {
+TouchScene bumpy_scene() {
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(make_bumpy_sphere(0.045, 0.2, 1000, 3)), Material{}});
   return scene;
 }
 
 TEST(Evaluate, ThreadsChangeNothing) {
-  const TouchScene scene = bumps();
+  const TouchScene scene = bumpy_scene();
   const auto trajectory = make_tap_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 400});
   MethodSettings settings;
   settings.name = "reference";
-  const auto one = run_method(settings, scene, *trajectory, 1);
-  const auto many = run_method(settings, scene, *trajectory, 3);
-  ASSERT_TRUE(one.has_value() && many.has_value());
-  int contacts = 0;
-  for (std::size_t i = 0; i < one->size(); ++i) {
-    ASSERT_EQ((*one)[i].force_n, (*many)[i].force_n);
-    contacts += (*one)[i].force_n.norm() > 0.0;
+  const auto with_one_thread = run_method(settings, scene, *trajectory, 1);
+  const auto with_three_threads = run_method(settings, scene, *trajectory, 3);
+  ASSERT_TRUE(with_one_thread.has_value() && with_three_threads.has_value());
+  int contact_steps = 0;
+  for (std::size_t i = 0; i < with_one_thread->size(); ++i) {
+    ASSERT_EQ((*with_one_thread)[i].force_n, (*with_three_threads)[i].force_n);
+    contact_steps += (*with_one_thread)[i].force_n.norm() > 0.0;
   }
-  EXPECT_GT(contacts, 50);
+  EXPECT_GT(contact_steps, 50);
 }
 
 TEST(Evaluate, ReferenceAgainstItselfHasNoError) {
-  const TouchScene scene = bumps();
+  const TouchScene scene = bumpy_scene();
   const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 600});
   EvaluationSettings settings;
   settings.method.name = "reference";
@@ -55,7 +55,7 @@ TEST(Evaluate, ReferenceAgainstItselfHasNoError) {
 }
 
 TEST(Evaluate, ProxyIsWithinATenthOfAPercentInAllButAHundredthOfTheSteps) {
-  const TouchScene scene = bumps();
+  const TouchScene scene = bumpy_scene();
   const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 1000});
   EvaluationSettings settings;
   settings.method.name = "proxy";
@@ -70,7 +70,7 @@ struct Row {
   const char* mesh;
   std::uint64_t seed;
   std::size_t row;
-  bool friction;
+  bool has_friction;
 };
 
 class EvaluatedRow : public ::testing::TestWithParam<Row> {};
@@ -81,7 +81,7 @@ TEST_P(EvaluatedRow, ProxyAndReferenceGoTheSameWay) {
   ASSERT_TRUE(mesh.has_value()) << mesh.error().what;
   TouchScene scene;
   Material material;
-  if (row.friction) {
+  if (row.has_friction) {
     material.friction_static = 0.5;
     material.friction_dynamic = 0.4;
   }
@@ -111,11 +111,11 @@ INSTANTIATE_TEST_SUITE_P(Rows, EvaluatedRow,
                            std::string name = test.param.mesh;
                            std::replace_if(
                                name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-                           return name + "_" + std::to_string(test.param.seed) + (test.param.friction ? "_friction" : "");
+                           return name + "_" + std::to_string(test.param.seed) + (test.param.has_friction ? "_friction" : "");
                          });
 
 TEST(Evaluate, AShadedForceIsComparedWithTheUnshadedReferenceAndSaysSo) {
-  const TouchScene scene = bumps();
+  const TouchScene scene = bumpy_scene();
   const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 600});
   EvaluationSettings settings;
   const auto plain = evaluate_method(settings, scene, *trajectory);
@@ -136,7 +136,7 @@ TEST(Evaluate, AShadedForceIsComparedWithTheUnshadedReferenceAndSaysSo) {
 TEST(Evaluate, SaysWhyAMethodCannotRun) {
   MethodSettings settings;
   settings.name = "no such method";
-  EXPECT_FALSE(run_method(settings, bumps(), TouchTrajectory{.p_SD = {Vec3::Zero()}}, 1).has_value());
+  EXPECT_FALSE(run_method(settings, bumpy_scene(), TouchTrajectory{.p_SD = {Vec3::Zero()}}, 1).has_value());
 }
 
 }  // namespace

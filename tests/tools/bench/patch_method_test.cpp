@@ -28,9 +28,9 @@ StressPlan short_plan(bool by_patches) {
 TEST(PatchMethod, HasNoFaultThatTheWholeBodyHasNot) {
   std::vector<StressBody> bodies;
   for (const std::string_view name : stress_body_names()) bodies.push_back(on_patch_grid(make_stress_body(name)));
-  const auto quiet = [](const StressResult&) {};
-  const auto whole = run_stress(bodies, short_plan(false), quiet);
-  const auto patched = run_stress(bodies, short_plan(true), quiet);
+  const auto no_output = [](const StressResult&) {};
+  const auto whole = run_stress(bodies, short_plan(false), no_output);
+  const auto patched = run_stress(bodies, short_plan(true), no_output);
   ASSERT_TRUE(whole && patched);
   for (std::size_t i = 0; i < whole->size(); ++i) {
     EXPECT_LE((*patched)[i].count.total_faults(), (*whole)[i].count.total_faults()) << (*whole)[i].body;

@@ -36,16 +36,16 @@ TEST_P(ReferenceOnMeshes, ContinuesWhereTheProxyIsAtItsMinimum) {
   const auto proxy = ProxyMethod::make({}, scene);
   const auto reference = ReferenceMethod::make_reference({}, scene);
   ASSERT_TRUE(proxy && reference);
-  const std::size_t first = window.begin / slide->reset_every * slide->reset_every;
-  (*proxy)->reset(slide->p_SD[first]);
-  MethodOutput felt;
-  for (std::size_t i = first; i <= window.begin; ++i) felt = (*proxy)->step({.p_SD = slide->p_SD[i]});
-  (*reference)->continue_from(felt.p_SP, slide->p_SD[window.begin], false);
+  const std::size_t first_row = window.begin / slide->reset_every * slide->reset_every;
+  (*proxy)->reset(slide->p_SD[first_row]);
+  MethodOutput proxy_output;
+  for (std::size_t i = first_row; i <= window.begin; ++i) proxy_output = (*proxy)->step({.p_SD = slide->p_SD[i]});
+  (*reference)->continue_from(proxy_output.p_SP, slide->p_SD[window.begin], false);
   for (std::size_t i = window.begin + 1; i < window.begin + 8; ++i) {
-    const MethodOutput expected = (*reference)->step({.p_SD = slide->p_SD[i]});
-    felt = (*proxy)->step({.p_SD = slide->p_SD[i]});
-    EXPECT_GT(felt.force_n.norm(), 0.0);
-    EXPECT_LT((expected.force_n - felt.force_n).norm(), 1e-4 * felt.force_n.norm()) << i;
+    const MethodOutput reference_output = (*reference)->step({.p_SD = slide->p_SD[i]});
+    proxy_output = (*proxy)->step({.p_SD = slide->p_SD[i]});
+    EXPECT_GT(proxy_output.force_n.norm(), 0.0);
+    EXPECT_LT((reference_output.force_n - proxy_output.force_n).norm(), 1e-4 * proxy_output.force_n.norm()) << i;
   }
 }
 

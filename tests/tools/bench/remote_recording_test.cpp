@@ -23,7 +23,7 @@ TouchScene recorded_ball() { return {.objects = {{made::shared(made::sphere(0.05
 std::shared_ptr<ForceMethod> recorded_method() { return *make_method({}, recorded_ball()); }
 
 // The device goes down to the ball, along its surface and off again.
-Vec3 place_of(std::size_t i) {
+Vec3 device_position(std::size_t i) {
   const double angle = 4e-4 * static_cast<double>(i);
   const double radius = i < 300 || i > 1700 ? 0.052 : 0.049;
   return radius * Vec3(std::cos(angle), std::sin(angle), 0.1);
@@ -31,9 +31,9 @@ Vec3 place_of(std::size_t i) {
 
 std::vector<Vec3> forces_without_delay() {
   TouchStep touch(recorded_method());
-  touch.reset({.p_WD = place_of(0)});
+  touch.reset({.p_WD = device_position(0)});
   std::vector<Vec3> forces;
-  for (std::size_t i = 0; i < kSamples; ++i) forces.push_back(touch.step({.p_WD = place_of(i), .dt_s = kRecordedPeriodS}).force_n);
+  for (std::size_t i = 0; i < kSamples; ++i) forces.push_back(touch.step({.p_WD = device_position(i), .dt_s = kRecordedPeriodS}).force_n);
   return forces;
 }
 
@@ -58,7 +58,7 @@ std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool h
     entry.kind = SessionEntry::Kind::cycle;
     entry.time_ns = time_ns;
     entry.cycle = {.sample = i + 1, .written_n = written[i], .missed = i == 7 ? 2U : 0U};
-    if (has_device) entry.cycle.device = CycleSample{.time_ns = time_ns, .p_WD = place_of(i)};
+    if (has_device) entry.cycle.device = CycleSample{.time_ns = time_ns, .p_WD = device_position(i)};
     if (is_local) entry.cycle.local = CycleLocal{.force_n = local.empty() ? written[i] : local[i]};
     session.append(entry, bytes);
     if (i % 10 == 0) add_datagram(SessionEntry::Kind::sent, DeviceState{.sample = i + 1, .sample_time_ns = time_ns}, time_ns);
@@ -67,7 +67,7 @@ std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool h
   return bytes;
 }
 
-RecordedTouch evaluated(const std::string& bytes) {
+RecordedTouch evaluate_touch(const std::string& bytes) {
   const ScratchFolder scratch;
   const auto touch = evaluate_recording(scratch.write("session.hapton", bytes), recorded_method(), {.from_s = 0.5, .to_s = 1.5});
   EXPECT_TRUE(touch) << touch.error().what;
@@ -75,7 +75,7 @@ RecordedTouch evaluated(const std::string& bytes) {
 }
 
 TEST(RemoteRecording, TheForceWithoutDelayHasNoError) {
-  const RecordedTouch touch = evaluated(recording_of(forces_without_delay(), true));
+  const RecordedTouch touch = evaluate_touch(recording_of(forces_without_delay(), true));
   EXPECT_LT(touch.force.error_rms, 1e-12);
   EXPECT_EQ(touch.force.falls, 0U);
   EXPECT_EQ(touch.local_share, 1.0);
@@ -109,29 +109,29 @@ TEST(RemoteRecording, ALateForceIsLateByAsMuch) {
   const std::vector<Vec3> exact = forces_without_delay();
   std::vector<Vec3> late(kSamples, Vec3::Zero());
   for (std::size_t i = 20; i < kSamples; ++i) late[i] = exact[i - 20];
-  const RecordedTouch touch = evaluated(recording_of(late, false));
+  const RecordedTouch touch = evaluate_touch(recording_of(late, false));
   EXPECT_GT(touch.force.error_rms, 0.05);
   EXPECT_NEAR(touch.force.time_offset_s, 0.02, 0.003);
   EXPECT_EQ(touch.local_share, 0.0);
 }
 
 TEST(RemoteRecording, NoForceIsAFallThrough) {
-  const RecordedTouch touch = evaluated(recording_of(std::vector<Vec3>(kSamples, Vec3::Zero()), false));
+  const RecordedTouch touch = evaluate_touch(recording_of(std::vector<Vec3>(kSamples, Vec3::Zero()), false));
   EXPECT_EQ(touch.force.falls, 1U);
   EXPECT_DOUBLE_EQ(touch.force.error_rms, 1.0);
 }
 
-TEST(RemoteRecording, WhatCannotBeEvaluatedIsSaidInOneLine) {
+TEST(RemoteRecording, ARecordingThatCannotBeEvaluatedIsAnError) {
   const ScratchFolder scratch;
-  const RecordedRun span{.from_s = 0.5, .to_s = 1.5};
+  const RecordedRun run{.from_s = 0.5, .to_s = 1.5};
   const auto old = scratch.write("old.hapton", recording_of(forces_without_delay(), false, false));
-  const auto touch = evaluate_recording(old, recorded_method(), span);
+  const auto touch = evaluate_recording(old, recorded_method(), run);
   ASSERT_FALSE(touch);
   EXPECT_NE(touch.error().what.find("no samples of the device"), std::string::npos) << touch.error().what;
   const std::string whole = recording_of(forces_without_delay(), false);
   const auto cut = scratch.write("cut.hapton", std::string_view(whole).substr(0, whole.size() - 9));
-  EXPECT_FALSE(evaluate_recording(cut, recorded_method(), span));
-  EXPECT_FALSE(evaluate_recording(scratch.path() / "none.hapton", recorded_method(), span));
+  EXPECT_FALSE(evaluate_recording(cut, recorded_method(), run));
+  EXPECT_FALSE(evaluate_recording(scratch.path() / "none.hapton", recorded_method(), run));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ struct Episode {
   double scale = 1.0;
   const char* body = nullptr;  // name of the body, which is part of the seed; null: that of the mesh
   double probe_share = 0.0;
-  std::uint64_t least_compared = 5;
+  std::uint64_t min_compared_steps = 5;
 };
 
 class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
@@ -47,7 +47,7 @@ TEST_P(StressOnMeshes, HasNoFault) {
   ASSERT_TRUE(run) << run.error().what;
   StressCount count;
   EXPECT_GT(run->run_episode(episode.number, count), 0U);
-  EXPECT_GE(count.compared_steps, episode.least_compared);
+  EXPECT_GE(count.compared_steps, episode.min_compared_steps);
   for (std::size_t fault = 0; fault < count.faults.size(); ++fault) {
     EXPECT_EQ(count.faults[fault], 0U) << name_of(static_cast<StressFault>(fault));
   }

@@ -26,18 +26,18 @@ StressPlan small_plan(unsigned threads) {
 
 TEST(Stress, RunsEveryBodyInEveryVariantWhateverTheThreads) {
   const std::vector<StressBody> bodies{make_stress_body("box"), make_stress_body("tetrahedron")};
-  std::size_t printed = 0;
-  const auto one = run_stress(bodies, small_plan(1), [&](const StressResult&) { ++printed; });
-  const auto many = run_stress(bodies, small_plan(3), [](const StressResult&) {});
-  ASSERT_TRUE(one.has_value() && many.has_value());
-  EXPECT_EQ(printed, 6u);
-  ASSERT_EQ(one->size(), 6u);
-  for (std::size_t i = 0; i < one->size(); ++i) {
-    EXPECT_EQ((*one)[i].count.steps, (*many)[i].count.steps);
-    EXPECT_EQ((*one)[i].count.contact_steps, (*many)[i].count.contact_steps);
-    EXPECT_GE((*one)[i].count.steps, 400u);
+  std::size_t result_count = 0;
+  const auto with_one_thread = run_stress(bodies, small_plan(1), [&](const StressResult&) { ++result_count; });
+  const auto with_three_threads = run_stress(bodies, small_plan(3), [](const StressResult&) {});
+  ASSERT_TRUE(with_one_thread.has_value() && with_three_threads.has_value());
+  EXPECT_EQ(result_count, 6u);
+  ASSERT_EQ(with_one_thread->size(), 6u);
+  for (std::size_t i = 0; i < with_one_thread->size(); ++i) {
+    EXPECT_EQ((*with_one_thread)[i].count.steps, (*with_three_threads)[i].count.steps);
+    EXPECT_EQ((*with_one_thread)[i].count.contact_steps, (*with_three_threads)[i].count.contact_steps);
+    EXPECT_GE((*with_one_thread)[i].count.steps, 400u);
   }
-  EXPECT_EQ(sum_of(*one).total_faults(), 0u);
+  EXPECT_EQ(sum_of(*with_one_thread).total_faults(), 0u);
 }
 
 TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
@@ -102,13 +102,13 @@ struct OnceFaulty {
 };
 
 TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
-  constexpr std::uint64_t kWalk = 4294967296;
+  constexpr std::uint64_t kFirstWalk = 4294967296;  // the number of the first long walk, 2^32
   for (const OnceFaulty& once : std::vector<OnceFaulty>{
            {"turned-room", 1, 13, true},  // a drag went through a wall: its hit was taken for a hit from behind
            {"round-room", 1, 25, true},
            {"turned-room", 5, 236, true},  // in a corner, exactly on its vertex: the point was taken to be free
            {"touching-parts", 1, 16, true},
-           {"touching-parts", 1, kWalk, true},
+           {"touching-parts", 1, kFirstWalk, true},
            {"overlapping-parts", 1, 4, true},
            {"overlapping-parts-2", 1, 7, true},
            {"overlapping-parts-2", 1, 15, true},
@@ -143,7 +143,7 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"needles", 1, 83, true},                          // slip along an edge, the device straight below: one cubic spans half a turn
            {"sealed-box", 2, 203, false, false, 1000.0},      // a device a thousand extents off: the work ended before the arrival
            {"overlapping-parts", 21, 39, false, false, 1e6},  // a piece of path went over to the other of two nearly parallel lines
-           {"needles", 5, kWalk + 2},                         // in a groove beside a ridge beyond which the surface falls away
+           {"needles", 5, kFirstWalk + 2},                    // in a groove beside a ridge beyond which the surface falls away
        }) {
     StressPlan plan;
     plan.method.name = "proxy";

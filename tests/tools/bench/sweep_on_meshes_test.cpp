@@ -53,32 +53,32 @@ TEST_P(SweepOnMeshes, EqualsTheTwin) {
   // Walks that start off a random triangle, press into it and slide, with a jump at the end of each.
   std::mt19937_64 random(kSeed);
   std::normal_distribution<double> normal(0.0, 1.0);
-  const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
-  const std::size_t walks = std::clamp<std::size_t>(2'000'000 / (mesh->triangles.size() * 25), 4, 40);
+  const auto random_vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const std::size_t walk_count = std::clamp<std::size_t>(2'000'000 / (mesh->triangles.size() * 25), 4, 40);
   std::size_t contacts = 0;
-  for (std::size_t walk = 0; walk < walks; ++walk) {
+  for (std::size_t walk = 0; walk < walk_count; ++walk) {
     const std::size_t t = random() % mesh->triangles.size();
     const Vec3 target = (mesh->corner(t, 0) + mesh->corner(t, 1) + mesh->corner(t, 2)) / 3.0;
-    const Vec3 side = 0.02 * size * vector().normalized();
-    Vec3 p = target + side;
+    const Vec3 approach = 0.02 * size * random_vector().normalized();
+    Vec3 p = target + approach;
     method.reset(p);
     twin.reset(p);
     for (int i = 0; i < 25; ++i) {
-      p += i == 24 ? Vec3(0.5 * size * vector()) : Vec3((i < 10 ? -0.13 : 0.0) * side + 0.001 * size * vector());
-      const std::uint64_t before = method.counters().collisions;
+      p += i == 24 ? Vec3(0.5 * size * random_vector()) : Vec3((i < 10 ? -0.13 : 0.0) * approach + 0.001 * size * random_vector());
+      const std::uint64_t collisions_before = method.counters().collisions;
       const MethodOutput output = method.step({.p_SD = p});
       const MethodOutput expected = twin.step(p);
       // The twin rounds differently.
       ASSERT_LE((output.force_n - expected.force_n).norm(), 1e-12 * stiffness_n_per_m * size) << "walk " << walk << " step " << i;
       ASSERT_LE((output.p_SP - expected.p_SP).norm(), 1e-12 * size) << "walk " << walk << " step " << i;
-      ASSERT_EQ(method.counters().collisions - before, twin.collisions) << "walk " << walk << " step " << i;
+      ASSERT_EQ(method.counters().collisions - collisions_before, twin.collisions) << "walk " << walk << " step " << i;
       contacts += output.contact ? 1 : 0;
     }
   }
-  EXPECT_GT(contacts, 10 * walks);
-  const GridOccupancy& full = method.grid().occupancy();
-  EXPECT_GT(full.occupied_share(), 0.001);
-  EXPECT_LT(full.occupied_share(), 0.6);
+  EXPECT_GT(contacts, 10 * walk_count);
+  const GridOccupancy& occupancy = method.grid().occupancy();
+  EXPECT_GT(occupancy.occupied_share(), 0.001);
+  EXPECT_LT(occupancy.occupied_share(), 0.6);
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, SweepOnMeshes, ::testing::ValuesIn(mesh_names()), [](const auto& test) {

@@ -18,12 +18,12 @@ TEST(ToolStress, HasNoFaultOnAFewBodies) {
   plan.scales = {1e-6, 1.0, 1e6};
   const auto results = run_tool_stress(bodies, plan, [](const ToolStressResult&) {});
   ASSERT_TRUE(results) << results.error().what;
-  std::uint64_t contact = 0;
+  std::uint64_t contact_steps = 0;
   for (const ToolStressResult& result : *results) {
     EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
-    contact += result.count.contact_steps;
+    contact_steps += result.count.contact_steps;
   }
-  EXPECT_GT(contact, 1000U);
+  EXPECT_GT(contact_steps, 1000U);
 }
 
 TEST(ToolStress, HasNoFaultOnBodiesThatMove) {
@@ -35,15 +35,15 @@ TEST(ToolStress, HasNoFaultOnBodiesThatMove) {
   plan.moving = true;
   const auto results = run_tool_stress(bodies, plan, [](const ToolStressResult&) {});
   ASSERT_TRUE(results) << results.error().what;
-  std::uint64_t contact = 0;
-  std::uint64_t squeezed = 0;
+  std::uint64_t contact_steps = 0;
+  std::uint64_t squeezed_steps = 0;
   for (const ToolStressResult& result : *results) {
     EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
-    contact += result.count.contact_steps;
-    squeezed += result.count.squeezed;
+    contact_steps += result.count.contact_steps;
+    squeezed_steps += result.count.squeezed;
   }
-  EXPECT_GT(contact, 1000U);
-  EXPECT_GT(squeezed, 0U);
+  EXPECT_GT(contact_steps, 1000U);
+  EXPECT_GT(squeezed_steps, 0U);
 }
 
 // Even with only one episode for each body and tool, a quarter of the episodes begin inside the body.

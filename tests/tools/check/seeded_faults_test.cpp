@@ -26,9 +26,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-CommandRun check(std::vector<std::string> words) {
-  words.insert(words.begin(), "check");
-  return run_hapton(std::move(words));
+CommandRun run_check(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "check");
+  return run_hapton(std::move(arguments));
 }
 
 std::string obj_of(const TriangleMesh& mesh) {
@@ -42,15 +42,15 @@ std::string obj_of(const TriangleMesh& mesh) {
 TriangleMesh good_ball() { return make_icosphere(0.04, 3); }
 TriangleMesh good_block() { return make_box(Vec3(0.08, 0.06, 0.05), 6); }
 
-TriangleMesh without(TriangleMesh mesh, const std::function<bool(const Vec3&)>& is_gone) {
+TriangleMesh without_triangles(TriangleMesh mesh, const std::function<bool(const Vec3&)>& is_removed) {
   std::erase_if(mesh.triangles,
-                [&](const Triangle& t) { return is_gone((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0); });
+                [&](const Triangle& t) { return is_removed((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0); });
   return mesh;
 }
 
-TriangleMesh with_turned(TriangleMesh mesh, const std::function<bool(const Vec3&)>& is_turned) {
+TriangleMesh with_flipped_triangles(TriangleMesh mesh, const std::function<bool(const Vec3&)>& is_flipped) {
   for (Triangle& t : mesh.triangles) {
-    if (is_turned((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0)) std::swap(t[0], t[1]);
+    if (is_flipped((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0)) std::swap(t[0], t[1]);
   }
   return mesh;
 }
@@ -62,18 +62,18 @@ struct SeededFault {
   std::string material;  // lines of its material
   std::vector<std::string> flags;
   std::string fault;               // as the JSON names it
-  std::optional<Vec3> place = {};  // where the fault is, to within `near`
-  double near = 0.005;
-  std::vector<std::string> also = {};  // other faults that it brings with it
+  std::optional<Vec3> place = {};  // where the fault is, to within place_tolerance_m
+  double place_tolerance_m = 0.005;
+  std::vector<std::string> other_faults = {};  // that this one brings with it
 };
 
 std::vector<SeededFault> seeded_faults() {
-  const auto at = [](const Vec3& centre, double radius) {
+  const auto within = [](const Vec3& centre, double radius) {
     return [centre, radius](const Vec3& p) { return (p - centre).norm() < radius; };
   };
   const Vec3 top(0, 0, 0.04);
   const TriangleMesh cavity = scaled_and_moved(flipped(make_box(Vec3(0.01, 0.01, 0.01), 1)), 1.0, Vec3(0.02, 0.01, 0.0192));
-  const TriangleMesh turned_ball = flipped(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(0, 0.06, 0)));
+  const TriangleMesh flipped_ball = flipped(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(0, 0.06, 0)));
   const TriangleMesh torn = make_torn(good_ball(), 4e-5);
   const std::vector<std::string> ball_probe = {"--probe-radius", "0.001"};
   const std::string one_sided = "two_sided = false\n";
@@ -82,24 +82,41 @@ std::vector<SeededFault> seeded_faults() {
       {"ThinPlateTurned", make_box(Vec3(0.08, 0.0019, 0.06), 3), "rotation_deg = [10, 20, 30]\n", "", ball_probe, "thin-wall"},
       {"CavityUnderTheSurface", joined(good_block(), cavity), "", "", ball_probe, "thin-wall", Vec3(0.02, 0.01, 0.025), 0.01},
       {"ThinForALargeBall", make_box(Vec3(0.08, 0.06, 0.01), 3), "", "", {"--probe-radius", "0.006"}, "thin-wall"},
-      {"OneTriangleMissing", without(good_ball(), at(good_ball().corner(7, 0), 0.0035)), "", "", {}, "opening", good_ball().corner(7, 0)},
-      {"PatchMissing", without(good_ball(), at(top, 0.015)), "", "", {}, "opening", top},
-      {"PatchMissingForABall", without(good_ball(), at(-top, 0.015)), "", "", ball_probe, "opening", -top},
-      {"LidMissing", without(good_block(), [](const Vec3& p) { return p.z() > 0.0249; }), "", "", {}, "opening", Vec3(0, 0, 0.025)},
+      {"OneTriangleMissing",
+       without_triangles(good_ball(), within(good_ball().corner(7, 0), 0.0035)),
+       "",
+       "",
+       {},
+       "opening",
+       good_ball().corner(7, 0)},
+      {"PatchMissing", without_triangles(good_ball(), within(top, 0.015)), "", "", {}, "opening", top},
+      {"PatchMissingForABall", without_triangles(good_ball(), within(-top, 0.015)), "", "", ball_probe, "opening", -top},
+      {"LidMissing",
+       without_triangles(good_block(), [](const Vec3& p) { return p.z() > 0.0249; }),
+       "",
+       "",
+       {},
+       "opening",
+       Vec3(0, 0, 0.025)},
       {"CracksNotSealed", make_patched_box(Vec3(0.08, 0.06, 0.05), 4e-6, 5), "seal_cracks = false\n", "", {}, "crack"},
       {"TornNotSealed", make_torn(good_ball(), 4e-6), "seal_cracks = false\n", "", {}, "crack"},
       {"CracksTooWideToSeal", torn, "", "", {}, "crack"},
       {"OneTriangleTurned",
-       with_turned(good_ball(), at(good_ball().corner(7, 0), 0.0035)),
+       with_flipped_triangles(good_ball(), within(good_ball().corner(7, 0), 0.0035)),
        "",
        "",
        {},
        "flipped",
        good_ball().corner(7, 0),
        0.01},
-      {"PatchTurned", with_turned(good_block(), [](const Vec3& p) { return p.z() > 0.0249 && p.x() > 0; }), "", "", {}, "flipped"},
+      {"PatchTurned",
+       with_flipped_triangles(good_block(), [](const Vec3& p) { return p.z() > 0.0249 && p.x() > 0; }),
+       "",
+       "",
+       {},
+       "flipped"},
       {"PatchTurnedOneSided",
-       with_turned(good_block(), [](const Vec3& p) { return p.x() > 0.0399; }),
+       with_flipped_triangles(good_block(), [](const Vec3& p) { return p.x() > 0.0399; }),
        "",
        one_sided,
        {},
@@ -108,9 +125,9 @@ std::vector<SeededFault> seeded_faults() {
        0.05},
       {"InsideOut", flipped(good_ball()), "", "", {}, "inside-out", Vec3(0, 0, 0)},
       {"InsideOutOneSided", flipped(good_block()), "position_m = [0.01, 0, 0]\n", one_sided, {}, "inside-out", Vec3(0.01, 0, 0)},
-      {"OneOfTwoBodiesInsideOut", joined(good_ball(), turned_ball), "", "", {}, "inside-out", Vec3(0, 0.06, 0)},
+      {"OneOfTwoBodiesInsideOut", joined(good_ball(), flipped_ball), "", "", {}, "inside-out", Vec3(0, 0.06, 0)},
       {"ABodyWithAHole",
-       without(good_block(), [](const Vec3& p) { return p.z() > 0.0249; }),
+       without_triangles(good_block(), [](const Vec3& p) { return p.z() > 0.0249; }),
        "moved_by = 'program'\nmass_kg = 0.2\n",
        "",
        {},
@@ -169,12 +186,12 @@ nlohmann::json check_seeded(const SeededFault& seeded, const ScratchFolder& fold
                                                     "[[object]]\nmesh = 'good.obj'\nname = 'good'\nmaterial = 'good'\n" +
                                                     (seeded.name == "ASpeck" ? "unit = 'mm'\n" : "") + "[material.m]\n" + stiffness +
                                                     seeded.material + "[material.good]\nstiffness_n_per_m = 20.0\n");
-  std::vector<std::string> words = {scene.string(), "--json"};
-  words.insert(words.end(), seeded.flags.begin(), seeded.flags.end());
-  const CommandRun seen = check(words);
-  code = seen.code;
-  EXPECT_EQ(seen.err, "");
-  return nlohmann::json::parse(seen.out, nullptr, false);
+  std::vector<std::string> arguments = {scene.string(), "--json"};
+  arguments.insert(arguments.end(), seeded.flags.begin(), seeded.flags.end());
+  const CommandRun run = run_check(arguments);
+  code = run.code;
+  EXPECT_EQ(run.err, "");
+  return nlohmann::json::parse(run.out, nullptr, false);
 }
 
 TEST(SeededFaults, AreAtLeastTwenty) { EXPECT_GE(seeded_faults().size(), 20U); }
@@ -193,11 +210,12 @@ TEST(SeededFaults, EachIsFoundWhereItIsAndNothingElse) {
     bool is_found = false;
     for (const auto& finding : json["findings"]) {
       const std::string fault = finding["fault"];
-      const bool is_it = fault == seeded.fault;
-      if (!is_it && fault == "too-slow") continue;  // depends on the machine
-      EXPECT_TRUE(is_it || std::count(seeded.also.begin(), seeded.also.end(), fault) > 0) << "false alarm: " << finding;
+      const bool is_seeded_fault = fault == seeded.fault;
+      if (!is_seeded_fault && fault == "too-slow") continue;  // depends on the machine
+      EXPECT_TRUE(is_seeded_fault || std::count(seeded.other_faults.begin(), seeded.other_faults.end(), fault) > 0)
+          << "false alarm: " << finding;
       EXPECT_FALSE(std::string(finding["fix"]).empty());
-      if (!is_it) continue;
+      if (!is_seeded_fault) continue;
       is_found = true;
       if (fault != "too-small" && fault != "too-slow") {
         EXPECT_EQ(finding["object"], "seeded");
@@ -208,26 +226,26 @@ TEST(SeededFaults, EachIsFoundWhereItIsAndNothingElse) {
         continue;
       }
       const Vec3 place(finding["place_m"][0], finding["place_m"][1], finding["place_m"][2]);
-      EXPECT_LT((place - *seeded.place).norm(), seeded.near) << finding;
+      EXPECT_LT((place - *seeded.place).norm(), seeded.place_tolerance_m) << finding;
     }
     EXPECT_TRUE(is_found) << json["findings"].dump();
   }
 }
 
-TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
+TEST(SeededFaults, AreGoneOnceTheyAreFixed) {
   const ScratchFolder folder;
   std::vector<SeededFault> repaired = {
       {"ThickEnough", make_box(Vec3(0.08, 0.06, 0.0021), 3), "", "", {"--probe-radius", "0.001"}, ""},
       {"PointProbe", make_box(Vec3(0.08, 0.06, 0.0005), 3), "", "", {}, ""},
       {"HoleSmallerThanTheBall",
-       without(good_ball(), [](const Vec3& p) { return (p - good_ball().corner(7, 0)).norm() < 0.0035; }),
+       without_triangles(good_ball(), [](const Vec3& p) { return (p - good_ball().corner(7, 0)).norm() < 0.0035; }),
        "",
        "",
        {"--probe-radius", "0.006"},
        ""},
       {"Sealed", make_patched_box(Vec3(0.08, 0.06, 0.05), 4e-6, 5), "", "", {}, ""},
       {"ASheet", make_plane_grid(0.08, 6), "", "", {}, ""},
-      {"ABowl", without(good_ball(), [](const Vec3& p) { return p.z() > 0.0; }), "", "", {}, ""},
+      {"ABowl", without_triangles(good_ball(), [](const Vec3& p) { return p.z() > 0.0; }), "", "", {}, ""},
       {"ACavity", joined(good_ball(), flipped(make_icosphere(0.02, 2))), "", "", {}, ""},
       {"ABody", good_block(), "moved_by = 'program'\nmass_kg = 0.2\n", "", {}, ""},
       {"ALittleDamping", good_ball(), "", "damping_ns_per_m = 20.0\n", {}, ""},
@@ -247,19 +265,19 @@ TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
 // The scenes of the project: two have meshes that are known to be open (hapton info counts their boundary edges) and accept that; nothing
 // else is found in any of them. How long a step takes depends on the machine.
 TEST(CheckCommand, FindsNothingInTheScenesOfTheProjectButWhatTheyAccept) {
-  const std::map<std::string, std::set<std::string>> known = {{"car_front", {"crack", "opening"}}, {"truck", {"opening"}}};
-  int scenes = 0;
+  const std::map<std::string, std::set<std::string>> accepted_faults = {{"car_front", {"crack", "opening"}}, {"truck", {"opening"}}};
+  int scene_count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(HAPTON_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".toml") continue;
-    ++scenes;
-    const nlohmann::json json = nlohmann::json::parse(check({entry.path().string(), "--json"}).out);
+    ++scene_count;
+    const nlohmann::json json = nlohmann::json::parse(run_check({entry.path().string(), "--json"}).out);
     for (const auto& finding : json["findings"]) EXPECT_EQ(finding["fault"], "too-slow") << entry.path() << finding;
     std::set<std::string> faults;
     for (const auto& finding : json["accepted"]) faults.insert(finding["fault"]);
-    const auto expected = known.find(entry.path().stem().string());
-    EXPECT_EQ(faults, expected == known.end() ? std::set<std::string>() : expected->second) << entry.path();
+    const auto expected = accepted_faults.find(entry.path().stem().string());
+    EXPECT_EQ(faults, expected == accepted_faults.end() ? std::set<std::string>() : expected->second) << entry.path();
   }
-  EXPECT_GE(scenes, 10);
+  EXPECT_GE(scene_count, 10);
 }
 
 TEST(CheckCommand, SaysWhereWhatAndHowToFixInOneLine) {
@@ -267,24 +285,24 @@ TEST(CheckCommand, SaysWhereWhatAndHowToFixInOneLine) {
   folder.write("part.obj", obj_of(flipped(good_ball())));
   const auto scene =
       folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nname = 'lamp'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n");
-  const CommandRun seen = check({scene.string()});
-  EXPECT_EQ(seen.code, 1);
-  const std::string first = seen.out.substr(0, seen.out.find('\n'));
+  const CommandRun run = run_check({scene.string()});
+  EXPECT_EQ(run.code, 1);
+  const std::string first = run.out.substr(0, run.out.find('\n'));
   EXPECT_THAT(first, HasSubstr("scene.toml: object 'lamp' at ("));
   EXPECT_THAT(first, HasSubstr(") m: 1 of 1 closed body is inside out: "));
   EXPECT_THAT(first, HasSubstr("; turn the normals round"));
-  EXPECT_THAT(seen.out, HasSubstr("1 finding in 1 object"));
-  EXPECT_THAT(seen.out, HasSubstr("on this machine"));
+  EXPECT_THAT(run.out, HasSubstr("1 finding in 1 object"));
+  EXPECT_THAT(run.out, HasSubstr("on this machine"));
 }
 
 TEST(CheckCommand, ACleanSceneEndsWithZero) {
   const ScratchFolder folder;
   folder.write("part.obj", obj_of(good_ball()));
   const auto scene = folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n");
-  const CommandRun seen = check({scene.string()});
-  EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("nothing found in 1 object"));
-  const CommandRun unknown = check({scene.string(), "--device", "premium-1.5", "--hand", "stylus"});
+  const CommandRun run = run_check({scene.string()});
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("nothing found in 1 object"));
+  const CommandRun unknown = run_check({scene.string(), "--device", "premium-1.5", "--hand", "stylus"});
   EXPECT_EQ(unknown.code, 0) << unknown.out;
   EXPECT_THAT(unknown.out, HasSubstr("note: not checked: whether premium-1.5 reaches the scene"));
 }
@@ -293,19 +311,19 @@ TEST(CheckCommand, WhatCannotBeCheckedEndsWithTwo) {
   const ScratchFolder folder;
   const auto good = folder.write("good.obj", obj_of(good_ball()));
   const auto broken = folder.write("broken.toml", "[[object]\n");
-  for (const std::vector<std::string>& words : {std::vector<std::string>{(folder.path() / "gone.toml").string()},
-                                                {broken.string()},
-                                                {good.string(), "--device", "phantom-9"},
-                                                {good.string(), "--hand", "third"},
-                                                {good.string(), "--unit", "ell"},
-                                                {good.string(), "--rate", "0"},
-                                                {},
-                                                {good.string(), "--probe-radius", "-1"},
-                                                {good.string(), "--mass-kg", "0.1"}}) {
-    const CommandRun seen = check(words);
-    EXPECT_EQ(seen.code, 2) << testing::PrintToString(words) << seen.out;
-    EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
-    EXPECT_EQ(seen.out, "");
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{(folder.path() / "gone.toml").string()},
+                                                    {broken.string()},
+                                                    {good.string(), "--device", "phantom-9"},
+                                                    {good.string(), "--hand", "third"},
+                                                    {good.string(), "--unit", "ell"},
+                                                    {good.string(), "--rate", "0"},
+                                                    {},
+                                                    {good.string(), "--probe-radius", "-1"},
+                                                    {good.string(), "--mass-kg", "0.1"}}) {
+    const CommandRun run = run_check(arguments);
+    EXPECT_EQ(run.code, 2) << testing::PrintToString(arguments) << run.out;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_EQ(run.out, "");
   }
 }
 
@@ -325,10 +343,10 @@ TEST(CheckCommand, WhatTheNodesRejectEndsWithTwo) {
       {object + morph + tool, ": line 2: object 'ball' deforms, which a rigid tool does not support"}};
   for (const auto& [text, what] : cases) {
     const auto scene = folder.write("scene.toml", text);
-    const CommandRun seen = check({scene.string()});
-    EXPECT_EQ(seen.code, 2) << text << seen.out;
-    EXPECT_THAT(seen.err, HasSubstr(scene.string() + what));
-    EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
+    const CommandRun run = run_check({scene.string()});
+    EXPECT_EQ(run.code, 2) << text << run.out;
+    EXPECT_THAT(run.err, HasSubstr(scene.string() + what));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   }
 }
 
@@ -341,7 +359,7 @@ TEST(CheckCommand, EffectsAreCheckedAsWell) {
                                   "[[effect]]\ntype = 'constant'\nforce_n = [0, 0, 90]\n"
                                   "[[effect]]\ntype = 'viscous'\ndamping_ns_per_m = 100\n"
                                   "[[effect]]\ntype = 'wave'\ndirection = [0, 0, 1]\nfrequency_hz = 900\n");
-  const nlohmann::json json = nlohmann::json::parse(check({scene.string(), "--json"}).out);
+  const nlohmann::json json = nlohmann::json::parse(run_check({scene.string(), "--json"}).out);
   std::map<std::string, std::string> found;
   for (const auto& finding : json["findings"]) found.emplace(finding["object"], finding["fault"]);
   found.erase("");
@@ -358,31 +376,31 @@ TEST(CheckCommand, AMaterialThatNoObjectUsesIsANote) {
   const auto scene = folder.write("scene.toml",
                                   "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n"
                                   "[material.lost]\nstiffness_n_per_m = 20.0\n");
-  const CommandRun seen = check({scene.string()});
-  EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("note: line 6: no object uses [material.lost]"));
-  EXPECT_THAT(seen.out, testing::Not(HasSubstr("[material.m]")));
+  const CommandRun run = run_check({scene.string()});
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("note: line 6: no object uses [material.lost]"));
+  EXPECT_THAT(run.out, testing::Not(HasSubstr("[material.m]")));
 }
 
 TEST(CheckCommand, WhatAnObjectAcceptsIsANote) {
   const ScratchFolder folder;
-  folder.write("part.obj", obj_of(without(good_block(), [](const Vec3& p) { return p.z() > 0.0249; })));
+  folder.write("part.obj", obj_of(without_triangles(good_block(), [](const Vec3& p) { return p.z() > 0.0249; })));
   const std::string object = "[[object]]\nmesh = 'part.obj'\nname = 'box'\nmaterial = 'm'\n";
   const std::string material = "[material.m]\nstiffness_n_per_m = 20.0\n";
   const std::string accepting = object + "accepted_findings = ['opening']\n";
-  const CommandRun seen = check({folder.write("scene.toml", accepting + material).string()});
-  EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("note: accepted: object 'box': 1 opening in its surface; the widest is "));
-  EXPECT_THAT(seen.out, HasSubstr("nothing found in 1 object"));
+  const CommandRun run = run_check({folder.write("scene.toml", accepting + material).string()});
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("note: accepted: object 'box': 1 opening in its surface; the widest is "));
+  EXPECT_THAT(run.out, HasSubstr("nothing found in 1 object"));
   // Another object with the same flaw does not accept it, nor does this one accept another flaw.
-  const CommandRun both = check({folder.write("scene.toml", accepting + object + "position_m = [0, 0.01, 0]\n" + material).string()});
+  const CommandRun both = run_check({folder.write("scene.toml", accepting + object + "position_m = [0, 0.01, 0]\n" + material).string()});
   EXPECT_EQ(both.code, 1) << both.out;
   EXPECT_THAT(both.out, HasSubstr("1 finding in 2 objects"));
   const std::string heavy = accepting + "moved_by = 'program'\nmass_kg = 0.2\n";
-  EXPECT_THAT(check({folder.write("scene.toml", heavy + material).string()}).out, HasSubstr("its inertia is unknown"));
+  EXPECT_THAT(run_check({folder.write("scene.toml", heavy + material).string()}).out, HasSubstr("its inertia is unknown"));
   // An instance accepts what its object accepts.
   const std::string twice = accepting + "[[instance]]\nname = 'again'\nof = 'box'\nposition_m = [0, 0.01, 0]\n" + material;
-  const nlohmann::json json = nlohmann::json::parse(check({folder.write("scene.toml", twice).string(), "--json"}).out);
+  const nlohmann::json json = nlohmann::json::parse(run_check({folder.write("scene.toml", twice).string(), "--json"}).out);
   EXPECT_EQ(json["findings"].size(), 0U);
   EXPECT_EQ(json["accepted"].size(), 2U);
 }
@@ -394,12 +412,12 @@ TEST(CheckCommand, OfTwoObjectsWithOneNameEachHasItsOwnFindings) {
   const std::string object = "[[object]]\nmesh = 'part.obj'\nname = 'ball'\nmaterial = 'm'\n";
   const std::string material = "[material.m]\nstiffness_n_per_m = 20.0\n";
   const nlohmann::json found =
-      nlohmann::json::parse(check({folder.write("scene.toml", object + object + material).string(), "--json"}).out);
+      nlohmann::json::parse(run_check({folder.write("scene.toml", object + object + material).string(), "--json"}).out);
   EXPECT_EQ(found["findings"].size(), 1U) << found["findings"];
   const std::string accepting = object + object + "accepted_findings = ['coincides']\n";
-  const CommandRun seen = check({folder.write("scene.toml", accepting + material).string()});
-  EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("note: accepted: object 'ball': the same shape in the same place as object 'ball'"));
+  const CommandRun run = run_check({folder.write("scene.toml", accepting + material).string()});
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("note: accepted: object 'ball': the same shape in the same place as object 'ball'"));
 }
 
 TEST(CheckCommand, TheProbeIsTheScenesFirstOne) {
@@ -408,22 +426,22 @@ TEST(CheckCommand, TheProbeIsTheScenesFirstOne) {
   const std::string text =
       "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n[[probe]]\nname = 'ball'\nradius_m = 0.002\n";
   const std::string scene = folder.write("scene.toml", text).string();
-  const CommandRun seen = check({scene});
-  EXPECT_EQ(seen.code, 1);
-  EXPECT_THAT(seen.out, HasSubstr("thinner than the ball of the probe (4 mm)"));
-  EXPECT_THAT(seen.out, HasSubstr("note: checked for probe 'ball': radius 0.002 m; --probe-radius"));
-  EXPECT_EQ(check({scene, "--probe-radius", "0"}).code, 0) << "a flag counts more";
+  const CommandRun run = run_check({scene});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.out, HasSubstr("thinner than the ball of the probe (4 mm)"));
+  EXPECT_THAT(run.out, HasSubstr("note: checked for probe 'ball': radius 0.002 m; --probe-radius"));
+  EXPECT_EQ(run_check({scene, "--probe-radius", "0"}).code, 0) << "the flag overrides the scene file";
 }
 
-TEST(CheckCommand, WhatIsAcceptedAndNotThereIsANote) {
+TEST(CheckCommand, AnAcceptedFindingThatIsNotFoundIsANote) {
   const ScratchFolder folder;
   folder.write("part.obj", obj_of(good_ball()));
   const std::string text =
       "[[object]]\nmesh = 'part.obj'\nname = 'ball'\naccepted_findings = ['opening']\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = "
       "20.0\n";
-  const CommandRun seen = check({folder.write("scene.toml", text).string()});
-  EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("note: object 'ball' accepts 'opening', which was not found for this probe"));
+  const CommandRun run = run_check({folder.write("scene.toml", text).string()});
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("note: object 'ball' accepts 'opening', which was not found for this probe"));
 }
 
 TEST(CheckCommand, OnlyFindingsOfItsOwnCanBeAccepted) {
@@ -434,26 +452,26 @@ TEST(CheckCommand, OnlyFindingsOfItsOwnCanBeAccepted) {
   folder.write("part.obj", obj_of(good_ball()));
   for (const char* wrong : {"['stiffer-than-loop']", "['hole']", "'opening'", "[1]", "[['opening']]"}) {
     const auto scene = folder.write("scene.toml", fmt::format("[[object]]\nmesh = 'part.obj'\naccepted_findings = {}\n", wrong));
-    const CommandRun seen = check({scene.string()});
-    EXPECT_EQ(seen.code, 2) << wrong << seen.out;
-    EXPECT_THAT(seen.err, HasSubstr("scene.toml: line 3: 'accepted_findings' in [[object]] 1"));
-    EXPECT_THAT(seen.err, HasSubstr("thin-wall, opening, crack, flipped, inside-out, out-of-reach, coincides, enclosed"));
-    EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
+    const CommandRun run = run_check({scene.string()});
+    EXPECT_EQ(run.code, 2) << wrong << run.out;
+    EXPECT_THAT(run.err, HasSubstr("scene.toml: line 3: 'accepted_findings' in [[object]] 1"));
+    EXPECT_THAT(run.err, HasSubstr("thin-wall, opening, crack, flipped, inside-out, out-of-reach, coincides, enclosed"));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   }
 }
 
 TEST(CheckCommand, APlainMeshIsFittedAsTheNodesFitIt) {
   const ScratchFolder folder;
   const auto large = folder.write("large.obj", obj_of(scaled_and_moved(good_ball(), 1000.0, Vec3(5, 6, 7))));
-  EXPECT_THAT(check({large.string(), "--no-fit"}).out, HasSubstr("outside the workspace"));
-  const CommandRun fitted = check({large.string()});
+  EXPECT_THAT(run_check({large.string(), "--no-fit"}).out, HasSubstr("outside the workspace"));
+  const CommandRun fitted = run_check({large.string()});
   EXPECT_THAT(fitted.out, testing::Not(HasSubstr("outside the workspace")));
 }
 
 TEST(SceneChecks, SaysWhatIsNotCheckedOfATool) {
-  const CommandRun seen = check({HAPTON_SOURCE_DIR "/scenes/pegs.toml"});
-  EXPECT_EQ(seen.code, 0) << seen.out << seen.err;
-  EXPECT_THAT(seen.out, HasSubstr("not checked: where the tool 'peg' gets"));
+  const CommandRun run = run_check({HAPTON_SOURCE_DIR "/scenes/pegs.toml"});
+  EXPECT_EQ(run.code, 0) << run.out << run.err;
+  EXPECT_THAT(run.out, HasSubstr("not checked: where the tool 'peg' gets"));
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ struct SeededScene {
   std::string object;  // lines of [[object]] 'seeded', a block of 40 x 30 x 20 mm
   std::string tables;  // lines of its material, then other tables
   std::string fault;   // as the JSON names it
-  std::string named = "seeded";
-  std::string says = {};  // a part of the text of the finding or of its fix
+  std::string expected_object = "seeded";
+  std::string expected_text = {};  // a part of the text of the finding or of its fix
 };
 
 std::vector<SeededScene> seeded_scenes() {
@@ -74,7 +74,7 @@ std::vector<SeededScene> seeded_scenes() {
   };
 }
 
-nlohmann::json check_put_together(const SeededScene& seeded, const ScratchFolder& folder) {
+nlohmann::json check_seeded_scene(const SeededScene& seeded, const ScratchFolder& folder) {
   const std::string block =
       "v -.02 -.015 -.01\nv .02 -.015 -.01\nv .02 .015 -.01\nv -.02 .015 -.01\nv -.02 -.015 .01\nv .02 -.015 .01\nv .02 .015 .01\n"
       "v -.02 .015 .01\nf 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
@@ -86,13 +86,13 @@ nlohmann::json check_put_together(const SeededScene& seeded, const ScratchFolder
       folder.write("scene.toml", "[[object]]\nmesh = 'block.obj'\nname = 'seeded'\nmaterial = 'm'\n" + seeded.object +
                                      "[[object]]\nmesh = 'block.obj'\nname = 'good'\nposition_m = [0, 0.05, 0]\nmaterial = 'good'\n" +
                                      "[material.good]\nstiffness_n_per_m = 20.0\n[material.m]\n" + stiffness + seeded.tables);
-  const CommandRun seen = run_hapton({"check", scene.string(), "--json"});
-  EXPECT_EQ(seen.err, "");
-  const auto json = nlohmann::json::parse(seen.out, nullptr, false);
+  const CommandRun run = run_hapton({"check", scene.string(), "--json"});
+  EXPECT_EQ(run.err, "");
+  const auto json = nlohmann::json::parse(run.out, nullptr, false);
   // How long a step takes depends on the machine.
   const bool is_slow =
       json.is_object() && std::ranges::any_of(json["findings"], [](const auto& one) { return one["fault"] == "too-slow"; });
-  EXPECT_EQ(seen.code, seeded.fault.empty() && !is_slow ? 0 : 1);
+  EXPECT_EQ(run.code, seeded.fault.empty() && !is_slow ? 0 : 1);
   return json;
 }
 
@@ -101,7 +101,7 @@ TEST(SeededScenes, EachFaultIsFoundAndWhatIsGoodIsNotNamed) {
   const ScratchFolder folder;
   for (const SeededScene& seeded : seeded_scenes()) {
     SCOPED_TRACE(seeded.name);
-    const nlohmann::json json = check_put_together(seeded, folder);
+    const nlohmann::json json = check_seeded_scene(seeded, folder);
     if (!json.is_object()) {
       ADD_FAILURE() << "no JSON";
       continue;
@@ -111,8 +111,8 @@ TEST(SeededScenes, EachFaultIsFoundAndWhatIsGoodIsNotNamed) {
       EXPECT_NE(finding["object"], "good") << finding;
       if (finding["fault"] != seeded.fault) continue;
       is_found = true;
-      EXPECT_EQ(finding["object"], seeded.named) << finding;
-      EXPECT_THAT(std::string(finding["what"]) + "; " + std::string(finding["fix"]), HasSubstr(seeded.says));
+      EXPECT_EQ(finding["object"], seeded.expected_object) << finding;
+      EXPECT_THAT(std::string(finding["what"]) + "; " + std::string(finding["fix"]), HasSubstr(seeded.expected_text));
     }
     EXPECT_TRUE(is_found) << json["findings"].dump();
   }
@@ -136,7 +136,7 @@ TEST(SeededScenes, WhatOnlyLooksLikeSuchAFaultIsNone) {
   };
   for (const SeededScene& scene : good) {
     SCOPED_TRACE(scene.name);
-    const nlohmann::json json = check_put_together(scene, folder);
+    const nlohmann::json json = check_seeded_scene(scene, folder);
     if (!json.is_object()) {
       ADD_FAILURE() << "no JSON";
       continue;

@@ -38,6 +38,7 @@ TEST(StepCost, WhatTheMethodRejectsIsAnError) {
   EXPECT_FALSE(measure_step_cost(Scene{}, {}));
 }
 
+// A cycle of 10 kHz lasts 100 us: half of it for the 99th percentile, all of it for the worst step.
 TEST(StepCost, IsJudgedByTheCycle) {
   StepCost cost{.steps = 1000, .p99_ns = 49'000, .worst_ns = 99'000, .worst_object = "lamp", .worst_at_m = Vec3(1, 2, 3)};
   EXPECT_TRUE(check_cost(cost, 10'000.0).empty());

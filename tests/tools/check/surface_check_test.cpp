@@ -35,11 +35,11 @@ SceneObject sealed_object(TriangleMesh mesh) {
 SceneObject plate(double thickness_m) { return object_with(make_box(Vec3(0.08, 0.06, thickness_m), 2)); }
 
 TEST(SurfaceCheck, AThinWallIsNamedWithAProbeThatFits) {
-  const CheckFindings found = check_surface(plate(0.00175), 0.001);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].fault, SceneFault::thin_wall);
-  EXPECT_THAT(found[0].what, HasSubstr("a wall is 1.75 mm thick, thinner than the ball of the probe (2 mm)"));
-  EXPECT_EQ(found[0].fix, "thicken it, or give --probe-radius 0.00087 or less") << "half of it is 0.000875";
+  const CheckFindings findings = check_surface(plate(0.00175), 0.001);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].fault, SceneFault::thin_wall);
+  EXPECT_THAT(findings[0].what, HasSubstr("a wall is 1.75 mm thick, thinner than the ball of the probe (2 mm)"));
+  EXPECT_EQ(findings[0].fix, "thicken it, or give --probe-radius 0.00087 or less") << "half of it is 0.000875";
   EXPECT_TRUE(check_surface(plate(0.00175), 0.00087).empty());
   EXPECT_TRUE(check_surface(plate(0.00175), 0.0).empty()) << "a point";
 }
@@ -53,12 +53,12 @@ TEST(SurfaceCheck, AWallThatIsMuchTooThinIsTouchedWithAPoint) {
 TEST(SurfaceCheck, AVertexOfTooManyTrianglesIsNamedOnce) {
   EXPECT_TRUE(check_surface(object_with(make_cylinder(0.04, 0.02, 1000, 1)), 0.0).empty());
   const TriangleMesh wheel = make_cylinder(0.04, 0.02, 1001, 1);
-  const CheckFindings found = check_surface(object_with(wheel), 0.0);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].fault, SceneFault::large_fan);
-  EXPECT_THAT(found[0].what, HasSubstr("1001 triangles meet in one vertex (2 vertices of more than 1000)"));
-  ASSERT_TRUE(found[0].place_m);
-  EXPECT_LT(found[0].place_m->head<2>().norm(), 1e-9) << "in the middle of an end";
+  const CheckFindings findings = check_surface(object_with(wheel), 0.0);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].fault, SceneFault::large_fan);
+  EXPECT_THAT(findings[0].what, HasSubstr("1001 triangles meet in one vertex (2 vertices of more than 1000)"));
+  ASSERT_TRUE(findings[0].place_m);
+  EXPECT_LT(findings[0].place_m->head<2>().norm(), 1e-9) << "in the middle of an end";
 }
 
 TEST(SurfaceCheck, OpeningsAreCountedAndTheWidestIsNamed) {
@@ -86,20 +86,20 @@ TEST(SurfaceCheck, OpeningsAreCountedAndTheWidestIsNamed) {
 // A finding says how wide the open cracks are (not how far the check searched), and why they are open.
 TEST(SurfaceCheck, CracksAreNamedWithTheirWidth) {
   SceneObject object = object_with(make_torn(make_icosphere(0.05, 2), 2.5e-5));
-  CheckFindings found = check_surface(object, 0.0);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].fault, SceneFault::crack);
+  CheckFindings findings = check_surface(object, 0.0);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].fault, SceneFault::crack);
   const BoundaryEdges cracks = count_boundary_edges(*object.mesh, 1e-4);
   EXPECT_LT(cracks.widest_crack, 2.5e-5);
-  EXPECT_EQ(found[0].what,
+  EXPECT_EQ(findings[0].what,
             fmt::format("960 edges of cracks up to {:.3g} mm wide are open: a point probe falls through", 1e3 * cracks.widest_crack));
-  EXPECT_THAT(found[0].fix, HasSubstr("remove seal_cracks = false"));
+  EXPECT_THAT(findings[0].fix, HasSubstr("remove seal_cracks = false"));
 
   object = sealed_object(*object.mesh);
-  found = check_surface(object, 0.0);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_THAT(found[0].what, HasSubstr("are open; 960 wider than the 0.01 mm that is sealed: a point"));
-  EXPECT_EQ(found[0].fix, "close the gaps in the mesh");
+  findings = check_surface(object, 0.0);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_THAT(findings[0].what, HasSubstr("are open; 960 wider than the 0.01 mm that is sealed: a point"));
+  EXPECT_EQ(findings[0].fix, "close the gaps in the mesh");
 
   object = sealed_object(make_shaken(make_box(Vec3(0.1, 0.1, 0.1), 5), 1.5e-5, 1));
   ASSERT_GT(object.sealed.unsealed_edges, 0U);
@@ -113,12 +113,12 @@ TEST(SurfaceCheck, SidesThatGoWrongAreCounted) {
   std::swap(turned.triangles[0][0], turned.triangles[0][1]);
   SceneObject object = object_with(turned);
   object.material.two_sided = true;
-  CheckFindings found = check_surface(object, 0.0);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].what, "3 edges between triangles that face opposite sides: shading and methods that use the sides go wrong there");
+  CheckFindings findings = check_surface(object, 0.0);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].what, "3 edges between triangles that face opposite sides: shading and methods that use the sides go wrong there");
   object.material.two_sided = false;
-  found = check_surface(object, 0.0);
-  EXPECT_THAT(found.at(0).what, HasSubstr("with two_sided = false they cannot be touched from outside"));
+  findings = check_surface(object, 0.0);
+  EXPECT_THAT(findings.at(0).what, HasSubstr("with two_sided = false they cannot be touched from outside"));
   const CheckFindings bodies = check_surface(
       object_with(joined(make_icosphere(0.04, 2), flipped(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(0, 0.06, 0))))), 0.0);
   ASSERT_EQ(bodies.size(), 1U);

@@ -23,24 +23,24 @@ TEST(ToolCheck, AMovableObjectThatOverlapsOrTouchesAnotherIsNamed) {
   for (const double gap_m : {-0.001, 0.0, 1e-9, 1e-4}) {
     Scene scene;
     scene.objects = {block_at("table", Vec3::Zero(), false), block_at("brick", Vec3(0.001, 0.002, 0.02 + gap_m), true)};
-    const CheckFindings found = check_tool(scene).value();
-    ASSERT_EQ(found.size(), gap_m < 1e-6 ? 1U : 0U) << gap_m;
-    if (found.empty()) continue;
-    EXPECT_EQ(found[0].fault, SceneFault::overlaps);
-    EXPECT_EQ(found[0].object, "brick");
+    const CheckFindings findings = check_tool(scene).value();
+    ASSERT_EQ(findings.size(), gap_m < 1e-6 ? 1U : 0U) << gap_m;
+    if (findings.empty()) continue;
+    EXPECT_EQ(findings[0].fault, SceneFault::overlaps);
+    EXPECT_EQ(findings[0].object, "brick");
     scene.objects[1].is_movable = false;
     EXPECT_TRUE(check_tool(scene).value().empty()) << "nobody picks it up";
   }
 }
 
-TEST(ToolCheck, WhatCannotBePickedUpIsNoCleanScene) {
+TEST(ToolCheck, AMovableObjectThatCannotBePickedUpIsNamed) {
   Scene scene;
   scene.objects = {block_at("table", Vec3::Zero(), false), block_at("nothing", Vec3::Zero(), true)};
   scene.objects[1].mesh = made::shared(TriangleMesh());
-  const CheckFindings found = check_tool(scene).value();
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].object, "nothing");
-  EXPECT_EQ(found[0].what.find("it cannot be picked up: "), 0U) << found[0].what;
+  const CheckFindings findings = check_tool(scene).value();
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].object, "nothing");
+  EXPECT_EQ(findings[0].what.find("it cannot be picked up: "), 0U) << findings[0].what;
 }
 
 // The rotational stiffness of a rod of length L is k L^2 / 18 about its middle (two thirds of k L^2 / 12), four times that about an end.
@@ -77,10 +77,10 @@ TEST(ToolCheck, WhatAToolDoesNotFeelIsNamedWhereThereIsATool) {
   scene.objects[0].material.two_sided = false;
   EXPECT_TRUE(check_tool(scene).value().empty()) << "a probe feels it";
   scene.tool = SceneTool{.name = "peg", .mesh = scene.objects[0].mesh};
-  const CheckFindings found = check_tool(scene).value();
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].fault, SceneFault::shape_alone);
-  EXPECT_EQ(found[0].object, "sheet");
+  const CheckFindings findings = check_tool(scene).value();
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].fault, SceneFault::shape_alone);
+  EXPECT_EQ(findings[0].object, "sheet");
   scene.tool.reset();
   scene.objects.push_back(block_at("brick", Vec3::Constant(0.05), true));
   ASSERT_EQ(check_tool(scene).value().size(), 1U);
@@ -93,9 +93,9 @@ TEST(ToolCheck, AToolThatTheNodeRejectsIsRejected) {
   TriangleMesh line = *scene.objects[0].mesh;
   for (Vec3& p : line.vertices) p.setZero();
   scene.tool = SceneTool{.name = "dot", .mesh = made::shared(line)};
-  const auto found = check_tool(scene);
-  ASSERT_FALSE(found);
-  EXPECT_EQ(found.error().what, "tool dot: the tool has no surface about its grip point");
+  const auto findings = check_tool(scene);
+  ASSERT_FALSE(findings);
+  EXPECT_EQ(findings.error().what, "tool dot: the tool has no surface about its grip point");
 }
 
 TEST(ToolCheck, AToolInAnotherUnitOrFarFromItsGripIsNamed) {
@@ -104,8 +104,8 @@ TEST(ToolCheck, AToolInAnotherUnitOrFarFromItsGripIsNamed) {
   const auto faults_of = [&](const Vec3& low_m, double size_m) {
     scene.tool = SceneTool{.name = "peg", .mesh = made::shared(made::box(low_m, low_m + Vec3::Constant(size_m)))};
     std::string faults;
-    const CheckFindings found = check_tool(scene).value();
-    for (const CheckFinding& finding : found) {
+    const CheckFindings findings = check_tool(scene).value();
+    for (const CheckFinding& finding : findings) {
       EXPECT_EQ(finding.fault, SceneFault::odd_tool);
       EXPECT_EQ(finding.object, "peg");
       faults += finding.what + "; ";

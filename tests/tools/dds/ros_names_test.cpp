@@ -20,7 +20,7 @@ TEST(RosNames, APrefixBeginsWithASlash) {
   EXPECT_FALSE(make_prefix(std::string(201, 'a')));
 }
 
-TEST(RosNames, ATopicOfRosIsRt) { EXPECT_EQ(dds_topic("/hapton/measured_cf"), "rt/hapton/measured_cf"); }
+TEST(RosNames, ATopicOfRosHasThePrefixRt) { EXPECT_EQ(dds_topic("/hapton/measured_cf"), "rt/hapton/measured_cf"); }
 
 TEST(RosNames, TheDomainIsTheOneGivenOrThatOfRos) {
   EXPECT_EQ(*choose_domain(7, "9"), 7);

@@ -108,24 +108,24 @@ TEST(ServoForce, StaysWithinItsBoundsForAnyCommands) {
   for (const unsigned seed : {1U, 2U, 3U, 4U}) {
     std::mt19937_64 random(seed);
     ServoForce force("world", 1.5);
-    std::int64_t now = 0;
-    std::int64_t last_good = -ServoForce::kMaxAgeNs;
+    std::int64_t now_ns = 0;
+    std::int64_t last_accepted_ns = -ServoForce::kMaxAgeNs;
     for (int i = 0; i < 20'000; ++i) {
-      now += static_cast<std::int64_t>(random() % (8 * kServoMs));
+      now_ns += static_cast<std::int64_t>(random() % (8 * kServoMs));
       const auto number = [&] {
         static const double kNumbers[] = {0.0, -0.5, 1.0, 3.0, -1e300, kNan, kInf, 5e-324};
         return kNumbers[random() % 8];
       };
-      ServoCommand one = command(Vec3(number(), number(), number()), 1 + random() % 3);
-      if (random() % 8 == 0) one.frame_id = "elsewhere";
-      const Verdict verdict = force.take(one, now);
-      if (verdict == Verdict::accepted || verdict == Verdict::reduced) last_good = now;
-      const std::int64_t later = now + static_cast<std::int64_t>(random() % (30 * kServoMs));
-      const Vec3 given = force.force_n(later);
-      ASSERT_TRUE(given.allFinite()) << seed;
-      ASSERT_LE(given.norm(), 1.5 + 1e-12) << seed;
-      if (later - last_good >= ServoForce::kMaxAgeNs) {
-        ASSERT_TRUE(given.isZero(0.0)) << seed;
+      ServoCommand random_command = command(Vec3(number(), number(), number()), 1 + random() % 3);
+      if (random() % 8 == 0) random_command.frame_id = "elsewhere";
+      const Verdict verdict = force.take(random_command, now_ns);
+      if (verdict == Verdict::accepted || verdict == Verdict::reduced) last_accepted_ns = now_ns;
+      const std::int64_t later_ns = now_ns + static_cast<std::int64_t>(random() % (30 * kServoMs));
+      const Vec3 force_n = force.force_n(later_ns);
+      ASSERT_TRUE(force_n.allFinite()) << seed;
+      ASSERT_LE(force_n.norm(), 1.5 + 1e-12) << seed;
+      if (later_ns - last_accepted_ns >= ServoForce::kMaxAgeNs) {
+        ASSERT_TRUE(force_n.isZero(0.0)) << seed;
       }
     }
   }

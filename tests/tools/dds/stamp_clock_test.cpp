@@ -19,18 +19,18 @@ TEST(StampClock, OnTheHubsHostAStampIsTheTimeOfTheSample) {
 TEST(StampClock, FromAnotherHostAStampIsLateByTheFastestWay) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
-    std::uniform_int_distribution<std::int64_t> way(200'000, 3 * kMs);
+    std::uniform_int_distribution<std::int64_t> transfer_ns(200'000, 3 * kMs);
     StampClock clock(false);
-    const std::int64_t ahead = 5'000 * kMs;
+    const std::int64_t hub_ahead_ns = 5'000 * kMs;
     std::int64_t last = 0;
     for (std::int64_t i = 1; i < 30'000; ++i) {
-      const std::int64_t taken = i * kMs;
-      const std::int64_t stamp = clock.stamp_ns(taken + ahead, taken + way(random), kDayOffset);
+      const std::int64_t sample_ns = i * kMs;
+      const std::int64_t stamp = clock.stamp_ns(sample_ns + hub_ahead_ns, sample_ns + transfer_ns(random), kDayOffset);
       EXPECT_GT(stamp, last) << seed;
       last = stamp;
       if (i < 1'000) continue;
-      EXPECT_GE(stamp - kDayOffset - taken, 200'000) << seed;
-      EXPECT_LE(stamp - kDayOffset - taken, 300'000) << seed;
+      EXPECT_GE(stamp - kDayOffset - sample_ns, 200'000) << seed;
+      EXPECT_LE(stamp - kDayOffset - sample_ns, 300'000) << seed;
     }
   }
 }
@@ -38,14 +38,14 @@ TEST(StampClock, FromAnotherHostAStampIsLateByTheFastestWay) {
 TEST(StampClock, AClockThatDriftsAwayIsFollowedWithinTwoWindows) {
   StampClock clock(false);
   std::int64_t stamp = 0;
-  std::int64_t taken = 0;
+  std::int64_t sample_ns = 0;
   // Our clock gains 1 ms in 10 s: with the fastest transfer of an old window the stamps would fall behind more and more.
   for (std::int64_t i = 1; i < 100'000; ++i) {
-    taken = i * kMs;
-    stamp = clock.stamp_ns(taken - i * 100, taken, 0);
+    sample_ns = i * kMs;
+    stamp = clock.stamp_ns(sample_ns - i * 100, sample_ns, 0);
   }
-  EXPECT_LE(taken - stamp, 2 * kMs + 1'000);
-  EXPECT_LE(stamp, taken);
+  EXPECT_LE(sample_ns - stamp, 2 * kMs + 1'000);
+  EXPECT_LE(stamp, sample_ns);
 }
 
 TEST(StampClock, StampsIncreaseWhateverTheTimeOfDayDoes) {

@@ -21,12 +21,12 @@ TEST(DemoShapes, AreThoseOfTheMeshes) {
   const TriangleMesh groove = *scene_of("groove").objects.at(0).mesh;
   std::size_t in_groove = 0;
   for (const Vec3& v : groove.vertices) {
-    const double aside = std::abs(v.y() - centre_m(v.x()));
-    if (aside < 1e-9) {
+    const double distance_from_centre_m = std::abs(v.y() - centre_m(v.x()));
+    if (distance_from_centre_m < 1e-9) {
       EXPECT_NEAR(v.z(), kFrontM - kDepthM, 1e-9);
       ++in_groove;
     } else {
-      EXPECT_GT(aside, kHalfWidthM - 1e-9) << "only the bottom line lies between the rims";
+      EXPECT_GT(distance_from_centre_m, kHalfWidthM - 1e-9) << "only the bottom line lies between the rims";
     }
   }
   EXPECT_EQ(in_groove, 101U);
@@ -47,9 +47,10 @@ TEST(DemoPath, FindsTheForemostPoint) {
 }
 
 // A hand can follow every path: it is within the workspace and no faster than the device allows. It is also read back as it was written.
-TEST(DemoPath, OfEveryStepCanBeTaken) {
+TEST(DemoPath, OfEveryStepCanBeFollowed) {
   const DeviceLimits limits = model_a::limits();
   for (const DemoStep& step : demo_steps()) {
+    // The name of the scene, without "scenes/" and ".toml".
     const auto path = step.make_path(scene_of(step.scene.empty() ? "groove" : std::string(step.scene).substr(7, step.scene.size() - 12)));
     ASSERT_TRUE(path) << step.name;
     const auto read = parse_trajectory_csv(positions_to_csv(*path), "path.csv");

@@ -90,11 +90,11 @@ TEST(DemoVerdict, TheNetworkIsSlowAndTheContactStays) {
   EXPECT_FALSE(evaluate_network(faulty, 8.0).is_shown);
 }
 
-// A force every millisecond, except between last_ms and first_again_ms. The node is killed at 1000 ms and restarted at 2000 ms.
-DemoEvidence death(int last_ms, int first_again_ms) {
+// A force every millisecond, except between last_force_ms and first_force_again_ms. The node is killed at 1000 ms and restarted at 2000 ms.
+DemoEvidence death(int last_force_ms, int first_force_again_ms) {
   DemoEvidence evidence = evidence_of(std::vector<DemoSample>(100, touch(Vec3::Zero(), 0.002)));
   for (int ms = 0; ms < 3000; ++ms) {
-    evidence.motion.written_forces.push_back({std::int64_t{1'000'000} * ms, ms <= last_ms || ms >= first_again_ms ? 1.0 : 0.0});
+    evidence.motion.written_forces.push_back({std::int64_t{1'000'000} * ms, ms <= last_force_ms || ms >= first_force_again_ms ? 1.0 : 0.0});
   }
   evidence.killed_ns = 1'000'000'000;
   evidence.restarted_ns = 2'000'000'000;

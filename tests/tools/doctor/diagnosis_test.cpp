@@ -34,24 +34,24 @@ struct Fault {
   std::string name;
   std::function<void(FakeMachine&)> seed;
   Verdict verdict = Verdict::problem;
-  std::string seen;
+  std::string observation;
   std::string remedy;
 };
 
 void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
-void reply_for_library(FakeMachine& machine, const LibraryReply& reply) {
+void set_library_reply(FakeMachine& machine, const LibraryReply& reply) {
   machine.replies.library = [reply](std::string_view name) {
-    return name == "OpenHaptics" ? reply : LibraryReply{{}, {{"libdrd.so", FakeMachine::kNowhere, "install it"}}, {}};
+    return name == "OpenHaptics" ? reply : LibraryReply{{}, {{"libdrd.so", FakeMachine::kLibdrdError, "install it"}}, {}};
   };
 }
 
-void reply_as_hub(FakeMachine& machine, const std::string& notes) {
+void set_hub_reply(FakeMachine& machine, const std::string& notes) {
   machine.replies.hub = [notes] { return HubReply{{}, "{\"notes\": " + notes + "}"}; };
 }
 
 void write_key(FakeMachine& machine, std::size_t bytes, mode_t mode) {
-  machine.be_user(::getuid(), machine.user_groups(), "0000000000804000");
+  machine.set_user(::getuid(), machine.user_groups(), "0000000000804000");  // SYS_NICE and IPC_LOCK
   machine.write("/home/ada/.config/hapton/master", std::string(bytes, 'k'), mode);
 }
 
@@ -70,7 +70,7 @@ const std::vector<Fault> kFaults = {
      "the rule 70-hapton.rules has not been applied to it", "sudo udevadm trigger --action=change --subsystem-match=hidraw"},
     {"NotInTheGroup",
      [](FakeMachine& m) {
-       m.be_user(m.unknown(), "7001");
+       m.set_user(m.another_uid(), "7001");
        m.write("/etc/group", fmt::format("plugdev:x:{}:\nhapton:x:7001:ada\n", m.own_group()));
        m.set_mode("/dev/ttyACM0", 0666);
        m.set_mode("/dev/hidraw1", 0666);
@@ -80,7 +80,7 @@ const std::vector<Fault> kFaults = {
      "sudo adduser ada plugdev   # then log out and in again"},
     {"SessionOlderThanTheGroup",
      [](FakeMachine& m) {
-       m.be_user(m.unknown(), "7001");
+       m.set_user(m.another_uid(), "7001");
        m.set_mode("/dev/ttyACM0", 0666);
        m.set_mode("/dev/hidraw1", 0666);
        m.set_mode("/dev/cpu_dma_latency", 0666);
@@ -124,7 +124,7 @@ const std::vector<Fault> kFaults = {
      "sudo systemctl stop spacenavd"},
     {"LibraryNeedsAnother",
      [](FakeMachine& m) {
-       reply_for_library(m, {{},
+       set_library_reply(m, {{},
                              {{"libHD.so", "libncurses.so.5: cannot open shared object file: No such file or directory",
                                "libHD.so is there, but needs libncurses.so.5, which is not: install libncurses5"}},
                              {}});
@@ -132,26 +132,26 @@ const std::vector<Fault> kFaults = {
      Verdict::problem, "libncurses.so.5: cannot open shared object file: No such file or directory", "install libncurses5"},
     {"LibraryMissing",
      [](FakeMachine& m) {
-       reply_for_library(m, {{}, {{"libHD.so", "libHD.so: cannot open shared object file: No such file or directory", "install it"}}, {}});
+       set_library_reply(m, {{}, {{"libHD.so", "libHD.so: cannot open shared object file: No such file or directory", "install it"}}, {}});
      },
      Verdict::problem, "3D Systems Touch (USB) needs it, and it is not here: libHD.so: cannot open", "OpenHaptics for Linux"},
     {"LibraryCrashes",
      [](FakeMachine& m) {
-       reply_for_library(m, {{}, {}, "it ended the process with signal 11 (Segmentation fault)"});
+       set_library_reply(m, {{}, {}, "it ended the process with signal 11 (Segmentation fault)"});
      },
      Verdict::problem, "signal 11", "reinstall it"},
     {"NotCalibrated",
-     [](FakeMachine& m) { reply_as_hub(m, R"({"device": "openhaptics", "device_state": "calibrating", "device_calibrated": "no"})"); },
+     [](FakeMachine& m) { set_hub_reply(m, R"({"device": "openhaptics", "device_state": "calibrating", "device_calibrated": "no"})"); },
      Verdict::problem, "not calibrated", "put the stylus into its inkwell"},
-    {"Unplugged", [](FakeMachine& m) { reply_as_hub(m, R"({"device": "wooden-haptics", "device_state": "away"})"); }, Verdict::problem,
+    {"Unplugged", [](FakeMachine& m) { set_hub_reply(m, R"({"device": "wooden-haptics", "device_state": "away"})"); }, Verdict::problem,
      "wooden-haptics: unplugged or not responding", "check its cable and power"},
     {"HotMotors",
-     [](FakeMachine& m) { reply_as_hub(m, R"({"device": "openhaptics", "device_state": "ready", "motor_temperature": "0.93"})"); },
+     [](FakeMachine& m) { set_hub_reply(m, R"({"device": "openhaptics", "device_state": "ready", "motor_temperature": "0.93"})"); },
      Verdict::warning, "at 93 % of their temperature limit", "let it rest"},
     {"HubWithoutRights",
      [](FakeMachine& m) {
-       reply_as_hub(m,
-                    R"j({"device": "simulated", "device_state": "ready",
+       set_hub_reply(m,
+                     R"j({"device": "simulated", "device_state": "ready",
                 "realtime": "real time: priority SCHED_FIFO 80: denied (Operation not permitted; x)"})j");
      },
      Verdict::warning, "SCHED_FIFO 80: denied (Operation not permitted", "hapton doctor --only rights"},
@@ -169,7 +169,7 @@ const std::vector<Fault> kFaults = {
     {"NotInTheRealTimeGroup",
      [](FakeMachine& m) {
        m.set_limits("0", "unlimited");
-       m.be_user(m.unknown(), fmt::format("{}", m.own_group()));
+       m.set_user(m.another_uid(), fmt::format("{}", m.own_group()));
        m.write("/etc/group", fmt::format("plugdev:x:{}:ada\nhapton:x:7001:\n", m.own_group()));
      },
      Verdict::problem, "at most 0 for ada", "sudo adduser ada hapton   # then log out and in again"},
@@ -286,12 +286,12 @@ TEST_P(SeededFaults, AreNamedAndFixed) {
   FakeMachine machine;
   GetParam().seed(machine);
   const Diagnosis diagnosis = diagnose(machine.make());
-  const auto is_reported =
-      AllOf(Field("verdict", &Finding::verdict, GetParam().verdict), Field("seen", &Finding::observation, HasSubstr(GetParam().seen)),
-            Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
+  const auto is_reported = AllOf(Field("verdict", &Finding::verdict, GetParam().verdict),
+                                 Field("observation", &Finding::observation, HasSubstr(GetParam().observation)),
+                                 Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
   // The fault is reported, and nothing else: it must not hide among false alarms.
   EXPECT_THAT(complaints_of(diagnosis), testing::ElementsAre(is_reported)) << to_text(diagnosis, false);
-  EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr(GetParam().seen), HasSubstr("fix: "), HasSubstr(GetParam().remedy)));
+  EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr(GetParam().observation), HasSubstr("fix: "), HasSubstr(GetParam().remedy)));
   EXPECT_EQ(diagnosis.is_fit(), GetParam().verdict != Verdict::problem);
 }
 

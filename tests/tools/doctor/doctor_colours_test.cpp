@@ -22,19 +22,19 @@ namespace {
 constexpr const char* kColour = "\x1b[";
 
 // Sets NO_COLOR to `value` while this object exists; without a value, it unsets NO_COLOR.
-class NoColour {
+class NoColorVariable {
  public:
-  explicit NoColour(const std::optional<std::string>& value) {
-    if (const char* was = std::getenv("NO_COLOR"); was != nullptr) was_ = was;
+  explicit NoColorVariable(const std::optional<std::string>& value) {
+    if (const char* was_set = std::getenv("NO_COLOR"); was_set != nullptr) previous_ = was_set;
     set(value);
   }
-  ~NoColour() { set(was_); }
-  NoColour(const NoColour&) = delete;
-  NoColour& operator=(const NoColour&) = delete;
+  ~NoColorVariable() { set(previous_); }
+  NoColorVariable(const NoColorVariable&) = delete;
+  NoColorVariable& operator=(const NoColorVariable&) = delete;
 
  private:
   static void set(const std::optional<std::string>& value) { value ? ::setenv("NO_COLOR", value->c_str(), 1) : ::unsetenv("NO_COLOR"); }
-  std::optional<std::string> was_;
+  std::optional<std::string> previous_;
 };
 
 struct DoctorColours : testing::Test {
@@ -42,44 +42,44 @@ struct DoctorColours : testing::Test {
     const std::filesystem::path clock = folder.path() / "sys/devices/system/clocksource/clocksource0";
     std::filesystem::create_directories(clock);
     std::ofstream(clock / "current_clocksource") << "hpet\n";
-    words = {"hapton", "doctor", "--root", folder.path().string(), "--only", "clock"};
+    arguments = {"hapton", "doctor", "--root", folder.path().string(), "--only", "clock"};
   }
   // What the command prints on a terminal.
-  std::string on_a_terminal() {
+  std::string output_on_terminal() {
     const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
     if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return "no terminal";
-    const int line = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY);
+    const int pty_line = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY);
     std::fflush(stdout);
-    const int before = ::dup(STDOUT_FILENO);
-    ::dup2(line, STDOUT_FILENO);
+    const int saved_stdout = ::dup(STDOUT_FILENO);
+    ::dup2(pty_line, STDOUT_FILENO);
     std::vector<const char*> argv;
-    for (const std::string& word : words) argv.push_back(word.c_str());
+    for (const std::string& word : arguments) argv.push_back(word.c_str());
     EXPECT_EQ(run_hapton_command(static_cast<int>(argv.size()), argv.data()), 1);
     std::fflush(stdout);
-    ::dup2(before, STDOUT_FILENO);
-    ::close(before);
+    ::dup2(saved_stdout, STDOUT_FILENO);
+    ::close(saved_stdout);
     std::array<char, 4096> read = {};
     const ssize_t count = ::read(terminal, read.data(), read.size());
-    ::close(line);
+    ::close(pty_line);
     ::close(terminal);
     return {read.data(), static_cast<std::size_t>(count > 0 ? count : 0)};
   }
-  std::string in_a_file() { return run_hapton({words.begin() + 1, words.end()}).out; }
+  std::string output_in_file() { return run_hapton({arguments.begin() + 1, arguments.end()}).out; }
 
   ScratchFolder folder;
-  std::vector<std::string> words;
+  std::vector<std::string> arguments;
 };
 
 TEST_F(DoctorColours, AreForATerminalAlone) {
-  const NoColour unset(std::nullopt);
-  EXPECT_THAT(on_a_terminal(), testing::AllOf(testing::HasSubstr(kColour), testing::HasSubstr("fix: ")));
-  EXPECT_THAT(in_a_file(), testing::AllOf(testing::Not(testing::HasSubstr(kColour)), testing::HasSubstr("fix: ")));
+  const NoColorVariable unset(std::nullopt);
+  EXPECT_THAT(output_on_terminal(), testing::AllOf(testing::HasSubstr(kColour), testing::HasSubstr("fix: ")));
+  EXPECT_THAT(output_in_file(), testing::AllOf(testing::Not(testing::HasSubstr(kColour)), testing::HasSubstr("fix: ")));
 }
 
 TEST_F(DoctorColours, CanBeDeclined) {
-  const NoColour set("1");
-  EXPECT_THAT(on_a_terminal(), testing::AllOf(testing::Not(testing::HasSubstr(kColour)), testing::HasSubstr("fix: ")));
-  EXPECT_THAT(in_a_file(), testing::Not(testing::HasSubstr(kColour)));
+  const NoColorVariable set("1");
+  EXPECT_THAT(output_on_terminal(), testing::AllOf(testing::Not(testing::HasSubstr(kColour)), testing::HasSubstr("fix: ")));
+  EXPECT_THAT(output_in_file(), testing::Not(testing::HasSubstr(kColour)));
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ class FakeMachine {
     write_devices();
     write_network();
     replies.library = [](std::string_view name) {
-      return name == "OpenHaptics" ? LibraryReply{"libHD.so.3.4", {}, {}} : LibraryReply{{}, {{"libdrd.so", kNowhere, "install it"}}, {}};
+      return name == "OpenHaptics" ? LibraryReply{"libHD.so.3.4", {}, {}}
+                                   : LibraryReply{{}, {{"libdrd.so", kLibdrdError, "install it"}}, {}};
     };
     replies.display = [] { return DisplayReply{{}, "NVIDIA RTX A4000/PCIe/SSE2", "4.6.0", true, true}; };
     replies.hub = [] {
@@ -35,7 +36,7 @@ class FakeMachine {
     };
   }
 
-  static constexpr const char* kNowhere = "libdrd.so: cannot open shared object file: No such file or directory";
+  static constexpr const char* kLibdrdError = "libdrd.so: cannot open shared object file: No such file or directory";
 
   void write(const std::string& path, const std::string& text, mode_t mode = 0644) const {
     const std::filesystem::path file = root() / path.substr(1);
@@ -54,7 +55,7 @@ class FakeMachine {
   void set_mode(const std::string& path, mode_t mode) const { ::chmod((root() / path.substr(1)).c_str(), mode); }
 
   // The user's ID and rights, as the kernel shows them. groups: numbers of the groups besides the primary one.
-  void be_user(uid_t uid, const std::string& groups, const std::string& capabilities = "0000000000000000") const {
+  void set_user(uid_t uid, const std::string& groups, const std::string& capabilities = "0000000000000000") const {
     write("/proc/self/status",
           fmt::format("Name:\thapton\nUid:\t{0}\t{0}\t{0}\t{0}\nGid:\t7777\t7777\t7777\t7777\nGroups:\t{1}\nCapEff:\t{2}\n", uid, groups,
                       capabilities));
@@ -78,7 +79,7 @@ class FakeMachine {
     link("/proc/" + pid + "/fd/3", "socket:[" + pid + "5]");
   }
   gid_t own_group() const { return ::getgid(); }
-  uid_t unknown() const { return ::getuid() + 1; }
+  uid_t another_uid() const { return ::getuid() + 1; }
   std::string user_groups() const { return fmt::format("{} 7001", own_group()); }
 
   Machine make() const { return Machine(root(), replies, settings); }
@@ -89,7 +90,7 @@ class FakeMachine {
 
  private:
   void write_user() const {
-    be_user(unknown(), user_groups());
+    set_user(another_uid(), user_groups());
     write("/etc/group", fmt::format("root:x:0:\nplugdev:x:{}:ada\nhapton:x:7001:ada\n", own_group()));
     set_limits("90", "unlimited");
     set_environment(std::string("HOME=/home/ada\0DISPLAY=:0\0", 25));

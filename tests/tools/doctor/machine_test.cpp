@@ -37,7 +37,7 @@ TEST(Machine, FollowsLinksWithoutLeavingItsRoot) {
 
 TEST(Machine, KnowsTheUserAndItsGroups) {
   const FakeMachine fake;
-  fake.be_user(4321, "7001 7002", "0000000000800000");
+  fake.set_user(4321, "7001 7002", "0000000000800000");
   fake.write("/etc/group", "hapton:x:7001:\nplugdev:x:46:ada,bob\naudio:x:63:bob\nbroken\n");
   const Machine machine = fake.make();
   EXPECT_EQ(machine.user().uid, 4321U);
@@ -62,7 +62,7 @@ TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
   EXPECT_TRUE(may_use(0660));
   EXPECT_FALSE(may_use(0640));
   EXPECT_FALSE(may_use(0606));  // a member of the group is not among the others
-  fake.be_user(fake.unknown(), "7001");
+  fake.set_user(fake.another_uid(), "7001");
   EXPECT_FALSE(may_use(0660));
   EXPECT_TRUE(may_use(0606));
   EXPECT_FALSE(fake.make().may_use("/dev/nothing"));

@@ -54,7 +54,7 @@ TEST_F(UdevRules, ForOtherDevicesOrWithoutRightsAreIgnored) {
   }
 }
 
-TEST_F(UdevRules, AreGoneThroughWithTheirPropertiesAndJumps) {
+TEST_F(UdevRules, AreEvaluatedWithTheirPropertiesAndJumps) {
   machine.write("/etc/udev/rules.d/70-a.rules",
                 "ACTION==\"remove\", GOTO=\"end\"\nSUBSYSTEM!=\"hidraw\", GOTO=\"other\"\nATTRS{idVendor}==\"256f\", ENV{OURS}=\"1\"\n"
                 "LABEL=\"other\"\nENV{OURS}==\"1\", GROUP=\"plugdev\", TAG+=\"uaccess\"\nLABEL=\"end\"\n");
@@ -77,7 +77,7 @@ TEST_F(UdevRules, OfThePackageGrantAccessToEachSupportedDevice) {
     return text.str();
   }();
   machine.write("/usr/lib/udev/rules.d/70-hapton.rules", rules);
-  const auto granted = [&](std::uint16_t vid, std::uint16_t pid, DevicePath kind, bool by_usb = true, const char* name = "") {
+  const auto is_granted = [&](std::uint16_t vid, std::uint16_t pid, DevicePath kind, bool by_usb = true, const char* name = "") {
     device.vid = vid;
     device.pid = pid;
     device.sysfs_folder = by_usb ? "/sys/devices/usb1/1-2" : "";
@@ -86,17 +86,17 @@ TEST_F(UdevRules, OfThePackageGrantAccessToEachSupportedDevice) {
     const auto rule = find();
     return rule && rule->has_uaccess && rule->group == "plugdev" && !rule->is_too_late() && !rule->has_capital_digits;
   };
-  EXPECT_TRUE(granted(0x1234, 0x0006, DevicePath::hidraw));
-  EXPECT_TRUE(granted(0x256f, 0xc635, DevicePath::hidraw));
-  EXPECT_TRUE(granted(0x046d, 0xc626, DevicePath::hidraw));
-  EXPECT_TRUE(granted(0x256f, 0xc63a, DevicePath::hidraw, false));
-  EXPECT_TRUE(granted(0xcafe, 0x4001, DevicePath::hidraw, true, "hapton-hid"));
-  EXPECT_TRUE(granted(0x2988, 0x0302, DevicePath::serial));
+  EXPECT_TRUE(is_granted(0x1234, 0x0006, DevicePath::hidraw));
+  EXPECT_TRUE(is_granted(0x256f, 0xc635, DevicePath::hidraw));
+  EXPECT_TRUE(is_granted(0x046d, 0xc626, DevicePath::hidraw));
+  EXPECT_TRUE(is_granted(0x256f, 0xc63a, DevicePath::hidraw, false));
+  EXPECT_TRUE(is_granted(0xcafe, 0x4001, DevicePath::hidraw, true, "hapton-hid"));
+  EXPECT_TRUE(is_granted(0x2988, 0x0302, DevicePath::serial));
   EXPECT_TRUE(keeps_modem_manager_off(machine.make(), device, node));
-  EXPECT_TRUE(granted(0x1451, 0x0402, DevicePath::usb));
-  EXPECT_TRUE(granted(0x0403, 0xcb48, DevicePath::usb));
-  EXPECT_FALSE(granted(0x046d, 0xc077, DevicePath::hidraw)) << "a Logitech mouse is no affair of ours";
-  EXPECT_FALSE(granted(0xcafe, 0x4001, DevicePath::hidraw));
+  EXPECT_TRUE(is_granted(0x1451, 0x0402, DevicePath::usb));
+  EXPECT_TRUE(is_granted(0x0403, 0xcb48, DevicePath::usb));
+  EXPECT_FALSE(is_granted(0x046d, 0xc077, DevicePath::hidraw)) << "a Logitech mouse is no supported device";
+  EXPECT_FALSE(is_granted(0xcafe, 0x4001, DevicePath::hidraw));
 }
 
 TEST_F(UdevRules, HideThoseOfTheSameNameInLaterFolders) {

@@ -41,9 +41,9 @@ class Loop {
     step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand});
     const ForceCommand reply = step_->reply();
     if (sample_ % 4 == 0 && mover_->has_request()) {
-      const ObjectMover::Outcome done = mover_->carry_out(*step_);
-      if (done.move) serial_ = done.move->serial;
-      later(link_ms_, [this, done] { driver_.take(done.reply); });
+      const ObjectMover::Outcome outcome = mover_->carry_out(*step_);
+      if (outcome.move) serial_ = outcome.move->serial;
+      deliver_later(link_ms_, [this, outcome] { driver_.take(outcome.reply); });
     }
     const ProbeState state = {.sample = reply.echo_sample,
                               .sample_time_ns = now_ns,
@@ -53,42 +53,42 @@ class Loop {
                               .contact = reply.contact,
                               .object = reply.object,
                               .scene_time_ns = reply.scene_time_ns};
-    if (sample_ % state_every_ms == 0) later(link_ms_, [this, state] { driver_.take(state); });
-    while (!waiting_.empty() && waiting_.front().at <= sample_) {
-      waiting_.front().arrive();
-      waiting_.pop_front();
+    if (sample_ % state_every_ms == 0) deliver_later(link_ms_, [this, state] { driver_.take(state); });
+    while (!pending_.empty() && pending_.front().due_at <= sample_) {
+      pending_.front().deliver();
+      pending_.pop_front();
     }
     if (const auto request = driver_.next_request(now_ns)) {
-      ++sent_;
-      if (!loses || !loses(sent_)) later(link_ms_, [this, request] { mover_->request(*request); });
+      ++requests_sent_;
+      if (!is_request_lost || !is_request_lost(requests_sent_)) deliver_later(link_ms_, [this, request] { mover_->request(*request); });
     }
     return reply;
   }
 
-  Vec3 felt_position() const {
+  Vec3 haptics_position() const {
     return step_->touch().find_commanded(kBox)->keyframe_at(1e-9 * static_cast<double>(step_->scene_time_ns())).p_S;
   }
-  Vec3 position() const { return driver_.world().place(kBox).p_S; }
+  Vec3 dynamics_position() const { return driver_.world().place(kBox).p_S; }
   DynamicsDriver& driver() { return driver_; }
-  // Sets the stiffness as `hapton set --stiffness` does. is_told: the dynamics is told as well.
-  void set_stiffness(double n_per_m, bool is_told) {
+  // Sets the stiffness as `hapton set --stiffness` does, for the haptics node and, if is_sent_to_dynamics, for the dynamics.
+  void set_stiffness(double n_per_m, bool is_sent_to_dynamics) {
     MaterialState state{.serial = 1, .object_count = 1};
     state.objects[0].change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m};
     step_->set_materials(tuned_materials(scene_.touch_scene(), state, 0.0));
-    if (is_told) driver_.take(state);
+    if (is_sent_to_dynamics) driver_.take(state);
   }
 
-  std::function<bool(std::uint64_t)> loses = {};  // which requests the link loses
-  int state_every_ms = 4;                         // about the default of io_node's --vision-rate
+  std::function<bool(std::uint64_t)> is_request_lost = {};  // by the number of the request
+  int state_every_ms = 4;                                   // about the default of io_node's --vision-rate
 
  private:
-  struct Waiting {
-    std::int64_t at;
-    std::function<void()> arrive;
+  struct PendingMessage {
+    std::int64_t due_at;  // sample
+    std::function<void()> deliver;
   };
-  void later(int ms, std::function<void()> arrive) {
-    const auto place = std::ranges::find_if(waiting_, [&](const Waiting& w) { return w.at > sample_ + ms; });
-    waiting_.insert(place, {sample_ + ms, std::move(arrive)});
+  void deliver_later(int ms, std::function<void()> deliver) {
+    const auto place = std::ranges::find_if(pending_, [&](const PendingMessage& w) { return w.due_at > sample_ + ms; });
+    pending_.insert(place, {sample_ + ms, std::move(deliver)});
   }
 
   Scene scene_;
@@ -97,46 +97,47 @@ class Loop {
   DynamicsDriver driver_;
   int link_ms_;
   std::int64_t sample_ = 0;
-  std::uint64_t sent_ = 0;
+  std::uint64_t requests_sent_ = 0;
   std::uint32_t serial_ = 0;
-  std::deque<Waiting> waiting_;
+  std::deque<PendingMessage> pending_;
 };
 
 // The hand moves from the left of the box, at half its height, to the right at 0.1 m/s, 40 mm beyond the first contact; then it stays.
-constexpr double kGapM = 0.005;
-constexpr double kTravelM = 0.04;
-constexpr double kSpeed = 0.1;
+constexpr double kHandGapM = 0.005;
+constexpr double kHandTravelM = 0.04;
+constexpr double kHandSpeed = 0.1;
 Vec3 hand_at(double t_s) {
-  const double travel = std::clamp(kSpeed * (t_s - 0.2), 0.0, kGapM + kTravelM);
-  return Vec3(-kBoxSideM / 2 - kGapM + travel, kBoxSideM / 2, 0.001);
+  const double travel = std::clamp(kHandSpeed * (t_s - 0.2), 0.0, kHandGapM + kHandTravelM);
+  return Vec3(-kBoxSideM / 2 - kHandGapM + travel, kBoxSideM / 2, 0.001);
 }
 
-struct Felt {
-  double most_n = 0.0;
-  double least_end_n = std::numeric_limits<double>::infinity();  // in the last half second
-  double most_end_n = 0.0;
+struct PushForces {
+  double max_n = 0.0;
+  double min_end_n = std::numeric_limits<double>::infinity();  // in the last half second
+  double max_end_n = 0.0;
 };
-Felt push(Loop& loop, double seconds = 3.0) {
-  Felt felt;
+PushForces push(Loop& loop, double seconds = 3.0) {
+  PushForces forces;
   for (int i = 0; i < static_cast<int>(1000 * seconds); ++i) {
     const ForceCommand reply = loop.step(hand_at(1e-3 * i));
-    felt.most_n = std::max(felt.most_n, reply.force_n.norm());
+    forces.max_n = std::max(forces.max_n, reply.force_n.norm());
     if (i < static_cast<int>(1000 * seconds) - 500) continue;
-    felt.most_end_n = std::max(felt.most_end_n, reply.force_n.norm());
-    felt.least_end_n = std::min(felt.least_end_n, reply.force_n.norm());
+    forces.max_end_n = std::max(forces.max_end_n, reply.force_n.norm());
+    forces.min_end_n = std::min(forces.min_end_n, reply.force_n.norm());
   }
-  return felt;
+  return forces;
 }
 
 TEST(DynamicsDriver, ABoxGoesWhereTheHandPushesIt) {
   Loop loop(table_scene(), {}, 1);
-  const Vec3 start = loop.felt_position();
-  const Felt felt = push(loop);
-  const double travel = loop.felt_position().x() - start.x();
-  EXPECT_NEAR(travel, kTravelM, 0.002);
-  EXPECT_LT((loop.felt_position() - loop.position()).norm(), 1e-5) << "haptics and dynamics have it at different places in the end";
+  const Vec3 start = loop.haptics_position();
+  const PushForces forces = push(loop);
+  const double travel = loop.haptics_position().x() - start.x();
+  EXPECT_NEAR(travel, kHandTravelM, 0.002);
+  EXPECT_LT((loop.haptics_position() - loop.dynamics_position()).norm(), 1e-5)
+      << "haptics and dynamics have it at different places in the end";
   EXPECT_GT(loop.driver().counts().pushes, 100U);
-  EXPECT_GT(felt.most_n, 0.4 * kBoxKg * 9.81) << "friction on the table";
+  EXPECT_GT(forces.max_n, 0.4 * kBoxKg * 9.81) << "friction on the table";
 }
 
 struct LoopCase {
@@ -146,11 +147,11 @@ struct LoopCase {
 };
 
 // The smallest and the largest force while the hand goes on at its speed: from 0.4 s after the contact, for 0.4 s.
-std::pair<double, double> forces_under_way(Loop& loop) {
+std::pair<double, double> forces_while_moving(Loop& loop) {
   double most = 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 900; ++i) {
-    const double force = loop.step(Vec3(-kBoxSideM / 2 - 0.01 + 1e-3 * kSpeed * i, kBoxSideM / 2, 0.0)).force_n.norm();
+    const double force = loop.step(Vec3(-kBoxSideM / 2 - 0.01 + 1e-3 * kHandSpeed * i, kBoxSideM / 2, 0.0)).force_n.norm();
     if (i < 500) continue;
     most = std::max(most, force);
     least = std::min(least, force);
@@ -165,31 +166,31 @@ TEST(DynamicsDriver, ABodyStaysAtTheHandThatPushesIt) {
       for (const auto& [link_ms, state_every_ms] : {std::pair(1, 1), {1, 4}, {5, 4}, {15, 1}, {15, 10}}) {
         Loop loop(table_scene({.mass_kg = mass, .stiffness_n_per_m = stiffness}), {.friction = 0.1}, link_ms);
         loop.state_every_ms = state_every_ms;
-        const auto [least, most] = forces_under_way(loop);
+        const auto [least, most] = forces_while_moving(loop);
         SCOPED_TRACE(fmt::format("{} kg, {} N/m, {} ms each way: delay {:.1f} ms, {:.2f} to {:.2f} N", mass, stiffness, link_ms,
                                  1e3 * loop.driver().delay_s(), least, most));
         EXPECT_GT(least, 0.2 * most);
         // The forces of the damping and of friction, and of an oscillation about their sum.
-        const double damping_n = DynamicsDriver::kDampingShare * stiffness * loop.driver().delay_s() * kSpeed;
-        EXPECT_LT(most, 1.6 * (damping_n + 0.1 * mass * 9.81 + std::sqrt(stiffness * mass) * kSpeed));
+        const double damping_n = DynamicsDriver::kDampingShare * stiffness * loop.driver().delay_s() * kHandSpeed;
+        EXPECT_LT(most, 1.6 * (damping_n + 0.1 * mass * 9.81 + std::sqrt(stiffness * mass) * kHandSpeed));
       }
     }
   }
 }
 
-TEST(DynamicsDriver, WithoutDampingItBouncesOff) {
+TEST(DynamicsDriver, WithoutDampingABodyBouncesOff) {
   for (const int link_ms : {1, 15}) {
     Loop loop(table_scene({.stiffness_n_per_m = 2000}), {.friction = 0.1, .damping_share = 0.0}, link_ms);
-    EXPECT_EQ(forces_under_way(loop).first, 0.0);
+    EXPECT_EQ(forces_while_moving(loop).first, 0.0);
   }
 }
 
 TEST(DynamicsDriver, AStiffnessChangedWhileRunningIsDampedToo) {
-  for (const bool is_told : {true, false}) {
+  for (const bool is_sent_to_dynamics : {true, false}) {
     Loop loop(table_scene({.stiffness_n_per_m = 100}), {.friction = 0.1}, 15);
-    loop.set_stiffness(2000, is_told);
-    const auto [least, most] = forces_under_way(loop);
-    EXPECT_EQ(least > 0.2 * most, is_told) << least << " to " << most << " N";
+    loop.set_stiffness(2000, is_sent_to_dynamics);
+    const auto [least, most] = forces_while_moving(loop);
+    EXPECT_EQ(least > 0.2 * most, is_sent_to_dynamics) << least << " to " << most << " N";
   }
 }
 
@@ -198,7 +199,7 @@ TEST(DynamicsDriver, AnotherHapticsNodeHasTheStiffnessOfTheScene) {
   loop.set_stiffness(100, true);
   for (int i = 0; i < 100; ++i) loop.step(Vec3(-0.1, 0.1, 0));
   loop.start_haptics();
-  const auto [least, most] = forces_under_way(loop);
+  const auto [least, most] = forces_while_moving(loop);
   EXPECT_GT(least, 0.2 * most) << least << " to " << most << " N";
 }
 
@@ -206,26 +207,26 @@ TEST(DynamicsDriver, AnotherHapticsNodeHasTheStiffnessOfTheScene) {
 TEST(DynamicsDriver, AtRestTheForceIsSteady) {
   for (const LoopCase& c : std::vector<LoopCase>{{0.2, 300, 1}, {0.2, 2000, 15}, {2.0, 300, 15}, {2.0, 2000, 1}}) {
     Loop loop(table_scene({.mass_kg = c.mass_kg, .stiffness_n_per_m = c.stiffness_n_per_m}), {}, c.link_ms);
-    const Felt felt = push(loop);
-    EXPECT_LT(felt.most_end_n - felt.least_end_n, 0.2) << c.mass_kg << " kg, " << c.stiffness_n_per_m << " N/m, " << c.link_ms << " ms";
+    const PushForces forces = push(loop);
+    EXPECT_LT(forces.max_end_n - forces.min_end_n, 0.2) << c.mass_kg << " kg, " << c.stiffness_n_per_m << " N/m, " << c.link_ms << " ms";
   }
 }
 
 TEST(DynamicsDriver, LostRequestsAreSentAgain) {
   Loop loop(table_scene(), {}, 1);
-  loop.loses = [](std::uint64_t n) { return n % 3 != 0; };
+  loop.is_request_lost = [](std::uint64_t n) { return n % 3 != 0; };
   push(loop);
-  EXPECT_LT((loop.felt_position() - loop.position()).norm(), 1e-5);
+  EXPECT_LT((loop.haptics_position() - loop.dynamics_position()).norm(), 1e-5);
 }
 
 TEST(DynamicsDriver, AnotherHapticsNodeGetsTheBodiesWhereTheyAre) {
   Loop loop(table_scene(), {}, 1);
   push(loop);
-  const Vec3 before = loop.position();
+  const Vec3 before = loop.dynamics_position();
   loop.start_haptics();
-  EXPECT_GT((loop.felt_position() - before).norm(), 0.02);
+  EXPECT_GT((loop.haptics_position() - before).norm(), 0.02);
   for (int i = 0; i < 1000; ++i) loop.step(Vec3(-0.1, 0.1, 0));
-  EXPECT_LT((loop.felt_position() - before).norm(), 1e-4);
+  EXPECT_LT((loop.haptics_position() - before).norm(), 1e-4);
   EXPECT_EQ(loop.driver().counts().restarts, 1U);
 }
 
@@ -310,9 +311,9 @@ TEST(DynamicsDriver, AHandPushesInTheFrameOfTheScene) {
   EXPECT_LT((turned_turn - straight_turn).norm(), 1e-5);
 }
 
-struct Alone : testing::Test {
+struct DriverAlone : testing::Test {
   void SetUp() override { state.status = ProbeStatus::ok; }
-  void at(std::int64_t ms) {
+  void advance_to(std::int64_t ms) {
     state.scene_time_ns = kMs * ms;
     driver.take(state);
   }
@@ -322,30 +323,30 @@ struct Alone : testing::Test {
   ProbeState state;
 };
 
-TEST_F(Alone, TimeIsSceneTime) {
-  at(1000);
+TEST_F(DriverAlone, TimeIsSceneTime) {
+  advance_to(1000);
   const Vec3 start = driver.world().place(kBox).p_S;
-  for (int i = 0; i < 50; ++i) at(1000);  // without a device, scene time stands still
+  for (int i = 0; i < 50; ++i) advance_to(1000);  // without a device, scene time stands still
   EXPECT_EQ(driver.counts().steps, 0U);
   EXPECT_EQ(driver.world().place(kBox).p_S, start);
-  at(1010);
+  advance_to(1010);
   EXPECT_EQ(driver.counts().steps, 10U);
-  at(5000);  // a long gap
+  advance_to(5000);  // a long gap
   EXPECT_EQ(driver.counts().steps, 110U);
   EXPECT_EQ(driver.counts().left_out_ns, 3890 * kMs);
 }
 
-TEST_F(Alone, GravityFollowsTheView) {
+TEST_F(DriverAlone, GravityFollowsTheView) {
   HapticsSetup setup;
   // The scene lies on its side: x of S is up.
   setup.X_WS = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};
   driver.take(setup);
-  at(0);
+  advance_to(0);
   const Vec3 start = driver.world().place(kBox).p_S;
-  at(50);
-  const Vec3 by = driver.world().place(kBox).p_S - start;
-  EXPECT_LT(by.x(), -0.005);
-  EXPECT_NEAR(by.y(), 0.0, 1e-6);
+  advance_to(50);
+  const Vec3 displacement = driver.world().place(kBox).p_S - start;
+  EXPECT_LT(displacement.x(), -0.005);
+  EXPECT_NEAR(displacement.y(), 0.0, 1e-6);
 }
 
 // The table is lifted by another program: the box on it goes along.
@@ -400,30 +401,30 @@ TEST(DynamicsDriver, BodiesTakeTurns) {
 }
 
 // The delay: the time from the request to the reply, one interval between states, and the duration of the move itself (5 ms).
-TEST_F(Alone, TheDelayIsMeasured) {
-  at(0);
+TEST_F(DriverAlone, TheDelayIsMeasured) {
+  advance_to(0);
   EXPECT_DOUBLE_EQ(driver.delay_s(), 0.02) << "assumed";
   const auto request = driver.next_request(0);
   ASSERT_TRUE(request);
-  at(30);
-  at(40);
+  advance_to(30);
+  advance_to(40);
   driver.take(MoveReply{.request = request->request});
   EXPECT_NEAR(driver.delay_s(), 0.04 + 0.01 + 0.005, 1e-12);
   const auto quick = driver.next_request(40 * kMs);
   ASSERT_TRUE(quick);
-  at(41);
+  advance_to(41);
   driver.take(MoveReply{.request = quick->request});
   EXPECT_NEAR(driver.delay_s(), 0.995 * 0.055, 1e-12) << "a shorter one counts little by little";
   const auto slow = driver.next_request(50 * kMs);
   ASSERT_TRUE(slow);
-  at(1000);
+  advance_to(1000);
   driver.take(MoveReply{.request = slow->request});
   EXPECT_DOUBLE_EQ(driver.delay_s(), 0.2) << "no more damping than for that";
 }
 
 // A request without a reply is repeated unchanged if the body has not moved.
-TEST_F(Alone, ALostRequestIsRepeatedAfterFiftyMilliseconds) {
-  at(0);
+TEST_F(DriverAlone, ALostRequestIsRepeatedAfterFiftyMilliseconds) {
+  advance_to(0);
   const auto request = driver.next_request(0);
   ASSERT_TRUE(request);
   EXPECT_FALSE(driver.next_request(50 * kMs - 1));
@@ -436,7 +437,7 @@ TEST_F(Alone, ALostRequestIsRepeatedAfterFiftyMilliseconds) {
   EXPECT_EQ(driver.counts().requests, 3U);
 }
 
-TEST(DynamicsDriver, WhatFallsOutIsToldOnce) {
+TEST(DynamicsDriver, ABodyThatFallsOutIsReportedOnce) {
   Scene scene = table_scene();
   scene.objects[kBox].mesh = moved(*scene.objects[kBox].mesh, {0.5, 0, 0});  // beside the table
   make_commanded(scene.objects[kBox]);
@@ -451,8 +452,8 @@ TEST(DynamicsDriver, WhatFallsOutIsToldOnce) {
   EXPECT_TRUE(driver.take_fallen().empty());
 }
 
-TEST_F(Alone, ARejectionIsTold) {
-  at(0);
+TEST_F(DriverAlone, ARejectionIsReported) {
+  advance_to(0);
   const auto request = driver.next_request(0);
   ASSERT_TRUE(request);
   MoveReply reply = {.request = request->request, .rejection = {"no"}};
@@ -471,26 +472,26 @@ TEST_F(Alone, ARejectionIsTold) {
   EXPECT_FALSE(driver.next_request(200 * kMs));
 }
 
-TEST_F(Alone, ARequestAtATimeAndNoneForABodyAtRest) {
-  at(0);
+TEST_F(DriverAlone, OneRequestAtATimeAndNoneForABodyAtRest) {
+  advance_to(0);
   ASSERT_TRUE(driver.next_request(0));
   for (int ms = 1; ms < 2000; ++ms) {
-    at(ms);
+    advance_to(ms);
     if (const auto request = driver.next_request(kMs * ms)) driver.take(MoveReply{.request = request->request});
   }
   const std::uint64_t requests = driver.counts().requests;
   EXPECT_GT(requests, 20U);
   EXPECT_LE(requests, 401U);
   // Bullet lets the body sleep after two seconds, which may move it once, by micrometres.
-  int late = 0;
+  int requests_at_rest = 0;
   for (int ms = 2000; ms < 6000; ++ms) {
-    at(ms);
+    advance_to(ms);
     const auto request = driver.next_request(kMs * ms);
     if (!request) continue;
-    ++late;
+    ++requests_at_rest;
     driver.take(MoveReply{.request = request->request});
   }
-  EXPECT_LE(late, 1);
+  EXPECT_LE(requests_at_rest, 1);
 }
 
 }  // namespace

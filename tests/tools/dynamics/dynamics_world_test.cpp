@@ -63,7 +63,7 @@ TEST_F(Worlds, FrictionHoldsABoxUpToItsLimit) {
 }
 
 // x = (F - mu m g) t^2 / (2 m).
-TEST_F(Worlds, BeyondItTheBoxSlidesAsNewtonAndCoulombHaveIt) {
+TEST_F(Worlds, BeyondThatLimitABoxSlidesAsNewtonAndCoulombHaveIt) {
   run(0.2);
   const Vec3 start = position();
   const double limit_n = kMu * kBoxKg * kG;

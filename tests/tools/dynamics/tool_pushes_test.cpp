@@ -44,8 +44,8 @@ class ToolLoop {
     const ForceCommand reply = step_->reply();
     tool_->follow();
     if (sample_ % 4 == 0 && mover_->has_request()) {
-      const ObjectMover::Outcome done = mover_->carry_out(*step_);
-      later([this, done] { driver_.take(done.reply); });
+      const ObjectMover::Outcome outcome = mover_->carry_out(*step_);
+      deliver_later([this, outcome] { driver_.take(outcome.reply); });
     }
     const ProbeState state = {.sample = reply.echo_sample,
                               .sample_time_ns = now_ns,
@@ -56,19 +56,19 @@ class ToolLoop {
                               .object = reply.object,
                               .scene_time_ns = reply.scene_time_ns,
                               .push = reply.push};
-    if (sample_ % 4 == 0) later([this, state] { driver_.take(state); });
-    while (!waiting_.empty() && waiting_.front().first <= sample_) {
-      waiting_.front().second();
-      waiting_.pop_front();
+    if (sample_ % 4 == 0) deliver_later([this, state] { driver_.take(state); });
+    while (!pending_.empty() && pending_.front().first <= sample_) {
+      pending_.front().second();
+      pending_.pop_front();
     }
-    if (const auto request = driver_.next_request(now_ns)) later([this, request] { mover_->request(*request); });
+    if (const auto request = driver_.next_request(now_ns)) deliver_later([this, request] { mover_->request(*request); });
     return reply;
   }
   Keyframe place() const { return driver_.world().place(kBox); }
   const HeldTool& tool() const { return *tool_; }
 
  private:
-  void later(std::function<void()> arrive) { waiting_.emplace_back(sample_ + link_ms_, std::move(arrive)); }
+  void deliver_later(std::function<void()> deliver) { pending_.emplace_back(sample_ + link_ms_, std::move(deliver)); }
 
   Scene scene_;
   DynamicsDriver driver_;
@@ -77,7 +77,7 @@ class ToolLoop {
   std::unique_ptr<HeldTool> tool_;
   int link_ms_;
   std::int64_t sample_ = 0;
-  std::deque<std::pair<std::int64_t, std::function<void()>>> waiting_;
+  std::deque<std::pair<std::int64_t, std::function<void()>>> pending_;
 };
 
 // A cube of 20 mm that comes from the left; its side starts 5 mm before the side of the box.
@@ -90,25 +90,25 @@ TEST(ToolPushes, ABoxGoesWhereTheToolPushesIt) {
   for (const int link_ms : {1, 10}) {
     ToolLoop loop(table_scene(), kPusher, link_ms);
     const Vec3 start = loop.place().p_S;
-    double most_n = 0.0;
-    double least_n = std::numeric_limits<double>::infinity();
+    double max_n = 0.0;
+    double min_n = std::numeric_limits<double>::infinity();
     for (int ms = 0; ms < 1500; ++ms) {
       const ForceCommand reply = loop.step(pusher_at(ms, 0.045, kBoxSideM / 2, 0.0));
       if (ms < 500 || ms >= 900) continue;
-      most_n = std::max(most_n, reply.force_n.norm());
-      least_n = std::min(least_n, reply.force_n.norm());
+      max_n = std::max(max_n, reply.force_n.norm());
+      min_n = std::min(min_n, reply.force_n.norm());
     }
-    const Vec3 by = loop.place().p_S - start;
-    EXPECT_NEAR(by.x(), 0.045 - 0.005, 0.003) << link_ms << " ms";
-    EXPECT_NEAR(by.z(), 0.0, 1e-3);
+    const Vec3 displacement = loop.place().p_S - start;
+    EXPECT_NEAR(displacement.x(), 0.045 - 0.005, 0.003) << link_ms << " ms";
+    EXPECT_NEAR(displacement.z(), 0.0, 1e-3);
     EXPECT_LT(turn_between(Quat::Identity(), loop.place().turn).norm(), 0.05);
-    EXPECT_GT(least_n, 0.1 * most_n) << "it stays at the tool, " << link_ms << " ms";
-    EXPECT_LT(most_n, 5.0);
+    EXPECT_GT(min_n, 0.1 * max_n) << "it stays at the tool, " << link_ms << " ms";
+    EXPECT_LT(max_n, 5.0);
   }
 }
 
 // The tool also slides on the table, pressed down: the table's force on the tool must not act on the box.
-TEST(ToolPushes, WhatTheToolDoesToOthersIsNotTheBodys) {
+TEST(ToolPushes, ForcesOfTheToolOnOtherObjectsDoNotActOnTheBody) {
   ToolLoop loop(table_scene(), kPusher, 1);
   const Keyframe start = loop.place();
   double down_n = 0.0;
@@ -117,14 +117,14 @@ TEST(ToolPushes, WhatTheToolDoesToOthersIsNotTheBodys) {
     down_n = loop.step(pusher_at(ms, 0.045, std::max(0.0, 0.05 - 1e-3 * ms), 0.0)).force_n.y();
   }
   EXPECT_NEAR(down_n, 5.0, 0.2);
-  const Vec3 by = loop.place().p_S - start.p_S;
-  EXPECT_NEAR(by.x(), 0.040, 0.003);
-  EXPECT_NEAR(by.y(), 0.0, 5e-4);
+  const Vec3 displacement = loop.place().p_S - start.p_S;
+  EXPECT_NEAR(displacement.x(), 0.040, 0.003);
+  EXPECT_NEAR(displacement.y(), 0.0, 5e-4);
   EXPECT_LT(turn_between(start.turn, loop.place().turn).norm(), 0.05);
 }
 
 // Pushed beside its middle the box turns, as the contact's force has a lever.
-TEST(ToolPushes, BesideItsMiddleItTurnsTheBox) {
+TEST(ToolPushes, APushBesideItsMiddleTurnsTheBox) {
   ToolLoop loop(table_scene(), kPusher, 1);
   for (int ms = 0; ms < 1200; ++ms) loop.step(pusher_at(ms, 0.02, kBoxSideM / 2, 0.022));
   const Vec3 turn = turn_between(Quat::Identity(), loop.place().turn);
@@ -133,7 +133,7 @@ TEST(ToolPushes, BesideItsMiddleItTurnsTheBox) {
 
 // The forces of two contacts nearly cancel: the line of the force that is left is far away, but the body is damped where the body is.
 TEST(ToolPushes, ACoupleTurnsTheBoxWhateverIsLeftOfItsForce) {
-  for (const double left_n : {0.0, 1e-12, 1e-9, 1e-6, 1e-300}) {
+  for (const double remaining_n : {0.0, 1e-12, 1e-9, 1e-6, 1e-300}) {
     const Scene scene = table_scene();
     DynamicsDriver driver = *DynamicsDriver::make(scene, {});
     HapticsSetup setup;
@@ -146,9 +146,9 @@ TEST(ToolPushes, ACoupleTurnsTheBoxWhateverIsLeftOfItsForce) {
                              .contact = true,
                              .object = kBox,
                              .scene_time_ns = kTickNs * ms,
-                             .push = ObjectPush{.force_n = {left_n, 0.0, 0.0}, .torque_nm = {0.0, 0.05, 0.0}}});
+                             .push = ObjectPush{.force_n = {remaining_n, 0.0, 0.0}, .torque_nm = {0.0, 0.05, 0.0}}});
     }
-    EXPECT_GT(turn_between(Quat::Identity(), driver.world().place(kBox).turn).y(), 0.02) << left_n;
+    EXPECT_GT(turn_between(Quat::Identity(), driver.world().place(kBox).turn).y(), 0.02) << remaining_n;
   }
 }
 
@@ -172,11 +172,11 @@ TEST(ToolPushes, ABodyIsDampedByTheDelayInItsMotionAndItsTurn) {
   }
   const Keyframe after = driver.world().place(kBox);
   const double delay_s = 0.02;
-  const double steps_s = 0.1;
+  const double interval_s = 0.1;
   const double speed = 0.1 / (DynamicsDriver::kDampingShare * kSpringNPerM * delay_s);
   const double turn_rate = 1e-3 / (DynamicsDriver::kDampingShare * 0.05 * delay_s);
-  EXPECT_NEAR((after.p_S - before.p_S).x() / steps_s, speed, 0.03 * speed);
-  EXPECT_NEAR(turn_between(before.turn, after.turn).x() / steps_s, turn_rate, 0.03 * turn_rate);
+  EXPECT_NEAR((after.p_S - before.p_S).x() / interval_s, speed, 0.03 * speed);
+  EXPECT_NEAR(turn_between(before.turn, after.turn).x() / interval_s, turn_rate, 0.03 * turn_rate);
 }
 
 }  // namespace

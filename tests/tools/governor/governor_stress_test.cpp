@@ -88,8 +88,8 @@ TEST(GovernorStress, UsesNoHeap) {
 // and hides everything else: two in three of their phases have an active force (Force::active) in their place.
 TEST(GovernorStress, ForcesThatAreNoNumbersAreRare) {
   constexpr double kTurns = 200'000.0;
-  int none = 0;
-  int no_number = 0;
+  int without_command = 0;
+  int not_finite = 0;
   int huge = 0;
   int tiny = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
@@ -97,18 +97,18 @@ TEST(GovernorStress, ForcesThatAreNoNumbersAreRare) {
     for (int turn = 0; turn < 1000; ++turn) {
       const HostileStep& step = program.turn({});
       if (!step.command) {
-        ++none;
+        ++without_command;
         continue;
       }
       const Vec3& force_n = step.command->wrench.force_n;
       const double size = force_n.allFinite() ? force_n.stableNorm() : 0.0;
-      no_number += force_n.allFinite() ? 0 : 1;
+      not_finite += force_n.allFinite() ? 0 : 1;
       huge += size > 1e200 ? 1 : 0;
       tiny += size > 0.0 && size < 1e-300 ? 1 : 0;
     }
   }
-  EXPECT_NEAR(none / kTurns, 0.145, 0.03) << "and one in twenty of the others";
-  EXPECT_NEAR(no_number / kTurns, 0.007, 0.003);
+  EXPECT_NEAR(without_command / kTurns, 0.145, 0.03) << "and one in twenty of the others";
+  EXPECT_NEAR(not_finite / kTurns, 0.007, 0.003);
   EXPECT_NEAR(huge / kTurns, 0.095, 0.02);
   EXPECT_NEAR(tiny / kTurns, 0.09, 0.02);
 }
@@ -141,19 +141,19 @@ TEST(GovernorStress, BreachesAreCountedWithTheProgramAndTheTurnOfTheFirst) {
     if (turns_with_output(seed).size() > 10) seeds.push_back(seed);
   }
   GovernorStressCount count;
-  std::uint64_t expected = 0;
+  std::uint64_t expected_breaches = 0;
   for (const std::uint64_t seed : seeds) {
     HostileProgram program(seed);
     SafetyGovernor governor(program.device());
     const SafetyGovernor idle(program.device());
     GovernorEvaluator evaluator(program, idle);
     GovernorStress::run(seed, program, governor, evaluator, count);
-    expected += turns_with_output(seed).size();
-    EXPECT_EQ(count.breaches[kTimeout], expected) << seed;
+    expected_breaches += turns_with_output(seed).size();
+    EXPECT_EQ(count.breaches[kTimeout], expected_breaches) << seed;
     EXPECT_EQ(count.findings[kTimeout].program, seeds[0]) << "of the first one";
     EXPECT_EQ(count.findings[kTimeout].turn, turns_with_output(seeds[0]).front());
   }
-  EXPECT_GE(count.total_breaches(), expected);
+  EXPECT_GE(count.total_breaches(), expected_breaches);
   EXPECT_EQ(count.programs, 2U);
 }
 

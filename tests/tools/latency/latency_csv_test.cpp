@@ -27,7 +27,7 @@ TEST(LatencyCsv, ReadsWhatAReportWrites) {
   }
 }
 
-TEST(LatencyCsv, WhatIsNewIsTheDifferenceOfTwoLooks) {
+TEST(LatencyCsv, WhatIsNewIsTheDifferenceOfTwoTables) {
   const auto parse = [](const std::string& rows) { return *parse_latency_csv("hop,lower_ns,upper_ns,count\n" + rows, "r.csv"); };
   const auto before = parse("a,1,2,3\na,5,6,1\nb,1,2,9\nc,1,2,5\n");
   const auto now = parse("a,1,2,3\na,3,4,2\na,5,6,4\nb,1,2,2\nc,1,2,5\nd,7,8,1\n");

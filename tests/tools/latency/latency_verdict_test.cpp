@@ -39,9 +39,9 @@ TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenItsTimesAreTooLong) {
 }
 
 TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenTooManyCyclesAreMissed) {
-  auto missing = report(1000, 20.0, 4.0);
-  missing["counters"]["missed_cycles"] = 50;
-  const auto verdict = evaluate_latency(missing);
+  auto with_missed_cycles = report(1000, 20.0, 4.0);
+  with_missed_cycles["counters"]["missed_cycles"] = 50;
+  const auto verdict = evaluate_latency(with_missed_cycles);
   ASSERT_TRUE(verdict);
   EXPECT_FALSE(verdict->holds);
   EXPECT_THAT(verdict->reason, HasSubstr("0.53 %"));
@@ -54,12 +54,12 @@ TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenTooManyCyclesAreMissed) {
 
 TEST(LatencyVerdict, AReportWithoutForcesIsAnError) {
   EXPECT_FALSE(evaluate_latency(nlohmann::json::array()));
-  auto unanswered = report(1000, 20.0, 4.0);
-  unanswered["hops"]["round_trip"]["n"] = 0;
-  EXPECT_THAT(evaluate_latency(unanswered).error().what, HasSubstr("no force"));
-  auto rateless = report(1000, 20.0, 4.0);
-  rateless.erase("rates_hz");
-  EXPECT_FALSE(evaluate_latency(rateless));
+  auto without_forces = report(1000, 20.0, 4.0);
+  without_forces["hops"]["round_trip"]["n"] = 0;
+  EXPECT_THAT(evaluate_latency(without_forces).error().what, HasSubstr("no force"));
+  auto without_rate = report(1000, 20.0, 4.0);
+  without_rate.erase("rates_hz");
+  EXPECT_FALSE(evaluate_latency(without_rate));
 }
 
 TEST(LatencyVerdict, AValueOfAnotherTypeCountsAsNone) {

@@ -64,7 +64,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
   struct Case {
     const char *section, *key;
     double value;
-    const char* said;
+    const char* expected_text;
   };
   for (const Case& c :
        {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 fault latched"},
@@ -75,7 +75,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
     report[c.section][c.key] = c.value;
     const RunSummary summary = summarise_run(report, "x");
     EXPECT_FALSE(summary.has_no_troubles) << c.key;
-    EXPECT_THAT(summary.text, HasSubstr(c.said));
+    EXPECT_THAT(summary.text, HasSubstr(c.expected_text));
     EXPECT_THAT(summary.text, HasSubstr("it had faults"));
   }
 }

@@ -18,9 +18,9 @@ class TouchingHand {
  public:
   // Returns the first event other than none within `seconds`. The tip trembles with the standard deviation `tremble_m`.
   Event stay(double seconds, double tremble_m = 0.00005) {
-    std::normal_distribution<double> off(0.0, tremble_m);
+    std::normal_distribution<double> tremble(0.0, tremble_m);
     for (double t_s = 0.0; t_s < seconds; t_s += 1e-9 * kSampleNs) {
-      const Event event = add(p_W_ + Vec3(off(random_), off(random_), off(random_)));
+      const Event event = add(p_W_ + Vec3(tremble(random_), tremble(random_), tremble(random_)));
       if (event != Event::none) return event;
     }
     return Event::none;
@@ -28,14 +28,14 @@ class TouchingHand {
   Event go(const Vec3& p_W, double m_per_s = 0.2) {
     while ((p_W - p_W_).norm() > 1e-9) {
       const double step_m = 1e-9 * kSampleNs * m_per_s;
-      const Vec3 left = p_W - p_W_;
-      p_W_ += left.norm() > step_m ? Vec3(step_m * left.normalized()) : left;
+      const Vec3 remaining = p_W - p_W_;
+      p_W_ += remaining.norm() > step_m ? Vec3(step_m * remaining.normalized()) : remaining;
       if (const Event event = add(p_W_); event != Event::none) return event;
     }
     return Event::none;
   }
   void press(std::uint32_t buttons) { buttons_ = buttons; }
-  void lose(double seconds) { time_ns_ += static_cast<std::int64_t>(1e9 * seconds); }
+  void lose_samples(double seconds) { time_ns_ += static_cast<std::int64_t>(1e9 * seconds); }
   double seconds() const { return 1e-9 * static_cast<double>(time_ns_); }
   Event add(const Vec3& p_W) {
     time_ns_ += kSampleNs;
@@ -109,7 +109,7 @@ TEST(CornerTouch, AButtonThatIsDownAtFirstIsNoPress) {
   EXPECT_EQ(hand.stay(1.0), Event::touched);
 }
 
-TEST(CornerTouch, AHandThatMovesAfterThePressIsToldByHowMuch) {
+TEST(CornerTouch, AMotionAfterThePressIsReportedWithItsLength) {
   TouchingHand hand;
   hand.stay(0.1);
   hand.press(1);
@@ -125,7 +125,7 @@ TEST(CornerTouch, AGapBeginsAnew) {
   TouchingHand hand;
   hand.go(kCorner);
   EXPECT_EQ(hand.stay(0.8), Event::none);
-  hand.lose(2.0);
+  hand.lose_samples(2.0);
   EXPECT_EQ(hand.stay(0.8), Event::none);
   EXPECT_EQ(hand.stay(0.4), Event::touched);
 }

@@ -24,14 +24,14 @@ Result<HubReport> read_from(const ReplyingHub& hub) {
   return (*reader)->read();
 }
 
-// Reads from a hub that makes a newer report before it sends a table, for each of the first `hasty` tables.
-Result<HubReport> read_hastily(std::uint32_t hasty, std::uint32_t parts = 1) {
+// Reads from a hub that makes a newer report before it sends a table, for each of the first `outdated_tables` tables.
+Result<HubReport> read_from_hasty_hub(std::uint32_t outdated_tables, std::uint32_t parts = 1) {
   std::uint32_t revision = 0;
   const ReplyingHub hub([&](HubPeers& peers, std::size_t peer, const Message& message) {
     const auto* request = std::get_if<ReportRequest>(&message);
     if (request == nullptr) return true;
     const bool is_table = request->document == ReportDocument::csv;
-    if (revision == 0 || (is_table && revision <= hasty)) ++revision;
+    if (revision == 0 || (is_table && revision <= outdated_tables)) ++revision;
     ReportPart part;
     part.document = request->document;
     part.revision = revision;
@@ -43,20 +43,20 @@ Result<HubReport> read_hastily(std::uint32_t hasty, std::uint32_t parts = 1) {
 }
 
 TEST(HubReport, BothDocumentsAreOfOneMomentThoughAnotherReportCameBetween) {
-  const auto report = read_hastily(2);
+  const auto report = read_from_hasty_hub(2);
   ASSERT_TRUE(report) << report.error().what;
   EXPECT_EQ(report->json, "report 3");
   EXPECT_EQ(report->csv, "table 3");
 }
 
 TEST(HubReport, OfAHubThatNeverRestsIsGivenUpInALine) {
-  const auto report = read_hastily(1'000'000);
+  const auto report = read_from_hasty_hub(1'000'000);
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().what.find("faster than they can be read"), std::string::npos) << report.error().what;
 }
 
 TEST(HubReport, OfMorePartsThanAnyReportHasIsNotRead) {
-  const auto report = read_hastily(0, 4'000'000'000U);
+  const auto report = read_from_hasty_hub(0, 4'000'000'000U);
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().what.find("4000000000 parts"), std::string::npos) << report.error().what;
 }

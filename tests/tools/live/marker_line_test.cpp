@@ -122,13 +122,13 @@ TEST(LineMarkers, AMarkerIsRepeatedUntilItsReply) {
   EXPECT_EQ(line.counts().marked, 1U);
 }
 
-TEST(LineMarkers, ARefusalIsSaidAndCounted) {
+TEST(LineMarkers, ARejectionIsReportedAndCounted) {
   LineMarker line(Edges::on, "up", "down");
   line.observe(false, 0);
   line.observe(true, 0);
-  const auto said = line.take({.request = line.next(0)->request, .status = MarkerStatus::no_recording});
-  ASSERT_TRUE(said);
-  EXPECT_EQ(said->find("not marked: up: "), 0U) << *said;
+  const auto report = line.take({.request = line.next(0)->request, .status = MarkerStatus::no_recording});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->find("not marked: up: "), 0U) << *report;
   EXPECT_EQ(line.counts().rejected, 1U);
   EXPECT_EQ(line.counts().marked, 0U);
 }
@@ -136,9 +136,9 @@ TEST(LineMarkers, ARefusalIsSaidAndCounted) {
 TEST(LineMarkers, WithoutAHubTheyAreGivenUp) {
   LineMarker line(Edges::both, "up", "down");
   for (int i = 0; i < 100; ++i) line.observe(i % 2 == 1, i * kLineMs);
-  int sent = 0;
-  while (line.next(100 * kLineMs)) ++sent;
-  EXPECT_EQ(sent, static_cast<int>(LineMarker::kMaxPending));
+  int markers_sent = 0;
+  while (line.next(100 * kLineMs)) ++markers_sent;
+  EXPECT_EQ(markers_sent, static_cast<int>(LineMarker::kMaxPending));
   EXPECT_FALSE(line.next(100 * kLineMs + LineMarker::kReplyTimeoutNs));
   EXPECT_FALSE(line.has_pending());
   EXPECT_EQ(line.counts().given_up, 99U);
@@ -198,7 +198,7 @@ TEST(LineMarkers, AreNamedByTheInputOrByTheTextThatIsGiven) {
   EXPECT_EQ(texts_of("both", "pedal"), (Texts{"pedal on", "pedal off"}));
   const std::string longest(160, 'x');
   EXPECT_TRUE(make_line_marker(input, "on", longest));
-  EXPECT_FALSE(make_line_marker(input, "both", longest)) << "no room for which edge it is";
+  EXPECT_FALSE(make_line_marker(input, "both", longest)) << "no room for ' on' and ' off'";
 }
 
 }  // namespace

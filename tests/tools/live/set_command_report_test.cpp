@@ -1,4 +1,4 @@
-// What `hapton set` says about the faults of the hub that it contacts.
+// What `hapton set` prints about the faults of the hub that it contacts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,16 +16,16 @@ CommandRun reset_faults(const std::string& report) {
 }
 
 TEST(SetCommand, SaysThatNoFaultIsLatched) {
-  const CommandRun seen = reset_faults(R"({"notes": {"safety_fault": "none"}})");
-  EXPECT_EQ(seen.code, 0) << seen.err;
-  EXPECT_THAT(seen.out, testing::HasSubstr("no fault is latched"));
+  const CommandRun run = reset_faults(R"({"notes": {"safety_fault": "none"}})");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, testing::HasSubstr("no fault is latched"));
 }
 
 TEST(SetCommand, AReportWithOtherTypesIsRejectedInOneLine) {
   for (const char* wrong : {R"({"notes": {"safety_fault": 1}})", R"({"notes": 1})", R"([])"}) {
-    const CommandRun seen = reset_faults(wrong);
-    EXPECT_EQ(seen.code, 1) << wrong;
-    EXPECT_EQ(seen.err, "hapton set: the hub does not report faults; it is another version of Hapton\n") << wrong;
+    const CommandRun run = reset_faults(wrong);
+    EXPECT_EQ(run.code, 1) << wrong;
+    EXPECT_EQ(run.err, "hapton set: the hub does not report faults; it is another version of Hapton\n") << wrong;
   }
 }
 
@@ -33,24 +33,24 @@ constexpr const char* kLatched = R"({"notes": {"safety_fault": "speed", "safety_
 
 // A script that resets faults must not go on as if forces came back.
 TEST(SetCommand, AFaultThatRemainsIsAnErrorThatNamesIt) {
-  const CommandRun seen = reset_faults(kLatched);
-  EXPECT_EQ(seen.code, 1);
-  EXPECT_EQ(seen.out, "");
+  const CommandRun run = reset_faults(kLatched);
+  EXPECT_EQ(run.code, 1);
+  EXPECT_EQ(run.out, "");
   EXPECT_EQ(
-      seen.err,
+      run.err,
       "hapton set: the fault remains, as its cause persists: the device moved too fast; fix that (docs/safety.md), then reset again\n");
   EXPECT_THAT(reset_faults(R"({"notes": {"safety_fault": "speed"}})").err, testing::HasSubstr("persists: speed; fix that"))
       << "of a hub that has no text for it";
 }
 
 // The hub processes the request in its next cycle, and a report may be older than that.
-TEST(SetCommand, AFaultThatIsResetAtTheThirdLookIsReset) {
+TEST(SetCommand, AFaultThatIsResetInTheThirdReportIsReset) {
   const ReportingHub hub([&](int number) {
     return HubReport{number < 3 ? kLatched : R"({"notes": {"safety_fault": "none"}})", "hop,lower_ns,upper_ns,count\n"};
   });
-  const CommandRun seen = run_hapton({"set", "--reset-faults", "--hub", hub.address(), "--key", hub.key_file()});
-  EXPECT_EQ(seen.code, 0) << seen.err;
-  EXPECT_THAT(seen.out, testing::HasSubstr("no fault is latched; forces ramp up"));
+  const CommandRun run = run_hapton({"set", "--reset-faults", "--hub", hub.address(), "--key", hub.key_file()});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, testing::HasSubstr("no fault is latched; forces ramp up"));
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ using ::testing::HasSubstr;
 
 // A hub with a haptics node that takes every setting. It keeps the first of each kind: a request may come again.
 struct SetCommandTest : testing::Test {
-  CommandRun set(std::vector<std::string> words) {
-    words.insert(words.begin(), {"set", "--hub", hub.address(), "--key", hub.key_file()});
-    CommandRun run = run_hapton(std::move(words));
+  CommandRun set(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"set", "--hub", hub.address(), "--key", hub.key_file()});
+    CommandRun run = run_hapton(std::move(arguments));
     hub.end();
     return run;
   }

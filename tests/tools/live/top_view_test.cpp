@@ -82,7 +82,7 @@ TEST(TopView, SaysWhatIsTouched) {
   EXPECT_THAT(make_top_view("h", snapshot_after(10, 0), nullptr, "touching hood (tin)"), HasSubstr("\n\ntouching hood (tin)\n\n"));
 }
 
-TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
+TEST(TopView, BetweenTwoSnapshotsShowsWhatIsNew) {
   const TopSnapshot before = snapshot_after(100, 0);
   const TopSnapshot now = snapshot_after(102, 2000);
   const std::string view = make_top_view("h", now, &before);
@@ -93,7 +93,7 @@ TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
   EXPECT_THAT(make_top_view("h", now, nullptr), Not(HasSubstr("+4\n")));
 }
 
-TEST(TopView, RatesOfANodeAreThoseBetweenTwoLooks) {
+TEST(TopView, RatesOfANodeAreThoseBetweenTwoSnapshots) {
   const TopSnapshot before = snapshot_after(100, 0);
   TopSnapshot now = snapshot_after(102, 0);
   now.report["nodes"][0]["received"] = 106'000;

@@ -54,7 +54,7 @@ TEST(TouchedNames, AreKnownWhenTheFileWasSavedWithOtherMaterialsOrMeshes) {
   EXPECT_EQ(TouchedNames().describe(at_start), "touching object 0") << "the file has other objects than those that are touched";
 }
 
-TEST(TouchedNames, AHubThatDoesNotTellIsSilent) {
+TEST(TouchedNames, AHubThatDoesNotReportTheObjectGivesNoText) {
   TouchedNames names;
   EXPECT_EQ(names.describe(nlohmann::ordered_json::object()), "");
   EXPECT_EQ(names.describe({{"notes", {{"touched_object", 3}}}}), "");

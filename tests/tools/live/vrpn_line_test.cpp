@@ -39,12 +39,12 @@ TEST(VrpnLines, FollowTheButtonOfTheServer) {
   const auto input = parse_line_input("vrpn:Pedal@" + to_string(server.address()) + ":2");
   ASSERT_TRUE(input) << input.error().what;
   Result<std::unique_ptr<DigitalLine>> line = fail("not yet");
-  std::thread opens([&] {
+  std::thread opener([&] {
     line = open_line_input(*input);
     is_opened = true;
   });
   EXPECT_TRUE(server.attend_until([&](std::int64_t) { return is_opened.load(); }));
-  opens.join();
+  opener.join();
   ASSERT_TRUE(line) << line.error().what;
   for (const bool is_down : {true, false, true}) {
     vrpn::Bytes bytes;
@@ -54,17 +54,17 @@ TEST(VrpnLines, FollowTheButtonOfTheServer) {
     EXPECT_TRUE(server.attend_until([&](std::int64_t) { return *(*line)->is_on() == is_down; })) << is_down;
   }
   // The button is held while the connection is lost, and released later.
-  const int calls = server.calls();
-  const std::size_t heard = server.heard().size();
+  const int calls_before = server.calls();
+  const std::size_t bytes_before = server.heard().size();
   server.hang_up();
   EXPECT_TRUE(server.attend_until([&](std::int64_t) {
     EXPECT_TRUE(*(*line)->is_on());
-    return server.calls() > calls && server.heard().size() > heard + vrpn::kCookieBytes;  // it has read the first messages
+    return server.calls() > calls_before && server.heard().size() > bytes_before + vrpn::kCookieBytes;  // it has read the first messages
   }));
   EXPECT_TRUE(*(*line)->is_on()) << "until the server reports the button";
-  vrpn::Bytes up;
-  vrpn::append_button_change(up, {vrpn::kMadeSender, kChange, {}, 4}, 2, false);
-  server.say(up);
+  vrpn::Bytes release;
+  vrpn::append_button_change(release, {vrpn::kMadeSender, kChange, {}, 4}, 2, false);
+  server.say(release);
   EXPECT_TRUE(server.attend_until([&](std::int64_t) { return !*(*line)->is_on(); }));
 }
 

@@ -18,7 +18,7 @@ TEST(ReadNumbers, TakesListsAndRanges) {
   EXPECT_NEAR(by_ratio[1], 1000.0, 1e-9);
 }
 
-TEST(ReadNumbers, RejectsWhatIsNone) {
+TEST(ReadNumbers, RejectsTextsThatAreNoNumbers) {
   for (const char* text : {"fast", "", ",", "1,two", "1:2", "1:2:1", "1:2:2.5", "0:10:3log", "1:2:x", "nan", "1:2:1e9"}) {
     const auto numbers = read_numbers("--rate", text);
     ASSERT_FALSE(numbers) << text;
@@ -26,7 +26,7 @@ TEST(ReadNumbers, RejectsWhatIsNone) {
   }
 }
 
-LoopFlags named(const std::string& device, const std::string& hand) {
+LoopFlags flags_for(const std::string& device, const std::string& hand) {
   LoopFlags flags;
   flags.device = device;
   flags.hand = hand;
@@ -34,7 +34,7 @@ LoopFlags named(const std::string& device, const std::string& hand) {
 }
 
 TEST(LoopsOf, RejectsAnAmplifierThatFollowsNothing) {
-  LoopFlags flags = named("touch", "light");
+  LoopFlags flags = flags_for("touch", "light");
   for (const double hz : {0.0, 0.1, 200.0}) {
     flags.amplifier_hz = hz;
     EXPECT_TRUE(loops_of(flags)) << hz;
@@ -46,12 +46,12 @@ TEST(LoopsOf, RejectsAnAmplifierThatFollowsNothing) {
 }
 
 TEST(LoopsOf, CombinesDevicesAndHands) {
-  EXPECT_EQ(loops_of(named("touch,falcon", "light,firm"))->size(), 4U);
-  EXPECT_EQ(loops_of(named("all", "all"))->size(), device_presets().size() * hand_presets().size());
+  EXPECT_EQ(loops_of(flags_for("touch,falcon", "light,firm"))->size(), 4U);
+  EXPECT_EQ(loops_of(flags_for("all", "all"))->size(), device_presets().size() * hand_presets().size());
 }
 
 TEST(LoopsOf, ChangesAPreset) {
-  LoopFlags flags = named("touch", "stylus");
+  LoopFlags flags = flags_for("touch", "stylus");
   flags.friction_n = 0.0;
   flags.encoder_step_m = 1e-6;
   flags.amplifier_hz = 500.0;
@@ -75,7 +75,7 @@ TEST(LoopsOf, ALoopOfOnesOwnIsDeviceAndHandTogether) {
 }
 
 TEST(LoopsOf, TakesTwoJoints) {
-  LoopFlags flags = named("premium-1.5", "stylus");
+  LoopFlags flags = flags_for("premium-1.5", "stylus");
   flags.joints = {"0.01,3500,2", "0.005,8000,0"};
   const DeviceModel device = loops_of(flags)->front().device_model;
   ASSERT_EQ(device.mode_count, 2);
@@ -86,11 +86,11 @@ TEST(LoopsOf, TakesTwoJoints) {
   EXPECT_NEAR(device.motor_mass_kg(), 0.06, 1e-12);
   flags.modes = 1;
   EXPECT_EQ(loops_of(flags)->front().device_model.mode_count, 1);
-  LoopFlags own;
-  own.mass_kg = 0.2;
-  own.damping_ns_per_m = 5.0;
-  own.joints = {"0.05,1000,1"};
-  EXPECT_EQ(loops_of(own)->front().device_model.mode_count, 1);
+  LoopFlags own_loop;
+  own_loop.mass_kg = 0.2;
+  own_loop.damping_ns_per_m = 5.0;
+  own_loop.joints = {"0.05,1000,1"};
+  EXPECT_EQ(loops_of(own_loop)->front().device_model.mode_count, 1);
 }
 
 TEST(LoopsOf, RejectsJointsThatCannotBe) {
@@ -102,7 +102,7 @@ TEST(LoopsOf, RejectsJointsThatCannotBe) {
                                                                      {{"0.01,3500,-1"}, "the damping 0 to"},
                                                                      {{"0.05,3500,1", "0.025,3500,1"}, "some have to remain at the motors"},
                                                                      {{"0.01,1,1", "0.01,1,1", "0.01,1,1"}, "2 joints at most, not 3"}}) {
-    LoopFlags flags = named("premium-1.5", "stylus");
+    LoopFlags flags = flags_for("premium-1.5", "stylus");
     flags.joints = joints;
     const auto loops = loops_of(flags);
     ASSERT_FALSE(loops) << reason;
@@ -111,18 +111,18 @@ TEST(LoopsOf, RejectsJointsThatCannotBe) {
 }
 
 TEST(LoopsOf, SaysWhatIsMissingOrMeant) {
-  EXPECT_THAT(loops_of(named("tuch", "stylus")).error().what, HasSubstr("did you mean 'touch'?"));
-  EXPECT_THAT(loops_of(named("touch", "stilus")).error().what, HasSubstr("did you mean 'stylus'?"));
+  EXPECT_THAT(loops_of(flags_for("tuch", "stylus")).error().what, HasSubstr("did you mean 'touch'?"));
+  EXPECT_THAT(loops_of(flags_for("touch", "stilus")).error().what, HasSubstr("did you mean 'stylus'?"));
   EXPECT_THAT(loops_of({}).error().what, HasSubstr("give --device"));
-  LoopFlags both = named("touch", "stylus");
+  LoopFlags both = flags_for("touch", "stylus");
   both.mass_kg = 1.0;
   EXPECT_THAT(loops_of(both).error().what, HasSubstr("exclude each other"));
-  LoopFlags half;
-  half.mass_kg = 1.0;
-  EXPECT_THAT(loops_of(half).error().what, HasSubstr("--damping-ns-per-m"));
-  LoopFlags other;
-  other.damping_ns_per_m = 1.0;
-  EXPECT_THAT(loops_of(other).error().what, HasSubstr("--mass-kg"));
+  LoopFlags mass_only;
+  mass_only.mass_kg = 1.0;
+  EXPECT_THAT(loops_of(mass_only).error().what, HasSubstr("--damping-ns-per-m"));
+  LoopFlags damping_only;
+  damping_only.damping_ns_per_m = 1.0;
+  EXPECT_THAT(loops_of(damping_only).error().what, HasSubstr("--mass-kg"));
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(ZWidthGrid, JsonHasInputsAndBothLimits) {
   EXPECT_GT(row.zwidth.stiffness.value, row.zwidth.passive.least_n_per_m());
 }
 
-TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
+TEST(ZWidthGrid, OverARandomLinkTheLimitIsSimulated) {
   ZWidthGrid grid = small_grid();
   grid.loops.resize(1);
   grid.rates_hz = {1000.0};
@@ -69,24 +69,24 @@ TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
 }
 
 // With jitter and loss the force is older than the delay: the passive stiffness and the stable damping must be lower accordingly.
-TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
+TEST(ZWidthGrid, OverARandomLinkEveryLimitIsOfThatLink) {
   LoopFlags flags;
   flags.device = "falcon";
   ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {20.0}, .losses = {0.0, 0.3}};
-  const ZWidthRow still = measure_cell(grid, 0);
+  const ZWidthRow without_loss = measure_cell(grid, 0);
   const ZWidthRow lossy = measure_cell(grid, 1);
-  EXPECT_EQ(still.mean_delay_s, 0.02);
-  const double share = 0.7 * 0.7;
-  EXPECT_NEAR(lossy.mean_delay_s, 0.02 + 1e-3 * (1.0 - share) / share, 5e-5);
+  EXPECT_EQ(without_loss.mean_delay_s, 0.02);
+  const double reply_share = 0.7 * 0.7;
+  EXPECT_NEAR(lossy.mean_delay_s, 0.02 + 1e-3 * (1.0 - reply_share) / reply_share, 5e-5);
   EXPECT_NEAR(lossy.zwidth.passive.viscous_n_per_m, 1.0 / (0.5e-3 + lossy.mean_delay_s), 1e-3 / lossy.mean_delay_s);
-  EXPECT_LT(lossy.zwidth.passive.viscous_n_per_m, 0.97 * still.zwidth.passive.viscous_n_per_m);
-  EXPECT_EQ(lossy.zwidth.passive.quantised_n_per_m, still.zwidth.passive.quantised_n_per_m);
-  EXPECT_LT(lossy.zwidth.damping_ns_per_m.value, 0.99 * still.zwidth.damping_ns_per_m.value);
+  EXPECT_LT(lossy.zwidth.passive.viscous_n_per_m, 0.97 * without_loss.zwidth.passive.viscous_n_per_m);
+  EXPECT_EQ(lossy.zwidth.passive.quantised_n_per_m, without_loss.zwidth.passive.quantised_n_per_m);
+  EXPECT_LT(lossy.zwidth.damping_ns_per_m.value, 0.99 * without_loss.zwidth.damping_ns_per_m.value);
   const nlohmann::ordered_json json = to_json(lossy);
   EXPECT_NEAR(json["mean_delay_ms"].get<double>(), 1e3 * lossy.mean_delay_s, 1e-9);
   EXPECT_TRUE(json["stable_mass_kg"].is_null());
   EXPECT_THAT(json["methods"]["passive"].get<std::string>(), HasSubstr("on average"));
-  EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
+  EXPECT_FALSE(to_json(without_loss).contains("mean_delay_ms"));
 }
 
 // The passive stiffness of a row is computed for the mean delay, so the row has to state that delay.
@@ -95,17 +95,17 @@ TEST(ZWidthGrid, ARowHasTheMeanDelay) {
   flags.device = "falcon";
   ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {20.0}, .losses = {0.0, 0.3}};
   EXPECT_THAT(csv_header(grid), ::testing::EndsWith(",mean_delay_ms\n"));
-  const auto last_of = [](const std::string& line) { return line.substr(line.rfind(',') + 1); };
-  EXPECT_EQ(last_of(csv_line(measure_cell(grid, 0))), "20\n");
+  const auto last_field_of = [](const std::string& line) { return line.substr(line.rfind(',') + 1); };
+  EXPECT_EQ(last_field_of(csv_line(measure_cell(grid, 0))), "20\n");
   const ZWidthRow lossy = measure_cell(grid, 1);
-  EXPECT_DOUBLE_EQ(std::stod(last_of(csv_line(lossy))), 1e3 * lossy.mean_delay_s);
+  EXPECT_DOUBLE_EQ(std::stod(last_field_of(csv_line(lossy))), 1e3 * lossy.mean_delay_s);
   grid.rates_hz = {10.0};
   grid.losses = {0.99};
-  EXPECT_EQ(last_of(csv_line(measure_cell(grid, 0))), "\n") << "no force came back";
+  EXPECT_EQ(last_field_of(csv_line(measure_cell(grid, 0))), "\n") << "no force came back";
 }
 
 // A passive stiffness is stable with any hand, so also without one. The two limits are found in different ways and differ only by chance.
-TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
+TEST(ZWidthGrid, OverARandomLinkWhatIsPassiveIsStable) {
   LoopFlags flags;
   flags.device = "falcon";
   flags.hand = "off";
@@ -123,22 +123,22 @@ TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
 TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   LoopFlags flags;
   flags.device = "falcon";
-  const ZWidthGrid still{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {9000.0}};
-  ZWidthGrid jittered = still;
+  const ZWidthGrid without_jitter{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {9000.0}};
+  ZWidthGrid jittered = without_jitter;
   jittered.jitters_ms = {1e-3};
-  const double exact = measure_cell(still, 0).zwidth.stiffness.value;
+  const double exact = measure_cell(without_jitter, 0).zwidth.stiffness.value;
   EXPECT_NEAR(measure_cell(jittered, 0).zwidth.stiffness.value, exact, 0.02 * exact);
 }
 
 // The mean delay is measured over the same time.
-TEST(ZWidthGrid, OverALinkWithJitterItIsSimulatedForNinetyOfTheLongestDelays) {
+TEST(ZWidthGrid, OverALinkWithJitterALoopIsSimulatedForNinetyOfTheLongestDelays) {
   LoopFlags flags;
   flags.device = "falcon";
   const ZWidthGrid grid{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {400.0}, .jitters_ms = {200.0}};
-  const LinkFaults way = {.delay_ns = 200'000'000, .jitter_ns = 200'000'000};
-  RandomLoop loop{.period_ns = 10'000'000, .to_law = way, .from_law = way, .seed = grid.seed};
+  const LinkFaults one_way = {.delay_ns = 200'000'000, .jitter_ns = 200'000'000};
+  RandomLoop loop{.period_ns = 10'000'000, .to_law = one_way, .from_law = one_way, .seed = grid.seed};
   const double in_default_time_s = measure_mean_delay_s(loop);
-  loop.seconds = 90.0 * 0.8;
+  loop.seconds = 90.0 * 0.8;  // at most 400 ms each way
   EXPECT_EQ(measure_cell(grid, 0).mean_delay_s, measure_mean_delay_s(loop));
   EXPECT_NE(measure_mean_delay_s(loop), in_default_time_s);
 }

@@ -21,13 +21,13 @@
 namespace hapton {
 namespace {
 
-// A node sends to a hub through the relay until a reply has come back; then the relay is told to end.
+// A node sends to a hub through the relay until a reply has come back; then the relay is ended by a signal.
 void talk_through(const Address& relay, Endpoint& hub) {
   const std::unique_ptr<Endpoint> node = *open_udp_endpoint("127.0.0.1:0");
   std::array<std::byte, kMaxDatagramBytes> buffer;
   const bool came_back = wait_until([&] {
     node->send(relay, bytes_of("there"));
-    if (const Received there = hub.receive(buffer, 0); there.bytes > 0) hub.send(there.from, bytes_of("back"));
+    if (const Received received = hub.receive(buffer, 0); received.bytes > 0) hub.send(received.from, bytes_of("back"));
     return node->receive(buffer, 0).bytes > 0;
   });
   EXPECT_TRUE(came_back);
@@ -39,11 +39,11 @@ nlohmann::json relay_report_of(const std::string& direction) {
   const ScratchFolder folder;
   const std::string report = (folder.path() / "relay.json").string();
   const std::unique_ptr<Endpoint> hub = *open_udp_endpoint("127.0.0.1:0");
-  const Address relay = (*open_udp_endpoint("127.0.0.1:0"))->local_address();  // free from now on
-  std::thread talk([&] { talk_through(relay, *hub); });
+  const Address relay = (*open_udp_endpoint("127.0.0.1:0"))->local_address();  // its endpoint is closed: the port is free
+  std::thread sender([&] { talk_through(relay, *hub); });
   const CommandRun run = run_hapton({"relay", "--listen", to_string(relay), "--hub", to_string(hub->local_address()), "--direction",
                                      direction, "--duplicate", "1", "--seed", "42", "--seconds", "60", "--json", report});
-  talk.join();
+  sender.join();
   EXPECT_EQ(run.code, 0) << run.err;
   std::ifstream file(report);
   return nlohmann::json::parse(file, nullptr, false);

@@ -65,7 +65,7 @@ TEST_F(SculptExportTest, TheHoleIsInEveryFormat) {
 // One slab lies above the other: each carve passes through both, but belongs to one of them.
 TEST_F(SculptExportTest, TwoBodiesAreInOneFileEachWithItsOwnCarves) {
   const std::string slab = "[[object]]\nmesh = \"slab.obj\"\nsculpt = true\nvoxel_mm = 1\n";
-  const std::string two =
+  const std::string two_bodies =
       folder.write("two.toml", slab + "name = \"upper\"\n\n" + slab + "name = \"lower\"\nposition_m = [0, 0, -0.04]\n").string();
   const auto press = [](std::int32_t object, double x) {
     return CarvedPress{
@@ -74,8 +74,8 @@ TEST_F(SculptExportTest, TwoBodiesAreInOneFileEachWithItsOwnCarves) {
   Annotations notes;
   notes.objects = {"upper", "lower"};
   notes.carved = {press(1, -0.015), press(0, 0.015)};
-  const std::string file = folder.write("two-notes.toml", write_annotations(notes, load_scene(two)->given_hash)).string();
-  const CommandRun run = run_hapton({"sculpt", two, "--annotations", file, "--out", out("two.ply")});
+  const std::string file = folder.write("two-notes.toml", write_annotations(notes, load_scene(two_bodies)->given_hash)).string();
+  const CommandRun run = run_hapton({"sculpt", two_bodies, "--annotations", file, "--out", out("two.ply")});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("2 carves of 2 objects"));
   const auto read = load_mesh_file(out("two.ply"));
@@ -94,7 +94,7 @@ TEST_F(SculptExportTest, TwoBodiesAreInOneFileEachWithItsOwnCarves) {
 }
 
 TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
-  const std::size_t files = static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
+  const std::size_t file_count = static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
   CommandRun run;
   {
     const FileSizeLimit full(20'000);
@@ -103,11 +103,11 @@ TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
   EXPECT_NE(run.code, 0);
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   EXPECT_THAT(run.err, HasSubstr("cannot write " + out("clay.stl") + ": File too large"));
-  EXPECT_EQ(static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {})), files);
+  EXPECT_EQ(static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {})), file_count);
 }
 
 // A scene may take minutes to read, so the output is checked first.
-TEST_F(SculptExportTest, WhereNothingCanBeWrittenIsSaidBeforeTheWork) {
+TEST_F(SculptExportTest, AnOutputThatCannotBeWrittenIsRejectedBeforeTheWork) {
   const CommandRun run = run_hapton({"sculpt", out("none.toml"), "--annotations", annotations, "--out", out("slab.obj/clay.stl")});
   EXPECT_EQ(run.code, 2);
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;

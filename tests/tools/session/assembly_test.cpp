@@ -20,20 +20,20 @@ namespace {
 
 constexpr std::int64_t kCycleNs = 1'000'000;
 
-struct Assembled {
-  std::vector<Vec3> drawn;  // the tool's grip point, one position for each cycle
-  double most_n = 0.0;
-  double most_nm = 0.0;
+struct AssemblyRun {
+  std::vector<Vec3> grip_points;  // the grip point of the drawn tool, one position for each cycle
+  double max_force_n = 0.0;
+  double max_torque_nm = 0.0;
   int penetrations = 0;
-  int blocked = 0;
+  int blocked_cycles = 0;
 };
 
-// The hand takes the tool of a scene along a path. every: the pose of the tool is computed once in so many cycles.
-Assembled follow_path(const std::string& scene_name, const std::vector<TrajectoryRow>& path, bool has_torque, int every) {
-  Assembled done;
+// The hand takes the tool of a scene along a path. The pose of the tool is computed once in cycles_per_pose cycles.
+AssemblyRun follow_path(const std::string& scene_name, const std::vector<TrajectoryRow>& path, bool has_torque, int cycles_per_pose) {
+  AssemblyRun run;
   const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/" + scene_name + ".toml");
   EXPECT_TRUE(scene && scene->tool) << scene_name;
-  if (!scene || !scene->tool) return done;
+  if (!scene || !scene->tool) return run;
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const SceneObject& object : scene->objects) meshes.push_back(object.mesh);
   HeldTool tool(std::move(*ToolStep::make(*scene->tool->mesh, meshes, {.stiffness_n_per_m = 800.0})));
@@ -49,56 +49,57 @@ Assembled follow_path(const std::string& scene_name, const std::vector<Trajector
     governor.observe(read, device.status());
     step.offer({.sample = sample, .sample_time_ns = now_ns, .p_WD = read.p_WD, .q_WT = read.q_WT});
     const ForceCommand command = step.reply();
-    if (sample % static_cast<std::uint64_t>(every) == 0) tool.follow();
+    if (sample % static_cast<std::uint64_t>(cycles_per_pose) == 0) tool.follow();
     const Wrench written = governor.step(WrenchCommand{{command.force_n, command.torque_nm}, now_ns}, now_ns);
     device.write(written, now_ns);
-    done.most_n = std::max(done.most_n, written.force_n.norm());
-    done.most_nm = std::max(done.most_nm, written.torque_nm.norm());
-    done.blocked += step.is_tool_blocked() ? 1 : 0;
-    if (sample % 50 == 0) done.penetrations += check.penetrates(tool.tool().proxy().placement()) ? 1 : 0;
-    done.drawn.push_back(read.p_WD + command.visual_offset_m);
+    run.max_force_n = std::max(run.max_force_n, written.force_n.norm());
+    run.max_torque_nm = std::max(run.max_torque_nm, written.torque_nm.norm());
+    run.blocked_cycles += step.is_tool_blocked() ? 1 : 0;
+    if (sample % 50 == 0) run.penetrations += check.penetrates(tool.tool().proxy().placement()) ? 1 : 0;
+    run.grip_points.push_back(read.p_WD + command.visual_offset_m);
   }
   EXPECT_EQ(governor.fault(), SafetyFault::none);
-  return done;
+  return run;
 }
 
 // The path begins 0.6 mm beside the axis of the hole, tilted by two degrees, and then leads into the hole.
-Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
-  const Quat tilted = turn_by({0.035, 0.0, 0.0});
-  const Quat other = turn_by({0.0, -0.026, 0.0});
+AssemblyRun put_peg_into(double hole_x_m, bool has_torque, int cycles_per_pose) {
+  const Quat first_tilt = turn_by({0.035, 0.0, 0.0});
+  const Quat second_tilt = turn_by({0.0, -0.026, 0.0});
   return follow_path("pegs",
-                     {{0.0, {hole_x_m + 0.0006, 0.0003, 0.05}, tilted},
-                      {1.0, {hole_x_m + 0.0006, 0.0003, 0.026}, tilted},
-                      {2.0, {hole_x_m + 0.0003, -0.0004, -0.008}, other},
-                      {3.0, {hole_x_m + 0.0003, -0.0004, -0.008}, other}},
-                     has_torque, every);
+                     {{0.0, {hole_x_m + 0.0006, 0.0003, 0.05}, first_tilt},
+                      {1.0, {hole_x_m + 0.0006, 0.0003, 0.026}, first_tilt},
+                      {2.0, {hole_x_m + 0.0003, -0.0004, -0.008}, second_tilt},
+                      {3.0, {hole_x_m + 0.0003, -0.0004, -0.008}, second_tilt}},
+                     has_torque, cycles_per_pose);
 }
 
 TEST(Assembly, ThePegGoesIntoEachOfItsHoles) {
   for (const double hole_x_m : {-0.026, 0.0, 0.026}) {
-    const Assembled done = put_peg_into(hole_x_m, true, 1);
-    EXPECT_LT(done.drawn.back().z(), -0.006) << "it went in";
-    EXPECT_EQ(done.penetrations, 0);
-    EXPECT_EQ(done.blocked, 0);
-    EXPECT_GT(done.most_n, 0.1) << "the walls were felt";
-    EXPECT_GT(done.most_nm, 1e-3);
+    const AssemblyRun run = put_peg_into(hole_x_m, true, 1);
+    EXPECT_LT(run.grip_points.back().z(), -0.006) << "it went in";
+    EXPECT_EQ(run.penetrations, 0);
+    EXPECT_EQ(run.blocked_cycles, 0);
+    EXPECT_GT(run.max_force_n, 0.1) << "the walls were felt";
+    EXPECT_GT(run.max_torque_nm, 1e-3);
   }
 }
 
 TEST(Assembly, ASlowPoseAndADeviceWithoutTorqueAreGoodEnough) {
-  const Assembled slow = put_peg_into(0.026, true, 10);
-  EXPECT_LT(slow.drawn.back().z(), -0.006);
+  const AssemblyRun slow = put_peg_into(0.026, true, 10);
+  EXPECT_LT(slow.grip_points.back().z(), -0.006);
   EXPECT_EQ(slow.penetrations, 0);
-  const Assembled plain = put_peg_into(0.026, false, 1);
-  EXPECT_LT(plain.drawn.back().z(), -0.006) << "the hand of a device without torque holds its tilt: the peg turns, the stylus does not";
-  EXPECT_EQ(plain.most_nm, 0.0);
-  EXPECT_EQ(plain.penetrations, 0);
+  const AssemblyRun without_torque = put_peg_into(0.026, false, 1);
+  EXPECT_LT(without_torque.grip_points.back().z(), -0.006)
+      << "the hand of a device without torque holds its tilt: the peg turns, the stylus does not";
+  EXPECT_EQ(without_torque.max_torque_nm, 0.0);
+  EXPECT_EQ(without_torque.penetrations, 0);
 }
 
 // The paths that are delivered with the scenes, for a first try without a device.
 struct ReadyPath {
   std::string name;
-  double at_s = 0.0;  // the time at which the tool is in its place
+  double in_place_s = 0.0;  // the time at which the tool is in its place
   int axis = 2;
   double low_m = 0.0, high_m = 0.0;  // the tool's position along `axis` is between these
 };
@@ -109,32 +110,32 @@ TEST(Assembly, TheReadyPathsPutTheToolInItsPlace) {
     SCOPED_TRACE(ready.name);
     const auto path = read_trajectory_csv(HAPTON_SOURCE_DIR "/scenes/paths/" + ready.name + ".csv");
     ASSERT_TRUE(path) << path.error().what;
-    const Assembled done = follow_path(ready.name, *path, true, 2);
-    const auto at = static_cast<std::size_t>(1000.0 * ready.at_s);
-    ASSERT_GT(done.drawn.size(), at);
-    EXPECT_GT(done.drawn[at][ready.axis], ready.low_m);
-    EXPECT_LT(done.drawn[at][ready.axis], ready.high_m);
-    EXPECT_EQ(done.penetrations, 0);
-    EXPECT_EQ(done.blocked, 0);
-    EXPECT_GT(done.most_n, 0.1) << "it was felt";
-    EXPECT_GT(done.most_nm, 1e-3);
+    const AssemblyRun run = follow_path(ready.name, *path, true, 2);
+    const auto cycle = static_cast<std::size_t>(1000.0 * ready.in_place_s);
+    ASSERT_GT(run.grip_points.size(), cycle);
+    EXPECT_GT(run.grip_points[cycle][ready.axis], ready.low_m);
+    EXPECT_LT(run.grip_points[cycle][ready.axis], ready.high_m);
+    EXPECT_EQ(run.penetrations, 0);
+    EXPECT_EQ(run.blocked_cycles, 0);
+    EXPECT_GT(run.max_force_n, 0.1) << "it was felt";
+    EXPECT_GT(run.max_torque_nm, 1e-3);
   }
 }
 
 // The path for the workbench has to pick up the peg, which needs real programs: deploy/run --scene scenes/workbench.toml --trajectory.
 TEST(Assembly, EachReadyPathIsOfAScene) {
-  int paths = 0;
+  int path_count = 0;
   for (const auto& file : std::filesystem::directory_iterator(HAPTON_SOURCE_DIR "/scenes/paths")) {
-    ++paths;
+    ++path_count;
     const auto path = read_trajectory_csv(file.path().string());
     ASSERT_TRUE(path) << path.error().what;
     EXPECT_TRUE(path->front().has_turn);
     const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/" + file.path().stem().string() + ".toml");
     ASSERT_TRUE(scene) << scene.error().what;
-    const bool presses = std::any_of(path->begin(), path->end(), [](const TrajectoryRow& row) { return row.buttons != 0; });
-    EXPECT_EQ(presses, !scene->tool) << file.path();
+    const bool presses_button = std::any_of(path->begin(), path->end(), [](const TrajectoryRow& row) { return row.buttons != 0; });
+    EXPECT_EQ(presses_button, !scene->tool) << file.path();
   }
-  EXPECT_EQ(paths, 4);
+  EXPECT_EQ(path_count, 4);
 }
 
 TEST(Assembly, ThePartOfTheNistAssemblyIsAToolToo) {

@@ -83,7 +83,7 @@ TEST(CycleCsv, HasAllColumnsAndLeavesEmptyWhatIsNotKnown) {
 }
 
 // The haptics node was started before the hub. A program moves an object; one carve was made before the recording began, one during it.
-std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
+std::filesystem::path write_recording_with_changes(const ScratchFolder& scratch) {
   SessionCodec session;
   Codec codec;
   std::string bytes(kSessionMagic);
@@ -120,7 +120,7 @@ std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
 
 TEST(CycleCsv, MovesCarvesAndShapesHaveTheirOwnTables) {
   const ScratchFolder scratch;
-  auto reader = SessionReader::open(write_changed_recording(scratch));
+  auto reader = SessionReader::open(write_recording_with_changes(scratch));
   ASSERT_TRUE(reader && write_cycle_csv(*reader, scratch.path() / "session.csv", kNames));
   const auto lines_of = [&](const char* name) {
     std::ifstream file(scratch.path() / name);
@@ -189,18 +189,18 @@ std::string read_text_attribute(hid_t file, const std::string& object, const std
 
 TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
   const ScratchFolder scratch;
-  constexpr std::uint64_t kMany = 2 * 4096 + 100;
-  auto reader = SessionReader::open(write_recording(scratch, kMany));
+  constexpr std::uint64_t kSampleCount = 2 * 4096 + 100;  // two blocks of the file and a part of a third one
+  auto reader = SessionReader::open(write_recording(scratch, kSampleCount));
   ASSERT_TRUE(reader) << reader.error().what;
   const auto path = scratch.path() / "session.h5";
   const auto written = write_joined_hdf5(*reader, path, kNames);
   ASSERT_TRUE(written) << written.error().what;
-  EXPECT_EQ(written->rows, kMany);
+  EXPECT_EQ(written->rows, kSampleCount);
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   ASSERT_GE(file, 0);
   for (const CycleColumn& column : cycle_columns()) {
     const std::string name = "/samples/" + std::string(column.name);
-    EXPECT_EQ(read_column(file, name).size(), kMany) << name;
+    EXPECT_EQ(read_column(file, name).size(), kSampleCount) << name;
     EXPECT_EQ(read_text_attribute(file, name, "unit"), column.unit);
   }
   const std::vector<double> samples = read_column(file, "/samples/sample");
@@ -231,7 +231,7 @@ TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
 
 TEST(JoinedHdf5, HasWhatWasMovedAndCarved) {
   const ScratchFolder scratch;
-  auto reader = SessionReader::open(write_changed_recording(scratch));
+  auto reader = SessionReader::open(write_recording_with_changes(scratch));
   const auto path = scratch.path() / "session.h5";
   ASSERT_TRUE(reader && write_joined_hdf5(*reader, path, kNames));
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -355,7 +355,7 @@ TEST(CycleFiles, OnAFullDiskThereIsOneLineAndNoFile) {
       EXPECT_EQ(written.error().what.find('\n'), std::string::npos);
       EXPECT_TRUE(std::filesystem::is_empty(out.path())) << share;
     }
-    ASSERT_TRUE(write()) << "nothing stays behind that the next one meets";
+    ASSERT_TRUE(write()) << "nothing stays behind that hinders the next write";
     std::filesystem::remove(path);
   }
 }
@@ -363,7 +363,7 @@ TEST(CycleFiles, OnAFullDiskThereIsOneLineAndNoFile) {
 // If the table of carves cannot be written, the table of samples is not written either.
 TEST(CycleCsv, IsWrittenWithAllItsTablesOrNotAtAll) {
   const ScratchFolder scratch;
-  auto reader = SessionReader::open(write_changed_recording(scratch));
+  auto reader = SessionReader::open(write_recording_with_changes(scratch));
   ASSERT_TRUE(reader) << reader.error().what;
   const ScratchFolder out;
   std::filesystem::create_symlink("/dev/full", out.path() / "carves.csv");
@@ -408,7 +408,7 @@ std::filesystem::path write_gappy_recording(const ScratchFolder& scratch, bool i
   return scratch.write(is_old ? "old.hapton" : "gappy.hapton", bytes);
 }
 
-TEST(CycleFiles, WhatIsMissingInTheRecordingIsCountedAndSaid) {
+TEST(CycleFiles, WhatIsMissingInTheRecordingIsCountedAndReported) {
   const ScratchFolder scratch;
   const auto recording = write_gappy_recording(scratch, false);
   auto first = SessionReader::open(recording);

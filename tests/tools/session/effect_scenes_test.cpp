@@ -52,7 +52,7 @@ std::vector<Vec3> press_into(const Vec3& front, double depth) {
   return path;
 }
 
-std::vector<Vec3> stroke(const Vec3& front, double depth, const Vec3& velocity_m_per_s, int steps) {
+std::vector<Vec3> press_and_slide(const Vec3& front, double depth, const Vec3& velocity_m_per_s, int steps) {
   std::vector<Vec3> path = press_into(front, depth);
   const Vec3 start = path.back();
   for (int k = 1; k <= 200; ++k) path.push_back(start);
@@ -95,7 +95,7 @@ TEST(BoardScene, OrangePeelPopsAndIsWholeAgainLater) {
   const std::vector<Vec3> again = press_into(front, 0.0024);
   path.insert(path.end(), again.begin(), again.end());
   const Replay replay = board.replay(path);
-  // A spring of 600 N/m gives way at 1.5 N (2.5 mm). Then only a drag of 3 N s/m is left, at 10 mm/s, inwards and outwards.
+  // A spring of 600 N/m gives way at 1.5 N (2.5 mm). Then only a damping of 3 N s/m is left, at 10 mm/s, inwards and outwards.
   EXPECT_NEAR(replay.rows[500 + 249].force_n.z(), 1.494, 1e-6);
   EXPECT_NEAR(replay.rows[500 + 260].force_n.z(), 0.03, 1e-6);
   EXPECT_NEAR(replay.rows[500 + 400].force_n.z(), 0.03, 1e-6);
@@ -119,7 +119,7 @@ TEST(BoardScene, TapeHoldsOn) {
 TEST(BoardScene, HoneyDragsWithTheSpeed) {
   const EffectScene board("board.toml");
   for (const double speed : {0.01, 0.05}) {
-    const Replay replay = board.replay(stroke(board.front_of("honey"), 0.003, {speed, 0, 0}, 200));
+    const Replay replay = board.replay(press_and_slide(board.front_of("honey"), 0.003, {speed, 0, 0}, 200));
     EXPECT_NEAR(replay.rows.back().force_n.x(), -8.0 * speed, 1e-6);
     EXPECT_NEAR(replay.rows.back().force_n.z(), 0.9, 1e-6);
   }
@@ -128,26 +128,26 @@ TEST(BoardScene, HoneyDragsWithTheSpeed) {
 TEST(BoardScene, CorduroyPushesSidewaysWithItsPeriod) {
   const EffectScene board("board.toml");
   const Vec3 front = board.front_of("corduroy");
-  const Replay replay = board.replay(stroke(front, 0.003, {0.04, 0, 0}, 400));
+  const Replay replay = board.replay(press_and_slide(front, 0.003, {0.04, 0, 0}, 400));
   for (int k = 0; k <= 400; k += 7) {
     const auto& row = replay.rows[replay.rows.size() - 401 + k];
-    const double turn = 2.0 * std::numbers::pi * row.p_WD.x() / 0.005;
-    const double pressed_m = 0.003 - 0.0002 * (1.0 - std::cos(turn));
+    const double phase_rad = 2.0 * std::numbers::pi * row.p_WD.x() / 0.005;
+    const double pressed_m = 0.003 - 0.0002 * (1.0 - std::cos(phase_rad));
     EXPECT_NEAR(row.force_n.z(), 600 * pressed_m, 1e-5) << k;
-    EXPECT_NEAR(row.force_n.x(), 600 * pressed_m * 0.0002 * 2.0 * std::numbers::pi / 0.005 * std::sin(turn), 1e-5) << k;
+    EXPECT_NEAR(row.force_n.x(), 600 * pressed_m * 0.0002 * 2.0 * std::numbers::pi / 0.005 * std::sin(phase_rad), 1e-5) << k;
   }
 }
 
 // The probe goes down into the gap between two tiles, onto the plate, and sideways. Only for methods that follow the surface itself.
 TEST(BoardScene, NothingSlipsUnderATile) {
   const EffectScene board("board.toml");
-  const double wood_m = board.front_of("wood").x() - 0.028;  // its left side
+  const double wood_left_m = board.front_of("wood").x() - 0.028;
   for (const char* method : {"proxy", "reference"}) {
     std::vector<Vec3> path;
-    for (int k = 0; k <= 200; ++k) path.push_back(Vec3(wood_m - 0.003, board.front_of("wood").y(), 0.0115 - 7e-5 * k));
+    for (int k = 0; k <= 200; ++k) path.push_back(Vec3(wood_left_m - 0.003, board.front_of("wood").y(), 0.0115 - 7e-5 * k));
     for (int k = 1; k <= 600; ++k) path.push_back(path[200] + Vec3(1e-5 * k, 0, 0));
     const Replay replay = board.replay(path, method);
-    EXPECT_NEAR(replay.rows.back().p_WD.x(), wood_m + 0.003, 1e-9);
+    EXPECT_NEAR(replay.rows.back().p_WD.x(), wood_left_m + 0.003, 1e-9);
     EXPECT_LT(replay.rows.back().force_n.x(), -2.5) << method << ": 3 mm at 1,000 N/m";
     for (std::size_t n = 500; n < replay.rows.size(); ++n) {
       EXPECT_LT((replay.rows[n].force_n - replay.rows[n - 1].force_n).norm(), 0.1) << method << ", step " << n;
@@ -174,15 +174,15 @@ TEST(NeedleScene, SkinAndMuscleGiveWayAndBoneHolds) {
   const EffectScene needle("needle.toml");
   const Vec3 front = needle.front_of("tissue");
   const Replay replay = needle.replay(press_into(front, 0.034));
-  const auto at = [&](double depth) { return replay.rows[500 + static_cast<std::size_t>(std::lround(1e5 * depth))]; };
-  const double water = 0.5 * 0.01;  // N s/m at 10 mm/s
-  EXPECT_NEAR(at(0.0029).force_n.z(), 400 * 0.0029 + water, 1e-6);
-  EXPECT_NEAR(at(0.0032).force_n.z(), 2.0 * 0.01 + water, 1e-6) << "through the skin: the drag of fat";
-  EXPECT_NEAR(at(0.0130).force_n.z(), 600 * 0.003 + 0.02 + water, 1e-6) << "on the muscle";
-  EXPECT_NEAR(at(0.0200).force_n.z(), 6.0 * 0.01 + water, 1e-6) << "through it";
-  EXPECT_NEAR(at(0.0330).force_n.z(), 1000 * 0.003 + 0.06 + water, 1e-6) << "on the bone";
-  EXPECT_NEAR(at(0.0320).p_WP.z(), front.z() - 0.030, 1e-9) << "the tip is drawn on the bone";
-  EXPECT_NEAR(at(0.0200).p_WP.z(), front.z() - 0.020, 1e-9) << "and in the tissue where it is";
+  const auto row_at = [&](double depth) { return replay.rows[500 + static_cast<std::size_t>(std::lround(1e5 * depth))]; };
+  const double water_n = 0.5 * 0.01;  // damping of 0.5 N s/m, at 10 mm/s
+  EXPECT_NEAR(row_at(0.0029).force_n.z(), 400 * 0.0029 + water_n, 1e-6);
+  EXPECT_NEAR(row_at(0.0032).force_n.z(), 2.0 * 0.01 + water_n, 1e-6) << "through the skin: the damping of fat";
+  EXPECT_NEAR(row_at(0.0130).force_n.z(), 600 * 0.003 + 0.02 + water_n, 1e-6) << "on the muscle";
+  EXPECT_NEAR(row_at(0.0200).force_n.z(), 6.0 * 0.01 + water_n, 1e-6) << "through it";
+  EXPECT_NEAR(row_at(0.0330).force_n.z(), 1000 * 0.003 + 0.06 + water_n, 1e-6) << "on the bone";
+  EXPECT_NEAR(row_at(0.0320).p_WP.z(), front.z() - 0.030, 1e-9) << "the tip is drawn on the bone";
+  EXPECT_NEAR(row_at(0.0200).p_WP.z(), front.z() - 0.020, 1e-9) << "in the tissue it is drawn where the device is";
 }
 
 TEST(NeedleScene, TheMagnetPulls) {

@@ -57,10 +57,10 @@ TEST(McapWriter, AnEmptyFileIsExactlyTheBytesOfTheSpecification) {
   const std::string header = "\x89MCAP0\r\n\x01\x0a\0\0\0\0\0\0\0\0\0\0\0\x02\0\0\0us"s;
   EXPECT_EQ(bytes.substr(0, header.size()), header);
   EXPECT_EQ(bytes.substr(bytes.size() - 8), "\x89MCAP0\r\n"s);
-  EXPECT_EQ(record_types(bytes, 8), "\x01\x0f\x0b\x0e\x02"s) << "header, end of data, statistics, where they are, footer";
-  const std::size_t footer = bytes.size() - 8 - 29;
+  EXPECT_EQ(record_types(bytes, 8), "\x01\x0f\x0b\x0e\x02"s) << "header, end of data, statistics, summary offset, footer";
+  const std::size_t footer = bytes.size() - 8 - 29;  // the magic of 8 bytes at the end, and the whole record of the footer
   EXPECT_EQ(number_at(bytes, footer + 1), 20U);
-  EXPECT_EQ(number_at(bytes, footer + 9), header.size() + 13U) << "the summary begins behind the end of data";
+  EXPECT_EQ(number_at(bytes, footer + 9), header.size() + 13U) << "the summary begins after the end of data, a record of 13 bytes";
 }
 
 TEST(McapWriter, AChunkIsFollowedByTheIndexOfEachChannelInIt) {
@@ -107,7 +107,7 @@ TEST(McapWriter, OnAFullDiskThereIsNoFile) {
     auto writer = McapWriter::open(path, "us", kSchemas, kChannels);
     ASSERT_TRUE(writer);
     for (int i = 0; i < 3'000; ++i) writer->add_message(0, 1, 1, std::string(1'000, 'x'));
-    EXPECT_FALSE(std::filesystem::exists(path)) << "it is not complete";
+    EXPECT_FALSE(std::filesystem::exists(path)) << "the file is not complete";
     closed = writer->close();
   }
   ASSERT_FALSE(closed);

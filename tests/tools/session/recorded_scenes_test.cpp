@@ -31,7 +31,7 @@ TEST_F(RecordedScenesTest, GiveTheNamesOfTheSceneThatWasRecorded) {
   EXPECT_EQ(scenes.make_materials(setup(), {})->size(), 1U);
 }
 
-TEST_F(RecordedScenesTest, AnotherSceneOfThatNameIsNotTaken) {
+TEST_F(RecordedScenesTest, AnotherSceneOfThatNameIsRejected) {
   const HapticsSetup before = setup();
   scratch.write("a.toml", "[[object]]\nmesh = 'a.obj'\n[[object]]\nmesh = 'a.obj'\n");
   const auto names = RecordedScenes().find_names(before);

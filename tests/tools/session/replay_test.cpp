@@ -22,7 +22,7 @@ namespace {
 
 TouchStep make_touch() { return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}})); }
 
-std::vector<TrajectoryRow> press(const std::vector<double>& heights) {
+std::vector<TrajectoryRow> rows_at_heights(const std::vector<double>& heights) {
   std::vector<TrajectoryRow> rows;
   for (const double height : heights) {
     rows.push_back({.t_s = 1e-3 * static_cast<double>(rows.size()), .p_WD = Vec3(0.01, 0.02, height)});
@@ -30,8 +30,8 @@ std::vector<TrajectoryRow> press(const std::vector<double>& heights) {
   return rows;
 }
 
-// Every look at this clock takes 7 ns.
-class ScriptedClock final : public Clock {
+// Each reading takes 7 ns.
+class SteppingClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override { return now_ += 7; }
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override { now_ = deadline_ns; }
@@ -42,7 +42,7 @@ class ScriptedClock final : public Clock {
 
 TEST(Replay, RowsAreTheOutputOfTheStep) {
   TouchStep touch = make_touch();
-  const auto trajectory = press({0.001, -0.001, -0.003, 0.002});
+  const auto trajectory = rows_at_heights({0.001, -0.001, -0.003, 0.002});
   const Replay replay = run_replay(touch, trajectory, {}, SteadyClock());
   ASSERT_EQ(replay.rows.size(), 4U);
   EXPECT_FALSE(replay.rows[0].contact);
@@ -54,9 +54,9 @@ TEST(Replay, RowsAreTheOutputOfTheStep) {
   EXPECT_EQ(replay.rows[3].t_s, 0.003);
 }
 
-TEST(Replay, ResetEveryForgetsContactThere) {
+TEST(Replay, ContactIsForgottenAtEachReset) {
   TouchStep touch = make_touch();
-  const auto trajectory = press({0.001, -0.001, -0.001, -0.001, -0.001});
+  const auto trajectory = rows_at_heights({0.001, -0.001, -0.001, -0.001, -0.001});
   const Replay replay = run_replay(touch, trajectory, {.reset_every = 3}, SteadyClock());
   EXPECT_TRUE(replay.rows[2].contact);
   EXPECT_FALSE(replay.rows[3].contact);
@@ -65,51 +65,51 @@ TEST(Replay, ResetEveryForgetsContactThere) {
 
 TEST(Replay, RepetitionsStartAgainAndGiveTheSameForces) {
   TouchStep touch = make_touch();
-  const Replay replay = run_replay(touch, press({0.001, -0.001, -0.002}), {.repeat = 5}, SteadyClock());
+  const Replay replay = run_replay(touch, rows_at_heights({0.001, -0.001, -0.002}), {.repeat = 5}, SteadyClock());
   EXPECT_EQ(replay.rows_that_differ, 0U);
   EXPECT_TRUE(replay.rows[2].contact);
 }
 
-TEST(Replay, TheClocksOwnCostIsTakenOff) {
+TEST(Replay, TheClocksOwnCostIsSubtracted) {
   TouchStep touch = make_touch();
-  const Replay replay = run_replay(touch, press({0.001, -0.001}), {.repeat = 2}, ScriptedClock());
+  const Replay replay = run_replay(touch, rows_at_heights({0.001, -0.001}), {.repeat = 2}, SteppingClock());
   EXPECT_EQ(replay.clock_cost_ns, 7);
   EXPECT_EQ(replay.rows[0].step_ns, 0);
 }
 
-// The second look of each pair is later than the first by the next value of late_ns, until these are used up.
-class LateClock final : public Clock {
+// Readings come in pairs, before and after a step. The second one is later by the next value of step_times_ns, while there is one.
+class StepTimesClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override {
-    const bool ends_step = ++looks_ % 2 == 0;
-    if (ends_step && next_ < late_ns.size()) now_ += late_ns[next_++];
+    const bool ends_step = ++readings_ % 2 == 0;
+    if (ends_step && next_step_ < step_times_ns.size()) now_ += step_times_ns[next_step_++];
     return now_;
   }
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override { now_ = deadline_ns; }
-  std::size_t looks() const { return looks_; }
+  std::size_t readings() const { return readings_; }
 
-  std::vector<std::int64_t> late_ns;
+  std::vector<std::int64_t> step_times_ns;
 
  private:
   mutable std::int64_t now_ = 0;
-  mutable std::size_t looks_ = 0;
-  mutable std::size_t next_ = 0;
+  mutable std::size_t readings_ = 0;
+  mutable std::size_t next_step_ = 0;
 };
 
 TEST(Replay, TheTimeOfAStepIsTheLeastOfItsRepetitions) {
   TouchStep touch = make_touch();
-  LateClock clock;
+  StepTimesClock clock;
   run_replay(touch, {}, {}, clock);
-  // Each run looks at the clock this often before its first step: these looks are not delayed.
-  clock.late_ns.assign(clock.looks() / 2, 0);
-  for (const std::int64_t ns : {50, 20, 30, 40, 90, 10}) clock.late_ns.push_back(ns);
-  const Replay replay = run_replay(touch, press({0.001, -0.001}), {.repeat = 3}, clock);
+  // Each run reads the clock this often before its first step: these readings take no time.
+  clock.step_times_ns.assign(clock.readings() / 2, 0);
+  for (const std::int64_t ns : {50, 20, 30, 40, 90, 10}) clock.step_times_ns.push_back(ns);
+  const Replay replay = run_replay(touch, rows_at_heights({0.001, -0.001}), {.repeat = 3}, clock);
   EXPECT_EQ(replay.rows[0].step_ns, 30);
   EXPECT_EQ(replay.rows[1].step_ns, 10);
 }
 
 // Clay stays carved, so each repetition finds another body; the forces in the rows are those of the first repetition.
-TEST(Replay, RowsThatDifferBetweenRepetitionsAreCountedAndSaid) {
+TEST(Replay, RowsThatDifferBetweenRepetitionsAreCountedAndReported) {
   const TouchScene scene{.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
                                       .material = {.stiffness_n_per_m = 500.0},
                                       .sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1}}}};
@@ -150,23 +150,24 @@ TEST(Replay, ATrajectoryThatBeginsLaterGivesTheSameForces) {
       Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.2, Vec3(0.0, 0.0, 0.005), Quat::Identity()}}, false);
   TouchScene scene{.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
   scene.objects[0].motion = motion;
-  // half: half the height of the held box.
-  const auto trajectory_from = [](double begin_s, double half) {
+  // half_height_m: of the held box; zero for a point.
+  const auto trajectory_from = [](double begin_s, double half_height_m) {
     std::vector<TrajectoryRow> trajectory;
-    for (int n = 0; n < 200; ++n) trajectory.push_back({.t_s = begin_s + 1e-3 * n, .p_WD = Vec3(0.01, 0.02, half + 0.00101)});
+    for (int n = 0; n < 200; ++n) trajectory.push_back({.t_s = begin_s + 1e-3 * n, .p_WD = Vec3(0.01, 0.02, half_height_m + 0.00101)});
     return trajectory;
   };
-  const auto touched_from = [&](double begin_s) {
+  const auto replay_point_from = [&](double begin_s) {
     TouchStep touch(*make_method({.name = "proxy"}, scene), scene);
     return run_replay(touch, trajectory_from(begin_s, 0.0), {}, SteadyClock());
   };
-  const auto held_from = [&](double begin_s) {
+  const auto replay_tool_from = [&](double begin_s) {
     auto tool = ToolStep::make(make_box({0.02, 0.02, 0.02}), {scene.objects[0].mesh}, {}, {}, nullptr, {1});
     EXPECT_TRUE(tool);
     const std::vector<ToolPart> parts = {{.motion = motion}};
     return run_replay(**tool, trajectory_from(begin_s, 0.01), {}, SteadyClock(), parts);
   };
-  for (const auto& [first, later] : {std::pair{touched_from(0.0), touched_from(5.0)}, std::pair{held_from(0.0), held_from(5.0)}}) {
+  for (const auto& [first, later] :
+       {std::pair{replay_point_from(0.0), replay_point_from(5.0)}, std::pair{replay_tool_from(0.0), replay_tool_from(5.0)}}) {
     EXPECT_GT(first.rows[199].force_n.z(), 1.0) << "the surface has risen above the hand";
     EXPECT_LT(first.rows[10].force_n.z(), 0.1) << "it is still below";
     for (std::size_t n = 0; n < first.rows.size(); ++n) {
@@ -224,7 +225,7 @@ TEST(Replay, AToolByVoxelsIsFeltToo) {
   const Replay replay = run_replay(**tool, trajectory, {}, SteadyClock());
   ASSERT_TRUE(replay.has_tool);
   EXPECT_TRUE(replay.rows.back().contact);
-  EXPECT_NEAR(replay.rows.back().force_n.z(), 1.97, 1.0) << "a voxel is worth a newton";
+  EXPECT_NEAR(replay.rows.back().force_n.z(), 1.97, 1.0) << "one voxel more or less changes the force by a newton";
 }
 
 TEST(Replay, ATrajectoryGivesAToolTheTimeThatDampingNeeds) {

@@ -35,7 +35,7 @@ struct ExportTest : testing::Test {
     EXPECT_TRUE(opened) << opened.error().what;
     return std::move(*opened);
   }
-  void sent(std::uint64_t sample) {
+  void add_sent(std::uint64_t sample) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::sent;
     const Datagram datagram{
@@ -73,11 +73,11 @@ TEST_F(ExportTest, CyclesHaveAllThatWasRecorded) {
 
 // A sample is taken from its datagram or from its cycle, whichever comes first; repeated samples and older ones are left out.
 TEST_F(ExportTest, EachSampleIsInTheTrajectoryOnce) {
-  sent(2);
+  add_sent(2);
   exported.add(cycle_of(2), nullptr);
   exported.add(cycle_of(3), nullptr);
-  sent(3);
-  sent(1);
+  add_sent(3);
+  add_sent(1);
   SessionEntry received;
   received.kind = SessionEntry::Kind::received;
   const Datagram datagram{{}, DeviceState{.sample = 9}};
@@ -138,7 +138,7 @@ TEST_F(ExportTest, TimesOfAHostileFileDoNoHarm) {
   ASSERT_TRUE(exported.close());
   const auto forces = lines_of(folder / "forces.csv");
   ASSERT_EQ(forces.size(), 2U);
-  EXPECT_EQ(forces[1].substr(0, 23), "-9223372036.854776382,5") << "as early as a number of nanoseconds can say";
+  EXPECT_EQ(forces[1].substr(0, 23), "-9223372036.854776382,5") << "the earliest time that 64 bits of nanoseconds can hold";
   EXPECT_NE(forces[1].find(",-9223372036854776.000,"), std::string::npos);
   EXPECT_EQ(lines_of(folder / "trajectory.csv").at(1).substr(0, 21), "-9223372036.854776382");
 }

@@ -78,7 +78,7 @@ TEST_F(McapRecordings, EveryCycleAndEveryEventIsAMessage) {
   const auto written = write();
   ASSERT_TRUE(written) << written.error().what;
   EXPECT_EQ(written->cycles, 9U);
-  EXPECT_EQ(written->messages, 9U + 4U) << "sample 5 is an event, too";
+  EXPECT_EQ(written->messages, 9U + 4U) << "the gap at sample 5 is an event, too";
 }
 
 // The copies that the hub sends to vision nodes are not messages of the file.

@@ -18,27 +18,27 @@ std::unique_ptr<TouchStep> make_clay_touch() {
   return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
 }
 
-constexpr std::uint64_t kTurn = 1500;  // samples of one turn: on the clay with and without the button, then a rest in free space
-constexpr std::uint64_t kRest = 1000;  // the sample of a turn at which the rest begins
+constexpr std::uint64_t kTurnSamples = 1500;  // samples of one turn: on the clay with and without the button, then a rest in free space
+constexpr std::uint64_t kRestStart = 1000;    // the sample of a turn at which the rest begins
 
 struct CarvesReplayTest : SessionReplayTest {
   std::vector<RecordedCarve> carves;
 
   CarvesReplayTest() : SessionReplayTest(make_clay_touch()) {}
 
-  DeviceState carving_state() {
+  DeviceState next_carving_state() {
     ++sample;
-    const std::uint64_t place = sample % kTurn;
-    const double angle = 3e-3 * static_cast<double>(place);
-    const double radius = place < kRest ? 0.0315 + 0.004 * std::cos(5.0 * angle) : 0.06;
+    const std::uint64_t sample_in_turn = sample % kTurnSamples;
+    const double angle = 3e-3 * static_cast<double>(sample_in_turn);
+    const double radius = sample_in_turn < kRestStart ? 0.0315 + 0.004 * std::cos(5.0 * angle) : 0.06;
     return {.sample = sample,
             .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample),
             .p_WD = radius * Vec3(std::cos(angle), std::sin(angle), 0.1 + 1e-5 * static_cast<double>(sample)),
-            .buttons = place > 200 && place < 700 ? 1U : 0U};
+            .buttons = sample_in_turn > 200 && sample_in_turn < 700 ? 1U : 0U};
   }
   void carve(std::uint64_t steps) {
     for (std::uint64_t n = 0; n < steps; ++n) {
-      const DeviceState state = carving_state();
+      const DeviceState state = next_carving_state();
       recorded.emplace_back(state, reply(state));
       if (const MadeCarve* made = live.made_carve()) announce(*made);
     }
@@ -77,7 +77,7 @@ struct CarvesReplayTest : SessionReplayTest {
     const auto point = [](const Carves::Point& p) { return Vec3(p[0], p[1], p[2]); };
     return {point(one.from_m), point(one.to_m), static_cast<double>(one.radius_m)};
   }
-  std::uint32_t newest() const { return static_cast<std::uint32_t>(carves.size()); }
+  std::uint32_t newest_serial() const { return static_cast<std::uint32_t>(carves.size()); }
   // A new hub begins to record when the haptics node has already carved.
   void begin_recording() {
     recorded.clear();
@@ -96,7 +96,7 @@ struct CarvesReplayTest : SessionReplayTest {
 };
 
 TEST_F(CarvesReplayTest, CarvingGivesTheSameForcesToTheLastBit) {
-  carve(2 * kTurn);
+  carve(2 * kTurnSamples);
   ASSERT_GT(carves.size(), 100U);
   SessionReplay replay = make_replay();
   feed(replay);
@@ -106,10 +106,10 @@ TEST_F(CarvesReplayTest, CarvingGivesTheSameForcesToTheLastBit) {
 }
 
 TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithWhatWasCarved) {
-  carve(kTurn + kRest + 50);
+  carve(kTurnSamples + kRestStart + 50);
   const std::size_t before = carves.size();
   begin_recording();
-  carve(kTurn);
+  carve(kTurnSamples);
   ASSERT_EQ(recorded.front().second->carve_serial, before);
   ASSERT_GT(carves.size(), before + 50);
   SessionReplay replay = make_replay();
@@ -121,13 +121,13 @@ TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithWhatWasCarved) {
 
 // Undoes some carves or all, in contact or while the stylus cuts: each time the hand is released or keeps contact, and the force fades.
 TEST_F(CarvesReplayTest, AnUndoIsReplayedToTheLastBit) {
-  carve(kTurn + 400);
-  undo({newest() - 20, newest()});
+  carve(kTurnSamples + 400);
+  undo({newest_serial() - 20, newest_serial()});
   carve(500);
   undo({1, 60});
-  carve(kTurn - 700);
-  undo({1, newest()});
-  carve(kTurn);
+  carve(kTurnSamples - 700);
+  undo({1, newest_serial()});
+  carve(kTurnSamples);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().compared, recorded.size());
@@ -137,9 +137,9 @@ TEST_F(CarvesReplayTest, AnUndoIsReplayedToTheLastBit) {
 
 // The test above can fail: if the undo concerns only one carve, the forces differ.
 TEST_F(CarvesReplayTest, WhatIsUndoneIsFelt) {
-  carve(kTurn + 400);
-  undo({1, newest()});
-  carve(kTurn);
+  carve(kTurnSamples + 400);
+  undo({1, newest_serial()});
+  carve(kTurnSamples);
   for (RecordedCarve& one : carves) {
     if (one.carve.is_undo()) one.carve.undone_first = one.carve.undone_last;
   }
@@ -149,10 +149,10 @@ TEST_F(CarvesReplayTest, WhatIsUndoneIsFelt) {
 }
 
 TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithoutWhatWasUndone) {
-  carve(kTurn + kRest + 50);
-  undo({30, newest() - 30});
+  carve(kTurnSamples + kRestStart + 50);
+  undo({30, newest_serial() - 30});
   begin_recording();
-  carve(kTurn);
+  carve(kTurnSamples);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().compared, recorded.size());
@@ -161,46 +161,46 @@ TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithoutWhatWasUndone) {
 
 // In a gap it is unknown before which sample the material came back.
 TEST_F(CarvesReplayTest, AfterAnUndoInAGapNothingIsComparedUntilTheHandRests) {
-  carve(kTurn + 300);
-  undo({1, newest()});
-  carve(2 * kTurn);
-  leave_out(kTurn + 200, kTurn + 320);
+  carve(kTurnSamples + 300);
+  undo({1, newest_serial()});
+  carve(2 * kTurnSamples);
+  leave_out(kTurnSamples + 200, kTurnSamples + 320);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().not_compared, 500U);
-  EXPECT_GT(replay.counts().compared, 2 * kTurn);
+  EXPECT_GT(replay.counts().compared, 2 * kTurnSamples);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 // The undo was lost, which the serials show: no force is reported as different because of it.
 TEST_F(CarvesReplayTest, WithoutAnUndoNothingIsCompared) {
-  carve(kTurn + 300);
-  undo({1, newest()});
-  const std::uint32_t lost = newest();
-  carve(kTurn);
-  std::erase_if(carves, [&](const RecordedCarve& one) { return one.serial == lost; });
+  carve(kTurnSamples + 300);
+  undo({1, newest_serial()});
+  const std::uint32_t lost_serial = newest_serial();
+  carve(kTurnSamples);
+  std::erase_if(carves, [&](const RecordedCarve& one) { return one.serial == lost_serial; });
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
-  EXPECT_EQ(replay.counts().compared, kTurn + 300);
+  EXPECT_EQ(replay.counts().compared, kTurnSamples + 300);
 }
 
 // This test can fail: with another shape the forces differ.
 TEST_F(CarvesReplayTest, AnotherShapeIsAnotherForce) {
-  carve(kTurn + kRest + 50);
+  carve(kTurnSamples + kRestStart + 50);
   begin_recording();
   carves.back().carve.radius_m *= 2.0F;
-  carve(kTurn);
+  carve(kTurnSamples);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().different, 0U);
 }
 
 // No force is reported as different because of a carve that the recording lacks.
-TEST_F(CarvesReplayTest, WithoutACarveOfBeforeNothingIsCompared) {
-  carve(kTurn + kRest + 50);
+TEST_F(CarvesReplayTest, WithoutAnEarlierCarveNothingIsCompared) {
+  carve(kTurnSamples + kRestStart + 50);
   begin_recording();
-  carve(kTurn);
+  carve(kTurnSamples);
   carves.erase(carves.begin() + 20);
   SessionReplay replay = make_replay();
   feed(replay);
@@ -210,24 +210,24 @@ TEST_F(CarvesReplayTest, WithoutACarveOfBeforeNothingIsCompared) {
 
 // Carves are applied to the bodies even while steps are missing, so the bodies are known again once the hand has rested in free space.
 TEST_F(CarvesReplayTest, AfterAGapTheBodiesAreThoseThatWereCarvedMeanwhile) {
-  carve(3 * kTurn);
-  leave_out(kTurn + 300, kTurn + 500);
+  carve(3 * kTurnSamples);
+  leave_out(kTurnSamples + 300, kTurnSamples + 500);
   SessionReplay replay = make_replay();
   feed(replay);
-  const std::uint64_t unknown = kTurn + kRest - (kTurn + 500) + 300;  // until the rest, and 0.3 s of it
-  EXPECT_NEAR(static_cast<double>(replay.counts().not_compared), static_cast<double>(unknown), 10.0);
-  EXPECT_GT(replay.counts().compared, kTurn + 300 + kTurn);
+  const std::uint64_t unknown_samples = kTurnSamples + kRestStart - (kTurnSamples + 500) + 300;  // until the rest, and 0.3 s of it
+  EXPECT_NEAR(static_cast<double>(replay.counts().not_compared), static_cast<double>(unknown_samples), 10.0);
+  EXPECT_GT(replay.counts().compared, kTurnSamples + 300 + kTurnSamples);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 // A recording that begins in the middle of a stroke, as a flight record does.
 TEST_F(CarvesReplayTest, WithinAStrokeNothingIsComparedUntilTheHandRests) {
-  carve(3 * kTurn);
-  leave_out(0, kTurn + 400);
+  carve(3 * kTurnSamples);
+  leave_out(0, kTurnSamples + 400);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().not_compared, 500U);
-  EXPECT_GT(replay.counts().compared, kTurn);
+  EXPECT_GT(replay.counts().compared, kTurnSamples);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 

@@ -96,7 +96,7 @@ TEST_F(SessionReplayTest, AfterADamagedSerialNothingIsCompared) {
   }
 }
 
-TEST_F(SessionReplayTest, AMethodThatGoesBackIsComparedFromFreeSpaceOn) {
+TEST_F(SessionReplayTest, AfterAMethodSerialThatDecreasesNothingIsComparedUntilFreeSpace) {
   slide(60);
   live.replace(make_sphere_touch("reference"));
   send_setup("reference");

@@ -13,14 +13,14 @@
 namespace hapton {
 namespace {
 
-TouchScene sphere_with_rich_effects(bool snaps) {
+TouchScene sphere_with_rich_effects(bool has_snap) {
   static const auto models = made::texture(1000.0, 20, 18);
   TouchScene scene = one_sphere();
   scene.objects[0].effects = {.progressive = {.n_per_m2 = 1e5},
                               .layers = {},
                               .bumps = {.height_m = 2e-4, .length_m = 2e-3},
                               .viscosity = {.damping_ns_per_m = 3},
-                              .snap = {.range_m = snaps ? 2e-3 : 0.0},
+                              .snap = {.range_m = has_snap ? 2e-3 : 0.0},
                               .tap = {.ns_per_m = 5},
                               .texture = {.models = models}};
   return scene;

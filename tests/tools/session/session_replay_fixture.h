@@ -16,7 +16,7 @@
 
 namespace hapton {
 
-constexpr std::uint64_t kSender = 9;
+constexpr std::uint64_t kSender = 9;  // the haptics node that replied
 
 inline TouchScene one_sphere() {
   return {.objects = {{made::shared(made::sphere(0.05, 16)), {.friction_static = 0.4, .friction_dynamic = 0.3}}}};
@@ -28,10 +28,10 @@ inline std::unique_ptr<TouchStep> make_sphere_touch(const char* method) {
 
 // A motion that shifts and turns the object and brings it back within 0.2 s, repeated.
 inline std::shared_ptr<const KeyframeMotion> make_turn_to_and_fro() {
-  const Quat there(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
+  const Quat turned(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
   return std::make_shared<const KeyframeMotion>(
       Vec3(0.001, 0, 0),
-      std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3(0.005, 0, 0), there}, {0.2, Vec3::Zero(), Quat::Identity()}},
+      std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3(0.005, 0, 0), turned}, {0.2, Vec3::Zero(), Quat::Identity()}},
       true);
 }
 
@@ -88,13 +88,13 @@ struct SessionReplayTest : testing::Test {
       recorded.emplace_back(state, reply(state));
     }
   }
-  // After `before` samples the hand is in free space again; 50 steps follow, in which it goes into contact again.
-  void slide_in_again(std::uint64_t before) {
+  // After `samples_before` samples the hand is in free space again; 50 steps follow, in which it goes into contact again.
+  void slide_in_again(std::uint64_t samples_before) {
     sample = 0;
     for (int n = 0; n < 50; ++n) {
       DeviceState state = next_state();
-      state.sample += before;
-      state.sample_time_ns += static_cast<std::int64_t>(before) * 1'000'000;
+      state.sample += samples_before;
+      state.sample_time_ns += static_cast<std::int64_t>(samples_before) * 1'000'000;
       recorded.emplace_back(state, reply(state));
     }
   }

@@ -33,19 +33,20 @@ struct ShapesReplayTest : SessionReplayTest {
   std::vector<std::pair<std::size_t, Announced>> announced;
   ProgramShape program_shape{.reach_m = 0.02};
   std::uint32_t serial = 0;
-  std::int64_t end_ns = 0;
+  std::int64_t motion_end_ns = 0;
 
   ShapesReplayTest() : SessionReplayTest(make_soft_touch()) {}
 
   // Deforms the object as the haptics node does.
-  void deform(double wider, double seconds) {
+  void deform(double widening, double seconds) {
     StreamedMethod* method = live.touch().find_streamed(0);
     ASSERT_NE(method, nullptr);
     ASSERT_EQ(method->waiting(), 0U);
     const auto rest = method->stager().rest();
     Displacements shape;
     for (const Vec3& p : rest) {
-      shape.push_back({static_cast<float>(wider * p.x()), static_cast<float>(0.5 * wider * p.y()), static_cast<float>(-wider * p.z())});
+      shape.push_back(
+          {static_cast<float>(widening * p.x()), static_cast<float>(0.5 * widening * p.y()), static_cast<float>(-widening * p.z())});
     }
     auto stage = method->stager().make(method->current_stage().to, program_shape.vertices_of(rest, shape));
     ASSERT_TRUE(stage) << stage.error().what;
@@ -54,8 +55,8 @@ struct ShapesReplayTest : SessionReplayTest {
       announced.emplace_back(recorded.size(), ObjectShape{.source = 1, .serial = serial, .part = make_shape_part(shape, first)});
     }
     ShapeStart start{.source = 1, .serial = serial, .before = serial - 1, .total = static_cast<std::uint32_t>(shape.size())};
-    start.start_ns = std::max(end_ns, live.scene_time_ns() + 1);
-    start.end_ns = end_ns = start.start_ns + static_cast<std::int64_t>(1e9 * seconds);
+    start.start_ns = std::max(motion_end_ns, live.scene_time_ns() + 1);
+    start.end_ns = motion_end_ns = start.start_ns + static_cast<std::int64_t>(1e9 * seconds);
     announced.emplace_back(recorded.size(), start);
     (void)live.deform(0, std::move(*stage), start.start_ns, start.end_ns);
   }
@@ -144,16 +145,17 @@ TEST_F(ShapesReplayTest, AfterAMissingPartTheMethodIsStillTheNewest) {
     const auto* part = std::get_if<ObjectShape>(&one.second);
     return part != nullptr && part->serial == 4 && part->part.first == 64;
   });
-  std::vector<std::uint32_t> made;  // HapticsSetup::method_serial
+  std::vector<std::uint32_t> built_method_serials;
   SessionReplay replay(setups, [&](const HapticsSetup& setup) -> Result<std::unique_ptr<TouchStep>> {
-    made.push_back(setup.method_serial);
+    built_method_serials.push_back(setup.method_serial);
     return make_soft_touch();
   });
   feed_with_shapes(replay);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
-  ASSERT_GE(made.size(), 3U) << "the first, the one that took over, and that once more";
-  EXPECT_EQ(made.front(), 0U);
-  EXPECT_EQ(std::count(made.begin(), made.end(), 1U), static_cast<std::ptrdiff_t>(made.size()) - 1);
+  ASSERT_GE(built_method_serials.size(), 3U) << "the first, the one that took over, and that once more";
+  EXPECT_EQ(built_method_serials.front(), 0U);
+  EXPECT_EQ(std::count(built_method_serials.begin(), built_method_serials.end(), 1U),
+            static_cast<std::ptrdiff_t>(built_method_serials.size()) - 1);
 }
 
 TEST_F(ShapesReplayTest, ARecordingThatBeginsAfterAShapeIsUnknown) {
@@ -170,7 +172,7 @@ struct LateShapesReplayTest : ShapesReplayTest {
   // What the haptics node sends again, on its own and on request: such messages may come at any time.
   FirstShapes first;
 
-  void deform_thrice() {
+  void deform_three_times() {
     slide(60);
     for (int n = 0; n < 3; ++n) {
       deform(n % 2 == 0 ? 0.05 : -0.03, 0.04);
@@ -204,14 +206,14 @@ struct LateShapesReplayTest : ShapesReplayTest {
 };
 
 TEST_F(LateShapesReplayTest, TheForcesAreThoseOfTheShapeThatWasThere) {
-  deform_thrice();
+  deform_three_times();
   slide(20);
-  ASSERT_GT(live.scene_time_ns(), end_ns);
+  ASSERT_GT(live.scene_time_ns(), motion_end_ns);
   begin_recording(true);
-  move(10, true);
-  move(60, false);
+  record_samples(10, true);
+  record_samples(60, false);
   deform(0.02, 0.05);
-  move(80, false);
+  record_samples(80, false);
   const ReplayCounts counts = replay_all();
   EXPECT_EQ(counts.compared, 150U);
   EXPECT_EQ(counts.different, 0U) << counts.first_difference;
@@ -221,30 +223,30 @@ TEST_F(LateShapesReplayTest, TheForcesAreThoseOfTheShapeThatWasThere) {
 }
 
 // The shape from which the object moves was sent before the recording began.
-TEST_F(LateShapesReplayTest, DuringAMotionTheyAreUnknownUntilItEnds) {
-  deform_thrice();
-  const std::int64_t left_ns = end_ns - live.scene_time_ns();
-  ASSERT_GT(left_ns, 2'000'000);
+TEST_F(LateShapesReplayTest, DuringAMotionForcesAreUnknownUntilItEnds) {
+  deform_three_times();
+  const std::int64_t remaining_ns = motion_end_ns - live.scene_time_ns();
+  ASSERT_GT(remaining_ns, 2'000'000);
   begin_recording(true);
-  move(20, true);
-  move(60, false);
+  record_samples(20, true);
+  record_samples(60, false);
   const ReplayCounts counts = replay_all();
   EXPECT_EQ(counts.different, 0U) << counts.first_difference;
-  EXPECT_NEAR(static_cast<double>(counts.unknown_method), 1e-6 * static_cast<double>(left_ns), 1.5);
+  EXPECT_NEAR(static_cast<double>(counts.unknown_method), 1e-6 * static_cast<double>(remaining_ns), 1.5);
   EXPECT_EQ(counts.compared, 80U - counts.unknown_method);
   EXPECT_GT(counts.contact_steps, 50U);
 }
 
 // A program sends one shape after the other: forces are known from the second shape in the recording on.
-TEST_F(LateShapesReplayTest, InAStreamOfShapesTheyAreKnownAfterTwo) {
-  deform_thrice();
+TEST_F(LateShapesReplayTest, InAStreamOfShapesForcesAreKnownAfterTwo) {
+  deform_three_times();
   begin_recording(false);
-  move(8, true);
+  record_samples(8, true);
   for (int n = 0; n < 4; ++n) {
     deform(n % 2 == 0 ? -0.02 : 0.03, 0.04);
-    move(40, n < 3);
+    record_samples(40, n < 3);
   }
-  move(40, false);
+  record_samples(40, false);
   const ReplayCounts counts = replay_all();
   EXPECT_EQ(counts.different, 0U) << counts.first_difference;
   EXPECT_EQ(counts.compared + counts.unknown_method, recorded.size());

@@ -259,10 +259,10 @@ TEST_F(SessionReplayTest, ForcesInAViewThatIsNotRecordedAreNotCompared) {
 // The torque is felt and the visual offset is drawn, so a change of either of them is a difference, too.
 TEST_F(SessionReplayTest, OneChangedBitOfAnyResultIsADifference) {
   slide(100);
-  const auto next_bit = [](double& number) { number = std::nextafter(number, 1e9); };
+  const auto change_last_bit = [](double& number) { number = std::nextafter(number, 1e9); };
   recorded[40].second->contact = !recorded[40].second->contact;
-  next_bit(recorded[50].second->torque_nm.y());
-  next_bit(recorded[60].second->visual_offset_m.z());
+  change_last_bit(recorded[50].second->torque_nm.y());
+  change_last_bit(recorded[60].second->visual_offset_m.z());
   recorded[70].second->force_n.x() += 0.25;
   recorded[80].second->force_n.x() += 0.125;
   SessionReplay replay = make_replay();
@@ -313,7 +313,7 @@ struct MovingReplayTest : SessionReplayTest {
   SessionReplay make_replay() { return replay_with(make_moving_touch); }
 };
 
-TEST_F(MovingReplayTest, TheyGiveTheSameForcesToTheLastBit) {
+TEST_F(MovingReplayTest, MovingObjectsGiveTheSameForcesToTheLastBit) {
   slide(500);
   for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
   SessionReplay replay = make_replay();
@@ -324,7 +324,7 @@ TEST_F(MovingReplayTest, TheyGiveTheSameForcesToTheLastBit) {
 }
 
 // The objects had moved for a while, and the first reply of the recording was lost.
-TEST_F(MovingReplayTest, ARecordingThatBeginsLaterKnowsWhereTheyWere) {
+TEST_F(MovingReplayTest, ARecordingThatBeginsLaterKnowsWhereObjectsWere) {
   slide(100);
   slide_in_again(100);
   recorded.erase(recorded.begin(), recorded.begin() + 100);
@@ -403,7 +403,7 @@ TEST_F(EffectsReplayTest, AfterALongGapNothingIsCompared) {
 struct PluginReplayTest : SessionReplayTest {
   SimulatedClock clock;
   PluginEffects effects{clock};
-  PluginEffects replayed{clock};
+  PluginEffects replay_effects{clock};
 
   void add(PluginEffects& into, const std::string& parameters) {
     ASSERT_TRUE(into.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":" + parameters)));
@@ -414,7 +414,7 @@ struct PluginReplayTest : SessionReplayTest {
     slide(200);
     put_text(to_text({.name = "proxy"}) + effects.to_text(), setups.begin()->second.method);
   }
-  std::string error_of(SessionReplay& replay) {
+  std::string feed_until_error(SessionReplay& replay) {
     for (const auto& [state, command] : recorded) {
       replay.on_state(state);
       if (const auto done = replay.on_reply(kSender, *command); !done) return done.error().what;
@@ -425,38 +425,38 @@ struct PluginReplayTest : SessionReplayTest {
 
 TEST_F(PluginReplayTest, TheSameFileAndParametersGiveTheSameForces) {
   record("does=copy");
-  add(replayed, "does=copy");
+  add(replay_effects, "does=copy");
   SessionReplay replay = make_replay();
-  replay.use_effects(&replayed);
+  replay.use_effects(&replay_effects);
   feed(replay);
   EXPECT_EQ(replay.counts().compared, 200U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-TEST_F(PluginReplayTest, WithoutItOrWithAnotherNothingIsReplayed) {
+TEST_F(PluginReplayTest, WithoutTheEffectOrWithAnotherNothingIsReplayed) {
   record("does=copy");
   SessionReplay without = make_replay();
-  EXPECT_NE(error_of(without).find("--effect FILE.so"), std::string::npos);
-  add(replayed, "does=copy,n=2");
+  EXPECT_NE(feed_until_error(without).find("--effect FILE.so"), std::string::npos);
+  add(replay_effects, "does=copy,n=2");
   SessionReplay other = make_replay();
-  other.use_effects(&replayed);
-  EXPECT_NE(error_of(other).find("same parameters"), std::string::npos);
+  other.use_effects(&replay_effects);
+  EXPECT_NE(feed_until_error(other).find("same parameters"), std::string::npos);
 }
 
 TEST_F(PluginReplayTest, AnEffectTooManyIsNamed) {
   slide(200);
-  add(replayed, "does=copy");
+  add(replay_effects, "does=copy");
   SessionReplay replay = make_replay();
-  replay.use_effects(&replayed);
-  EXPECT_NE(error_of(replay).find("leave --effect out"), std::string::npos);
+  replay.use_effects(&replay_effects);
+  EXPECT_NE(feed_until_error(replay).find("leave --effect out"), std::string::npos);
 }
 
-TEST_F(PluginReplayTest, OneThatWasCutOffCannotBeReplayed) {
+TEST_F(PluginReplayTest, AnEffectThatWasCutOffCannotBeReplayed) {
   record("does=nan,after=100");
-  add(replayed, "does=nan,after=100");
+  add(replay_effects, "does=nan,after=100");
   SessionReplay replay = make_replay();
-  replay.use_effects(&replayed);
-  EXPECT_NE(error_of(replay).find("was cut off"), std::string::npos);
+  replay.use_effects(&replay_effects);
+  EXPECT_NE(feed_until_error(replay).find("was cut off"), std::string::npos);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using ::testing::Not;
 
 constexpr std::int64_t kStartNs = 5'000'000'000;
 constexpr std::int64_t kMs = 1'000'000;
-const std::array<std::byte, 100> kBytes = {};
+const std::array<std::byte, 100> kDatagramBytes = {};
 
 // Tests the text that `hapton session info` prints about a recording.
 struct SessionSummaryTest : testing::Test {
@@ -24,7 +24,7 @@ struct SessionSummaryTest : testing::Test {
     SessionEntry entry;
     entry.kind = kind;
     entry.time_ns = kStartNs + at_ms * kMs;
-    entry.datagram = kBytes;
+    entry.datagram = kDatagramBytes;
     const Datagram datagram{{.sender = 0xABC}, message};
     summary.add(entry, &datagram);
   }
@@ -72,7 +72,7 @@ TEST_F(SessionSummaryTest, CountsEachMessageBothWays) {
   SessionEntry entry;
   entry.kind = SessionEntry::Kind::received;
   entry.time_ns = kStartNs;
-  entry.datagram = kBytes;
+  entry.datagram = kDatagramBytes;
   summary.add(entry, nullptr);
   EXPECT_THAT(text(), HasSubstr("DeviceState             0          3       0.6\n")) << "300 bytes in half a second";
   EXPECT_THAT(text(), HasSubstr("ForceCommand            2          0       0.4\n"));
@@ -106,9 +106,9 @@ TEST_F(SessionSummaryTest, SaysWhichTorqueARigidToolHad) {
 }
 
 TEST_F(SessionSummaryTest, TimesOfAHostileFileDoNoHarm) {
-  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
-  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
-  for (const std::int64_t time_ns : {kFirst, kLast}) {
+  constexpr std::int64_t kEarliestNs = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLatestNs = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t time_ns : {kEarliestNs, kLatestNs}) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::received;
     entry.time_ns = time_ns;
@@ -117,8 +117,8 @@ TEST_F(SessionSummaryTest, TimesOfAHostileFileDoNoHarm) {
   }
   add_fault(0, SessionFault::clamped);
   add_marker(0, 1, "here");
-  EXPECT_THAT(text(), HasSubstr("max 9223372036854776.0 us, n 2\n")) << "the longest that a number of nanoseconds can say";
-  header.start_ns = kFirst;
+  EXPECT_THAT(text(), HasSubstr("max 9223372036854776.0 us, n 2\n")) << "the longest time that 64 bits of nanoseconds can hold";
+  header.start_ns = kEarliestNs;
   EXPECT_THAT(text(), HasSubstr("fault at 9223372036.854776 s"));
   EXPECT_THAT(text(), HasSubstr("marker at 9223372036.854776 s"));
 }
@@ -157,19 +157,19 @@ TEST_F(SessionSummaryTest, ListsTheFirstFaultsAndMarkersAndCountsAll) {
     add_fault(1000 + n, n == 25 ? SessionFault::clamped : SessionFault::command_timeout);
     add_marker(2000 + n, 100 + static_cast<std::uint64_t>(n), "trial " + std::to_string(n));
   }
-  const std::string said = text();
+  const std::string summary_text = text();
   const auto count = [&](const std::string& part) {
     std::size_t found = 0;
-    for (std::size_t at = said.find(part); at != std::string::npos; at = said.find(part, at + 1)) ++found;
+    for (std::size_t at = summary_text.find(part); at != std::string::npos; at = summary_text.find(part, at + 1)) ++found;
     return found;
   };
   EXPECT_EQ(count("fault at "), 20U);
   EXPECT_EQ(count("marker at "), 20U);
-  EXPECT_THAT(said, HasSubstr("fault at 1.001000 s: " + std::string(to_string(SessionFault::command_timeout)) + "\n"));
-  EXPECT_THAT(said, HasSubstr("marker at 2.020000 s, sample 120: trial 20\n"));
-  EXPECT_THAT(said, HasSubstr("faults: 24 " + std::string(to_string(SessionFault::command_timeout)) + "\n"));
-  EXPECT_THAT(said, HasSubstr("faults: 1 " + std::string(to_string(SessionFault::clamped)) + "\n"));
-  EXPECT_THAT(said, HasSubstr("markers: 25\n"));
+  EXPECT_THAT(summary_text, HasSubstr("fault at 1.001000 s: " + std::string(to_string(SessionFault::command_timeout)) + "\n"));
+  EXPECT_THAT(summary_text, HasSubstr("marker at 2.020000 s, sample 120: trial 20\n"));
+  EXPECT_THAT(summary_text, HasSubstr("faults: 24 " + std::string(to_string(SessionFault::command_timeout)) + "\n"));
+  EXPECT_THAT(summary_text, HasSubstr("faults: 1 " + std::string(to_string(SessionFault::clamped)) + "\n"));
+  EXPECT_THAT(summary_text, HasSubstr("markers: 25\n"));
 }
 
 TEST_F(SessionSummaryTest, NamesEachMethodAndCountsChangedMaterials) {

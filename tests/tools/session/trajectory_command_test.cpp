@@ -16,12 +16,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Runs `hapton trajectory` for a box of 50 mm: 300 rows, 500 of them a second.
-CommandRun make_trajectory_of(const std::string& kind, const std::filesystem::path& out, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words = {"trajectory", "--shape", "box", "--scale-to", "0.05", "--kind", kind,        "--rows",
-                                    "300",        "--rate",  "500", "--seed",     "3",    "--out",  out.string()};
-  words.insert(words.end(), more.begin(), more.end());
-  return run_hapton(words);
+// Runs `hapton trajectory` for a box of 50 mm: 300 rows, at 500 Hz.
+CommandRun make_trajectory_of(const std::string& kind, const std::filesystem::path& out,
+                              const std::vector<std::string>& more_arguments = {}) {
+  std::vector<std::string> arguments = {"trajectory", "--shape", "box", "--scale-to", "0.05", "--kind", kind,        "--rows",
+                                        "300",        "--rate",  "500", "--seed",     "3",    "--out",  out.string()};
+  arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
+  return run_hapton(arguments);
 }
 
 TEST(TrajectoryCommand, AKindIsTheMotionOfItsName) {

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kNutTurn = 2.0 * std::numbers::pi;
+constexpr double kNutTurnRad = 2.0 * std::numbers::pi;
 constexpr double kNutPitchM = 0.004;
 constexpr double kNutFootM = -0.011;  // foot of the thread: the nut fits into the bolt's thread where it is whole pitches above this
 // Axial play: the clearance of 0.2 mm at the steepest flank, where the radius changes by pi / 2 times the height.
@@ -42,7 +42,7 @@ class WingNut : public testing::Test {
   // The angle of the drawn nut; of the angles that differ by whole turns it is the one nearest to near_rad.
   static double angle_of(const Pose& X_WP, double near_rad) {
     const double angle = std::atan2(X_WP.linear()(0, 2), X_WP.linear()(2, 2));
-    return angle + kNutTurn * std::round((near_rad - angle) / kNutTurn);
+    return angle + kNutTurnRad * std::round((near_rad - angle) / kNutTurnRad);
   }
   // PenetrationCheck decides by exact signs.
   void expect_free(int n) { ASSERT_FALSE(check_->penetrates(step_->proxy().placement())) << n; }
@@ -54,22 +54,22 @@ class WingNut : public testing::Test {
 TEST_F(WingNut, ATurnMovesItAlongByThePitch) {
   const double start_m = kNutFootM + 3.0 * kNutPitchM;
   step_->reset({nut_at(start_m, 0.0)});
-  double most_nm = 0.0;
+  double max_torque_nm = 0.0;
   double risen_m = 0.0;
   for (int n = 1; n <= 300; ++n) {
-    const double angle = kNutTurn * n / 300.0;
-    const double hand_m = start_m + kNutPitchM * angle / kNutTurn - 0.001;  // the hand lags behind: the thread must lift the nut
+    const double angle = kNutTurnRad * n / 300.0;
+    const double hand_m = start_m + kNutPitchM * angle / kNutTurnRad - 0.001;  // the hand lags behind: the thread must lift the nut
     const ToolOutput out = step_->step({nut_at(hand_m, angle)});
     ASSERT_FALSE(out.proxy.is_blocked);
     const double turned = angle_of(out.X_WP, angle);
     ASSERT_NEAR(turned, angle, 0.1) << n;
     risen_m = out.X_WP.translation().y() - start_m;
-    ASSERT_NEAR(risen_m, kNutPitchM * turned / kNutTurn, kNutPlayM + 2e-5) << n;
-    most_nm = std::max(most_nm, std::abs(out.torque_nm.y()));
+    ASSERT_NEAR(risen_m, kNutPitchM * turned / kNutTurnRad, kNutPlayM + 2e-5) << n;
+    max_torque_nm = std::max(max_torque_nm, std::abs(out.torque_nm.y()));
     if (n % 20 == 0) expect_free(n);
   }
   EXPECT_NEAR(risen_m, kNutPitchM, kNutPlayM + 1e-4);
-  EXPECT_GT(most_nm, 1e-4) << "the thread resists by the torque that lifts it";
+  EXPECT_GT(max_torque_nm, 1e-4) << "the thread resists by the torque that lifts it";
 }
 
 }  // namespace

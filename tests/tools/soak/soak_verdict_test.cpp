@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // An hour without an event, with an observation every 30 s and some jitter in each figure, as in a real run.
-SoakRun an_hour() {
+SoakRun make_hour_run() {
   SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .samples = {}, .end_reason = {}};
   for (int i = 1; i <= 120; ++i) {
     const int jitter = (i * 37) % 11 - 5;
@@ -35,20 +35,20 @@ SoakRun an_hour() {
   return run;
 }
 
-const SoakFinding& finding(const SoakVerdict& verdict, const std::string& what, const std::string& process = "") {
+const SoakFinding& find_finding(const SoakVerdict& verdict, const std::string& what, const std::string& process = "") {
   for (const SoakFinding& one : verdict.findings) {
     if (one.what == what && one.process == process) return one;
   }
   throw std::out_of_range(what);
 }
 
-std::size_t count_bad(const SoakVerdict& verdict) {
+std::size_t count_not_flat(const SoakVerdict& verdict) {
   return static_cast<std::size_t>(
       std::count_if(verdict.findings.begin(), verdict.findings.end(), [](const SoakFinding& one) { return !one.is_flat; }));
 }
 
 TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
-  const SoakRun run = an_hour();
+  const SoakRun run = make_hour_run();
   const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_TRUE(verdict.is_flat) << to_text(run, verdict);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("soak: flat over 3600 s"));
@@ -63,7 +63,7 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
 
 // The text names the observed figures in the order of the findings, and those that are constant together at the end.
 TEST(SoakVerdict, AFlatRunSaysWhatItLookedAt) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   const std::string text = to_text(run, evaluate_soak(run));
   EXPECT_THAT(text, HasSubstr("soak: flat over 3600 s: 3 late, 4 missed cycles, slowest round trip 5000 us, forces lost: 0, "));
   EXPECT_THAT(text, HasSubstr(" samples and "));
@@ -81,7 +81,7 @@ TEST(SoakVerdict, AFlatRunSaysWhatItLookedAt) {
 }
 
 TEST(SoakVerdict, EachCounterOfTheReportHasTheNumberOfItsName) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   run.samples.back().lost = 1;
   run.samples.back().late = 2;
   run.samples.back().superseded = 3;
@@ -91,31 +91,31 @@ TEST(SoakVerdict, EachCounterOfTheReportHasTheNumberOfItsName) {
 }
 
 TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.processes[0].resident_kib += static_cast<std::int64_t>(sample.seconds);
   const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_FALSE(verdict.is_flat);
-  EXPECT_EQ(count_bad(verdict), 1U);
-  EXPECT_NEAR(finding(verdict, "memory", "haptics_node").value, 3240.0, 60.0);
+  EXPECT_EQ(count_not_flat(verdict), 1U);
+  EXPECT_NEAR(find_finding(verdict, "memory", "haptics_node").value, 3240.0, 60.0);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("not flat: haptics_node memory +"));
   EXPECT_THAT(to_text(run, verdict), Not(HasSubstr("io_node")));
 }
 
 TEST(SoakVerdict, MemoryThatJumpsOnceIsNotFlat) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.processes[1].resident_kib += sample.seconds > 2200.0 ? 4096 : 0;
-  EXPECT_FALSE(finding(evaluate_soak(run), "memory", "io_node").is_flat);
+  EXPECT_FALSE(find_finding(evaluate_soak(run), "memory", "io_node").is_flat);
 }
 
 TEST(SoakVerdict, MemoryThatGrowsInTheFirstTenthOnlyOrShrinksIsFlat) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.processes[0].resident_kib -= sample.seconds < 300.0 ? 10'000 : 0;
   for (SoakSample& sample : run.samples) sample.processes[1].resident_kib -= static_cast<std::int64_t>(sample.seconds);
   EXPECT_TRUE(evaluate_soak(run).is_flat);
 }
 
 TEST(SoakVerdict, OneOutlierDoesNotFailTheRun) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   run.samples.back().processes[0] = {90'000, 40, 12};
   run.samples[60].processes[1].descriptors = 13;
   run.samples[61].samples_hz = 400.0;
@@ -123,46 +123,46 @@ TEST(SoakVerdict, OneOutlierDoesNotFailTheRun) {
 }
 
 TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.processes[1].descriptors += sample.seconds > 2200.0 ? 1 : 0;
   const SoakVerdict verdict = evaluate_soak(run);
-  EXPECT_EQ(count_bad(verdict), 1U);
+  EXPECT_EQ(count_not_flat(verdict), 1U);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("io_node descriptors +1.0 of 12"));
 }
 
 TEST(SoakVerdict, AThreadLessIsNotFlat) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.processes[0].threads -= sample.seconds > 1800.0 ? 1 : 0;
-  EXPECT_FALSE(finding(evaluate_soak(run), "threads", "haptics_node").is_flat);
+  EXPECT_FALSE(find_finding(evaluate_soak(run), "threads", "haptics_node").is_flat);
 }
 
 TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.lost = 1;
   const SoakVerdict verdict = evaluate_soak(run);
-  EXPECT_EQ(count_bad(verdict), 1U);
+  EXPECT_EQ(count_not_flat(verdict), 1U);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("forces lost: 1"));
 }
 
 TEST(SoakVerdict, ARateThatIsNotHeldIsNotFlat) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   for (SoakSample& sample : run.samples) sample.forces_hz = 960.0;
-  EXPECT_EQ(finding(evaluate_soak(run), "rate").value, 960.0);
+  EXPECT_EQ(find_finding(evaluate_soak(run), "rate").value, 960.0);
   EXPECT_FALSE(evaluate_soak(run).is_flat);
 }
 
 TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
   for (const double ppm : {-300.0, 300.0}) {
-    SoakRun run = an_hour();
+    SoakRun run = make_hour_run();
     for (SoakSample& sample : run.samples) sample.drift_ms += 1e-3 * ppm * sample.seconds;
     const SoakVerdict verdict = evaluate_soak(run);
-    EXPECT_EQ(count_bad(verdict), 1U) << ppm;
-    EXPECT_NEAR(finding(verdict, "drift").value, 3.24 * ppm, 20.0);
+    EXPECT_EQ(count_not_flat(verdict), 1U) << ppm;
+    EXPECT_NEAR(find_finding(verdict, "drift").value, 3.24 * ppm, 20.0);
   }
 }
 
 TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   run.end_reason = "io_node ended with 139: Segmentation fault";
   run.samples.resize(40);
   EXPECT_FALSE(evaluate_soak(run).is_flat);
@@ -170,7 +170,7 @@ TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
 }
 
 TEST(SoakVerdict, TooFewObservationsAreNoProof) {
-  SoakRun run = an_hour();
+  SoakRun run = make_hour_run();
   run.samples.clear();
   EXPECT_FALSE(evaluate_soak(run).is_flat);
   EXPECT_EQ(to_json(run, evaluate_soak(run))["flat"], false);
