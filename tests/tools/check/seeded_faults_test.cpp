@@ -360,14 +360,14 @@ TEST(CheckCommand, EffectsAreCheckedAsWell) {
                                   "[[effect]]\ntype = 'viscous'\ndamping_ns_per_m = 100\n"
                                   "[[effect]]\ntype = 'wave'\ndirection = [0, 0, 1]\nfrequency_hz = 900\n");
   const nlohmann::json json = nlohmann::json::parse(run_check({scene.string(), "--json"}).out);
-  std::map<std::string, std::string> found;
-  for (const auto& finding : json["findings"]) found.emplace(finding["object"], finding["fault"]);
-  found.erase("");
+  std::map<std::string, std::string> fault_of;
+  for (const auto& finding : json["findings"]) fault_of.emplace(finding["object"], finding["fault"]);
+  fault_of.erase("");
   const std::map<std::string, std::string> expected = {{"effect magnet", "out-of-reach"},
                                                        {"effect constant", "stronger-than-device"},
                                                        {"effect viscous", "more-damped-than-loop"},
                                                        {"effect wave", "faster-than-loop"}};
-  EXPECT_EQ(found, expected);
+  EXPECT_EQ(fault_of, expected);
 }
 
 TEST(CheckCommand, AMaterialThatNoObjectUsesIsANote) {
@@ -411,9 +411,9 @@ TEST(CheckCommand, OfTwoObjectsWithOneNameEachHasItsOwnFindings) {
   folder.write("part.obj", obj_of(good_ball()));
   const std::string object = "[[object]]\nmesh = 'part.obj'\nname = 'ball'\nmaterial = 'm'\n";
   const std::string material = "[material.m]\nstiffness_n_per_m = 20.0\n";
-  const nlohmann::json found =
+  const nlohmann::json json =
       nlohmann::json::parse(run_check({folder.write("scene.toml", object + object + material).string(), "--json"}).out);
-  EXPECT_EQ(found["findings"].size(), 1U) << found["findings"];
+  EXPECT_EQ(json["findings"].size(), 1U) << json["findings"];
   const std::string accepting = object + object + "accepted_findings = ['coincides']\n";
   const CommandRun run = run_check({folder.write("scene.toml", accepting + material).string()});
   EXPECT_EQ(run.code, 0) << run.out;

@@ -27,15 +27,15 @@ DemoEvidence evidence_of(std::vector<DemoSample> steps) {
 
 TEST(DemoVerdict, RestIsContactThatLastsWithTheDeviceInside) {
   std::vector<DemoSample> steps(100, touch(Vec3::Zero(), 0.002));
-  const DemoVerdict held = evaluate_rest(evidence_of(steps));
-  EXPECT_TRUE(held.has_contact && held.is_shown) << held.text;
-  EXPECT_THAT(held.text, HasSubstr("up to 2.0 mm behind the probe"));
+  const DemoVerdict rest = evaluate_rest(evidence_of(steps));
+  EXPECT_TRUE(rest.has_contact && rest.is_shown) << rest.text;
+  EXPECT_THAT(rest.text, HasSubstr("up to 2.0 mm behind the probe"));
   steps.insert(steps.end(), 150, free_step(Vec3::Zero()));
   EXPECT_FALSE(evaluate_rest(evidence_of(steps)).is_shown) << "lost again";
   EXPECT_FALSE(evaluate_rest(evidence_of(std::vector<DemoSample>(100, touch(Vec3::Zero(), 0.0001)))).is_shown) << "brushed";
-  const DemoVerdict never = evaluate_rest(evidence_of(std::vector<DemoSample>(100, free_step(Vec3::Zero()))));
-  EXPECT_FALSE(never.has_contact || never.is_shown);
-  EXPECT_THAT(never.text, HasSubstr("touched nothing"));
+  const DemoVerdict without_contact = evaluate_rest(evidence_of(std::vector<DemoSample>(100, free_step(Vec3::Zero()))));
+  EXPECT_FALSE(without_contact.has_contact || without_contact.is_shown);
+  EXPECT_THAT(without_contact.text, HasSubstr("touched nothing"));
 }
 
 // A slide over the whole length of the groove, in which the probe moves sideways by `share` times the bends of the groove.

@@ -148,15 +148,15 @@ struct LoopCase {
 
 // The smallest and the largest force while the hand goes on at its speed: from 0.4 s after the contact, for 0.4 s.
 std::pair<double, double> forces_while_moving(Loop& loop) {
-  double most = 0.0;
-  double least = std::numeric_limits<double>::infinity();
+  double max_n = 0.0;
+  double min_n = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 900; ++i) {
     const double force = loop.step(Vec3(-kBoxSideM / 2 - 0.01 + 1e-3 * kHandSpeed * i, kBoxSideM / 2, 0.0)).force_n.norm();
     if (i < 500) continue;
-    most = std::max(most, force);
-    least = std::min(least, force);
+    max_n = std::max(max_n, force);
+    min_n = std::min(min_n, force);
   }
-  return {least, most};
+  return {min_n, max_n};
 }
 
 // No body bounces off the hand that pushes it, whatever its mass, its material and the link.
@@ -166,13 +166,13 @@ TEST(DynamicsDriver, ABodyStaysAtTheHandThatPushesIt) {
       for (const auto& [link_ms, state_every_ms] : {std::pair(1, 1), {1, 4}, {5, 4}, {15, 1}, {15, 10}}) {
         Loop loop(table_scene({.mass_kg = mass, .stiffness_n_per_m = stiffness}), {.friction = 0.1}, link_ms);
         loop.state_every_ms = state_every_ms;
-        const auto [least, most] = forces_while_moving(loop);
+        const auto [min_n, max_n] = forces_while_moving(loop);
         SCOPED_TRACE(fmt::format("{} kg, {} N/m, {} ms each way: delay {:.1f} ms, {:.2f} to {:.2f} N", mass, stiffness, link_ms,
-                                 1e3 * loop.driver().delay_s(), least, most));
-        EXPECT_GT(least, 0.2 * most);
+                                 1e3 * loop.driver().delay_s(), min_n, max_n));
+        EXPECT_GT(min_n, 0.2 * max_n);
         // The forces of the damping and of friction, and of an oscillation about their sum.
         const double damping_n = DynamicsDriver::kDampingShare * stiffness * loop.driver().delay_s() * kHandSpeed;
-        EXPECT_LT(most, 1.6 * (damping_n + 0.1 * mass * 9.81 + std::sqrt(stiffness * mass) * kHandSpeed));
+        EXPECT_LT(max_n, 1.6 * (damping_n + 0.1 * mass * 9.81 + std::sqrt(stiffness * mass) * kHandSpeed));
       }
     }
   }
@@ -189,8 +189,8 @@ TEST(DynamicsDriver, AStiffnessChangedWhileRunningIsDampedToo) {
   for (const bool is_sent_to_dynamics : {true, false}) {
     Loop loop(table_scene({.stiffness_n_per_m = 100}), {.friction = 0.1}, 15);
     loop.set_stiffness(2000, is_sent_to_dynamics);
-    const auto [least, most] = forces_while_moving(loop);
-    EXPECT_EQ(least > 0.2 * most, is_sent_to_dynamics) << least << " to " << most << " N";
+    const auto [min_n, max_n] = forces_while_moving(loop);
+    EXPECT_EQ(min_n > 0.2 * max_n, is_sent_to_dynamics) << min_n << " to " << max_n << " N";
   }
 }
 
@@ -199,8 +199,8 @@ TEST(DynamicsDriver, AnotherHapticsNodeHasTheStiffnessOfTheScene) {
   loop.set_stiffness(100, true);
   for (int i = 0; i < 100; ++i) loop.step(Vec3(-0.1, 0.1, 0));
   loop.start_haptics();
-  const auto [least, most] = forces_while_moving(loop);
-  EXPECT_GT(least, 0.2 * most) << least << " to " << most << " N";
+  const auto [min_n, max_n] = forces_while_moving(loop);
+  EXPECT_GT(min_n, 0.2 * max_n) << min_n << " to " << max_n << " N";
 }
 
 // A force below the limit of friction moves nothing, so it stays as it is.

@@ -204,10 +204,10 @@ TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
     EXPECT_EQ(read_text_attribute(file, name, "unit"), column.unit);
   }
   const std::vector<double> samples = read_column(file, "/samples/sample");
-  const std::vector<double> wanted = read_column(file, "/samples/wanted_z_n");
+  const std::vector<double> wanted_z_n = read_column(file, "/samples/wanted_z_n");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     ASSERT_EQ(samples[i], static_cast<double>(i + 1));
-    ASSERT_TRUE(i % 2 == 1 ? wanted[i] == samples[i] : std::isnan(wanted[i])) << i;
+    ASSERT_TRUE(i % 2 == 1 ? wanted_z_n[i] == samples[i] : std::isnan(wanted_z_n[i])) << i;
   }
   for (const char* name : {"/objects/name", "/objects/material"}) {
     const hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
