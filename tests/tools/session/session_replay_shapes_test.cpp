@@ -190,7 +190,7 @@ struct LateShapesReplayTest : ShapesReplayTest {
     announced.clear();
     live.restart();
   }
-  void move(int steps, bool is_free) {
+  void record_samples(int steps, bool is_free) {
     for (int n = 0; n < steps; ++n) {
       DeviceState state = next_state();
       if (is_free) state.p_WD *= 1.3;
