@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kSource = 7;
 
-// The position of each carve tells its serial.
+// The position of each carve gives its serial.
 MadeCarve nth_carve(std::uint32_t serial) { return {.object = 0, .serial = serial, .carve = {Vec3::Zero(), Vec3(serial, 0, 0), 0.005}}; }
 
 // A vision node's knowledge of the carves.
@@ -39,7 +39,7 @@ struct CarveSenderTest : testing::Test {
   std::vector<Carves> sent;
   std::int64_t now_ns = 0;
 
-  void make(std::uint32_t count) {
+  void make_carves(std::uint32_t count) {
     for (std::uint32_t n = 0; n < count; ++n) sender.note(nth_carve(sender.newest() + 1));
   }
   void run_ms(int ms) {
@@ -52,7 +52,7 @@ struct CarveSenderTest : testing::Test {
 TEST_F(CarveSenderTest, ACarveIsSentAtOnceAndTwiceMore) {
   run_ms(100);
   EXPECT_TRUE(sent.empty());
-  make(1);
+  make_carves(1);
   run_ms(1);
   ASSERT_EQ(sent.size(), 1U);
   EXPECT_EQ(sent[0].source, kSource);
@@ -65,9 +65,9 @@ TEST_F(CarveSenderTest, ACarveIsSentAtOnceAndTwiceMore) {
 }
 
 TEST_F(CarveSenderTest, ADatagramRepeatsTheNewestOfTheOneBefore) {
-  make(20);
+  make_carves(20);
   run_ms(1);
-  make(2);
+  make_carves(2);
   run_ms(5);
   ASSERT_EQ(sent.size(), 2U);
   EXPECT_EQ(sent[1].first, 20U - CarveSender::kOverlap + 1);
@@ -76,7 +76,7 @@ TEST_F(CarveSenderTest, ADatagramRepeatsTheNewestOfTheOneBefore) {
 
 TEST_F(CarveSenderTest, NeverMoreThan200DatagramsASecond) {
   for (int n = 0; n < 1000; ++n) {
-    make(3);
+    make_carves(3);
     sender.accept({.source = kSource, .complete = 0});
     run_ms(1);
   }
@@ -86,17 +86,17 @@ TEST_F(CarveSenderTest, NeverMoreThan200DatagramsASecond) {
 }
 
 TEST_F(CarveSenderTest, NewAndRequestedOnesTakeTurns) {
-  make(3000);
+  make_carves(3000);
   run_ms(1000);
   sent.clear();
   sender.accept({.source = kSource, .complete = 0});
-  std::size_t fresh = 0;
+  std::size_t with_new_carves = 0;
   for (int n = 0; n < 200; ++n) {
-    make(1);
+    make_carves(1);
     run_ms(1);
   }
-  for (const Carves& carves : sent) fresh += carves.first + carves.count - 1 > 3000 ? 1U : 0U;
-  EXPECT_EQ(fresh, sent.size() / 2);
+  for (const Carves& carves : sent) with_new_carves += carves.first + carves.count - 1 > 3000 ? 1U : 0U;
+  EXPECT_EQ(with_new_carves, sent.size() / 2);
   std::uint32_t next = 1;
   for (const Carves& carves : sent) {
     if (carves.first > 2900) continue;
@@ -107,7 +107,7 @@ TEST_F(CarveSenderTest, NewAndRequestedOnesTakeTurns) {
 }
 
 TEST_F(CarveSenderTest, AViewerThatJoinsLateGetsAllCarves) {
-  make(5000);
+  make_carves(5000);
   run_ms(1500);
   sent.clear();
   CarveViewer late;
@@ -130,7 +130,7 @@ TEST_F(CarveSenderTest, EachViewerGetsAllHoweverManyAreLost) {
   const auto is_lost = [&] { return random() % 3 == 0; };
   std::vector<CarveViewer> viewers(3);
   for (int n = 0; n < 20'000; ++n) {
-    if (n < 4000 && n % 3 == 0) make(1);
+    if (n < 4000 && n % 3 == 0) make_carves(1);
     for (std::size_t v = 0; v < viewers.size(); ++v) {
       if (n < 2000 * static_cast<int>(v)) continue;
       if (n % 1000 == 0 && !is_lost()) viewers[v].take(sender.announce());
@@ -152,7 +152,7 @@ TEST_F(CarveSenderTest, EachViewerGetsAllHoweverManyAreLost) {
 }
 
 TEST_F(CarveSenderTest, RequestsThatMakeNoSenseAreLeftOut) {
-  make(10);
+  make_carves(10);
   run_ms(500);
   sent.clear();
   sender.accept({.source = kSource + 1, .complete = 0});
@@ -164,7 +164,7 @@ TEST_F(CarveSenderTest, RequestsThatMakeNoSenseAreLeftOut) {
 
 // The scene was read again, with other bodies to carve.
 TEST_F(CarveSenderTest, SerialsThatBeginAgainAreOfOtherBodies) {
-  make(10);
+  make_carves(10);
   run_ms(500);
   sent.clear();
   sender.note(nth_carve(1));

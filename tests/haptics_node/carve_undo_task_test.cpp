@@ -30,15 +30,16 @@ std::unique_ptr<TouchStep> undo_touch() {
 
 struct CarveUndoTaskTest : testing::Test {
   HapticsStep step{undo_touch(), 1e-5};
-  const Sculpture whole = *step.touch().method().sculpture();
+  const Sculpture uncarved = *step.touch().method().sculpture();
   CarveList list;  // the carves as a program receives them
-  CarveUndoTask task{whole};
+  CarveUndoTask task{uncarved};
   std::uint64_t sample = 0;
 
   void note(const MadeCarve& made) {
     EXPECT_TRUE(list.add(made));
     task.note(made);
   }
+  // Takes a step and does the work after its reply. Returns whether an undo was applied.
   bool cycle(bool is_down) {
     take_step(is_down);
     const auto undone = task.work(step);
@@ -69,8 +70,8 @@ struct CarveUndoTaskTest : testing::Test {
     return false;
   }
   // The felt shape is that of the list of carves, to the last bit.
-  void expect_same() {
-    CarvedField twin = whole.bodies()[0].field;
+  void expect_same_shape() {
+    CarvedField twin = uncarved.bodies()[0].field;
     list.for_each_active({}, [&](const MadeCarve& made) { twin.carve(made.carve); });
     const CarvedField& felt = step.touch().method().sculpture()->bodies()[0].field;
     EXPECT_TRUE(std::equal(felt.values().begin(), felt.values().end(), twin.values().begin()));
@@ -86,46 +87,46 @@ TEST_F(CarveUndoTaskTest, UndoesPressAfterPress) {
     ASSERT_TRUE(undo(list.newest_active()));
     EXPECT_LT(list.count_active(), before);
     before = list.count_active();
-    expect_same();
+    expect_same_shape();
   }
   // From here on, both copies get the same carves.
   carve(2);
-  expect_same();
+  expect_same_shape();
   ASSERT_TRUE(undo(list.newest_active()));
-  expect_same();
+  expect_same_shape();
   while (list.count_active() > 0) ASSERT_TRUE(undo(list.newest_active()));
-  expect_same();
+  expect_same_shape();
 }
 
-TEST_F(CarveUndoTaskTest, OfAnEarlierPressLeavesTheLaterOnes) {
+TEST_F(CarveUndoTaskTest, AnUndoOfAnEarlierPressLeavesTheLaterOnes) {
   carve(3);
   const CarveRange first = list.find_press(1);
   ASSERT_LT(first.last, list.newest());
   ASSERT_TRUE(undo(1));
   EXPECT_FALSE(list.is_active(first.last));
   EXPECT_TRUE(list.is_active(first.last + 1));
-  expect_same();
+  expect_same_shape();
 }
 
-TEST_F(CarveUndoTaskTest, WhileItCarves) {
+TEST_F(CarveUndoTaskTest, UndoesWhileTheStylusCarves) {
   for (int round = 0; round < 5; ++round) {
     // The stylus leaves the body once in each wave of its path, and then begins to cut again.
     for (int n = 0; n < 500; ++n) cycle(true);
     ASSERT_GT(list.newest_active(), 0U);
-    expect_same();
+    expect_same_shape();
     ASSERT_TRUE(undo(list.newest_active(), true));
-    expect_same();
+    expect_same_shape();
   }
 }
 
 // When the bodies are exchanged, a few missing carves are added; if more are missing, the task first makes them in its own copy.
 TEST_F(CarveUndoTaskTest, CarvesThatAreMadeWhileAnUndoWaitsAreKept) {
-  for (const int meanwhile : {1, 3, 4, 5, 20}) {
-    SCOPED_TRACE(meanwhile);
+  for (const int carves_meanwhile : {1, 3, 4, 5, 20}) {
+    SCOPED_TRACE(carves_meanwhile);
     carve(2);
     task.request(list.newest_active());
     std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the undo is ready by now, unless the machine stalled
-    for (int carves = 0, n = 0; carves < meanwhile && n < 20'000; ++n) carves += take_step(true) ? 1 : 0;
+    for (int carves = 0, n = 0; carves < carves_meanwhile && n < 20'000; ++n) carves += take_step(true) ? 1 : 0;
     std::optional<MadeCarve> undone;
     for (int n = 0; n < 20'000 && !undone; ++n) {
       undone = task.work(step);
@@ -133,15 +134,15 @@ TEST_F(CarveUndoTaskTest, CarvesThatAreMadeWhileAnUndoWaitsAreKept) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     ASSERT_TRUE(undone);
-    expect_same();
+    expect_same_shape();
   }
 }
 
-// The task's copy lacks carves that it was not told of. If that copy were used, material would come back under the stylus.
+// The task's copy lacks carves that the task did not receive. If that copy were used, material would come back under the stylus.
 TEST_F(CarveUndoTaskTest, NothingIsUndoneOnceThereWereTooManyCarvesAtOnce) {
   constexpr int kSide = 20;  // points of a cube within the ball, 1.5 mm apart
   int next = 0;
-  const auto repeat = [&] {
+  const auto make_small_carve = [&] {
     const Vec3 at = 0.0015 * Vec3(next % kSide - kSide / 2, next / kSide % kSide - kSide / 2, next / (kSide * kSide) - kSide / 2);
     ++next;
     const Carve small{.from_m = at, .to_m = at, .radius_m = 0.001};
@@ -149,10 +150,10 @@ TEST_F(CarveUndoTaskTest, NothingIsUndoneOnceThereWereTooManyCarvesAtOnce) {
     return MadeCarve{.object = 0, .serial = step.touch().newest_carve_serial(), .carve = rounded(small), .begins = true};
   };
   std::vector<MadeCarve> all;
-  for (int n = 0; n < 7'900; ++n) all.push_back(repeat());
+  for (int n = 0; n < 7'900; ++n) all.push_back(make_small_carve());
   for (const MadeCarve& made : all) task.note(made);
   const auto carve_and_wait = [&] {
-    task.note(repeat());
+    task.note(make_small_carve());
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_FALSE(task.work(step));
   };
@@ -180,7 +181,7 @@ TEST_F(CarveUndoTaskTest, WhatIsUnknownOrUndoneChangesNothing) {
     EXPECT_FALSE(cycle(false));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  expect_same();
+  expect_same_shape();
 }
 
 TEST_F(CarveUndoTaskTest, TheLoopUsesNoHeap) {
@@ -203,14 +204,14 @@ TEST_F(CarveUndoTaskTest, TheLoopUsesNoHeap) {
 // Each carve that was read from a file counts as one press.
 TEST(CarveUndoTaskOfAFile, UndoesWhatWasThereAtTheStart) {
   HapticsStep step(undo_touch(), 1e-5);
-  const Sculpture whole = *step.touch().method().sculpture();
+  const Sculpture uncarved = *step.touch().method().sculpture();
   std::vector<MadeCarve> made;
   for (const double x : {0.03, -0.03}) {
     const Carve carve{.from_m = {x, 0, 0}, .to_m = {x, 0.01, 0}, .radius_m = 0.004};
     ASSERT_TRUE(step.repeat_carve(0, carve));
     made.push_back({.object = 0, .serial = step.touch().newest_carve_serial(), .carve = rounded(carve), .begins = true});
   }
-  CarveUndoTask task(whole, made);
+  CarveUndoTask task(uncarved, made);
   task.request(1);
   std::optional<MadeCarve> undone;
   for (int n = 0; n < 20'000 && !undone; ++n) {
@@ -220,7 +221,7 @@ TEST(CarveUndoTaskOfAFile, UndoesWhatWasThereAtTheStart) {
   ASSERT_TRUE(undone);
   EXPECT_EQ(undone->serial, 3U);
   EXPECT_EQ(undone->undone, (CarveRange{1, 1}));
-  CarvedField twin = whole.bodies()[0].field;
+  CarvedField twin = uncarved.bodies()[0].field;
   twin.carve(made[1].carve);
   const CarvedField& felt = step.touch().method().sculpture()->bodies()[0].field;
   EXPECT_TRUE(std::equal(felt.values().begin(), felt.values().end(), twin.values().begin()));

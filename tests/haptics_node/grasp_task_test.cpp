@@ -32,34 +32,34 @@ TEST_F(GraspTaskTest, EachObjectHasANumberAndAMovableOneAPoseFromTheStart) {
 }
 
 TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
-  reply(at, 0);
-  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
-  go(at, 1);
+  reply(p_WD, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
+  go(p_WD, 1);
   EXPECT_TRUE(step->holds_tool());
-  EXPECT_EQ(last.object, kCube);
-  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6) << "it weighs nothing";
+  EXPECT_EQ(last_reply.object, kCube);
+  EXPECT_NEAR(last_reply.force_n.norm(), 0.0, 1e-6) << "it weighs nothing";
 
   go({0.0, 0.0, 0.04}, 1);
-  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
+  EXPECT_NEAR(last_reply.force_n.norm(), 0.0, 1e-6);
   go({0.041, 0.0, 0.04}, 1);
   // The face of the cube, 0.01 ahead of the stylus, is stopped at the face of the wall, at 0.05.
-  EXPECT_NEAR(last.force_n.x(), -800.0 * 0.001, 0.01);
-  EXPECT_NEAR(last.visual_offset_m.x(), -0.001, 1e-5);
+  EXPECT_NEAR(last_reply.force_n.x(), -800.0 * 0.001, 0.01);
+  EXPECT_NEAR(last_reply.visual_offset_m.x(), -0.001, 1e-5);
   go({0.03, 0.0, 0.04}, 1);
   // The cube goes down onto the plate: the stylus is 0.0205 - 0.001 above the cube's bottom.
   go({0.03, 0.0, 0.0195 + 0.0005}, 1);
   go({0.03, 0.0, 0.0195}, 1);
-  EXPECT_NEAR(last.force_n.norm(), 0.0, 0.01);
-  const double held_at = at.z() + last.visual_offset_m.z();
+  EXPECT_NEAR(last_reply.force_n.norm(), 0.0, 0.01);
+  const double held_z_m = p_WD.z() + last_reply.visual_offset_m.z();
 
   rest(0, 1);
   EXPECT_FALSE(step->holds_tool());
   wait_for_method(1);
   rest(0, 200);
-  EXPECT_EQ(last.object, kCube) << "the stylus still presses where it released the object";
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.05);
-  EXPECT_NEAR(held_at, at.z(), 1e-4);
+  EXPECT_EQ(last_reply.object, kCube) << "the stylus still presses where it released the object";
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 0.05);
+  EXPECT_NEAR(held_z_m, p_WD.z(), 1e-4);
 
   ASSERT_EQ(grasp->poses().size(), 3U);
   const ObjectPose& pose = grasp->poses()[kCube];
@@ -80,27 +80,27 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
 
   go({0.03, 0.0, 0.05}, 0);
   go({0.0, 0.0, 0.05}, 0);
-  EXPECT_EQ(go({0.0, 0.0, 0.0 - kPress}, 0).object, kPlate) << "nothing is left where it was";
-  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
-  EXPECT_LT(most_change_nm, 0.01);
+  EXPECT_EQ(go({0.0, 0.0, 0.0 - kPressDepth}, 0).object, kPlate) << "nothing is left where it was";
+  EXPECT_LT(largest_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
+  EXPECT_LT(largest_change_nm, 0.01);
 }
 
 // A vision node that draws the object moves it with the stylus.
 TEST_F(GraspTaskTest, AHeldObjectIsShownInTheFrameOfTheStylus) {
-  reply(at, 0);
+  reply(p_WD, 0);
   const Vec3 moved(0.03, 0.0, 0.0);
   grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = moved});
   rest(0, 1);
   wait_for_method(1);
   go({0.03, 0.0, 0.05}, 0);
-  ASSERT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
-  for (int n = 1; n <= 100; ++n) reply(at, 0, turn_by({0.002 * n, 0.0, 0.0}));
+  ASSERT_EQ(go({0.03, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
+  for (int n = 1; n <= 100; ++n) reply(p_WD, 0, turn_by({0.002 * n, 0.0, 0.0}));
   const Quat turned = turn_by({0.2, 0.0, 0.0});
-  for (int n = 0; n < 50; ++n) reply(at, 1, turned);
+  for (int n = 0; n < 50; ++n) reply(p_WD, 1, turned);
   ASSERT_TRUE(step->holds_tool());
   const ObjectPose& pose = grasp->poses()[kCube];
   EXPECT_TRUE(pose.is_held);
-  EXPECT_LT((at + turned * pose.p_m - moved).norm(), 1e-9) << "it has not moved yet";
+  EXPECT_LT((p_WD + turned * pose.p_m - moved).norm(), 1e-9) << "it has not moved yet";
   EXPECT_LT((turned * pose.q).angularDistance(Quat::Identity()), 1e-6);
 }
 
@@ -111,15 +111,15 @@ TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
   material_task->request(request);
   for (int i = 0; i < 3000 && material_task->take() == nullptr; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   ASSERT_TRUE(material_task->accepted());
-  reply(at, 0);
-  ASSERT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
-  go(at, 1);
+  reply(p_WD, 0);
+  ASSERT_EQ(go({0.0, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
+  go(p_WD, 1);
   ASSERT_TRUE(step->holds_tool());
   go({0.0, 0.0, 0.04}, 1);
   go({0.0403, 0.0, 0.04}, 1);
-  EXPECT_NEAR(last.force_n.x(), -800.0 * 0.0003, 1e-3) << "at rest";
+  EXPECT_NEAR(last_reply.force_n.x(), -800.0 * 0.0003, 1e-3) << "at rest";
   for (int n = 1; n <= 10; ++n) reply({0.0403 + 5e-5 * n, 0.0, 0.04}, 1);
-  EXPECT_NEAR(last.force_n.x(), -800.0 * 0.0008 - 3.0 * 0.05, 1e-3);
+  EXPECT_NEAR(last_reply.force_n.x(), -800.0 * 0.0008 - 3.0 * 0.05, 1e-3);
   go({0.03, 0.0, 0.04}, 1);
   rest(0, 1);
   wait_for_method(1);
@@ -129,19 +129,19 @@ TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
 }
 
 TEST_F(GraspTaskTest, WhatHasMovedIsPickedUpAgain) {
-  reply(at, 0);
-  for (int turn = 1; turn <= 3; ++turn) {
-    const double x = 0.01 * (turn - 1);
+  reply(p_WD, 0);
+  for (int repetition = 1; repetition <= 3; ++repetition) {
+    const double x = 0.01 * (repetition - 1);
     go({x, 0.0, 0.05}, 0);
-    EXPECT_EQ(go({x, 0.0, 0.021 - kPress}, 0).object, kCube) << turn;
-    go(at, 1);
-    ASSERT_TRUE(step->holds_tool()) << turn;
+    EXPECT_EQ(go({x, 0.0, 0.021 - kPressDepth}, 0).object, kCube) << repetition;
+    go(p_WD, 1);
+    ASSERT_TRUE(step->holds_tool()) << repetition;
     go({x, 0.0, 0.04}, 1);
     go({x + 0.01, 0.0, 0.04}, 1);
-    go({x + 0.01, 0.0, 0.021 - kPress}, 1);
+    go({x + 0.01, 0.0, 0.021 - kPressDepth}, 1);
     rest(0, 1);
-    wait_for_method(turn);
-    EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.01 * turn, 1e-4);
+    wait_for_method(repetition);
+    EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.01 * repetition, 1e-4);
   }
 }
 
@@ -151,18 +151,18 @@ struct PlacedGraspTest : GraspTaskTest {
 };
 
 TEST_F(PlacedGraspTest, AnObjectThatLiesElsewhereAtTheStartIsPickedUpFromThere) {
-  reply(at, 0);
+  reply(p_WD, 0);
   EXPECT_EQ(grasp->poses()[kCube].p_m.x(), 0.03);
   EXPECT_GT(grasp->poses()[kCube].serial, 1U);
-  EXPECT_EQ(go({0.0, 0.0, -kPress}, 0).object, kPlate) << "nothing is where the scene file has it";
+  EXPECT_EQ(go({0.0, 0.0, -kPressDepth}, 0).object, kPlate) << "nothing is where the scene file has it";
   go({0.0, 0.0, 0.05}, 0);
   go({0.03, 0.0, 0.05}, 0);
-  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
   rest(1, 150);
   ASSERT_TRUE(step->holds_tool());
   go({0.03, 0.0, 0.04}, 1);
   go({0.01, 0.0, 0.04}, 1);
-  go({0.01, 0.0, 0.021 - kPress}, 1);
+  go({0.01, 0.0, 0.021 - kPressDepth}, 1);
   rest(0, 1);
   wait_for_method(1);
   EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.01, 1e-4);
@@ -175,27 +175,27 @@ struct WindyGraspTest : GraspTaskTest {
 };
 
 TEST_F(WindyGraspTest, EffectsInFreeSpaceActWhileAnObjectIsHeldAndWhileItIsPutDown) {
-  reply(at, 0);
-  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
-  double farthest_n = 0.0;
-  const auto note = [&] { farthest_n = std::max(farthest_n, std::abs(last.force_n.y() - 0.3)); };
+  reply(p_WD, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
+  double largest_deviation_n = 0.0;
+  const auto note_deviation = [&] { largest_deviation_n = std::max(largest_deviation_n, std::abs(last_reply.force_n.y() - 0.3)); };
   for (int i = 0; i < 200; ++i) {
-    reply(at, 1);
-    note();
+    reply(p_WD, 1);
+    note_deviation();
   }
   ASSERT_TRUE(step->holds_tool());
-  EXPECT_NEAR((last.force_n - Vec3(0.0, 0.3, 0.0)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((last_reply.force_n - Vec3(0.0, 0.3, 0.0)).norm(), 0.0, 1e-6);
   go({0.03, 0.0, 0.04}, 1);
-  note();
+  note_deviation();
   for (int i = 0; i < 200; ++i) {
-    reply(at, 0);
-    note();
+    reply(p_WD, 0);
+    note_deviation();
   }
   wait_for_method(1);
   rest(0, 200);
-  note();
-  EXPECT_LT(farthest_n, 1e-6) << "never without the wind";
-  EXPECT_TRUE(last.contact);
+  note_deviation();
+  EXPECT_LT(largest_deviation_n, 1e-6) << "never without the wind";
+  EXPECT_TRUE(last_reply.contact);
 }
 
 struct SwitchedGraspTest : GraspTaskTest {
@@ -203,60 +203,60 @@ struct SwitchedGraspTest : GraspTaskTest {
 };
 
 TEST_F(SwitchedGraspTest, AnEffectThatIsOffInTheSceneWithTheObjectPutDownFadesOut) {
-  reply(at, 0);
-  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+  reply(p_WD, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
   go({0.03, 0.0, 0.04}, 3);
-  EXPECT_NEAR(last.force_n.y(), 0.3, 1e-6);
-  most_change_n = 0.0;
-  waits = true;
-  for (int i = 0; i < 200; ++i) reply(at + Vec3(0.0, 0.0, 5e-5), 2);  // away from the object
-  waits = false;
-  for (int i = 0; i < 30'000 && methods < 1; ++i) {
+  EXPECT_NEAR(last_reply.force_n.y(), 0.3, 1e-6);
+  largest_change_n = 0.0;
+  delays_methods = true;
+  for (int i = 0; i < 200; ++i) reply(p_WD + Vec3(0.0, 0.0, 5e-5), 2);  // away from the object
+  delays_methods = false;
+  for (int i = 0; i < 30'000 && method_changes < 1; ++i) {
     rest(2, 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ASSERT_EQ(methods, 1);
+  ASSERT_EQ(method_changes, 1);
   rest(2, 200);
-  EXPECT_EQ(last.force_n.y(), 0.0) << "a button that was down already does not switch it on";
-  EXPECT_LT(most_change_n, 0.04) << "a tenth in each step";
+  EXPECT_EQ(last_reply.force_n.y(), 0.0) << "a button that was down already does not switch it on";
+  EXPECT_LT(largest_change_n, 0.04) << "a tenth in each step";
 }
 
 // vision_node makes such a request when a person undoes a move.
 TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
-  reply(at, 0);
+  reply(p_WD, 0);
   go({-0.05, 0.0, 0.03}, 0);
-  EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
-  ObjectPose wanted{.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}};
-  grasp->request_pose(wanted);
+  EXPECT_EQ(go({-0.05, 0.0, -kPressDepth}, 0).object, kPlate);
+  ObjectPose requested_pose{.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}};
+  grasp->request_pose(requested_pose);
   rest(0, 1);
-  EXPECT_EQ(grasp->poses()[kCube].p_m, wanted.p_m) << "said at once";
-  EXPECT_GT(grasp->poses()[kCube].serial, wanted.serial);
-  grasp->request_pose(wanted);  // repeated, because a reply may be lost
+  EXPECT_EQ(grasp->poses()[kCube].p_m, requested_pose.p_m) << "announced at once";
+  EXPECT_GT(grasp->poses()[kCube].serial, requested_pose.serial);
+  grasp->request_pose(requested_pose);  // repeated, because a reply may be lost
   wait_for_method(1);
   rest(0, 200);
-  EXPECT_EQ(last.object, kPlate) << "the probe has not sunk in";
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.01);
-  grasp->request_pose(wanted);
+  EXPECT_EQ(last_reply.object, kPlate) << "the probe has not sunk in";
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 0.01);
+  grasp->request_pose(requested_pose);
   rest(0, 50);
   EXPECT_FALSE(grasp->is_busy()) << "that pose has been left already";
   go({-0.05, 0.0, 0.05}, 0);
   go({0.03, 0.0, 0.05}, 0);
-  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
   // The cube leaves the place under the tip: nothing is left there to be felt.
-  wanted = {.serial = grasp->poses()[kCube].serial, .object = kCube};
-  grasp->request_pose(wanted);
+  requested_pose = {.serial = grasp->poses()[kCube].serial, .object = kCube};
+  grasp->request_pose(requested_pose);
   rest(0, 1);
   wait_for_method(2);
   rest(0, 200);
-  EXPECT_EQ(last.object, -1);
-  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
-  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
+  EXPECT_EQ(last_reply.object, -1);
+  EXPECT_NEAR(last_reply.force_n.norm(), 0.0, 1e-6);
+  EXPECT_LT(largest_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
 }
 
 TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
-  reply(at, 0);
+  reply(p_WD, 0);
   const std::uint32_t serial = grasp->poses()[kCube].serial;
   const Vec3 aside(0.03, 0.0, 0.0);
   for (const ObjectPose& bad : {ObjectPose{.serial = serial + 1, .object = kCube, .p_m = aside},
@@ -267,7 +267,7 @@ TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
     rest(0, 2);
     EXPECT_FALSE(grasp->is_busy()) << bad.object;
   }
-  go({0.0, 0.0, 0.021 - kPress}, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
   rest(1, 150);
   ASSERT_TRUE(step->holds_tool());
   grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = aside});
@@ -275,22 +275,22 @@ TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
   EXPECT_TRUE(step->holds_tool()) << "not while it is held";
 }
 
-TEST_F(GraspTaskTest, ObjectsArePreparedWhileThereIsNothingElseToDoAndOnlyWhatHasMovedIsAgain) {
-  const auto count = [this] {
-    int prepared = 0;
-    while (task->run_once()) ++prepared;
-    return prepared;
+TEST_F(GraspTaskTest, ObjectsArePreparedWhenIdleAndOnlyMovedOnesAgain) {
+  const auto run_until_idle = [this] {
+    int runs = 0;
+    while (task->run_once()) ++runs;
+    return runs;
   };
-  EXPECT_EQ(count(), 3);
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
-  go(at, 1);
+  EXPECT_EQ(run_until_idle(), 3) << "one run for each object";
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
+  go(p_WD, 1);
   ASSERT_TRUE(step->holds_tool());
   go({0.0, 0.0, 0.03}, 1);
   // Released: the request is carried out, then the cube is prepared where it is now.
-  step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at});
+  step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p_WD});
   (void)step->reply();
-  EXPECT_EQ(count(), 2);
+  EXPECT_EQ(run_until_idle(), 2);
 }
 
 struct GraspOnImages : GraspTaskTest {
@@ -310,9 +310,9 @@ TEST_F(GraspOnImages, ASurfaceWithImagesIsPreparedAheadAndGoesIntoTheSceneThatIs
   int prepared = 0;
   while (task->run_once()) ++prepared;
   EXPECT_EQ(prepared, 4) << "three objects, and the images of one";
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
-  go(at, 1);
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
+  go(p_WD, 1);
   ASSERT_TRUE(step->holds_tool());
   go({0.0, 0.0, 0.03}, 1);
   rest(0, 1);
@@ -325,92 +325,92 @@ TEST_F(GraspOnImages, ASurfaceWithImagesIsPreparedAheadAndGoesIntoTheSceneThatIs
 }
 
 TEST_F(GraspTaskTest, SaysHowLongAPickUpTookIfTheHandHadToWaitAndCountsTheTimesOfPoses) {
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
-  const auto picked_up_in = [&](std::int64_t passes_ns) {
-    clock.passes_ns = passes_ns;
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
+  const auto log_of_pick_up = [&](std::int64_t step_ns) {
+    clock.step_ns = step_ns;
     const std::string log = log_of([&] { rest(1, 3); });
     EXPECT_TRUE(step->holds_tool());
-    const int next = methods + 1;
+    const int next = method_changes + 1;
     rest(0, 1);
     wait_for_method(next);
     rest(0, 200);
     return log;
   };
-  EXPECT_THAT(picked_up_in(190'000'000), AllOf(HasSubstr("cube is picked up"), Not(HasSubstr("took"))));
-  EXPECT_THAT(picked_up_in(300'000'000), HasSubstr("cube is picked up; its preparation took 0.3 s"));
+  EXPECT_THAT(log_of_pick_up(190'000'000), AllOf(HasSubstr("cube is picked up"), Not(HasSubstr("took"))));
+  EXPECT_THAT(log_of_pick_up(300'000'000), HasSubstr("cube is picked up; its preparation took 0.3 s"));
   EXPECT_GT(task->pose_times().count(), 2U);
   EXPECT_NEAR(static_cast<double>(task->pose_times().max_ns()), 300e6, 1.0);
   EXPECT_LT(static_cast<double>(task->pose_times().min_ns()), 200e6);
 }
 
 TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
-  reply(at, 0);
+  reply(p_WD, 0);
   go({-0.05, 0.0, 0.03}, 0);
-  EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
-  const Vec3 felt = last.force_n;
+  EXPECT_EQ(go({-0.05, 0.0, -kPressDepth}, 0).object, kPlate);
+  const Vec3 force_before_n = last_reply.force_n;
   rest(1, 200);
   EXPECT_FALSE(step->holds_tool());
-  EXPECT_EQ(last.force_n, felt);
+  EXPECT_EQ(last_reply.force_n, force_before_n);
   EXPECT_FALSE(grasp->is_busy());
 }
 
 TEST_F(GraspTaskTest, AButtonThatWasDownBeforePicksUpNothingAndOneInTheAirNeither) {
-  reply(at, 1);
-  go({0.0, 0.0, 0.021 - kPress}, 1);
+  reply(p_WD, 1);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 1);
   EXPECT_FALSE(step->holds_tool());
   go({0.0, 0.0, 0.05}, 0);
   rest(1, 10);
-  go({0.0, 0.0, 0.021 - kPress}, 1);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 1);
   EXPECT_FALSE(step->holds_tool());
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
 }
 
 // The log says that an object stays if it was never picked up. It does not say so if the object was held and put down.
 TEST_F(GraspTaskTest, SaysThatAnObjectStaysOnlyIfItWasNotPickedUp) {
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
-  const std::string held = log_of([&] {
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
+  const std::string log_of_hold = log_of([&] {
     rest(1, 200);
     EXPECT_TRUE(step->holds_tool());
     rest(0, 200);
     EXPECT_FALSE(step->holds_tool());
   });
-  EXPECT_THAT(held, AllOf(HasSubstr("cube"), Not(HasSubstr("stays where it is"))));
-  const std::string missed = log_of([&] {
+  EXPECT_THAT(log_of_hold, AllOf(HasSubstr("cube"), Not(HasSubstr("stays where it is"))));
+  const std::string log_of_release = log_of([&] {
     for (const std::uint32_t buttons : {1U, 0U}) {  // released before the slow task has received the request
-      step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = buttons});
+      step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p_WD, .buttons = buttons});
       (void)step->reply();
     }
     rest(0, 200);
   });
-  EXPECT_THAT(missed, HasSubstr("cube stays where it is"));
+  EXPECT_THAT(log_of_release, HasSubstr("cube stays where it is"));
 }
 
 TEST_F(GraspTaskTest, ABriefPressLeavesEverythingAsItWas) {
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
   for (int i = 0; i < 20; ++i) {
     // The slow task does not run between press and release, only after the release.
-    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
+    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p_WD, .buttons = 1});
     (void)step->reply();
     rest(0, 1 + i % 3);
   }
   rest(0, 200);
   EXPECT_FALSE(grasp->is_busy());
-  EXPECT_EQ(last.object, kCube);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_EQ(last_reply.object, kCube);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
 }
 
 TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
   const auto step_once = [&](std::uint32_t buttons) {
-    at.z() += buttons == 0 ? 0.0 : 1e-5;
-    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = buttons});
+    p_WD.z() += buttons == 0 ? 0.0 : 1e-5;
+    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p_WD, .buttons = buttons});
     const AllocationGuard guard;
-    last = step->reply();
+    last_reply = step->reply();
     return guard.count();
   };
   for (int n = 0; n < 600; ++n) {
@@ -420,17 +420,17 @@ TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
 }
 
 TEST_F(GraspTaskTest, TheSceneMayTurnWhileAnObjectIsHeld) {
-  reply(at, 0);
-  go({0.0, 0.0, 0.021 - kPress}, 0);
-  go(at, 1);
+  reply(p_WD, 0);
+  go({0.0, 0.0, 0.021 - kPressDepth}, 0);
+  go(p_WD, 1);
   go({0.0, 0.0, 0.04}, 1);
   ASSERT_TRUE(step->holds_tool());
   // A quarter turn about z: what was at x is at y now. The object stays with the stylus.
   ASSERT_TRUE(step->turn_scene({.revision = 1, .X_WS = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}}));
   rest(1, 100);
-  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
+  EXPECT_NEAR(last_reply.force_n.norm(), 0.0, 1e-6);
   go({0.0, 0.041, 0.04}, 1);
-  EXPECT_NEAR(last.force_n.y(), -800.0 * 0.001, 0.01) << "the wall has turned";
+  EXPECT_NEAR(last_reply.force_n.y(), -800.0 * 0.001, 0.01) << "the wall has turned";
   go({0.0, 0.03, 0.04}, 1);
   rest(0, 1);
   wait_for_method(1);

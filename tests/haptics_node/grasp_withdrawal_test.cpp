@@ -12,28 +12,28 @@ namespace {
 
 struct GraspWithdrawalTest : GraspTaskTest {
   GraspWithdrawalTest() {
-    reply(at, 0);
-    EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+    reply(p_WD, 0);
+    EXPECT_EQ(go({0.0, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
   }
   // Builds the scene with the object that was put down; no sample comes meanwhile.
   void build_without_samples() {
-    for (int n = 0; n < 30'000 && methods == 0; ++n) {
+    for (int n = 0; n < 30'000 && method_changes == 0; ++n) {
       task->run_once();
       take_method();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    ASSERT_EQ(methods, 1);
+    ASSERT_EQ(method_changes, 1);
   }
   // The first sample after the hub has computed the force, with its probe at p_WP.
   void resume_at(const Vec3& p_WP, std::uint32_t buttons) {
     ++sample;
     step->offer({.sample = sample,
                  .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000,
-                 .p_WD = at,
+                 .p_WD = p_WD,
                  .buttons = buttons,
                  .is_resumed = true,
                  .p_WP = p_WP});
-    last = step->reply();
+    last_reply = step->reply();
     task->run_once();
     take_method();
   }
@@ -44,42 +44,42 @@ struct GraspWithdrawalTest : GraspTaskTest {
     rest(0, 1);
     wait_for_method(1);
     rest(0, 200);
-    ASSERT_EQ(last.object, kCube);
+    ASSERT_EQ(last_reply.object, kCube);
   }
   void press_on_plate() {
     go({0.0, 0.0, 0.05}, 0);
     go({-0.08, 0.0, 0.05}, 0);
-    EXPECT_EQ(go({-0.08, 0.0, -kPress}, 0).object, 0);
+    EXPECT_EQ(go({-0.08, 0.0, -kPressDepth}, 0).object, 0);
   }
 };
 
 TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
   EXPECT_FALSE(grasp->is_object_away(true));
   grasp->set_may_leave(false);
-  reply(at, 1);
-  EXPECT_TRUE(grasp->is_object_away(true)) << "it has been requested";
+  reply(p_WD, 1);
+  EXPECT_TRUE(grasp->is_object_away(true)) << "its tool has been requested";
   rest(1, 200);
   EXPECT_TRUE(grasp->is_object_away(false)) << "its tool is made";
   EXPECT_FALSE(step->holds_tool());
   EXPECT_FALSE(grasp->poses()[kCube].is_held);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
-  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
+  EXPECT_EQ(last_reply.object, kCube);
   grasp->set_may_leave(true);
-  reply(at, 1);
+  reply(p_WD, 1);
   EXPECT_TRUE(step->holds_tool());
   EXPECT_TRUE(grasp->poses()[kCube].is_held);
   EXPECT_TRUE(grasp->is_object_away(false));
   rest(1, 200);
-  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02);
-  waits = true;
+  EXPECT_LT(largest_change_n, 800.0 * 1e-4 + 0.02);
+  delays_methods = true;
   rest(0, 100);
   EXPECT_TRUE(grasp->is_object_away(false)) << "it is not felt yet where it was put down";
-  waits = false;
+  delays_methods = false;
   wait_for_method(1);
   EXPECT_FALSE(grasp->is_object_away(true));
 }
 
-TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
+TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeTheObjectMayLeaveMovesNothing) {
   const std::uint32_t serial = grasp->poses()[kCube].serial;
   grasp->set_may_leave(false);
   rest(1, 200);
@@ -89,13 +89,13 @@ TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
   rest(0, 100);
   EXPECT_FALSE(step->holds_tool());
   EXPECT_EQ(grasp->poses()[kCube].serial, serial);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
   // The next press picks the cube up.
   rest(1, 200);
   EXPECT_TRUE(step->holds_tool());
 }
 
-TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
+TEST_F(GraspWithdrawalTest, AMoveOnRequestWaits) {
   go({0.0, 0.0, 0.05}, 0);
   const ObjectPose pose = {.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)};
   grasp->set_may_leave(false);
@@ -110,7 +110,7 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   rest(0, 1);
   EXPECT_EQ(grasp->poses()[kCube].p_m, pose.p_m);
   wait_for_method(1);
-  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPressDepth}, 0).object, kCube);
   grasp->set_may_leave(false);
   grasp->request_pose(pose);
   EXPECT_FALSE(grasp->is_object_away(true)) << "that pose is not the newest any more";
@@ -121,16 +121,16 @@ TEST_F(GraspWithdrawalTest, WhatLeavesAsTheProbeBeginsAnewTakesNoContactAway) {
   press_on_plate();
   grasp->set_may_leave(false);
   grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)});
-  reply(at, 0);
+  reply(p_WD, 0);
   grasp->set_may_leave(true);
   resume_at({-0.08, 0.0, 0.0}, 0);
-  EXPECT_TRUE(last.contact);
+  EXPECT_TRUE(last_reply.contact);
   rest(0, 1);
   EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.03, 0.0);
   wait_for_method(1);
   rest(0, 200);
-  EXPECT_EQ(last.object, 0) << "the hand stays on the plate";
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_EQ(last_reply.object, 0) << "the hand stays on the plate";
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
 }
 
 TEST_F(GraspWithdrawalTest, AButtonPressedAsTheProbeBeginsAnewCounts) {
@@ -150,13 +150,13 @@ TEST_F(GraspWithdrawalTest, AButtonPressedAsTheProbeBeginsAnewCounts) {
 }
 
 TEST_F(GraspWithdrawalTest, AButtonHeldSinceBeforeTheProbeBeginsAnewPicksNothingUp) {
-  const Vec3 pressed = at;
+  const Vec3 p_pressed = p_WD;
   go({0.0, 0.0, 0.05}, 0);
   rest(1, 5);
-  ASSERT_EQ(go(pressed, 1).object, kCube) << "pressed in free space";
+  ASSERT_EQ(go(p_pressed, 1).object, kCube) << "pressed in free space";
   resume_at({0.0, 0.0, 0.021}, 1);
   rest(1, 200);
-  EXPECT_EQ(last.object, kCube);
+  EXPECT_EQ(last_reply.object, kCube);
   EXPECT_FALSE(step->holds_tool());
   rest(0, 5);
   rest(1, 200);
@@ -167,14 +167,14 @@ TEST_F(GraspWithdrawalTest, AButtonHeldSinceBeforeTheProbeBeginsAnewPicksNothing
 TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContact) {
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
-  waits = true;
+  delays_methods = true;
   rest(0, 10);
   step->resume();
-  waits = false;
+  delays_methods = false;
   ASSERT_NO_FATAL_FAILURE(build_without_samples());
   rest(0, 200);
-  EXPECT_EQ(last.object, kCube);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_EQ(last_reply.object, kCube);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
 }
 
 // The hub restarts before any sample has a reply in the scene with the object put down.
@@ -185,75 +185,75 @@ TEST_F(GraspWithdrawalTest, ASessionThatBeginsAfterAPutDownKeepsTheContact) {
   ASSERT_NO_FATAL_FAILURE(build_without_samples());
   step->resume();
   rest(0, 200);
-  EXPECT_EQ(last.object, kCube);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_EQ(last_reply.object, kCube);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
 }
 
 // The hub may not have got a reply since the object was put down: its position is then that of a hand without a probe.
 TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway) {
-  const Vec3 before = at;
+  const Vec3 before = p_WD;
   ASSERT_NO_FATAL_FAILURE(hold_and_put_down());
   sample += 199;  // the longest gap after which this node's own contact counts: 200 ms
   resume_at(before - Vec3(0.0, 0.0, 1e-5), 0);
   rest(0, 200);
-  EXPECT_EQ(last.object, kCube);
-  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_EQ(last_reply.object, kCube);
+  EXPECT_NEAR(last_reply.force_n.z(), 800.0 * kPressDepth, 1e-3);
 }
 
 // After a long time without samples, the hand may have gone around what it touched in this node: then the hub's position counts.
 TEST_F(GraspWithdrawalTest, WhatWasFeltHereLongAgoDoesNotCount) {
-  const Vec3 before = at;
+  const Vec3 before = p_WD;
   ASSERT_NO_FATAL_FAILURE(hold_and_put_down());
   sample += 200;
   resume_at(before - Vec3(0.0, 0.0, 1e-5), 0);
   rest(0, 200);
-  EXPECT_EQ(last.object, -1);
-  EXPECT_EQ(last.force_n.norm(), 0.0);
+  EXPECT_EQ(last_reply.object, -1);
+  EXPECT_EQ(last_reply.force_n.norm(), 0.0);
 }
 
 TEST_F(GraspWithdrawalTest, ARequestIsWithdrawnWhereTheButtonIsUpAsTheProbeBeginsAnew) {
   grasp->set_may_leave(false);
   rest(1, 5);
   step->restart();
-  reply(at, 1);
+  reply(p_WD, 1);
   EXPECT_TRUE(grasp->is_busy());
   step->restart();
-  reply(at, 0);
+  reply(p_WD, 0);
   EXPECT_FALSE(grasp->is_busy());
 }
 
 // Otherwise the object would follow the hand, through whatever is in between.
 TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
-  const Vec3 first = at;
-  for (const bool is_free : {false, true}) {
-    SCOPED_TRACE(is_free);
+  const Vec3 start = p_WD;
+  for (const bool may_leave : {false, true}) {
+    SCOPED_TRACE(may_leave);
     const std::uint32_t serial = grasp->poses()[kCube].serial;
-    grasp->set_may_leave(is_free);
-    for (const double gone_m : {0.9 * kResumeReachM, 1.1 * kResumeReachM}) {
-      SCOPED_TRACE(gone_m);
-      const Vec3 pressed = first + grasp->poses()[kCube].p_m;
+    grasp->set_may_leave(may_leave);
+    for (const double distance_m : {0.9 * kResumeReachM, 1.1 * kResumeReachM}) {
+      SCOPED_TRACE(distance_m);
+      const Vec3 p_pressed = start + grasp->poses()[kCube].p_m;
       // The button is pressed before the tool is made, whether the hub has parts or not.
       const auto sample_at = [&](const Vec3& p, std::uint32_t buttons) {
         step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .buttons = buttons});
-        last = step->reply();
+        last_reply = step->reply();
       };
-      sample_at(pressed, 1);
-      for (int n = 1; n <= 400; ++n) sample_at(pressed + Vec3(0.0, 0.0, gone_m * n / 400), 1);
-      at = pressed + Vec3(0.0, 0.0, gone_m);
+      sample_at(p_pressed, 1);
+      for (int n = 1; n <= 400; ++n) sample_at(p_pressed + Vec3(0.0, 0.0, distance_m * n / 400), 1);
+      p_WD = p_pressed + Vec3(0.0, 0.0, distance_m);
       grasp->set_may_leave(true);
-      for (int n = 0; n < 200; ++n) reply(at, 1);
-      EXPECT_EQ(step->holds_tool(), gone_m < kResumeReachM);
-      if (gone_m < kResumeReachM) {
-        const int before = methods;
+      for (int n = 0; n < 200; ++n) reply(p_WD, 1);
+      EXPECT_EQ(step->holds_tool(), distance_m < kResumeReachM);
+      if (distance_m < kResumeReachM) {
+        const int changes_before = method_changes;
         rest(0, 5);
-        wait_for_method(before + 1);
-        go(first + grasp->poses()[kCube].p_m, 0);
-        ASSERT_EQ(last.object, kCube);
+        wait_for_method(changes_before + 1);
+        go(start + grasp->poses()[kCube].p_m, 0);
+        ASSERT_EQ(last_reply.object, kCube);
       } else {
         EXPECT_FALSE(grasp->is_busy());
         EXPECT_FALSE(grasp->is_object_away(true)) << "the parts may be sent again";
         rest(0, 5);
-        go(pressed, 0);
+        go(p_pressed, 0);
       }
     }
     EXPECT_GT(grasp->poses()[kCube].serial, serial);
@@ -262,10 +262,10 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
 
 TEST_F(GraspWithdrawalTest, AHandThatHasTurnedPicksNothingUp) {
   grasp->set_may_leave(false);
-  for (int n = 0; n <= 400; ++n) reply(at, 1, turn_by({0.0, 0.0, 1.1 * kResumeTurnRad * n / 400}));
+  for (int n = 0; n <= 400; ++n) reply(p_WD, 1, turn_by({0.0, 0.0, 1.1 * kResumeTurnRad * n / 400}));
   EXPECT_FALSE(grasp->is_busy());
   grasp->set_may_leave(true);
-  for (int n = 0; n < 50; ++n) reply(at, 1, turn_by({0.0, 0.0, 1.1 * kResumeTurnRad}));
+  for (int n = 0; n < 50; ++n) reply(p_WD, 1, turn_by({0.0, 0.0, 1.1 * kResumeTurnRad}));
   EXPECT_FALSE(step->holds_tool());
 }
 
@@ -274,36 +274,36 @@ TEST_F(GraspWithdrawalTest, AHandThatHasTurnedPicksNothingUp) {
 TEST_F(GraspWithdrawalTest, TheFirstForceOfWhatIsPickedUpLateMakesNoJump) {
   const auto press_without_task = [&](const Vec3& p) {
     step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .buttons = 1});
-    last = step->reply();
-    at = p;
+    last_reply = step->reply();
+    p_WD = p;
   };
-  const Vec3 pressed = at;
-  for (const bool is_made_before : {true, false}) {
-    SCOPED_TRACE(is_made_before);
-    grasp->set_may_leave(is_made_before);
-    press_without_task(pressed);
+  const Vec3 p_pressed = p_WD;
+  for (const bool is_picked_up_before : {true, false}) {
+    SCOPED_TRACE(is_picked_up_before);
+    grasp->set_may_leave(is_picked_up_before);
+    press_without_task(p_pressed);
     for (int n = 0; n < 5; ++n) task->run_once();
-    for (int n = 1; n <= 400; ++n) press_without_task(pressed - Vec3(0.0, 0.0, 0.014 * n / 400));
-    ASSERT_EQ(step->holds_tool(), is_made_before);
-    ASSERT_EQ(last.force_n.isZero(0.0), is_made_before);
+    for (int n = 1; n <= 400; ++n) press_without_task(p_pressed - Vec3(0.0, 0.0, 0.014 * n / 400));
+    ASSERT_EQ(step->holds_tool(), is_picked_up_before);
+    ASSERT_EQ(last_reply.force_n.isZero(0.0), is_picked_up_before);
     grasp->set_may_leave(true);
-    most_change_n = 0.0;
+    largest_change_n = 0.0;
     rest(1, 300);
     ASSERT_TRUE(step->holds_tool());
-    EXPECT_GT(last.force_n.z(), 8.0);
-    EXPECT_LT(most_change_n, 0.12 * last.force_n.z()) << "a sample without a tool is one in free space";
-    const int before = methods;
-    go(pressed, 1);
+    EXPECT_GT(last_reply.force_n.z(), 8.0);
+    EXPECT_LT(largest_change_n, 0.12 * last_reply.force_n.z()) << "a sample without a tool is one in free space";
+    const int changes_before = method_changes;
+    go(p_pressed, 1);
     rest(0, 5);
-    wait_for_method(before + 1);
-    go(pressed, 0);
+    wait_for_method(changes_before + 1);
+    go(p_pressed, 0);
   }
 }
 
 // This must not need another sample: while the hub computes the force, samples are rare.
 TEST_F(GraspWithdrawalTest, AToolThatIsMadeIsKnownBetweenSamples) {
   grasp->set_may_leave(false);
-  step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
+  step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p_WD, .buttons = 1});
   step->reply();
   EXPECT_FALSE(grasp->is_object_away(false));
   for (int n = 0; n < 5; ++n) task->run_once();

@@ -47,7 +47,7 @@ TEST(HapticsOptions, NumbersHaveTheRangesThatHelpNames) {
   for (const auto& range : ranges) expect_range(range, parse_haptics);
 }
 
-TEST(HapticsOptions, UnitsAndWordsArrive) {
+TEST(HapticsOptions, UnitsAndWordsAreParsed) {
   const auto options = std::get<HapticsOptions>(parse_haptics(
       {"--offset-in",    "0.5",   "--simplify", "0.2mm", "--grid",          "7",      "--unit", "mm",          "--no-seal", "--no-fit",
        "--probe-radius", "0.003", "--rt",       "off",   "--build-at-once", "--tool", "t.obj",  "--tool-unit", "in",        "--tool-grip",
@@ -59,15 +59,15 @@ TEST(HapticsOptions, UnitsAndWordsArrive) {
   EXPECT_EQ(options.realtime.mode, RealtimeMode::off);
   EXPECT_EQ(options.loading.sealing, CrackSealing::off);
   EXPECT_EQ(options.loading.fit, MeshFit::off);
-  const auto unsaid = std::get<HapticsOptions>(parse_haptics({}));
-  EXPECT_DOUBLE_EQ(unsaid.method.offset_m, HapticsOptions().method.offset_m);
-  EXPECT_TRUE(unsaid.method.build_on_approach);
-  EXPECT_NE(unsaid.loading.sealing, CrackSealing::off);
-  EXPECT_NE(unsaid.loading.fit, MeshFit::off);
-  EXPECT_FALSE(unsaid.watch_scene);
+  const auto defaults = std::get<HapticsOptions>(parse_haptics({}));
+  EXPECT_DOUBLE_EQ(defaults.method.offset_m, HapticsOptions().method.offset_m);
+  EXPECT_TRUE(defaults.method.build_on_approach);
+  EXPECT_NE(defaults.loading.sealing, CrackSealing::off);
+  EXPECT_NE(defaults.loading.fit, MeshFit::off);
+  EXPECT_FALSE(defaults.watch_scene);
   EXPECT_NE(std::get<int>(parse_haptics({"--offset-in", "0"})), 0);
   EXPECT_NE(std::get<int>(parse_haptics({"--probe-radius", "-0.001"})), 0);
-  EXPECT_NE(std::get<int>(parse_haptics({"--tool-unit", "in"})), 0) << "of no tool";
+  EXPECT_NE(std::get<int>(parse_haptics({"--tool-unit", "in"})), 0) << "without a tool";
 }
 
 }  // namespace

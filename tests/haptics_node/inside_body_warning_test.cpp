@@ -27,7 +27,7 @@ TEST(FindEnclosure, IsWithinFacesThatPointOutwards) {
   EXPECT_TRUE(find_enclosure(scene, Vec3::Zero()).is_inside);
   EXPECT_TRUE(find_enclosure(scene, Vec3(0, 0, 0.049)).is_inside);
   EXPECT_FALSE(find_enclosure(scene, Vec3(0, 0, 0.051)).is_inside);
-  EXPECT_FALSE(find_enclosure(scene, Vec3(0.045, 0.045, 0.045)).is_inside) << "in its box, outside of it";
+  EXPECT_FALSE(find_enclosure(scene, Vec3(0.045, 0.045, 0.045)).is_inside) << "within its bounding box, but outside of it";
   EXPECT_FALSE(find_enclosure({}, Vec3::Zero()).is_inside);
   TouchScene commanded = scene;
   commanded.objects[0].command_pivot = Vec3::Zero();

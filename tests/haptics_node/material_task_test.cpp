@@ -94,23 +94,23 @@ TEST(MaterialTask, GivesTheToolMaterialsOfARigidTool) {
   EXPECT_GT(result->tool_materials->damping[1].normal_ns_per_m, 0.0);
   EXPECT_EQ(result->tool_method[0], 't');
   material_task.retire(std::move(result));
-  MaterialTask without(hull_and_deck(), 0.0);
-  without.request(stiffness_request(6, "deck", 700.0));
-  result = wait_for_result(without);
+  MaterialTask without_tool(hull_and_deck(), 0.0);
+  without_tool.request(stiffness_request(6, "deck", 700.0));
+  result = wait_for_result(without_tool);
   ASSERT_NE(result, nullptr);
   EXPECT_FALSE(result->tool_materials);
 }
 
 TEST(MaterialTask, ARejectedRequestHasNoMaterials) {
-  bool was_told = false;
-  MaterialTask material_task(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { was_told = true; });
+  bool was_notified = false;
+  MaterialTask material_task(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { was_notified = true; });
   material_task.request(stiffness_request(6, "dek", 700.0));
   const auto result = wait_for_result(material_task);
   ASSERT_NE(result, nullptr);
   EXPECT_TRUE(result->materials.empty());
   EXPECT_EQ(result->state.request, 6U);
   EXPECT_STREQ(result->state.rejection.data(), "the scene has no object 'dek'; did you mean 'deck'?");
-  EXPECT_FALSE(was_told);
+  EXPECT_FALSE(was_notified);
 }
 
 TEST(MaterialTask, TheOutcomeOfARequestIsLogged) {
@@ -127,10 +127,10 @@ TEST(MaterialTask, TheOutcomeOfARequestIsLogged) {
 
 // An accepted change that nobody has taken yet is not replaced by the result of the next request.
 TEST(MaterialTask, NoResultIsLost) {
-  std::atomic<bool> is_worked_out = false;
-  MaterialTask material_task(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { is_worked_out = true; });
+  std::atomic<bool> is_computed = false;
+  MaterialTask material_task(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { is_computed = true; });
   material_task.request(stiffness_request(1, "hull", 700.0));
-  ASSERT_TRUE(wait_until([&] { return is_worked_out.load(); })) << "a later request replaces one that has not started";
+  ASSERT_TRUE(wait_until([&] { return is_computed.load(); })) << "a later request replaces one that has not started";
   material_task.request(stiffness_request(2, "nobody", 800.0));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));  // time for several polls of the task
   auto first = wait_for_result(material_task);
@@ -177,10 +177,10 @@ TEST(MaterialTask, AChangeOfASceneThatIsReplacedMeanwhileNotifiesNobody) {
 TEST(MaterialTask, TheReplyLoopsCallsFreeNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   MaterialTask material_task(hull_and_deck(), 0.0);
-  const MaterialRequest asked = stiffness_request(1, "hull", 700.0);
+  const MaterialRequest request = stiffness_request(1, "hull", 700.0);
   const AllocationGuard guard;
   for (int i = 0; i < 100; ++i) {
-    material_task.request(asked);
+    material_task.request(request);
     if (auto result = material_task.take()) material_task.retire(std::move(result));
   }
   EXPECT_EQ(guard.count(), 0U);

@@ -34,7 +34,7 @@ std::unique_ptr<BuiltMethod> wait_for_method(MethodBuilder& builder) {
   return nullptr;
 }
 
-const RejectedMethod* wait_for_refusal(MethodBuilder& builder) {
+const RejectedMethod* wait_for_rejection(MethodBuilder& builder) {
   for (int i = 0; i < 3000; ++i) {
     if (const RejectedMethod* rejected = builder.take_rejection()) return rejected;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -60,7 +60,7 @@ TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
   std::uint32_t request_id = 6;
   for (const auto& [name, reason] : {std::pair("sixteen letters!", "'sixteen letters!' is not known"), std::pair("sweep", "radius")}) {
     builder.request(name_of(name), ++request_id);
-    const RejectedMethod* rejected = wait_for_refusal(builder);
+    const RejectedMethod* rejected = wait_for_rejection(builder);
     ASSERT_NE(rejected, nullptr);
     EXPECT_EQ(rejected->request_id, request_id);
     EXPECT_NE(std::string_view(rejected->why.data()).find(reason), std::string_view::npos) << rejected->why.data();
@@ -75,7 +75,7 @@ TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
 }
 
 // Waits until the builder's thread has taken a request and has nothing left to do.
-bool is_settled(MethodBuilder& builder) {
+bool wait_until_idle(MethodBuilder& builder) {
   const std::uint64_t before = builder.idle_polls();
   return wait_until([&] { return builder.idle_polls() >= before + 2; });
 }
@@ -88,7 +88,7 @@ TEST(MethodBuilder, WhatReplacesAMethodThatWasNotTakenKeepsItsSceneAndItsRequest
   moved->revision = 1;
   ASSERT_TRUE(builder.rebuild_for(moved));
   builder.request(name_of("sweep"), 7);
-  ASSERT_TRUE(is_settled(builder));
+  ASSERT_TRUE(wait_until_idle(builder));
   auto first = builder.take();
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(first->request_id, 7U);
@@ -96,7 +96,7 @@ TEST(MethodBuilder, WhatReplacesAMethodThatWasNotTakenKeepsItsSceneAndItsRequest
   builder.retire(std::move(first));
 
   builder.request(name_of("proxy"), 8);
-  ASSERT_TRUE(is_settled(builder));
+  ASSERT_TRUE(wait_until_idle(builder));
   auto next = std::make_shared<NewScene>(*moved);
   next->revision = 2;
   ASSERT_TRUE(builder.rebuild_for(next));

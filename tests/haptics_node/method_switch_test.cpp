@@ -26,7 +26,7 @@ constexpr double kOffset = 0.0005 * 0.0254;
 struct Shape {
   const char* name;
   std::shared_ptr<const TriangleMesh> mesh;
-  double facet_turn;                           // between neighbouring facets, rad
+  double facet_angle;                          // between neighbouring facets, rad
   std::function<Vec3(double s, double h)> at;  // after s metres along the surface, h above it
 };
 
@@ -105,7 +105,7 @@ class Hand {
 };
 
 // The force jump that a method makes between two facets; with sweep, whose proxy lags behind, also while the device is at rest.
-double facet_jump_n(const Shape& shape, const Hand& hand) { return shape.facet_turn * hand.largest_force_n(); }
+double facet_jump_n(const Shape& shape, const Hand& hand) { return shape.facet_angle * hand.largest_force_n(); }
 
 using Pair = std::tuple<const char*, const char*, const char*>;
 
@@ -136,7 +136,7 @@ TEST_P(MethodSwitch, InContactChangesTheForceByNoMoreThanMotionAndFadeExplain) {
       other.press();
       other.go_on(20 + static_cast<int>(0.15 / dt_s), dt_s, slides);
       EXPECT_NEAR(hand.output().force_n.norm(), other.output().force_n.norm(), 0.12 * other.output().force_n.norm())
-          << "the new one feels alone, but at rest the friction that pulled before is gone";
+          << "only the new method is left, but at rest the friction of the old one is gone";
     }
   }
 }
@@ -153,7 +153,7 @@ TEST_P(MethodSwitch, InContactAndBackAgainBeforeTheFadeIsOverHasNoForceDiscontin
   EXPECT_LT(hand.largest_force_n(), 2.0 * kStiffness * kDepth);
 }
 
-TEST_P(MethodSwitch, WithDampingDoesNotTakeTheWayFromTheSurfaceForAMotion) {
+TEST_P(MethodSwitch, WithDampingDoesNotTakeTheDistanceToTheSurfaceForAMotion) {
   const TouchScene scene = scene_of(shape_, 0.0, 5.0);
   Hand hand(shape_, from_, scene);
   hand.press();

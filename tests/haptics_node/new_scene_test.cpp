@@ -32,7 +32,7 @@ TEST(NewSceneOf, AFileHasItsHashAndFactsAndNothingPutDown) {
   EXPECT_EQ(made->facts.given_hash, make_scene_facts(scene).given_hash);
 }
 
-TEST(NewSceneOf, AnObjectPutDownHasItsOrder) {
+TEST(NewSceneOf, AnObjectPutDownHasItsSerial) {
   const auto made = make_placed_scene(scene_of_two(), kCouplingOfNewScenes, 7, 3);
   EXPECT_EQ(made->revision, 7U);
   EXPECT_EQ(made->put_down_serial, 3U);

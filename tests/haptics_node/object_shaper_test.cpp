@@ -58,7 +58,8 @@ class ObjectShaperTest : public testing::Test {
     return force_;
   }
   static ShaperDisplacements raised(std::size_t count, double height_m) { return {count, {0.0F, 0.0F, static_cast<float>(height_m)}}; }
-  void give(std::int32_t object, std::uint32_t shape, const ShaperDisplacements& displacements, double over_s = 0.0) {
+  // The parts of a shape, as they come from a program.
+  void send_shape(std::int32_t object, std::uint32_t shape, const ShaperDisplacements& displacements, double over_s = 0.0) {
     ShapeRequest request{.stream = 7, .shape = shape, .number = object, .over_s = over_s};
     for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kVerticesPerPart) {
       request.part = make_shape_part(displacements, first);
@@ -84,31 +85,31 @@ class ObjectShaperTest : public testing::Test {
 
 TEST_F(ObjectShaperTest, ForcesAndTheAnnouncedShapesAgree) {
   ASSERT_EQ(shaper_.count(), 2U);
-  double before_n = 0.0;
-  double most_n = 0.0;
+  double previous_force_n = 0.0;
+  double largest_force_n = 0.0;
   std::uint32_t shape = 0;
   for (int n = 0; n < 2000; ++n) {
     if (n % 33 == 0) {
       ++shape;
-      give(0, shape, raised(169, shape % 3 == 0 ? -0.003 : 0.002 * (shape % 4)), 0.033);
+      send_shape(0, shape, raised(169, shape % 3 == 0 ? -0.003 : 0.002 * (shape % 4)), 0.033);
     }
     cycle();
     ASSERT_NEAR(force_.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSheet.z()), 2e-3) << n;
-    ASSERT_LE(std::abs(force_.force_n.z() - before_n), 1000.0 * 0.25 * 1.01e-3) << n;
-    before_n = force_.force_n.z();
-    most_n = std::max(most_n, before_n);
+    ASSERT_LE(std::abs(force_.force_n.z() - previous_force_n), 1000.0 * 0.25 * 1.01e-3) << n;
+    previous_force_n = force_.force_n.z();
+    largest_force_n = std::max(largest_force_n, previous_force_n);
   }
-  EXPECT_GT(most_n, 3.0);
+  EXPECT_GT(largest_force_n, 3.0);
   EXPECT_GT(force_.shape_serial, 40U);
   EXPECT_EQ(shaper_.counts().rejected, 0U);
 }
 
 // A program that sends as fast as it can: some shapes are left out, and the surface moves from one to the next without a stop.
-TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeItStop) {
+TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeTheSurfaceStop) {
   std::uint32_t shape = 0;
   for (int n = 0; n < 1000; ++n) {
     ++shape;
-    give(0, shape, raised(169, 0.01 * std::sin(0.01 * n)), 0.03);
+    send_shape(0, shape, raised(169, 0.01 * std::sin(0.01 * n)), 0.03);
     cycle();
   }
   EXPECT_GE(starts_.size(), 25U);
@@ -121,19 +122,19 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
   constexpr std::int64_t kLeadNs = 250'000'000;
   shaper_.set_pace({.lead_ns = kLeadNs, .part_ns = 10'000'000});
   std::uint32_t shape = 0;
-  std::size_t seen = 0;
-  double most_n = 0.0;
+  std::size_t next_start = 0;
+  double largest_force_n = 0.0;
   for (int n = 0; n < 3000; ++n) {
     if (n % 33 == 0) {
       ++shape;
-      give(0, shape, raised(169, 0.002 + 0.001 * (shape % 3)), 0.033);
+      send_shape(0, shape, raised(169, 0.002 + 0.001 * (shape % 3)), 0.033);
     }
     cycle();
-    for (; seen < starts_.size(); ++seen) EXPECT_GT(starts_[seen].start_ns, force_.scene_time_ns + kLeadNs) << seen;
+    for (; next_start < starts_.size(); ++next_start) EXPECT_GT(starts_[next_start].start_ns, force_.scene_time_ns + kLeadNs) << next_start;
     ASSERT_NEAR(force_.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSheet.z()), 2e-3) << n;
-    most_n = std::max(most_n, force_.force_n.z());
+    largest_force_n = std::max(largest_force_n, force_.force_n.z());
   }
-  EXPECT_GT(most_n, 1.5);
+  EXPECT_GT(largest_force_n, 1.5);
   EXPECT_GT(starts_.size(), 50U);
   EXPECT_LE(parts_, 305) << "one in 10 ms, and four at once";
   for (std::size_t s = 2; s < starts_.size(); ++s) {
@@ -144,7 +145,7 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
   shaper_.set_pace({});
   for (int n = 0; n < 600; ++n) cycle();
   const std::size_t before = starts_.size();
-  give(0, ++shape, raised(169, 0.003), 0.033);
+  send_shape(0, ++shape, raised(169, 0.003), 0.033);
   for (int n = 0; n < 5; ++n) cycle();
   ASSERT_EQ(starts_.size(), before + 1);
   EXPECT_LT(starts_.back().start_ns, force_.scene_time_ns + 30'000'000);
@@ -153,23 +154,24 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
 // Shapes are announced as early as the hub says it needs to prepare them: 30 us per vertex or more, up to a limit.
 TEST_F(ObjectShaperTest, ABusyHubKnowsOfShapesEarlier) {
   constexpr std::int64_t kLeadNs = 100'000'000;
-  constexpr std::array<std::pair<std::int64_t, std::int64_t>, 5> kStages = {
+  constexpr std::array<std::pair<std::int64_t, std::int64_t>, 5> kHubTimes = {
+      // ns per vertex: as the hub reports it, and as it is granted
       {{0, 30'000}, {5'000, 30'000}, {100'000, 200'000}, {1'000'000, 240'000}, {0, 30'000}}};
   std::uint32_t shape = 0;
-  for (const auto& [took_ns, given_ns] : kStages) {
-    shaper_.set_pace({.lead_ns = kLeadNs, .part_ns = 1'000'000, .stage_ns_per_vertex = took_ns});
+  for (const auto& [reported_ns, lead_ns_per_vertex] : kHubTimes) {
+    shaper_.set_pace({.lead_ns = kLeadNs, .part_ns = 1'000'000, .stage_ns_per_vertex = reported_ns});
     for (int n = 0; n < 1000; ++n) cycle();
     const std::size_t before = starts_.size();
     ++shape;
-    give(0, shape, raised(169, 0.002 + 0.001 * (shape % 2)), 0.01);
-    std::int64_t begun_ns = 0;
+    send_shape(0, shape, raised(169, 0.002 + 0.001 * (shape % 2)), 0.01);
+    std::int64_t announced_at_ns = 0;
     for (int n = 0; n < 100 && starts_.size() == before; ++n) {
       cycle();
-      begun_ns = force_.scene_time_ns;
+      announced_at_ns = force_.scene_time_ns;
     }
-    ASSERT_EQ(starts_.size(), before + 1) << took_ns;
-    EXPECT_EQ(starts_.back().start_ns - begun_ns, kLeadNs + 169 * given_ns + 1) << took_ns;
-    EXPECT_GE(starts_.back().end_ns - starts_.back().start_ns, 169 * given_ns) << "the next one has its time, too";
+    ASSERT_EQ(starts_.size(), before + 1) << reported_ns;
+    EXPECT_EQ(starts_.back().start_ns - announced_at_ns, kLeadNs + 169 * lead_ns_per_vertex + 1) << reported_ns;
+    EXPECT_GE(starts_.back().end_ns - starts_.back().start_ns, 169 * lead_ns_per_vertex) << "the next one has its time, too";
   }
 }
 
@@ -179,16 +181,16 @@ TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
   shaper_.set_pace({.lead_ns = 200'000'000, .part_ns = 5'000'000, .resend_ns = 120'000'000});
   KnownShapes hub({169, 25});
   std::mt19937_64 random(252);
-  std::vector<std::pair<std::int64_t, Message>> on_their_way;
+  std::vector<std::pair<std::int64_t, Message>> in_flight;
   std::vector<ShapeStatus> requests;
   std::uint32_t shape = 0;
-  int begun = 0;
-  int whole = 0;
-  std::size_t seen = 0;
+  int begun_shapes = 0;
+  int whole_shapes = 0;
+  std::size_t next_start = 0;
   for (int n = 0; n < 6000; ++n) {
     if (n % 33 == 0) {
       ++shape;
-      give(0, shape, raised(169, 0.002 + 0.001 * (shape % 3)), 0.033);
+      send_shape(0, shape, raised(169, 0.002 + 0.001 * (shape % 3)), 0.033);
     }
     now_ns_ += kSampleNs;
     step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = kHandOverSheet});
@@ -196,67 +198,67 @@ TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
     while (auto message = shaper_.take_due(step_, now_ns_)) {
       if (const auto* start = std::get_if<ShapeStart>(&*message)) starts_.push_back(*start);
       if (std::holds_alternative<ObjectShape>(*message) && random() % 5 == 0) continue;
-      on_their_way.emplace_back(now_ns_ + kTripNs, *message);
+      in_flight.emplace_back(now_ns_ + kTripNs, *message);
     }
     while (shaper_.work()) {
     }
     requests.clear();
     hub.take_requests_ahead(now_ns_, requests);
-    for (const ShapeStatus& request : requests) on_their_way.emplace_back(now_ns_ + kTripNs, request);
-    std::erase_if(on_their_way, [&](const auto& one) {
+    for (const ShapeStatus& request : requests) in_flight.emplace_back(now_ns_ + kTripNs, request);
+    std::erase_if(in_flight, [&](const auto& one) {
       if (one.first > now_ns_) return false;
       if (const auto* part = std::get_if<ObjectShape>(&one.second)) hub.take(*part, Arrival::newest);
       if (const auto* start = std::get_if<ShapeStart>(&one.second)) hub.take(*start, Arrival::newest);
       if (const auto* status = std::get_if<ShapeStatus>(&one.second)) shaper_.accept(*status, now_ns_);
       return true;
     });
-    for (; seen < starts_.size() && starts_[seen].start_ns <= force_.scene_time_ns; ++seen) {
-      if (seen < 20) continue;  // until the sender knows that parts get lost
-      ++begun;
-      const ShapeStart* const next = hub.find_next(0, starts_[seen].serial - 1, 0);
-      whole += next != nullptr && next->serial == starts_[seen].serial ? 1 : 0;
+    for (; next_start < starts_.size() && starts_[next_start].start_ns <= force_.scene_time_ns; ++next_start) {
+      if (next_start < 20) continue;  // until the sender knows that parts get lost
+      ++begun_shapes;
+      const ShapeStart* const next = hub.find_next(0, starts_[next_start].serial - 1, 0);
+      whole_shapes += next != nullptr && next->serial == starts_[next_start].serial ? 1 : 0;
     }
   }
-  EXPECT_GT(begun, 80);
-  EXPECT_GT(whole, begun * 8 / 10) << "of three parts; half of them without a second try";
+  EXPECT_GT(begun_shapes, 80);
+  EXPECT_GT(whole_shapes, begun_shapes * 8 / 10) << "each has three parts: if none were sent again, only half would be whole";
 }
 
 // No part is lost. The first part of the next shape comes before the last part of this one, as with jitter when a program sends without
 // pause.
 TEST_F(ObjectShaperTest, PartsThatOvertakeOneAnotherLeaveNoShapeOut) {
-  constexpr std::uint32_t kGiven = 20;
+  constexpr std::uint32_t kSentShapes = 20;
   const auto send = [&](std::uint32_t shape, std::uint32_t part) {
     ShapeRequest request{.stream = 7, .shape = shape, .over_s = 0.01};
     request.part = make_shape_part(raised(169, 1e-4 * shape), part * ShapePart::kVerticesPerPart);
     shaper_.accept(request, now_ns_);
   };
   send(1, 0);
-  for (std::uint32_t shape = 1; shape <= kGiven; ++shape) {
+  for (std::uint32_t shape = 1; shape <= kSentShapes; ++shape) {
     send(shape, 1);
     send(shape + 1, 0);
     send(shape, 2);
     for (int n = 0; n < 40; ++n) cycle();
   }
-  EXPECT_EQ(starts_.size(), kGiven);
-  EXPECT_NEAR(announced_height(), 1e-4 * kGiven, 1e-9);
+  EXPECT_EQ(starts_.size(), kSentShapes);
+  EXPECT_NEAR(announced_height(), 1e-4 * kSentShapes, 1e-9);
   EXPECT_EQ(shaper_.counts().incomplete, 0U);
   // A part that comes again, or once a newer shape is whole, changes nothing.
-  give(0, kGiven + 2, raised(169, 0.01));
-  send(kGiven + 1, 1);
-  send(kGiven + 1, 2);
-  send(kGiven, 2);
+  send_shape(0, kSentShapes + 2, raised(169, 0.01));
+  send(kSentShapes + 1, 1);
+  send(kSentShapes + 1, 2);
+  send(kSentShapes, 2);
   for (int n = 0; n < 100; ++n) cycle();
-  EXPECT_EQ(starts_.size(), kGiven + 1);
+  EXPECT_EQ(starts_.size(), kSentShapes + 1);
   EXPECT_NEAR(announced_height(), 0.01, 1e-6);
   EXPECT_EQ(shaper_.counts().incomplete, 1U);
 }
 
 TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
-  give(0, 1, raised(169, 0.005), 5.0);
+  send_shape(0, 1, raised(169, 0.005), 5.0);
   for (int n = 0; n < 20; ++n) cycle();
-  give(0, 2, raised(169, 0.0), 5.0);
+  send_shape(0, 2, raised(169, 0.0), 5.0);
   for (std::uint32_t shape = 3; shape < 23; ++shape) {
-    give(1, shape, raised(25, shape % 2 == 0 ? 0.001 : -0.001), 0.01);
+    send_shape(1, shape, raised(25, shape % 2 == 0 ? 0.001 : -0.001), 0.01);
     for (int n = 0; n < 20; ++n) cycle();
   }
   EXPECT_EQ(std::count_if(starts_.begin(), starts_.end(), [](const ShapeStart& one) { return one.object == 0; }), 1);
@@ -265,7 +267,7 @@ TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
   EXPECT_EQ(force_.shape_serial, starts_.size());
 }
 
-TEST_F(ObjectShaperTest, OfTwoObjectsWithOneNameTheNameGivesNeither) {
+TEST_F(ObjectShaperTest, ANameOfTwoObjectsIsRejected) {
   Scene alike = sheet_scene();
   alike.objects[1].name = "sheet";
   HapticsStep step(std::make_unique<TouchStep>(*make_method({}, alike.touch_scene()), alike.touch_scene()), 1e-5);
@@ -288,7 +290,7 @@ TEST_F(ObjectShaperTest, OfTwoObjectsWithOneNameTheNameGivesNeither) {
 TEST_F(ObjectShaperTest, WithoutSamplesNoMoreThanOneMotionWaits) {
   for (int n = 0; n < 10; ++n) cycle();
   for (std::uint32_t shape = 1; shape < 50; ++shape) {
-    give(0, shape, raised(169, 1e-4 * shape), 0.01);
+    send_shape(0, shape, raised(169, 1e-4 * shape), 0.01);
     while (shaper_.work()) {
     }
     for (int n = 0; n < 8; ++n) {

@@ -43,7 +43,7 @@ TEST(PatchSender, SendsTheWholeSceneAndThenNothingMore) {
   int before = -1;
   EXPECT_TRUE(setup.receive_until([&] {
     setup.receive_for(std::chrono::milliseconds(300));
-    return std::exchange(before, setup.received) == setup.received;
+    return std::exchange(before, setup.received_count) == setup.received_count;
   }));
   const PatchSource::Counts counts = setup.sender.counts();
   EXPECT_EQ(counts.held, counts.sent - counts.repeated);
@@ -51,7 +51,7 @@ TEST(PatchSender, SendsTheWholeSceneAndThenNothingMore) {
 
 TEST(PatchSender, StopsWhenTheHubDoesNotWantItAnyMore) {
   SenderWithHub setup;
-  setup.want();
+  setup.request_parts();
   EXPECT_TRUE(setup.sender.is_wanted(setup.clock.now_ns()));
   setup.sender.accept({}, setup.clock.now_ns());
   EXPECT_FALSE(setup.sender.is_wanted(setup.clock.now_ns()));
@@ -86,7 +86,7 @@ TEST(PatchSender, AnotherSceneIsOfferedAsAnEpochOfItsOwn) {
 }
 
 // The scene changes to one that parts cannot represent, and back. The method may be taken over before or after the change.
-TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanHoldIt) {
+TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanRepresentIt) {
   SenderWithHub setup;
   ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
   const std::uint32_t epoch = setup.store.status().epoch;
@@ -112,19 +112,19 @@ TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
   const std::uint32_t epoch = setup.store.status().epoch;
   const std::uint64_t sent = setup.sender.counts().sent;
-  const auto stiffness = [&] { return setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material; };
+  const auto received_material = [&] { return setup.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material; };
   setup.sender.set_materials({{.stiffness_n_per_m = 321.0, .friction_static = 0.3}});
-  ASSERT_TRUE(setup.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
-  EXPECT_EQ(stiffness().friction_static, 0.3);
+  ASSERT_TRUE(setup.receive_until([&] { return received_material().stiffness_n_per_m == 321.0; }));
+  EXPECT_EQ(received_material().friction_static, 0.3);
   EXPECT_EQ(setup.store.status().epoch, epoch);
   setup.receive_for(std::chrono::milliseconds(300));
   EXPECT_LE(setup.sender.counts().sent, sent + 2);
-  // A new epoch has these materials, too, though its tiles are those of before.
+  // A new epoch has these materials, too, although its tiles are the same as before.
   setup.sender.set_offered(false);
   ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 1; }));
   setup.sender.set_offered(true);
   ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 2 && setup.is_whole(); }));
-  EXPECT_TRUE(setup.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
+  EXPECT_TRUE(setup.receive_until([&] { return received_material().stiffness_n_per_m == 321.0; }));
 }
 
 // Freeing a large scene takes so long that meanwhile the next scene comes, and a change of its material.
@@ -213,12 +213,12 @@ TEST(PatchSender, ASceneWithTooManyTrianglesInOnePlaceIsNotOffered) {
     mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
   SenderWithHub setup(true, scene_of(std::move(mesh)));
-  EXPECT_TRUE(setup.sender.is_offered()) << "not known before it is divided";
+  EXPECT_TRUE(setup.sender.is_offered()) << "not known before the scene is divided into parts";
   ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_begun(); }));
   EXPECT_FALSE(setup.sender.is_offered());
   EXPECT_EQ(setup.sender.obstacle(), "too many triangles of the scene overlap in one place");
   setup.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(setup.store.counts().parts, 1U) << "the beginning alone";
+  EXPECT_EQ(setup.store.counts().parts, 1U) << "only the message that begins the epoch";
   setup.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 8);
   EXPECT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
 }
@@ -266,10 +266,10 @@ TEST(PatchSender, KnowsHowLongTheHubTakesForAShape) {
   SenderWithHub setup(true);
   EXPECT_EQ(setup.sender.shape_ns_per_vertex(), 0);
   PatchStatus status;
-  for (const auto& [said_s, known_ns] : {std::pair(2.5e-5F, 25'000), std::pair(1e9F, 1'000'000), std::pair(0.0F, 0)}) {
-    status.shape_s_per_vertex = said_s;
+  for (const auto& [reported_s, expected_ns] : {std::pair(2.5e-5F, 25'000), std::pair(1e9F, 1'000'000), std::pair(0.0F, 0)}) {
+    status.shape_s_per_vertex = reported_s;
     setup.sender.accept(status, setup.clock.now_ns());
-    EXPECT_NEAR(static_cast<double>(setup.sender.shape_ns_per_vertex()), known_ns, 1.0);
+    EXPECT_NEAR(static_cast<double>(setup.sender.shape_ns_per_vertex()), expected_ns, 1.0);
   }
 }
 
@@ -285,18 +285,18 @@ TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
   setup.sender.note_move(move, setup.clock.now_ns());
   ASSERT_TRUE(setup.receive_until([&] { return setup.moves.size() >= 2; }));
   EXPECT_EQ(setup.moves.front().serial, 1U);
-  (void)setup.confirmed.take(move);
+  (void)setup.confirmed_moves.take(move);
   setup.receive_for(std::chrono::milliseconds(50));
   const std::size_t before = setup.moves.size();
   setup.receive_for(std::chrono::milliseconds(400));
   EXPECT_EQ(setup.moves.size(), before);
   // A hub that has restarted knows nothing of the move.
-  setup.confirmed.clear();
+  setup.confirmed_moves.clear();
   EXPECT_TRUE(setup.receive_until([&] { return setup.moves.size() > before; }));
 }
 
 // Each reason has its own line of text.
-TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
+TEST(PatchSender, MovingObjectsThatCannotBeSentAreNeverOffered) {
   const auto obstacle_of = [](const TouchScene& scene) { return std::string(SenderWithHub(true, scene).sender.obstacle()); };
   TouchScene many;
   for (int n = 0; n < 32; ++n) {
@@ -307,7 +307,7 @@ TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
   many.objects.pop_back();
   EXPECT_EQ(obstacle_of(many), "");
   many.objects.push_back({made::shared(made::sheet(0.05, 0.0, 2)), {}});
-  EXPECT_EQ(obstacle_of(many), "") << "with what stands still";
+  EXPECT_EQ(obstacle_of(many), "") << "31 that move, and one that does not";
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].motion = slow_motion(1537);
   EXPECT_EQ(obstacle_of(scene), "an object of the scene has more than 1,536 keyframes");
@@ -379,15 +379,15 @@ TEST(PatchSender, PartsAreWithdrawnOnceTheHubHasConfirmedIt) {
   SenderWithHub setup;
   ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
   EXPECT_EQ(setup.store.begin().method_serial, 0U);
-  setup.want();
+  setup.request_parts();
   EXPECT_FALSE(setup.sender.is_withdrawn(0));
   setup.sender.set_withdrawn(true, 0);
-  setup.want();
+  setup.request_parts();
   EXPECT_FALSE(setup.sender.is_withdrawn(0)) << "the hub has parts";
   EXPECT_TRUE(setup.sender.is_withdrawn(1)) << "another hub has none";
   const std::uint32_t epoch = setup.store.status().epoch;
   EXPECT_TRUE(setup.lose_until([&] { return setup.sender.front() != nullptr && epoch_of(*setup.sender.front()) == epoch + 1; }));
-  EXPECT_FALSE(setup.sender.is_withdrawn(0)) << "it is not confirmed";
+  EXPECT_FALSE(setup.sender.is_withdrawn(0)) << "the hub has not confirmed it";
   ASSERT_TRUE(setup.receive_until([&] { return setup.sender.is_withdrawn(0); }));
   EXPECT_EQ(setup.store.status().epoch, epoch + 1);
   setup.receive_for(std::chrono::milliseconds(200));
@@ -398,9 +398,9 @@ TEST(PatchSender, PartsAreWithdrawnOnceTheHubHasConfirmedIt) {
   ASSERT_TRUE(setup.receive_until([&] { return setup.store.status().epoch == epoch + 2 && setup.is_whole(); }));
   EXPECT_EQ(setup.store.begin().method_serial, 31U);
   EXPECT_EQ(setup.triangles(), 800U);
-  // What the hub confirmed before says nothing of what it has now.
+  // An earlier confirmation of the hub does not count for the parts that it has now.
   setup.sender.set_withdrawn(true, 31);
-  setup.want();
+  setup.request_parts();
   EXPECT_FALSE(setup.sender.is_withdrawn(0));
   ASSERT_TRUE(setup.receive_until([&] { return setup.sender.is_withdrawn(0); }));
   EXPECT_EQ(setup.triangles(), 0U);
@@ -409,7 +409,7 @@ TEST(PatchSender, PartsAreWithdrawnOnceTheHubHasConfirmedIt) {
 TEST(PatchSender, WhatWasMadeBeforeAWithdrawalIsNeverSent) {
   SenderWithHub setup;
   for (int n = 0; n < 6000 && setup.sender.front() == nullptr; ++n) {
-    setup.want();
+    setup.request_parts();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   ASSERT_NE(setup.sender.front(), nullptr);
@@ -454,7 +454,7 @@ TEST(PatchSender, EachRequestGetsAnEpochOfItsOwn) {
 }
 
 // Such a hub may still compute forces from its parts.
-TEST(PatchSender, PartsAreWithdrawnFromAHubThatHasNotBeenHeardOfForLong) {
+TEST(PatchSender, PartsAreWithdrawnFromAHubThatHasBeenSilentForLong) {
   SenderWithHub setup;
   ASSERT_TRUE(setup.receive_until([&] { return setup.is_whole(); }));
   const std::uint32_t epoch = setup.store.status().epoch;
@@ -472,7 +472,7 @@ TEST(PatchSender, PartsAreWithdrawnFromAHubThatHasNotBeenHeardOfForLong) {
 TEST(PatchSender, TheReplyLoopsCallsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   SenderWithHub setup;
-  setup.want();
+  setup.request_parts();
   const PatchStatus status{.is_wanted = true};
   const AllocationGuard guard;
   for (int n = 0; n < 100; ++n) {

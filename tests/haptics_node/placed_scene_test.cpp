@@ -46,7 +46,6 @@ struct PlacedSceneTest : testing::Test {
   }
 };
 
-// The images of a surface stay at the surface.
 TEST_F(PlacedSceneTest, TheImagesOfASurfaceMoveWithIt) {
   SceneObject& cube = scene.objects[1];
   auto mapped = std::make_shared<std::vector<MappedTriangle>>();
@@ -62,21 +61,21 @@ TEST_F(PlacedSceneTest, TheImagesOfASurfaceMoveWithIt) {
   for (std::size_t n = 0; n < texels.size(); ++n) texels[n] = static_cast<float>(n % 61) / 60.0F;
   const auto image = std::make_shared<const SurfaceImage>(64, 64, std::move(texels));
   cube.effects.maps = {.triangles = mapped, .friction = {.image = image, .at_black = 0.0, .at_white = 1.0}};
-  const PutDown there{1, Vec3(0.3, 0.0, -0.1), kTurned};
-  const Scene placed = place_objects(scene, {there});
+  const PutDown put_down{1, Vec3(0.3, 0.0, -0.1), kTurned};
+  const Scene placed = place_objects(scene, {put_down});
   EXPECT_EQ(*scene.objects[1].effects.maps.triangles->front().corner.data(), cube.mesh->corner(0, 0)) << "as it was loaded";
   MapFinder before(scene.objects[1].effects.maps);
   MapFinder after(placed.objects[1].effects.maps);
-  std::set<double> found;
+  std::set<double> frictions;
   for (const auto& [x, y] : {std::pair(0.01, 0.02), std::pair(-0.03, 0.05), std::pair(0.02, -0.07)}) {
     const Vec3 on(x, y, 0.15);
-    EXPECT_NEAR(after.find(there.pose() * on).friction, before.find(on).friction, 1e-9);
-    found.insert(before.find(on).friction);
+    EXPECT_NEAR(after.find(put_down.pose() * on).friction, before.find(on).friction, 1e-9);
+    frictions.insert(before.find(on).friction);
   }
-  EXPECT_EQ(found.size(), 3U);
-  Scene again = placed;
-  move_object(Pose::Identity(), scene.objects[1], again.objects[1]);
-  EXPECT_EQ(again.objects[1].effects.maps.triangles->back().corner, mapped->back().corner) << "from where it was loaded";
+  EXPECT_EQ(frictions.size(), 3U);
+  Scene moved_back = placed;
+  move_object(Pose::Identity(), scene.objects[1], moved_back.objects[1]);
+  EXPECT_EQ(moved_back.objects[1].effects.maps.triangles->back().corner, mapped->back().corner) << "from where it was loaded";
 }
 
 TEST_F(PlacedSceneTest, WhatAFileHasPutDownLiesThere) {
@@ -176,7 +175,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasCarvedIsCarvedAgain) {
   }
   EXPECT_EQ(made[2].carve, press(1, 0.05).carves[0]);
   EXPECT_EQ(step.touch().newest_carve_serial(), 4U);
-  EXPECT_GT(step.touch().method().sculpture()->bodies()[0].field.value({0, 0, 0.1}), 0.0) << "gone";
+  EXPECT_GT(step.touch().method().sculpture()->bodies()[0].field.value({0, 0, 0.1}), 0.0) << "the material is gone";
 }
 
 }  // namespace

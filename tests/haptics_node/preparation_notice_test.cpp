@@ -40,13 +40,13 @@ TEST(BuildAndNotify, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
   HubPeers hub(*hub_endpoint, clock, 7, 1000.0);
   std::mutex mutex;
   std::vector<SceneFacts> received;
-  std::atomic<bool> left{false};
+  std::atomic<bool> has_left{false};
   std::atomic<bool> ends{false};
-  std::thread listens([&] {
+  std::thread listener([&] {
     Datagram datagram;
     while (!ends) {
       const auto event = hub.receive(datagram, clock.now_ns() + 10 * kMs);
-      if (event.kind == PeerEvent::Kind::left) left = true;
+      if (event.kind == PeerEvent::Kind::left) has_left = true;
       if (event.kind != PeerEvent::Kind::message) continue;
       const std::lock_guard lock(mutex);
       if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) received.push_back(*facts);
@@ -66,9 +66,9 @@ TEST(BuildAndNotify, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
         HubClient client(*endpoint, clock, NodeRole::haptics, hub_endpoint->local_address());
         notify_preparation(client, clock, {.given_hash = 5}, began_ns, done);
       });
-  EXPECT_TRUE(wait_until([&] { return left.load(); })) << "the place is free for the node that gives forces";
+  EXPECT_TRUE(wait_until([&] { return has_left.load(); })) << "the place is free for the node that gives forces";
   ends = true;
-  listens.join();
+  listener.join();
   ASSERT_TRUE(method);
   ASSERT_GE(received.size(), 3U);
   EXPECT_EQ(received.front().given_hash, 5U);

@@ -33,7 +33,7 @@ class ReplyLoopCarves : public ReplyLoopStage {
     cycle();
   }
 
-  // A sample, a turn of the loop, and what the hub receives in a millisecond.
+  // Sends a sample, runs the loop once, and receives at the hub for a millisecond.
   void cycle() {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = Vec3(0.0, 0.0, 0.1)});
     loop_.turn(clock_.now_ns() + kMs);
@@ -43,7 +43,7 @@ class ReplyLoopCarves : public ReplyLoopStage {
   void take(const Message& message) override {
     if (const auto* got = std::get_if<ForceCommand>(&message)) {
       echoed_ = got->echo_sample;
-      if (!announced_before_force_) announced_before_force_ = received_.size();
+      if (!received_before_force_) received_before_force_ = received_.size();
     }
     if (const auto* got = std::get_if<Carves>(&message)) {
       received_.push_back(*got);
@@ -62,7 +62,7 @@ class ReplyLoopCarves : public ReplyLoopStage {
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
   std::vector<Carves> received_;
   KnownCarves viewer_;
-  std::optional<std::size_t> announced_before_force_;
+  std::optional<std::size_t> received_before_force_;  // how many came before the first force
   std::uint64_t echoed_ = 0;
   std::uint64_t sample_ = 0;
 };
@@ -70,7 +70,7 @@ class ReplyLoopCarves : public ReplyLoopStage {
 // A picture may still show what another process carved.
 TEST_F(ReplyLoopCarves, TheProcessIsAnnouncedBeforeTheFirstForce) {
   ASSERT_EQ(client_.state(), JoinState::joined);
-  EXPECT_EQ(announced_before_force_, 1U);
+  EXPECT_EQ(received_before_force_, 1U);
   ASSERT_FALSE(received_.empty());
   EXPECT_EQ(received_[0].source, kCarveSource);
   EXPECT_EQ(received_[0].newest, 0U);
@@ -122,7 +122,7 @@ TEST_F(ReplyLoopCarves, AFloodOfRequestsNeverComesBeforeAForce) {
   EXPECT_GE(received_.size(), 400U / 5U);
 }
 
-TEST_F(ReplyLoopCarves, WithoutAnythingToCarveNothingIsSaid) {
+TEST_F(ReplyLoopCarves, WithoutAnythingToCarveNothingIsSent) {
   loop_.set_carve_sender(nullptr);
   received_.clear();
   send(CarveStatus{.source = kCarveSource});

@@ -31,7 +31,7 @@ TouchScene two_boxes_of_loop() {
 }
 
 // The small box, as the tool that the stylus holds above the large one.
-HeldTool made_tool() {
+HeldTool make_small_box_tool() {
   return HeldTool(std::move(
       *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
 }
@@ -107,7 +107,7 @@ class GraspLoopTest : public ReplyLoopStage {
 };
 
 TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIsThatBefore) {
-  HeldTool tool = made_tool();
+  HeldTool tool = make_small_box_tool();
   for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
   ASSERT_EQ(object_, 1);
   EXPECT_EQ(method(), "name=proxy");
@@ -121,14 +121,14 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   }
   EXPECT_EQ(method(), "name=tool");
   EXPECT_TRUE(pose_.is_held);
-  const std::uint32_t methods = setup_.method_serial;
+  const std::uint32_t serial_before = setup_.method_serial;
   exchange({0.01, 0.0, 0.02}, 0);
   ASSERT_TRUE(link_.requests.take());
   ASSERT_EQ(link_.requests.value().kind, GraspRequest::Kind::put_down);
   link_.replies.publish({link_.requests.value().serial});
   for (int n = 0; n < 5; ++n) exchange({0.01, 0.0, 0.02}, 0);
   EXPECT_EQ(method(), "name=proxy");
-  EXPECT_GT(setup_.method_serial, methods) << "to a recording it is another one than the tool";
+  EXPECT_GT(setup_.method_serial, serial_before) << "for a recording, the method has changed";
   EXPECT_FALSE(pose_.is_held);
   EXPECT_EQ(pose_.p_m, Vec3(0.0, 0.0, 0.0));
   for (int n = 0; n < 200; ++n) exchange({0.01 - 5e-5 * n, 0.0, 0.02 - 5e-5 * n}, 0);
@@ -138,18 +138,18 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
 
 // The method was requested before the pick-up, or a scene was saved meanwhile. Replays must know that the forces are the tool's.
 TEST_F(GraspLoopTest, AMethodThatIsBuiltWhileAnObjectIsHeldIsNamedOnceItIsPutDown) {
-  HeldTool tool = made_tool();
+  HeldTool tool = make_small_box_tool();
   ASSERT_NO_FATAL_FAILURE(pick_up(tool));
   hold(tool, 50);
   ASSERT_EQ(method(), "name=tool");
-  const std::uint32_t methods = setup_.method_serial;
+  const std::uint32_t serial_before = setup_.method_serial;
   auto made = std::make_shared<NewScene>();
   made->touch = two_boxes_of_loop();
   made->materials.resize(2);
   made->revision = 1;
   ASSERT_TRUE(builder_.rebuild_for(made));
   hold(tool, 50);
-  ASSERT_GT(setup_.method_serial, methods);
+  ASSERT_GT(setup_.method_serial, serial_before);
   EXPECT_EQ(method(), "name=tool");
   exchange({0.0, 0.0, 0.02}, 0);
   ASSERT_TRUE(link_.requests.take());
@@ -164,14 +164,14 @@ TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) 
   ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=nan,after=100")));
   step_.use_effects(&effects);
   loop_.set_effects(&effects);
-  HeldTool tool = made_tool();
+  HeldTool tool = make_small_box_tool();
   ASSERT_NO_FATAL_FAILURE(pick_up(tool));
-  const std::string held = hold(tool, 50);
-  EXPECT_TRUE(held.starts_with("name=tool effects=odd_one@")) << held;
-  EXPECT_EQ(held.find("!cut"), std::string::npos) << held;
-  const std::string cut_off = hold(tool, 150);
-  EXPECT_TRUE(cut_off.starts_with("name=tool effects=odd_one@")) << cut_off;
-  EXPECT_NE(cut_off.find("!cut"), std::string::npos) << cut_off;
+  const std::string method_while_held = hold(tool, 50);
+  EXPECT_TRUE(method_while_held.starts_with("name=tool effects=odd_one@")) << method_while_held;
+  EXPECT_EQ(method_while_held.find("!cut"), std::string::npos) << method_while_held;
+  const std::string method_after_cut = hold(tool, 150);
+  EXPECT_TRUE(method_after_cut.starts_with("name=tool effects=odd_one@")) << method_after_cut;
+  EXPECT_NE(method_after_cut.find("!cut"), std::string::npos) << method_after_cut;
   exchange({0.0, 0.0, 0.02}, 0);
   ASSERT_TRUE(link_.requests.take());
   link_.replies.publish({link_.requests.value().serial});
@@ -179,8 +179,8 @@ TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) 
   EXPECT_TRUE(method().starts_with("name=proxy effects=odd_one@")) << method();
 }
 
-// Hash and facts of a scene become known some time after it is felt. They are not used before that scene is.
-TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceThatIsKnown) {
+// Hash and facts of a scene may be known before or after that scene comes into use. They are sent once both are true.
+TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceItsHashIsKnown) {
   exchange({0.0, 0.0, 0.05}, 0);
   exchange({0.0, 0.0, 0.05}, 0);
   EXPECT_EQ(setup_.scene_hash, 42U);
@@ -197,7 +197,7 @@ TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceThatIsKnown) {
   ASSERT_TRUE(put_down(2));
   for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.05}, 0);
   EXPECT_EQ(step_.counts().method_changes, 2U);
-  EXPECT_EQ(setup_.scene_hash, 0U) << "not known yet: that of before is another scene's";
+  EXPECT_EQ(setup_.scene_hash, 0U) << "not known yet: the hash before is that of another scene";
   EXPECT_EQ(setup_.method_serial, 2U);
   link_.placed.publish({2, 44, facts});
   for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.05}, 0);
@@ -238,7 +238,7 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   EXPECT_GT(materials_.serial, before);
   ASSERT_EQ(materials_.object_count, 1U) << "for recordings and tools";
   EXPECT_EQ(materials_.objects[0].change.stiffness_n_per_m, 1500.0);
-  stiffen(2, 800.0);  // material_task was told of no other scene, and need not be
+  stiffen(2, 800.0);  // material_task still has the scene from before, whose materials are the same
 }
 
 // The hub computes forces, with parts from a thread in real time. The simulated time of the test is far ahead of that.
@@ -276,7 +276,7 @@ class WithdrawnPartsTest : public GraspLoopTest {
   }
 
   PatchSender patches_{two_boxes_of_loop(), 0.0, 42, true, {.bits_per_s = 1e8, .least_reach_m = 1.0}};
-  HeldTool tool_ = made_tool();
+  HeldTool tool_ = make_small_box_tool();
   std::uint32_t request_ = 5;
 };
 
@@ -365,7 +365,7 @@ TEST_F(WithdrawnPartsTest, PartsAreWithdrawnWithoutWaitingForASample) {
 
 // The force is remote here: the control loop contains the round trip, and a move may begin before the hub knows of it.
 TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
-  const auto advice = [&](std::uint32_t buttons) {
+  const auto log_of_advice = [&](std::uint32_t buttons) {
     return log_of([&] {
       StiffnessAdviser adviser({.stiffness_n_per_m = 1e6});
       loop_.set_stiffness_adviser(&adviser);
@@ -380,7 +380,7 @@ TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
   };
   touch();
   ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
-  EXPECT_EQ(advice(0).find("stiffness"), std::string::npos);
+  EXPECT_EQ(log_of_advice(0).find("stiffness"), std::string::npos);
   EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0);
   turn(1);
   ASSERT_TRUE(link_.requests.take());
@@ -389,7 +389,7 @@ TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
   EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0) << "the hub has not confirmed yet that it has none";
   ASSERT_TRUE(turn_until(1, [&] { return step_.holds_tool(); }));
   EXPECT_EQ(patches_.find_lead_ns(clock_.now_ns()), 0);
-  EXPECT_NE(advice(1).find("stiffness"), std::string::npos);
+  EXPECT_NE(log_of_advice(1).find("stiffness"), std::string::npos);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ class ReplyLoopMoves : public ReplyLoopStage {
     cycle();
   }
 
-  // A sample, a turn of the loop, and what the hub receives in a millisecond.
+  // Sends a sample, runs the loop once, and receives at the hub for a millisecond.
   ForceCommand cycle(const Vec3& hand = kHandOverPlate) {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = hand});
     loop_.turn(clock_.now_ns() + kMs);
@@ -56,10 +56,10 @@ class ReplyLoopMoves : public ReplyLoopStage {
     if (const auto* got = std::get_if<ObjectMove>(&message)) moves_.push_back(*got);
     if (std::holds_alternative<HapticsSetup>(message)) ++setups_;
   }
-  MoveRequest lift(std::uint32_t request, double height_m, std::int32_t object = 0) const {
+  MoveRequest lift_request(std::uint32_t request, double height_m, std::int32_t object = 0) const {
     return {.request = request, .number = object, .p_m = Vec3(0, 0, height_m)};
   }
-  std::vector<ObjectMove> newest_moves(std::uint32_t serial) const {
+  std::vector<ObjectMove> moves_with_serial(std::uint32_t serial) const {
     std::vector<ObjectMove> found;
     for (const ObjectMove& move : moves_) {
       if (move.serial == serial) found.push_back(move);
@@ -74,7 +74,7 @@ class ReplyLoopMoves : public ReplyLoopStage {
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
   std::vector<MoveReply> replies_;
   std::vector<ObjectMove> moves_;
-  std::optional<std::size_t> moves_before_force_;  // announced before the first force
+  std::optional<std::size_t> moves_before_force_;  // how many were announced before the first force
   ForceCommand force_;
   int setups_ = 0;
   std::uint64_t sample_ = 0;
@@ -84,66 +84,66 @@ class ReplyLoopMoves : public ReplyLoopStage {
 TEST_F(ReplyLoopMoves, ForcesAndTheAnnouncedMotionAgree) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   moves_.clear();
-  send(lift(7, 0.02));
+  send(lift_request(7, 0.02));
   cycle();
   ASSERT_EQ(replies_.size(), 1U);
   EXPECT_EQ(replies_[0].request, 7U);
   EXPECT_STREQ(replies_[0].rejection.data(), "");
-  ASSERT_EQ(newest_moves(1).size(), 1U);
-  CommandedMotion shown(scene_.objects[0].commanded->pivot());
-  shown.begin(to_command(newest_moves(1)[0]));
-  double most_n = 0.0;
+  ASSERT_EQ(moves_with_serial(1).size(), 1U);
+  CommandedMotion announced_motion(scene_.objects[0].commanded->pivot());
+  announced_motion.begin(to_command(moves_with_serial(1)[0]));
+  double largest_force_n = 0.0;
   for (int n = 0; n < 200; ++n) {
     const ForceCommand force = cycle();
     EXPECT_EQ(force.move_serial, 1U);
-    const double top = shown.pose_at(1e-9 * static_cast<double>(force.scene_time_ns)).translation().z();
+    const double top = announced_motion.pose_at(1e-9 * static_cast<double>(force.scene_time_ns)).translation().z();
     ASSERT_NEAR(force.force_n.z(), 1000.0 * std::max(0.0, top - kHandOverPlate.z()), 1e-3) << n;
-    most_n = std::max(most_n, force.force_n.z());
+    largest_force_n = std::max(largest_force_n, force.force_n.z());
   }
-  EXPECT_NEAR(most_n, 10.0, 1e-3);
+  EXPECT_NEAR(largest_force_n, 10.0, 1e-3);
 }
 
 // A vision node knows the motion before the first sample that is felt with it.
 TEST_F(ReplyLoopMoves, TheMotionIsAnnouncedBeforeTheFirstForceWithIt) {
-  send(lift(7, 0.02));
-  EXPECT_EQ(cycle().move_serial, 0U) << "the sample at hand gets a reply first";
-  ASSERT_EQ(newest_moves(1).size(), 1U);
+  send(lift_request(7, 0.02));
+  EXPECT_EQ(cycle().move_serial, 0U) << "the sample of this cycle gets its reply before the move begins";
+  ASSERT_EQ(moves_with_serial(1).size(), 1U);
   EXPECT_EQ(cycle().move_serial, 1U);
-  EXPECT_LT(newest_moves(1)[0].start_ns, force_.scene_time_ns);
+  EXPECT_LT(moves_with_serial(1)[0].start_ns, force_.scene_time_ns);
 }
 
-TEST_F(ReplyLoopMoves, WhatWasLostOrCameLaterIsAnnouncedAgain) {
-  send(lift(7, 0.02));
+TEST_F(ReplyLoopMoves, MovesAreRepeatedForNodesThatMissedThem) {
+  send(lift_request(7, 0.02));
   for (int n = 0; n < 600; ++n) cycle();
-  EXPECT_GE(newest_moves(1).size(), 4U) << "soon, a few times";
+  EXPECT_GE(moves_with_serial(1).size(), 4U) << "soon, a few times";
   moves_.clear();
   for (int n = 0; n < 2500; ++n) cycle();
-  EXPECT_GE(newest_moves(1).size(), 1U) << "once a second, for who joins later";
-  EXPECT_GE(newest_moves(0).size(), 1U) << "also those that were not moved: another haptics process may have moved them";
+  EXPECT_GE(moves_with_serial(1).size(), 1U) << "once a second, for a node that joins later";
+  EXPECT_GE(moves_with_serial(0).size(), 1U) << "also those that were not moved: another haptics process may have moved them";
   for (const ObjectMove& move : moves_) EXPECT_EQ(move.source, 42U);
 }
 
-TEST_F(ReplyLoopMoves, SoonTheNewestIsAnnouncedAgain) {
+TEST_F(ReplyLoopMoves, OnlyTheNewestMoveIsRepeatedSoon) {
   for (int n = 0; n < 600; ++n) cycle();  // at first all moves are announced, a few times
-  send(lift(7, 0.02, 0));
+  send(lift_request(7, 0.02, 0));
   for (int n = 0; n < 10; ++n) cycle();
-  send(lift(8, 0.02, 1));
+  send(lift_request(8, 0.02, 1));
   for (int n = 0; n < 10; ++n) cycle();
   moves_.clear();
   for (int n = 0; n < 400; ++n) cycle();
-  EXPECT_GE(newest_moves(2).size(), 3U);
-  EXPECT_LE(newest_moves(1).size(), 1U) << "only with all others, once a second";
+  EXPECT_GE(moves_with_serial(2).size(), 3U);
+  EXPECT_LE(moves_with_serial(1).size(), 1U) << "only with all others, once a second";
 }
 
 // This process has the objects where the scene file has them; a vision node may still have them where an earlier process moved them.
-TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForce) {
+TEST_F(ReplyLoopMoves, PositionsOfObjectsAreAnnouncedBeforeTheFirstForce) {
   EXPECT_EQ(moves_before_force_, 2U) << "both";
-  EXPECT_EQ(newest_moves(0).size(), moves_.size());
+  EXPECT_EQ(moves_with_serial(0).size(), moves_.size());
 }
 
 // Another process takes this one's place while this one stands still. When the other has left, this one continues with its own moves.
-TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForceAfterAnotherProcess) {
-  send(lift(7, 0.02));
+TEST_F(ReplyLoopMoves, PositionsOfObjectsAreAnnouncedBeforeTheFirstForceAfterAnotherProcess) {
+  send(lift_request(7, 0.02));
   for (int n = 0; n < 400; ++n) cycle();
   {
     const std::unique_ptr<Endpoint> endpoint = *network_.open(memory_address(3, 0));
@@ -165,14 +165,14 @@ TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForceAfterAnother
   moves_before_force_.reset();
   for (int n = 0; n < 300 && !moves_before_force_; ++n) cycle();
   EXPECT_EQ(moves_before_force_, 2U) << "both";
-  EXPECT_GE(newest_moves(1).size(), 1U) << "the one that was moved is where it was";
+  EXPECT_GE(moves_with_serial(1).size(), 1U) << "the one that was moved is where it was";
 }
 
 TEST_F(ReplyLoopMoves, ARequestIsRepeatedUntilItsReplyComes) {
-  send(lift(7, 0.02));
+  send(lift_request(7, 0.02));
   cycle();
   for (int n = 0; n < 20; ++n) cycle();
-  send(lift(7, 0.02));
+  send(lift_request(7, 0.02));
   for (int n = 0; n < 10; ++n) cycle();
   EXPECT_EQ(replies_.size(), 2U);
   EXPECT_EQ(step_.counts().moves_taken, 1U);
@@ -184,7 +184,7 @@ TEST_F(ReplyLoopMoves, AFloodNeverComesBeforeAForce) {
   const std::uint64_t replied = step_.counts().replied;
   std::uint32_t request = 100;
   for (int n = 0; n < 400; ++n) {
-    for (int k = 0; k < 20; ++k) send(lift(++request, 1e-4 * (k % 7), k % 2));
+    for (int k = 0; k < 20; ++k) send(lift_request(++request, 1e-4 * (k % 7), k % 2));
     const std::uint64_t echoed = sample_ + 1;
     ASSERT_EQ(cycle().echo_sample, echoed);
     ASSERT_FALSE(order_.empty());
@@ -209,7 +209,7 @@ TEST_F(ReplyLoopMoves, MovesAndRejectedRequestsAreReportedOnceASecondAtMost) {
   const auto request_often = [&](std::int32_t object) {
     return log_of([&] {
       for (int n = 0; n < 20; ++n) {
-        send(lift(++request, 1e-3 * n, object));
+        send(lift_request(++request, 1e-3 * n, object));
         for (int k = 0; k < 3; ++k) cycle();
       }
     });
@@ -227,7 +227,7 @@ TEST_F(ReplyLoopMoves, MovesAndRejectedRequestsAreReportedOnceASecondAtMost) {
 
 TEST_F(ReplyLoopMoves, WithoutAMoverRequestsAreLeftOut) {
   loop_.set_object_mover(nullptr);
-  send(lift(7, 0.02));
+  send(lift_request(7, 0.02));
   for (int n = 0; n < 10; ++n) cycle();
   EXPECT_TRUE(replies_.empty());
   EXPECT_EQ(step_.counts().moves_taken, 0U);

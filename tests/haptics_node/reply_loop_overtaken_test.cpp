@@ -81,14 +81,14 @@ TEST_F(ReplyLoopOvertaken, ARequestIsNotCarriedOutAfterANewerOne) {
   };
   send_late(request("smooth", 1));
   send(request("sweep", 2));
-  const auto live = [&](int most, std::uint64_t changes) {  // the builder's thread needs real time
-    for (int n = 0; n < most && step_.counts().method_changes < changes; ++n) {
+  const auto exchange_until = [&](std::uint64_t changes, int max_exchanges) {  // the builder's thread needs real time
+    for (int n = 0; n < max_exchanges && step_.counts().method_changes < changes; ++n) {
       exchange();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   };
-  live(6000, 1);
-  live(40, 2);
+  exchange_until(1, 6000);
+  exchange_until(2, 40);
   EXPECT_EQ(step_.counts().method_changes, 1U);
   EXPECT_TRUE(std::string_view(method_.data()).starts_with("name=sweep")) << method_.data();
 }
@@ -96,7 +96,7 @@ TEST_F(ReplyLoopOvertaken, ARequestIsNotCarriedOutAfterANewerOne) {
 class ReplyLoopInside : public ReplyLoopStage {
  protected:
   ReplyLoopInside() {
-    loop_.set_inside_body_warning(&inside_);
+    loop_.set_inside_body_warning(&warning_);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) exchange(Vec3::Zero());
   }
 
@@ -106,31 +106,31 @@ class ReplyLoopInside : public ReplyLoopStage {
     receive_at_hub();
   }
   void take(const Message& message) override {
-    if (const auto* got = std::get_if<SceneFacts>(&message)) is_said_ = got->is_hand_inside;
+    if (const auto* got = std::get_if<SceneFacts>(&message)) is_reported_inside_ = got->is_hand_inside;
   }
-  // Keeps the hand at this place until the hub knows whether it is inside a body. The thread that checks this needs real time.
-  bool is_said_to_be(bool inside, const Vec3& hand) {
-    for (int n = 0; n < 6000 && is_said_ != inside; ++n) {
+  // Keeps the hand at this place until the hub gets that report. The thread that checks this needs real time.
+  bool wait_for_report(bool is_inside, const Vec3& hand) {
+    for (int n = 0; n < 6000 && is_reported_inside_ != is_inside; ++n) {
       exchange(hand);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    return is_said_ == inside;
+    return is_reported_inside_ == is_inside;
   }
 
   const TouchScene scene_ = scene_of(made::box(Vec3::Constant(-0.02), Vec3::Constant(0.02)), {.two_sided = false});
   HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_), scene_), 1e-5};
   MethodBuilder builder_{{}, scene_};
-  InsideBodyWarning inside_{scene_};
+  InsideBodyWarning warning_{scene_};
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}, false, {.given_hash = 9}};
-  bool is_said_ = false;
+  bool is_reported_inside_ = false;
   std::uint64_t sample_ = 0;
 };
 
 TEST_F(ReplyLoopInside, AHandThatStartsInsideABodyIsReportedUntilItIsOutside) {
   ASSERT_EQ(client_.state(), JoinState::joined);
-  EXPECT_TRUE(is_said_to_be(true, Vec3::Zero()));
+  EXPECT_TRUE(wait_for_report(true, Vec3::Zero()));
   for (double z = 0.0; z < 0.03; z += 0.001) exchange(Vec3(0, 0, z));
-  EXPECT_TRUE(is_said_to_be(false, Vec3(0, 0, 0.03)));
+  EXPECT_TRUE(wait_for_report(false, Vec3(0, 0, 0.03)));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ class ShownSceneTest : public ReplyLoopStage {
  protected:
   void take(const Message&) override {}
 
-  // The log of a haptics node that touches one scene, and is told one after the other that a vision node shows these scenes.
+  // The log of a haptics node that touches one scene, while a vision node reports that it shows these scenes, one after the other.
   std::string log_while_shown(const SceneFacts& touched, const std::vector<SceneFacts>& shown) {
     ReplyLoop loop(client_, clock_, step_, builder_, {}, false, touched);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
@@ -42,25 +42,25 @@ class ShownSceneTest : public ReplyLoopStage {
   MethodBuilder builder_{{.name = "sweep"}, shown_sheet()};
 };
 
-SceneFacts scene_of(std::uint64_t hash) { return {.given_hash = hash}; }
+SceneFacts facts_of_scene(std::uint64_t hash) { return {.given_hash = hash}; }
 
 TEST_F(ShownSceneTest, EachOtherSceneIsWarnedOfOnce) {
   const std::string other = "vision_node shows another scene";
-  EXPECT_EQ(count(log_while_shown(scene_of(9), {scene_of(8), scene_of(8), scene_of(8)}), other), 1);
-  EXPECT_EQ(count(log_while_shown(scene_of(9), {scene_of(8), scene_of(7)}), other), 2);
+  EXPECT_EQ(count(log_while_shown(facts_of_scene(9), {facts_of_scene(8), facts_of_scene(8), facts_of_scene(8)}), other), 1);
+  EXPECT_EQ(count(log_while_shown(facts_of_scene(9), {facts_of_scene(8), facts_of_scene(7)}), other), 2);
 }
 
 TEST_F(ShownSceneTest, TheSameSceneIsMentionedOnlyAfterAnother) {
   const std::string any = "vision_node shows";
-  EXPECT_EQ(count(log_while_shown(scene_of(9), {scene_of(9), scene_of(9)}), any), 0);
-  const std::string log = log_while_shown(scene_of(9), {scene_of(8), scene_of(9), scene_of(9)});
+  EXPECT_EQ(count(log_while_shown(facts_of_scene(9), {facts_of_scene(9), facts_of_scene(9)}), any), 0);
+  const std::string log = log_while_shown(facts_of_scene(9), {facts_of_scene(8), facts_of_scene(9), facts_of_scene(9)});
   EXPECT_EQ(count(log, "vision_node shows the same scene again"), 1) << log;
   EXPECT_EQ(count(log, any), 2) << log;
 }
 
-TEST_F(ShownSceneTest, NothingIsSaidWhereOneOfThemIsNotKnown) {
-  EXPECT_EQ(count(log_while_shown(scene_of(9), {scene_of(0)}), "vision_node"), 0);
-  EXPECT_EQ(count(log_while_shown(scene_of(0), {scene_of(8)}), "vision_node"), 0);
+TEST_F(ShownSceneTest, NothingIsLoggedWhereOneOfThemIsNotKnown) {
+  EXPECT_EQ(count(log_while_shown(facts_of_scene(9), {facts_of_scene(0)}), "vision_node"), 0);
+  EXPECT_EQ(count(log_while_shown(facts_of_scene(0), {facts_of_scene(8)}), "vision_node"), 0);
 }
 
 TEST_F(ShownSceneTest, AnotherToolIsWarnedOfOnce) {

@@ -175,16 +175,16 @@ TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
   EXPECT_NE(std::string_view(rejected.rejection.data()).find("'magic' is not known"), std::string_view::npos) << rejected.rejection.data();
   EXPECT_EQ(step_.counts().method_changes, 0U);
 
-  const HapticsSetup taken = request_method("proxy", 8);
-  EXPECT_EQ(taken.method_request, 8U);
-  EXPECT_STREQ(taken.rejection.data(), "");
-  EXPECT_EQ(taken.method_serial, 1U);
-  EXPECT_EQ(std::string_view(taken.method.data()).substr(0, 10), "name=proxy");
+  const HapticsSetup accepted = request_method("proxy", 8);
+  EXPECT_EQ(accepted.method_request, 8U);
+  EXPECT_STREQ(accepted.rejection.data(), "");
+  EXPECT_EQ(accepted.method_serial, 1U);
+  EXPECT_EQ(std::string_view(accepted.method.data()).substr(0, 10), "name=proxy");
   for (int i = 0; i < 20; ++i) {
     exchange({0.01, 0.01, 0.001});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  EXPECT_EQ(step_.counts().method_changes, 1U) << "asked again and again, built once";
+  EXPECT_EQ(step_.counts().method_changes, 1U) << "requested again and again, built once";
 }
 
 TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
@@ -192,9 +192,9 @@ TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMeth
   EXPECT_EQ(setups_[0].scene_hash, 42U);
   const std::int64_t begin_ns = clock_.now_ns();
   while (clock_.now_ns() < begin_ns + 350 * kMs) exchange({0.01, 0.01, 0.001});
-  EXPECT_EQ(setups_.size(), 4U);
+  EXPECT_EQ(setups_.size(), 4U) << "and three times more, 100 ms apart";
   while (clock_.now_ns() < begin_ns + 2350 * kMs) exchange({0.01, 0.01, 0.001});
-  EXPECT_EQ(setups_.size(), 6U);
+  EXPECT_EQ(setups_.size(), 6U) << "then once a second";
   Settings settings;
   const std::string_view name = "sweep";
   std::copy(name.begin(), name.end(), settings.method.begin());
@@ -265,24 +265,24 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
   } const release{done};  // ends prepare() before the builder waits for its thread
   const SceneFacts scene{.given_hash = 9};
   ReplyLoop loop(client_, clock_, step, builder, {}, true, scene);
-  const auto turn_on = [&](int turns) {
+  const auto run_turns = [&](int turns) {
     for (int i = 0; i < turns; ++i) {
       send_state({0.01, 0.01, 0.001});
       loop.turn(clock_.now_ns() + kMs);
       receive_reply();
     }
   };
-  turn_on(2000);  // turns of a millisecond each
+  run_turns(2000);  // a millisecond each
   ASSERT_FALSE(scenes_.empty());
   EXPECT_GT(scenes_.back().preparing_s, 1.7F);
   EXPECT_GE(scenes_.size(), 10U) << "several times a second";
   EXPECT_EQ(step.counts().replied, 0U);
   done = true;
   for (int i = 0; i < 6000 && step.counts().replied == 0; ++i) {
-    turn_on(1);
+    run_turns(1);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  turn_on(5);
+  run_turns(5);
   ASSERT_GT(step.counts().replied, 0U);
   EXPECT_EQ(scenes_.back().preparing_s, 0.0F) << "and at once when it is done";
 }
@@ -342,9 +342,9 @@ class TunedLoopTest : public ReplyLoopTest {
   TunedLoopTest() { loop_.set_material_task(&material_task_); }
 
   // Presses 2 mm deep until the reply to the request comes. The request is repeated, because datagrams may be lost.
-  MaterialState ask(const MaterialRequest& asked) {
-    for (int i = 0; i < 6000 && (materials_.empty() || materials_.back().request != asked.request); ++i) {
-      send(asked);
+  MaterialState send_until_reply(const MaterialRequest& repeated) {
+    for (int i = 0; i < 6000 && (materials_.empty() || materials_.back().request != repeated.request); ++i) {
+      send(repeated);
       const auto command = exchange({0.01, 0.01, -0.002});
       if (command) forces_n_.push_back(command->force_n[2]);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the thread of material_task_ needs real time
@@ -359,7 +359,7 @@ class TunedLoopTest : public ReplyLoopTest {
 TEST_F(TunedLoopTest, AMaterialChangesInContactAndFades) {
   exchange({0.01, 0.01, 0.001});
   ASSERT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
-  const MaterialState state = ask(request(7, "hull", 1500.0));
+  const MaterialState state = send_until_reply(request(7, "hull", 1500.0));
   EXPECT_EQ(state.request, 7U);
   EXPECT_STREQ(state.rejection.data(), "");
   EXPECT_EQ(state.serial, 1U);
@@ -375,14 +375,14 @@ TEST_F(TunedLoopTest, AMaterialChangesInContactAndFades) {
     exchange({0.01, 0.01, -0.002});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  EXPECT_EQ(step_.counts().materials_taken, 1U) << "asked again and again, changed once";
+  EXPECT_EQ(step_.counts().materials_taken, 1U) << "requested again and again, changed once";
 }
 
 TEST_F(TunedLoopTest, WhatIsRejectedSaysWhyAndChangesNothing) {
   exchange({0.01, 0.01, 0.001});
-  const MaterialState unknown = ask(request(8, "hul", 1500.0));
+  const MaterialState unknown = send_until_reply(request(8, "hul", 1500.0));
   EXPECT_STREQ(unknown.rejection.data(), "the scene has no object 'hul'; did you mean 'hull'?");
-  const MaterialState too_stiff = ask(request(9, "", 2e6));
+  const MaterialState too_stiff = send_until_reply(request(9, "", 2e6));
   EXPECT_NE(std::string_view(too_stiff.rejection.data()).find("at most 1000000"), std::string_view::npos) << too_stiff.rejection.data();
   EXPECT_EQ(step_.counts().materials_taken, 0U);
   EXPECT_EQ(too_stiff.serial, 0U);
@@ -391,7 +391,7 @@ TEST_F(TunedLoopTest, WhatIsRejectedSaysWhyAndChangesNothing) {
 
 TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
   exchange({0.01, 0.01, 0.001});
-  ASSERT_EQ(ask(request(7, "", 1500.0)).serial, 1U);
+  ASSERT_EQ(send_until_reply(request(7, "", 1500.0)).serial, 1U);
   Settings settings{.method_request = 3};
   const std::string_view name = "proxy";
   std::copy(name.begin(), name.end(), settings.method.begin());
@@ -402,18 +402,18 @@ TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
   }
   for (int i = 0; i < 120; ++i) exchange({0.01, 0.01, -0.002});
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 3.0, 1e-4);
-  EXPECT_EQ(setups_.back().material_serial, 1U) << "for replay: the method came after that change";
+  EXPECT_EQ(setups_.back().material_serial, 1U) << "a replay needs to know that the method came after that change";
   EXPECT_EQ(setups_.front().material_serial, 0U);
 }
 
 // The hub has requested the parts of the scene, to compute forces itself: materials may be changed nevertheless.
-TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsChange) {
+TEST_F(TunedLoopTest, WhileTheHubComputesForcesItselfMaterialsChange) {
   PatchSender patches(one_sheet(), 0.0, 42, true);
   loop_.set_patch_sender(&patches);
   exchange({0.01, 0.01, 0.001});
   send(PatchStatus{.is_wanted = true});
   exchange({0.01, 0.01, 0.001});
-  const MaterialState state = ask(request(7, "hull", 1500.0));
+  const MaterialState state = send_until_reply(request(7, "hull", 1500.0));
   EXPECT_STREQ(state.rejection.data(), "");
   EXPECT_EQ(state.serial, 1U);
   EXPECT_EQ(step_.counts().materials_taken, 1U);
@@ -421,20 +421,20 @@ TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsChange) {
 }
 
 // While the stylus presses, the scene file is saved with another sheet, 1 mm lower, and another material.
-TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
+TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsAnnounced) {
   exchange({0.01, 0.01, 0.001});
   exchange({0.01, 0.01, -0.002});
-  ASSERT_EQ(ask(request(7, "hull", 1500.0)).serial, 1U);
+  ASSERT_EQ(send_until_reply(request(7, "hull", 1500.0)).serial, 1U);
   for (int i = 0; i < 120; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
-  auto made = std::make_shared<NewScene>();
-  made->touch = {.objects = {{made::shared(made::sheet(0.1, -0.001, 6)), {.stiffness_n_per_m = 800.0}}}};
-  made->materials = {made->touch.objects[0].material};
-  made->hash = 77;
-  made->facts.given_hash = 78;
-  made->revision = 1;
-  ASSERT_TRUE(builder_.rebuild_for(made));
+  auto new_scene = std::make_shared<NewScene>();
+  new_scene->touch = {.objects = {{made::shared(made::sheet(0.1, -0.001, 6)), {.stiffness_n_per_m = 800.0}}}};
+  new_scene->materials = {new_scene->touch.objects[0].material};
+  new_scene->hash = 77;
+  new_scene->facts.given_hash = 78;
+  new_scene->revision = 1;
+  ASSERT_TRUE(builder_.rebuild_for(new_scene));
   for (int i = 0; i < 200; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
-  EXPECT_NEAR(forces_n_.back(), 0.8, 1e-4) << "1 mm deep, and what was tuned before is of the scene before";
+  EXPECT_NEAR(forces_n_.back(), 0.8, 1e-4) << "1 mm deep, and the changed stiffness was that of the former scene";
   for (std::size_t i = 1; i < forces_n_.size(); ++i) EXPECT_LE(std::abs(forces_n_[i] - forces_n_[i - 1]), 0.07) << i;
   EXPECT_EQ(setups_.back().scene_hash, 77U);
   EXPECT_EQ(setups_.back().method_serial, 1U);
@@ -442,7 +442,7 @@ TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
   EXPECT_EQ(materials_.back().serial, 2U);
   EXPECT_EQ(materials_.back().object_count, 0U);
   // The material task still has the former scene, whose materials must not come into use.
-  const MaterialState late = ask(request(9, "hull", 300.0));
+  const MaterialState late = send_until_reply(request(9, "hull", 300.0));
   EXPECT_NE(std::string_view(late.rejection.data()).find("read again"), std::string_view::npos) << late.rejection.data();
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 0.8, 1e-4);
 }

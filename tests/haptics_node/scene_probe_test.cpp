@@ -12,11 +12,11 @@ using ::testing::HasSubstr;
 
 class SceneProbe : public ::testing::Test {
  protected:
-  // The options of this command line, with the probe of the scene.
-  HapticsOptions take(std::vector<std::string> words, const std::string& scene = "two.toml") {
+  // Parses this command line, and takes the probe of the scene.
+  HapticsOptions parse_with_probe(std::vector<std::string> words, const std::string& scene = "two.toml") {
     HapticsOptions options = parse(std::move(words), scene);
-    const auto taken = take_scene_probe(options);
-    EXPECT_TRUE(taken) << (taken ? "" : taken.error().what);
+    const auto result = take_scene_probe(options);
+    EXPECT_TRUE(result) << (result ? "" : result.error().what);
     return options;
   }
   HapticsOptions parse(std::vector<std::string> words, const std::string& scene) {
@@ -36,35 +36,35 @@ class SceneProbe : public ::testing::Test {
 };
 
 TEST_F(SceneProbe, IsTheFirstOrTheOneThatIsNamed) {
-  EXPECT_EQ(take({}).method.probe_radius_m, 0.002);
-  EXPECT_EQ(take({}).method.name, "proxy");
-  const HapticsOptions right = take({"--probe", "right"});
+  EXPECT_EQ(parse_with_probe({}).method.probe_radius_m, 0.002);
+  EXPECT_EQ(parse_with_probe({}).method.name, "proxy");
+  const HapticsOptions right = parse_with_probe({"--probe", "right"});
   EXPECT_EQ(right.method.name, "smooth");
   EXPECT_EQ(right.method.shading, 0.25);
   EXPECT_EQ(right.method.probe_radius_m, 0.0);
 }
 
-TEST_F(SceneProbe, FlagsCountMore) {
-  EXPECT_EQ(take({"--probe-radius", "0"}).method.probe_radius_m, 0.0) << "also with the value that is the default";
-  const HapticsOptions right = take({"--probe", "right", "--method", "proxy", "--shading", "0"});
+TEST_F(SceneProbe, FlagsOverrideTheScene) {
+  EXPECT_EQ(parse_with_probe({"--probe-radius", "0"}).method.probe_radius_m, 0.0) << "also with the value that is the default";
+  const HapticsOptions right = parse_with_probe({"--probe", "right", "--method", "proxy", "--shading", "0"});
   EXPECT_EQ(right.method.name, "proxy");
   EXPECT_EQ(right.method.shading, 0.0);
 }
 
 TEST_F(SceneProbe, ASceneWithoutOneChangesNothing) {
-  EXPECT_EQ(take({}, "none.toml").method.probe_radius_m, 0.0);
-  EXPECT_EQ(take({}, "a.obj").method.name, "proxy");
-  EXPECT_EQ(take({}, "gone.toml").method.name, "proxy") << "load_scene names it";
+  EXPECT_EQ(parse_with_probe({}, "none.toml").method.probe_radius_m, 0.0);
+  EXPECT_EQ(parse_with_probe({}, "a.obj").method.name, "proxy");
+  EXPECT_EQ(parse_with_probe({}, "gone.toml").method.name, "proxy") << "load_scene reports the missing file";
 }
 
-TEST_F(SceneProbe, ANameThatIsNotThereIsOneLine) {
+TEST_F(SceneProbe, AnUnknownNameIsRejectedInOneLine) {
   for (const auto& [scene, what] :
        {std::pair{"two.toml", "did you mean 'right'?"}, {"none.toml", "add it"}, {"a.obj", "is not a scene file"}}) {
     HapticsOptions options = parse({"--probe", "rigt"}, scene);
-    const auto taken = take_scene_probe(options);
-    ASSERT_FALSE(taken) << scene;
-    EXPECT_THAT(taken.error().what, HasSubstr(what));
-    EXPECT_THAT(taken.error().what, HasSubstr(scene));
+    const auto result = take_scene_probe(options);
+    ASSERT_FALSE(result) << scene;
+    EXPECT_THAT(result.error().what, HasSubstr(what));
+    EXPECT_THAT(result.error().what, HasSubstr(scene));
   }
 }
 

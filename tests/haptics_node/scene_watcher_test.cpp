@@ -27,8 +27,8 @@ struct SceneWatcherTest : testing::Test {
     method = *make_method({}, loaded->touch_scene());
     material_task.emplace(*loaded, 0.0);
     builder.emplace(MethodSettings(), loaded->touch_scene(), method);
-    watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .on_scene = [this](const TouchScene& now) { felt = now; }}, *loaded,
-                    *material_task, *builder);
+    watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .on_scene = [this](const TouchScene& now) { felt_scene = now; }},
+                    *loaded, *material_task, *builder);
   }
 
   std::filesystem::path write(const std::string& material, const std::string& object = "") {
@@ -56,7 +56,7 @@ struct SceneWatcherTest : testing::Test {
   std::filesystem::path file;
   int writes = 0;
   std::string log;  // log of the last two polls
-  TouchScene felt;
+  TouchScene felt_scene;
   std::shared_ptr<ForceMethod> method;
   std::optional<MaterialTask> material_task;
   std::optional<MethodBuilder> builder;
@@ -70,20 +70,20 @@ TEST_F(SceneWatcherTest, AFileThatIsNotTouchedIsNotRead) {
   EXPECT_THAT(log, HasSubstr("a.toml was read again: nothing that affects the forces has changed"));
   EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged);
   std::filesystem::remove(file);
-  EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged) << "as an editor has it for a moment";
+  EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged) << "an editor that replaces the file removes it for a moment";
 }
 
 // A mesh of ten million triangles takes many seconds: a person who quits does not wait for it.
 TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   std::promise<void> release;
-  std::promise<void> begun;
-  std::promise<void> dropped;
-  const std::future<void> is_dropped = dropped.get_future();
+  std::promise<void> read_begun;
+  std::promise<void> read_ended;
+  const std::future<void> read_end = read_ended.get_future();
   const auto read = [&, may_end = release.get_future().share()](const auto& path, const auto& loading) {
-    begun.set_value();
+    read_begun.set_value();
     may_end.wait();
     auto scene = load_scene(path, loading);
-    dropped.set_value();
+    read_ended.set_value();
     return scene;
   };
   const auto loaded = load_scene(file);
@@ -91,11 +91,11 @@ TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .read = read}, *loaded, *material_task, *builder);
   watcher->start();
   write("stiffness_n_per_m = 700");
-  ASSERT_EQ(begun.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  ASSERT_EQ(read_begun.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
   watcher.reset();
-  EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  EXPECT_EQ(read_end.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
   release.set_value();
-  EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_EQ(read_end.wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
 // The data prepared for picking up objects, and the places where objects were put down, must stay valid.
@@ -195,7 +195,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
   ASSERT_NE(built->scene, nullptr);
   EXPECT_EQ(built->scene->revision, 1U);
   EXPECT_EQ(built->scene->materials.at(0).stiffness_n_per_m, 600.0);
-  EXPECT_TRUE(felt.has_effects());
+  EXPECT_TRUE(felt_scene.has_effects());
   builder->retire(std::move(built));
 
   write("stiffness_n_per_m = 600", "[[object]]\nmesh = 'a.obj'\nposition_m = [0, 0, 0.02]");
@@ -237,8 +237,9 @@ TEST_F(SceneWatcherTest, WhatCanBeCarvedStaysTheSameObject) {
   write("stiffness_n_per_m = 500", with_clay("voxel_mm = 4"));
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
-  MethodBuilder of_clay(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_clay);
+  MethodBuilder clay_builder(MethodSettings(), loaded->touch_scene(),
+                             std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, clay_builder);
   for (const std::string& changed : {with_clay("voxel_mm = 5"), with_clay("voxel_mm = 4\ntool_radius_mm = 21"),
                                      with_clay("voxel_mm = 4\nposition_m = [0, 0, 0.02]"), std::string()}) {
     write("stiffness_n_per_m = 500", changed);
@@ -255,8 +256,8 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
   write("stiffness_n_per_m = 500", lid + block);
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
-  MethodBuilder of_lid(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_lid);
+  MethodBuilder lid_builder(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, lid_builder);
 
   write("stiffness_n_per_m = 500", lid + block + "position_m = [0, 0, 0.03]\n");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene) << "another object has another place";
@@ -280,8 +281,9 @@ TEST_F(SceneWatcherTest, WhatProgramsDeformStaysTheSameObject) {
   write("stiffness_n_per_m = 500", by_program);
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
-  MethodBuilder of_sail(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_sail);
+  MethodBuilder sheet_builder(MethodSettings(), loaded->touch_scene(),
+                              std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, sheet_builder);
   for (const std::string& changed : {std::string("deformed_by = 'program'\nreach_m = 0.03\n"), by_program + "position_m = [0, 0, 0.02]\n",
                                      by_program + "name = 'b'\n", by_program + "[[object]]\nname = 'b'\nmesh = 'a.obj'\n", std::string()}) {
     write("stiffness_n_per_m = 500", changed);
@@ -323,12 +325,12 @@ TEST_F(SceneWatcherTest, ManyMaterialsComeAsAnotherScene) {
   write_many(500);
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
-  MethodBuilder of_many(MethodSettings(), loaded->touch_scene());
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_many);
+  MethodBuilder large_builder(MethodSettings(), loaded->touch_scene());
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, large_builder);
   write_many(600);
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene);
   EXPECT_THAT(log, HasSubstr("a.toml was read again: its materials fade in; changes by hapton set end, and effects begin anew"));
-  const auto built = of_many.take();
+  const auto built = large_builder.take();
   ASSERT_NE(built, nullptr);
   EXPECT_EQ(built->scene->materials.at(MaterialState::kMaxObjects).stiffness_n_per_m, 600.0);
 }
@@ -358,12 +360,12 @@ TEST_F(SceneWatcherTest, AFileThatIsGoneIsOneLine) {
   EXPECT_THAT(log_of_polls(1), HasSubstr("a.toml is gone; the present scene stays in use"));
   EXPECT_EQ(log_of_polls(3), "");
   std::filesystem::rename(aside, file);
-  EXPECT_EQ(log_of_polls(1), "") << "the same as before";
+  EXPECT_EQ(log_of_polls(1), "") << "the file is the same as before";
   std::filesystem::rename(file, aside);
   EXPECT_THAT(log_of_polls(2), HasSubstr("is gone"));
 }
 
-TEST_F(SceneWatcherTest, LooksByItself) {
+TEST_F(SceneWatcherTest, PollsInItsOwnThread) {
   watcher->start();
   write("stiffness_n_per_m = 900");
   const auto result = wait_for_materials();

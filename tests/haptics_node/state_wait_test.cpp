@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kStateOnTheWayNs = 50 * kUs;
+constexpr std::int64_t kStateDelayNs = 50 * kUs;
 constexpr std::int64_t kSleepLateNs = 20 * kUs;
 
 // An endpoint whose sleeps all end late, by kSleepLateNs.
@@ -19,7 +19,7 @@ class LateEndpoint final : public Endpoint {
   LateEndpoint(std::unique_ptr<Endpoint> inner, SimulatedClock& clock) : inner_(std::move(inner)), clock_(clock) {}
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override { return inner_->send(to, datagram); }
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
-    if (is_deaf_to_spins && deadline_ns <= clock_.now_ns()) return {};
+    if (delivers_nothing_to_spins && deadline_ns <= clock_.now_ns()) return {};
     const std::int64_t before_ns = clock_.now_ns();
     const Received received = inner_->receive(into, deadline_ns);
     if (clock_.now_ns() > before_ns) clock_.advance_ns(kSleepLateNs);
@@ -27,7 +27,7 @@ class LateEndpoint final : public Endpoint {
   }
   Address local_address() const override { return inner_->local_address(); }
 
-  bool is_deaf_to_spins = false;  // a spinning receiver gets nothing, as if the sender needed its CPU
+  bool delivers_nothing_to_spins = false;  // a spinning receiver gets nothing, as if the sender needed its CPU
 
  private:
   std::unique_ptr<Endpoint> inner_;
@@ -49,18 +49,18 @@ class StateWaits : public ::testing::Test {
   std::int64_t receive_next(std::uint64_t step = 1) {
     sample_ += step;
     const std::int64_t tick_ns = static_cast<std::int64_t>(sample_) * kMs;
-    network_.set_impairments({.delay_ns = tick_ns + kStateOnTheWayNs - clock_.now_ns()});
+    network_.set_impairments({.delay_ns = tick_ns + kStateDelayNs - clock_.now_ns()});
     hub_.send_to_role(NodeRole::haptics, DeviceState{.sample = sample_, .sample_time_ns = tick_ns});
     Datagram datagram;
     while (!wait_.receive(datagram, clock_.now_ns() + 50 * kMs) || !std::holds_alternative<DeviceState>(datagram.message)) {
     }
     wait_.note(std::get<DeviceState>(datagram.message), client_.receive_time_ns());
-    const std::int64_t took_ns = clock_.now_ns() - tick_ns - kStateOnTheWayNs;
+    const std::int64_t took_ns = clock_.now_ns() - tick_ns - kStateDelayNs;
     network_.set_impairments({});
     hub_.receive(datagram, 0);  // takes the client's Hello
     return took_ns;
   }
-  std::int64_t find_longest_of(int states) {
+  std::int64_t find_longest_delay(int states) {
     std::int64_t longest_ns = 0;
     for (int n = 0; n < states; ++n) longest_ns = std::max(longest_ns, receive_next());
     return longest_ns;
@@ -78,11 +78,11 @@ class StateWaits : public ::testing::Test {
 };
 
 TEST_F(StateWaits, WakesBeforeAStateIsDueAndHasItAtOnce) {
-  EXPECT_GE(find_longest_of(200), kSleepLateNs);
+  EXPECT_GE(find_longest_delay(200), kSleepLateNs);
   EXPECT_EQ(wait_.spins(), 0U);
   wait_.set_longest_spin(100 * kUs);
-  find_longest_of(200);
-  EXPECT_LT(find_longest_of(200), 1 * kUs);
+  find_longest_delay(200);
+  EXPECT_LT(find_longest_delay(200), 1 * kUs);
   EXPECT_GE(wait_.arrivals(), 300U);
   EXPECT_GT(wait_.spun_ns(), 0);
   EXPECT_LE(wait_.spun_ns(), static_cast<std::int64_t>(wait_.spins()) * 100 * kUs);
@@ -90,8 +90,8 @@ TEST_F(StateWaits, WakesBeforeAStateIsDueAndHasItAtOnce) {
 
 TEST_F(StateWaits, DoesNotSpinWhereNothingArrivesMeanwhile) {
   wait_.set_longest_spin(100 * kUs);
-  endpoint_.is_deaf_to_spins = true;
-  find_longest_of(500);
+  endpoint_.delivers_nothing_to_spins = true;
+  find_longest_delay(500);
   EXPECT_EQ(wait_.spins(), SpinTrial::kWaits);
   EXPECT_EQ(wait_.arrivals(), 0U);
 }
@@ -105,7 +105,7 @@ TEST_F(StateWaits, DoesNotSpinForSamplesThatAreNotSent) {
 // The system would throttle a thread that is always busy.
 TEST_F(StateWaits, SleepsAQuarterOfEachPeriodOrDoesNotSpin) {
   wait_.set_longest_spin(1 * kMs);
-  find_longest_of(100);
+  find_longest_delay(100);
   const std::uint64_t spins = wait_.spins();
   EXPECT_GT(spins, 0U);
   EXPECT_LE(wait_.spun_ns(), static_cast<std::int64_t>(spins) * 500 * kUs);

@@ -21,7 +21,7 @@ namespace {
 constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F};
 
 // Waits until the adviser has made one complete check that began after this call.
-void wait_for(const StiffnessAdviser& adviser) {
+void wait_for_check(const StiffnessAdviser& adviser) {
   const std::uint64_t before = adviser.checks();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (adviser.checks() < before + 2) {
@@ -38,7 +38,7 @@ std::string log_of(const LargestGains& gains, const std::vector<LoopFacts>& fact
     StiffnessAdviser adviser(gains);
     for (const LoopFacts& one : facts) {
       adviser.note(one);
-      wait_for(adviser);
+      wait_for_check(adviser);
     }
   }
   return testing::internal::GetCapturedStderr();
@@ -50,7 +50,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-TEST(StiffnessAdviser, AdvisesWhatTheLeastHandAllows) {
+TEST(StiffnessAdviser, AdvisesTheSmallestStiffnessOfAllHands) {
   const DevicePreset& model_a = *find_device_preset("model-a");
   const auto advice = advise_stiffness(kSimulated);
   ASSERT_TRUE(advice);
@@ -66,7 +66,7 @@ TEST(StiffnessAdviser, AdvisesWhatTheLeastHandAllows) {
   EXPECT_NEAR(advice->loop_n_per_m, least_of_loop, 1e-6 * least_of_loop);
 }
 
-TEST(StiffnessAdviser, OfSeveralDevicesItTakesTheLeast) {
+TEST(StiffnessAdviser, AdvisesTheSmallestStiffnessOfSeveralDevices) {
   LoopFacts facts = kSimulated;
   facts.device = {'o', 'p', 'e', 'n', 'h', 'a', 'p', 't', 'i', 'c', 's'};
   const auto advice = advise_stiffness(facts);
@@ -87,9 +87,9 @@ TEST(StiffnessAdviser, HasNoAdviceOnWhatItDoesNotKnow) {
 TEST(StiffnessAdviser, WarnsOnceAndAgainWhenTheLoopIsMuchSlower) {
   LoopFacts slower = kSimulated;
   slower.round_trip_s = 0.050F;
-  LoopFacts alike = kSimulated;
-  alike.round_trip_s *= 1.1F;
-  const std::string log = log_of({.stiffness_n_per_m = 5000.0}, {kSimulated, alike, slower, slower});
+  LoopFacts similar = kSimulated;
+  similar.round_trip_s *= 1.1F;
+  const std::string log = log_of({.stiffness_n_per_m = 5000.0}, {kSimulated, similar, slower, slower});
   EXPECT_EQ(count(log, "the scene has up to 5000 N/m, but PHANToM Model A at 1000 Hz"), 2U) << log;
   EXPECT_THAT(log, testing::HasSubstr("with forces after 10 ms"));
   EXPECT_THAT(log, testing::HasSubstr("with forces after 50 ms"));
@@ -124,10 +124,10 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooStiff) {
     start_log("haptics_node");
     StiffnessAdviser adviser({.stiffness_n_per_m = 0.5 * safe_n_per_m});
     adviser.note(kSimulated);
-    wait_for(adviser);
-    for (const double share : {0.9, 1.5, 1.5, 0.5}) {
-      adviser.set_gains({.stiffness_n_per_m = share * safe_n_per_m});
-      wait_for(adviser);
+    wait_for_check(adviser);
+    for (const double factor : {0.9, 1.5, 1.5, 0.5}) {
+      adviser.set_gains({.stiffness_n_per_m = factor * safe_n_per_m});
+      wait_for_check(adviser);
     }
   }
   const std::string log = testing::internal::GetCapturedStderr();
@@ -152,8 +152,9 @@ TEST(StiffnessAdviser, CountsBumpsAtTheForceOfTheDevice) {
   EXPECT_NEAR(advice.pressed_n, 8.45, 0.01);
   ASSERT_TRUE(advice.is_limited_by_device);
   ASSERT_GT(advice.loop_n_per_m, 1.5 * advice.safe_n_per_m);
-  const auto log_at = [&](double share) {
-    LargestGains gains{.by_place_n_per_m = share * advice.loop_n_per_m * kMaxPressedN / advice.pressed_n, .place_cause = StiffCause::bumps};
+  const auto log_at = [&](double factor) {
+    LargestGains gains{.by_place_n_per_m = factor * advice.loop_n_per_m * kMaxPressedN / advice.pressed_n,
+                       .place_cause = StiffCause::bumps};
     gains.of_pressing_n_per_m = gains.by_place_n_per_m;
     return log_of(gains, {fast});
   };
@@ -170,11 +171,11 @@ TEST(StiffnessAdviser, WarnsWhenASurfaceHasBecomeTooStiffFromPlaceToPlace) {
       start_log("haptics_node");
       StiffnessAdviser adviser({});
       adviser.note(kSimulated);
-      wait_for(adviser);
-      for (const double share : {0.9, 1.5, 0.5}) {
-        const double n_per_m = share * advice.loop_n_per_m * kMaxPressedN / advice.pressed_n;
+      wait_for_check(adviser);
+      for (const double factor : {0.9, 1.5, 0.5}) {
+        const double n_per_m = factor * advice.loop_n_per_m * kMaxPressedN / advice.pressed_n;
         adviser.set_gains({.by_place_n_per_m = n_per_m, .of_pressing_n_per_m = n_per_m, .place_cause = cause});
-        wait_for(adviser);
+        wait_for_check(adviser);
       }
     }
     return testing::internal::GetCapturedStderr();
@@ -187,44 +188,44 @@ TEST(StiffnessAdviser, WarnsWhenASurfaceHasBecomeTooStiffFromPlaceToPlace) {
   EXPECT_THAT(map, testing::HasSubstr("set the two numbers of stiffness_map_n_per_m nearer to each other"));
 }
 
-constexpr LoopFacts kTurning = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd', '-', '6', 'd', 'o', 'f'},
-                                .servo_rate_hz = 1000.0,
-                                .round_trip_s = 0.010F,
-                                .max_torque_nm = 0.17F};
+constexpr LoopFacts kSixDof = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd', '-', '6', 'd', 'o', 'f'},
+                               .servo_rate_hz = 1000.0,
+                               .round_trip_s = 0.010F,
+                               .max_torque_nm = 0.17F};
 
 TEST(StiffnessAdviser, AdvisesOnTurningWhereMotorsTurnTheStylus) {
   EXPECT_EQ(advise_stiffness(kSimulated)->rotational_nm_per_rad, 0.0);
-  const StiffnessAdvice advice = *advise_stiffness(kTurning);
+  const StiffnessAdvice advice = *advise_stiffness(kSixDof);
   EXPECT_EQ(advice.by_turning, "light");
   EXPECT_NEAR(advice.rotational_nm_per_rad,
-              recommend_rotational_stiffness(*find_hand_preset("light"), 0.17, 1000.0, static_cast<double>(kTurning.round_trip_s)), 1e-9);
+              recommend_rotational_stiffness(*find_hand_preset("light"), 0.17, 1000.0, static_cast<double>(kSixDof.round_trip_s)), 1e-9);
 }
 
 TEST(StiffnessAdviser, WarnsOfAToolThatTurnsTooStiffly) {
-  const double safe = advise_stiffness(kTurning)->rotational_nm_per_rad;
+  const double safe = advise_stiffness(kSixDof)->rotational_nm_per_rad;
   testing::internal::CaptureStderr();
   {
     start_log("haptics_node");
     StiffnessAdviser adviser({});
     adviser.note_tool(0.9 * safe);
-    adviser.note(kTurning);
-    wait_for(adviser);
+    adviser.note(kSixDof);
+    wait_for_check(adviser);
     adviser.set_gains({.stiffness_n_per_m = 1.0, .rotational_nm_per_rad = 2.0 * safe});  // stiffer materials with the same tool
-    wait_for(adviser);
+    wait_for_check(adviser);
     adviser.note_tool(1.5 * safe);  // less than the value that it warned of
-    wait_for(adviser);
+    wait_for_check(adviser);
   }
   const std::string log = testing::internal::GetCapturedStderr();
   EXPECT_EQ(count(log, "the stylus holds a tool with"), 1U) << log;
   EXPECT_THAT(log, testing::HasSubstr(fmt::format("a tool with {:.3g} Nm/rad", 2.0 * safe)));
   EXPECT_THAT(log, testing::HasSubstr("give haptics_node --rotational-stiffness"));
-  LoopFacts without_motors = kTurning;
+  LoopFacts without_motors = kSixDof;
   without_motors.max_torque_nm = 0.0F;
   EXPECT_THAT(log_of({.rotational_nm_per_rad = 100.0}, {without_motors}), testing::Not(testing::HasSubstr("holds a tool")));
-  EXPECT_THAT(log_of({.rotational_nm_per_rad = 100.0}, {without_motors, kTurning}), testing::HasSubstr("holds a tool with 100 Nm/rad"));
+  EXPECT_THAT(log_of({.rotational_nm_per_rad = 100.0}, {without_motors, kSixDof}), testing::HasSubstr("holds a tool with 100 Nm/rad"));
 }
 
-TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {
+TEST(StiffnessAdviser, SaysNothingOfASceneThatIsSafe) {
   const StiffnessAdvice advice = *advise_stiffness(kSimulated);
   EXPECT_THAT(log_of({.stiffness_n_per_m = 0.9 * advice.safe_n_per_m,
                       .damping_ns_per_m = 0.9 * advice.damping_ns_per_m,
@@ -233,7 +234,7 @@ TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {
               testing::Not(testing::HasSubstr("has up to")));
 }
 
-TEST(StiffnessAdviser, OfDampingItTakesTheLeastHandToo) {
+TEST(StiffnessAdviser, AdvisesTheSmallestDampingOfAllHands) {
   const DevicePreset& model_a = *find_device_preset("model-a");
   const StiffnessAdvice advice = *advise_stiffness(kSimulated);
   double damping = HUGE_VAL;
@@ -263,7 +264,7 @@ TEST(StiffnessAdviser, WarnsOfTooMuchDampingAndOfNothingElse) {
   EXPECT_THAT(viscous, testing::HasSubstr("Ns/m of viscosity, but PHANToM Model A"));
 }
 
-// The adviser warns of the damping that has risen, and not again of the stiffness, which was too large before.
+// The adviser warns of the damping that has risen, but not a second time of the stiffness, which was too large from the start.
 TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooDamped) {
   const StiffnessAdvice advice = *advise_stiffness(kSimulated);
   testing::internal::CaptureStderr();
@@ -272,10 +273,10 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooDamped) {
     const double stiffness_n_per_m = 2.0 * advice.safe_n_per_m;
     StiffnessAdviser adviser({.stiffness_n_per_m = stiffness_n_per_m});
     adviser.note(kSimulated);
-    wait_for(adviser);
-    for (const double share : {0.9, 1.5, 0.5}) {
-      adviser.set_gains({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = share * advice.damping_ns_per_m});
-      wait_for(adviser);
+    wait_for_check(adviser);
+    for (const double factor : {0.9, 1.5, 0.5}) {
+      adviser.set_gains({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = factor * advice.damping_ns_per_m});
+      wait_for_check(adviser);
     }
   }
   const std::string log = testing::internal::GetCapturedStderr();

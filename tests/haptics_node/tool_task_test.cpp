@@ -30,8 +30,7 @@ Scene scene_with_tool() {
   return scene;
 }
 
-// What is logged while the tool is made.
-std::string log_of_task(const Scene& scene) {
+std::string log_of_making_tool(const Scene& scene) {
   testing::internal::CaptureStderr();
   start_log("haptics_node");
   const auto tool = make_live_tool({}, scene);
@@ -42,23 +41,23 @@ std::string log_of_task(const Scene& scene) {
 
 TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
   Scene scene = scene_with_tool();
-  EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut)));
-  EXPECT_THAT(log_of_task(scene), HasSubstr("the stylus holds cube"));
+  EXPECT_THAT(log_of_making_tool(scene), Not(HasSubstr(kLeftOut)));
+  EXPECT_THAT(log_of_making_tool(scene), HasSubstr("the stylus holds cube"));
   scene.objects[0].material.damping_ns_per_m = 0.5;
   scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
-  EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut))) << "a tool has damping and viscosity";
+  EXPECT_THAT(log_of_making_tool(scene), Not(HasSubstr(kLeftOut))) << "a tool has damping and viscosity";
   scene.objects[0].effects.progressive.n_per_m2 = 1e4;
-  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
+  EXPECT_THAT(log_of_making_tool(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
   scene = scene_with_tool();
   scene.objects[0].effects.maps.viscosity = {
       .image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F}), .at_black = 7.0, .at_white = 2.0};
-  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "viscosity by an image";
+  EXPECT_THAT(log_of_making_tool(scene), HasSubstr(kLeftOut)) << "viscosity by an image";
   scene = scene_with_tool();
   scene.effects.emplace_back();
-  EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut))) << "an effect in space acts on a tool";
+  EXPECT_THAT(log_of_making_tool(scene), Not(HasSubstr(kLeftOut))) << "an effect in space acts on a tool";
   scene = scene_with_tool();
   scene.objects[0].material.two_sided = false;
-  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "a surface felt from one side";
+  EXPECT_THAT(log_of_making_tool(scene), HasSubstr(kLeftOut)) << "a surface felt from one side";
 }
 
 TEST(HeldToolOfAScene, HasTheDampingOfTheMaterials) {
@@ -76,7 +75,7 @@ TEST(HeldToolOfAScene, IsAbsentIfTheSceneNamesNone) {
   EXPECT_FALSE(*tool);
 }
 
-TEST(HeldToolOfAScene, IsRejectedBesideWhatItDoesNotGoWith) {
+TEST(HeldToolOfAScene, IsRejectedWithOptionsOfAProbe) {
   HapticsOptions ball;
   ball.method.probe_radius_m = 0.001;
   ball.is_radius_given = true;
@@ -117,7 +116,7 @@ TEST(HeldToolOfAScene, ItsOptionsAreRejectedWhereNothingIsHeld) {
 TEST(HeldToolOfAScene, AnOddSizeIsLogged) {
   Scene scene = scene_with_tool();
   scene.tool->mesh = made::shared(made::box(Vec3::Constant(-5e-6), Vec3::Constant(5e-6)));
-  EXPECT_THAT(log_of_task(scene), HasSubstr("the tool is 0.01 mm long, the scene 100 mm; check the units"));
+  EXPECT_THAT(log_of_making_tool(scene), HasSubstr("the tool is 0.01 mm long, the scene 100 mm; check the units"));
 }
 
 HapticsOptions with_voxels(double voxel_m) {
