@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kCarvingOffset = 0.0005 * 0.0254;
+constexpr double kCarvingOffset = 0.0005 * 0.0254;  // contact offset: half a thousandth of an inch
 
 TouchScene carving_scene() {
   return {.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
@@ -37,7 +37,7 @@ struct CarvedRun {
 };
 
 // The method is replaced at sample `change`; 0: never.
-CarvedRun carve_round(std::uint64_t count, std::uint64_t change) {
+CarvedRun carve_around_ball(std::uint64_t count, std::uint64_t change) {
   HapticsStep step(carving_touch(), kCarvingOffset);
   CarvedRun run;
   for (std::uint64_t sample = 1; sample <= count; ++sample) {
@@ -55,7 +55,7 @@ CarvedRun carve_round(std::uint64_t count, std::uint64_t change) {
 
 TEST(CarvingStep, RepeatsToTheLastBitAlsoAcrossAChangeOfMethod) {
   for (const std::uint64_t change : {std::uint64_t{0}, std::uint64_t{700}}) {
-    const CarvedRun one = carve_round(1500, change), other = carve_round(1500, change);
+    const CarvedRun one = carve_around_ball(1500, change), other = carve_around_ball(1500, change);
     ASSERT_EQ(one.carves.size(), other.carves.size());
     EXPECT_GT(one.carves.size(), 50U);
     for (std::size_t i = 0; i < one.carves.size(); ++i) {
@@ -70,7 +70,8 @@ TEST(CarvingStep, RepeatsToTheLastBitAlsoAcrossAChangeOfMethod) {
 }
 
 TEST(CarvingStep, ForceHasNoJumpAtAChangeOfMethod) {
-  const CarvedRun run = carve_round(1500, 700);
+  const CarvedRun run = carve_around_ball(1500, 700);
+  // forces[699] replies to sample 700, the first with the new method.
   EXPECT_TRUE(run.forces[698].contact);
   EXPECT_TRUE(run.forces[699].contact);
   EXPECT_LT((run.forces[699].force_n - run.forces[698].force_n).norm(), 0.5);
@@ -111,31 +112,31 @@ TEST(CarvingStep, ChangesWithoutHeap) {
 
 // A hand rests on the bottom of its carves, and all but the first 19, or all, are undone: the force fades, and the undo gets a serial.
 TEST(CarvingStep, AnUndoFadesTheForce) {
-  constexpr std::uint64_t kHeld = 1047, kUndone = 1200;  // the hand is deep in the ball, and stays there without the button
+  constexpr std::uint64_t kRestSample = 1047, kUndoSample = 1200;  // the hand is deep in the ball, and stays there without the button
   for (const bool is_all : {true, false}) {
     HapticsStep step(carving_touch(), kCarvingOffset);
     Sculpture copy = *step.touch().method().sculpture();
     std::vector<ForceCommand> forces;
     for (std::uint64_t sample = 1; sample <= 1400; ++sample) {
       DeviceState state = carving_state(sample);
-      if (sample > kHeld) state = {.sample = sample, .p_WD = carving_state(kHeld).p_WD};
+      if (sample > kRestSample) state = {.sample = sample, .p_WD = carving_state(kRestSample).p_WD};
       state.sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample);
       step.offer(state);
       forces.push_back(step.reply());
       const MadeCarve* made = step.made_carve();
       if (made != nullptr && (!is_all && made->serial < 20)) copy.field(0).carve(made->carve);
-      if (sample != kUndone) continue;
+      if (sample != kUndoSample) continue;
       const std::uint32_t newest = step.touch().newest_carve_serial();
       ASSERT_TRUE(step.restore_carves(copy, newest + 1));
       EXPECT_EQ(step.touch().newest_carve_serial(), newest + 1);
     }
-    ASSERT_GT(forces[kUndone - 1].force_n.norm(), 0.2);
-    const double most = 1.01 * forces[kUndone - 1].force_n.norm() / 10.0;  // ForceFade::kInAirS in samples of 1 ms
-    for (std::size_t n = kUndone - 10; n + 1 < forces.size(); ++n) {
-      ASSERT_LE((forces[n + 1].force_n - forces[n].force_n).norm(), most) << n << " " << is_all;
+    ASSERT_GT(forces[kUndoSample - 1].force_n.norm(), 0.2);
+    const double largest_step_n = 1.01 * forces[kUndoSample - 1].force_n.norm() / 10.0;  // ForceFade::kInAirS in samples of 1 ms
+    for (std::size_t n = kUndoSample - 10; n + 1 < forces.size(); ++n) {
+      ASSERT_LE((forces[n + 1].force_n - forces[n].force_n).norm(), largest_step_n) << n << " " << is_all;
     }
     EXPECT_LT(forces.back().force_n.norm(), 1e-9) << "the hand is inside";
-    EXPECT_EQ(forces[kUndone].carve_serial, forces[kUndone - 1].carve_serial + 1);
+    EXPECT_EQ(forces[kUndoSample].carve_serial, forces[kUndoSample - 1].carve_serial + 1);
   }
 }
 

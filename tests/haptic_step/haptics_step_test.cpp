@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffset = 0.0005 * 0.0254;
+constexpr double kOffset = 0.0005 * 0.0254;  // contact offset: half a thousandth of an inch
 
 std::unique_ptr<TouchStep> make_touch(double stiffness = 1000.0) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {.stiffness_n_per_m = stiffness}}}};
@@ -55,36 +55,36 @@ TEST(HapticsStep, RepliesWithForceOffsetAndEcho) {
   EXPECT_EQ(step.counts().contact_steps, 1U);
 }
 
-TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
+TEST(HapticsStep, ContinuesTheContactOfAnotherNode) {
   States states;
   DeviceState inside = states.at({0.01, 0.01, -0.002});
-  HapticsStep ignorant(make_touch(), kOffset);
-  EXPECT_FALSE(reply_to(ignorant, inside).contact) << "it begins below the sheet";
+  HapticsStep without_report(make_touch(), kOffset);
+  EXPECT_FALSE(reply_to(without_report, inside).contact) << "it begins below the sheet";
 
   inside.is_resumed = true;
   inside.p_WP = Vec3(0.01, 0.01, 0.0);
-  HapticsStep reported(make_touch(), kOffset);
-  const ForceCommand output = reply_to(reported, inside);
+  HapticsStep with_report(make_touch(), kOffset);
+  const ForceCommand output = reply_to(with_report, inside);
   EXPECT_TRUE(output.contact);
   EXPECT_NEAR((output.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
 
   // Since the report the hand has moved too far.
   inside.p_WD.z() = -1.1 * kResumeReachM;
-  HapticsStep late(make_touch(), kOffset);
-  EXPECT_FALSE(reply_to(late, inside).contact);
+  HapticsStep with_old_report(make_touch(), kOffset);
+  EXPECT_FALSE(reply_to(with_old_report, inside).contact);
 }
 
 TEST(HapticsStep, KeepsContactInANewSessionUnlessReset) {
-  for (const bool forgets : {false, true}) {
+  for (const bool restarts : {false, true}) {
     HapticsStep step(make_touch(), kOffset);
     States states;
     reply_to(step, states.at({0.01, 0.01, 0.001}));
     ASSERT_TRUE(reply_to(step, states.at({0.01, 0.01, -0.002})).contact);
-    forgets ? step.restart() : step.resume();
+    restarts ? step.restart() : step.resume();
     const ForceCommand first = reply_to(step, states.at({0.01, 0.011, -0.003}));
-    EXPECT_EQ(first.contact, !forgets);
+    EXPECT_EQ(first.contact, !restarts);
     // A recording of the new session alone cannot tell which samples had a reply before it.
-    EXPECT_EQ(first.replied_before, forgets ? 0 : kUnknownBefore);
+    EXPECT_EQ(first.replied_before, restarts ? 0 : kUnknownBefore);
   }
 }
 
@@ -120,7 +120,7 @@ TEST(HapticsStep, ANewSessionFindsAHandFreeThatHasLeftTheSurface) {
   }
 }
 
-TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
+TEST(HapticsStep, AnnouncingTheStartBuildsWhatIsNearAndChangesNothingElse) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
   auto touch = std::make_unique<TouchStep>(*make_method({.name = "proxy", .build_on_approach = true}, scene));
   const auto method = touch->share_method();
@@ -235,8 +235,8 @@ TEST(HapticsStep, TheForceFadesWhereTheNextMethodHasNoSurface) {
   ASSERT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), 2.0, 1e-9);
   step.replace(std::make_unique<TouchStep>(*make_method({.name = "sweep"}, elsewhere)));
   for (int i = 1; i <= 12; ++i) {
-    const double left_n = 2.0 * std::max(0.0, 1.0 - 1e-3 * i / ForceFade::kInAirS);
-    EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), left_n, 1e-9) << i;
+    const double remaining_n = 2.0 * std::max(0.0, 1.0 - 1e-3 * i / ForceFade::kInAirS);
+    EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), remaining_n, 1e-9) << i;
   }
 }
 
@@ -267,7 +267,7 @@ TEST(HapticsStep, ATakeoverKeepsTheSpeedOfTheHand) {
       if (i == 30) step.replace(make());
       const ForceCommand felt = reply_to(step, states.at({1e-4 * i, 0.01, z}));
       if (i > 10) {
-        EXPECT_NEAR(felt.force_n.x(), -0.5, 1e-6) << i;
+        EXPECT_NEAR(felt.force_n.x(), -0.5, 1e-6) << i;  // 5 Ns/m at 0.1 m/s
       }
     }
   }
@@ -417,8 +417,8 @@ TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
   for (int i = 0; i < 3; ++i) view.X_WS[static_cast<std::size_t>(4 * i + 3)] = static_cast<float>(shift[i]);
   ASSERT_TRUE(step.turn_scene(view));
   States states;
-  for (const bool anew : {false, true}) {
-    if (anew) step.restart();
+  for (const bool is_new_session : {false, true}) {
+    if (is_new_session) step.restart();
     for (int n = 1; n <= 50; ++n) {
       const Vec3 p_WD(0.02, 0.01, 0.05 + 0.0001 * n);
       const ForceCommand command = reply_to(step, states.at(p_WD));
@@ -442,7 +442,7 @@ TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
 }
 
 // A box of 4 cm that a program lifts to the tool, and one that rises by keyframes.
-TEST(HapticsStep, AHeldToolFeelsObjectsThatMoveAndTellsWhatItDoesToThoseOfPrograms) {
+TEST(HapticsStep, AHeldToolFeelsMovingObjectsAndReportsItsPushOnThoseOfPrograms) {
   for (const bool is_commanded : {true, false}) {
     TouchScene scene;
     TouchObject block;

@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kContactOffset = 0.0005 * 0.0254;
+constexpr double kContactOffset = 0.0005 * 0.0254;  // half a thousandth of an inch
 constexpr double kFadeS = ForceFade::kInContactS;
 constexpr double kStepS = 1e-3;
 
@@ -125,37 +125,37 @@ class FrictionChanges : public testing::TestWithParam<Case> {};
 TEST_P(FrictionChanges, LessFrictionLetsTheProxySlideAndTheForceFade) {
   constexpr double kStiffness = 1000.0;
   constexpr double kDepth = 0.002;
-  constexpr double kAside = 0.001;
+  constexpr double kLateralOffset = 0.001;
   constexpr double kTolerance = 1e-5 * kStiffness * kDepth;  // the reference moves in sub-steps
   Node node(GetParam(), {.stiffness_n_per_m = kStiffness, .friction_static = 1.0, .friction_dynamic = 0.8});
   node.press(0.0, -0.001);
   node.press(0.0, kDepth);
-  for (int i = 1; i <= 10; ++i) node.press(0.1 * i * kAside, kDepth);
-  const ForceCommand held = node.press(kAside, kDepth);
-  ASSERT_NEAR(held.force_n.x(), -kStiffness * kAside, kTolerance);
+  for (int i = 1; i <= 10; ++i) node.press(0.1 * i * kLateralOffset, kDepth);
+  const ForceCommand stuck = node.press(kLateralOffset, kDepth);
+  ASSERT_NEAR(stuck.force_n.x(), -kStiffness * kLateralOffset, kTolerance);
 
   const Material more{.stiffness_n_per_m = kStiffness, .friction_static = 2.0, .friction_dynamic = 2.0};
   node.step.set_materials({&more, 1});
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(node.press(kAside, kDepth).force_n.x(), held.force_n.x(), kTolerance);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(node.press(kLateralOffset, kDepth).force_n.x(), stuck.force_n.x(), kTolerance);
 
   const Material less{.stiffness_n_per_m = kStiffness, .friction_static = 0.25, .friction_dynamic = 0.2};
   node.step.set_materials({&less, 1});
   const double to_n = -kStiffness * 0.2 * kDepth;
   for (int i = 1; i <= 100; ++i) {
-    const ForceCommand now = node.press(kAside, kDepth);
-    EXPECT_NEAR(now.force_n.x(), held.force_n.x() + (to_n - held.force_n.x()) * i * kStepS / kFadeS, kTolerance) << i;
+    const ForceCommand now = node.press(kLateralOffset, kDepth);
+    EXPECT_NEAR(now.force_n.x(), stuck.force_n.x() + (to_n - stuck.force_n.x()) * i * kStepS / kFadeS, kTolerance) << i;
     EXPECT_NEAR(now.force_n.z(), kStiffness * kDepth, kTolerance) << i;
   }
   const Material none{.stiffness_n_per_m = kStiffness};
   node.step.set_materials({&none, 1});
-  for (int i = 0; i < 100; ++i) node.press(kAside, kDepth);
-  EXPECT_NEAR(node.press(kAside, kDepth).force_n.x(), 0.0, kTolerance);
+  for (int i = 0; i < 100; ++i) node.press(kLateralOffset, kDepth);
+  EXPECT_NEAR(node.press(kLateralOffset, kDepth).force_n.x(), 0.0, kTolerance);
 
   // Friction is on again: the proxy sticks where it is, and then the device pulls it along on the cone.
-  const Material again{.stiffness_n_per_m = kStiffness, .friction_static = 0.5, .friction_dynamic = 0.4};
-  node.step.set_materials({&again, 1});
-  for (int i = 1; i <= 120; ++i) node.press(kAside * (1.0 + 0.05 * i), kDepth);
-  EXPECT_NEAR(node.press(kAside * 7.05, kDepth).force_n.x(), -kStiffness * 0.4 * kDepth, kTolerance);
+  const Material sticky{.stiffness_n_per_m = kStiffness, .friction_static = 0.5, .friction_dynamic = 0.4};
+  node.step.set_materials({&sticky, 1});
+  for (int i = 1; i <= 120; ++i) node.press(kLateralOffset * (1.0 + 0.05 * i), kDepth);
+  EXPECT_NEAR(node.press(kLateralOffset * 7.05, kDepth).force_n.x(), -kStiffness * 0.4 * kDepth, kTolerance);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfMethodsWithFriction, FrictionChanges,
@@ -175,7 +175,7 @@ TEST(MaterialChange, DampingIsThatOfTheNewMaterial) {
 }
 
 // A change during a fade begins a new fade from the force at that moment.
-TEST(MaterialChange, OneAfterTheOtherMakesNoJump) {
+TEST(MaterialChange, AnotherOneDuringAFadeMakesNoJump) {
   Node node({"proxy", "proxy", 0.0}, {.stiffness_n_per_m = 1000.0});
   node.press(0.0, -0.001);
   Vec3 last_n = node.press(0.0, 0.002).force_n;
@@ -187,7 +187,7 @@ TEST(MaterialChange, OneAfterTheOtherMakesNoJump) {
     largest_n = std::max(largest_n, (force_n - last_n).norm());
     last_n = force_n;
   }
-  EXPECT_LE(largest_n, 7.0 * kStepS / kFadeS * (1.0 + 1e-9)) << "of 7 N, the largest difference there can be, one step's share";
+  EXPECT_LE(largest_n, 7.0 * kStepS / kFadeS * (1.0 + 1e-9)) << "one step's share of 7 N, the largest possible difference";
   EXPECT_EQ(node.step.counts().materials_taken, 10U);
 }
 

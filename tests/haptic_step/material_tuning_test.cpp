@@ -33,7 +33,7 @@ MaterialChange friction(double both) {
   return {.given = MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic, .friction_static = both, .friction_dynamic = both};
 }
 
-struct Tuned : testing::Test {
+struct TunedScene : testing::Test {
   const Scene scene = scene_of({"hull", "deck", "mast", "deck"});
   MaterialTuning tuning{scene};
 
@@ -48,7 +48,7 @@ struct Tuned : testing::Test {
   }
 };
 
-TEST_F(Tuned, OneObjectOrAllOfANameOrAllChange) {
+TEST_F(TunedScene, OneObjectOrAllOfANameOrAllChange) {
   EXPECT_EQ(change("hull", stiffness(800.0)), "");
   EXPECT_EQ(stiffnesses(), (std::vector{800.0, 1000.0, 1000.0, 1000.0}));
   EXPECT_EQ(tuning.describe_last(), "object 'hull': stiffness 800 N/m, damping 0 Ns/m, friction 0 / 0 (static / dynamic)");
@@ -56,14 +56,14 @@ TEST_F(Tuned, OneObjectOrAllOfANameOrAllChange) {
   EXPECT_EQ(stiffnesses(), (std::vector{800.0, 600.0, 1000.0, 600.0}));
   EXPECT_EQ(tuning.describe_last(), "2 objects, the first: stiffness 600 N/m, damping 0 Ns/m, friction 0 / 0 (static / dynamic)");
   EXPECT_EQ(change("", stiffness(500.0)), "");
-  EXPECT_EQ(stiffnesses(), (std::vector{500.0, 500.0, 500.0, 500.0})) << "what was said of each before is over";
+  EXPECT_EQ(stiffnesses(), (std::vector{500.0, 500.0, 500.0, 500.0})) << "this replaces the earlier changes of single objects";
   EXPECT_EQ(tuning.state().object_count, 1U);
   EXPECT_EQ(change("mast", stiffness(900.0)), "");
   EXPECT_EQ(stiffnesses(), (std::vector{500.0, 500.0, 900.0, 500.0}));
   EXPECT_EQ(tuning.describe_last(), "object 'mast': stiffness 900 N/m, damping 0 Ns/m, friction 0 / 0 (static / dynamic)");
 }
 
-TEST_F(Tuned, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {
+TEST_F(TunedScene, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {
   const std::string nothing = tuning.describe_last();
   EXPECT_EQ(change("hull", stiffness(800.0)), "");
   EXPECT_NE(tuning.describe_last(), nothing);
@@ -71,7 +71,7 @@ TEST_F(Tuned, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {
   EXPECT_EQ(tuning.describe_last(), nothing);
 }
 
-TEST_F(Tuned, NumbersThatAreNotGivenStay) {
+TEST_F(TunedScene, NumbersThatAreNotGivenStay) {
   EXPECT_EQ(change("hull", stiffness(800.0)), "");
   EXPECT_EQ(change("", friction(0.4)), "");
   EXPECT_EQ(change("hull", {.given = MaterialChange::kDamping, .damping_ns_per_m = 1.5}), "");
@@ -83,13 +83,13 @@ TEST_F(Tuned, NumbersThatAreNotGivenStay) {
   EXPECT_TRUE(hull.two_sided);
 }
 
-TEST_F(Tuned, AnUnknownObjectIsRejectedWithTheNearestName) {
+TEST_F(TunedScene, AnUnknownObjectIsRejectedWithTheNearestName) {
   EXPECT_EQ(change("hul", stiffness(800.0)), "the scene has no object 'hul'; did you mean 'hull'?");
   EXPECT_THAT(change("keel of the ship", stiffness(800.0)), HasSubstr("known are hull, deck, mast"));
   EXPECT_EQ(tuning.state().object_count, 0U);
 }
 
-TEST_F(Tuned, AChangeIsOfAllOrOfNone) {
+TEST_F(TunedScene, AChangeIsOfAllOrOfNone) {
   EXPECT_EQ(change("mast", friction(0.3)), "");
   // The mast alone would have less static than dynamic friction.
   EXPECT_THAT(change("", {.given = MaterialChange::kFrictionStatic, .friction_static = 0.2}),
@@ -97,7 +97,7 @@ TEST_F(Tuned, AChangeIsOfAllOrOfNone) {
   EXPECT_EQ(tuned_materials(scene.touch_scene(), tuning.state(), 0.0)[0].friction_static, 0.0);
 }
 
-TEST_F(Tuned, WhatASceneFileCouldNotHaveIsRejectedAndChangesNothing) {
+TEST_F(TunedScene, WhatASceneFileCouldNotHaveIsRejectedAndChangesNothing) {
   EXPECT_EQ(change("hull", friction(0.4)), "");
   EXPECT_THAT(change("hull", {.given = MaterialChange::kFrictionDynamic, .friction_dynamic = 0.5}),
               HasSubstr("more than 'friction_static' 0.4"));
@@ -122,7 +122,7 @@ TEST(MaterialTuningOfLayers, TheOtherObjectsCanBeNamed) {
   EXPECT_TRUE(tuning.change(request("hull", stiffness(700.0))));
 }
 
-TEST_F(Tuned, MaterialsAreCoupledAsMethodsMakeThem) {
+TEST_F(TunedScene, MaterialsAreCoupledAsMethodsMakeThem) {
   EXPECT_EQ(change("hull", stiffness(3000.0)), "");
   const auto materials = tuned_materials(scene.touch_scene(), tuning.state(), 1500.0);
   EXPECT_EQ(materials[0].stiffness_n_per_m, couple_material({.stiffness_n_per_m = 3000.0}, 1500.0).stiffness_n_per_m);

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-TEST(MethodText, LeavesOutWhatIsAsByDefault) {
+TEST(MethodText, LeavesOutDefaults) {
   EXPECT_EQ(to_text({}), "name=proxy");
   EXPECT_EQ(to_text({.name = "sweep", .grid_division = {8, 9, 10}}), "name=sweep grid_division=8x9x10");
 }

@@ -38,11 +38,11 @@ class NeedleStep : public testing::Test {
     for (int n = 0; n < 20; ++n) last = move_to(step, kDeep);
     return last;
   }
-  // Pulls the needle out again: no spring holds it back, and the skin's certainly not.
+  // Pulls the needle out again: no spring, not even that of the skin, holds it back.
   void expect_free_way_out(HapticsStep& step) {
-    double pressed_in_n = 0.0;
-    for (double z = kDeep; z < 0.002; z += 2e-4) pressed_in_n = std::max(pressed_in_n, -move_to(step, z).force_n.z());
-    EXPECT_LT(pressed_in_n, 2.0 * 0.2 + 1e-6) << "the drag at 0.2 m/s";
+    double largest_pull_n = 0.0;
+    for (double z = kDeep; z < 0.002; z += 2e-4) largest_pull_n = std::max(largest_pull_n, -move_to(step, z).force_n.z());
+    EXPECT_LT(largest_pull_n, 2.0 * 0.2 + 1e-6) << "the drag at 0.2 m/s";
   }
 
   static constexpr double kDeep = -0.008;
@@ -62,14 +62,14 @@ TEST_F(NeedleStep, AReplySaysWhereTheProxyIs) {
 }
 
 TEST_F(NeedleStep, GoesOnInAnotherNode) {
-  HapticsStep before(make_needle(), 1e-5);
-  const ForceCommand deep = push_in(before);
-  HapticsStep after(make_needle(), 1e-5);
-  const ForceCommand first = move_to(after, kDeep, true, Vec3(0.001, 0.002, kDeep) + deep.held_offset());
+  HapticsStep first_node(make_needle(), 1e-5);
+  const ForceCommand deep = push_in(first_node);
+  HapticsStep second_node(make_needle(), 1e-5);
+  const ForceCommand first = move_to(second_node, kDeep, true, Vec3(0.001, 0.002, kDeep) + deep.held_offset());
   EXPECT_TRUE(first.contact);
   EXPECT_EQ(first.object, 0);
   EXPECT_LT(first.force_n.norm(), 0.5) << "layers that it is past are punctured without a tension";
-  expect_free_way_out(after);
+  expect_free_way_out(second_node);
 }
 
 TEST_F(NeedleStep, GoesOnInANewSessionAndWithAnotherMethod) {

@@ -77,13 +77,13 @@ TEST_F(ReplyDetails, PairsOfTrianglesAndTheTorqueOfAToolAreCounted) {
   EXPECT_FALSE(reply(step, {0.01, 0.01, 0.03}).haptons) << "a probe";
   HeldTool tool(std::move(*ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {detail_sheet().objects[0].mesh},
                                           {.stiffness_n_per_m = 1000.0})));
-  HapticsStep held(detail_touch(detail_sheet()), kDetailOffset);
-  held.hold(&tool);
+  HapticsStep tool_step(detail_touch(detail_sheet()), kDetailOffset);
+  tool_step.hold(&tool);
   std::uint64_t haptons = 0;
   std::uint32_t most_haptons = 0;
-  double most_nm = 0.0;
+  double largest_torque_nm = 0.0;
   for (int n = 0; n < 100; ++n) {
-    const ForceCommand felt = reply(held, {0.01, 0.01, 0.014 - 1e-4 * std::min(n, 60)}, turn_by({0.1, 0.0, 0.0}));
+    const ForceCommand felt = reply(tool_step, {0.01, 0.01, 0.014 - 1e-4 * std::min(n, 60)}, turn_by({0.1, 0.0, 0.0}));
     tool.follow();
     ASSERT_TRUE(felt.haptons) << n;
     if (n == 0) {
@@ -91,13 +91,13 @@ TEST_F(ReplyDetails, PairsOfTrianglesAndTheTorqueOfAToolAreCounted) {
     }
     haptons += *felt.haptons;
     most_haptons = std::max(most_haptons, *felt.haptons);
-    most_nm = std::max(most_nm, felt.torque_nm.norm());
+    largest_torque_nm = std::max(largest_torque_nm, felt.torque_nm.norm());
   }
   EXPECT_GT(haptons, 20U);
-  EXPECT_EQ(held.counts().haptons, haptons);
-  EXPECT_EQ(held.counts().most_haptons, static_cast<int>(most_haptons));
-  EXPECT_GT(most_nm, 1e-3);
-  EXPECT_EQ(held.counts().max_torque_nm, most_nm);
+  EXPECT_EQ(tool_step.counts().haptons, haptons);
+  EXPECT_EQ(tool_step.counts().most_haptons, static_cast<int>(most_haptons));
+  EXPECT_GT(largest_torque_nm, 1e-3);
+  EXPECT_EQ(tool_step.counts().max_torque_nm, largest_torque_nm);
 }
 
 // One object comes from below and one from the side. The one that presses harder is the object in contact, first in the scene or not.
@@ -108,27 +108,27 @@ TEST_F(ReplyDetails, OfTwoObjectsOfProgramsTheReplyNamesTheOneThatIsPressedMost)
     scene.objects.push_back({made::shared(made::box(Vec3::Constant(-0.02), Vec3::Constant(0.02))), {}});
     scene.objects.push_back({made::shared(made::box(Vec3(0.03, -0.02, 0.042), Vec3(0.05, 0.02, 0.09))), {}});
     for (const std::size_t object : {1U, 2U}) scene.objects[object].command_pivot = Vec3::Zero();
-    HapticsStep held(detail_touch(scene), kDetailOffset);
+    HapticsStep tool_step(detail_touch(scene), kDetailOffset);
     ToolObstacles obstacles = make_tool_obstacles(scene);
     HeldTool tool(std::move(*ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), obstacles.meshes,
                                             {.stiffness_n_per_m = 1000.0}, obstacles.friction, nullptr, obstacles.part_of)));
-    held.hold(&tool, obstacles.parts);
+    tool_step.hold(&tool, obstacles.parts);
     const auto move = [&](int object, const Vec3& to) {
       const Keyframe from{0.0, Vec3::Zero(), Quat::Identity()};
-      return held.command(object, {.serial = 1, .from = from, .to = {0.2, to, Quat::Identity()}});
+      return tool_step.command(object, {.serial = 1, .from = from, .to = {0.2, to, Quat::Identity()}});
     };
     // One object goes 5 mm, the other 2 mm into the tool where the hand holds it.
     ASSERT_TRUE(move(1, {0.0, 0.0, is_first ? 0.020 : 0.017}));
     ASSERT_TRUE(move(2, {is_first ? -0.022 : -0.025, 0.0, 0.0}));
     ForceCommand felt;
     for (int n = 0; n < 300; ++n) {
-      felt = reply(held, {0.0, 0.0, 0.045});
+      felt = reply(tool_step, {0.0, 0.0, 0.045});
       tool.follow();
     }
     EXPECT_EQ(felt.object, is_first ? 1 : 2);
     ASSERT_TRUE(felt.push);
-    const Vec3 pressed_n = is_first ? Vec3(0.0, 0.0, -5.0) : Vec3(5.0, 0.0, 0.0);
-    EXPECT_LT((felt.push->force_n - pressed_n).norm(), 0.02) << felt.push->force_n.transpose();
+    const Vec3 expected_push_n = is_first ? Vec3(0.0, 0.0, -5.0) : Vec3(5.0, 0.0, 0.0);
+    EXPECT_LT((felt.push->force_n - expected_push_n).norm(), 0.02) << felt.push->force_n.transpose();
   }
 }
 

@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 constexpr double kSheetStiffness = 1000.0;
-constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kMillisecondNs = 1'000'000;
 
 TouchScene sheet_scene() { return {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {.stiffness_n_per_m = kSheetStiffness}}}}; }
 
@@ -20,13 +20,13 @@ struct Resumption : testing::Test {
   HapticsStep step{std::make_unique<TouchStep>(*make_method({}, sheet_scene())), 1e-5};
   DeviceState state{.sample = 100, .sample_time_ns = 5'000'000'000};
 
-  const DeviceState& next(double z_m, std::int64_t gap_ns = kMillisecond) {
+  const DeviceState& next(double z_m, std::int64_t gap_ns = kMillisecondNs) {
     ++state.sample;
     state.sample_time_ns += gap_ns;
     state.p_WD = Vec3(0.01, 0.01, z_m);
     return state;
   }
-  ForceCommand reply(double z_m, std::int64_t gap_ns = kMillisecond) {
+  ForceCommand reply(double z_m, std::int64_t gap_ns = kMillisecondNs) {
     step.offer(next(z_m, gap_ns));
     return step.reply();
   }
@@ -37,7 +37,7 @@ struct Resumption : testing::Test {
 };
 
 TEST_F(Resumption, AHandFarAwayAfterAGapIsNotPulledBack) {
-  for (const std::int64_t gap_ns : {kMillisecond, 20 * kMillisecond, 2000 * kMillisecond}) {
+  for (const std::int64_t gap_ns : {kMillisecondNs, 20 * kMillisecondNs, 2000 * kMillisecondNs}) {
     EXPECT_FALSE(reply(0.03).contact);
     const ForceCommand behind = reply(-0.03, gap_ns);
     EXPECT_FALSE(behind.contact) << gap_ns;
@@ -49,14 +49,14 @@ TEST_F(Resumption, AHandFarAwayAfterAGapIsNotPulledBack) {
 // On a slow network samples come rarely: a fast hand moves far between two of them.
 TEST_F(Resumption, AFastHandDoesNotPassThroughASheet) {
   reply(0.015);
-  const ForceCommand through = reply(-0.015, 4 * kMillisecond);
+  const ForceCommand through = reply(-0.015, 4 * kMillisecondNs);
   EXPECT_TRUE(through.contact);
   EXPECT_NEAR(through.force_n.z(), kSheetStiffness * 0.015, 1e-3);
 }
 
 TEST_F(Resumption, AHandThatIsStillNearKeepsItsContactAcrossAGap) {
   press();
-  const ForceCommand after = reply(-0.003, 2000 * kMillisecond);
+  const ForceCommand after = reply(-0.003, 2000 * kMillisecondNs);
   EXPECT_TRUE(after.contact);
   EXPECT_NEAR(after.force_n.z(), kSheetStiffness * 0.003, 1e-3);
 }
@@ -64,13 +64,13 @@ TEST_F(Resumption, AHandThatIsStillNearKeepsItsContactAcrossAGap) {
 // The hand is beyond kResumeReachM. If the probe continued from its old position, the surface in between would hold it.
 TEST_F(Resumption, APressedHandThatWentFarBeginsAnew) {
   press();
-  EXPECT_FALSE(reply(-0.002 - 1.1 * kResumeReachM, 500 * kMillisecond).contact);
+  EXPECT_FALSE(reply(-0.002 - 1.1 * kResumeReachM, 500 * kMillisecondNs).contact);
 }
 
 // The hub computed the force meanwhile. It knows that the hand is free, although this node has not seen the hand leave the sheet.
 TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
   press();
-  DeviceState free = next(-0.002, 50 * kMillisecond);
+  DeviceState free = next(-0.002, 50 * kMillisecondNs);
   free.is_resumed = true;
   free.p_WP = free.p_WD;
   step.offer(free);
@@ -80,7 +80,7 @@ TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
 // Since then the hand has moved on from that position, through the sheet.
 TEST_F(Resumption, FromTheFreePlaceThatTheHubKnowsTheHandIsFollowed) {
   reply(0.005);
-  DeviceState through = next(-0.002, 50 * kMillisecond);
+  DeviceState through = next(-0.002, 50 * kMillisecondNs);
   through.is_resumed = true;
   through.p_WP = Vec3(0.01, 0.01, 0.003);
   step.offer(through);
@@ -93,11 +93,11 @@ TEST_F(Resumption, FromTheFreePlaceThatTheHubKnowsTheHandIsFollowed) {
 TEST_F(Resumption, BetweenTwoOfFewStatesAHandGoesFar) {
   step.set_thinned(true);
   reply(0.015);
-  EXPECT_TRUE(reply(-0.015, 50 * kMillisecond).contact);
+  EXPECT_TRUE(reply(-0.015, 50 * kMillisecondNs).contact);
   step.set_thinned(false);
   step.restart();
   reply(0.015);
-  EXPECT_FALSE(reply(-0.015, 50 * kMillisecond).contact);
+  EXPECT_FALSE(reply(-0.015, 50 * kMillisecondNs).contact);
 }
 
 // announce_start() has what is near built before the first reply of a session. It must not drop the contact that this reply continues.
@@ -112,7 +112,7 @@ TEST_F(Resumption, AnnouncingTheStartTakesNoContactAway) {
   EXPECT_EQ(first.replied_before, kUnknownBefore);
 }
 
-TEST_F(Resumption, AMeasurementThatIsNoPlaceTakesNoContactAway) {
+TEST_F(Resumption, APositionThatIsNotFiniteTakesNoContactAway) {
   press();
   step.offer(next(std::numeric_limits<double>::quiet_NaN()));
   EXPECT_TRUE(step.reply().force_n.allFinite());
@@ -122,11 +122,11 @@ TEST_F(Resumption, AMeasurementThatIsNoPlaceTakesNoContactAway) {
 }
 
 // The hub asks in each sample to continue from the position of its probe, until a reply comes.
-TEST_F(Resumption, SeveralSamplesThatAskToGoOnAreOneBeginning) {
+TEST_F(Resumption, SeveralSamplesThatAskToContinueAreOneStart) {
   reply(0.005);
   std::uint64_t replied_before = 0;
   for (int n = 0; n < 4; ++n) {
-    DeviceState inside = next(-0.002, n == 0 ? 50 * kMillisecond : kMillisecond);
+    DeviceState inside = next(-0.002, n == 0 ? 50 * kMillisecondNs : kMillisecondNs);
     inside.is_resumed = true;
     inside.p_WP = Vec3(0.01, 0.01, 0.0);
     step.offer(inside);
@@ -170,7 +170,7 @@ TEST(EffectsOfANewScene, ComeWithoutAJump) {
   DeviceState state{.sample = 1, .sample_time_ns = 5'000'000'000, .p_WD = Vec3(0, 0, 0.05)};
   const auto reply = [&] {
     ++state.sample;
-    state.sample_time_ns += kMillisecond;
+    state.sample_time_ns += kMillisecondNs;
     state.p_WD.x() += 0.3e-3;
     step.offer(state);
     return step.reply().force_n.norm();
@@ -192,13 +192,13 @@ TEST(EffectsOfANewScene, ComeWithoutAJump) {
 // The new scene lacks an effect that pressed harder than the surface pushes: the force of the old method pointed into the surface.
 TEST(EffectsOfANewScene, LeaveTheHandOnTheSideOnWhichItWas) {
   const TouchScene plain = sheet_scene();
-  TouchScene pressed = plain;
-  pressed.effects = {ConstantEffect{.force_n = {0, 0, -5}}};
-  HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, pressed), pressed), 1e-5);
+  TouchScene with_push = plain;
+  with_push.effects = {ConstantEffect{.force_n = {0, 0, -5}}};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, with_push), with_push), 1e-5);
   DeviceState state{.sample = 1, .sample_time_ns = 5'000'000'000};
   const auto reply = [&](double z_m) {
     ++state.sample;
-    state.sample_time_ns += kMillisecond;
+    state.sample_time_ns += kMillisecondNs;
     state.p_WD = Vec3(0.01, 0.01, z_m);
     step.offer(state);
     return step.reply();

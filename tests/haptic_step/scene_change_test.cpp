@@ -23,7 +23,7 @@ struct SceneChanges : testing::Test {
   ScratchFolder folder;
 };
 
-TEST_F(SceneChanges, AreToldApart) {
+TEST_F(SceneChanges, AreDistinguished) {
   const Scene before = scene("", "stiffness_n_per_m = 500");
   EXPECT_EQ(compare_scenes(before, scene("color = [1, 0, 0]", "stiffness_n_per_m = 500")), SceneChange::none);
   for (const char* line :
@@ -73,7 +73,7 @@ TEST_F(SceneChanges, AreToldApart) {
 }
 
 // The state, applied to the scene before the change, gives the materials of the scene after it: recordings replay in this way.
-TEST_F(SceneChanges, OfMaterialsAreAStateOfTheSceneBefore) {
+TEST_F(SceneChanges, OfMaterialsAreDescribedByAStateForTheSceneBefore) {
   const Scene before = scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500");
   const Scene after = scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 700\nfriction_static = 0.2");
   const auto state = describe_materials(before, after);

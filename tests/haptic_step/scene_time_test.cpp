@@ -15,7 +15,7 @@ namespace {
 constexpr double kOffset = 1e-5;
 
 // A plate whose top rises from 0 by 100 mm a second, for a second.
-TouchScene rising(bool moves = true) {
+TouchScene rising_plate(bool moves = true) {
   TouchScene scene;
   scene.objects.push_back({.mesh = made::shared(made::box({-0.05, -0.05, -0.02}, {0.05, 0.05, 0.0})), .material = {}});
   if (moves) {
@@ -28,7 +28,7 @@ TouchScene rising(bool moves = true) {
 std::unique_ptr<TouchStep> touch_of(const TouchScene& scene) { return std::make_unique<TouchStep>(*make_method({}, scene), scene); }
 
 struct SceneTime : testing::Test {
-  HapticsStep step{touch_of(rising()), kOffset};
+  HapticsStep step{touch_of(rising_plate()), kOffset};
   std::uint64_t sample = 100;
   std::int64_t time_ns = 7'000'000'000;
 
@@ -91,7 +91,7 @@ TEST_F(SceneTime, GoesOnWithAnotherMethod) {
   reply_to(0, {0.01, 0.0, 0.002});
   ForceCommand before;
   for (int i = 0; i < 30; ++i) before = reply_to(1'000'000, hand);
-  (void)step.replace(touch_of(rising()));
+  (void)step.replace(touch_of(rising_plate()));
   const ForceCommand after = reply_to(1'000'000, hand);
   EXPECT_EQ(after.scene_time_ns, before.scene_time_ns + 1'000'000);
   EXPECT_NEAR(after.force_n.z(), before.force_n.z(), 2e-2);
@@ -102,7 +102,7 @@ TEST_F(SceneTime, GoesOnWithAnotherMethod) {
 
 // Vision nodes get only changes that can be seen, so the time of a still scene stays 0.
 TEST(SceneTimeOfStillScenes, Is0) {
-  HapticsStep step(touch_of(rising(false)), kOffset);
+  HapticsStep step(touch_of(rising_plate(false)), kOffset);
   for (std::uint64_t i = 1; i < 5; ++i) {
     step.offer({.sample = i, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(i)});
     EXPECT_EQ(step.reply().scene_time_ns, 0);
@@ -113,10 +113,10 @@ TEST_F(SceneTime, TakesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   reply_to(0, {0, 0, 0.002});
   const AllocationGuard guard;
-  double most = 0.0;
-  for (int i = 0; i < 200; ++i) most = std::max(most, reply_to(1'000'000, {0, 0, 0.002}).force_n.z());
+  double largest_force_n = 0.0;
+  for (int i = 0; i < 200; ++i) largest_force_n = std::max(largest_force_n, reply_to(1'000'000, {0, 0, 0.002}).force_n.z());
   EXPECT_EQ(guard.count(), 0U);
-  EXPECT_GT(most, 10.0);
+  EXPECT_GT(largest_force_n, 10.0);
 }
 
 // While the hub computes the force, it sets the scene time, also across a gap; afterwards the time continues from that value.

@@ -52,12 +52,12 @@ TEST(ToolMaterialChange, ForceAndTorqueFade) {
   const std::vector<Material> materials(1, Material{.stiffness_n_per_m = kSoftNPerM});
   box.step.set_materials(materials, soft());
   ForceCommand last = before;
-  const double whole_n = (1.0 - kSoftNPerM / 1000.0) * before.force_n.norm();
-  const double whole_nm = (1.0 - kSoftNPerM / 1000.0) * before.torque_nm.norm();
+  const double full_change_n = (1.0 - kSoftNPerM / 1000.0) * before.force_n.norm();
+  const double full_change_nm = (1.0 - kSoftNPerM / 1000.0) * before.torque_nm.norm();
   for (int n = 0; n < 150; ++n) {
     const ForceCommand now = box.press();
-    ASSERT_LT((now.force_n - last.force_n).norm(), 0.011 * whole_n) << n;
-    ASSERT_LT((now.torque_nm - last.torque_nm).norm(), 0.011 * whole_nm) << n;
+    ASSERT_LT((now.force_n - last.force_n).norm(), 0.011 * full_change_n) << n;
+    ASSERT_LT((now.torque_nm - last.torque_nm).norm(), 0.011 * full_change_nm) << n;
     last = now;
   }
   EXPECT_LT((last.force_n - 0.4 * before.force_n).norm(), 1e-6);

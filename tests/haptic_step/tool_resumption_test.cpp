@@ -122,15 +122,15 @@ struct DampedResumption : testing::Test {
 
 // The hand has not moved from the proxy to the device: as a motion of 3 mm in a millisecond, this would give 6 N of damping.
 TEST_F(DampedResumption, AContactThatTheHubHandsOverIsNotDampedAsAMotion) {
-  for (const bool begins_within : {false, true}) {
-    if (begins_within) {
+  for (const bool has_sample_before : {false, true}) {
+    if (has_sample_before) {
       state.p_WD.z() = 0.003;
       EXPECT_EQ(reply_n(), 0.0);
     }
     state.p_WD.z() = -0.003;
     state.is_resumed = true;
     state.p_WP = Vec3(0.01, 0.01, 0.0);
-    for (int n = 0; n < 3; ++n) EXPECT_NEAR(reply_n(), 3.0, 0.02) << begins_within << " " << n;
+    for (int n = 0; n < 3; ++n) EXPECT_NEAR(reply_n(), 3.0, 0.02) << has_sample_before << " " << n;
     state.is_resumed = false;
     step.restart();
   }
