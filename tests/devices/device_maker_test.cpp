@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string refusal_of(const DeviceSettings& settings) {
+std::string rejection_of(const DeviceSettings& settings) {
   const auto made = make_device(settings);
   return made ? "it was made" : made.error().what;
 }
@@ -44,7 +44,7 @@ TEST(DeviceMaker, GivesTheSimulatedHandItsPath) {
   EXPECT_LT((device->read(4'000'000'000).p_WD - Vec3(0.05, -0.04, 0.03)).norm(), 0.002);
 }
 
-TEST(DeviceMaker, RepeatsThePathOfTheSimulatedHandOnlyIfAsked) {
+TEST(DeviceMaker, RepeatsThePathOfTheSimulatedHandOnlyInALoop) {
   const ScratchFolder scratch;
   DeviceSettings settings;
   settings.trajectory = (scratch.path() / "t.csv").string();
@@ -52,12 +52,12 @@ TEST(DeviceMaker, RepeatsThePathOfTheSimulatedHandOnlyIfAsked) {
   for (const bool loop : {false, true}) {
     settings.loop = loop;
     const auto device = std::move(*make_device(settings));
-    double most_x_m = -1.0;
+    double largest_x_m = -1.0;
     for (std::int64_t t = 0; t < 8000; ++t) {
       const double x_m = device->read(t * 1'000'000).p_WD.x();
-      if (t > 4000) most_x_m = std::max(most_x_m, x_m);
+      if (t > 4000) largest_x_m = std::max(largest_x_m, x_m);
     }
-    EXPECT_EQ(most_x_m > 0.0, loop) << most_x_m;
+    EXPECT_EQ(largest_x_m > 0.0, loop) << largest_x_m;
   }
 }
 
@@ -84,28 +84,28 @@ TEST(DeviceMaker, SaysWhatIsMissing) {
   DeviceSettings settings;
   settings.trajectory = "t.csv";
   settings.name = "spacemouse";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device simulated or simulated-6dof or replay"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("--trajectory applies to --device simulated or simulated-6dof or replay"));
   settings.name = "simulated";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("t.csv"));
   settings.name = "replay";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("t.csv"));
   settings.trajectory = "";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("--trajectory"));
   settings.name = "sofa";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("sofa"));
-  for (const std::string& name : device_names()) EXPECT_THAT(refusal_of(settings), HasSubstr(name));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("sofa"));
+  for (const std::string& name : device_names()) EXPECT_THAT(rejection_of(settings), HasSubstr(name));
 }
 
 TEST(DeviceMaker, IgnoresNoSetting) {
   DeviceSettings settings;
   settings.id = "7";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--device-id"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("--device-id"));
   settings = {};
   settings.file = "mine.toml";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--device-file"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("--device-file"));
   settings = {};
   settings.loop = true;
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--loop"));
+  EXPECT_THAT(rejection_of(settings), HasSubstr("--loop"));
 }
 
 // The haptics node finds by a device's name how stiff a wall the device can render; a name that is too long arrives truncated. Vendors'

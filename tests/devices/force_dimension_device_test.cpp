@@ -44,14 +44,14 @@ TEST_F(ForceDimension, LimitsDependOnTheType) {
   EXPECT_EQ(device->limits().max_force_n, 12.0);
   EXPECT_EQ(device->limits().max_torque_nm, 0.0);
   device.reset();
-  board->system_type = 104;
+  board->system_type = 104;  // sigma.7
   open();
   EXPECT_EQ(device->limits().max_force_n, 20.0);
   EXPECT_EQ(device->limits().max_torque_nm, 0.4);
 }
 
 // For a sigma.7, Hapton chooses the limits that the library does not report. Force above the continuous force warms up the motors.
-TEST_F(ForceDimension, ForceAndTorqueRiseInFourMilliseconds) {
+TEST_F(ForceDimension, ASigma7HasTheLimitsThatHaptonChooses) {
   board->system_type = 104;
   open();
   const DeviceLimits& limits = device->limits();
@@ -131,9 +131,9 @@ TEST_F(ForceDimension, CalibratesByMotorAfterHavingSaidSo) {
   EXPECT_GE(SteadyClock().now_ns() - begin_ns, static_cast<std::int64_t>(1e9 * warning_s)) << "it moved before the warning time had passed";
   EXPECT_EQ(board->moved_by_itself, 1);
   EXPECT_EQ(board->pushed_unasked, 0U);
-  const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("move by itself"));
-  EXPECT_THAT(said, HasSubstr("is calibrated"));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("move by itself"));
+  EXPECT_THAT(log, HasSubstr("is calibrated"));
 }
 
 TEST_F(ForceDimension, ThatCannotCalibrateExertsNoForce) {
@@ -156,9 +156,9 @@ TEST_F(ForceDimension, AFailedCalibrationIsReportedWithItsOwnReason) {
   open();
   const bool was_stopped = serve_until([&] { return board->kept_forces == 0 && board->ticks > 100; });
   device.reset();
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(was_stopped);
-  EXPECT_THAT(said, HasSubstr("stand-in omega could not calibrate: the stand-in's own words; remove obstacles and start again"));
+  EXPECT_THAT(log, HasSubstr("stand-in omega could not calibrate: the stand-in's own words; remove obstacles and start again"));
 }
 
 TEST_F(ForceDimension, OneThatMovesAndIsNotCalibratedThenExertsNoForce) {
@@ -170,12 +170,12 @@ TEST_F(ForceDimension, OneThatMovesAndIsNotCalibratedThenExertsNoForce) {
   const bool was_stopped = serve_until([&] { return board->kept_forces == 0 && board->ticks > 200; }, {.force_n = Vec3(0, 0, 2)});
   const DeviceStatus status = device->status();
   device.reset();
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(was_stopped);
   EXPECT_EQ(status, DeviceStatus::calibrating);
   EXPECT_EQ(board->pushed_ticks, 0U);
   EXPECT_EQ(board->enabled, 0);
-  EXPECT_THAT(said, HasSubstr("has moved to calibrate, but is still not calibrated; start again"));
+  EXPECT_THAT(log, HasSubstr("has moved to calibrate, but is still not calibrated; start again"));
 }
 
 // The program ends before the device has moved; after that the device does not move.
@@ -204,9 +204,9 @@ TEST_F(ForceDimension, WithoutLibdrdItExertsNoForceUntilSomebodyHasCalibratedIt)
   ASSERT_TRUE(serve_until_ready());
   EXPECT_TRUE(serve_until([&] { return board->pushed_ticks > 0; }, push));
   EXPECT_EQ(board->enabled, 1);
-  const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("rest position"));
-  EXPECT_THAT(said, HasSubstr("is calibrated"));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("rest position"));
+  EXPECT_THAT(log, HasSubstr("is calibrated"));
 }
 
 TEST_F(ForceDimension, AFalconIsCalibratedByHand) {
@@ -316,16 +316,16 @@ TEST_F(ForceDimension, AnOrientationThatIsNoRotationIsLeftOut) {
 
 TEST_F(ForceDimension, CallsThatFailAgainAndAgainAreAnUnpluggedCable) {
   open();
-  for (const int call : {1, 2}) {
+  for (const int call : {1, 2}) {  // orientation, force
     ASSERT_TRUE(serve_until_ready());
     testing::internal::CaptureStderr();
     board->failing_call = call;
     const bool is_away =
         serve_until([&] { return device->status() == DeviceStatus::away && board->closed >= static_cast<unsigned>(call); });
     board->failing_call = 0;
-    const std::string said = testing::internal::GetCapturedStderr();
+    const std::string log = testing::internal::GetCapturedStderr();
     ASSERT_TRUE(is_away) << call;
-    EXPECT_THAT(said, HasSubstr("is disconnected (the stand-in's own words); trying to reconnect"));
+    EXPECT_THAT(log, HasSubstr("is disconnected (the stand-in's own words); trying to reconnect"));
   }
   EXPECT_TRUE(serve_until_ready());
 }
@@ -334,7 +334,7 @@ TEST_F(ForceDimension, CallsThatFailAgainAndAgainAreAnUnpluggedCable) {
 TEST_F(ForceDimension, AStatusThatCannotBeReadChangesNothing) {
   open();
   ASSERT_TRUE(serve_until_ready());
-  board->failing_call = 3;
+  board->failing_call = 3;  // status
   const std::uint64_t ticks = board->ticks;
   EXPECT_TRUE(serve_until([&] { return board->ticks > ticks + 250 && board->force[0] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
   EXPECT_EQ(board->closed, 0U);
@@ -347,9 +347,9 @@ TEST_F(ForceDimension, OneThatReportsToBeDisconnectedIsAwayThoughItReplies) {
   board->is_connected = 0;
   const bool is_away = serve_until([&] { return device->status() == DeviceStatus::away && board->closed >= 1U; });
   board->is_connected = 1;
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(is_away);
-  EXPECT_THAT(said, HasSubstr("is disconnected (it reports that it is not connected)"));
+  EXPECT_THAT(log, HasSubstr("is disconnected (it reports that it is not connected)"));
   EXPECT_TRUE(serve_until_ready());
 }
 
@@ -361,9 +361,9 @@ TEST_F(ForceDimension, AForceThatIsOffWithoutPowerIsReportedAsThat) {
   board->force_off_cause = 1;
   const std::uint64_t ticks = board->ticks;
   const bool was_checked = serve_until([&] { return board->ticks > ticks + 250; }, {.force_n = Vec3(0, 0, 2)});
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(was_checked);
-  EXPECT_THAT(said, HasSubstr("has released its force: its power is off; it returns by itself"));
+  EXPECT_THAT(log, HasSubstr("has released its force: its power is off; it returns by itself"));
 }
 
 TEST_F(ForceDimension, UnpluggedInContactItIsAwayAndFoundAgain) {
@@ -439,7 +439,7 @@ TEST_F(ForceDimension, AnotherDeviceInItsPlaceIsNotDriven) {
   board->largest_force = 0.0;
   board->system_type = dhd::kFalcon;
   board->is_plugged = 1;
-  ASSERT_TRUE(serve_until([&] { return board->closed >= 3U; }, push)) << "it is looked at, and closed again";
+  ASSERT_TRUE(serve_until([&] { return board->closed >= 3U; }, push)) << "it is opened, and closed again";
   EXPECT_EQ(device->status(), DeviceStatus::away);
   EXPECT_EQ(board->largest_force, 0.0);
   board->system_type = 33;

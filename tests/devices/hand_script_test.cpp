@@ -11,11 +11,11 @@
 namespace hapton {
 namespace {
 
-HandScript::Options box(std::uint64_t seed) { return {seed, Vec3(-0.1, -0.1, -0.2), Vec3(0.1, 0.1, 0.2), Vec3(0.0, 0.0, 0.18)}; }
+HandScript::Options box_options(std::uint64_t seed) { return {seed, Vec3(-0.1, -0.1, -0.2), Vec3(0.1, 0.1, 0.2), Vec3(0.0, 0.0, 0.18)}; }
 
 TEST(HandScript, MovesSmoothlyAndStaysInTheWorkspaceWhereThereIsNothingToTouch) {
-  HandScript script(box(9));
-  Vec3 last = box(9).start_m;
+  HandScript script(box_options(9));
+  Vec3 last = box_options(9).start_m;
   for (int step = 0; step < 60'000; ++step) {
     const Vec3 next = script.step(last, Vec3::Zero()).p_WH;
     ASSERT_LE((next - last).norm(), 0.0007) << step;
@@ -26,9 +26,9 @@ TEST(HandScript, MovesSmoothlyAndStaysInTheWorkspaceWhereThereIsNothingToTouch) 
 }
 
 TEST(HandScript, SurvivesAForceThatMakesNoSense) {
-  HandScript script(box(2));
+  HandScript script(box_options(2));
   const Vec3 forces[] = {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, -8), Vec3(0, 8, 0), Vec3::Zero()};
-  Vec3 last = box(2).start_m;
+  Vec3 last = box_options(2).start_m;
   for (int step = 0; step < 60'000; ++step) {
     last = script.step(last, forces[(step / 37) % 5]).p_WH;
     ASSERT_TRUE(last.allFinite());
@@ -41,30 +41,30 @@ TEST(HandScript, AForceThatNeverEndsHoldsUpNothing) {
   constexpr double kMaxPullM = 0.015;
   for (const double height : {0.0, -0.2}) {  // in the middle, and at the lower end of the workspace
     SCOPED_TRACE(height);
-    HandScript script(box(5));
+    HandScript script(box_options(5));
     const Vec3 device(0.0, 0.0, height);
     script.lead(device);
     for (int step = 0; step < 1000; ++step) (void)script.step(device, Vec3::Zero());
     script.lead(std::nullopt);
     std::set<HandScript::Phase> phases;
-    double farthest_m = 0.0;
-    const auto rubs = [&] { return script.phase() == HandScript::Phase::press || script.phase() == HandScript::Phase::slide; };
+    double largest_pull_m = 0.0;
+    const auto is_rubbing = [&] { return script.phase() == HandScript::Phase::press || script.phase() == HandScript::Phase::slide; };
     for (int step = 0; step < 20'000; ++step) {
-      const bool was_rubbing = rubs();
+      const bool was_rubbing = is_rubbing();
       const Vec3 hand = script.step(device, Vec3(0.0, 0.0, 0.5)).p_WH;
       ASSERT_GE(hand.z(), -0.2) << step;
       phases.insert(script.phase());
-      if (was_rubbing && rubs()) farthest_m = std::max(farthest_m, (hand - device).norm());
+      if (was_rubbing && is_rubbing()) largest_pull_m = std::max(largest_pull_m, (hand - device).norm());
     }
     EXPECT_TRUE(phases.contains(HandScript::Phase::circle)) << "it waits for the end of the force before it taps";
-    EXPECT_LE(farthest_m, kMaxPullM + 1e-12);
-    EXPECT_GT(farthest_m, height == 0.0 ? 0.9 * kMaxPullM : 0.0) << "it presses less than it wants to";
+    EXPECT_LE(largest_pull_m, kMaxPullM + 1e-12);
+    EXPECT_GT(largest_pull_m, height == 0.0 ? 0.9 * kMaxPullM : 0.0) << "it presses less than it wants to";
   }
 }
 
 TEST(HandScript, FollowsALeadAndReturnsToItsScript) {
-  HandScript script(box(1));
-  Vec3 last = box(1).start_m;
+  HandScript script(box_options(1));
+  Vec3 last = box_options(1).start_m;
   script.lead(Vec3(0.05, -0.05, 0.0));
   for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
   EXPECT_EQ(script.phase(), HandScript::Phase::led);
@@ -78,8 +78,8 @@ TEST(HandScript, FollowsALeadAndReturnsToItsScript) {
   EXPECT_GT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-3);
 }
 
-HandScript::Options path_over(bool repeats) {
-  HandScript::Options options = box(3);
+HandScript::Options path_options(bool repeats) {
+  HandScript::Options options = box_options(3);
   options.path = {{10.0, Vec3(0.05, 0, 0), Quat::Identity()},
                   {11.0, Vec3(0.05, 0.02, 0), Quat::Identity()},
                   {12.0, Vec3(-0.03, 0.02, 0), Quat::Identity()}};
@@ -89,7 +89,7 @@ HandScript::Options path_over(bool repeats) {
 
 // The position of the hand, this many steps after it has reached the path's first row.
 Vec3 hand_on_path(HandScript& script, int steps) {
-  Vec3 hand = box(3).start_m;
+  Vec3 hand = box_options(3).start_m;
   for (int step = 0; step < 5000 && (hand - Vec3(0.05, 0, 0)).norm() > 1e-12; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
   EXPECT_LT((hand - Vec3(0.05, 0, 0)).norm(), 1e-12) << "goes to the first row first";
   for (int step = 0; step < steps; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
@@ -97,7 +97,7 @@ Vec3 hand_on_path(HandScript& script, int steps) {
 }
 
 TEST(HandScript, HoldsTheButtonsOfAPathFromRowToRow) {
-  HandScript::Options options = path_over(true);
+  HandScript::Options options = path_options(true);
   options.path[1].buttons = 3;
   HandScript script(options);
   const auto buttons_after = [&](int steps) {
@@ -111,19 +111,19 @@ TEST(HandScript, HoldsTheButtonsOfAPathFromRowToRow) {
   EXPECT_EQ(buttons_after(900), 0U) << "from its beginning again";
   EXPECT_EQ(buttons_after(1000), 3U);
   script.lead(Vec3(0.01, 0.0, 0.0));
-  EXPECT_EQ(buttons_after(2), 0U) << "who leads the hand presses its own";
+  EXPECT_EQ(buttons_after(2), 0U) << "whoever leads the hand presses the buttons";
 }
 
 TEST(HandScript, FollowsAPathRowByRowAndStaysAtItsEnd) {
   for (const auto& [steps, there] : {std::pair(500, Vec3(0.05, 0.01, 0)), {1500, Vec3(0.01, 0.02, 0)}, {9000, Vec3(-0.03, 0.02, 0)}}) {
-    HandScript script(path_over(false));
+    HandScript script(path_options(false));
     EXPECT_LT((hand_on_path(script, steps) - there).norm(), 1e-9) << steps;
     EXPECT_EQ(script.phase(), HandScript::Phase::path);
   }
 }
 
 TEST(HandScript, BeginsAPathAgainAtTheSpeedOfAnArm) {
-  HandScript script(path_over(true));
+  HandScript script(path_options(true));
   Vec3 last = hand_on_path(script, 1999);
   for (int step = 0; step < 1000; ++step) {
     const Vec3 next = script.step(last, Vec3::Zero()).p_WH;
@@ -134,7 +134,7 @@ TEST(HandScript, BeginsAPathAgainAtTheSpeedOfAnArm) {
 }
 
 TEST(HandScript, TakesAPathNoFartherThanTheWorkspaceAndYieldsToALead) {
-  HandScript::Options options = path_over(false);
+  HandScript::Options options = path_options(false);
   options.path.push_back({13.0, Vec3(0.0, 5.0, -5.0), Quat::Identity()});
   HandScript script(options);
   EXPECT_EQ(hand_on_path(script, 9000), Vec3(0.0, 0.1, -0.2));
@@ -147,8 +147,8 @@ TEST(HandScript, TakesAPathNoFartherThanTheWorkspaceAndYieldsToALead) {
 }
 
 TEST(HandScript, ALedHandHoldsTheStylusStillAndContinuesFromThere) {
-  HandScript script(box(1));
-  Vec3 last = box(1).start_m;
+  HandScript script(box_options(1));
+  Vec3 last = box_options(1).start_m;
   HandIntention before;
   for (int step = 0; step < 700; ++step) before = script.step(last, Vec3::Zero()), last = before.p_WH;
   ASSERT_GT(before.gimbal_rad.norm(), 0.01);
@@ -163,9 +163,9 @@ TEST(HandScript, ALedHandHoldsTheStylusStillAndContinuesFromThere) {
 // The hand touches a surface at the limit of the workspace, and the surface's normal leads out of the workspace. The hand retreats only as
 // far as that limit, and then goes elsewhere.
 TEST(HandScript, LeavesASurfaceAtTheLimitOfItsWorkspace) {
-  HandScript script(box(4));
+  HandScript script(box_options(4));
   const Vec3 border(0.0, -0.1, 0.0);
-  Vec3 last = box(4).start_m;
+  Vec3 last = box_options(4).start_m;
   script.lead(border);
   for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3(0, -1, 0)).p_WH;
   ASSERT_EQ(last, border);
@@ -177,8 +177,8 @@ TEST(HandScript, LeavesASurfaceAtTheLimitOfItsWorkspace) {
 TEST(HandScript, GoesToTheReportedScene) {
   const Vec3 pin(0.07, -0.08, 0.05);  // with a radius of 2 mm, to the side: a blind search does not find it within seconds
   const auto seconds_until_touch = [&](bool is_reported) {
-    HandScript script(box(3));
-    Vec3 last = box(3).start_m;
+    HandScript script(box_options(3));
+    Vec3 last = box_options(3).start_m;
     if (is_reported) script.aim(std::array{pin, Vec3(9, 9, 9), Vec3(pin + Vec3(0, 0.001, 0))});
     for (int step = 0; step < 20'000; ++step) {
       last = script.step(last, Vec3::Zero()).p_WH;
@@ -191,8 +191,8 @@ TEST(HandScript, GoesToTheReportedScene) {
 }
 
 TEST(HandScript, AimsOutOfItsReachLeaveItAsItWas) {
-  HandScript script(box(1)), other(box(1));
-  Vec3 a = box(1).start_m, b = a;
+  HandScript script(box_options(1)), other(box_options(1));
+  Vec3 a = box_options(1).start_m, b = a;
   for (int step = 0; step < 3000; ++step) {
     script.aim(std::array{Vec3(5, 0, 0), Vec3(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()))});
     a = script.step(a, Vec3::Zero()).p_WH;
@@ -202,9 +202,9 @@ TEST(HandScript, AimsOutOfItsReachLeaveItAsItWas) {
 }
 
 // At the old aim there may be nothing left to touch.
-TEST(HandScript, OnItsWayItTurnsToNewAimsAndElsewhereItGoesOn) {
-  HandScript script(box(1));
-  Vec3 last = box(1).start_m;
+TEST(HandScript, NewAimsReplaceAnApproachButNotAContact) {
+  HandScript script(box_options(1));
+  Vec3 last = box_options(1).start_m;
   const auto step_until = [&](HandScript::Phase phase) {
     for (int step = 0; step < 20'000 && script.phase() != phase; ++step) last = script.step(last, Vec3::Zero()).p_WH;
     ASSERT_EQ(script.phase(), phase);
@@ -224,8 +224,8 @@ TEST(HandScript, OnItsWayItTurnsToNewAimsAndElsewhereItGoesOn) {
 }
 
 TEST(HandScript, ANewLeadReplacesTheOneBefore) {
-  HandScript script(box(1));
-  Vec3 last = box(1).start_m;
+  HandScript script(box_options(1));
+  Vec3 last = box_options(1).start_m;
   for (const Vec3& lead : {Vec3(0.05, -0.05, 0.0), Vec3(-0.05, 0.05, 0.1)}) {
     script.lead(lead);
     for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
@@ -235,7 +235,7 @@ TEST(HandScript, ANewLeadReplacesTheOneBefore) {
 }
 
 TEST(HandScript, TurnsAsThePathDoesFromItsFirstRowOnAndStaysTurnedAtItsEnd) {
-  HandScript::Options options = path_over(false);
+  HandScript::Options options = path_options(false);
   const Quat first(Eigen::AngleAxisd(0.2, Vec3::UnitX())), last(Eigen::AngleAxisd(0.6, Vec3::UnitX()));
   options.path[0].q_WT = first;
   options.path[1].q_WT = last;
@@ -244,14 +244,14 @@ TEST(HandScript, TurnsAsThePathDoesFromItsFirstRowOnAndStaysTurnedAtItsEnd) {
   EXPECT_EQ(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->coeffs(), first.coeffs()) << "on the way to the first row";
   (void)hand_on_path(script, 499);
   const Quat middle(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
-  EXPECT_LT(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->angularDistance(middle), 1e-9) << "half a second of one later";
+  EXPECT_LT(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->angularDistance(middle), 1e-9) << "half way between the first two rows";
   for (int step = 0; step < 5000; ++step) script.step(Vec3::Zero(), Vec3::Zero());
   EXPECT_EQ(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->coeffs(), last.coeffs());
 }
 
-TEST(HandScript, LettingGoWithoutALeadChangesNothing) {
-  HandScript script(box(1)), other(box(1));
-  Vec3 a = box(1).start_m, b = a;
+TEST(HandScript, EndingALeadThatNeverBeganChangesNothing) {
+  HandScript script(box_options(1)), other(box_options(1));
+  Vec3 a = box_options(1).start_m, b = a;
   for (int step = 0; step < 3000; ++step) {
     script.lead(std::nullopt);
     a = script.step(a, Vec3::Zero()).p_WH;

@@ -148,9 +148,9 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }));
   service = std::make_unique<HaplyService>(port);
   EXPECT_TRUE(serve_until_ready());
-  const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("is disconnected"));
-  EXPECT_THAT(said, HasSubstr("reconnected"));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("is disconnected"));
+  EXPECT_THAT(log, HasSubstr("reconnected"));
 }
 
 // The service was updated meanwhile: another version might accept the messages and ignore the forces.
@@ -162,19 +162,19 @@ TEST_F(Haply, AServiceThatComesBackInAnotherVersionIsNotDriven) {
   service.reset();
   service = std::make_unique<HaplyService>(port, "4.0.0");
   const bool was_tried = serve_until([&] { return service->connections >= 2; });
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(was_tried);
   EXPECT_EQ(device->status(), DeviceStatus::away);
   EXPECT_EQ(service->messages, 0U);
   const std::string line = "searching: the Haply Inverse Service at " + service->address() + " is version 4.0; ";
-  EXPECT_THAT(said, HasSubstr(line));
-  EXPECT_EQ(said.find(line), said.rfind(line)) << "once, not at each attempt";
+  EXPECT_THAT(log, HasSubstr(line));
+  EXPECT_EQ(log.find(line), log.rfind(line)) << "once, not at each attempt";
   testing::internal::CaptureStderr();
   service.reset();
   service = std::make_unique<HaplyService>(port, "");
   const bool is_driven = serve_until_ready();
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("does not report its version"));
-  EXPECT_TRUE(is_driven) << "one that does not tell counts as it does at the start";
+  EXPECT_TRUE(is_driven) << "a service without a version is accepted, as at the start";
 }
 
 // If it were tried again at once, the servo might not notice that the device was away, and the force would continue without a ramp.
@@ -230,7 +230,7 @@ TEST_F(Haply, ClosesTheConnectionInOrder) {
   EXPECT_TRUE(DeviceRunner::wait_until([&] { return service->closed_in_order == 1; }));
 }
 
-TEST_F(Haply, AServiceOfAnotherVersionIsOneClearLine) {
+TEST_F(Haply, AServiceOfAnotherVersionIsReportedInOneLine) {
   for (const auto& [version, line] : {std::pair("3.1.1.0", "is version 3.1; this io_node needs 3.5 or later"),
                                       std::pair("4.0.0", "is version 4.0; this io_node knows 3.5 and later versions of 3 only")}) {
     service->version = version;
@@ -285,13 +285,13 @@ TEST_F(Haply, AMissingServiceIsReportedInOneLine) {
   EXPECT_THAT(made.error().what, HasSubstr("systemctl start haply-inverse-service"));
 }
 
-TEST_F(Haply, AMissingDeviceIsOneClearLine) {
+TEST_F(Haply, AMissingDeviceIsReportedInOneLine) {
   EXPECT_THAT(make("FFFF").error().what, HasSubstr("no Inverse3 with that --device-id"));
   service->is_plugged = false;
   EXPECT_THAT(make().error().what, HasSubstr("no Inverse3;"));
 }
 
-TEST_F(Haply, AServiceThatSendsNoInventoryIsOneClearLine) {
+TEST_F(Haply, AServiceThatSendsNoInventoryIsReportedInOneLine) {
   service->sends_junk = true;
   EXPECT_EQ(make().error().what, "the Haply Inverse Service sent something that is not a JSON object");
   service->sends_junk = false;

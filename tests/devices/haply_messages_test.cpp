@@ -51,14 +51,14 @@ TEST(HaplyMessages, TheFirstGripCountsAndAWirelessOneBeforeOneWithACable) {
     const auto state = read_state(text);
     return state && state->grip ? static_cast<int>(state->grip->buttons) : -1;
   };
-  const std::string a = R"([{"state":{"buttons":{"a":true}}},{"state":{"buttons":{"b":true}}}])";
-  const std::string c = R"([{"state":{"buttons":{"c":true,"a":false,"b":7}}}])";
-  EXPECT_EQ(buttons(R"({"wireless_verse_grip":)" + a + "}"), 1);
-  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + "}"), 1);
-  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":)" + c + "}"), 4);
-  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":[]})"), 1);
-  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":{"state":{}}})"), 1) << "no list";
-  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":[{}]})"), 1) << "it says nothing";
+  const std::string grips_with_a_and_b = R"([{"state":{"buttons":{"a":true}}},{"state":{"buttons":{"b":true}}}])";
+  const std::string grip_with_c = R"([{"state":{"buttons":{"c":true,"a":false,"b":7}}}])";
+  EXPECT_EQ(buttons(R"({"wireless_verse_grip":)" + grips_with_a_and_b + "}"), 1);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + grips_with_a_and_b + "}"), 1);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + grips_with_a_and_b + R"(,"wireless_verse_grip":)" + grip_with_c + "}"), 4);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + grips_with_a_and_b + R"(,"wireless_verse_grip":[]})"), 1);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + grips_with_a_and_b + R"(,"wireless_verse_grip":{"state":{}}})"), 1) << "no list";
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + grips_with_a_and_b + R"(,"wireless_verse_grip":[{}]})"), 1) << "it has no state";
   EXPECT_EQ(buttons(R"({"verse_grip":[{"state":{}}]})"), 0);
   EXPECT_EQ(buttons(R"({"verse_grip":[{}]})"), -1);
   EXPECT_EQ(buttons("{}"), -1);
@@ -151,7 +151,7 @@ TEST(HaplyMessages, PositionsAndForcesAreThoseOfTheDeviceWhateverTheSessionPlace
   EXPECT_NEAR(session.force_from_w(f_W).dot(placed(p + step) - placed(p)), f_W.dot(to_w(p + step) - to_w(p)), 1e-15);
 }
 
-TEST(HaplyMessages, ATransformThatIsSaidInPartKeepsTheRest) {
+TEST(HaplyMessages, APartialTransformKeepsTheRest) {
   Session session;
   Arm arm;
   arm.transform.position_m = Vec3(0.1, 0, 0);
@@ -176,7 +176,7 @@ TEST(HaplyMessages, MountAndTransformAreReadFromAnInventory) {
   ASSERT_TRUE(arm.mount.position_m && arm.mount.rotation && arm.mount.scale);
   EXPECT_EQ(*arm.mount.position_m, Vec3(1, 2, 3));
   EXPECT_TRUE(arm.mount.is_scaled());
-  EXPECT_FALSE(arm.transform.position_m || arm.transform.rotation || arm.transform.scale) << "what is none is not said";
+  EXPECT_FALSE(arm.transform.position_m || arm.transform.rotation || arm.transform.scale) << "invalid parts are left out";
 }
 
 TEST(HaplyMessages, AnIdCannotBreakOutOfItsQuotes) {

@@ -37,11 +37,11 @@ hapton_hid_limits maker_limits() {
 class HaptonHid : public ::testing::Test {
  protected:
   void SetUp() override {
-    give(maker_limits());
+    set_limits(maker_limits());
     measured_.is_calibrated = true;
     measured_.orientation[3] = 1.0f;
   }
-  void give(const hapton_hid_limits& limits) {
+  void set_limits(const hapton_hid_limits& limits) {
     hapton_hid_init(&device_, &limits);
     for (const std::uint8_t id : {hapton_hid::kLimitsId, hapton_hid::kNamesId}) {
       Bytes report(64);
@@ -49,7 +49,7 @@ class HaptonHid : public ::testing::Test {
       hid_.set_feature(id, report);
     }
   }
-  Result<void> begin() {
+  Result<void> open() {
     auto transport = hid_.opener()();
     return backend_.on_open(**transport);
   }
@@ -63,10 +63,10 @@ class HaptonHid : public ::testing::Test {
     Bytes force(64);
     force.resize(backend_.encode({.force_n = force_n, .torque_nm = Vec3(1, 1, 1)}, is_live, now_ns_, force));
     EXPECT_TRUE(hapton_hid_take_force(&device_, force.data(), force.size(), now_us()));
-    float pushed[3], turned[3];
-    hapton_hid_motors(&device_, now_us(), pushed, turned);
-    EXPECT_EQ(turned[0], 0.0f) << "it has no such motors";
-    return Vec3(pushed[0], pushed[1], pushed[2]).norm();
+    float motor_force[3], motor_torque[3];
+    hapton_hid_motors(&device_, now_us(), motor_force, motor_torque);
+    EXPECT_EQ(motor_torque[0], 0.0f) << "it has no such motors";
+    return Vec3(motor_force[0], motor_force[1], motor_force[2]).norm();
   }
 
   FakeHid hid_;
@@ -78,7 +78,7 @@ class HaptonHid : public ::testing::Test {
 };
 
 TEST_F(HaptonHid, IsWhatItsMakerSays) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   EXPECT_EQ(backend_.limits().max_force_n, 6.0);
   EXPECT_EQ(backend_.limits().continuous_force_n, 2.0);
   EXPECT_LT((backend_.limits().workspace_max_m - Vec3::Constant(0.1)).norm(), 1e-6);
@@ -89,19 +89,19 @@ TEST_F(HaptonHid, IsWhatItsMakerSays) {
 
 // Each number is different, so that the test fails if two are interchanged.
 TEST_F(HaptonHid, EveryLimitOfItsMakerIsKept) {
-  hapton_hid_limits said = maker_limits();
-  said.has_torque = true;
-  said.max_stiffness_n_per_m = 900.0f;
-  said.peak_s = 3.0f;
-  said.max_torque_nm = 0.25f;
-  said.max_torque_slew_nm_per_s = 40.0f;
-  said.max_speed_m_per_s = 2.5f;
+  hapton_hid_limits stated = maker_limits();
+  stated.has_torque = true;
+  stated.max_stiffness_n_per_m = 900.0f;
+  stated.peak_s = 3.0f;
+  stated.max_torque_nm = 0.25f;
+  stated.max_torque_slew_nm_per_s = 40.0f;
+  stated.max_speed_m_per_s = 2.5f;
   for (int n = 0; n < 3; ++n) {
-    said.workspace_min_m[n] = -0.05f - 0.01f * static_cast<float>(n);
-    said.workspace_max_m[n] = 0.15f + 0.01f * static_cast<float>(n);
+    stated.workspace_min_m[n] = -0.05f - 0.01f * static_cast<float>(n);
+    stated.workspace_max_m[n] = 0.15f + 0.01f * static_cast<float>(n);
   }
-  give(said);
-  ASSERT_TRUE(begin());
+  set_limits(stated);
+  ASSERT_TRUE(open());
   const DeviceLimits limits = backend_.limits();
   EXPECT_NEAR(limits.max_force_n, 6.0, 1e-6);
   EXPECT_NEAR(limits.max_slew_n_per_s, 2000.0, 1e-3);
@@ -116,7 +116,7 @@ TEST_F(HaptonHid, EveryLimitOfItsMakerIsKept) {
 }
 
 TEST_F(HaptonHid, ExertsTheRequestedForce) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was commanded off";
   EXPECT_EQ(cycle(Vec3::Zero(), false), 0.0);
   EXPECT_EQ(reading_.status, DeviceStatus::ready);
@@ -124,7 +124,7 @@ TEST_F(HaptonHid, ExertsTheRequestedForce) {
 }
 
 TEST_F(HaptonHid, WithATrippedWatchdogIsAwayUntilSwitchedOff) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   cycle(Vec3::Zero(), false);
   cycle(Vec3(1, 0, 0), true);
   now_ns_ += 100 * kMs;
@@ -136,7 +136,7 @@ TEST_F(HaptonHid, WithATrippedWatchdogIsAwayUntilSwitchedOff) {
 }
 
 TEST_F(HaptonHid, ReportsItsMeasurementsAndItsState) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   measured_.position_m[1] = 0.05f;
   measured_.buttons = 3;
   measured_.temperature = 0.25f;
@@ -154,7 +154,7 @@ TEST_F(HaptonHid, ReportsItsMeasurementsAndItsState) {
 }
 
 TEST_F(HaptonHid, RepeatedStatesAreNoNews) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   Bytes state(HAPTON_HID_STATE_BYTES);
   hapton_hid_state(&device_, &measured_, 0, state.data());
   EXPECT_TRUE(backend_.decode(state, now_ns_, reading_));
@@ -163,16 +163,16 @@ TEST_F(HaptonHid, RepeatedStatesAreNoNews) {
 
 // A device that was switched off and on may begin with the same number of its state.
 TEST_F(HaptonHid, AfterItWasOpenedAgainTheSameStateIsNews) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   Bytes state(HAPTON_HID_STATE_BYTES);
   hapton_hid_state(&device_, &measured_, 0, state.data());
   ASSERT_TRUE(backend_.decode(state, now_ns_, reading_));
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   EXPECT_TRUE(backend_.decode(state, now_ns_, reading_));
 }
 
 TEST_F(HaptonHid, EachForceIsNumberedAndNamesTheNewestState) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   const auto number_at = [](const Bytes& report, std::size_t at) { return report[at] | (report[at + 1] << 8); };
   const auto next = [&] {
     Bytes force(hapton_hid::kForceBytes);
@@ -187,7 +187,7 @@ TEST_F(HaptonHid, EachForceIsNumberedAndNamesTheNewestState) {
   ASSERT_TRUE(backend_.decode(state, now_ns_, reading_));
   ASSERT_GT(number_at(state, 2), 0xFF);
   EXPECT_EQ(number_at(next(), 4), number_at(state, 2));
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   EXPECT_EQ(number_at(next(), 4), 0) << "none since it was opened again";
   Bytes small(hapton_hid::kForceBytes - 1);
   EXPECT_EQ(backend_.encode({}, false, now_ns_, small), 0U);
@@ -195,7 +195,7 @@ TEST_F(HaptonHid, EachForceIsNumberedAndNamesTheNewestState) {
 
 // The bit for a held stylus has no meaning for such a device: if it counted, a dead man's switch would never be held.
 TEST_F(HaptonHid, OneThatCannotSenseAHandIsAlwaysHeld) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   Bytes state(HAPTON_HID_STATE_BYTES);
   hapton_hid_state(&device_, &measured_, 0, state.data());
   state[1] = 1;  // calibrated, and nothing else
@@ -204,33 +204,33 @@ TEST_F(HaptonHid, OneThatCannotSenseAHandIsAlwaysHeld) {
 }
 
 TEST_F(HaptonHid, ThatComesBackAsAnotherDeviceIsNotDriven) {
-  ASSERT_TRUE(begin());
-  ASSERT_TRUE(begin()) << "the same one is";
+  ASSERT_TRUE(open());
+  ASSERT_TRUE(open()) << "the same one is";
   hapton_hid_limits limits = maker_limits();
   limits.max_force_n = 60.0f;
-  give(limits);
-  EXPECT_THAT(begin().error().what, HasSubstr("not the same device as before"));
+  set_limits(limits);
+  EXPECT_THAT(open().error().what, HasSubstr("not the same device as before"));
   limits = maker_limits();
   limits.serial = "8";
-  give(limits);
-  EXPECT_THAT(begin().error().what, HasSubstr("Arm 8"));
+  set_limits(limits);
+  EXPECT_THAT(open().error().what, HasSubstr("Arm 8"));
 }
 
 TEST_F(HaptonHid, WithImpossibleLimitsIsRejected) {
   hapton_hid_limits limits = maker_limits();
   limits.watchdog_ms = 2000;
-  give(limits);
-  EXPECT_THAT(begin().error().what, HasSubstr("watchdog takes 2000 ms"));
+  set_limits(limits);
+  EXPECT_THAT(open().error().what, HasSubstr("watchdog takes 2000 ms"));
   hid_.set_feature(HAPTON_HID_LIMITS_ID, {HAPTON_HID_LIMITS_ID});
-  EXPECT_THAT(begin().error().what, HasSubstr("HAPT"));
+  EXPECT_THAT(open().error().what, HasSubstr("HAPT"));
   hid_.unplug();
 }
 
 TEST_F(HaptonHid, AnyBytesAreSafeBeforeAndAfterItWasOpened) {
   std::mt19937_64 random(6);
-  for (int turn = 0; turn < 20'000; ++turn) {
-    if (turn == 10'000) {
-      ASSERT_TRUE(begin());
+  for (int trial = 0; trial < 20'000; ++trial) {
+    if (trial == 10'000) {
+      ASSERT_TRUE(open());
     }
     Bytes bytes(random() % 70);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
@@ -244,8 +244,8 @@ TEST_F(HaptonHid, AnyBytesAreSafeBeforeAndAfterItWasOpened) {
 TEST_F(HaptonHid, AHandThatLetsGoIsReportedWhereTheDeviceSensesIt) {
   hapton_hid_limits limits = maker_limits();
   limits.knows_held = true;
-  give(limits);
-  ASSERT_TRUE(begin());
+  set_limits(limits);
+  ASSERT_TRUE(open());
   for (const bool is_held : {true, false, true}) {
     measured_.is_held = is_held;
     cycle(Vec3::Zero(), false);
@@ -259,9 +259,9 @@ TEST_F(HaptonHid, ItsOrientationCountsOnlyWhereItMeasuresOne) {
   for (const bool has_orientation : {true, false}) {
     hapton_hid_limits limits = maker_limits();
     limits.has_orientation = has_orientation;
-    give(limits);
+    set_limits(limits);
     backend_ = HaptonHidBackend();
-    ASSERT_TRUE(begin());
+    ASSERT_TRUE(open());
     cycle(Vec3::Zero(), false);
     EXPECT_LT(reading_.sample.q_WT.angularDistance(has_orientation ? turned : Quat::Identity()), 1e-4) << has_orientation;
   }
@@ -272,21 +272,21 @@ TEST_F(HaptonHid, TorquesArriveWhereThereAreMotorsForThem) {
   limits.has_torque = true;
   limits.max_torque_nm = 0.5f;
   limits.max_torque_slew_nm_per_s = 50.0f;
-  give(limits);
-  ASSERT_TRUE(begin());
+  set_limits(limits);
+  ASSERT_TRUE(open());
   for (const bool is_live : {false, true}) {
     Bytes force(64);
     force.resize(backend_.encode({.torque_nm = Vec3(0.0, 0.25, 0.0)}, is_live, now_ns_, force));
     EXPECT_TRUE(hapton_hid_take_force(&device_, force.data(), force.size(), now_us()));
   }
-  float pushed[3], turned[3];
-  ASSERT_TRUE(hapton_hid_motors(&device_, now_us(), pushed, turned));
-  EXPECT_FLOAT_EQ(turned[1], 0.25f);
+  float motor_force[3], motor_torque[3];
+  ASSERT_TRUE(hapton_hid_motors(&device_, now_us(), motor_force, motor_torque));
+  EXPECT_FLOAT_EQ(motor_torque[1], 0.25f);
 }
 
 // The servo would wait for a device that is away; a fault latches.
 TEST_F(HaptonHid, AFaultCountsMoreThanATrippedWatchdogAndThatMoreThanItsCalibration) {
-  ASSERT_TRUE(begin());
+  ASSERT_TRUE(open());
   constexpr int kIsCalibrated = 1, kHasTripped = 8, kHasFault = 32;
   struct Row {
     int bits;

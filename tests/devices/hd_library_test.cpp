@@ -10,15 +10,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
-int errors_taken = 0;
+int errors_read = 0;
 int errors_left = 0;
 
 Library library_with_errors(int count) {
-  errors_taken = 0;
+  errors_read = 0;
   errors_left = count;
   Library hd;
   hd.get_error = [] {
-    ++errors_taken;
+    ++errors_read;
     return ErrorInfo{errors_left-- > 0 ? kCommError : kSuccess, 0, 0};
   };
   return hd;
@@ -46,9 +46,9 @@ TEST(HdLibrary, AnErrorHasANameANumberAndARemedyWhereOneIsKnown) {
 
 TEST(HdLibrary, OldErrorsAreForgottenAndEndlessOnesDoNotBlock) {
   forget_errors(library_with_errors(3));
-  EXPECT_EQ(errors_taken, 4) << "up to the first success";
+  EXPECT_EQ(errors_read, 4) << "up to the first success";
   forget_errors(library_with_errors(1'000'000));
-  EXPECT_EQ(errors_taken, 64);
+  EXPECT_EQ(errors_read, 64);
 }
 
 }  // namespace

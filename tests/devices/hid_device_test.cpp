@@ -60,7 +60,7 @@ class Reporter {
   }
   void set_position(std::uint8_t mm) { position_mm_ = mm; }
   void set_status(DeviceStatus status) { status_ = status; }
-  void be_silent(bool is_silent) { is_silent_ = is_silent; }
+  void set_silent(bool is_silent) { is_silent_ = is_silent; }
 
  private:
   std::atomic<bool> ends_ = false, is_silent_ = false;
@@ -85,7 +85,7 @@ class HidDeviceTest : public ::testing::Test {
     const auto written = hid_.take_written();
     return !written.empty() && written.back()[1] == 1 && written.back()[2] == 100;
   }
-  bool is_letting_go() {
+  bool is_releasing() {
     const auto written = hid_.take_written();
     return !written.empty() && written.back()[2] == 0;
   }
@@ -104,9 +104,9 @@ TEST_F(HidDeviceTest, GivesTheNewestPositionAndTakesTheNewestForce) {
 
 TEST_F(HidDeviceTest, ReleasesTheForceWhenTheServoIsSilent) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
-  EXPECT_TRUE(wait_until([&] { return is_letting_go(); }));
+  EXPECT_TRUE(wait_until([&] { return is_releasing(); }));
   (void)hid_.take_written();
-  EXPECT_TRUE(wait_until([&] { return hid_.written() >= 5; })) << "and goes on telling so";
+  EXPECT_TRUE(wait_until([&] { return hid_.written() >= 5; })) << "and keeps sending that";
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
 }
 
@@ -127,12 +127,12 @@ TEST_F(HidDeviceTest, ACutTurnsOffWhatTheDriverAddsUntilItIsRestored) {
 // What a driver adds by itself (gravity compensation) would be computed from outdated angles.
 TEST_F(HidDeviceTest, WithoutReportsTheDeviceMayExertNothing) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
-  reporter_.be_silent(true);
+  reporter_.set_silent(true);
   EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
   (void)hid_.take_written();
   EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo goes on writing";
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
-  reporter_.be_silent(false);
+  reporter_.set_silent(false);
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
@@ -173,12 +173,12 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
     EXPECT_EQ(reports.front()[2], 0);
     // On a busy machine the servo may have sent no command for half the time for which the device waits for one, or the device no report.
     // Then the force may have been released in between, and only the last ramp counts.
-    std::size_t begin = 0;
+    std::size_t ramp_begin = 0;
     if (runner_.longest_gap_ns() > DeviceExchange::kServoTimeoutNs / 2 || was_away_again) {
-      for (begin = reports.size() - 1; begin > 0 && reports[begin][2] != 0;) --begin;
+      for (ramp_begin = reports.size() - 1; ramp_begin > 0 && reports[ramp_begin][2] != 0;) --ramp_begin;
     }
     steps = 0;
-    for (std::size_t n = begin + 1; n < reports.size(); ++n) {
+    for (std::size_t n = ramp_begin + 1; n < reports.size(); ++n) {
       EXPECT_GE(reports[n][2], reports[n - 1][2]) << "the ramp only rises";
       steps += reports[n][2] != reports[n - 1][2] ? 1 : 0;
     }
@@ -216,15 +216,15 @@ TEST_F(HidDeviceTest, ADeviceThatTakesNoReportsIsReopened) {
 
 // While a write hangs, the writer does not notice that the device was plugged in again. It must not close it for earlier rejections.
 TEST_F(HidDeviceTest, WhatWasRejectedBeforeItWasOpenedAgainDoesNotCount) {
-  constexpr int kPart = HidDevice::kMaxRejected * 6 / 10;
+  constexpr int kRejectedEachTime = HidDevice::kMaxRejected * 6 / 10;
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
-  hid_.refuse_next(kPart, true);
+  hid_.refuse_next(kRejectedEachTime, true);
   EXPECT_TRUE(serve_until([&] { return hid_.has_waiting_writer(); }));
   hid_.unplug();
   EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
   hid_.plug_in();
   EXPECT_TRUE(serve_until([&] { return hid_.openings() == 2 && device_->status() == DeviceStatus::ready; }));
-  hid_.refuse_next(kPart);
+  hid_.refuse_next(kRejectedEachTime);
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   EXPECT_EQ(hid_.openings(), 2);
 }
@@ -232,19 +232,19 @@ TEST_F(HidDeviceTest, WhatWasRejectedBeforeItWasOpenedAgainDoesNotCount) {
 TEST_F(HidDeviceTest, SilentThoughPluggedInItIsAwayAndItsForceRampsInAgainAfterwards) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   // If a thread of the device stands still for the whole ramp, the test sees nothing of the ramp, and tries again.
-  bool saw_part = false;
-  for (int attempt = 0; attempt < 10 && !saw_part; ++attempt) {
-    reporter_.be_silent(true);
+  bool saw_ramp = false;
+  for (int attempt = 0; attempt < 10 && !saw_ramp; ++attempt) {
+    reporter_.set_silent(true);
     EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
     (void)hid_.take_written();
-    reporter_.be_silent(false);
+    reporter_.set_silent(false);
     EXPECT_TRUE(serve_until([&] {
       const auto written = hid_.take_written();
-      for (const auto& report : written) saw_part = saw_part || (report[2] > 0 && report[2] < 100);
+      for (const auto& report : written) saw_ramp = saw_ramp || (report[2] > 0 && report[2] < 100);
       return device_->status() == DeviceStatus::ready && !written.empty() && written.back()[2] == 100;
     }));
   }
-  EXPECT_TRUE(saw_part);
+  EXPECT_TRUE(saw_ramp);
 }
 
 TEST_F(HidDeviceTest, AnUncalibratedOrBrokenDeviceGetsNoForce) {
@@ -269,15 +269,15 @@ TEST_F(HidDeviceTest, LogsOnceThatItCalibratesThatItHasAndThatItIsBroken) {
     EXPECT_TRUE(serve_until([&, reads = 0]() mutable { return device_->status() == status && ++reads > 20; }));
   }
   device_.reset();
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   const auto count = [&](const std::string& words) {
     int times = 0;
-    for (std::size_t at = said.find(words); at != std::string::npos; at = said.find(words, at + 1)) ++times;
+    for (std::size_t at = log.find(words); at != std::string::npos; at = log.find(words, at + 1)) ++times;
     return times;
   };
-  EXPECT_EQ(count("plain: not calibrated yet: wait until it has finished calibrating"), 1) << said;
-  EXPECT_EQ(count("plain: calibrated"), 1) << said;
-  EXPECT_EQ(count("plain: it reports a device fault; switch it off and on"), 1) << said;
+  EXPECT_EQ(count("plain: not calibrated yet: wait until it has finished calibrating"), 1) << log;
+  EXPECT_EQ(count("plain: calibrated"), 1) << log;
+  EXPECT_EQ(count("plain: it reports a device fault; switch it off and on"), 1) << log;
 }
 
 TEST_F(HidDeviceTest, EndsWithAReportThatReleasesTheForce) {

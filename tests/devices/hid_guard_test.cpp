@@ -16,7 +16,7 @@ namespace {
 
 // With this the test delays a device while it is being opened.
 struct Opening {
-  std::atomic<bool> waits = false, has_begun = false;
+  std::atomic<bool> is_blocked = false, has_begun = false;
 };
 
 // Input report: {temperature in hundredths, whether the device is calibrated}; output report: {7, whether it may exert force, 9}.
@@ -26,7 +26,7 @@ class WarmBackend final : public HidBackend {
   Result<void> on_open(HidTransport&) override {
     opening_.has_begun = true;
     SteadyClock clock;
-    while (opening_.waits) clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+    while (opening_.is_blocked) clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
     return {};
   }
   bool decode(std::span<const std::uint8_t> report, std::int64_t, DeviceExchange::Reading& reading) noexcept override {
@@ -110,7 +110,7 @@ TEST_F(GuardedHid, ThePageGetsItsNodeAndTheReportThatTurnsItOff) {
 }
 
 // When it is plugged in again, the device may have another device node.
-TEST_F(GuardedHid, ThePageGetsThemAnewWhenItIsPluggedInAgain) {
+TEST_F(GuardedHid, ThePageGetsTheMeansAnewWhenTheDeviceIsPluggedInAgain) {
   device->use_heartbeat_page(*page);
   const std::uint32_t before = page->generation.load();
   page->set_means(CutMeans::none);
@@ -135,16 +135,16 @@ TEST_F(GuardedHid, APageThatComesWhileItIsUnpluggedHasItsMeans) {
 }
 
 // A device that is unplugged and plugged in while io_node starts would otherwise stay without the watchdog process.
-TEST_F(GuardedHid, APageThatComesWhileItIsOpenedAgainGetsThemToo) {
+TEST_F(GuardedHid, APageThatComesWhileTheDeviceIsOpenedAgainGetsTheMeansToo) {
   opening.has_begun = false;
-  opening.waits = true;
+  opening.is_blocked = true;
   hid.unplug();
   hid.plug_in();
   EXPECT_TRUE(wait_until([&] { return opening.has_begun.load(); }));
   std::thread owner([&] { device->use_heartbeat_page(*page); });
   SteadyClock clock;
   clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);  // by then the owner waits until the device is open
-  opening.waits = false;
+  opening.is_blocked = false;
   owner.join();
   expect_the_means_to_turn_it_off();
 }

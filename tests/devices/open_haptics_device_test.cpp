@@ -50,7 +50,7 @@ TEST_F(OpenHaptics, LimitsAreTheDevicesOwn) {
   EXPECT_EQ(limits.max_torque_nm, 0.0);
 }
 
-TEST_F(OpenHaptics, WhatTheDeviceDoesNotReportIsTheDocuments) {
+TEST_F(OpenHaptics, LimitsThatTheDeviceDoesNotReportAreThoseOfTheDocument) {
   board->max_force_n = 7.5;
   open();
   EXPECT_NEAR(device->limits().max_slew_n_per_s, 1875.0, 1e-6) << "full force in 4 ms";
@@ -59,10 +59,10 @@ TEST_F(OpenHaptics, WhatTheDeviceDoesNotReportIsTheDocuments) {
 }
 
 TEST_F(OpenHaptics, AStiffnessThatNoDeviceHasIsBounded) {
-  for (const auto& [given, used] : {std::pair{0.15, 150.0}, {0.01, 100.0}, {50.0, 5000.0}}) {
-    board->max_stiffness = given;
+  for (const auto& [reported, used] : {std::pair{0.15, 150.0}, {0.01, 100.0}, {50.0, 5000.0}}) {
+    board->max_stiffness = reported;
     open();
-    EXPECT_NEAR(device->limits().max_stiffness_n_per_m, used, 1e-9) << given;
+    EXPECT_NEAR(device->limits().max_stiffness_n_per_m, used, 1e-9) << reported;
     device.reset();
   }
 }
@@ -70,10 +70,10 @@ TEST_F(OpenHaptics, AStiffnessThatNoDeviceHasIsBounded) {
 // In DeviceLimits, zero would mean that the motors may exert the largest force for ever.
 TEST_F(OpenHaptics, AContinuousForceThatNoDeviceHasIsAQuarterOfTheMaximum) {
   board->max_force_n = 8.0;
-  for (const double given : {0.0, -0.88, std::numeric_limits<double>::quiet_NaN()}) {
-    board->continuous_force_n = given;
+  for (const double reported_n : {0.0, -0.88, std::numeric_limits<double>::quiet_NaN()}) {
+    board->continuous_force_n = reported_n;
     open();
-    EXPECT_EQ(device->limits().continuous_force_n, 2.0) << given;
+    EXPECT_EQ(device->limits().continuous_force_n, 2.0) << reported_n;
     device.reset();
   }
   board->continuous_force_n = 9.0;
@@ -116,7 +116,7 @@ TEST_F(OpenHaptics, ALibraryThatReportsErrorsWithoutEndHoldsNoTickUp) {
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
-  board->endless_error = 0x200;
+  board->endless_error = 0x200;  // HD_WARM_MOTORS
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 0.0; }, push));
   const std::uint64_t ticks = board->ticks;
   EXPECT_TRUE(serve_until([&] { return board->ticks > ticks + 50; }, push));
@@ -216,9 +216,9 @@ TEST_F(OpenHaptics, ADeviceWithImpossibleDataIsRejected) {
   board->max_force_n = 0.0;
   EXPECT_THAT(make().error().what, HasSubstr("impossible workspace"));
   EXPECT_THAT(make().error().what, HasSubstr("0.16 x 0.12 x 0.07 m and 0 N"));
-  for (const double given : {-1.0, 100.5, std::numeric_limits<double>::quiet_NaN()}) {
-    board->max_force_n = given;
-    EXPECT_FALSE(make()) << given;
+  for (const double reported_n : {-1.0, 100.5, std::numeric_limits<double>::quiet_NaN()}) {
+    board->max_force_n = reported_n;
+    EXPECT_FALSE(make()) << reported_n;
   }
   board->max_force_n = 100.0;
   for (const double low_mm : {-std::numeric_limits<double>::infinity(), 75.0}) {
@@ -232,7 +232,7 @@ TEST_F(OpenHaptics, ADeviceWithImpossibleDataIsRejected) {
 
 TEST_F(OpenHaptics, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {
   board->calibration = 2;
-  board->calibration_style = 4;
+  board->calibration_style = 4;  // inkwell
   testing::internal::CaptureStderr();
   open();
   ASSERT_TRUE(serve_until([&] { return board->ticks > 250; }, {.force_n = Vec3(0, 2, 0)}));
@@ -246,8 +246,8 @@ TEST_F(OpenHaptics, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {
   EXPECT_TRUE(serve_until([&] { return board->force[1] > 1.0; }, {.force_n = Vec3(0, 2, 0)}));
   EXPECT_EQ(board->pushed_unasked, 0U);
   device.reset();
-  const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("put the stylus into its inkwell"));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("put the stylus into its inkwell"));
 }
 
 TEST_F(OpenHaptics, TheNeutralPoseIsTakenWhenTheButtonSaysSo) {
@@ -285,8 +285,8 @@ TEST_F(OpenHaptics, MotorsThatStayWarmGetNoForceAndAreReported) {
   ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 300; }, push));
   EXPECT_EQ(board->pushed_ticks, pushed);
   device.reset();
-  const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("HD_WARM_MOTORS"));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("HD_WARM_MOTORS"));
 }
 
 TEST_F(OpenHaptics, UnpluggedInContactItIsAwayAndFoundAgain) {
@@ -328,9 +328,9 @@ TEST_F(OpenHaptics, AnotherOneOfTheSameModelInItsPlaceIsNotDriven) {
   board->is_another = 0;
   EXPECT_TRUE(serve_until_ready());
   device.reset();
-  const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("another device is connected than before; connect serial SN-0042 again"));
-  EXPECT_EQ(said.find("another device"), said.rfind("another device")) << "once";
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("another device is connected than before; connect serial SN-0042 again"));
+  EXPECT_EQ(log.find("another device"), log.rfind("another device")) << "once";
 }
 
 TEST_F(OpenHaptics, AStalledSchedulerIsAwayAndRestarted) {
@@ -399,7 +399,7 @@ TEST_F(OpenHaptics, AServoThatDiesLeavesNoForce) {
   EXPECT_TRUE(DeviceRunner::wait_until([&] { return board->force[2] == 0.0; }));
 }
 
-TEST_F(OpenHaptics, OneThatIsNotThereYetIsLookedForAgain) {
+TEST_F(OpenHaptics, AnUnpluggedDeviceIsLookedForAgainAndAgain) {
   open();
   ASSERT_TRUE(serve_until_ready());
   board->is_plugged = 0;
@@ -407,10 +407,10 @@ TEST_F(OpenHaptics, OneThatIsNotThereYetIsLookedForAgain) {
   testing::internal::CaptureStderr();
   const std::uint64_t refused = board->refused;
   const bool was_refused = serve_until([&] { return board->refused > refused; });
-  const std::string meanwhile = testing::internal::GetCapturedStderr();
+  const std::string log_meanwhile = testing::internal::GetCapturedStderr();
   EXPECT_TRUE(was_refused);
   EXPECT_EQ(device->status(), DeviceStatus::away);
-  EXPECT_THAT(meanwhile, Not(HasSubstr("is back")));
+  EXPECT_THAT(log_meanwhile, Not(HasSubstr("is back")));
   board->is_plugged = 1;
   EXPECT_TRUE(serve_until_ready());
 }
@@ -454,7 +454,7 @@ TEST_F(OpenHaptics, AfterAPauseOfTheSchedulerTheForceBeginsAtZero) {
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
-  bool saw_little = false;
+  bool saw_small_force = false;
   EXPECT_TRUE(ramps_up(
       [&](std::uint64_t) {
         board->stands_still = 1;
@@ -462,12 +462,12 @@ TEST_F(OpenHaptics, AfterAPauseOfTheSchedulerTheForceBeginsAtZero) {
         board->stands_still = 0;
         ASSERT_TRUE(serve_until(
             [&] {
-              saw_little = saw_little || board->force[2] < 1.0;
+              saw_small_force = saw_small_force || board->force[2] < 1.0;
               return device->status() == DeviceStatus::ready && board->force[2] == 2.0;
             },
             push));
       },
-      [&] { return saw_little; }));
+      [&] { return saw_small_force; }));
 }
 
 TEST_F(OpenHaptics, OneThatCalibratesWhileItMovesIsUpdatedWhenItRequestsIt) {

@@ -20,10 +20,10 @@ class StillDevice final : public Device {
   std::string_view name() const noexcept override { return "still"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t) noexcept override { return sample; }
-  void write(const Wrench& wrench, std::int64_t) noexcept override { written = wrench; }
+  void write(const Wrench& wrench, std::int64_t) noexcept override { last_wrench = wrench; }
   DeviceStatus status() const noexcept override { return DeviceStatus::calibrating; }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override {
-    led_to = p_WH;
+    hand_target = p_WH;
     return true;
   }
   bool cut() noexcept override { return is_cut = true; }
@@ -35,11 +35,11 @@ class StillDevice final : public Device {
     return warm;
   }
   bool press_hand_buttons(std::uint32_t buttons) noexcept override {
-    pressed = buttons;
+    hand_buttons = buttons;
     return true;
   }
   bool turn_hand(const Vec3& turn_rad) noexcept override {
-    turned_rad = turn_rad;
+    hand_turn_rad = turn_rad;
     return true;
   }
   bool aim_hand(std::span<const Vec3> p_WA) noexcept override {
@@ -48,11 +48,11 @@ class StillDevice final : public Device {
   }
 
   DeviceSample sample;
-  Wrench written;
-  std::optional<Vec3> led_to;
+  Wrench last_wrench;
+  std::optional<Vec3> hand_target;
   bool is_cut = false;
-  std::uint32_t pressed = 0;
-  Vec3 turned_rad = Vec3::Zero();
+  std::uint32_t hand_buttons = 0;
+  Vec3 hand_turn_rad = Vec3::Zero();
   std::vector<Vec3> aims;
 
  private:
@@ -80,15 +80,15 @@ TEST_F(PlacedDevices, AreReadInTheWorld) {
 
 TEST_F(PlacedDevices, GetTheWrenchInTheirOwnFrame) {
   device.write({.force_n = Vec3(0, 0, -2), .torque_nm = Vec3(3, 0, 0)}, 5);
-  EXPECT_LT((inner->written.force_n - Vec3(2, 0, 0)).norm(), 1e-12);
-  EXPECT_LT((inner->written.torque_nm - Vec3(0, 0, 3)).norm(), 1e-12);
+  EXPECT_LT((inner->last_wrench.force_n - Vec3(2, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((inner->last_wrench.torque_nm - Vec3(0, 0, 3)).norm(), 1e-12);
 }
 
 TEST_F(PlacedDevices, AreLedToAPlaceInTheWorld) {
   EXPECT_TRUE(device.set_hand_target(Vec3(1.03, 0.02, -0.01)));
-  EXPECT_LT((*inner->led_to - Vec3(0.01, 0.02, 0.03)).norm(), 1e-12);
+  EXPECT_LT((*inner->hand_target - Vec3(0.01, 0.02, 0.03)).norm(), 1e-12);
   device.set_hand_target(std::nullopt);
-  EXPECT_FALSE(inner->led_to);
+  EXPECT_FALSE(inner->hand_target);
 }
 
 TEST_F(PlacedDevices, HaveTheirWorkspaceInTheWorld) {
@@ -119,9 +119,9 @@ TEST_F(PlacedDevices, AreAimedAtPlacesInTheWorldAndPressedAndTurnedAsTheyWere) {
   ASSERT_EQ(inner->aims.size(), p_WA.size() - 1);
   for (const Vec3& p_BA : inner->aims) EXPECT_LT((p_BA - Vec3(0.01, 0.02, 0.03)).norm(), 1e-12);
   EXPECT_TRUE(device.press_hand_buttons(5));
-  EXPECT_EQ(inner->pressed, 5U);
+  EXPECT_EQ(inner->hand_buttons, 5U);
   EXPECT_TRUE(device.turn_hand(Vec3(1, 2, 3)));
-  EXPECT_EQ(inner->turned_rad, Vec3(1, 2, 3));
+  EXPECT_EQ(inner->hand_turn_rad, Vec3(1, 2, 3));
 }
 
 }  // namespace

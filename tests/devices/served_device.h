@@ -36,12 +36,12 @@ struct ServedDevice : testing::Test {
   bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
     return runner.serve_until(*device, holds, wrench);
   }
-  // Unplugs the device and plugs it in again, until the test has seen the force return in small steps. A test that stands still meanwhile
-  // sees only the end of the ramp: then this tries again. The argument of unplug is the number of the attempt, from 1.
-  bool ramps_up(const std::function<void(std::uint64_t)>& unplug, const std::function<bool()>& is_small) {
+  // Interrupts the force, for example by unplugging the device, until the test has seen the force return in small steps. A test that stands
+  // still meanwhile sees only the end of the ramp: then this tries again. The argument of interrupt is the number of the attempt, from 1.
+  bool ramps_up(const std::function<void(std::uint64_t)>& interrupt, const std::function<bool()>& saw_small_steps) {
     for (std::uint64_t attempt = 1; attempt <= 10 && !HasFatalFailure(); ++attempt) {
-      unplug(attempt);
-      if (is_small()) return true;
+      interrupt(attempt);
+      if (saw_small_steps()) return true;
     }
     return false;
   }

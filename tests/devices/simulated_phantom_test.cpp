@@ -21,7 +21,7 @@ namespace {
 // A wall of 1 kN/m at z = 0 that fills the half space below, computed as a haptics node would: from the sample, one step later.
 Vec3 wall_force(const Vec3& p_WD) { return {0.0, 0.0, std::max(0.0, -1000.0 * p_WD.z())}; }
 
-Vec3 held(const Vec3& force) { return force.norm() > model_a::kMaxForceN ? Vec3(force.normalized() * model_a::kMaxForceN) : force; }
+Vec3 limited(const Vec3& force) { return force.norm() > model_a::kMaxForceN ? Vec3(force.normalized() * model_a::kMaxForceN) : force; }
 
 TEST(SimulatedPhantom, HasTheMemosData) {
   SimulatedPhantom device({});
@@ -31,7 +31,7 @@ TEST(SimulatedPhantom, HasTheMemosData) {
 
 TEST(SimulatedPhantom, ReportsPositionsOnThe800DpiGridAndAnglesOn512Counts) {
   SimulatedPhantom device({});
-  std::set<long> seen;
+  std::set<long> pitch_counts;
   for (std::int64_t now = 5; now < 3000 * kMs; now += kMs) {
     const DeviceSample sample = device.read(now);
     ASSERT_EQ(sample.time_ns, now);
@@ -46,9 +46,9 @@ TEST(SimulatedPhantom, ReportsPositionsOnThe800DpiGridAndAnglesOn512Counts) {
     for (const double angle : {std::asin(-r(1, 2)), std::atan2(r(0, 2), r(2, 2)), std::atan2(r(1, 0), r(1, 1))}) {
       ASSERT_NEAR(angle / step, std::round(angle / step), 1e-6);
     }
-    seen.insert(std::lround(std::asin(-r(1, 2)) / step));
+    pitch_counts.insert(std::lround(std::asin(-r(1, 2)) / step));
   }
-  EXPECT_GT(seen.size(), 10U);
+  EXPECT_GT(pitch_counts.size(), 10U);
 }
 
 TEST(SimulatedPhantom, TrajectoryDoesNotDependOnTheServoRate) {
@@ -58,7 +58,7 @@ TEST(SimulatedPhantom, TrajectoryDoesNotDependOnTheServoRate) {
       device.read(1000 + now);
       // The same forces at the same times, whatever the rate.
       if (now % (4 * kMs) == 0)
-        device.write({.force_n = held(Vec3(0.3, -0.2, 20.0 * std::sin(1e-9 * static_cast<double>(now))))}, 1000 + now);
+        device.write({.force_n = limited(Vec3(0.3, -0.2, 20.0 * std::sin(1e-9 * static_cast<double>(now))))}, 1000 + now);
     }
     return device.exact_position_m();
   };
@@ -89,12 +89,12 @@ TEST(SimulatedPhantom, ForcePushesTheHandBackByItsStiffness) {
   device.write({.force_n = Vec3(0.0, 0.0, 4.0)}, 3000 * kMs);
   for (std::int64_t now = 3000 * kMs; now < 6000 * kMs; now += kMs) device.read(now);
   const StylusModel model;
-  const double give = 4.0 * (1.0 / model.hand_stiffness_n_per_m + 1.0 / model.structure_stiffness_n_per_m());
-  EXPECT_NEAR(device.exact_position_m().z() - place.z(), give, 1e-6);
+  const double expected_shift_m = 4.0 * (1.0 / model.hand_stiffness_n_per_m + 1.0 / model.structure_stiffness_n_per_m());
+  EXPECT_NEAR(device.exact_position_m().z() - place.z(), expected_shift_m, 1e-6);
 }
 
 // hapton_watchdog cuts the motors in this way from its own process; the device side does so with cut().
-TEST(SimulatedPhantom, ItsMotorsAreSeenAndCutThroughTheHeartbeatPage) {
+TEST(SimulatedPhantom, ItsMotorsAreReportedAndCutThroughTheHeartbeatPage) {
   StylusModel frictionless;
   frictionless.friction_n = 0.0;
   SimulatedPhantom device({.seed = 1, .stylus = frictionless});
@@ -128,7 +128,7 @@ TEST(SimulatedPhantom, ItsMotorsAreSeenAndCutThroughTheHeartbeatPage) {
   EXPECT_GT(pushed_by_mm(), 5.0);
 }
 
-TEST(SimulatedPhantom, ButtonsOfItsPathAndOfWhoLeadsTheHandAreDownTogether) {
+TEST(SimulatedPhantom, ButtonsOfItsPathAndOfItsLeadAreDownTogether) {
   const Vec3 place(0.0, 0.0, 0.1);
   const std::vector<TrajectoryRow> path = {{.t_s = 0.0, .p_WD = place, .buttons = 1}, {.t_s = 1.0, .p_WD = place, .buttons = 1}};
   SimulatedPhantom device({.stylus = {}, .path = path});
@@ -164,46 +164,46 @@ struct Exploration {
 
 Exploration explore(std::uint64_t seed, std::int64_t dt, std::int64_t delay, double wall_z) {
   SimulatedPhantom device({.seed = seed, .stylus = {}});
-  Exploration seen;
-  bool touching = false;
+  Exploration result;
+  bool was_touching = false;
   Vec3 last = Vec3::Zero();
   for (std::int64_t now = 0; now < 20'000 * kMs; now += dt) {
     const Vec3 p = device.read(now).p_WD;
-    const Vec3 force = held(wall_force(p - Vec3(0.0, 0.0, wall_z)));
+    const Vec3 force = limited(wall_force(p - Vec3(0.0, 0.0, wall_z)));
     device.write({.force_n = force}, now + delay);
-    const bool now_touching = force.norm() > 0.0;
-    seen.contact_steps += now_touching;
-    seen.contacts += now_touching && !touching;
-    if (now_touching && touching) seen.path_in_contact_m += (p - last).head<2>().norm();
-    touching = now_touching;
+    const bool is_touching = force.norm() > 0.0;
+    result.contact_steps += is_touching;
+    result.contacts += is_touching && !was_touching;
+    if (is_touching && was_touching) result.path_in_contact_m += (p - last).head<2>().norm();
+    was_touching = is_touching;
     last = p;
-    seen.deepest_m = std::max(seen.deepest_m, wall_z - p.z());
-    seen.greatest_n = std::max(seen.greatest_n, force.norm());
-    seen.phases.insert(device.phase());
+    result.deepest_m = std::max(result.deepest_m, wall_z - p.z());
+    result.greatest_n = std::max(result.greatest_n, force.norm());
+    result.phases.insert(device.phase());
   }
-  return seen;
+  return result;
 }
 
-TEST(SimulatedPhantom, ScriptFindsAWallItDoesNotKnowAndGoesThroughItsProgramme) {
+TEST(SimulatedPhantom, ScriptFindsAWallItDoesNotKnowAndGoesThroughAllItsPhases) {
   for (const double wall_z : {-0.15, 0.0, 0.1}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Exploration seen = explore(seed, kMs, kMs / 10, wall_z);
-      EXPECT_GT(seen.contact_steps, 4000) << "seed " << seed << " wall " << wall_z;
-      EXPECT_GT(seen.contacts, 4) << "seed " << seed;
-      EXPECT_LT(seen.deepest_m, 0.008) << "seed " << seed;
-      EXPECT_GT(seen.greatest_n, 1.0) << "seed " << seed;
-      EXPECT_GT(seen.path_in_contact_m, 0.05) << "seed " << seed;
-      EXPECT_EQ(seen.phases.size(), 7U) << "seed " << seed;
+      const Exploration result = explore(seed, kMs, kMs / 10, wall_z);
+      EXPECT_GT(result.contact_steps, 4000) << "seed " << seed << " wall " << wall_z;
+      EXPECT_GT(result.contacts, 4) << "seed " << seed;
+      EXPECT_LT(result.deepest_m, 0.008) << "seed " << seed;
+      EXPECT_GT(result.greatest_n, 1.0) << "seed " << seed;
+      EXPECT_GT(result.path_in_contact_m, 0.05) << "seed " << seed;
+      EXPECT_EQ(result.phases.size(), 7U) << "seed " << seed;
     }
   }
 }
 
 TEST(SimulatedPhantom, AWallStaysStableAtEveryRate) {
   for (const std::int64_t dt : {100'000L, 250'000L, 1'000'000L, 4'000'000L}) {
-    const Exploration seen = explore(2, dt, 100'000L, 0.0);
-    EXPECT_GT(seen.contacts, 2) << dt;
-    EXPECT_LT(seen.contacts, 200) << dt;
-    EXPECT_LT(seen.deepest_m, 0.009) << dt;
+    const Exploration result = explore(2, dt, 100'000L, 0.0);
+    EXPECT_GT(result.contacts, 2) << dt;
+    EXPECT_LT(result.contacts, 200) << dt;
+    EXPECT_LT(result.deepest_m, 0.009) << dt;
   }
 }
 
@@ -212,46 +212,46 @@ TEST(SimulatedPhantom, TheLedHandTurnsTheStylus) {
   for (const bool has_torque : {false, true}) {
     SimulatedPhantom device({.stylus = {}, .has_torque = has_torque});
     std::int64_t now = 0;
-    const auto turned_in = [&](double seconds) {
-      double most = 0.0;
+    const auto turn_during = [&](double seconds) {
+      double largest_step_rad = 0.0;
       double sum = 0.0;
       Quat last = device.read(now).q_WT;
       for (const std::int64_t end = now + static_cast<std::int64_t>(1e9 * seconds); now < end;) {
         const Quat next = device.read(now += 1'000'000).q_WT;
         const double turn = turn_between(last, next).y();
-        most = std::max(most, turn_between(last, next).norm());
+        largest_step_rad = std::max(largest_step_rad, turn_between(last, next).norm());
         sum += turn;
         last = next;
       }
-      EXPECT_LT(most, has_torque ? 0.01 : 0.02) << "of a step; gimbals have steps of 0.012 rad";
+      EXPECT_LT(largest_step_rad, has_torque ? 0.01 : 0.02) << "in one sample; gimbals have steps of 0.012 rad";
       return sum;
     };
     ASSERT_TRUE(device.set_hand_target(device.read(now).p_WD));
-    turned_in(0.5);
+    turn_during(0.5);
     ASSERT_TRUE(device.turn_hand({4.0 * std::numbers::pi, 0.0, 0.0}));
-    EXPECT_NEAR(turned_in(1.0), 2.0, 0.3);
-    EXPECT_NEAR(turned_in(7.0), 4.0 * std::numbers::pi - 2.0, 0.3);
+    EXPECT_NEAR(turn_during(1.0), 2.0, 0.3);
+    EXPECT_NEAR(turn_during(7.0), 4.0 * std::numbers::pi - 2.0, 0.3);
     device.turn_hand({0.5, 0.0, 0.0});
-    EXPECT_NEAR(turned_in(1.0), -2.0, 0.3) << "to anywhere but zero all turns are turned back";
+    EXPECT_NEAR(turn_during(1.0), -2.0, 0.3) << "a target other than zero also undoes whole turns";
     device.turn_hand({4.0 * std::numbers::pi, 0.0, 0.0});
-    EXPECT_NEAR(turned_in(2.0), 2.0, 0.3);
+    EXPECT_NEAR(turn_during(2.0), 2.0, 0.3);
     device.turn_hand(Vec3::Zero());
-    EXPECT_NEAR(turned_in(2.0), 0.0, 0.3) << "whole turns are not turned back";
+    EXPECT_NEAR(turn_during(2.0), 0.0, 0.3) << "a target of zero leaves whole turns";
     device.turn_hand({1.0, 0.0, 0.0});
-    turned_in(2.0);
+    turn_during(2.0);
     device.turn_hand(Vec3::Zero());
-    EXPECT_NEAR(turned_in(2.0), -1.0, 0.3);
+    EXPECT_NEAR(turn_during(2.0), -1.0, 0.3);
     device.turn_hand(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
-    EXPECT_NEAR(turned_in(0.5), 0.0, 0.1);
+    EXPECT_NEAR(turn_during(0.5), 0.0, 0.1);
   }
 }
 
-TEST(SimulatedPhantom, ALongPauseIsCut) {
-  SimulatedPhantom paused({}), ran({});
+TEST(SimulatedPhantom, ALongPauseIsShortened) {
+  SimulatedPhantom paused({}), at_limit({});
   paused.read(0);
-  ran.read(0);
+  at_limit.read(0);
   const Vec3 after_pause = paused.read(60'000 * kMs).p_WD;
-  const Vec3 after_limit = ran.read(SimulatedPhantom::kLongestPauseNs).p_WD;
+  const Vec3 after_limit = at_limit.read(SimulatedPhantom::kLongestPauseNs).p_WD;
   EXPECT_EQ(after_pause, after_limit);
 }
 

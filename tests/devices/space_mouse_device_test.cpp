@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 // The report of a cap that is moved by these counts along and about the device's own axes.
-FakeHid::Bytes cap(int x, int y, int z, int rx, int ry, int rz) {
+FakeHid::Bytes cap_report(int x, int y, int z, int rx, int ry, int rz) {
   FakeHid::Bytes report = {1};
   for (const int axis : {x, y, z, rx, ry, rz}) {
     report.push_back(static_cast<std::uint8_t>(axis));
@@ -39,7 +39,7 @@ class SpaceMouseHand : public ::testing::Test {
   // Holds the cap in this position until the condition is true.
   template <class Condition>
   bool hold_until(int x, int y, int z, int rx, int ry, int rz, Condition&& holds, const Vec3& force_n = Vec3::Zero()) {
-    const FakeHid::Bytes report = cap(x, y, z, rx, ry, rz);
+    const FakeHid::Bytes report = cap_report(x, y, z, rx, ry, rz);
     return runner_.serve_until(*device_,
                                [&] {
                                  if (hid_.is_drained()) hid_.send(report);
@@ -114,14 +114,14 @@ TEST_F(SpaceMouseHand, UnpluggedStaysWhereItIs) {
 }
 
 TEST_F(SpaceMouseHand, HalfThePushIsAQuarterOfTheSpeed) {
-  hold(cap(180, 0, 0, 0, 0, 0));  // half of the range beyond the dead band
+  hold(cap_report(180, 0, 0, 0, 0, 0));  // half of the range beyond the dead band
   EXPECT_NEAR(read_after(10 * kMs).p_WD.x(), 0.01 * SpaceMouseDevice::kFullSpeedMPerS / 4.0, 1e-12);
-  hold(cap(350, 0, 0, 0, 0, 180));
+  hold(cap_report(350, 0, 0, 0, 0, 180));
   EXPECT_NEAR(Eigen::AngleAxisd(read_after(10 * kMs).q_WT).angle(), 0.01 * SpaceMouseDevice::kFullTurnRadPerS / 4.0, 1e-12);
 }
 
 TEST_F(SpaceMouseHand, ALateReadMovesThePointByThreeMillimetresAtMostAndAnEarlierTimeNotAtAll) {
-  hold(cap(350, 0, 0, 0, 0, 0));
+  hold(cap_report(350, 0, 0, 0, 0, 0));
   EXPECT_NEAR(read_after(100 * kMs).p_WD.x(), 0.003, 1e-12);
   EXPECT_NEAR(read_after(-50 * kMs).p_WD.x(), 0.003, 1e-12);
 }
@@ -139,10 +139,10 @@ TEST_F(SpaceMouseHand, NoForceTakesItOutOfTheWorkspace) {
   EXPECT_EQ(read_after(10 * kMs).p_WD, limits.workspace_max_m);
 }
 
-TEST_F(SpaceMouseHand, EachTurnIsAboutTheAxesOfTheRoom) {
-  hold(cap(0, 0, 0, 0, 0, -350));
+TEST_F(SpaceMouseHand, EachTurnIsAboutTheAxesOfTheWorld) {
+  hold(cap_report(0, 0, 0, 0, 0, -350));
   read_after(20 * kMs);
-  hold(cap(0, 0, 0, 350, 0, 0));
+  hold(cap_report(0, 0, 0, 350, 0, 0));
   const double angle = 0.02 * SpaceMouseDevice::kFullTurnRadPerS;
   const Quat expected = Quat(Eigen::AngleAxisd(angle, Vec3::UnitX())) * Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()));
   EXPECT_LT(read_after(20 * kMs).q_WT.angularDistance(expected), 1e-9);

@@ -15,7 +15,7 @@ namespace {
 constexpr AxisStops kNoStops{-1e6, 1e6};
 
 // Device mass and stylus are not connected: the motion of each then has its own closed form.
-StylusModel apart() {
+StylusModel unconnected_model() {
   StylusModel model;
   model.structure_hz = 0.0;
   model.friction_n = 0.0;
@@ -23,7 +23,7 @@ StylusModel apart() {
 }
 
 TEST(StylusDynamics, FreeMassWithDamperApproachesItsFinalSpeed) {
-  StylusModel model = apart();
+  StylusModel model = unconnected_model();
   model.device_damping_n_s_per_m = 0.5;
   const StylusDynamics dynamics(model);
   AxisState state;
@@ -31,14 +31,14 @@ TEST(StylusDynamics, FreeMassWithDamperApproachesItsFinalSpeed) {
   for (std::int64_t now = 0; now < 500 * kMs; now += kMs) {
     dynamics.advance(state, {force, 0.0, 0.0}, kNoStops, now, kMs);
     const double t = 1e-9 * static_cast<double>(now + kMs);
-    const double gone = std::exp(-b / m * t);
-    ASSERT_NEAR(state.device_m_per_s, force / b * (1.0 - gone), 1e-9);
-    ASSERT_NEAR(state.device_m, force / b * (t - m / b * (1.0 - gone)), 1e-9);
+    const double decay = std::exp(-b / m * t);
+    ASSERT_NEAR(state.device_m_per_s, force / b * (1.0 - decay), 1e-9);
+    ASSERT_NEAR(state.device_m, force / b * (t - m / b * (1.0 - decay)), 1e-9);
   }
 }
 
 TEST(StylusDynamics, HandFollowsAStepOfItsIntentionAsAMassSpringDamper) {
-  const StylusModel model = apart();
+  const StylusModel model = unconnected_model();
   const StylusDynamics dynamics(model);
   const double mass = model.stylus_mass_kg + model.hand_mass_kg;
   const double omega = std::sqrt(model.hand_stiffness_n_per_m / mass);
@@ -48,13 +48,13 @@ TEST(StylusDynamics, HandFollowsAStepOfItsIntentionAsAMassSpringDamper) {
   for (std::int64_t now = 0; now < 1000 * kMs; now += 4 * kMs) {
     dynamics.advance(state, {0.0, 0.01, 0.0}, kNoStops, now, 4 * kMs);
     const double t = 1e-9 * static_cast<double>(now + 4 * kMs);
-    const double rest = std::exp(-zeta * omega * t) * (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t));
-    ASSERT_NEAR(state.stylus_m, 0.01 * (1.0 - rest), 1e-12);
+    const double remaining = std::exp(-zeta * omega * t) * (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t));
+    ASSERT_NEAR(state.stylus_m, 0.01 * (1.0 - remaining), 1e-12);
   }
 }
 
 TEST(StylusDynamics, HandFollowsARampWithoutDelayAtTheEnd) {
-  const StylusDynamics dynamics(apart());
+  const StylusDynamics dynamics(unconnected_model());
   AxisState state;
   for (std::int64_t now = 0; now < 3000 * kMs; now += kMs) {
     dynamics.advance(state, {0.0, 0.1 * 1e-9 * static_cast<double>(now), 0.1}, kNoStops, now, kMs);
@@ -120,7 +120,7 @@ TEST(StylusDynamics, HeldStylusLeavesAModeOfThirtyHertz) {
 }
 
 TEST(StylusDynamics, CoulombFrictionStopsACoastingMassWhereItShouldAndHoldsIt) {
-  StylusModel model = apart();
+  StylusModel model = unconnected_model();
   model.friction_n = 0.04;
   model.device_damping_n_s_per_m = 0.0;
   const StylusDynamics dynamics(model);
@@ -130,15 +130,15 @@ TEST(StylusDynamics, CoulombFrictionStopsACoastingMassWhereItShouldAndHoldsIt) {
   ASSERT_LT(stop_s, 0.4);
   EXPECT_EQ(state.device_m_per_s, 0.0);
   EXPECT_NEAR(state.device_m, 0.5 * 0.1 * stop_s, 1e-9);
-  const double held = state.device_m;
+  const double stopped_m = state.device_m;
   for (std::int64_t now = 400 * kMs; now < 600 * kMs; now += kMs) dynamics.advance(state, {-0.039, 0.0, 0.0}, kNoStops, now, kMs);
-  EXPECT_EQ(state.device_m, held);
+  EXPECT_EQ(state.device_m, stopped_m);
   dynamics.advance(state, {-0.06, 0.0, 0.0}, kNoStops, 600 * kMs, 10 * kMs);
-  EXPECT_NEAR(state.device_m - held, -0.5 * 0.02 / model.device_mass_kg * 1e-4, 1e-10);
+  EXPECT_NEAR(state.device_m - stopped_m, -0.5 * 0.02 / model.device_mass_kg * 1e-4, 1e-10);
 }
 
 TEST(StylusDynamics, FrictionHoldsExactlyAgainstAForceEitherWay) {
-  StylusModel model = apart();
+  StylusModel model = unconnected_model();
   model.friction_n = 0.04;
   const StylusDynamics dynamics(model);
   for (const double force_n : {0.03, -0.03}) {
@@ -150,7 +150,7 @@ TEST(StylusDynamics, FrictionHoldsExactlyAgainstAForceEitherWay) {
 }
 
 TEST(StylusDynamics, StopIsHardAndReleases) {
-  StylusModel model = apart();
+  StylusModel model = unconnected_model();
   model.device_damping_n_s_per_m = 0.0;
   const StylusDynamics dynamics(model);
   for (const double side : {1.0, -1.0}) {
@@ -181,12 +181,12 @@ TEST(StylusDynamics, ResultDoesNotDependOnTheStep) {
     }
     return state;
   };
-  const AxisState whole = run(4 * kMs);
+  const AxisState coarse = run(4 * kMs);
   for (const std::int64_t dt : {100'000L, 125'000L, 250'000L, 500'000L, 1'000'000L, 2'000'000L}) {
-    const AxisState cut = run(dt);
-    EXPECT_NEAR(cut.device_m, whole.device_m, 1e-9) << dt;
-    EXPECT_NEAR(cut.stylus_m, whole.stylus_m, 1e-9) << dt;
-    EXPECT_NEAR(cut.device_m_per_s, whole.device_m_per_s, 1e-7) << dt;
+    const AxisState fine = run(dt);
+    EXPECT_NEAR(fine.device_m, coarse.device_m, 1e-9) << dt;
+    EXPECT_NEAR(fine.stylus_m, coarse.stylus_m, 1e-9) << dt;
+    EXPECT_NEAR(fine.device_m_per_s, coarse.device_m_per_s, 1e-7) << dt;
   }
 }
 

@@ -48,12 +48,12 @@ TEST(StylusTurn, APathMayHoldTheStylusUpright) {
     const Vec3 p(0.0, 0.0, 0.9 * model_a::limits().workspace_max_m.z());
     const TrajectoryRow row{.p_WD = p, .has_turn = has_turn};
     SimulatedPhantom device({.path = {row}, .has_torque = true});
-    double most = 0.0;
+    double largest_turn_rad = 0.0;
     for (std::int64_t now = 0; now <= 3000 * kMs; now += kMs) {
-      const double turned = turn_between(Quat::Identity(), device.read(now).q_WT).norm();
-      if (now > 1000 * kMs) most = std::max(most, turned);
+      const double turn_rad = turn_between(Quat::Identity(), device.read(now).q_WT).norm();
+      if (now > 1000 * kMs) largest_turn_rad = std::max(largest_turn_rad, turn_rad);
     }
-    EXPECT_EQ(most < 1e-3, has_turn) << most << ": without orientations the hand sways";
+    EXPECT_EQ(largest_turn_rad < 1e-3, has_turn) << largest_turn_rad << ": without orientations the hand sways";
   }
 }
 
@@ -61,7 +61,7 @@ TEST(StylusTurn, TheMotorsTurnTheStylusUnlessTheyAreCut) {
   SimulatedPhantom device({.path = turning_path(), .has_torque = true});
   EXPECT_GT(device.limits().max_torque_nm, 0.0);
   EXPECT_EQ(SimulatedPhantom({}).limits().max_torque_nm, 0.0);
-  const auto turned = [&](std::int64_t from) {
+  const auto turn_after = [&](std::int64_t from) {
     DeviceSample sample;
     for (std::int64_t now = from; now <= from + 1000 * kMs; now += kMs) {
       device.write({.torque_nm = Vec3(0.1, 0.0, 0.0)}, now);
@@ -69,12 +69,12 @@ TEST(StylusTurn, TheMotorsTurnTheStylusUnlessTheyAreCut) {
     }
     return turn_between(turn_by({0.0, 0.0, 1.0}), sample.q_WT).norm();
   };
-  turned(0);
-  EXPECT_NEAR(turned(2000 * kMs), 0.1 / StylusTurn::kHandNmPerRad, 1e-3);
+  turn_after(0);
+  EXPECT_NEAR(turn_after(2000 * kMs), 0.1 / StylusTurn::kHandNmPerRad, 1e-3);
   ASSERT_TRUE(device.cut());
-  EXPECT_LT(turned(4000 * kMs), 1e-6);
+  EXPECT_LT(turn_after(4000 * kMs), 1e-6);
   device.restore();
-  EXPECT_NEAR(turned(6000 * kMs), 0.1 / StylusTurn::kHandNmPerRad, 1e-3);
+  EXPECT_NEAR(turn_after(6000 * kMs), 0.1 / StylusTurn::kHandNmPerRad, 1e-3);
 }
 
 }  // namespace

@@ -45,11 +45,11 @@ class Wooden : public ::testing::Test {
  protected:
   explicit Wooden(std::size_t bytes = 8) : hid_(description(bytes)) {}
 
-  void begin(const WoodenSettings& settings = WoodenSettings::make_default()) {
+  void open(const WoodenSettings& settings = WoodenSettings::make_default()) {
     backend_ = std::make_unique<WoodenHapticsBackend>(settings);
-    begin_again();
+    open_again();
   }
-  void begin_again() {
+  void open_again() {
     auto transport = hid_.opener()();
     const auto begun = backend_->on_open(**transport);
     ASSERT_TRUE(begun) << begun.error().what;
@@ -87,11 +87,11 @@ WoodenSettings weightless() {
 }
 
 // Counts at which both arms lean far out (b 40 degrees, c 35 degrees) and the device point is near the middle of the workspace.
-const std::vector<int> kInTheMiddle = {0, 2667, 2333, 7};
+const std::vector<int> kMiddleCounts = {0, 2667, 2333, 7};
 
 TEST_F(Wooden, IsReadyAtOnceAndAtThePositionOfItsKinematics) {
-  begin();
-  const Reading reading = receive(kInTheMiddle);
+  open();
+  const Reading reading = receive(kMiddleCounts);
   EXPECT_EQ(reading.status, DeviceStatus::ready);
   EXPECT_TRUE(reading.is_calibrated);
   const WoodenKinematics arm{WoodenArm{}};
@@ -103,8 +103,8 @@ TEST_F(Wooden, IsReadyAtOnceAndAtThePositionOfItsKinematics) {
 
 // W: x right, y up, z towards the person. The base's x points from the column to the person.
 TEST_F(Wooden, TheAxesOfTheWorldAreThoseOfThePerson) {
-  begin();
-  const Vec3 middle = receive(kInTheMiddle).sample.p_WD;
+  open();
+  const Vec3 middle = receive(kMiddleCounts).sample.p_WD;
   const Vec3 turned_left = receive({200, 2667, 2333, 8}).sample.p_WD;
   EXPECT_GT(turned_left.x(), middle.x() + 0.005);
   const Vec3 lower_arm_up = receive({0, 2667, 2533, 9}).sample.p_WD;
@@ -113,8 +113,8 @@ TEST_F(Wooden, TheAxesOfTheWorldAreThoseOfThePerson) {
 }
 
 TEST_F(Wooden, AForceBecomesTheCurrentsOfItsTorques) {
-  begin(weightless());
-  receive(kInTheMiddle);
+  open(weightless());
+  receive(kMiddleCounts);
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 expected = arm.motor_current_a(arm.joint_torque_nm(arm.angles_rad({0, 2667, 2333}), Vec3(3, 1, 2)));
   EXPECT_LT((currents_ma(Vec3(1, 2, 3)) - 1e3 * expected).cwiseAbs().maxCoeff(), 0.51);
@@ -123,8 +123,8 @@ TEST_F(Wooden, AForceBecomesTheCurrentsOfItsTorques) {
 TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
   WoodenSettings settings = weightless();
   settings.max_current_a = 1.0;
-  begin(settings);
-  receive(kInTheMiddle);
+  open(settings);
+  receive(kMiddleCounts);
   const Vec3 small = currents_ma(Vec3(0.1, 0.2, 0.3));
   const Vec3 large = currents_ma(Vec3(100, 200, 300));
   EXPECT_NEAR(large.cwiseAbs().maxCoeff(), 1000.0, 0.51);
@@ -132,8 +132,8 @@ TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
 }
 
 TEST_F(Wooden, GravityCompensationRampsUpAndEndsAtOnce) {
-  begin();
-  receive(kInTheMiddle);
+  open();
+  receive(kMiddleCounts);
   const double first_ma = currents_ma(Vec3::Zero()).norm();
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 weight = 1e3 * arm.motor_current_a(arm.gravity_torque_nm(arm.angles_rad({0, 2667, 2333})));
@@ -147,8 +147,8 @@ TEST_F(Wooden, GravityCompensationRampsUpAndEndsAtOnce) {
 TEST_F(Wooden, GravityCompensationTakesPrecedenceWhereAMotorSaturates) {
   WoodenSettings settings = WoodenSettings::make_default();
   settings.max_current_a = 0.5;
-  begin(settings);
-  receive(kInTheMiddle);
+  open(settings);
+  receive(kMiddleCounts);
   const Vec3 weight = settled_currents_ma(Vec3::Zero());
   const Vec3 pushed = settled_currents_ma(Vec3(0, -500, 0));
   EXPECT_LE(pushed.cwiseAbs().maxCoeff(), 500.0);
@@ -159,25 +159,25 @@ TEST_F(Wooden, GravityCompensationTakesPrecedenceWhereAMotorSaturates) {
 }
 
 TEST_F(Wooden, AForceThatIsNotFiniteOrTooLargeGivesFiniteCurrents) {
-  begin(weightless());
-  receive(kInTheMiddle);
+  open(weightless());
+  receive(kMiddleCounts);
   EXPECT_EQ(currents_ma(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)), Vec3::Zero());
   EXPECT_EQ(currents_ma(Vec3(0, std::numeric_limits<double>::infinity(), 0)), Vec3::Zero());
   EXPECT_LE(currents_ma(Vec3(1e300, -1e300, 1e300)).cwiseAbs().maxCoeff(), 3000.0);
 }
 
 TEST_F(Wooden, ReportsOfAnotherLengthAreIgnored) {
-  begin();
-  receive(kInTheMiddle);
+  open();
+  receive(kMiddleCounts);
   const Vec3 before = reading_.sample.p_WD;
   for (const std::size_t size : {0, 1, 7, 9, 14, 64}) EXPECT_FALSE(backend_->decode(Bytes(size, 0x55), now_ns_, reading_));
   EXPECT_EQ(reading_.sample.p_WD, before);
 }
 
 TEST_F(Wooden, AnyEightBytesGiveAFinitePositionAndCurrentsWithinTheLimit) {
-  begin();
+  open();
   std::mt19937_64 random(5);
-  for (int turn = 0; turn < 50'000; ++turn) {
+  for (int trial = 0; trial < 50'000; ++trial) {
     Bytes bytes(8);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
     ASSERT_TRUE(backend_->decode(bytes, now_ns_, reading_));
@@ -190,72 +190,72 @@ TEST_F(Wooden, AnyEightBytesGiveAFinitePositionAndCurrentsWithinTheLimit) {
 // --- the zero of the encoders ---
 
 TEST_F(Wooden, GoesOnWhereItWasWhenItsElectronicsKeptTheirPower) {
-  begin();
-  const Vec3 before = receive(kInTheMiddle).sample.p_WD;
-  begin_again();
+  open();
+  const Vec3 before = receive(kMiddleCounts).sample.p_WD;
+  open_again();
   EXPECT_EQ(receive({0, 2700, 2300, 0}).status, DeviceStatus::ready);
-  EXPECT_EQ(receive(kInTheMiddle).sample.p_WD, before);
+  EXPECT_EQ(receive(kMiddleCounts).sample.p_WD, before);
 }
 
 TEST_F(Wooden, WithCountsResetInUseIsNotTrustedUntilItHasBeenAtRest) {
-  begin();
-  receive(kInTheMiddle);
-  begin_again();
+  open();
+  receive(kMiddleCounts);
+  open_again();
   EXPECT_EQ(receive({0, 3, -2, 0}).status, DeviceStatus::calibrating);
   EXPECT_THAT(std::string(backend_->advice()), HasSubstr("rest pose"));
   // A hand carries the arm to its rest pose: 2667 and 2333 counts back.
   for (int n = 0; n <= 1000; ++n) EXPECT_EQ(receive({0, -2667 * n / 1000, -2333 * n / 1000, n}).status, DeviceStatus::calibrating);
-  int rested = 0;
-  while (receive({0, -2667, -2333, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
-  EXPECT_GE(rested, 1990);
+  int samples_at_rest = 0;
+  while (receive({0, -2667, -2333, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++samples_at_rest, 3000);
+  EXPECT_GE(samples_at_rest, 1990) << "two seconds";
   EXPECT_LT((reading_.sample.p_WD - Vec3(0, -0.04, -0.22)).norm(), 1e-9);
   EXPECT_LT(receive({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
 }
 
 TEST_F(Wooden, PluggedInAgainDuringItsRestBeginsTheRestAnew) {
-  begin();
-  receive(kInTheMiddle);
-  begin_again();
+  open();
+  receive(kMiddleCounts);
+  open_again();
   for (int n = 0; n < 1500; ++n) EXPECT_EQ(receive({0, 0, 0, 0}).status, DeviceStatus::calibrating);
-  begin_again();
-  int rested = 0;
-  while (receive({0, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
-  EXPECT_GE(rested, 1990);
+  open_again();
+  int samples_at_rest = 0;
+  while (receive({0, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++samples_at_rest, 3000);
+  EXPECT_GE(samples_at_rest, 1990);
 }
 
 TEST_F(Wooden, ThatTremblesIsNotAtRest) {
-  begin();
-  receive(kInTheMiddle);
-  begin_again();
+  open();
+  receive(kMiddleCounts);
+  open_again();
   for (int n = 0; n < 10'000; ++n) ASSERT_EQ(receive({0, n % 2 == 0 ? 0 : 4, 0, n}).status, DeviceStatus::calibrating);
 }
 
 TEST_F(Wooden, InItsRestPoseMayLoseItsCountsUnnoticed) {
-  begin();
+  open();
   receive({5, -20, 30, 0});
-  begin_again();
+  open_again();
   EXPECT_EQ(receive({0, 0, 0, 0}).status, DeviceStatus::ready);
 }
 
 // Counts were reset if they are within 50 of zero and were more than 200 before. One encoder alone shows this, in either direction.
-TEST_F(Wooden, EachEncoderTellsByItselfWhetherTheCountsWereReset) {
+TEST_F(Wooden, EachEncoderAloneShowsWhetherTheCountsWereReset) {
   const auto status_after = [&](const std::vector<int>& before, const std::vector<int>& after) {
-    begin();
+    open();
     receive(before);
-    begin_again();
+    open_again();
     return receive(after).status;
   };
   for (const std::size_t encoder : {0U, 1U, 2U}) {
     for (const int sign : {1, -1}) {
-      const auto alone = [&](int counts) {
+      const auto counts_of_one = [&](int counts) {
         std::vector<int> all = {0, 0, 0, 0};
         all[encoder] = sign * counts;
         return all;
       };
-      EXPECT_EQ(status_after(alone(200), {0, 0, 0, 0}), DeviceStatus::ready) << encoder;
-      EXPECT_EQ(status_after(alone(201), {0, 0, 0, 0}), DeviceStatus::calibrating) << encoder;
-      EXPECT_EQ(status_after({1000, 1000, 1000, 0}, alone(50)), DeviceStatus::calibrating) << encoder;
-      EXPECT_EQ(status_after({1000, 1000, 1000, 0}, alone(51)), DeviceStatus::ready) << encoder;
+      EXPECT_EQ(status_after(counts_of_one(200), {0, 0, 0, 0}), DeviceStatus::ready) << encoder;
+      EXPECT_EQ(status_after(counts_of_one(201), {0, 0, 0, 0}), DeviceStatus::calibrating) << encoder;
+      EXPECT_EQ(status_after({1000, 1000, 1000, 0}, counts_of_one(50)), DeviceStatus::calibrating) << encoder;
+      EXPECT_EQ(status_after({1000, 1000, 1000, 0}, counts_of_one(51)), DeviceStatus::ready) << encoder;
     }
   }
 }
@@ -284,18 +284,19 @@ TEST(WoodenVariants, MayBeNamedWhereTheDescriptorCannotBeRead) {
   EXPECT_TRUE(WoodenHapticsBackend(settings).on_open(**hid.opener()()));
 }
 
+// The later edition has three more encoders, at its wrist.
 class LaterWooden : public Wooden {
  protected:
   LaterWooden() : Wooden(14) {}
 };
 
 TEST_F(LaterWooden, GivesAnOrientationOnlyIfItsWristIsDescribed) {
-  begin();
+  open();
   EXPECT_EQ(receive({0, 2667, 2333, 500, 500, 500, 0}).sample.q_WT.coeffs(), Quat::Identity().coeffs());
   WoodenSettings settings = WoodenSettings::make_default();
   settings.wrist = WoodenWrist{};
   settings.wrist->joints[0].axis = Vec3::UnitX();
-  begin(settings);
+  open(settings);
   // Both lower arms hang straight down; the base's x is the world's z.
   const Quat at_rest = receive({0, 0, 0, 0, 0, 0, 0}).sample.q_WT;
   const Quat turned = receive({0, 0, 0, 500, 0, 0, 0}).sample.q_WT;
@@ -307,11 +308,11 @@ TEST_F(LaterWooden, GivesAnOrientationOnlyIfItsWristIsDescribed) {
 TEST_F(LaterWooden, AWristEncoderMayWrapAround) {
   WoodenSettings settings = WoodenSettings::make_default();
   settings.wrist = WoodenWrist{};
-  begin(settings);
+  open(settings);
   receive({0, 2667, 2333, 32'000, 0, 0, 0});
-  begin_again();
-  int rested = 0;
-  while (receive({0, 0, 0, 32'000, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
+  open_again();
+  int samples_at_rest = 0;
+  while (receive({0, 0, 0, 32'000, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++samples_at_rest, 3000);
   const Quat at_rest = reading_.sample.q_WT;
   // With 2,000 counts per turn, 500 counts are a quarter turn.
   EXPECT_NEAR(at_rest.angularDistance(receive({0, 0, 0, 32'500, 0, 0, 0}).sample.q_WT), 0.5 * 3.14159265358979, 1e-9);
@@ -324,7 +325,7 @@ TEST_F(LaterWooden, ItsWristTurnsJointAfterJointEachInItsOwnDirection) {
   settings.wrist->joints[0].axis = Vec3::UnitX();
   settings.wrist->joints[1] = {.axis = Vec3::UnitY(), .counts_per_turn = 4000.0, .direction = -1.0};
   settings.wrist->joints[2].offset_rad = 0.3;
-  begin(settings);
+  open(settings);
   const Quat q_WT = receive({0, 2667, 2333, 100, 200, 300, 0}).sample.q_WT;
   const WoodenKinematics arm{WoodenArm{}};
   Mat3 base_axes_in_world;
@@ -338,7 +339,7 @@ TEST_F(LaterWooden, ItsWristTurnsJointAfterJointEachInItsOwnDirection) {
 }
 
 TEST_F(LaterWooden, SendsNoCommandBesidesItsCurrents) {
-  begin(weightless());
+  open(weightless());
   receive({0, 2667, 2333, 1, 2, 3, 4});
   Bytes into(64, 0xEE);
   ASSERT_EQ(backend_->encode({.force_n = Vec3(1, 0, 0)}, true, now_ns_, into), 15U);

@@ -81,7 +81,7 @@ TEST(WoodenKinematics, TheJacobianIsTheDerivativeOfThePosition) {
   std::mt19937_64 random(11);
   for (const WoodenArm& build : {WoodenArm{}, odd_arm()}) {
     const WoodenKinematics arm(build);
-    for (int turn = 0; turn < 500; ++turn) {
+    for (int trial = 0; trial < 500; ++trial) {
       const Vec3 angles = random_vector(random, std::numbers::pi);
       for (int axis = 0; axis < 3; ++axis) {
         const Vec3 row = numerical_gradient(angles, [&](const Vec3& at) { return arm.position_m(at)[axis]; });
@@ -95,7 +95,7 @@ TEST(WoodenKinematics, GravityIsTheGradientOfTheEnergy) {
   std::mt19937_64 random(12);
   for (const WoodenArm& build : {WoodenArm{}, odd_arm()}) {
     const WoodenKinematics arm(build);
-    for (int turn = 0; turn < 500; ++turn) {
+    for (int trial = 0; trial < 500; ++trial) {
       const Vec3 angles = random_vector(random, std::numbers::pi);
       const Vec3 gradient = numerical_gradient(angles, [&](const Vec3& at) { return arm.potential_energy_j(at); });
       ASSERT_LT((arm.gravity_torque_nm(angles) - gradient).norm(), 1e-7);
@@ -111,7 +111,7 @@ TEST(WoodenKinematics, AMassAtTheDevicePointHasTheEnergyOfItsHeight) {
   build.bodies[2].mass_centre_m = build.bodies[2].length_m;
   const WoodenKinematics arm(build);
   std::mt19937_64 random(13);
-  for (int turn = 0; turn < 100; ++turn) {
+  for (int trial = 0; trial < 100; ++trial) {
     const Vec3 angles = random_vector(random, std::numbers::pi);
     EXPECT_NEAR(arm.potential_energy_j(angles), 0.5 * 9.80665 * (arm.position_m(angles).z() + build.origin_m.z()), 1e-12);
   }
@@ -122,7 +122,7 @@ TEST(WoodenKinematics, TheMotorsPowerIsTheHandsPower) {
   std::mt19937_64 random(14);
   const WoodenArm build = odd_arm();
   const WoodenKinematics arm(build);
-  for (int turn = 0; turn < 500; ++turn) {
+  for (int trial = 0; trial < 500; ++trial) {
     const Vec3 angles = random_vector(random, 1.5), force = random_vector(random, 5.0), speed = random_vector(random, 1.0);
     const Vec3 current = arm.motor_current_a(arm.joint_torque_nm(angles, force));
     double motors_w = 0.0;
@@ -138,7 +138,7 @@ TEST(WoodenKinematics, TheMotorsPowerIsTheHandsPower) {
 TEST(WoodenKinematics, TheGimbalIsMountedOnTheLowerArm) {
   const WoodenKinematics arm(odd_arm());
   std::mt19937_64 random(15);
-  for (int turn = 0; turn < 100; ++turn) {
+  for (int trial = 0; trial < 100; ++trial) {
     const Vec3 angles = random_vector(random, 1.5);
     WoodenArm shorter = odd_arm();
     shorter.bodies[2].length_m = 0.0;

@@ -17,7 +17,7 @@ class WoodenSettingsFile : public ::testing::Test {
   Result<WoodenSettings> read(std::string_view text) { return read_wooden_settings(folder_.write("wooden.toml", text)); }
   std::string rejection(std::string_view text) {
     const auto settings = read(text);
-    return settings ? "taken" : settings.error().what;
+    return settings ? "accepted" : settings.error().what;
   }
   ScratchFolder folder_;
 };
