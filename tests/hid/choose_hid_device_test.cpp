@@ -109,27 +109,27 @@ TEST(ChooseHidDevice, TheSameDeviceMayComeBackAtAnotherNode) {
 
 // A device was unplugged. Two without serial numbers look the same, and the wrong one must not exert the force of the other.
 TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
-  const auto again = [](const std::vector<HidDescription>& devices, const HidDescription& chosen, bool had_twin = false) {
+  const auto find_again = [](const std::vector<HidDescription>& devices, const HidDescription& chosen, bool had_twin = false) {
     const auto found = find_hid_device_again(devices, chosen, HidKind::wooden_haptics, had_twin);
     return found ? found->path : found.error().what;
   };
   const HidDescription mouse = device("/dev/hidraw0", 0x046d, 0xc077);
-  EXPECT_EQ(again({mouse, wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
-  EXPECT_EQ(again({wooden("/dev/hidraw1", "B"), wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
-  EXPECT_THAT(again({mouse, wooden("/dev/hidraw1", "B")}, wooden("/dev/hidraw1", "A")),
+  EXPECT_EQ(find_again({mouse, wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
+  EXPECT_EQ(find_again({wooden("/dev/hidraw1", "B"), wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
+  EXPECT_THAT(find_again({mouse, wooden("/dev/hidraw1", "B")}, wooden("/dev/hidraw1", "A")),
               HasSubstr("the WoodenHaptics used before (A) is not among"));
   const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
-  EXPECT_EQ(again(twins, wooden("/dev/hidraw4")), "/dev/hidraw4");
-  EXPECT_EQ(again(twins, wooden("/dev/hidraw1")), "/dev/hidraw1");
-  EXPECT_THAT(again(twins, wooden("/dev/hidraw5")), HasSubstr("/dev/hidraw5")) << "neither is certainly the one";
+  EXPECT_EQ(find_again(twins, wooden("/dev/hidraw4")), "/dev/hidraw4");
+  EXPECT_EQ(find_again(twins, wooden("/dev/hidraw1")), "/dev/hidraw1");
+  EXPECT_THAT(find_again(twins, wooden("/dev/hidraw5")), HasSubstr("/dev/hidraw5")) << "either may be the one";
   EXPECT_TRUE(has_twin(twins, twins[0]));
   EXPECT_FALSE(has_twin(std::vector{mouse, twins[0]}, twins[0]));
-  EXPECT_THAT(again({mouse, twins[0]}, twins[1], true), HasSubstr("/dev/hidraw4")) << "the other hand's is left";
-  EXPECT_EQ(again({mouse, twins[1]}, twins[1], true), "/dev/hidraw4");
+  EXPECT_THAT(find_again({mouse, twins[0]}, twins[1], true), HasSubstr("/dev/hidraw4")) << "only the device of the other hand is left";
+  EXPECT_EQ(find_again({mouse, twins[1]}, twins[1], true), "/dev/hidraw4");
 }
 
 // Earlier this line did not count the other devices: it said "among 0 HID devices".
-TEST(ChooseHidDevice, OneThatIsGoneIsMissedAmongAllThatIsThere) {
+TEST(ChooseHidDevice, AMissingDeviceIsReportedWithTheNumberOfOthers) {
   const std::vector others = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "B")};
   EXPECT_EQ(rejection(find_hid_device_again(others, wooden("/dev/hidraw1", "A"), HidKind::wooden_haptics, false)),
             "the WoodenHaptics used before (A) is not among the 2 HID devices that are plugged in; plug it in again");

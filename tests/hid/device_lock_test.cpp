@@ -48,8 +48,8 @@ TEST_F(DeviceLocks, AnotherProcessIsRejectedUntilThisOneReleasesIt) {
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
   };
   {
-    const auto held = DeviceLock::take(path);
-    ASSERT_TRUE(held);
+    const auto lock = DeviceLock::take(path);
+    ASSERT_TRUE(lock);
     EXPECT_FALSE(is_free_elsewhere());
   }
   EXPECT_TRUE(is_free_elsewhere());

@@ -26,7 +26,7 @@ TEST(HaptonHidBytes, AForceNamesItselfAndTheNewestState) {
   EXPECT_EQ(encode_force({.is_on = false})[1], 0);
 }
 
-TEST(HaptonHidBytes, EachNameMayFillItsRoom) {
+TEST(HaptonHidBytes, EachNameMayFillItsField) {
   const auto names = decode_names(names_report("a model of 24 characters", "a serial of 16 c", "a version of 16."));
   ASSERT_TRUE(names);
   EXPECT_EQ(names->model, "a model of 24 characters");

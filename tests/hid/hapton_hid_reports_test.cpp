@@ -55,10 +55,10 @@ Bytes feature(std::uint8_t id, const hapton_hid_limits& limits = maker_limits())
 
 std::string rejection(const hapton_hid_limits& limits) {
   const auto decoded = decode_limits(feature(kLimitsId, limits));
-  return decoded ? "taken" : decoded.error().what;
+  return decoded ? "accepted" : decoded.error().what;
 }
 
-hapton_hid_measured rest() {
+hapton_hid_measured measured_at_rest() {
   hapton_hid_measured measured = {};
   measured.is_calibrated = true;
   measured.orientation[3] = 1.0f;
@@ -84,7 +84,7 @@ TEST(HaptonHidReports, LimitsAreWhatTheMakerSaid) {
   EXPECT_DOUBLE_EQ(limits->max_speed_m_per_s, 3.0);
 }
 
-TEST(HaptonHidReports, NamesMayFillTheirRoomToTheLastByte) {
+TEST(HaptonHidReports, NamesMayFillTheirFieldToTheLastByte) {
   const auto names = decode_names(feature(kNamesId));
   ASSERT_TRUE(names);
   EXPECT_EQ(names->model, "Test arm");
@@ -96,32 +96,32 @@ TEST(HaptonHidReports, NamesMayFillTheirRoomToTheLastByte) {
 }
 
 TEST(HaptonHidReports, ImpossibleLimitsAreRejectedWithAReason) {
-  const auto with = [](auto&& change) {
+  const auto rejection_with = [](auto&& change) {
     hapton_hid_limits limits = maker_limits();
     change(limits);
     return rejection(limits);
   };
-  EXPECT_EQ(rejection(maker_limits()), "taken");
-  EXPECT_THAT(with([](auto& l) { l.watchdog_ms = 0; }), HasSubstr("watchdog takes 0 ms"));
-  EXPECT_THAT(with([](auto& l) { l.watchdog_ms = 500; }), HasSubstr("watchdog takes 500 ms"));
-  EXPECT_THAT(with([](auto& l) { l.rate_hz = 10; }), HasSubstr("10 times a second"));
-  EXPECT_THAT(with([](auto& l) { l.workspace_max_m[1] = -0.5f; }), HasSubstr("workspace"));
-  EXPECT_THAT(with([](auto& l) { l.max_force_n = 0.0f; }), HasSubstr("force limits are 0 N"));
-  EXPECT_THAT(with([](auto& l) { l.max_force_n = 4000.0f; }), HasSubstr("force limits"));
-  EXPECT_THAT(with([](auto& l) { l.continuous_force_n = 8.0f; }), HasSubstr("8 N (continuous)"));
-  EXPECT_THAT(with([](auto& l) { l.max_slew_n_per_s = 0.0f; }), HasSubstr("how fast"));
-  EXPECT_THAT(with([](auto& l) { l.max_torque_nm = 0.0f; }), HasSubstr("torque limits are 0 Nm"));
-  EXPECT_EQ(with([](auto& l) {
+  EXPECT_EQ(rejection(maker_limits()), "accepted");
+  EXPECT_THAT(rejection_with([](auto& l) { l.watchdog_ms = 0; }), HasSubstr("watchdog takes 0 ms"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.watchdog_ms = 500; }), HasSubstr("watchdog takes 500 ms"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.rate_hz = 10; }), HasSubstr("10 times a second"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.workspace_max_m[1] = -0.5f; }), HasSubstr("workspace"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.max_force_n = 0.0f; }), HasSubstr("force limits are 0 N"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.max_force_n = 4000.0f; }), HasSubstr("force limits"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.continuous_force_n = 8.0f; }), HasSubstr("8 N (continuous)"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.max_slew_n_per_s = 0.0f; }), HasSubstr("how fast"));
+  EXPECT_THAT(rejection_with([](auto& l) { l.max_torque_nm = 0.0f; }), HasSubstr("torque limits are 0 Nm"));
+  EXPECT_EQ(rejection_with([](auto& l) {
               l.has_torque = false;
               l.max_torque_nm = 0.0f;
             }),
-            "taken");
+            "accepted");
 }
 
 // Each number at the edge of what is allowed, in the units of the report.
 TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
   struct Row {
-    std::size_t at, bytes;
+    std::size_t offset, bytes;
     std::int64_t good, bad;
     const char* why;
   };
@@ -141,11 +141,11 @@ TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
     const auto decoded_with = [&](std::int64_t value) {
       Bytes report = feature(kLimitsId);
       // The rows that test the size of the workspace have its other end at 1.5 m.
-      if (row.at == 12) {
+      if (row.offset == 12) {
         for (std::size_t n = 0; n < 4; ++n) report[24 + n] = static_cast<std::uint8_t>(15'000'000 >> (8 * n));
       }
       for (std::size_t n = 0; n < row.bytes; ++n)
-        report[row.at + n] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * n));
+        report[row.offset + n] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * n));
       return decode_limits(report);
     };
     EXPECT_TRUE(decoded_with(row.good)) << row.why;
@@ -170,7 +170,7 @@ TEST(HaptonHidReports, EachBitOfAnAbilityAndOfTheStatusIsItsOwn) {
   const hapton_hid_limits limits = maker_limits();
   hapton_hid_device device;
   hapton_hid_init(&device, &limits);
-  const hapton_hid_measured measured = rest();
+  const hapton_hid_measured measured = measured_at_rest();
   Bytes report(kStateBytes);
   hapton_hid_state(&device, &measured, 0, report.data());
   for (const int bits : {0, 1, 2, 4, 8, 16, 32}) {
@@ -212,31 +212,31 @@ TEST(HaptonHidReports, AStateComesThroughWithinItsResolution) {
   hapton_hid_init(&device, &limits);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (int turn = 0; turn < 1000; ++turn) {
+  for (int trial = 0; trial < 1000; ++trial) {
     const Quat q = Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized();
     const Vec3 p = 0.3 * Vec3(uniform(random), uniform(random), uniform(random));
-    hapton_hid_measured measured = rest();
+    hapton_hid_measured measured = measured_at_rest();
     for (int n = 0; n < 3; ++n) measured.position_m[n] = static_cast<float>(p[n]);
     for (int n = 0; n < 4; ++n) measured.orientation[n] = static_cast<float>(q.coeffs()[n]);
-    measured.is_held = turn % 2 == 0;
-    measured.is_hot = turn % 3 == 0;
-    measured.has_fault = turn == 500;  // from then on the device keeps the fault
+    measured.is_held = trial % 2 == 0;
+    measured.is_hot = trial % 3 == 0;
+    measured.has_fault = trial == 500;  // from then on the device keeps the fault
     measured.buttons = static_cast<std::uint32_t>(random());
-    measured.temperature = turn % 7 == 0 ? -1.0f : 0.5f;
+    measured.temperature = trial % 7 == 0 ? -1.0f : 0.5f;
     Bytes report(kStateBytes);
-    hapton_hid_state(&device, &measured, 0xFFFFFF00U + static_cast<std::uint32_t>(turn), report.data());
+    hapton_hid_state(&device, &measured, 0xFFFFFF00U + static_cast<std::uint32_t>(trial), report.data());
     const auto state = decode_state(report);
     ASSERT_TRUE(state);
     EXPECT_LT((state->position_m - p).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LT(state->orientation.angularDistance(q), 1e-4);
-    EXPECT_EQ(state->sequence, static_cast<std::uint16_t>(turn));
-    EXPECT_EQ(state->time_us, 0xFFFFFF00U + static_cast<std::uint32_t>(turn));
+    EXPECT_EQ(state->sequence, static_cast<std::uint16_t>(trial));
+    EXPECT_EQ(state->time_us, 0xFFFFFF00U + static_cast<std::uint32_t>(trial));
     EXPECT_EQ(state->buttons, measured.buttons);
     EXPECT_TRUE(state->is_calibrated);
-    EXPECT_EQ(state->is_held, turn % 2 == 0);
-    EXPECT_EQ(state->is_hot, turn % 3 == 0);
-    EXPECT_EQ(state->has_fault, turn >= 500);
-    EXPECT_DOUBLE_EQ(state->temperature, turn % 7 == 0 ? -1.0 : 0.5);
+    EXPECT_EQ(state->is_held, trial % 2 == 0);
+    EXPECT_EQ(state->is_hot, trial % 3 == 0);
+    EXPECT_EQ(state->has_fault, trial >= 500);
+    EXPECT_DOUBLE_EQ(state->temperature, trial % 7 == 0 ? -1.0 : 0.5);
   }
 }
 
@@ -273,7 +273,7 @@ TEST(HaptonHidReports, ShortForeignAndGarbledStatesAreRejected) {
   const hapton_hid_limits limits = maker_limits();
   hapton_hid_device device;
   hapton_hid_init(&device, &limits);
-  const hapton_hid_measured measured = rest();
+  const hapton_hid_measured measured = measured_at_rest();
   Bytes report(kStateBytes);
   hapton_hid_state(&device, &measured, 0, report.data());
   for (std::size_t size = 0; size < kStateBytes; ++size) EXPECT_FALSE(decode_state(std::span(report).first(size)));
@@ -289,10 +289,10 @@ TEST(HaptonHidReports, ShortForeignAndGarbledStatesAreRejected) {
 
 TEST(HaptonHidReports, AnyBytesGiveNothingOrFiniteNumbers) {
   std::mt19937_64 random(4);
-  for (int turn = 0; turn < 100'000; ++turn) {
+  for (int trial = 0; trial < 100'000; ++trial) {
     Bytes bytes(random() % 70);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    if (!bytes.empty() && turn % 2 == 0) bytes[0] = static_cast<std::uint8_t>(1 + random() % 4);
+    if (!bytes.empty() && trial % 2 == 0) bytes[0] = static_cast<std::uint8_t>(1 + random() % 4);
     if (const auto state = decode_state(bytes)) {
       ASSERT_TRUE(state->position_m.allFinite());
       ASSERT_NEAR(state->orientation.norm(), 1.0, 1e-9);
@@ -310,11 +310,11 @@ class MakersDevice : public ::testing::Test {
     const hapton_hid_limits limits = maker_limits();
     hapton_hid_init(&device_, &limits);
   }
-  void take(bool is_on, std::uint32_t now_us, const Vec3& force_n = Vec3::UnitX()) {
+  void send_force(bool is_on, std::uint32_t now_us, const Vec3& force_n = Vec3::UnitX()) {
     const auto report = encode_force({.is_on = is_on, .sequence = ++sequence_, .force_n = is_on ? force_n : Vec3::Zero()});
     EXPECT_TRUE(hapton_hid_take_force(&device_, report.data(), report.size(), now_us));
   }
-  double pushes(std::uint32_t now_us) {
+  double force_n_at(std::uint32_t now_us) {
     float force[3], torque[3];
     const bool is_on = hapton_hid_motors(&device_, now_us, force, torque);
     const double n = std::hypot(force[0], force[1], force[2]);
@@ -322,7 +322,7 @@ class MakersDevice : public ::testing::Test {
     return n;
   }
   State state(std::uint32_t now_us, bool has_fault = false) {
-    hapton_hid_measured measured = rest();
+    hapton_hid_measured measured = measured_at_rest();
     measured.has_fault = has_fault;
     Bytes report(kStateBytes);
     hapton_hid_state(&device_, &measured, now_us, report.data());
@@ -334,92 +334,92 @@ class MakersDevice : public ::testing::Test {
 };
 
 TEST_F(MakersDevice, ExertsForceOnlyAfterItWasSwitchedOffOnce) {
-  take(true, 1000);
-  EXPECT_EQ(pushes(1000), 0.0);
-  take(false, 2000);
-  EXPECT_EQ(pushes(2000), 0.0);
-  take(true, 3000);
-  EXPECT_EQ(pushes(3000), 1.0);
+  send_force(true, 1000);
+  EXPECT_EQ(force_n_at(1000), 0.0);
+  send_force(false, 2000);
+  EXPECT_EQ(force_n_at(2000), 0.0);
+  send_force(true, 3000);
+  EXPECT_EQ(force_n_at(3000), 1.0);
   EXPECT_TRUE(state(3000).is_on);
   EXPECT_EQ(state(3000).newest_force, sequence_);
 }
 
 TEST_F(MakersDevice, ReleasesOnTimeoutAndStaysOffUntilSwitchedOff) {
-  take(false, 1000);
-  take(true, 2000);
-  EXPECT_EQ(pushes(22'000), 1.0);
-  EXPECT_EQ(pushes(22'001), 0.0);
+  send_force(false, 1000);
+  send_force(true, 2000);
+  EXPECT_EQ(force_n_at(22'000), 1.0);
+  EXPECT_EQ(force_n_at(22'001), 0.0);
   EXPECT_TRUE(state(22'001).has_tripped);
-  take(true, 23'000);
-  EXPECT_EQ(pushes(23'000), 0.0);
-  take(false, 24'000);
+  send_force(true, 23'000);
+  EXPECT_EQ(force_n_at(23'000), 0.0);
+  send_force(false, 24'000);
   EXPECT_FALSE(state(24'000).has_tripped);
-  take(true, 25'000);
-  EXPECT_EQ(pushes(25'000), 1.0);
+  send_force(true, 25'000);
+  EXPECT_EQ(force_n_at(25'000), 1.0);
 }
 
 TEST_F(MakersDevice, AFaultTurnsTheMotorsOffUntilThePowerIsCycled) {
-  for (const bool is_found_by_the_state : {true, false}) {
+  for (const bool is_in_measurement : {true, false}) {
     SetUp();
-    take(false, 1000);
-    take(true, 2000);
-    ASSERT_EQ(pushes(2000), 1.0);
-    if (is_found_by_the_state) {
+    send_force(false, 1000);
+    send_force(true, 2000);
+    ASSERT_EQ(force_n_at(2000), 1.0);
+    if (is_in_measurement) {
       EXPECT_TRUE(state(2100, true).has_fault);
     } else {
       hapton_hid_fault(&device_);
     }
-    EXPECT_EQ(pushes(2100), 0.0);
+    EXPECT_EQ(force_n_at(2100), 0.0);
     EXPECT_FALSE(state(2200).is_on);
     EXPECT_TRUE(state(2200).has_fault);
-    take(true, 3000);
-    EXPECT_EQ(pushes(3000), 0.0);
-    take(false, 4000);
-    take(true, 5000);
-    EXPECT_EQ(pushes(5000), 0.0) << "arming does not clear a fault";
+    send_force(true, 3000);
+    EXPECT_EQ(force_n_at(3000), 0.0);
+    send_force(false, 4000);
+    send_force(true, 5000);
+    EXPECT_EQ(force_n_at(5000), 0.0) << "arming does not clear a fault";
     EXPECT_TRUE(state(5000).has_fault);
     EXPECT_EQ(state(5000).newest_force, sequence_) << "reports are still received";
   }
   SetUp();
-  take(false, 6000);
-  take(true, 7000);
-  EXPECT_EQ(pushes(7000), 1.0);
+  send_force(false, 6000);
+  send_force(true, 7000);
+  EXPECT_EQ(force_n_at(7000), 1.0);
   EXPECT_FALSE(state(7000).has_fault);
 }
 
 TEST_F(MakersDevice, TheWatchdogDoesNotTripWhileTheMotorsAreOff) {
   EXPECT_FALSE(state(900'000).has_tripped) << "before the first report";
-  take(false, 1'000'000);
+  send_force(false, 1'000'000);
   EXPECT_FALSE(state(9'000'000).has_tripped) << "after one that left them off";
-  take(true, 9'000'000);
-  EXPECT_EQ(pushes(9'000'000), 1.0) << "still armed";
-  take(false, 9'001'000);
+  send_force(true, 9'000'000);
+  EXPECT_EQ(force_n_at(9'000'000), 1.0) << "still armed";
+  send_force(false, 9'001'000);
   EXPECT_FALSE(state(20'000'000).has_tripped) << "after they were turned off";
 }
 
 TEST_F(MakersDevice, TheNewestForceIsTheNewestReportObeyedOrNot) {
   EXPECT_EQ(state(0).newest_force, 0) << "none yet";
-  take(true, 1000);
+  send_force(true, 1000);
   EXPECT_EQ(state(1000).newest_force, 1) << "not armed";
-  take(false, 2000);
+  send_force(false, 2000);
   EXPECT_EQ(state(2000).newest_force, 2);
-  take(true, 3000);
+  send_force(true, 3000);
   EXPECT_TRUE(state(50'000).has_tripped);
-  take(true, 51'000);
+  send_force(true, 51'000);
   EXPECT_EQ(state(51'000).newest_force, 4) << "its watchdog has tripped";
 }
 
 TEST_F(MakersDevice, KeepsItsOwnForceLimitWhateverIsRequested) {
-  take(false, 1000);
-  take(true, 2000, Vec3(300.0, 400.0, 0.0));
-  EXPECT_NEAR(pushes(2000), 7.5, 1e-5);
+  send_force(false, 1000);
+  send_force(true, 2000, Vec3(300.0, 400.0, 0.0));
+  EXPECT_NEAR(force_n_at(2000), 7.5, 1e-5);
 }
 
 TEST_F(MakersDevice, WatchesTheTimeAcrossTheWrapOfItsClock) {
-  take(false, 0xFFFFF000U);
-  take(true, 0xFFFFFF00U);
-  EXPECT_EQ(pushes(0x00000100U), 1.0);
-  EXPECT_EQ(pushes(0x00010000U), 0.0);
+  send_force(false, 0xFFFFF000U);
+  send_force(true, 0xFFFFFF00U);
+  EXPECT_EQ(force_n_at(0x00000100U), 1.0);
+  EXPECT_EQ(force_n_at(0x00010000U), 0.0);
 }
 
 TEST_F(MakersDevice, RejectsOtherReports) {

@@ -125,7 +125,7 @@ TEST(HidLayout, LongItemsAreSkipped) {
   EXPECT_TRUE(read_hid_layout(kMouse + Bytes{0xFE, 0x01}).has_application(1, 2));
 }
 
-TEST(HidLayout, WhatIsFlawedEndsTheReading) {
+TEST(HidLayout, AFlawEndsTheReading) {
   for (const Bytes& flaw :
        {Bytes{0x85, 0x00}, Bytes{0x86, 0x00, 0x01}, Bytes{0xB4}, Bytes{0xC0}, repeated({0xA4}, 65), repeated({0xA1, 0x00}, 65)}) {
     EXPECT_TRUE(read_hid_layout(flaw + kMouse).applications.empty()) << int{flaw[0]};
@@ -155,7 +155,7 @@ TEST(HidLayout, ADescriptorCutOffAnywhereGivesWhatCameBefore) {
 
 TEST(HidLayout, AnyBytesAreSafeAndNoReportIsHuge) {
   std::mt19937_64 random(1);
-  for (int turn = 0; turn < 20'000; ++turn) {
+  for (int trial = 0; trial < 20'000; ++trial) {
     Bytes bytes(random() % 96);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
     for (const HidLayout::Report& report : read_hid_layout(bytes).reports) EXPECT_LE(report.input_bytes, std::size_t{1} << 16);

@@ -15,19 +15,19 @@ namespace {
 
 struct Listener final : HidListener {
   Result<void> on_opened(HidTransport&) override {
-    ++opened;
+    ++opened_count;
     if (is_unusable) return fail("not this one");
     return {};
   }
   void on_report(std::span<const std::uint8_t> report, std::int64_t) noexcept override {
     newest = report.empty() ? 0 : report[0];
-    ++reports;
+    ++report_count;
   }
-  void on_drained(std::int64_t) noexcept override { ++drained; }
-  void on_gone() noexcept override { ++gone; }
+  void on_drained(std::int64_t) noexcept override { ++drained_count; }
+  void on_gone() noexcept override { ++gone_count; }
 
   std::atomic<bool> is_unusable = false;
-  std::atomic<int> opened = 0, reports = 0, drained = 0, gone = 0, newest = -1;
+  std::atomic<int> opened_count = 0, report_count = 0, drained_count = 0, gone_count = 0, newest = -1;
 };
 
 TEST(HidPort, WhatIsNotThereIsAnErrorInOneLine) {
@@ -46,10 +46,10 @@ TEST(HidPort, BringsEveryReportInOrderAndThenSaysThatThereAreNoMore) {
   HidPort port(hid.opener(), listener, "fake");
   ASSERT_TRUE(port.open());
   for (std::uint8_t n = 1; n <= 50; ++n) ASSERT_TRUE(hid.send({n}));
-  EXPECT_TRUE(wait_until([&] { return listener.reports == 50; }));
+  EXPECT_TRUE(wait_until([&] { return listener.report_count == 50; }));
   EXPECT_EQ(listener.newest, 50);
-  const int drained = listener.drained;
-  EXPECT_TRUE(wait_until([&] { return listener.drained > drained; }));
+  const int drained = listener.drained_count;
+  EXPECT_TRUE(wait_until([&] { return listener.drained_count > drained; }));
 }
 
 TEST(HidPort, ADeviceThatFloodsIsStillDrainedNowAndThen) {
@@ -61,7 +61,7 @@ TEST(HidPort, ADeviceThatFloodsIsStillDrainedNowAndThen) {
   std::thread flood([&] {
     while (!ends) hid.send({1});
   });
-  EXPECT_TRUE(wait_until([&] { return listener.reports > 2000 && listener.drained > 3; }));
+  EXPECT_TRUE(wait_until([&] { return listener.report_count > 2000 && listener.drained_count > 3; }));
   ends = true;
   flood.join();
 }
@@ -73,9 +73,9 @@ TEST(HidPort, UnpluggedItIsLookedForAndOpenedAgain) {
   ASSERT_TRUE(port.open());
   for (int round = 1; round <= 3; ++round) {
     hid.unplug();
-    EXPECT_TRUE(wait_until([&] { return listener.gone == round && port.transport() == nullptr; }));
+    EXPECT_TRUE(wait_until([&] { return listener.gone_count == round && port.transport() == nullptr; }));
     hid.plug_in();
-    EXPECT_TRUE(wait_until([&] { return listener.opened == 1 + round && port.transport() != nullptr; }));
+    EXPECT_TRUE(wait_until([&] { return listener.opened_count == 1 + round && port.transport() != nullptr; }));
     hid.send({static_cast<std::uint8_t>(round)});
     EXPECT_TRUE(wait_until([&] { return listener.newest == round; }));
   }
@@ -88,7 +88,7 @@ TEST(HidPort, PulledAndPluggedInBetweenTwoLooksItIsReopened) {
   ASSERT_TRUE(port.open());
   hid.unplug();
   hid.plug_in();
-  EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
+  EXPECT_TRUE(wait_until([&] { return listener.gone_count == 1 && hid.openings() == 2; }));
 }
 
 TEST(HidPort, AnUnusableDeviceIsTriedAgainLater) {
@@ -99,7 +99,7 @@ TEST(HidPort, AnUnusableDeviceIsTriedAgainLater) {
   listener.is_unusable = true;
   hid.unplug();
   hid.plug_in();
-  EXPECT_TRUE(wait_until([&] { return listener.opened >= 3; }));
+  EXPECT_TRUE(wait_until([&] { return listener.opened_count >= 3; }));
   EXPECT_EQ(port.transport(), nullptr);
   listener.is_unusable = false;
   EXPECT_TRUE(wait_until([&] { return port.transport() != nullptr; }));
@@ -111,12 +111,12 @@ TEST(HidPort, AFailedWriteClosesAndReopensTheDevice) {
   HidPort port(hid.opener(), listener, "fake");
   ASSERT_TRUE(port.open());
   port.report_write_failure();
-  EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
+  EXPECT_TRUE(wait_until([&] { return listener.gone_count == 1 && hid.openings() == 2; }));
   EXPECT_TRUE(wait_until([&] {
     hid.send({7});
     return listener.newest == 7;
-  })) << "that failure was the one of the earlier opening";
-  EXPECT_EQ(listener.gone, 1);
+  })) << "the failure belongs to the earlier opening";
+  EXPECT_EQ(listener.gone_count, 1);
 }
 
 // The port looks for the device four times a second, possibly for hours.
@@ -124,24 +124,24 @@ TEST(HidPort, SaysOnceForEachReasonWhyItIsNotFound) {
   start_log("test");
   testing::internal::CaptureStderr();
   {
-    std::atomic<int> looks = 0;
+    std::atomic<int> attempts = 0;
     Listener listener;
     const auto opener = [&]() -> Result<std::unique_ptr<HidTransport>> {
-      if (looks++ < 3) return fail("no such device");
+      if (attempts++ < 3) return fail("no such device");
       return fail("no permission");
     };
     HidPort port(opener, listener, "fake");
     port.start();
-    EXPECT_TRUE(wait_until([&] { return looks >= 6; }));
+    EXPECT_TRUE(wait_until([&] { return attempts >= 6; }));
   }
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string log = testing::internal::GetCapturedStderr();
   const auto count = [&](const std::string& words) {
     int times = 0;
-    for (std::size_t at = said.find(words); at != std::string::npos; at = said.find(words, at + 1)) ++times;
+    for (std::size_t at = log.find(words); at != std::string::npos; at = log.find(words, at + 1)) ++times;
     return times;
   };
-  EXPECT_EQ(count("fake: searching: no such device"), 1) << said;
-  EXPECT_EQ(count("fake: searching: no permission"), 1) << said;
+  EXPECT_EQ(count("fake: searching: no such device"), 1) << log;
+  EXPECT_EQ(count("fake: searching: no permission"), 1) << log;
 }
 
 TEST(HidPort, AUserOfTheTransportMayContinueAfterItHasGone) {
@@ -149,10 +149,10 @@ TEST(HidPort, AUserOfTheTransportMayContinueAfterItHasGone) {
   Listener listener;
   HidPort port(hid.opener(), listener, "fake");
   ASSERT_TRUE(port.open());
-  const auto held = port.transport();
+  const auto transport = port.transport();
   hid.unplug();
   EXPECT_TRUE(wait_until([&] { return port.transport() == nullptr; }));
-  EXPECT_FALSE(held->write(std::vector<std::uint8_t>{0, 1}));
+  EXPECT_FALSE(transport->write(std::vector<std::uint8_t>{0, 1}));
 }
 
 }  // namespace

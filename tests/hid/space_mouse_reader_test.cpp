@@ -62,7 +62,7 @@ class PrefilledHid final : public HidTransport {
   std::deque<FakeHid::Bytes> reports_;
 };
 
-TEST(SpaceMouseReader, WhatSaysNothingHidesNoReportBeforeIt) {
+TEST(SpaceMouseReader, AReportWithoutStateHidesNoReportBeforeIt) {
   const FakeHid::Bytes buttons = {3, 5}, battery = {0x17, 99};
   SpaceMouseReader reader([&]() -> Result<std::unique_ptr<HidTransport>> {
     return std::make_unique<PrefilledHid>(std::deque<FakeHid::Bytes>{buttons, battery});

@@ -62,14 +62,14 @@ TEST(UdevRules, AreAppliedByThePackageToEverySubsystemThatTheyName) {
   std::stringstream postinst;
   postinst << file.rdbuf();
   static const std::regex kSubsystem(R"re(^SUBSYSTEM[!=]="([a-z]+)")re");
-  int named = 0;
+  int named_subsystems = 0;
   for (const std::string& rule : read_rules()) {
     std::smatch found;
     if (!std::regex_search(rule, found, kSubsystem)) continue;
-    ++named;
+    ++named_subsystems;
     EXPECT_NE(postinst.str().find("--subsystem-match=" + found[1].str() + " "), std::string::npos) << rule;
   }
-  EXPECT_GE(named, 3);
+  EXPECT_GE(named_subsystems, 3);
 }
 
 class HaptonHidRule : public ::testing::Test {

@@ -11,18 +11,18 @@
 namespace hapton::guest {
 namespace {
 
-std::string look() {
+std::string diagnose_devices() {
   const doctor::Machine machine("/", doctor::Machine::Queries{}, doctor::Machine::Settings{});
   constexpr bool kWithColours = false;
   return doctor::to_text(doctor::diagnose(machine, std::vector<std::string>{"devices"}), kWithColours);
 }
 
-bool says(const std::string& text) {
-  return wait_until([&] { return look().find(text) != std::string::npos; });
+bool wait_for_text(const std::string& text) {
+  return wait_until([&] { return diagnose_devices().find(text) != std::string::npos; });
 }
 
 TEST(GuestDoctor, SeesDevicesComeAndGo) {
-  EXPECT_TRUE(says("none is plugged in")) << look();
+  EXPECT_TRUE(wait_for_text("none is plugged in")) << diagnose_devices();
   constexpr bool kHasWrist = false;
   VirtualWooden wooden(kHasWrist);  // its name is W8
   VirtualHaptonHid hapton_hid;
@@ -30,13 +30,13 @@ TEST(GuestDoctor, SeesDevicesComeAndGo) {
   wooden.plug_in();
   hapton_hid.plug_in();
   mouse.plug_in();
-  EXPECT_TRUE(says("WoodenHaptics 1234:0006 W8: /dev/hidraw")) << look();
-  EXPECT_TRUE(says("(hid-generic), open to root; io_node --device wooden-haptics")) << look();
-  EXPECT_TRUE(says("Hapton HID device ")) << look();
-  EXPECT_TRUE(says("io_node --device hapton-hid")) << look();
-  EXPECT_TRUE(says("io_node --device spacemouse")) << look();
+  EXPECT_TRUE(wait_for_text("WoodenHaptics 1234:0006 W8: /dev/hidraw")) << diagnose_devices();
+  EXPECT_TRUE(wait_for_text("(hid-generic), open to root; io_node --device wooden-haptics")) << diagnose_devices();
+  EXPECT_TRUE(wait_for_text("Hapton HID device ")) << diagnose_devices();
+  EXPECT_TRUE(wait_for_text("io_node --device hapton-hid")) << diagnose_devices();
+  EXPECT_TRUE(wait_for_text("io_node --device spacemouse")) << diagnose_devices();
   wooden.unplug();
-  EXPECT_TRUE(wait_until([] { return look().find("WoodenHaptics") == std::string::npos; })) << look();
+  EXPECT_TRUE(wait_until([] { return diagnose_devices().find("WoodenHaptics") == std::string::npos; })) << diagnose_devices();
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ class Guest : public ::testing::Test {
         "io_node", std::vector<std::string>{"--device", device, "--bind", kHub, "--key", key_file(), "--flight", "off", "--spin", "0"},
         folder_.path());
   }
-  void touch_a_wall(double z_m) { haptics_ = std::make_unique<WallHaptics>(kHub, *key_, z_m); }
+  void start_wall(double z_m) { haptics_ = std::make_unique<WallHaptics>(kHub, *key_, z_m); }
   void end() {
     io_node_->send_signal(SIGTERM);
     const auto ended = io_node_->wait(process::Seconds(30));
@@ -54,7 +54,8 @@ class Guest : public ::testing::Test {
     }
   }
   Vec3 p() const { return haptics_->newest().p_WD; }
-  bool is_node(const std::string& serial) const {
+  // Whether the system has a device node for the device with this serial number.
+  bool has_node(const std::string& serial) const {
     for (const HidDescription& device : list_hid_devices()) {
       if (device.serial == serial) return true;
     }
@@ -76,12 +77,12 @@ class Guest : public ::testing::Test {
 void expect_ramp(const std::vector<Vec3>& received, const Vec3& full) {
   ASSERT_FALSE(received.empty());
   EXPECT_LT(received.front().norm(), 0.05 * full.norm());
-  std::size_t between = 0;
-  for (const Vec3& value : received) between += value.norm() > 0.05 * full.norm() && value.norm() < 0.9 * full.norm() ? 1 : 0;
-  EXPECT_GE(between, 3U);
+  std::size_t values_on_ramp = 0;
+  for (const Vec3& value : received) values_on_ramp += value.norm() > 0.05 * full.norm() && value.norm() < 0.9 * full.norm() ? 1 : 0;
+  EXPECT_GE(values_on_ramp, 3U);
 }
 
-void write_event(const UhidDevice& device) {
+void print_report_counts(const UhidDevice& device) {
   std::printf("device: %llu reports in, %llu out\n", static_cast<unsigned long long>(device.inputs()),
               static_cast<unsigned long long>(device.outputs()));
 }
@@ -104,10 +105,10 @@ class GuestWithWooden : public Guest {
 TEST_F(GuestWithWooden, IsFoundTouchedUnpluggedInContactAndTouchedAgain) {
   VirtualWooden device(false);
   device.plug_in();
-  ASSERT_TRUE(wait_until([&] { return is_node("W8"); }));
+  ASSERT_TRUE(wait_until([&] { return has_node("W8"); }));
   start("wooden-haptics");
   const double wall_z_m = z_of(device) - 0.002;
-  touch_a_wall(wall_z_m);
+  start_wall(wall_z_m);
   ASSERT_TRUE(receives_more(100));
   EXPECT_NEAR(p().z(), z_of(device), 1e-9);
   // Moves slowly towards and into the wall, by about 6 mm.
@@ -126,25 +127,25 @@ TEST_F(GuestWithWooden, IsFoundTouchedUnpluggedInContactAndTouchedAgain) {
   EXPECT_TRUE(wait_until(is_reached));
 
   device.unplug();
-  EXPECT_TRUE(wait_until([&] { return !is_node("W8"); }));
+  EXPECT_TRUE(wait_until([&] { return !has_node("W8"); }));
   ASSERT_TRUE(receives_more(100)) << "the servo goes on";
   EXPECT_TRUE(io_node_->is_running());
-  device.forget();
+  device.clear_received();
   device.plug_in();
   EXPECT_TRUE(wait_until(is_reached)) << device.received().last().transpose() << " mA, not " << expected.transpose();
   expect_ramp(device.received().all(), expected);
 
   end();
   EXPECT_EQ(device.received().last(), Vec3::Zero());
-  write_event(device);
+  print_report_counts(device);
 }
 
 TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsTouched) {
   VirtualWooden device(true);
   device.plug_in();
-  ASSERT_TRUE(wait_until([&] { return is_node("W14"); }));
+  ASSERT_TRUE(wait_until([&] { return has_node("W14"); }));
   start("wooden-haptics");
-  touch_a_wall(z_of(device) + 0.005);
+  start_wall(z_of(device) + 0.005);
   const Vec3 expected = expected_ma(device, WallHaptics::kStiffnessNPerM * 0.005);
   EXPECT_TRUE(wait_until([&] { return (device.received().last() - expected).norm() < 0.02 * expected.norm(); }));
   end();
@@ -153,9 +154,9 @@ TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsTouched) {
 TEST_F(Guest, HaptonHidIsFoundTouchedFrozenUnpluggedInContactAndTouchedAgain) {
   VirtualHaptonHid device;
   device.plug_in();
-  ASSERT_TRUE(wait_until([&] { return is_node("V1"); }));
+  ASSERT_TRUE(wait_until([&] { return has_node("V1"); }));
   start("hapton-hid");
-  touch_a_wall(0.0);
+  start_wall(0.0);
   ASSERT_TRUE(receives_more(100));
   EXPECT_NEAR(p().z(), 0.05, 1e-6);
   for (double z_m = 0.05; z_m >= -0.0051; z_m -= 0.0005) {
@@ -178,22 +179,22 @@ TEST_F(Guest, HaptonHidIsFoundTouchedFrozenUnpluggedInContactAndTouchedAgain) {
   device.unplug();
   ASSERT_TRUE(receives_more(100));
   EXPECT_TRUE(io_node_->is_running());
-  device.forget();
+  device.clear_received();
   device.plug_in();
   EXPECT_TRUE(wait_until(is_reached)) << device.received().last().transpose() << " N";
   expect_ramp(device.received().all(), expected);
 
   end();
   EXPECT_FALSE(device.is_on());
-  write_event(device);
+  print_report_counts(device);
 }
 
 TEST_F(Guest, SpaceMouseMovesTheHandUntilItIsUnpluggedAndAgainAfterwards) {
   VirtualSpaceMouse device;
   device.plug_in();
-  ASSERT_TRUE(wait_until([&] { return is_node("S1"); }));
+  ASSERT_TRUE(wait_until([&] { return has_node("S1"); }));
   start("spacemouse");
-  touch_a_wall(-1.0);
+  start_wall(-1.0);
   ASSERT_TRUE(receives_more(100));
   const Vec3 start_m = p();
   device.push(350, 2);
@@ -230,7 +231,7 @@ TEST_F(Guest, UdevGivesEachDeviceToPlugdevAndOpeningWaitsForThat) {
       {&wooden, "W8", HidKind::wooden_haptics}, {&hapton_hid, "V1", HidKind::hapton_hid}, {&space_mouse, "S1", HidKind::space_mouse}};
   for (const auto& [device, serial, kind] : devices) {
     device->plug_in();
-    ASSERT_TRUE(wait_until([&] { return is_node(serial); }));
+    ASSERT_TRUE(wait_until([&] { return has_node(serial); }));
     const AsNobody as_nobody;
     const auto opened = make_hid_opener(kind, "")();
     EXPECT_TRUE(opened) << opened.error().what;
@@ -240,7 +241,7 @@ TEST_F(Guest, UdevGivesEachDeviceToPlugdevAndOpeningWaitsForThat) {
 TEST_F(Guest, ADeviceWithoutARuleIsRejectedWithTheRemedy) {
   VirtualUnknownDevice unknown;
   unknown.plug_in();
-  ASSERT_TRUE(wait_until([&] { return is_node("X1"); }));
+  ASSERT_TRUE(wait_until([&] { return has_node("X1"); }));
   const AsNobody as_nobody;
   const auto opened = open_hid_device(list_hid_devices().front());
   ASSERT_FALSE(opened);

@@ -20,7 +20,9 @@ std::uint32_t now_us() { return static_cast<std::uint32_t>(SteadyClock().now_ns(
 
 bool write_event(int descriptor, const uhid_event& event) { return ::write(descriptor, &event, sizeof event) == sizeof event; }
 
-void put_text(__u8* into, std::size_t room, const std::string& text) { std::memcpy(into, text.data(), std::min(text.size(), room - 1)); }
+void put_text(__u8* into, std::size_t capacity, const std::string& text) {
+  std::memcpy(into, text.data(), std::min(text.size(), capacity - 1));
+}
 
 }  // namespace
 

@@ -43,7 +43,7 @@ class VirtualWooden final : public UhidDevice {
   std::array<std::int16_t, 3> counts() const;
   // The motor currents, mA.
   const ReceivedForces& received() const { return received_; }
-  void forget() { received_.clear(); }
+  void clear_received() { received_.clear(); }
 
  protected:
   std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
@@ -70,7 +70,7 @@ class VirtualHaptonHid final : public UhidDevice {
   bool is_on() const { return is_on_; }
   // The forces of its motors, N.
   const ReceivedForces& received() const { return received_; }
-  void forget() { received_.clear(); }
+  void clear_received() { received_.clear(); }
 
  protected:
   std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
