@@ -326,7 +326,7 @@ TEST(HapticsStep, UsesNoHeap) {
   EXPECT_GT(step.counts().contact_steps, 100U);
 }
 
-// A box of 2 cm that is pressed 2 mm into the sheet; grip point in its middle.
+// A tool above the sheet at z = 0: a box of 2 cm, with the grip point in its middle.
 struct HeldBox {
   std::unique_ptr<HeldTool> tool = std::make_unique<HeldTool>(std::move(*ToolStep::make(
       made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {made::shared(made::sheet(0.1, 0.0, 6))}, {.stiffness_n_per_m = 1000.0})));

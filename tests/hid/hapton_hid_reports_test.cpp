@@ -140,7 +140,7 @@ TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
   for (const Row& row : rows) {
     const auto decoded_with = [&](std::int64_t value) {
       Bytes report = feature(kLimitsId);
-      // The rows that test the size of the workspace have its other end at 1.5 m.
+      // For the rows that test the size of the workspace, its other end is at 1.5 m.
       if (row.offset == 12) {
         for (std::size_t n = 0; n < 4; ++n) report[24 + n] = static_cast<std::uint8_t>(15'000'000 >> (8 * n));
       }
