@@ -118,7 +118,7 @@ TEST_F(HidDeviceTest, ACutTurnsOffWhatTheDriverAddsUntilItIsRestored) {
     return !written.empty() && written.back()[1] == 0 && written.back()[2] == 0;
   }));
   (void)hid_.take_written();
-  EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo goes on writing";
+  EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo keeps writing";
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
   device_->restore();
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
@@ -130,7 +130,7 @@ TEST_F(HidDeviceTest, WithoutReportsTheDeviceMayExertNothing) {
   reporter_.set_silent(true);
   EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
   (void)hid_.take_written();
-  EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo goes on writing";
+  EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo keeps writing";
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
   reporter_.set_silent(false);
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));

@@ -382,7 +382,7 @@ TEST_F(OpenHaptics, TwoAtOnceGetEachItsOwnForce) {
   EXPECT_TRUE(serve_both_until([&] { return board->force[2] == 2.0 && second_board->force[0] == 1.0; }));
   EXPECT_EQ(board->force[0], 0.0);
   EXPECT_EQ(second_board->largest_force, 1.0);
-  // One is unplugged, the other goes on.
+  // One is unplugged, and the other continues.
   second_board->is_plugged = 0;
   EXPECT_TRUE(serve_both_until([&] { return second->status() == DeviceStatus::away && second_board->closed == 1U; }));
   EXPECT_TRUE(serve_both_until([&] { return device->status() == DeviceStatus::ready && board->force[2] == 2.0; }));

@@ -100,7 +100,7 @@ TEST_F(ShapeMakerTest, StagesFollowOnFromEachOtherWithAThread) {
   });
   double last_height = 0.0;
   std::uint32_t shape = 0;
-  for (int taken = 0; taken < 60;) {
+  for (int taken_shapes = 0; taken_shapes < 60;) {
     ++shape;
     publish_shape(shape, 1e-4F * static_cast<float>(shape % 100));
     std::unique_ptr<MadeShape> made;
@@ -114,7 +114,7 @@ TEST_F(ShapeMakerTest, StagesFollowOnFromEachOtherWithAThread) {
     EXPECT_EQ(start_height(*made), last_height) << "shape " << shape;
     last_height = end_height(*made);
     maker_.give_back(std::move(made));
-    ++taken;
+    ++taken_shapes;
   }
   stop = true;
   task.join();
