@@ -6,7 +6,7 @@ namespace hapton {
 namespace {
 
 constexpr int kMaxShapeMessages = 4;  // at most so many between two device states, as for parts of the scene
-// Time until a start is sent again, as for a setup (kSetupAgainNs): a datagram may be lost.
+// Time until a start is sent again, as for a setup (kSetupRepeatNs): a datagram may be lost.
 constexpr std::int64_t kStartRepeatNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kStartRepeats = 3;
 // For a slow network: bits of an IP packet with one part of a shape, and the share of the bandwidth that shapes may take.
