@@ -46,11 +46,11 @@ TEST_P(AgreementWorkers, FinishTasksInOrder) {
 TEST_P(AgreementWorkers, TakeNoMoreThanTheyHaveRoomFor) {
   AgreementWorker worker(GetParam());
   for (int round = 0; round < 3; ++round) {
-    std::size_t taken = 0;
-    while (worker.submit(request_task(0))) ++taken;
-    EXPECT_EQ(taken, AgreementWorker::kCapacity);
+    std::size_t accepted = 0;
+    while (worker.submit(request_task(0))) ++accepted;
+    EXPECT_EQ(accepted, AgreementWorker::kCapacity);
     std::vector<AgreementTask> tasks;
-    take_all(worker, tasks, taken);
+    take_all(worker, tasks, accepted);
   }
 }
 
@@ -62,26 +62,26 @@ TEST_P(AgreementWorkers, EndWithWorkLeft) {
 TEST_P(AgreementWorkers, AgreeOnOneSession) {
   AgreementWorker node(GetParam());
   AgreementWorker hub(GetParam());
-  std::vector<AgreementTask> done;
+  std::vector<AgreementTask> finished;
   node.submit(request_task(1));
-  take_all(node, done, 1);
+  take_all(node, finished, 1);
   AgreementTask reply = request_task(2);
   reply.kind = AgreementTask::Kind::reply_to_request;
   reply.connection = 1234;
-  reply.first = done[0].first;
+  reply.first = finished[0].first;
   hub.submit(reply);
-  take_all(hub, done, 2);
-  ASSERT_TRUE(done[1].is_valid);
-  AgreementTask read = done[0];
-  read.kind = AgreementTask::Kind::read_reply;
-  read.second = done[1].second;
-  node.submit(read);
-  take_all(node, done, 3);
-  ASSERT_TRUE(done[2].is_valid);
-  EXPECT_EQ(done[2].connection, 1234U);
-  EXPECT_EQ(done[1].keys.client_to_hub, done[2].keys.client_to_hub);
-  EXPECT_EQ(done[1].keys.hub_to_client, done[2].keys.hub_to_client);
-  EXPECT_NE(done[1].keys.client_to_hub, done[1].keys.hub_to_client);
+  take_all(hub, finished, 2);
+  ASSERT_TRUE(finished[1].is_valid);
+  AgreementTask read_task = finished[0];
+  read_task.kind = AgreementTask::Kind::read_reply;
+  read_task.second = finished[1].second;
+  node.submit(read_task);
+  take_all(node, finished, 3);
+  ASSERT_TRUE(finished[2].is_valid);
+  EXPECT_EQ(finished[2].connection, 1234U);
+  EXPECT_EQ(finished[1].keys.client_to_hub, finished[2].keys.client_to_hub);
+  EXPECT_EQ(finished[1].keys.hub_to_client, finished[2].keys.hub_to_client);
+  EXPECT_NE(finished[1].keys.client_to_hub, finished[1].keys.hub_to_client);
 }
 
 TEST(AgreementWorkerTest, HandsOverWithoutTheHeap) {

@@ -18,28 +18,28 @@
 namespace hapton {
 namespace {
 
-// Uses all descriptors that this process may have, except a given number.
-class NoDescriptors {
+// Leaves this process only the given number of free descriptors.
+class FewDescriptors {
  public:
-  explicit NoDescriptors(std::size_t left) {
+  explicit FewDescriptors(std::size_t left) {
     getrlimit(RLIMIT_NOFILE, &before_);
     const rlimit few = {.rlim_cur = std::min<rlim_t>(before_.rlim_cur, 64), .rlim_max = before_.rlim_max};
     setrlimit(RLIMIT_NOFILE, &few);
     for (int file = open("/dev/null", O_RDONLY | O_CLOEXEC); file >= 0; file = open("/dev/null", O_RDONLY | O_CLOEXEC)) {
-      taken_.push_back(file);
+      files_.push_back(file);
     }
-    for (; left > 0 && !taken_.empty(); --left, taken_.pop_back()) close(taken_.back());
+    for (; left > 0 && !files_.empty(); --left, files_.pop_back()) close(files_.back());
   }
-  ~NoDescriptors() {
-    for (const int file : taken_) close(file);
+  ~FewDescriptors() {
+    for (const int file : files_) close(file);
     setrlimit(RLIMIT_NOFILE, &before_);
   }
-  NoDescriptors(const NoDescriptors&) = delete;
-  NoDescriptors& operator=(const NoDescriptors&) = delete;
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
 
  private:
   rlimit before_ = {};
-  std::vector<int> taken_;
+  std::vector<int> files_;
 };
 
 class AsioGuardTest : public testing::Test {
@@ -56,7 +56,7 @@ void expect_one_line(Try&& attempt) {
   for (std::size_t left = 0; left < 6; ++left) {
     std::string message;
     {
-      const NoDescriptors none(left);
+      const FewDescriptors few(left);
       const auto result = attempt();
       if (!result) message = result.error().what;
     }
@@ -76,11 +76,11 @@ TEST_F(AsioGuardTest, NoEndpointThrowsWhereDescriptorsAreUsedUp) {
   expect_one_line([] { return WebSocketEndpoint::connect(*parse_address("127.0.0.1:9"), 1'000'000); });
 }
 
-TEST_F(AsioGuardTest, ANameIsAnErrorWhereDescriptorsAreUsedUp) {
+TEST_F(AsioGuardTest, AHostNameIsAnErrorWhereDescriptorsAreUsedUp) {
   expect_one_line([] { return parse_address("no.such.host.invalid:1"); });
 }
 
-TEST_F(AsioGuardTest, MakesTheRequestedEndpoint) {
+TEST_F(AsioGuardTest, MakesTheRequestedObject) {
   const auto made = make_with_context<std::pair<int, int>>(1, 2);
   ASSERT_TRUE(made);
   EXPECT_EQ((*made)->second, 2);

@@ -39,14 +39,14 @@ void expect_echo(const char* bind_address) {
     EXPECT_TRUE((*endpoint)->send(echo->local_address(), out));
     std::memcpy(out.data(), kEchoReply.data(), kEchoMarkBytes);
     std::vector<std::byte> in(kMaxDatagramBytes);
-    const Received got = (*endpoint)->receive(in, clock.now_ns() + 5 * kNanosecondsPerSecond);
-    in.resize(got.bytes);
+    const Received received = (*endpoint)->receive(in, clock.now_ns() + 5 * kNanosecondsPerSecond);
+    in.resize(received.bytes);
     EXPECT_EQ(in, out);
-    EXPECT_EQ(got.from, echo->local_address());
+    EXPECT_EQ(received.from, echo->local_address());
   }
   stop = true;
   server.join();
-  EXPECT_EQ(echo->served(), 5U);
+  EXPECT_EQ(echo->served(), 5U) << "one datagram of each size";
 }
 
 TEST(BareEchoEndpoint, ReturnsWhatItGets) { expect_echo("127.0.0.1:0"); }
@@ -83,9 +83,9 @@ TEST(BareEchoEndpoint, TwoOfThemDoNotLoop) {
     auto forger = open_udp_endpoint("127.0.0.1:0");
     ASSERT_TRUE(forger);
     EXPECT_TRUE((*forger)->send(one->local_address(), std::as_bytes(std::span(text))));
-    const std::string others = to_string((*forger)->local_address());
+    const std::string other_address = to_string((*forger)->local_address());
     forger->reset();
-    auto other = BareEchoEndpoint::open(others);
+    auto other = BareEchoEndpoint::open(other_address);
     ASSERT_TRUE(other) << other.error().what;
     for (int turn = 0; turn < 4; ++turn) {
       one->serve_one();
@@ -104,9 +104,9 @@ TEST(BareEchoEndpoint, SpeaksIpv6) {
 }
 
 TEST(BareEchoEndpoint, APortInUseIsAnErrorThatNamesIt) {
-  const auto taken = BareEchoEndpoint::open("127.0.0.1:0");
-  ASSERT_TRUE(taken);
-  const std::string address = to_string(taken->local_address());
+  const auto first = BareEchoEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(first);
+  const std::string address = to_string(first->local_address());
   const auto second = BareEchoEndpoint::open(address);
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().what.find(address), std::string::npos);

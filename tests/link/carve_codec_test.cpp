@@ -65,7 +65,7 @@ TEST_F(CarveCodecTest, ARequestNamesAProcessAndACarve) {
   EXPECT_EQ(round_trip(CarveUndo{.serial = 1}), DecodeStatus::bad_value);
 }
 
-// Bytes written by hand: the masks have bits only for entries that exist, and the numbers are as many as the masks say.
+// Bytes written by hand. A mask may have bits only for entries that exist, and there must be as many numbers as the masks say.
 TEST_F(CarveCodecTest, MasksAndNumbersMatch) {
   const auto decode_masks = [&](std::uint32_t begins, std::uint32_t undoes, std::size_t carves, std::size_t undone) {
     std::string inner("\x0D\x01\x00\x00\x00\x15\x40\x00\x00\x00\x1D\x05\x00\x00\x00", 15);  // source 1, newest 64, first 5

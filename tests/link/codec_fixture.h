@@ -41,12 +41,12 @@ class RandomDatagrams {
 
  private:
   bool flag() { return (random_() & 1U) != 0; }
-  std::optional<Vec3> held() { return flag() ? std::optional(vector()) : std::nullopt; }
+  std::optional<Vec3> held_offset() { return flag() ? std::optional(vector()) : std::nullopt; }
   std::optional<std::uint32_t> haptons() { return flag() ? std::optional(bits32()) : std::nullopt; }
   std::optional<ObjectPush> push() { return flag() ? std::optional(ObjectPush{vector(), vector()}) : std::nullopt; }
   Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
   Quat rotation() { return Quat(number(-1, 1), number(-1, 1), number(-1, 1), number(0.1, 1)).normalized(); }
-  std::int32_t object() { return static_cast<std::int32_t>(bits32() >> 1) - 1; }
+  std::int32_t object_or_none() { return static_cast<std::int32_t>(bits32() >> 1) - 1; }
   std::int64_t time_ns() { return static_cast<std::int64_t>(bits()) % (kMaxWireTimeNs + 1); }
   float rate() { return static_cast<float>(number(0, 1e4)); }
 
@@ -60,10 +60,11 @@ class RandomDatagrams {
       case 2:
         return Bye{};
       case 3:
-        return draw_state(time);
+        return draw_device_state(time);
       case 4:
-        return ForceCommand{bits(),   time,     vector(), vector(), flag(),   bits32(), bits32(), bits32(), bits32(),  bits(), bits32(),
-                            object(), vector(), vector(), time,     bits32(), bits32(), bits32(), push(),   haptons(), held()};
+        return ForceCommand{bits(),   time,     vector(), vector(), flag(),           bits32(),  bits32(),
+                            bits32(), bits32(), bits(),   bits32(), object_or_none(), vector(),  vector(),
+                            time,     bits32(), bits32(), bits32(), push(),           haptons(), held_offset()};
       case 5:
         return draw_view();
       case 6:
@@ -81,7 +82,7 @@ class RandomDatagrams {
                           bits32(),
                           static_cast<ProbeStatus>(bits() % 7),
                           bits32(),
-                          object(),
+                          object_or_none(),
                           vector(),
                           vector(),
                           rate(),
@@ -99,9 +100,9 @@ class RandomDatagrams {
       case 11:
         return ReportRequest{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
       case 12:
-        return draw_part();
+        return draw_report_part();
       case 13:
-        return draw_facts();
+        return draw_scene_facts();
       case 14:
         return ViewRejected{bits32()};
       case 15:
@@ -120,9 +121,9 @@ class RandomDatagrams {
       case 17:
         return draw_tile();
       case 18:
-        return draw_status();
+        return draw_patch_status();
       case 20:
-        return MaterialRequest{bits32() | 1U, {"front hood"}, draw_change(1 + bits32() % MaterialChange::kAll)};
+        return MaterialRequest{bits32() | 1U, {"front hood"}, draw_material_change(1 + bits32() % MaterialChange::kAll)};
       case 21:
         return draw_materials();
       case 22:
@@ -148,16 +149,17 @@ class RandomDatagrams {
       case 32:
         return CarveUndo{bits32() | 1U, bits32() | 1U};
       case 33:
-        return ShapeRequest{bits32() | 1U, bits32() | 1U, {"front hood"}, static_cast<std::int32_t>(bits32() >> 1),
-                            number(0, 10), draw_shape()};
+        return ShapeRequest{bits32() | 1U, bits32() | 1U,    {"front hood"}, static_cast<std::int32_t>(bits32() >> 1),
+                            number(0, 10), draw_shape_part()};
       case 34:
         return draw_shape_reply();
       case 35:
-        return ObjectShape{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape()};
+        return ObjectShape{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape_part()};
       case 36:
         return draw_shape_start();
       case 37:
-        return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape().first, draw_shape().first};
+        return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape_part().first,
+                           draw_shape_part().first};
       case 38:
         return draw_deformation();
       case 39:
@@ -172,13 +174,13 @@ class RandomDatagrams {
     }
   }
 
-  MaterialChange draw_change(std::uint32_t given) {
+  MaterialChange draw_material_change(std::uint32_t given) {
     const auto value = [&](std::uint32_t bit) { return (given & bit) != 0 ? number(0, 1e6) : 0.0; };
     return {given, value(MaterialChange::kStiffness), value(MaterialChange::kDamping), value(MaterialChange::kFrictionStatic),
             value(MaterialChange::kFrictionDynamic)};
   }
 
-  ShapePart draw_shape() {
+  ShapePart draw_shape_part() {
     ShapePart part{.total = 1 + bits32() % ShapePart::kMaxVertices};
     part.first = ShapePart::kVerticesPerPart * (bits32() % ShapePart::count_parts(part.total));
     for (std::size_t v = 0; v < part.count(); ++v) {
@@ -210,16 +212,16 @@ class RandomDatagrams {
     state.object_count = static_cast<std::uint32_t>(bits32() % (MaterialState::kMaxObjects + 1));
     std::int32_t object = flag() ? -1 : 0;
     for (std::size_t i = 0; i < state.object_count; ++i) {
-      state.objects[i] = {object, draw_change(bits32() % (MaterialChange::kAll + 1))};
+      state.objects[i] = {object, draw_material_change(bits32() % (MaterialChange::kAll + 1))};
       object += 1 + static_cast<std::int32_t>(bits32() % 1000);
     }
     return state;
   }
 
-  std::int32_t number_of_object() { return static_cast<std::int32_t>(bits32() >> 1); }
+  std::int32_t object_index() { return static_cast<std::int32_t>(bits32() >> 1); }
 
   MoveRequest draw_move_request() {
-    MoveRequest request{.request = bits32() | 1U, .number = number_of_object()};
+    MoveRequest request{.request = bits32() | 1U, .number = object_index()};
     if (flag()) request.object = {"front hood"};
     const bool has_position = flag();
     if (has_position) request.p_m = vector();
@@ -229,15 +231,15 @@ class RandomDatagrams {
   }
 
   MoveReply draw_move_reply() {
-    MoveReply reply{.request = bits32() | 1U, .object = number_of_object(), .over_s = number(0, 1e5), .serial = bits32()};
+    MoveReply reply{.request = bits32() | 1U, .object = object_index(), .over_s = number(0, 1e5), .serial = bits32()};
     if (flag()) std::fill(reply.rejection.begin(), reply.rejection.end() - 1, 'r');
     return reply;
   }
 
   ObjectMove draw_move() {
     const auto start_ns = static_cast<std::int64_t>(bits() >> 4);
-    ObjectMove move = {bits32() | 1U, bits32(),   number_of_object(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
-                       vector(),      rotation(), vector(),           rotation()};
+    ObjectMove move = {bits32() | 1U, bits32(),   object_index(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
+                       vector(),      rotation(), vector(),       rotation()};
     if (flag()) std::fill(move.name.begin(), move.name.end() - 1, 'n');
     return move;
   }
@@ -254,7 +256,7 @@ class RandomDatagrams {
         one.undone_last = one.undone_first + bits32() % (serial - one.undone_first);
         continue;
       }
-      one.object = number_of_object();
+      one.object = object_index();
       one.begins = flag();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         one.from_m[axis] = static_cast<float>(number(-10, 10));
@@ -306,7 +308,7 @@ class RandomDatagrams {
     }
     body.deforms = flag();
     body.radius_m = number(0, 1);
-    body.object = number_of_object();
+    body.object = object_index();
     body.move_serial = bits32();
     body.loops = flag();
     if (body.motion != PatchBody::Motion::still) body.pivot_m = vector();
@@ -323,13 +325,13 @@ class RandomDatagrams {
     PatchDeformation deformation{bits32(), bits32(), draw_body_number(), bits32(), bits32() | 1U, bits32()};
     deformation.target_count = static_cast<std::uint32_t>(1 + bits32() % PatchDeformation::kMaxTargets);
     deformation.loops = flag();
-    const std::size_t each = PatchDeformation::numbers_of_key(deformation.target_count);
-    deformation.key_count = static_cast<std::uint32_t>(1 + bits32() % (PatchDeformation::kMaxNumbers / each));
+    const std::size_t numbers_per_key = PatchDeformation::numbers_of_key(deformation.target_count);
+    deformation.key_count = static_cast<std::uint32_t>(1 + bits32() % (PatchDeformation::kMaxNumbers / numbers_per_key));
     deformation.first_key = bits32() % 1000;
     deformation.all_keys = deformation.first_key + deformation.key_count + bits32() % 100;
     double time_s = number(0, 1);
-    for (std::size_t i = 0; i < deformation.key_count * each; ++i) {
-      deformation.keys[i] = i % each == 0 ? time_s += number(1e-3, 1) : number(-2, 2);
+    for (std::size_t i = 0; i < deformation.key_count * numbers_per_key; ++i) {
+      deformation.keys[i] = i % numbers_per_key == 0 ? time_s += number(1e-3, 1) : number(-2, 2);
     }
     return deformation;
   }
@@ -345,7 +347,7 @@ class RandomDatagrams {
 
   PatchStream draw_stream() {
     PatchStream stream{bits32(), bits32(), draw_body_number(), bits32() >> 1, bits32() >> 1 | 1U};
-    stream.object = number_of_object();
+    stream.object = object_index();
     stream.total = static_cast<std::uint32_t>(1 + bits32() % ShapePart::kMaxVertices);
     stream.reach_m = number(1e-3, 1);
     for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = number(-1, 1);
@@ -363,13 +365,13 @@ class RandomDatagrams {
     return effects;
   }
 
-  PatchStatus draw_status() {
+  PatchStatus draw_patch_status() {
     PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits(), bits32(), flag(), rate()};
     for (std::uint8_t& byte : status.received) byte = static_cast<std::uint8_t>(bits());
     return status;
   }
 
-  SceneFacts draw_facts() {
+  SceneFacts draw_scene_facts() {
     SceneFacts facts;
     const auto point = [&] { return SceneFacts::Point{rate(), -rate(), rate()}; };
     facts.given_hash = bits();
@@ -383,7 +385,7 @@ class RandomDatagrams {
     return facts;
   }
 
-  ReportPart draw_part() {
+  ReportPart draw_report_part() {
     ReportPart part;
     part.document = flag() ? ReportDocument::csv : ReportDocument::json;
     part.revision = bits32();
@@ -394,7 +396,7 @@ class RandomDatagrams {
     return part;
   }
 
-  DeviceState draw_state(std::int64_t time) {
+  DeviceState draw_device_state(std::int64_t time) {
     DeviceState state{bits(), time, vector(), rotation(), bits32()};
     state.is_resumed = flag();
     if (state.is_resumed) state.p_WP = vector();
@@ -429,6 +431,8 @@ class RandomDatagrams {
 };
 
 constexpr std::size_t kKinds = std::variant_size_v<Message>;
+constexpr std::size_t kDeviceState = 3;  // a kind is an index into Message
+constexpr std::size_t kForceCommand = 4;
 
 class CodecTest : public testing::Test {
  protected:

@@ -20,7 +20,7 @@ TEST_F(CodecTest, NoTruncationPasses) {
   }
 }
 
-TEST_F(CodecTest, NoCorruptedByteCrashesOrBreaksThePromises) {
+TEST_F(CodecTest, NoCorruptedByteCrashesOrBreaksTheLimits) {
   std::size_t rejected = 0;
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     const Bytes bytes = encode(random_.draw(kind));
@@ -29,7 +29,7 @@ TEST_F(CodecTest, NoCorruptedByteCrashesOrBreaksThePromises) {
         Bytes corrupted = bytes;
         corrupted[place] = static_cast<std::byte>(value);
         if (decode(corrupted) == DecodeStatus::ok) {
-          expect_sane(decoded_);
+          expect_within_limits(decoded_);
         } else {
           ++rejected;
         }
@@ -51,7 +51,7 @@ TEST_F(CodecTest, RandomBytesNeverCrash) {
       bytes[1] = std::byte{kProtocolVersion};
     }
     if (decode(bytes) == DecodeStatus::ok) {
-      expect_sane(decoded_);
+      expect_within_limits(decoded_);
     }
   }
 }
@@ -73,15 +73,15 @@ TEST_F(CodecTest, MutatedDatagramsNeverCrash) {
       }
     }
     if (decode(bytes) == DecodeStatus::ok) {
-      expect_sane(decoded_);
+      expect_within_limits(decoded_);
     }
   }
 }
 
 // A program with a key may send such times, through whatever fault of its own: their differences would not fit into 64 bits.
 TEST_F(CodecTest, RejectsTimesThatNoClockHas) {
-  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
-  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kEarliest = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLatest = std::numeric_limits<std::int64_t>::max();
   const auto expect_all = [&](std::int64_t time_ns, DecodeStatus status) {
     ObjectMove move{.source = 1, .end_ns = time_ns};
     ShapeStart start{.source = 1, .total = 3, .end_ns = time_ns};
@@ -104,7 +104,7 @@ TEST_F(CodecTest, RejectsTimesThatNoClockHas) {
   for (const std::int64_t time_ns : {-kMaxWireTimeNs, std::int64_t{-1}, std::int64_t{0}, kMaxWireTimeNs}) {
     expect_all(time_ns, DecodeStatus::ok);
   }
-  for (const std::int64_t time_ns : {kFirst, kFirst + 1, -kMaxWireTimeNs - 1, kMaxWireTimeNs + 1, kLast - 1, kLast}) {
+  for (const std::int64_t time_ns : {kEarliest, kEarliest + 1, -kMaxWireTimeNs - 1, kMaxWireTimeNs + 1, kLatest - 1, kLatest}) {
     expect_all(time_ns, DecodeStatus::bad_value);
   }
 }

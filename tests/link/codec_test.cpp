@@ -40,27 +40,33 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     // A setup and a part of a report carry texts. Scenes for a slow network, shapes and changed materials (21) fill datagrams.
     const bool is_large = kind == 16 || kind == 17 || kind == 21 || kind == 28 || kind == 30 || kind == 33 || kind == 35 || kind >= 38;
-    const std::size_t most = is_large ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
+    const std::size_t max_bytes = is_large ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     const Datagram drawn = random_.draw(kind);
-    EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message) + length_of_tool(drawn.message)) << "kind " << kind;
+    EXPECT_LE(encode(drawn).size(), max_bytes + length_of_text(drawn.message) + length_of_tool(drawn.message)) << "kind " << kind;
   }
 }
 
 // An eavesdropper must not learn from lengths whether there is contact, or with which force.
 TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
-  const Vec3 odd(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
+  const Vec3 long_numbers(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
   const std::vector<std::vector<Message>> kinds = {
-      {DeviceState{}, DeviceState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), ~0U},
-       DeviceState{.sample = 1, .is_resumed = true, .p_WP = odd}},
-      {ForceCommand{}, ForceCommand{.contact = true}, ForceCommand{.force_n = odd, .visual_offset_m = odd, .contact = true},
-       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7, odd, odd}},
-      {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U},
-       ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}},
+      {DeviceState{}, DeviceState{~std::uint64_t{0}, -1, long_numbers, Quat(0.5, -0.5, 0.5, -0.5), ~0U},
+       DeviceState{.sample = 1, .is_resumed = true, .p_WP = long_numbers}},
+      {ForceCommand{}, ForceCommand{.contact = true},
+       ForceCommand{.force_n = long_numbers, .visual_offset_m = long_numbers, .contact = true},
+       ForceCommand{~std::uint64_t{0}, -1, long_numbers, long_numbers, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7, long_numbers,
+                    long_numbers}},
+      {ProbeState{},
+       ProbeState{~std::uint64_t{0}, -1, long_numbers, Quat(0.5, -0.5, 0.5, -0.5), long_numbers, long_numbers, true, ~0U, 1e9F, 1e9F, 1e9F,
+                  ~0U},
+       ProbeState{.object = 7, .torque_nm = long_numbers, .visual_turn = long_numbers}},
       // With a tool that can push objects: whether it pushes one or not.
-      {ForceCommand{.push = ObjectPush(), .haptons = 0}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}},
+      {ForceCommand{.push = ObjectPush(), .haptons = 0},
+       ForceCommand{.contact = true, .push = ObjectPush{long_numbers, long_numbers}, .haptons = ~0U}},
       // With layers: whether a needle is in them or not.
-      {ForceCommand{.held_offset_m = Vec3::Zero()}, ForceCommand{.contact = true, .held_offset_m = odd}},
-      {ProbeState{.push = ObjectPush(), .haptons = 0}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}}};
+      {ForceCommand{.held_offset_m = Vec3::Zero()}, ForceCommand{.contact = true, .held_offset_m = long_numbers}},
+      {ProbeState{.push = ObjectPush(), .haptons = 0},
+       ProbeState{.contact = true, .push = ObjectPush{long_numbers, long_numbers}, .haptons = ~0U}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
     for (const Message& message : messages) {
@@ -76,7 +82,7 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
 }
 
 // A haptics node of an earlier build sends nothing about objects, a tool or motion.
-TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
+TEST_F(CodecTest, AForceCommandWithoutAnObjectNamesNone) {
   Bytes bytes = encode({{},
                         ForceCommand{.echo_sample = 9,
                                      .contact = true,
@@ -89,18 +95,18 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   // The message is the last field of the envelope. Its last fields are cut off: the object (1 byte of tag, 4 of number), torque and turn
   // (each 1 byte of tag, 1 of length, three numbers), the time of the scene (1 byte of tag, 8 of number), and the serials of the newest
   // move, carve and shape (each 2 bytes of tag, 4 of number).
-  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 3 * 6;
-  const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
-  std::size_t at = 2;
-  while (at + 1 < bytes.size() &&
-         !(bytes[at - 2] == std::byte{0xA2} && bytes[at - 1] == std::byte{1} && low(at) + 128 * low(at + 1) == bytes.size() - at - 2)) {
-    ++at;
+  constexpr std::size_t kLeftOutBytes = 5 + 2 * (2 + 24) + 9 + 3 * 6;
+  const auto low_bits = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
+  std::size_t length_at = 2;
+  while (length_at + 1 < bytes.size() && !(bytes[length_at - 2] == std::byte{0xA2} && bytes[length_at - 1] == std::byte{1} &&
+                                           low_bits(length_at) + 128 * low_bits(length_at + 1) == bytes.size() - length_at - 2)) {
+    ++length_at;
   }
-  ASSERT_LT(at + 1, bytes.size()) << "its tag and its length, which is two bytes";
-  const std::size_t length = bytes.size() - at - 2 - kLeftOut;
-  bytes[at] = static_cast<std::byte>(0x80U | (length & 0x7FU));
-  bytes[at + 1] = static_cast<std::byte>(length >> 7U);
-  bytes.resize(bytes.size() - kLeftOut);
+  ASSERT_LT(length_at + 1, bytes.size()) << "its tag and its length, which is two bytes";
+  const std::size_t length = bytes.size() - length_at - 2 - kLeftOutBytes;
+  bytes[length_at] = static_cast<std::byte>(0x80U | (length & 0x7FU));
+  bytes[length_at + 1] = static_cast<std::byte>(length >> 7U);
+  bytes.resize(bytes.size() - kLeftOutBytes);
   Datagram decoded;
   ASSERT_EQ(Codec().decode(bytes, decoded), DecodeStatus::ok);
   const auto& force = std::get<ForceCommand>(decoded.message);
@@ -123,13 +129,13 @@ TEST_F(CodecTest, RoundTripsDefaults) {
 }
 
 TEST_F(CodecTest, CarriesTheVersionFirst) {
-  const Bytes bytes = encode(random_.draw(3));
+  const Bytes bytes = encode(random_.draw(kDeviceState));
   EXPECT_EQ(bytes[0], std::byte{0x08});
   EXPECT_EQ(bytes[1], std::byte{kProtocolVersion});
 }
 
 TEST_F(CodecTest, RejectsABufferThatIsTooSmall) {
-  const Datagram datagram = random_.draw(3);
+  const Datagram datagram = random_.draw(kDeviceState);
   const std::size_t size = encode(datagram).size();
   Bytes exact(size, std::byte{0});
   Bytes small(size - 1, std::byte{0xEE});
@@ -141,14 +147,14 @@ TEST_F(CodecTest, RejectsABufferThatIsTooSmall) {
 
 TEST_F(CodecTest, LeavesTheDatagramAloneWhenItRejects) {
   decoded_ = Datagram{{7, 8, 9, 10}, Welcome{true, 1234.0}};
-  Bytes bytes = encode(random_.draw(3));
+  Bytes bytes = encode(random_.draw(kDeviceState));
   bytes.resize(bytes.size() / 2);
   ASSERT_NE(decode(bytes), DecodeStatus::ok);
   expect_equal(decoded_, Datagram{{7, 8, 9, 10}, Welcome{true, 1234.0}});
 }
 
 TEST_F(CodecTest, ReportsAnotherVersion) {
-  Bytes bytes = encode(random_.draw(3));
+  Bytes bytes = encode(random_.draw(kDeviceState));
   bytes[1] = std::byte{kProtocolVersion + 1};
   EXPECT_EQ(decode(bytes), DecodeStatus::wrong_version);
   // Whatever a later version has after its version number.
@@ -164,7 +170,7 @@ TEST_F(CodecTest, ReportsAnUnknownMessageAndSkipsUnknownFields) {
   unknown.insert(unknown.end(), later.begin(), later.end());
   EXPECT_EQ(decode(unknown), DecodeStatus::unknown_message);
 
-  const Datagram sent = random_.draw(3);
+  const Datagram sent = random_.draw(kDeviceState);
   Bytes extended = encode(sent);
   extended.insert(extended.end(), later.begin(), later.end());
   ASSERT_EQ(decode(extended), DecodeStatus::ok);
@@ -180,7 +186,7 @@ TEST_F(CodecTest, RejectsTwoMessagesInOne) {
 
 TEST_F(CodecTest, RejectsAVectorOfTheWrongLength) {
   // Concatenating the same message merges its repeated fields: six numbers where three belong.
-  Bytes doubled = encode(random_.draw(3));
+  Bytes doubled = encode(random_.draw(kDeviceState));
   const Bytes once = doubled;
   doubled.insert(doubled.end(), once.begin(), once.end());
   EXPECT_EQ(decode(doubled), DecodeStatus::bad_value);
@@ -252,7 +258,7 @@ TEST_F(CodecTest, RejectsChangesOfMaterialsThatMeanNothing) {
   EXPECT_EQ(round_trip(good), DecodeStatus::ok);
   MaterialRequest bad = good;
   bad.request = 0;
-  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value) << "nobody could tell the reply";
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value) << "nobody could match the reply";
   bad = good;
   bad.change.given = 0;
   EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
@@ -427,7 +433,7 @@ TEST_F(CodecTest, RejectsBadPosesOfObjects) {
 
 TEST_F(CodecTest, RejectsMarkersThatNoTableCanHold) {
   EXPECT_EQ(round_trip(Marker{.request = 1, .text = {"trial 1"}}), DecodeStatus::ok);
-  EXPECT_EQ(round_trip(Marker{.request = 0, .text = {"trial 1"}}), DecodeStatus::bad_value) << "nobody could tell the reply";
+  EXPECT_EQ(round_trip(Marker{.request = 0, .text = {"trial 1"}}), DecodeStatus::bad_value) << "nobody could match the reply";
   EXPECT_EQ(round_trip(Marker{.request = 1}), DecodeStatus::bad_value) << "empty";
   EXPECT_EQ(round_trip(Marker{.request = 1, .text = {'a', '\n'}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Marker{.request = 1, .text = {'a', '\xFF'}}), DecodeStatus::bad_value);

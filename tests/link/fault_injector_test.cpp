@@ -12,9 +12,9 @@
 namespace hapton {
 namespace {
 
-constexpr int kMany = 200'000;
+constexpr int kDraws = 200'000;
 
-std::vector<Fate> draw_many(const LinkFaults& faults, std::uint64_t seed = 1, int count = kMany) {
+std::vector<Fate> draw_many(const LinkFaults& faults, std::uint64_t seed = 1, int count = kDraws) {
   FaultInjector injector(seed);
   injector.set(faults);
   std::vector<Fate> fates;
@@ -28,8 +28,8 @@ double share_of(const std::vector<Fate>& fates, const std::function<bool(const F
 
 bool is_passed(const Fate& fate) { return fate.kind == Fate::Kind::passed; }
 
-// Five standard deviations of a share in kMany draws. The seed is fixed, so a test always passes or always fails.
-double tolerance(double share) { return 5.0 * std::sqrt(share * (1.0 - share) / kMany); }
+// Five standard deviations of a share in kDraws draws. The seed is fixed, so a test always passes or always fails.
+double tolerance(double share) { return 5.0 * std::sqrt(share * (1.0 - share) / kDraws); }
 
 TEST(FaultInjectorTest, WithoutFaultsEverythingPassesAtOnce) {
   for (const Fate& fate : draw_many({}, 3, 1000)) {
@@ -61,7 +61,7 @@ TEST(FaultInjectorTest, SwitchingOneFaultOnLeavesTheOthersDrawsAsTheyAre) {
   for (std::size_t n = 0; n < alone.size(); ++n) EXPECT_EQ(alone[n].kind, with_more[n].kind) << n;
 }
 
-TEST(FaultInjectorTest, SharesAreMet) {
+TEST(FaultInjectorTest, FaultsHaveTheRequestedShares) {
   const auto fates = draw_many({.loss = 0.3, .reorder = 0.05, .duplicate = 0.02, .corrupt = 0.01});
   EXPECT_NEAR(share_of(fates, [](const Fate& f) { return f.kind == Fate::Kind::lost; }), 0.3, tolerance(0.3));
   EXPECT_NEAR(share_of(fates, [](const Fate& f) { return f.held_back; }), 0.05, tolerance(0.05));
@@ -84,7 +84,7 @@ TEST(FaultInjectorTest, DelayAndEvenJitterLieWithinTheirRange) {
   EXPECT_LE(most_ns, 30 * kMs);
   EXPECT_LT(least_ns, 10 * kMs + kMs / 10);
   EXPECT_GT(most_ns, 30 * kMs - kMs / 10);
-  EXPECT_NEAR(sum_ms / kMany, 20.0, 5.0 * 20.0 / std::sqrt(12.0 * kMany));
+  EXPECT_NEAR(sum_ms / kDraws, 20.0, 5.0 * 20.0 / std::sqrt(12.0 * kDraws));
 }
 
 TEST(FaultInjectorTest, AHeldBackDatagramIsOvertakenButNotItsCopy) {
@@ -99,24 +99,26 @@ TEST(FaultInjectorTest, BurstsHaveTheRequestedShareAndLength) {
   for (const double length : {1.0, 4.0, 20.0}) {
     const auto fates = draw_many({.burst_share = 0.1, .burst_length = length});
     const auto is_bad = [](const Fate& fate) { return fate.kind == Fate::Kind::lost_in_burst; };
-    int spells = 0;
-    for (std::size_t n = 1; n < fates.size(); ++n) spells += is_bad(fates[n]) && !is_bad(fates[n - 1]) ? 1 : 0;
+    int bursts = 0;
+    for (std::size_t n = 1; n < fates.size(); ++n) bursts += is_bad(fates[n]) && !is_bad(fates[n - 1]) ? 1 : 0;
     const double share = share_of(fates, is_bad);
     // Draws within a burst depend on each other, so fewer of them count.
     EXPECT_NEAR(share, 0.1, tolerance(0.1) * std::sqrt(2.0 * length)) << length;
-    EXPECT_NEAR(share * kMany / spells, length, 0.1 * length) << length;
+    EXPECT_NEAR(share * kDraws / bursts, length, 0.1 * length) << length;
   }
 }
 
+// The mean length of a run of independent losses is 1 / (1 - loss).
 TEST(FaultInjectorTest, LossByChanceHasBurstsOfItsOwnLengthOnly) {
   const auto fates = draw_many({.loss = 0.3});
-  int spells = 0;
-  for (std::size_t n = 1; n < fates.size(); ++n) spells += !is_passed(fates[n]) && is_passed(fates[n - 1]) ? 1 : 0;
-  EXPECT_NEAR(0.3 * kMany / spells, 1.0 / 0.7, 0.03);
+  int bursts = 0;
+  for (std::size_t n = 1; n < fates.size(); ++n) bursts += !is_passed(fates[n]) && is_passed(fates[n - 1]) ? 1 : 0;
+  EXPECT_NEAR(0.3 * kDraws / bursts, 1.0 / 0.7, 0.03);
 }
 
-TEST(FaultInjectorTest, ABadSpellMayLoseOnlySome) {
+TEST(FaultInjectorTest, ABurstMayLoseOnlySome) {
   const auto fates = draw_many({.loss = 0.01, .burst_share = 0.4, .burst_length = 5.0, .burst_loss = 0.5});
+  // Bursts lose 0.4 * 0.5 of all, and chance 0.01 of the 0.6 outside them.
   EXPECT_NEAR(share_of(fates, [](const Fate& f) { return f.kind == Fate::Kind::lost_in_burst; }), 0.2, 0.01);
   EXPECT_NEAR(share_of(fates, [](const Fate& f) { return f.kind == Fate::Kind::lost; }), 0.006, 0.001);
 }

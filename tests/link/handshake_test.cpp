@@ -16,8 +16,8 @@ using Finished = ClientHandshake::Finished;
 using Verdict = HubHandshake::Verdict;
 using Where = AgreementWorker::Where;
 
-constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;  // a time of the hub's clock, later than two cookie times
-constexpr std::uint64_t kHost = 77;                               // any value
+constexpr std::int64_t kHubNowNs = 100 * HubHandshake::kCookieTimeNs;  // a time of the hub's clock, later than two cookie times
+constexpr std::uint64_t kHost = 77;                                    // any value
 
 LinkKey master_of(std::uint8_t number) {
   EXPECT_TRUE(seal::start_crypto());
@@ -47,7 +47,7 @@ class HandshakeTest : public testing::Test {
   Bytes request() { return request_of(client_); }
   Bytes retry(const Bytes& to) const {
     Bytes bytes(seal::kRetryBytes);
-    EXPECT_EQ(hub_.write_retry(to, from_, kNow, bytes), bytes.size());
+    EXPECT_EQ(hub_.write_retry(to, from_, kHubNowNs, bytes), bytes.size());
     return bytes;
   }
   // A request that contains the hub's cookie.
@@ -72,7 +72,7 @@ class HandshakeTest : public testing::Test {
     Bytes none(seal::kRequestBytes);
     return client_.poll(none) == Finished::agreement;
   }
-  Verdict check_request(const Bytes& bytes) { return hub_.check_request(bytes, from_, kNow); }
+  Verdict check_request(const Bytes& bytes) { return hub_.check_request(bytes, from_, kHubNowNs); }
 
   static bool carries(SealedChannel& from, SealedChannel& to) {
     Bytes sealed(kMaxDatagramBytes);
@@ -116,11 +116,11 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
   ASSERT_TRUE(client.start_request(1));
   ASSERT_EQ(next(bytes), Finished::request);
   Bytes cookie(seal::kRetryBytes);
-  hub.write_retry(bytes, from_, kNow, cookie);
+  hub.write_retry(bytes, from_, kHubNowNs, cookie);
   ASSERT_TRUE(client.read_retry(cookie));
   ASSERT_TRUE(client.start_request(2));
   ASSERT_EQ(next(bytes), Finished::request);
-  ASSERT_EQ(hub.check_request(bytes, from_, kNow), Verdict::shows_cookie);
+  ASSERT_EQ(hub.check_request(bytes, from_, kHubNowNs), Verdict::shows_cookie);
   ASSERT_TRUE(hub.agree(bytes, 9));
   HubHandshake::Agreement agreement;
   while (!hub.poll(agreement)) {
@@ -134,9 +134,9 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
 TEST_F(HandshakeTest, WithoutTheKeyNothingIsAccepted) {
   HubHandshake unknown(master_of(2), Where::caller);
   const Bytes with_cookie = request_with_cookie();
-  EXPECT_EQ(unknown.check_request(with_cookie, from_, kNow), Verdict::wrong_key);
+  EXPECT_EQ(unknown.check_request(with_cookie, from_, kHubNowNs), Verdict::wrong_key);
   Bytes forged(seal::kRetryBytes);
-  unknown.write_retry(with_cookie, from_, kNow, forged);
+  unknown.write_retry(with_cookie, from_, kHubNowNs, forged);
   EXPECT_FALSE(client_.read_retry(forged));
   EXPECT_FALSE(agree(unknown, with_cookie).is_valid);
   EXPECT_TRUE(client_.is_pending());
@@ -154,10 +154,10 @@ TEST_F(HandshakeTest, TheRoleIsPartOfTheKeys) {
   }
 }
 
-// Whoever has another role's key, and has heard every byte of a handshake, cannot open its session.
+// Whoever has another role's key, and has recorded every byte of a handshake, cannot open its session.
 TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   const Bytes with_cookie = request_with_cookie();
-  const Bytes replied = reply(with_cookie);
+  const Bytes reply_bytes = reply(with_cookie);
   const RoleKey vision = key_of(1, KeyRole::vision);
   // The owner of this key poses as a hub: it cannot read the request.
   AgreementTask task;
@@ -170,8 +170,8 @@ TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   // The owner of this key poses as the node: it cannot read the reply.
   ClientHandshake vision_node(vision, kHost, Where::caller);
   vision_node.begin();
-  EXPECT_FALSE(vision_node.read_reply(replied));
-  EXPECT_TRUE(leads_to_session(replied));
+  EXPECT_FALSE(vision_node.read_reply(reply_bytes));
+  EXPECT_TRUE(leads_to_session(reply_bytes));
 }
 
 // Forward secrecy: whoever has recorded every byte and later learns the role's key, or the master key that it is derived from, cannot open
@@ -231,7 +231,7 @@ TEST_F(HandshakeTest, ARequestIsGoodOnceFromAnyAddress) {
   const Bytes first = request();
   EXPECT_EQ(check_request(first), Verdict::wants_cookie);
   EXPECT_EQ(check_request(first), Verdict::replayed);
-  EXPECT_EQ(hub_.check_request(first, memory_address(3, 20), kNow), Verdict::replayed);
+  EXPECT_EQ(hub_.check_request(first, memory_address(3, 20), kHubNowNs), Verdict::replayed);
   const Bytes with_cookie = request_with_cookie();
   EXPECT_EQ(check_request(with_cookie), Verdict::shows_cookie);
   EXPECT_EQ(check_request(with_cookie), Verdict::replayed);
@@ -239,19 +239,19 @@ TEST_F(HandshakeTest, ARequestIsGoodOnceFromAnyAddress) {
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsAddressOnly) {
-  EXPECT_EQ(hub_.check_request(request_with_cookie(), memory_address(3, 20), kNow), Verdict::wants_cookie);
-  EXPECT_EQ(hub_.check_request(request(), memory_address(2, 21), kNow), Verdict::wants_cookie);
-  EXPECT_EQ(hub_.check_request(request(), from_, kNow), Verdict::shows_cookie);
+  EXPECT_EQ(hub_.check_request(request_with_cookie(), memory_address(3, 20), kHubNowNs), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(request(), memory_address(2, 21), kHubNowNs), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(request(), from_, kHubNowNs), Verdict::shows_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForAWhileOnly) {
-  EXPECT_EQ(hub_.check_request(request_with_cookie(), from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
-  EXPECT_EQ(hub_.check_request(request(), from_, kNow + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(request_with_cookie(), from_, kHubNowNs + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
+  EXPECT_EQ(hub_.check_request(request(), from_, kHubNowNs + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsHubOnly) {
   HubHandshake restarted(master_of(1), Where::caller);
-  EXPECT_EQ(restarted.check_request(request_with_cookie(), from_, kNow), Verdict::wants_cookie);
+  EXPECT_EQ(restarted.check_request(request_with_cookie(), from_, kHubNowNs), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, TwoRepliesToARequestAreTwoSessions) {
@@ -269,10 +269,10 @@ TEST_F(HandshakeTest, TwoRepliesToARequestAreTwoSessions) {
 
 // The second copy comes before the worker has finished with the first: it is neither an error nor another session.
 TEST_F(HandshakeTest, AReplyThatTheNetworkDeliversTwiceLeadsToOneSession) {
-  const Bytes replied = reply(request_with_cookie());
-  EXPECT_TRUE(client_.read_reply(replied));
-  EXPECT_TRUE(client_.read_reply(replied));
-  EXPECT_FALSE(client_.read_reply(flip(replied, 8 * seal::kSecondAt))) << "forged";
+  const Bytes reply_bytes = reply(request_with_cookie());
+  EXPECT_TRUE(client_.read_reply(reply_bytes));
+  EXPECT_TRUE(client_.read_reply(reply_bytes));
+  EXPECT_FALSE(client_.read_reply(flip(reply_bytes, 8 * seal::kSecondAt))) << "forged";
   Bytes none(seal::kRequestBytes);
   EXPECT_EQ(client_.poll(none), Finished::agreement);
   EXPECT_EQ(client_.poll(none), Finished::nothing);
@@ -308,17 +308,17 @@ TEST_F(HandshakeTest, EveryRequestHasALaterTimestampAndAKeyPairOfItsOwn) {
   ASSERT_TRUE(client_.start_request(500));
   ASSERT_TRUE(client_.start_request(3));  // the clock was set back
   std::int64_t last_ns = 0;
-  std::vector<Bytes> firsts;
+  std::vector<Bytes> first_fields;
   Bytes bytes(seal::kRequestBytes);
   while (client_.poll(bytes) == Finished::request) {
     const auto timestamp_ns = seal::load<std::int64_t>(seal::bytes_of(std::span(bytes)) + seal::kRequestTimestampAt);
     EXPECT_GT(timestamp_ns, last_ns);
     last_ns = timestamp_ns;
-    firsts.emplace_back(bytes.begin() + seal::kFirstAt, bytes.begin() + seal::kRequestCookieAt);
+    first_fields.emplace_back(bytes.begin() + seal::kFirstAt, bytes.begin() + seal::kRequestCookieAt);
   }
-  ASSERT_EQ(firsts.size(), 3U);
-  EXPECT_NE(firsts[0], firsts[1]);
-  EXPECT_NE(firsts[1], firsts[2]);
+  ASSERT_EQ(first_fields.size(), 3U);
+  EXPECT_NE(first_fields[0], first_fields[1]);
+  EXPECT_NE(first_fields[1], first_fields[2]);
 }
 
 TEST_F(HandshakeTest, NodesOfOneRoleOnSeveralHostsHaveClocksOfTheirOwn) {
@@ -338,11 +338,11 @@ TEST_F(HandshakeTest, TheHostIsHiddenAndAlikeForOneRoleAlone) {
     const Bytes bytes = request_of(client);
     return seal::load<std::uint64_t>(seal::bytes_of(std::span(bytes)) + seal::kHostAt);
   };
-  const std::uint64_t seen = host_in_request(KeyRole::haptics, kHost);
-  EXPECT_NE(seen, kHost);
-  EXPECT_EQ(seen, host_in_request(KeyRole::haptics, kHost));
-  EXPECT_NE(seen, host_in_request(KeyRole::vision, kHost));
-  EXPECT_NE(seen, host_in_request(KeyRole::haptics, kHost + 1));
+  const std::uint64_t hidden_host = host_in_request(KeyRole::haptics, kHost);
+  EXPECT_NE(hidden_host, kHost);
+  EXPECT_EQ(hidden_host, host_in_request(KeyRole::haptics, kHost));
+  EXPECT_NE(hidden_host, host_in_request(KeyRole::vision, kHost));
+  EXPECT_NE(hidden_host, host_in_request(KeyRole::haptics, kHost + 1));
 }
 
 TEST_F(HandshakeTest, UsesNoHeap) {
@@ -355,12 +355,12 @@ TEST_F(HandshakeTest, UsesNoHeap) {
     client_.begin();
     ASSERT_TRUE(client_.start_request(now_ns_ += 1000));
     ASSERT_EQ(client_.poll(request), Finished::request);
-    ASSERT_EQ(hub_.check_request(request, from_, kNow), Verdict::wants_cookie);
-    hub_.write_retry(request, from_, kNow, retry);
+    ASSERT_EQ(hub_.check_request(request, from_, kHubNowNs), Verdict::wants_cookie);
+    hub_.write_retry(request, from_, kHubNowNs, retry);
     ASSERT_TRUE(client_.read_retry(retry));
     ASSERT_TRUE(client_.start_request(now_ns_ += 1000));
     ASSERT_EQ(client_.poll(request), Finished::request);
-    ASSERT_EQ(hub_.check_request(request, from_, kNow), Verdict::shows_cookie);
+    ASSERT_EQ(hub_.check_request(request, from_, kHubNowNs), Verdict::shows_cookie);
     ASSERT_TRUE(hub_.agree(request, 1));
     ASSERT_TRUE(hub_.poll(agreement));
     ASSERT_TRUE(client_.read_reply(agreement.reply));

@@ -16,12 +16,12 @@ namespace {
 namespace asio = boost::asio;
 using testing::HasSubstr;
 
-constexpr std::int64_t kPatienceNs = 2'000'000'000;
+constexpr std::int64_t kHttpTimeoutNs = 2'000'000'000;
 
 // Accepts one connection, reads the request, and replies with the given text.
-class OneReply {
+class OneReplyServer {
  public:
-  explicit OneReply(std::string reply)
+  explicit OneReplyServer(std::string reply)
       : thread_([this, text = std::move(reply)] {
           asio::ip::tcp::socket peer(context_);
           boost::system::error_code error;
@@ -30,7 +30,7 @@ class OneReply {
           asio::read_until(peer, buffer, "\r\n\r\n", error);
           asio::write(peer, asio::buffer(text), error);
         }) {}
-  ~OneReply() { thread_.join(); }
+  ~OneReplyServer() { thread_.join(); }
 
   Address address() const {
     Address address;
@@ -46,15 +46,15 @@ class OneReply {
 };
 
 TEST(HttpEndpoint, ReadsWhatIsThere) {
-  const OneReply server("HTTP/1.1 200 OK\r\nContent-Length: 7\r\n\r\n3.5.2.0");
-  const auto text = read_http(server.address(), "/version", kPatienceNs);
+  const OneReplyServer server("HTTP/1.1 200 OK\r\nContent-Length: 7\r\n\r\n3.5.2.0");
+  const auto text = read_http(server.address(), "/version", kHttpTimeoutNs);
   ASSERT_TRUE(text) << text.error().what;
   EXPECT_EQ(*text, "3.5.2.0");
 }
 
 TEST(HttpEndpoint, OtherStatusesAreErrors) {
-  const OneReply server("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
-  const auto text = read_http(server.address(), "/version", kPatienceNs);
+  const OneReplyServer server("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
+  const auto text = read_http(server.address(), "/version", kHttpTimeoutNs);
   ASSERT_FALSE(text);
   EXPECT_THAT(text.error().what, HasSubstr("404 for /version"));
 }
@@ -62,8 +62,8 @@ TEST(HttpEndpoint, OtherStatusesAreErrors) {
 TEST(HttpEndpoint, MoreThan64KiBOrOtherThanHttpIsRejected) {
   for (const std::string& reply :
        {"HTTP/1.1 200 OK\r\nContent-Length: 70000\r\n\r\n" + std::string(70000, 'a'), std::string("SSH-2.0-x\r\n")}) {
-    const OneReply server(reply);
-    EXPECT_FALSE(read_http(server.address(), "/", kPatienceNs)) << reply.substr(0, 40);
+    const OneReplyServer server(reply);
+    EXPECT_FALSE(read_http(server.address(), "/", kHttpTimeoutNs)) << reply.substr(0, 40);
   }
 }
 
@@ -75,7 +75,7 @@ TEST(HttpEndpoint, NobodyThereIsAnErrorAtOnce) {
     gone.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1};
     gone.port = acceptor.local_endpoint().port();
   }
-  EXPECT_FALSE(read_http(gone, "/", kPatienceNs));
+  EXPECT_FALSE(read_http(gone, "/", kHttpTimeoutNs));
 }
 
 }  // namespace

@@ -24,27 +24,28 @@ class HubClientTest : public testing::Test {
     network_.set_impairments(impairments_);
   }
 
-  // Runs both sides for duration_ms, a millisecond at a time: the hub sends `per_ms` states, the client drains them.
-  void run(std::int64_t duration_ms, int per_ms = 0) {
+  // Runs both sides for duration_ms, a millisecond at a time: the hub sends `states_per_ms` states, the client drains them.
+  void run(std::int64_t duration_ms, int states_per_ms = 0) {
     for (std::int64_t i = 0; i < duration_ms; ++i) {
       clock_.advance_ns(kMs);
       if (hub_) {
-        turn_hub(per_ms);
+        turn_hub(states_per_ms);
       }
       Datagram datagram;
       while (client_->receive(datagram, 0)) {
-        ++states_;
+        ++received_states_;
         last_sample_ = std::get<DeviceState>(datagram.message).sample;
       }
     }
   }
 
+  // The hub receives all that has come, and sends this many states.
   void turn_hub(int states) {
     Datagram datagram;
     std::uint64_t before = 0;
     do {
       before = hub_->counts().received;
-      messages_ += hub_->receive(datagram, 0).kind == PeerEvent::Kind::message ? 1 : 0;
+      hub_messages_ += hub_->receive(datagram, 0).kind == PeerEvent::Kind::message ? 1 : 0;
     } while (hub_->counts().received != before);
     for (int i = 0; i < states; ++i) {
       hub_->send_to_role(NodeRole::haptics, DeviceState{.sample = ++sample_});
@@ -62,8 +63,8 @@ class HubClientTest : public testing::Test {
   std::optional<HubClient> client_;
   std::uint64_t sample_ = 0;
   std::uint64_t last_sample_ = 0;
-  int states_ = 0;
-  int messages_ = 0;
+  int received_states_ = 0;
+  int hub_messages_ = 0;
 };
 
 TEST_F(HubClientTest, JoinsAndExchangesMessages) {
@@ -75,10 +76,10 @@ TEST_F(HubClientTest, JoinsAndExchangesMessages) {
   EXPECT_EQ(client_->state(), JoinState::joined);
   EXPECT_EQ(client_->servo_rate_hz(), 1000.0);
   EXPECT_EQ(client_->session(), 1U);
-  EXPECT_GE(states_, 2);
+  EXPECT_GE(received_states_, 2);
   EXPECT_TRUE(client_->send(ForceCommand{.echo_sample = 1}));
   run(1);
-  EXPECT_EQ(messages_, 1);
+  EXPECT_EQ(hub_messages_, 1);
   EXPECT_EQ(client_->counts().joins, 1U);
 }
 
@@ -91,9 +92,9 @@ TEST_F(HubClientTest, WhatItCannotReadIsCountedAndPassedOver) {
   const std::array<std::byte, 2> damaged = {std::byte{0xFF}, std::byte{0}};
   hub_endpoint_->send(client, of_another_version);
   hub_endpoint_->send(client, damaged);
-  const int before = states_;
+  const int before = received_states_;
   run(1, 1);
-  EXPECT_EQ(states_, before + 1);
+  EXPECT_EQ(received_states_, before + 1);
   EXPECT_EQ(client_->counts().undecodable, 2U);
   EXPECT_EQ(client_->counts().wrong_version, 1U);
 }
@@ -157,17 +158,17 @@ TEST_F(HubClientTest, JoinsARestartedHubByItself) {
   run(20);
   start_hub(2);
   sample_ = 0;
-  states_ = 0;
+  received_states_ = 0;
   run(110, 1);
   EXPECT_EQ(client_->state(), JoinState::joined);
   EXPECT_EQ(client_->session(), 2U);
-  EXPECT_GT(states_, 0);
+  EXPECT_GT(received_states_, 0);
   EXPECT_EQ(client_->counts().joins, 2U);
   EXPECT_EQ(client_->sequence_counts().restarts, 1U);
 }
 
 // The hub no longer knows its sequence numbers for this node, because another node has had the slot.
-TEST_F(HubClientTest, AReturningNodeHearsAHubThatCountsFromOneAgain) {
+TEST_F(HubClientTest, AReturningNodeReceivesFromAHubThatCountsFromOneAgain) {
   start_hub(1);
   start_client();
   run(3000, 1);
@@ -183,9 +184,9 @@ TEST_F(HubClientTest, AReturningNodeHearsAHubThatCountsFromOneAgain) {
   other.reset();
   run(150);
   ASSERT_EQ(client_->state(), JoinState::joined);
-  states_ = 0;
+  received_states_ = 0;
   run(100, 1);
-  EXPECT_GE(states_, 99);
+  EXPECT_GE(received_states_, 99);
 }
 
 TEST_F(HubClientTest, AHubsByeIsReceived) {
@@ -213,7 +214,7 @@ TEST_F(HubClientTest, AHubThatCrashesHasNotLeft) {
   EXPECT_FALSE(client_->has_hub_left());
 }
 
-TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
+TEST_F(HubClientTest, DropsDatagramsOfAnotherSession) {
   start_hub(1);
   start_client();
   run(10, 1);
@@ -222,7 +223,7 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
   run(110);
   ASSERT_EQ(client_->session(), 2U);
   // Late datagrams of the earlier hub: a state, and a Welcome that would take the client back to the earlier session.
-  states_ = 0;
+  received_states_ = 0;
   Codec codec;
   std::array<std::byte, kMaxDatagramBytes> bytes;
   for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1000.0})}) {
@@ -230,7 +231,7 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
     hub_endpoint_->send(client_endpoint_->local_address(), std::span(bytes).first(size));
   }
   run(1);
-  EXPECT_EQ(states_, 0);
+  EXPECT_EQ(received_states_, 0);
   EXPECT_EQ(client_->session(), 2U);
   EXPECT_EQ(client_->counts().other_session, 2U);
 }
@@ -266,12 +267,12 @@ TEST_F(HubClientTest, ListensToTheHubsAddressOnly) {
     unknown->send(client_endpoint_->local_address(), std::span(bytes).first(size));
   }
   run(1);
-  EXPECT_EQ(states_, 0);
+  EXPECT_EQ(received_states_, 0);
   EXPECT_EQ(client_->state(), JoinState::joined);
   EXPECT_EQ(client_->counts().foreign, 3U);
 }
 
-TEST_F(HubClientTest, AFloodOfRubbishCannotHoldAPoll) {
+TEST_F(HubClientTest, AFloodOfRubbishCannotBlockAPoll) {
   start_hub(1);
   start_client();
   run(10);
@@ -317,7 +318,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRejectedAndTakesOverWhenTheFirstDies) 
 }
 
 // A partition of the network: the hub drops the node, which returns in the same session. New datagrams must not count as old.
-TEST_F(HubClientTest, ReceivesAtOnceAfterItWasMissed) {
+TEST_F(HubClientTest, ReceivesAtOnceAfterTheHubDroppedIt) {
   start_hub(1);
   start_client();
   run(1500, 1);
@@ -328,10 +329,10 @@ TEST_F(HubClientTest, ReceivesAtOnceAfterItWasMissed) {
   EXPECT_EQ(client_->state(), JoinState::joining);
   impairments_.loss = 0.0;
   network_.set_impairments(impairments_);
-  const int before = states_;
+  const int before = received_states_;
   run(300, 1);
   EXPECT_EQ(client_->state(), JoinState::joined);
-  EXPECT_GT(states_ - before, 150);
+  EXPECT_GT(received_states_ - before, 150);
 }
 
 TEST_F(HubClientTest, SaysByeWhenItGoes) {
@@ -345,7 +346,7 @@ TEST_F(HubClientTest, SaysByeWhenItGoes) {
   EXPECT_FALSE(hub_->has_haptics());
 }
 
-TEST_F(HubClientTest, LeavesWhenItIsToldToAndOnlyOnce) {
+TEST_F(HubClientTest, LeavesOnRequestAndOnlyOnce) {
   start_hub(1);
   start_client();
   run(5);
@@ -371,12 +372,12 @@ TEST_F(HubClientTest, StaysJoinedAndCountsOnABadNetwork) {
   EXPECT_NEAR(static_cast<double>(counts.lost), 0.05 * sent, 0.01 * sent);
   EXPECT_NEAR(static_cast<double>(counts.duplicate), 0.02 * sent, 0.01 * sent);
   EXPECT_GT(counts.reordered, 100U);
-  EXPECT_EQ(static_cast<std::uint64_t>(states_), client_->counts().received);
+  EXPECT_EQ(static_cast<std::uint64_t>(received_states_), client_->counts().received);
   EXPECT_GE(last_sample_ + 10, sample_);
 }
 
-// Endpoints that keep nothing, so that only the client's own heap use counts.
-class EchoingEndpoint final : public Endpoint {
+// An endpoint that always receives the same datagram and uses no heap, so that only the client's own heap use counts.
+class FixedDatagramEndpoint final : public Endpoint {
  public:
   bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
   Received receive(std::span<std::byte> into, std::int64_t) noexcept override {
@@ -394,7 +395,7 @@ TEST(HubClientHeapTest, UsesNoHeapOnceBuilt) {
     GTEST_SKIP() << "heap use cannot be counted in this build";
   }
   SimulatedClock clock;
-  EchoingEndpoint endpoint;
+  FixedDatagramEndpoint endpoint;
   HubClient client(endpoint, clock, NodeRole::haptics, memory_address(1, 4950));
   Codec codec;
   Datagram datagram;

@@ -21,9 +21,9 @@ class HubConnectionTest : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(make_key_file(key_)); }
 
-  // A hub that replies for as long as `use` runs.
+  // Runs `use` with the address of a hub, which replies meanwhile.
   template <class Use>
-  void beside_hub(Use&& use) {
+  void with_hub(Use&& use) {
     auto endpoint = open_udp_endpoint("127.0.0.1:0");
     ASSERT_TRUE(endpoint);
     const std::string address = to_string((*endpoint)->local_address());
@@ -48,7 +48,7 @@ class HubConnectionTest : public ::testing::Test {
 
 TEST_F(HubConnectionTest, EachRoleJoins) {
   for (const NodeRole role : {NodeRole::haptics, NodeRole::vision, NodeRole::tool}) {
-    beside_hub([&](const std::string& hub) {
+    with_hub([&](const std::string& hub) {
       const auto connection = HubConnection::open(role, {.hub = hub, .key_file = key_.string(), .has_worker = true});
       ASSERT_TRUE(connection) << connection.error().what;
       const auto joined = (*connection)->wait_until_joined(30.0);
@@ -59,26 +59,26 @@ TEST_F(HubConnectionTest, EachRoleJoins) {
 }
 
 // If the machine stands still for 50 ms, the second node rightly takes over; then the test tries again.
-TEST_F(HubConnectionTest, ASecondHapticsNodeIsToldWhy) {
-  std::string why;
-  for (int attempt = 0; attempt < 10 && why.empty(); ++attempt) {
-    beside_hub([&](const std::string& hub) {
+TEST_F(HubConnectionTest, ASecondHapticsNodeGetsTheReason) {
+  std::string reason;
+  for (int attempt = 0; attempt < 10 && reason.empty(); ++attempt) {
+    with_hub([&](const std::string& hub) {
       const auto first = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
       ASSERT_TRUE(first && (*first)->wait_until_joined(30.0));
       std::atomic<bool> is_done{false};
-      std::thread alive = start_thread([&] {
+      std::thread first_thread = start_thread([&] {
         Datagram datagram;
         while (!is_done) (*first)->client().receive(datagram, (*first)->clock().now_ns() + 5 * kNanosecondsPerMillisecond);
       });
       const auto second = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
       if (second) {
-        if (const auto joined = (*second)->wait_until_joined(30.0); !joined) why = joined.error().what;
+        if (const auto joined = (*second)->wait_until_joined(30.0); !joined) reason = joined.error().what;
       }
       is_done = true;
-      alive.join();
+      first_thread.join();
     });
   }
-  EXPECT_NE(why.find("has a haptics node already"), std::string::npos) << why;
+  EXPECT_NE(reason.find("has a haptics node already"), std::string::npos) << reason;
 }
 
 TEST_F(HubConnectionTest, SaysWhatIsMissing) {

@@ -16,7 +16,7 @@ namespace hapton::hub_peers {
 using Kind = PeerEvent::Kind;
 
 inline constexpr std::uint64_t kSession = 777;
-inline constexpr double kRate = 1000.0;
+inline constexpr double kRateHz = 1000.0;
 
 // A peer whose datagrams the test makes.
 struct RawNode {
@@ -27,7 +27,7 @@ struct RawNode {
 
 class HubPeersTest : public testing::Test {
  protected:
-  HubPeersTest() { hub_.emplace(*hub_endpoint_, clock_, kSession, kRate); }
+  HubPeersTest() { hub_.emplace(*hub_endpoint_, clock_, kSession, kRateHz); }
 
   RawNode raw_node(std::uint8_t host, std::uint64_t sender, std::uint16_t port = 9) {
     return {*network_.open(memory_address(host, port)), sender, 0};
@@ -41,7 +41,7 @@ class HubPeersTest : public testing::Test {
   }
 
   // All events of the hub for the datagrams that have arrived, and its timeouts.
-  std::vector<PeerEvent> events() {
+  std::vector<PeerEvent> take_events() {
     std::vector<PeerEvent> all;
     while (true) {
       const std::uint64_t before = hub_->counts().received;
@@ -54,8 +54,9 @@ class HubPeersTest : public testing::Test {
     }
   }
 
-  PeerEvent event() {
-    const std::vector<PeerEvent> all = events();
+  // As take_events(), where exactly one event is expected.
+  PeerEvent take_only_event() {
+    const std::vector<PeerEvent> all = take_events();
     EXPECT_EQ(all.size(), 1U);
     return all.empty() ? PeerEvent{} : all.front();
   }

@@ -8,10 +8,10 @@
 namespace hapton::hub_peers {
 namespace {
 
-// What a sender may do whose datagrams are sealed with the key of a role.
+// What a sender may do if its datagrams are sealed with the key of a role.
 class RoleRights : public HubPeersTest {
  protected:
-  PeerEvent say(KeyRole key_role, const Message& message, std::uint64_t sender = 30, const Address& from = memory_address(3, 9)) {
+  PeerEvent deliver(KeyRole key_role, const Message& message, std::uint64_t sender = 30, const Address& from = memory_address(3, 9)) {
     Bytes bytes;
     const std::size_t size = codec_.encode({{kSession, sender, ++sequence_, clock_.now_ns()}, message}, bytes);
     return hub_->handle_datagram(std::span(bytes).first(size), from, clock_.now_ns(), datagram_, key_role);
@@ -23,11 +23,11 @@ class RoleRights : public HubPeersTest {
 TEST_F(RoleRights, AKeyJoinsAsItsOwnRoleAlone) {
   for (const KeyRole key_role : {KeyRole::haptics, KeyRole::vision, KeyRole::tool, KeyRole::operator_role, KeyRole::master}) {
     for (const NodeRole role : {NodeRole::haptics, NodeRole::vision, NodeRole::tool}) {
-      hub_.emplace(*hub_endpoint_, clock_, kSession, kRate);
+      hub_.emplace(*hub_endpoint_, clock_, kSession, kRateHz);
       const bool is_own = (key_role == KeyRole::haptics && role == NodeRole::haptics) ||
                           (key_role == KeyRole::vision && role == NodeRole::vision) ||
                           ((key_role == KeyRole::tool || key_role == KeyRole::operator_role) && role == NodeRole::tool);
-      const PeerEvent event = say(key_role, Hello{role});
+      const PeerEvent event = deliver(key_role, Hello{role});
       EXPECT_EQ(event.kind == Kind::joined, is_own) << to_string(key_role);
       EXPECT_EQ(hub_->counts().role_violations, is_own ? 0U : 1U);
       if (is_own) {
@@ -38,13 +38,13 @@ TEST_F(RoleRights, AKeyJoinsAsItsOwnRoleAlone) {
 }
 
 TEST_F(RoleRights, APeerIsAcceptedUnderItsOwnKeyAlone) {
-  ASSERT_EQ(say(KeyRole::haptics, Hello{NodeRole::haptics}).kind, Kind::joined);
-  EXPECT_EQ(say(KeyRole::vision, ForceCommand{}).kind, Kind::none);
-  EXPECT_EQ(say(KeyRole::tool, Bye{}).kind, Kind::none);
-  EXPECT_EQ(say(KeyRole::operator_role, Hello{NodeRole::haptics}).kind, Kind::none);
+  ASSERT_EQ(deliver(KeyRole::haptics, Hello{NodeRole::haptics}).kind, Kind::joined);
+  EXPECT_EQ(deliver(KeyRole::vision, ForceCommand{}).kind, Kind::none);
+  EXPECT_EQ(deliver(KeyRole::tool, Bye{}).kind, Kind::none);
+  EXPECT_EQ(deliver(KeyRole::operator_role, Hello{NodeRole::haptics}).kind, Kind::none);
   EXPECT_EQ(hub_->counts().role_violations, 3U);
   EXPECT_TRUE(hub_->has_haptics());
-  EXPECT_EQ(say(KeyRole::haptics, ForceCommand{}).kind, Kind::message);
+  EXPECT_EQ(deliver(KeyRole::haptics, ForceCommand{}).kind, Kind::message);
 }
 
 TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
@@ -89,9 +89,9 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
-    ASSERT_EQ(say(nodes[n].second, Hello{nodes[n].first}, 100 + n, at).kind, Kind::joined);
+    ASSERT_EQ(deliver(nodes[n].second, Hello{nodes[n].first}, 100 + n, at).kind, Kind::joined);
     for (const auto& [message, owner] : messages) {
-      const PeerEvent event = say(nodes[n].second, message, 100 + n, at);
+      const PeerEvent event = deliver(nodes[n].second, message, 100 + n, at);
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
@@ -99,12 +99,12 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
   // Two roles may send each of these: haptics and vision the first two kinds, vision and tool the other two.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
-    EXPECT_EQ(say(nodes[n].second, SceneFacts{}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
-    EXPECT_EQ(say(nodes[n].second, ObjectPose{.serial = 1}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
+    EXPECT_EQ(deliver(nodes[n].second, SceneFacts{}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
+    EXPECT_EQ(deliver(nodes[n].second, ObjectPose{.serial = 1}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
     const MoveRequest move{.request = 1, .p_m = Vec3::Zero()};
-    EXPECT_EQ(say(nodes[n].second, move, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
+    EXPECT_EQ(deliver(nodes[n].second, move, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
     const ShapeRequest shape{.stream = 1, .shape = 1, .part = {.total = 1}};
-    EXPECT_EQ(say(nodes[n].second, shape, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
+    EXPECT_EQ(deliver(nodes[n].second, shape, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
   }
 }
 

@@ -37,11 +37,11 @@ class KeyScheduleTest : public testing::Test {
 // The expected values come from an independent implementation (tests/link/known_answers.py). A change of the schedule, of the order of the
 // fields or of the protocol version changes them: this is a new wire format, and needs a new version.
 TEST_F(KeyScheduleTest, GivesTheKnownRoleKeys) {
-  const auto of = [&](KeyRole role) { return hex(derive_role_key(master_, role)); };
-  EXPECT_EQ(of(KeyRole::haptics), "b4ce355e13f44bad8ce76dc2ef7e9fdc7796efe368978f0a14488e66fc8429e5");
-  EXPECT_EQ(of(KeyRole::vision), "3066c49c04fa4fa0d2c1aa9983719b6671b38598adc7aa8868d8ecaa634b2c50");
-  EXPECT_EQ(of(KeyRole::tool), "d10146fe6a551618f3952b059b2bc5049b888c4d14b2b5df6c4c004edd9a0169");
-  EXPECT_EQ(of(KeyRole::operator_role), "c5e68b6d3b87e478ec7e4cc6aa3f37872c1f57e5d43cbbbfb80b039f59201e77");
+  const auto role_key = [&](KeyRole role) { return hex(derive_role_key(master_, role)); };
+  EXPECT_EQ(role_key(KeyRole::haptics), "b4ce355e13f44bad8ce76dc2ef7e9fdc7796efe368978f0a14488e66fc8429e5");
+  EXPECT_EQ(role_key(KeyRole::vision), "3066c49c04fa4fa0d2c1aa9983719b6671b38598adc7aa8868d8ecaa634b2c50");
+  EXPECT_EQ(role_key(KeyRole::tool), "d10146fe6a551618f3952b059b2bc5049b888c4d14b2b5df6c4c004edd9a0169");
+  EXPECT_EQ(role_key(KeyRole::operator_role), "c5e68b6d3b87e478ec7e4cc6aa3f37872c1f57e5d43cbbbfb80b039f59201e77");
   EXPECT_EQ(hex(derive_handshake_key(key_)), "5864f1468268820568c38cb5880588c18e319f3de4de798435e9c2670047b38d");
   EXPECT_EQ(hex(derive_psk(key_)), "2a2149c18cef641e52d4a6ec28142f133b3348edd518740ab6070ab10aee7f34");
 }
@@ -83,17 +83,17 @@ TEST_F(KeyScheduleTest, AgreesOnTheKnownSessionAndSealsToTheKnownDatagram) {
 }
 
 TEST_F(KeyScheduleTest, EveryRoleAndEveryMasterHasKeysOfItsOwn) {
-  std::vector<Secret> seen;
+  std::vector<Secret> secrets;
   for (const LinkKey& master : {master_, LinkKey(counting_from<LinkKey::Bytes>(2))}) {
-    seen.push_back(master.bytes());
+    secrets.push_back(master.bytes());
     for (std::uint8_t role = kFirstKeyRole; role <= kLastKeyRole; ++role) {
       const RoleKey key(master, static_cast<KeyRole>(role));
       EXPECT_EQ(static_cast<std::uint8_t>(key.role()), role);
-      for (const Secret& secret : {key.bytes(), derive_handshake_key(key), derive_psk(key)}) seen.push_back(secret);
+      for (const Secret& secret : {key.bytes(), derive_handshake_key(key), derive_psk(key)}) secrets.push_back(secret);
     }
   }
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(seen[i], seen[j]) << i << " " << j;
+  for (std::size_t i = 0; i < secrets.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(secrets[i], secrets[j]) << i << " " << j;
   }
 }
 

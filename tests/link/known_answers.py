@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Computes the known answers of key_schedule_test.cpp and handshake_test.cpp without libsodium. BLAKE2b, SHA-256 and HMAC are from Python's standard
-library; AES-256-GCM and X25519 are implemented here."""
+"""Computes the known answers of key_schedule_test.cpp without libsodium. BLAKE2b, SHA-256 and HMAC are from Python's standard library;
+AES-256-GCM and X25519 are implemented here."""
 import hashlib
 import hmac
 import struct
 
-VERSION = 3
+VERSION = 3  # kProtocolVersion
 
 
 def counting(first, size=32):
@@ -30,8 +30,8 @@ def make_sbox():
     for x in range(256):
         inverse = next((y for y in range(256) if gf(x, y) == 1), 0)
         value = 0x63
-        for turn in range(5):
-            value ^= ((inverse << turn) | (inverse >> (8 - turn))) & 0xFF
+        for shift in range(5):
+            value ^= ((inverse << shift) | (inverse >> (8 - shift))) & 0xFF
         box.append(value)
     return box
 
@@ -52,12 +52,12 @@ def aes256(key, block):
         words.append([x ^ y for x, y in zip(words[i - 8], word)])
     keys = [sum(words[4 * i:4 * i + 4], []) for i in range(15)]
     state = [x ^ k for x, k in zip(block, keys[0])]
-    for turn in range(1, 15):
+    for round_number in range(1, 15):
         state = [SBOX[state[(i + 4 * (i % 4)) % 16]] for i in range(16)]
-        if turn < 14:
+        if round_number < 14:
             state = [gf(state[c + r], 2) ^ gf(state[c + (r + 1) % 4], 3) ^ state[c + (r + 2) % 4] ^ state[c + (r + 3) % 4]
                      for c in range(0, 16, 4) for r in range(4)]
-        state = [x ^ k for x, k in zip(state, keys[turn])]
+        state = [x ^ k for x, k in zip(state, keys[round_number])]
     return bytes(state)
 
 
@@ -79,8 +79,8 @@ def pad16(text):
     return text + bytes(-len(text) % 16)
 
 
-def gcm(key, n, ad, text):
-    nonce = bytes(4) + struct.pack(">Q", n)
+def gcm(key, counter, ad, text):
+    nonce = bytes(4) + struct.pack(">Q", counter)
     stream = b"".join(aes256(key, nonce + struct.pack(">I", 2 + i)) for i in range(len(text) // 16 + 1))
     cipher = xor(text, stream)
     lengths = struct.pack(">QQ", 8 * len(ad), 8 * len(cipher))
@@ -126,7 +126,7 @@ def hkdf(ck, text, count):
     return outs
 
 
-class Noise:  # the handshake pattern NNpsk0; one object is both sides
+class Noise:  # the handshake pattern NNpsk0; one object plays both sides
     def __init__(self, psk, prologue):
         self.h = self.ck = b"Noise_NNpsk0_25519_AESGCM_SHA256"
         self.mix_hash(prologue)
@@ -141,12 +141,12 @@ class Noise:  # the handshake pattern NNpsk0; one object is both sides
         self.ck, self.k = hkdf(self.ck, text, 2)
         self.n = 0
 
-    def message(self, secret, agrees_with, payload):
+    def message(self, secret, peer_public, payload):
         public = x25519(secret, BASE)
         self.mix_hash(public)
         self.mix_key(public)
-        if agrees_with:
-            self.mix_key(x25519(secret, agrees_with))
+        if peer_public:
+            self.mix_key(x25519(secret, peer_public))
         sealed = gcm(self.k, self.n, self.h, payload)
         self.n += 1
         self.mix_hash(sealed)

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 const Vec3 kPivotAtRest(0.1, 0.0, 0.0);
-const Quat kQuarterTurn(Eigen::AngleAxisd(1.5, Vec3::UnitZ()));
+const Quat kTurn(Eigen::AngleAxisd(1.5, Vec3::UnitZ()));
 
 ObjectMove announced_at_rest(std::uint32_t source, std::int32_t object) {
   return {.source = source, .object = object, .from_p_m = kPivotAtRest, .to_p_m = kPivotAtRest};
@@ -37,18 +37,18 @@ TEST(KnownMoves, AnObjectThatWasNotAnnouncedIsUnknown) {
 // The position must be the one that haptics and pictures compute (CommandedMotion).
 TEST(KnownMoves, AnObjectIsWhereItsMovesHaveItAtThatTime) {
   KnownMoves known;
-  CommandedMotion felt(kPivotAtRest);
+  CommandedMotion expected(kPivotAtRest);
   known.take(announced_at_rest(5, 2), Arrival::newest);
   const Vec3 half_way(0.1, 0.1, 0.0);
   for (const ObjectMove& move :
        {announced_move(1, kSecondNs, kPivotAtRest, Vec3(0.1, 0.2, 0.0)), announced_move(2, 2 * kSecondNs, half_way, Vec3(0.4, 0.0, 0.0))}) {
     known.take(move, Arrival::newest);
-    felt.begin(to_command(move));
+    expected.begin(to_command(move));
   }
   for (const double time_s : {0.0, 1.0, 1.7, 2.0, 2.9, 4.0, 9.0}) {
     const auto placed = known.find(2, time_s);
     ASSERT_TRUE(placed);
-    EXPECT_EQ(placed->at.p_S, felt.keyframe_at(time_s).p_S) << time_s;
+    EXPECT_EQ(placed->at.p_S, expected.keyframe_at(time_s).p_S) << time_s;
     EXPECT_EQ(placed->at.time_s, time_s);
     EXPECT_EQ(placed->is_moving, time_s < 4.0) << time_s;
   }
@@ -58,13 +58,13 @@ TEST(KnownMoves, AnObjectIsWhereItsMovesHaveItAtThatTime) {
 TEST(KnownMoves, BeforeItsFirstKnownMoveAnObjectIsWhereThatOneBegan) {
   KnownMoves known;
   ObjectMove move = announced_move(9, 5 * kSecondNs, Vec3(0.1, 0.2, 0.0), Vec3(0.4, 0.0, 0.0));
-  move.from_q = kQuarterTurn;
+  move.from_q = kTurn;
   known.take(move, Arrival::newest);
   for (const double time_s : {0.0, 1.0, 4.9, 5.0}) {
     const auto placed = known.find(2, time_s);
     ASSERT_TRUE(placed);
     EXPECT_EQ(placed->at.p_S, move.from_p_m) << time_s;
-    EXPECT_EQ(placed->at.turn.coeffs(), kQuarterTurn.coeffs()) << time_s;
+    EXPECT_EQ(placed->at.turn.coeffs(), kTurn.coeffs()) << time_s;
   }
   EXPECT_EQ(known.find(2, 7.0)->at.p_S, move.to_p_m);
 }
@@ -117,7 +117,7 @@ TEST(KnownMoves, ObjectsOfAnyNumbersTakeLittleMemory) {
   EXPECT_EQ(known.find_named("a").count, KnownMoves::kMaxObjects);
   EXPECT_TRUE(known.find(0, 0.0));
   known.note_name("b", 0);
-  EXPECT_EQ(known.find_name(0), "b") << "one that is known goes on";
+  EXPECT_EQ(known.find_name(0), "b") << "a known object still takes a name";
 }
 
 }  // namespace

@@ -23,10 +23,10 @@ ShapeStart start_of(std::uint32_t serial, std::uint32_t before, std::int64_t sta
 
 class KnownShapesTest : public testing::Test {
  protected:
-  void give(std::uint32_t serial, std::uint32_t source = 5) {
+  void deliver_shape(std::uint32_t serial, std::uint32_t source = 5) {
     for (const std::uint32_t first : {0U, 64U}) known_.take(part_of(serial, first, source), Arrival::newest);
   }
-  void begin(std::uint32_t serial, std::uint32_t before, std::int64_t start_ns, std::int64_t end_ns) {
+  void deliver_start(std::uint32_t serial, std::uint32_t before, std::int64_t start_ns, std::int64_t end_ns) {
     known_.take(start_of(serial, before, start_ns, end_ns), Arrival::newest);
   }
   // The displacement at this scene time, in mm; -1: it is not known.
@@ -44,16 +44,16 @@ class KnownShapesTest : public testing::Test {
 
 TEST_F(KnownShapesTest, AtRestUntilAShapeIsAnnounced) {
   EXPECT_EQ(displaced_mm(7), 0.0F);
-  give(1);
+  deliver_shape(1);
   EXPECT_EQ(displaced_mm(7), 0.0F) << "its start has not come";
   EXPECT_FALSE(known_.find(0, 7)) << "programs do not deform that object";
 }
 
 TEST_F(KnownShapesTest, MovesStraightFromShapeToShape) {
-  give(1);
-  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
-  give(3);
-  begin(3, 1, 300 * kOneMs, 400 * kOneMs);
+  deliver_shape(1);
+  deliver_start(1, 0, 100 * kOneMs, 200 * kOneMs);
+  deliver_shape(3);
+  deliver_start(3, 1, 300 * kOneMs, 400 * kOneMs);
   EXPECT_EQ(displaced_mm(50 * kOneMs), 0.0F);
   EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F);
   EXPECT_FLOAT_EQ(displaced_mm(250 * kOneMs), 1.0F) << "stays there";
@@ -64,24 +64,24 @@ TEST_F(KnownShapesTest, MovesStraightFromShapeToShape) {
 
 // The motion to this shape takes no time.
 TEST_F(KnownShapesTest, AShapeMayBeThereAtOnce) {
-  give(1);
-  begin(1, 0, 100 * kOneMs, 100 * kOneMs);
+  deliver_shape(1);
+  deliver_start(1, 0, 100 * kOneMs, 100 * kOneMs);
   EXPECT_EQ(displaced_mm(100 * kOneMs), 0.0F);
   EXPECT_FLOAT_EQ(displaced_mm(100 * kOneMs + 1), 1.0F);
 }
 
 TEST_F(KnownShapesTest, WhatCameInAnotherOrderIsTheSame) {
-  begin(3, 1, 300 * kOneMs, 400 * kOneMs);
-  give(3);
-  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
-  give(1);
+  deliver_start(3, 1, 300 * kOneMs, 400 * kOneMs);
+  deliver_shape(3);
+  deliver_start(1, 0, 100 * kOneMs, 200 * kOneMs);
+  deliver_shape(1);
   EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F);
   EXPECT_FLOAT_EQ(displaced_mm(350 * kOneMs), 2.0F);
 }
 
 // A program that joins late learns which shape is the newest. It has no part of that shape, and does not have the shape before.
 TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
-  begin(9, 8, 100 * kOneMs, 200 * kOneMs);
+  deliver_start(9, 8, 100 * kOneMs, 200 * kOneMs);
   EXPECT_EQ(displaced_mm(150 * kOneMs), -1.0F);
   EXPECT_FALSE(known_.take_request(0)) << "it may be on its way";
   EXPECT_FALSE(known_.take_request(59 * kOneMs));
@@ -98,20 +98,20 @@ TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
   EXPECT_EQ(rest->first, 64U);
   known_.take(part_of(9, 64), Arrival::newest);
   EXPECT_FALSE(known_.take_request(900 * kOneMs));
-  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 9.0F) << "there, although the way is not known";
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 9.0F) << "in that shape, although the motion to it is not known";
 }
 
 // For a program that prepares the next shape: the first one whose motion has not ended, else the newest.
 TEST_F(KnownShapesTest, TheNextShapeThatIsWholeIsFound) {
   EXPECT_EQ(known_.newest_start(kSkin), nullptr);
   EXPECT_EQ(known_.find_next(kSkin, 0, 0), nullptr);
-  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
+  deliver_start(1, 0, 100 * kOneMs, 200 * kOneMs);
   ASSERT_NE(known_.newest_start(kSkin), nullptr);
   EXPECT_EQ(known_.newest_start(kSkin)->serial, 1U);
   EXPECT_EQ(known_.find_next(kSkin, 0, 0), nullptr) << "not whole";
   for (const std::uint32_t serial : {2U, 4U, 5U}) {
-    give(serial);
-    begin(serial, serial - 1, serial * 100 * kOneMs, (serial + 1) * 100 * kOneMs);
+    deliver_shape(serial);
+    deliver_start(serial, serial - 1, serial * 100 * kOneMs, (serial + 1) * 100 * kOneMs);
   }
   const auto next = [&](std::uint32_t after, std::int64_t at_ns) {
     const ShapeStart* found = known_.find_next(kSkin, after, at_ns);
@@ -154,13 +154,13 @@ TEST_F(KnownShapesTest, MissingPartsAreRequestedAhead) {
   EXPECT_TRUE(requests_at(24 * kOneMs).empty());
   announce(3);
   announce(4);
-  const auto of_second = requests_at(25 * kOneMs);
-  ASSERT_EQ(of_second.size(), 3U);
+  const auto requests_for_2 = requests_at(25 * kOneMs);
+  ASSERT_EQ(requests_for_2.size(), 3U);
   const std::vector<std::pair<std::uint32_t, std::uint32_t>> runs = {{3 * 64, 64}, {7 * 64, 128}, {39 * 64, 64}};
   for (std::size_t n = 0; n < runs.size(); ++n) {
-    EXPECT_EQ(of_second[n].serial, 2U);
-    EXPECT_EQ(of_second[n].source, 5U);
-    EXPECT_EQ(std::pair(of_second[n].first, of_second[n].count), runs[n]) << n;
+    EXPECT_EQ(requests_for_2[n].serial, 2U);
+    EXPECT_EQ(requests_for_2[n].source, 5U);
+    EXPECT_EQ(std::pair(requests_for_2[n].first, requests_for_2[n].count), runs[n]) << n;
   }
   const auto later = requests_at(50 * kOneMs);
   ASSERT_EQ(later.size(), 9U);
@@ -189,7 +189,7 @@ TEST_F(KnownShapesTest, AnObjectMayBeAddedLater) {
 }
 
 TEST_F(KnownShapesTest, ForgetsTheObjectsThatAreNotKept) {
-  begin(1, 0, 0, 1);
+  deliver_start(1, 0, 0, 1);
   known_.add_object(3, 7);
   known_.add_object(4, 7);
   EXPECT_EQ(known_.count_objects(), 3U);
@@ -201,27 +201,27 @@ TEST_F(KnownShapesTest, ForgetsTheObjectsThatAreNotKept) {
 }
 
 // As many shapes wait for their start as a surface can have (StreamedGeometry), and the picture still shows an earlier one.
-TEST_F(KnownShapesTest, EightThatWaitDoNotHideThePresentOne) {
+TEST_F(KnownShapesTest, ShapesThatWaitDoNotHideThePresentOne) {
   for (std::uint32_t serial = 1; serial <= 10; ++serial) {
-    give(serial);
-    begin(serial, serial - 1, serial * 100 * kOneMs, (serial + 1) * 100 * kOneMs);
+    deliver_shape(serial);
+    deliver_start(serial, serial - 1, serial * 100 * kOneMs, (serial + 1) * 100 * kOneMs);
   }
   EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F);
 }
 
 TEST_F(KnownShapesTest, ALostShapeIsLeftOut) {
-  give(1);
-  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
-  begin(2, 1, 200 * kOneMs, 300 * kOneMs);
+  deliver_shape(1);
+  deliver_start(1, 0, 100 * kOneMs, 200 * kOneMs);
+  deliver_start(2, 1, 200 * kOneMs, 300 * kOneMs);
   EXPECT_FLOAT_EQ(displaced_mm(250 * kOneMs), 1.0F);
-  give(3);
-  begin(3, 2, 300 * kOneMs, 400 * kOneMs);
+  deliver_shape(3);
+  deliver_start(3, 2, 300 * kOneMs, 400 * kOneMs);
   EXPECT_FLOAT_EQ(displaced_mm(350 * kOneMs), 3.0F);
 }
 
 TEST_F(KnownShapesTest, AnotherProcessBeginsAtRest) {
-  give(1);
-  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
+  deliver_shape(1);
+  deliver_start(1, 0, 100 * kOneMs, 200 * kOneMs);
   known_.take(ShapeStart{.source = 7, .object = kSkin, .total = kTotal}, Arrival::newest);
   EXPECT_EQ(displaced_mm(900 * kOneMs), 0.0F);
   known_.take(start_of(2, 1, 100 * kOneMs, 200 * kOneMs, 5), Arrival::reordered);
@@ -247,19 +247,19 @@ TEST_F(KnownShapesTest, AShapeOfAnotherSceneIsIgnored) {
 // However many shapes come, only as many are kept as a picture needs.
 TEST_F(KnownShapesTest, ThousandsOfShapesKeepTheNewest) {
   for (std::uint32_t serial = 1; serial < 5000; ++serial) {
-    give(serial);
-    begin(serial, serial - 1, 10 * kOneMs * serial, 10 * kOneMs * (serial + 1));
+    deliver_shape(serial);
+    deliver_start(serial, serial - 1, 10 * kOneMs * serial, 10 * kOneMs * (serial + 1));
   }
   EXPECT_FLOAT_EQ(displaced_mm(10 * kOneMs * 5001), 4999.0F);
   EXPECT_FLOAT_EQ(displaced_mm(10 * kOneMs * 4998 + 5 * kOneMs), 4997.5F) << "a sample ago";
 }
 
 TEST_F(KnownShapesTest, TheNextShapeIsGivenTimeToComeAlsoWhereTheOneBeforeIsMissing) {
-  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
+  deliver_start(1, 0, 100 * kOneMs, 200 * kOneMs);
   EXPECT_FALSE(known_.take_request(0));
   const std::int64_t due_ns = 60 * kOneMs;
   ASSERT_TRUE(known_.take_request(due_ns));
-  begin(2, 1, 200 * kOneMs, 300 * kOneMs);
+  deliver_start(2, 1, 200 * kOneMs, 300 * kOneMs);
   const std::int64_t begun_ns = due_ns + 199 * kOneMs;
   EXPECT_FALSE(known_.take_request(begun_ns)) << "its parts may be on their way";
   EXPECT_FALSE(known_.take_request(begun_ns + 59 * kOneMs));

@@ -24,9 +24,9 @@ namespace {
 using ::testing::HasSubstr;
 
 mode_t mode_of(const std::filesystem::path& path) {
-  struct stat found = {};
-  EXPECT_EQ(stat(path.c_str(), &found), 0) << path;
-  return found.st_mode & 07777;
+  struct stat status = {};
+  EXPECT_EQ(stat(path.c_str(), &status), 0) << path;
+  return status.st_mode & 07777;
 }
 
 class LinkKeyTest : public testing::Test {
@@ -67,9 +67,9 @@ TEST_F(LinkKeyTest, MakesAFileThatOnlyItsUserCanRead) {
 }
 
 TEST_F(LinkKeyTest, TwoKeysAreNeverAlike) {
-  std::set<LinkKey::Bytes> seen;
-  for (int i = 0; i < 100; ++i) seen.insert(LinkKey::make_random().bytes());
-  EXPECT_EQ(seen.size(), 100U);
+  std::set<LinkKey::Bytes> keys;
+  for (int i = 0; i < 100; ++i) keys.insert(LinkKey::make_random().bytes());
+  EXPECT_EQ(keys.size(), 100U);
 }
 
 TEST_F(LinkKeyTest, LeavesAFileThatIsThereAsItIs) {
@@ -77,7 +77,7 @@ TEST_F(LinkKeyTest, LeavesAFileThatIsThereAsItIs) {
   const auto made = make_key_file(path);
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().what, HasSubstr("already exists"));
-  EXPECT_EQ(std::filesystem::file_size(path), 14U);
+  EXPECT_EQ(std::filesystem::file_size(path), 14U) << "as many bytes as were written above";
   // It does not write through a symbolic link either.
   std::filesystem::create_symlink(folder_.path() / "elsewhere", folder_.path() / "link");
   EXPECT_FALSE(make_key_file(folder_.path() / "link"));
@@ -276,12 +276,12 @@ TEST_F(LinkKeyTest, BeyondLoopbackAFileMustBeNamed) {
 
 // This is one test because it changes the environment of this process.
 TEST_F(LinkKeyTest, OnLoopbackTheUsersOwnKeyIsFound) {
-  const auto keep = [](const char* name) {
+  const auto find_variable = [](const char* name) {
     const char* value = std::getenv(name);
     return value == nullptr ? std::optional<std::string>() : std::optional<std::string>(value);
   };
-  const auto old_runtime = keep("XDG_RUNTIME_DIR");
-  const auto old_home = keep("HOME");
+  const auto old_runtime = find_variable("XDG_RUNTIME_DIR");
+  const auto old_home = find_variable("HOME");
   const auto runtime = folder_.path() / "run";
   const auto home = folder_.path() / "home";
   const Address loopback = *parse_address("127.0.0.1:4950");
@@ -309,7 +309,7 @@ TEST_F(LinkKeyTest, OnLoopbackTheUsersOwnKeyIsFound) {
   restore("HOME", old_home);
 }
 
-TEST_F(LinkKeyTest, IsClosedAgain) {
+TEST_F(LinkKeyTest, ReadingAKeyLeavesNoFileOpen) {
   const auto good = write_key("good", kKeyFileBytes, 0600);
   const auto open_to_all = write_key("open", kKeyFileBytes, 0644);
   EXPECT_FALSE(leaves_files_open([&] {

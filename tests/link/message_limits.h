@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-inline void expect_sane(const ShapePart& part) {
+inline void expect_within_limits(const ShapePart& part) {
   EXPECT_TRUE(part.total > 0 && part.total <= ShapePart::kMaxVertices);
   EXPECT_LT(part.first, part.total);
   EXPECT_EQ(part.first % ShapePart::kVerticesPerPart, 0U);
@@ -22,7 +22,7 @@ inline void expect_sane(const ShapePart& part) {
   }
 }
 
-inline void expect_sane(const MaterialChange& change) {
+inline void expect_within_limits(const MaterialChange& change) {
   EXPECT_LE(change.given, MaterialChange::kAll);
   for (const double number : {change.stiffness_n_per_m, change.damping_ns_per_m, change.friction_static, change.friction_dynamic}) {
     EXPECT_TRUE(number >= 0.0 && number <= kMaxWireMagnitude);
@@ -32,7 +32,7 @@ inline void expect_sane(const MaterialChange& change) {
 inline void expect_time(std::int64_t time_ns) { EXPECT_TRUE(time_ns >= -kMaxWireTimeNs && time_ns <= kMaxWireTimeNs) << time_ns; }
 
 // Every message that decode accepts must satisfy the limits that link/messages.h states.
-inline void expect_sane(const Datagram& datagram) {
+inline void expect_within_limits(const Datagram& datagram) {
   expect_time(datagram.header.send_time_ns);
   if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
     EXPECT_TRUE(state->p_WD.allFinite());
@@ -101,28 +101,28 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_NE(request->request, 0U);
     EXPECT_EQ(request->object.back(), '\0');
     EXPECT_NE(request->change.given, 0U);
-    expect_sane(request->change);
+    expect_within_limits(request->change);
   } else if (const auto* marker = std::get_if<Marker>(&datagram.message)) {
     EXPECT_NE(marker->request, 0U);
     EXPECT_EQ(marker->text.back(), '\0');
     EXPECT_TRUE(MarkerText::is_valid(marker->text.data()));
   } else if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) {
     EXPECT_LE(reply->status, MarkerStatus::no_room);
-  } else if (const auto* state_of_materials = std::get_if<MaterialState>(&datagram.message)) {
-    ASSERT_LE(state_of_materials->object_count, state_of_materials->objects.size());
-    EXPECT_EQ(state_of_materials->rejection.back(), '\0');
-    for (std::size_t i = 0; i < state_of_materials->object_count; ++i) {
-      EXPECT_GE(state_of_materials->objects[i].object, -1);
-      expect_sane(state_of_materials->objects[i].change);
+  } else if (const auto* material_state = std::get_if<MaterialState>(&datagram.message)) {
+    ASSERT_LE(material_state->object_count, material_state->objects.size());
+    EXPECT_EQ(material_state->rejection.back(), '\0');
+    for (std::size_t i = 0; i < material_state->object_count; ++i) {
+      EXPECT_GE(material_state->objects[i].object, -1);
+      expect_within_limits(material_state->objects[i].change);
     }
-  } else if (const auto* wanted = std::get_if<MoveRequest>(&datagram.message)) {
-    EXPECT_NE(wanted->request, 0U);
-    EXPECT_EQ(wanted->object.back(), '\0');
-    EXPECT_GE(wanted->number, 0);
-    EXPECT_TRUE(wanted->p_m || wanted->q);
-    EXPECT_TRUE(!wanted->p_m || wanted->p_m->allFinite());
-    EXPECT_TRUE(!wanted->q || std::abs(wanted->q->norm() - 1.0) <= 1.1e-3);
-    EXPECT_TRUE(!wanted->over_s || (*wanted->over_s > 0.0 && *wanted->over_s <= MoveRequest::kMaxSeconds));
+  } else if (const auto* move_request = std::get_if<MoveRequest>(&datagram.message)) {
+    EXPECT_NE(move_request->request, 0U);
+    EXPECT_EQ(move_request->object.back(), '\0');
+    EXPECT_GE(move_request->number, 0);
+    EXPECT_TRUE(move_request->p_m || move_request->q);
+    EXPECT_TRUE(!move_request->p_m || move_request->p_m->allFinite());
+    EXPECT_TRUE(!move_request->q || std::abs(move_request->q->norm() - 1.0) <= 1.1e-3);
+    EXPECT_TRUE(!move_request->over_s || (*move_request->over_s > 0.0 && *move_request->over_s <= MoveRequest::kMaxSeconds));
   } else if (const auto* move_reply = std::get_if<MoveReply>(&datagram.message)) {
     EXPECT_NE(move_reply->request, 0U);
     EXPECT_EQ(move_reply->rejection.back(), '\0');
@@ -159,14 +159,14 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_NE(carve_status->source, 0U);
   } else if (const auto* undo = std::get_if<CarveUndo>(&datagram.message)) {
     EXPECT_TRUE(undo->source != 0 && undo->serial != 0);
-  } else if (const auto* wanted_shape = std::get_if<ShapeRequest>(&datagram.message)) {
-    EXPECT_TRUE(wanted_shape->stream != 0 && wanted_shape->shape != 0);
-    EXPECT_TRUE(wanted_shape->over_s >= 0.0 && wanted_shape->over_s <= ShapeRequest::kMaxSeconds);
-    EXPECT_GE(wanted_shape->number, 0);
-    expect_sane(wanted_shape->part);
+  } else if (const auto* shape_request = std::get_if<ShapeRequest>(&datagram.message)) {
+    EXPECT_TRUE(shape_request->stream != 0 && shape_request->shape != 0);
+    EXPECT_TRUE(shape_request->over_s >= 0.0 && shape_request->over_s <= ShapeRequest::kMaxSeconds);
+    EXPECT_GE(shape_request->number, 0);
+    expect_within_limits(shape_request->part);
   } else if (const auto* shape = std::get_if<ObjectShape>(&datagram.message)) {
     EXPECT_TRUE(shape->source != 0 && shape->serial != 0 && shape->object >= 0);
-    expect_sane(shape->part);
+    expect_within_limits(shape->part);
   } else if (const auto* start = std::get_if<ShapeStart>(&datagram.message)) {
     EXPECT_TRUE(start->source != 0 && start->object >= 0);
     EXPECT_TRUE(start->serial == 0 ? start->before == 0 : start->before < start->serial);

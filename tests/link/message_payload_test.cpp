@@ -19,7 +19,7 @@ TEST_F(CodecTest, ThePayloadIsTheMessageOfAnyKind) {
 
 TEST_F(CodecTest, BytesThatAreNoEnvelopeHaveNoPayload) {
   EXPECT_EQ(find_message_payload({}), "");
-  const Bytes bytes = encode(random_.draw(4));
+  const Bytes bytes = encode(random_.draw(kForceCommand));
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_EQ(find_message_payload(std::span(bytes).first(size)), "") << size;
   for (int n = 0; n < 20'000; ++n) {
     Bytes noise(random_.bits() % 64);
@@ -30,7 +30,7 @@ TEST_F(CodecTest, BytesThatAreNoEnvelopeHaveNoPayload) {
 
 // A field of a later build in front of the message is skipped.
 TEST_F(CodecTest, ThePayloadIsOfAKindThatThisBuildKnows) {
-  Bytes bytes = encode(random_.draw(4));
+  Bytes bytes = encode(random_.draw(kForceCommand));
   const std::string payload(find_message_payload(bytes));
   const Bytes later = {std::byte{0xC2}, std::byte{0x3E}, std::byte{2}, std::byte{'h'}, std::byte{'i'}};  // field 1000
   bytes.insert(bytes.begin() + 2, later.begin(), later.end());

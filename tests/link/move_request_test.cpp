@@ -34,22 +34,22 @@ TEST(MoveRequests, HoldWhatWasGivenAndANumber) {
 
 TEST(MoveRequests, WhatNoRequestMayHaveIsOneLine) {
   const MoveTarget good{.position_m = Vec3::Zero()};
-  const auto rejected = [](const std::string& object, const MoveTarget& target) {
+  const auto expect_rejected = [](const std::string& object, const MoveTarget& target) {
     const auto made = make_move_request(object, target);
     EXPECT_FALSE(made) << object;
     EXPECT_TRUE(made || made.error().what.find('\n') == std::string::npos);
   };
   for (const std::string& object : {std::string(), std::string("#"), std::string("#-1"), std::string("#1x"), std::string("#99999999999"),
                                     std::string("a\nb"), std::string(256, 'x')}) {
-    rejected(object, good);
+    expect_rejected(object, good);
   }
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  rejected("lid", {});
-  rejected("lid", {.position_m = Vec3(0, kNan, 0)});
-  rejected("lid", {.position_m = Vec3(0, 2e9, 0)});
-  rejected("lid", {.rotation = Quat(1, 1, 0, 0)});
-  rejected("lid", {.rotation = Quat(kNan, 0, 0, 0)});
-  for (const double seconds : {0.0, -1.0, kNan, 86'401.0}) rejected("lid", {.position_m = Vec3::Zero(), .over_s = seconds});
+  expect_rejected("lid", {});
+  expect_rejected("lid", {.position_m = Vec3(0, kNan, 0)});
+  expect_rejected("lid", {.position_m = Vec3(0, 2e9, 0)});
+  expect_rejected("lid", {.rotation = Quat(1, 1, 0, 0)});
+  expect_rejected("lid", {.rotation = Quat(kNan, 0, 0, 0)});
+  for (const double seconds : {0.0, -1.0, kNan, 86'401.0}) expect_rejected("lid", {.position_m = Vec3::Zero(), .over_s = seconds});
 }
 
 TEST(MoveRequests, AReplyIsATimeOrAReason) {
@@ -59,7 +59,7 @@ TEST(MoveRequests, AReplyIsATimeOrAReason) {
   EXPECT_NE(rejected.error().what.find("no such object"), std::string::npos);
 }
 
-TEST(MoveRequests, AMoveOfTheWireIsInSecondsOfSceneTime) {
+TEST(MoveRequests, AMoveFromTheWireIsConvertedToSecondsOfSceneTime) {
   const ObjectMove sent{.source = 1,
                         .serial = 9,
                         .object = 2,
@@ -75,7 +75,7 @@ TEST(MoveRequests, AMoveOfTheWireIsInSecondsOfSceneTime) {
   EXPECT_EQ(move.to, (Keyframe{4.0, Vec3(4, 5, 6), Quat(0, 0, 1, 0)}));
 }
 
-// A hub whose haptics node replies to a request to move when the request has come `replies_to` times.
+// A hub whose haptics node replies to a request to move when the request has come `replies_after` times.
 class MovingHub final : public Endpoint {
  public:
   explicit MovingHub(SimulatedClock& clock) : clock_(clock) {}
@@ -83,43 +83,43 @@ class MovingHub final : public Endpoint {
   bool send(const Address&, std::span<const std::byte> bytes) noexcept override {
     Datagram datagram;
     EXPECT_EQ(codec_.decode(bytes, datagram), DecodeStatus::ok);
-    if (std::holds_alternative<Hello>(datagram.message)) say(Welcome{true, 1000.0});
+    if (std::holds_alternative<Hello>(datagram.message)) queue(Welcome{true, 1000.0});
     if (const auto* request = std::get_if<MoveRequest>(&datagram.message)) {
       requests.push_back(request->request);
-      if (requests.size() != replies_to) return true;
-      say(MoveReply{.request = request->request + 2, .over_s = 9.0});  // to somebody else
+      if (requests.size() != replies_after) return true;
+      queue(MoveReply{.request = request->request + 2, .over_s = 9.0});  // to somebody else
       reply.request = request->request;
-      say(reply);
+      queue(reply);
     }
     return true;
   }
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
-    if (waiting_.empty()) {
+    if (queued_.empty()) {
       clock_.sleep_until_ns(deadline_ns);
       return {};
     }
-    const std::vector<std::byte> next = waiting_.front();
-    waiting_.pop_front();
+    const std::vector<std::byte> next = queued_.front();
+    queued_.pop_front();
     std::copy(next.begin(), next.end(), into.begin());
     return {.bytes = next.size(), .from = local_address()};
   }
   Address local_address() const override { return {{9}, 1}; }
 
-  std::size_t replies_to = 1;
+  std::size_t replies_after = 1;
   MoveReply reply;
   std::vector<std::uint32_t> requests;
 
  private:
-  void say(const Message& message) {
+  void queue(const Message& message) {
     std::array<std::byte, kMaxDatagramBytes> bytes;
     const std::size_t size = codec_.encode({{7, 8, ++sequence_, clock_.now_ns()}, message}, bytes);
-    waiting_.emplace_back(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    queued_.emplace_back(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
   }
 
   SimulatedClock& clock_;
   Codec codec_;
   std::uint64_t sequence_ = 0;
-  std::deque<std::vector<std::byte>> waiting_;
+  std::deque<std::vector<std::byte>> queued_;
 };
 
 struct MovesOfObjects : testing::Test {
@@ -131,7 +131,7 @@ struct MovesOfObjects : testing::Test {
 
 // A datagram may be lost, so the request is repeated.
 TEST_F(MovesOfObjects, AreRequestedUntilTheReplyComes) {
-  hub.replies_to = 3;
+  hub.replies_after = 3;
   hub.reply.over_s = 0.75;
   const auto moved = move_object(client, clock, request, 5.0);
   ASSERT_TRUE(moved) << moved.error().what;
@@ -142,7 +142,7 @@ TEST_F(MovesOfObjects, AreRequestedUntilTheReplyComes) {
 TEST_F(MovesOfObjects, AreOneLineWhereTheyAreRejectedOrNobodyReplies) {
   hub.reply.rejection = {"no object has that name"};
   EXPECT_EQ(move_object(client, clock, request, 5.0).error().what, "the haptics node rejected it: no object has that name");
-  hub.replies_to = 0;
+  hub.replies_after = 0;
   hub.requests.clear();
   const std::int64_t begin_ns = clock.now_ns();
   EXPECT_EQ(move_object(client, clock, request, 0.5).error().what,

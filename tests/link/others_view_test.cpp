@@ -25,7 +25,7 @@ TEST(OthersView, AnOvertakenOneDoesNotComeBack) {
   others.take(view_at(7, 0.3F), Arrival::reordered, own);
   EXPECT_EQ(others.revision(), 8U);
   others.take(view_at(2, 0.3F), Arrival::newest, own);
-  EXPECT_EQ(others.revision(), 2U) << "a node that sets any";
+  EXPECT_EQ(others.revision(), 2U) << "another node may set a lower revision";
   others.forget();
   EXPECT_EQ(others.revision(), 0U);
 }

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPatchNan = std::numeric_limits<double>::quiet_NaN();
 
 struct PatchCodecTest : CodecTest {};
 
@@ -30,7 +30,7 @@ TEST_F(PatchCodecTest, RejectsBadBodies) {
   EXPECT_EQ(with([](PatchBody& m) { m.motion = PatchBody::Motion::still; }), DecodeStatus::bad_value) << "keyframes of what stands still";
   EXPECT_EQ(with([](PatchBody& m) { m.highest[1] = 1U << kPatchGridBits; }), DecodeStatus::bad_value) << "past the grid";
   EXPECT_EQ(with([](PatchBody& m) { m.lowest[1] = 7; }), DecodeStatus::bad_value) << "a box inside out";
-  EXPECT_EQ(with([](PatchBody& m) { m.pivot_m.x() = kNoNumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.pivot_m.x() = kPatchNan; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.radius_m = -1.0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.object = -1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.all_keys = 4; }), DecodeStatus::bad_value) << "more than there are";
@@ -39,7 +39,7 @@ TEST_F(PatchCodecTest, RejectsBadBodies) {
   EXPECT_EQ(with([](PatchBody& m) { m.key_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.keys[1].time_s = 0.5; }), DecodeStatus::bad_value) << "not after the one before";
   EXPECT_EQ(with([](PatchBody& m) { m.keys[0].time_s = -0.1; }), DecodeStatus::bad_value);
-  EXPECT_EQ(with([](PatchBody& m) { m.keys[1].p_S.z() = kNoNumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.keys[1].p_S.z() = kPatchNan; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.keys[1].turn = Quat(0.5, 0, 0, 0); }), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchBegin{.step_m = 1e-8, .body_count = PatchBody::kMaxBodies + 1}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchCell{.body = PatchBody::kMaxBodies}), DecodeStatus::bad_value);
@@ -72,29 +72,29 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
   EXPECT_EQ(with([](PatchDeformation& m) { m.key_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.keys[0] = -0.1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.keys[3] = 0.5; }), DecodeStatus::bad_value) << "not after the one before";
-  EXPECT_EQ(with([](PatchDeformation& m) { m.keys[4] = kNoNumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.keys[4] = kPatchNan; }), DecodeStatus::bad_value);
 
   PatchStream stream{.epoch = 1, .serial = 2, .body = 3, .first_tile = 4, .tile_count = 2, .total = 30, .reach_m = 0.01};
   stream.tile = 5;
   stream.vertex_count = 2;
   stream.vertices = {29, 0};
   EXPECT_EQ(round_trip(stream), DecodeStatus::ok);
-  const auto other = [&](auto&& change) {
+  const auto with_stream = [&](auto&& change) {
     PatchStream bad = stream;
     change(bad);
     return round_trip(bad);
   };
-  EXPECT_EQ(other([](PatchStream& m) { m.body = PatchBody::kMaxBodies; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.tile = 3; }), DecodeStatus::bad_value) << "none of its tiles";
-  EXPECT_EQ(other([](PatchStream& m) { m.tile = 6; }), DecodeStatus::bad_value) << "none of its tiles";
-  EXPECT_EQ(other([](PatchStream& m) { m.object = -1; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.total = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.total = ShapePart::kMaxVertices + 1; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.reach_m = 0.0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.reach_m = kNoNumber; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.to_scene(2, 2) = kNoNumber; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.vertex_count = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.vertices[1] = 30; }), DecodeStatus::bad_value) << "not of the mesh";
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.body = PatchBody::kMaxBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.tile = 3; }), DecodeStatus::bad_value) << "none of its tiles";
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.tile = 6; }), DecodeStatus::bad_value) << "none of its tiles";
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.object = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.total = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.total = ShapePart::kMaxVertices + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.reach_m = 0.0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.reach_m = kPatchNan; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.to_scene(2, 2) = kPatchNan; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.vertex_count = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_stream([](PatchStream& m) { m.vertices[1] = 30; }), DecodeStatus::bad_value) << "not of the mesh";
 
   PatchEffects effects{.epoch = 1, .serial = 2, .part = 3, .byte_count = 4};
   EXPECT_EQ(round_trip(effects), DecodeStatus::ok);
@@ -103,16 +103,16 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
   EXPECT_EQ(round_trip(PatchEffects{.epoch = 1, .serial = 2}), DecodeStatus::bad_value) << "no bytes";
   EXPECT_EQ(round_trip(PatchBegin{.epoch = 1, .step_m = 1e-8, .effect_bytes = PatchEffects::kMaxAllBytes + 1}), DecodeStatus::bad_value);
 
-  PatchDisplacements moved{.epoch = 1, .serial = 2, .tile = 3, .target = 1, .vertex_count = 2};
-  EXPECT_EQ(round_trip(moved), DecodeStatus::ok);
-  moved.target = PatchDeformation::kMaxTargets;
-  EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
-  moved.target = 1;
-  moved.vertex_count = 0;
-  EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
-  moved.vertex_count = 2;
-  moved.by_m[4] = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
+  PatchDisplacements displacements{.epoch = 1, .serial = 2, .tile = 3, .target = 1, .vertex_count = 2};
+  EXPECT_EQ(round_trip(displacements), DecodeStatus::ok);
+  displacements.target = PatchDeformation::kMaxTargets;
+  EXPECT_EQ(round_trip(displacements), DecodeStatus::bad_value);
+  displacements.target = 1;
+  displacements.vertex_count = 0;
+  EXPECT_EQ(round_trip(displacements), DecodeStatus::bad_value);
+  displacements.vertex_count = 2;
+  displacements.by_m[4] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(round_trip(displacements), DecodeStatus::bad_value);
 
   PatchBody body{.epoch = 1, .serial = 2, .body = 3, .deforms = true};
   EXPECT_EQ(round_trip(body), DecodeStatus::ok);

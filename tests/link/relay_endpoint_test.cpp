@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPatienceNs = 30'000 * kMs;
+constexpr std::int64_t kRelayTimeoutNs = 30'000 * kMs;
 
 // A hub, some nodes and the relay between them, all in this thread.
 struct Relays : testing::Test {
@@ -26,8 +26,8 @@ struct Relays : testing::Test {
   }
 
   // The text of the next datagram at this endpoint; empty if none comes in time.
-  std::string receive(Endpoint& at, std::int64_t patience_ns = kPatienceNs) {
-    const std::int64_t end_ns = clock.now_ns() + patience_ns;
+  std::string receive(Endpoint& at, std::int64_t timeout_ns = kRelayTimeoutNs) {
+    const std::int64_t end_ns = clock.now_ns() + timeout_ns;
     do {
       relay->run_for_ns(kMs);
       last = at.receive(buffer, 0);
@@ -41,7 +41,7 @@ struct Relays : testing::Test {
     for (int n = first; n < first + count; ++n) {
       const auto before = relay->to_hub().received;
       ASSERT_TRUE(from.send(relay->local_address(), bytes_of(std::to_string(n))));
-      const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+      const std::int64_t end_ns = clock.now_ns() + kRelayTimeoutNs;
       while (relay->to_hub().received == before && clock.now_ns() < end_ns) relay->run_for_ns(kMs / 10);
     }
   }
@@ -50,7 +50,7 @@ struct Relays : testing::Test {
   std::vector<std::string> receive_rest(Endpoint& at, std::size_t at_least) {
     std::vector<std::string> texts;
     for (;;) {
-      const std::string text = receive(at, texts.size() < at_least ? kPatienceNs : 100 * kMs);
+      const std::string text = receive(at, texts.size() < at_least ? kRelayTimeoutNs : 100 * kMs);
       if (text.empty()) return texts;
       texts.push_back(text);
     }
@@ -69,11 +69,11 @@ TEST_F(Relays, CarryBothWaysAndGiveEachNodeAPortOfItsOwn) {
   open({});
   ASSERT_TRUE(node->send(relay->local_address(), bytes_of("from node")));
   EXPECT_EQ(receive(*hub), "from node");
-  const Address node_seen = last.from;
+  const Address node_address = last.from;
   ASSERT_TRUE(other->send(relay->local_address(), bytes_of("from other")));
   EXPECT_EQ(receive(*hub), "from other");
-  EXPECT_NE(last.from, node_seen);
-  ASSERT_TRUE(hub->send(node_seen, bytes_of("to node")));
+  EXPECT_NE(last.from, node_address);
+  ASSERT_TRUE(hub->send(node_address, bytes_of("to node")));
   EXPECT_EQ(receive(*node), "to node");
   EXPECT_EQ(last.from, relay->local_address());
   EXPECT_EQ(relay->clients(), 2U);
@@ -101,15 +101,15 @@ TEST_F(Relays, CountWhatABurstLosesApart) {
   EXPECT_EQ(relay->phase(), 0U);
 }
 
-TEST_F(Relays, CopyAndSpoil) {
+TEST_F(Relays, CopyAndCorrupt) {
   open({.duplicate = 1.0});
   send_numbered(*node, 20);
   EXPECT_EQ(receive_rest(*hub, 40).size(), 40U);
   open({.corrupt = 1.0});
   ASSERT_TRUE(node->send(relay->local_address(), bytes_of("whole")));
-  const std::string spoilt = receive(*hub);
-  EXPECT_EQ(spoilt.size(), 5U);
-  EXPECT_NE(spoilt, "whole");
+  const std::string corrupted = receive(*hub);
+  EXPECT_EQ(corrupted.size(), 5U);
+  EXPECT_NE(corrupted, "whole");
 }
 
 TEST_F(Relays, DeliverLateWhatIsDelayedAndOutOfOrderWhatIsHeldBack) {
@@ -130,7 +130,7 @@ TEST_F(Relays, DeliverLateWhatIsDelayedAndOutOfOrderWhatIsHeldBack) {
 TEST_F(Relays, DeliverDelayedDatagramsInOrderWhileMoreCome) {
   open({.delay_ns = 20 * kMs});
   std::vector<std::string> arrived;
-  const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+  const std::int64_t end_ns = clock.now_ns() + kRelayTimeoutNs;
   for (int n = 0; arrived.size() < 10 && clock.now_ns() < end_ns; ++n) {
     send_numbered(*node, 1, n);
     relay->run_for_ns(kMs);
@@ -174,10 +174,10 @@ TEST_F(Relays, HoldNoMoreThanTheyMay) {
     relay->run_for_ns(kMs);
   }
   EXPECT_GT(relay->to_hub().overflowed, 0U);
-  std::vector<std::unique_ptr<Endpoint>> crowd;
+  std::vector<std::unique_ptr<Endpoint>> nodes;
   for (std::size_t n = 0; n < RelayEndpoint::kMaxClients + 5; ++n) {
-    crowd.push_back(*open_udp_endpoint("127.0.0.1:0"));
-    send_numbered(*crowd.back(), 1);
+    nodes.push_back(*open_udp_endpoint("127.0.0.1:0"));
+    send_numbered(*nodes.back(), 1);
   }
   EXPECT_EQ(relay->clients(), RelayEndpoint::kMaxClients);
   EXPECT_GE(relay->to_hub().rejected, 5U);

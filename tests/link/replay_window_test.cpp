@@ -31,7 +31,7 @@ TEST(ReplayWindowTest, ADatagramTooOldToCheckDoesNotPass) {
   EXPECT_TRUE(window.is_fresh(11));
 }
 
-TEST(ReplayWindowTest, AskingLeavesNoMark) {
+TEST(ReplayWindowTest, CheckingLeavesNoMark) {
   ReplayWindow window;
   EXPECT_TRUE(window.is_fresh(~std::uint64_t{0}));
   EXPECT_TRUE(window.is_fresh(1));

@@ -43,7 +43,7 @@ class RoleAttack : public testing::Test {
   }
 
   std::unique_ptr<Member> make_member(KeyRole key_role, NodeRole role, std::uint8_t host) {
-    return std::make_unique<Member>(network_, clock_, RoleKey(master_, key_role), role, host, hub_at_);
+    return std::make_unique<Member>(network_, clock_, RoleKey(master_, key_role), role, host, hub_address_);
   }
 
   // A millisecond at a time: the hub sends a state, the haptics node replies, then the attacker acts.
@@ -80,8 +80,8 @@ class RoleAttack : public testing::Test {
 
   SimulatedClock clock_{1000 * kNanosecondsPerSecond};
   MemoryNetwork network_{clock_};
-  Address hub_at_ = memory_address(1, 4950);
-  TappedEndpoint hub_endpoint_{*network_.open(hub_at_)};
+  Address hub_address_ = memory_address(1, 4950);
+  TappedEndpoint hub_endpoint_{*network_.open(hub_address_)};
   LinkKey master_ = LinkKey::make_random();
   std::optional<SealedHub> sealed_;
   std::optional<HubPeers> peers_;
@@ -99,17 +99,17 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
   // handshake of the attacker's own.
   const RoleKey vision(master_, KeyRole::vision);
   Codec codec;
-  int tried = 0;
+  int attempts = 0;
   const auto connections = [&] {
-    std::vector<std::uint32_t> seen;
+    std::vector<std::uint32_t> numbers;
     for (const auto& arrived : hub_endpoint_.arrived()) {
       if (classify_sealed(arrived.bytes).kind != seal::Kind::data) continue;
-      seen.push_back(seal::load<std::uint32_t>(seal::bytes_of(std::span(arrived.bytes)) + seal::kConnectionAt));
+      numbers.push_back(seal::load<std::uint32_t>(seal::bytes_of(std::span(arrived.bytes)) + seal::kConnectionAt));
     }
-    return seen;
+    return numbers;
   }();
   ASSERT_FALSE(connections.empty());
-  const std::vector<TappedEndpoint::Arrived> recorded = hub_endpoint_.arrived();
+  const std::vector<TappedEndpoint::ArrivedDatagram> recorded = hub_endpoint_.arrived();
   const SealCounts before = sealed_->seal_counts();
   for (const auto& arrived : recorded) {
     if (classify_sealed(arrived.bytes).kind != seal::Kind::request) continue;
@@ -128,35 +128,35 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
     keys.client_to_hub = guess.initiator_to_responder;
     keys.hub_to_client = guess.responder_to_initiator;
     SealedChannel channel(keys, connections.back(), SealedChannel::Side::client);
-    for (std::uint64_t sequence = 1000; sequence < 1100; ++sequence, ++tried) {
+    for (std::uint64_t sequence = 1000; sequence < 1100; ++sequence, ++attempts) {
       Bytes plain(kMaxDatagramBytes);
       plain.resize(codec.encode({{7, 1, sequence, clock_.now_ns()}, ForceCommand{.force_n = Vec3(kFalseForceN, 0, 0)}}, plain));
       Bytes sealed(kMaxDatagramBytes);
       for (int skip = 0; skip < 50; ++skip) channel.seal(plain, sealed);  // passes the counters that the hub has seen
       sealed.resize(channel.seal(plain, sealed));
-      hub_endpoint_.put_in(arrived.from, sealed);
+      hub_endpoint_.inject(arrived.from, sealed);
       turn_hub();
     }
   }
-  EXPECT_GE(tried, 200);
+  EXPECT_GE(attempts, 200);
   EXPECT_EQ(false_forces_, 0);
   EXPECT_EQ(sealed_->seal_counts().forged - before.forged + sealed_->seal_counts().replayed - before.replayed,
-            static_cast<std::uint64_t>(tried));
-  const int had = true_forces_;
+            static_cast<std::uint64_t>(attempts));
+  const int true_forces_before = true_forces_;
   run(100, [] {});
-  EXPECT_GE(true_forces_, had + 99);
+  EXPECT_GE(true_forces_, true_forces_before + 99);
 }
 
 TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
   for (const KeyRole key_role : {KeyRole::vision, KeyRole::tool, KeyRole::operator_role}) {
     const std::uint8_t host = static_cast<std::uint8_t>(10 + static_cast<int>(key_role));
     const std::uint64_t violations = peers_->counts().role_violations;
-    const auto liar = make_member(key_role, NodeRole::haptics, host);
+    const auto intruder = make_member(key_role, NodeRole::haptics, host);
     run(300, [&] {
-      turn(*liar);
-      liar->client.send(ForceCommand{.echo_sample = sample_, .force_n = Vec3(kFalseForceN, 0, 0)});
+      turn(*intruder);
+      intruder->client.send(ForceCommand{.echo_sample = sample_, .force_n = Vec3(kFalseForceN, 0, 0)});
     });
-    EXPECT_NE(liar->client.state(), JoinState::joined);
+    EXPECT_NE(intruder->client.state(), JoinState::joined);
     EXPECT_GT(peers_->counts().role_violations, violations);
     // Joined in the role of its key, it still sends no force.
     const std::uint64_t wrong_role = peers_->counts().wrong_role;
@@ -175,7 +175,7 @@ TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
 
 TEST_F(RoleAttack, AnotherSystemsHapticsKeyIsAsGoodAsNone) {
   run(100, [] {});
-  Member unknown(network_, clock_, RoleKey(LinkKey::make_random(), KeyRole::haptics), NodeRole::haptics, 66, hub_at_);
+  Member unknown(network_, clock_, RoleKey(LinkKey::make_random(), KeyRole::haptics), NodeRole::haptics, 66, hub_address_);
   run(300, [&] { turn(unknown); });
   EXPECT_EQ(unknown.client.state(), JoinState::joining);
   EXPECT_EQ(unknown.sealed.seal_counts().opened, 0U);

@@ -14,10 +14,6 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kDeviceState = 3;
-constexpr std::size_t kForceCommand = 4;
-constexpr std::size_t kKinds = std::variant_size_v<Message>;
-
 class FixedCodec : public testing::Test {
  protected:
   Bytes write(const Datagram& datagram) {
@@ -55,9 +51,9 @@ TEST_F(FixedCodec, WritesWhatProtobufWrites) {
     ASSERT_FALSE(bytes.empty());
     wire::Envelope envelope;
     ASSERT_TRUE(envelope.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
-    const std::string theirs = envelope.SerializeAsString();
-    ASSERT_EQ(theirs.size(), bytes.size()) << i;
-    ASSERT_EQ(std::memcmp(theirs.data(), bytes.data(), bytes.size()), 0) << i;
+    const std::string reference = envelope.SerializeAsString();
+    ASSERT_EQ(reference.size(), bytes.size()) << i;
+    ASSERT_EQ(std::memcmp(reference.data(), bytes.data(), bytes.size()), 0) << i;
   }
 }
 
@@ -127,16 +123,16 @@ TEST_F(FixedCodec, RejectsValuesThatTheContractRulesOut) {
   EXPECT_TRUE(is_accepted(ForceCommand{}));
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.1e9}) {
     for (int axis = 0; axis < 3; ++axis) {
-      Vec3 only = Vec3::Zero();
-      only[axis] = bad;
-      EXPECT_FALSE(is_accepted(DeviceState{.p_WD = only}));
-      EXPECT_FALSE(is_accepted(DeviceState{.p_WP = only}));
-      EXPECT_FALSE(is_accepted(ForceCommand{.force_n = only}));
-      EXPECT_FALSE(is_accepted(ForceCommand{.visual_offset_m = only}));
-      EXPECT_FALSE(is_accepted(ForceCommand{.torque_nm = only}));
-      EXPECT_FALSE(is_accepted(ForceCommand{.visual_turn = only}));
-      EXPECT_FALSE(is_accepted(ForceCommand{.push = ObjectPush{.force_n = only}}));
-      EXPECT_FALSE(is_accepted(ForceCommand{.push = ObjectPush{.torque_nm = only}}));
+      Vec3 bad_vector = Vec3::Zero();
+      bad_vector[axis] = bad;
+      EXPECT_FALSE(is_accepted(DeviceState{.p_WD = bad_vector}));
+      EXPECT_FALSE(is_accepted(DeviceState{.p_WP = bad_vector}));
+      EXPECT_FALSE(is_accepted(ForceCommand{.force_n = bad_vector}));
+      EXPECT_FALSE(is_accepted(ForceCommand{.visual_offset_m = bad_vector}));
+      EXPECT_FALSE(is_accepted(ForceCommand{.torque_nm = bad_vector}));
+      EXPECT_FALSE(is_accepted(ForceCommand{.visual_turn = bad_vector}));
+      EXPECT_FALSE(is_accepted(ForceCommand{.push = ObjectPush{.force_n = bad_vector}}));
+      EXPECT_FALSE(is_accepted(ForceCommand{.push = ObjectPush{.torque_nm = bad_vector}}));
     }
   }
   EXPECT_FALSE(is_accepted(DeviceState{.q_WT = Quat(1.002, 0, 0, 0)}));

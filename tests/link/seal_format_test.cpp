@@ -14,8 +14,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kMost32 = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kMost64 = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint32_t kMax32 = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
 constexpr std::int64_t kMinTime = -kMaxWireTimeNs;
 // None of these values is left out of a message for being zero, and none has a short encoding.
 const Vec3 kVector(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
@@ -32,121 +32,121 @@ void fill_text(std::array<char, N>& text) {
 void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
-void lengthen(DeviceState& m) { m = {kMost64, kMinTime, kVector, kRotation, kMost32, true, kVector, kMaxWireTimeNs}; }
-void lengthen(ForceCommand& m) { m = {kMost64, kMinTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32, 5}; }
-void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
+void lengthen(DeviceState& m) { m = {kMax64, kMinTime, kVector, kRotation, kMax32, true, kVector, kMaxWireTimeNs}; }
+void lengthen(ForceCommand& m) { m = {kMax64, kMinTime, kVector, kVector, true, kMax32, kMax32, kMax32, kMax32, kMax64, kMax32, 5}; }
+void lengthen(ViewTransform& m) { m = {kMax32, kPose}; }
 void lengthen(ProbeState& m) {
-  m = {kMost64, kMinTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
+  m = {kMax64, kMinTime, kVector, kRotation, kVector, kVector, true, kMax32, kRate, kRate, kRate, kMax32, ProbeStatus::too_small};
 }
-void lengthen(FrameAck& m) { m = {kMost64, kMinTime, kRate, kMost32, kMost32, true, true}; }
-void lengthen(HandTarget& m) { m = {true, kVector, kMost32, kVector}; }
+void lengthen(FrameAck& m) { m = {kMax64, kMinTime, kRate, kMax32, kMax32, true, true}; }
+void lengthen(HandTarget& m) { m = {true, kVector, kMax32, kVector}; }
 void lengthen(Settings& m) {
   m.servo_rate_hz = kMaxServoRateHz;
   m.method.fill('x');
   m.report_now = true;
   m.reset_faults = true;
-  m.method_request = kMost32;
+  m.method_request = kMax32;
 }
 void lengthen(HapticsSetup& m) {
-  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}, kMost32, kMost32};
+  m = {kMax32, kMax32, kPose, kMax64, {}, {}, {}, kMax32, {}, kMax32, kMax32};
   fill_text(m.scene);
   fill_text(m.build);
   fill_text(m.method);
   fill_text(m.rejection);
 }
 void lengthen(SceneFacts& m) {
-  m = {kMost64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMaxPoints, {}, 1.0F};
+  m = {kMax64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMaxPoints, {}, 1.0F};
   m.points_m.fill({3, 3, 3});
 }
-void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
-void lengthen(ViewRejected& m) { m = {kMost32}; }
+void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMax32, kMax32 - 1}; }
+void lengthen(ViewRejected& m) { m = {kMax32}; }
 void lengthen(LoopFacts& m) {
   m = {{}, kMaxServoRateHz, 1e3F / 3.0F};
   fill_text(m.device);
 }
 void lengthen(PatchBegin& m) {
-  m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64, PatchBody::kMaxBodies, kMost32, kMost32, PatchEffects::kMaxAllBytes};
+  m = {kMax32, kMax32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMax64, PatchBody::kMaxBodies, kMax32, kMax32, PatchEffects::kMaxAllBytes};
 }
 void lengthen(PatchBody& m) {
   constexpr std::uint32_t kLast = (1U << kPatchGridBits) - 1;
-  m = {.epoch = kMost32, .serial = kMost32, .body = PatchBody::kMaxBodies - 1, .motion = PatchBody::Motion::keyframes};
+  m = {.epoch = kMax32, .serial = kMax32, .body = PatchBody::kMaxBodies - 1, .motion = PatchBody::Motion::keyframes};
   m.lowest = m.highest = {kLast, kLast, kLast};
   m.pivot_m = kVector;
   m.radius_m = 1.0 / 3.0;
   m.object = std::numeric_limits<std::int32_t>::max();
-  m.move_serial = kMost32;
+  m.move_serial = kMax32;
   m.loops = true;
   m.all_keys = PatchBody::kMaxAllKeys;
   m.key_count = PatchBody::kMaxKeys;
   m.first_key = m.all_keys - m.key_count;
   for (std::size_t n = 0; n < m.keys.size(); ++n) m.keys[n] = {static_cast<double>(n) + 1.0 / 3.0, kVector, kRotation};
 }
-void lengthen(PatchMaterial& m) { m = {kMost32, kMost32, kMost32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}; }
+void lengthen(PatchMaterial& m) { m = {kMax32, kMax32, kMax32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}; }
 void lengthen(PatchCell& m) {
   constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;
-  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMaxTiles, {}, PatchBody::kMaxBodies - 1};
+  m = {kMax32, kMax32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMaxTiles, {}, PatchBody::kMaxBodies - 1};
   m.empty_children.fill(0xFF);
-  m.tiles.fill(kMost32);
+  m.tiles.fill(kMax32);
 }
 void lengthen(PatchTile& m) {
-  m = {kMost32, kMost32, kMost32, kMost32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, false};
+  m = {kMax32, kMax32, kMax32, kMax32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, false};
   m.vertex_count = PatchTile::kMaxVertices;
   m.triangle_count = PatchTile::kMaxTriangles;
   m.vertices.fill(0xFF);
 }
 void lengthen(PatchDeformation& m) {
-  m = {kMost32, kMost32, PatchBody::kMaxBodies - 1, kMost32, kMost32, kMost32, 1, true, PatchDeformation::kMaxAllKeys};
+  m = {kMax32, kMax32, PatchBody::kMaxBodies - 1, kMax32, kMax32, kMax32, 1, true, PatchDeformation::kMaxAllKeys};
   m.key_count = static_cast<std::uint32_t>(PatchDeformation::kMaxNumbers / PatchDeformation::numbers_of_key(m.target_count));
   m.first_key = m.all_keys - m.key_count;
   for (std::size_t i = 0; i < m.keys.size(); ++i) m.keys[i] = static_cast<double>(i) + 1.0 / 3.0;
 }
 void lengthen(PatchDisplacements& m) {
-  m = {kMost32, kMost32, kMost32, PatchDeformation::kMaxTargets - 1, PatchTile::kMaxVertices};
+  m = {kMax32, kMax32, kMax32, PatchDeformation::kMaxTargets - 1, PatchTile::kMaxVertices};
   m.by_m.fill(1.0F / 3.0F);
 }
 void lengthen(PatchStream& m) {
-  m = {kMost32, kMost32, PatchBody::kMaxBodies - 1, kMost32 - 1, 1, kMost32 >> 1, ShapePart::kMaxVertices, 1.0 / 3.0};
+  m = {kMax32, kMax32, PatchBody::kMaxBodies - 1, kMax32 - 1, 1, kMax32 >> 1, ShapePart::kMaxVertices, 1.0 / 3.0};
   m.to_scene.setConstant(1.0 / 3.0);
-  m.shape_serial = kMost32;
+  m.shape_serial = kMax32;
   m.tile = m.first_tile;
   m.vertex_count = PatchTile::kMaxVertices;
   m.vertices.fill(m.total - 1);
 }
 void lengthen(PatchEffects& m) {
-  m = {kMost32, kMost32, PatchEffects::kMaxAllBytes / PatchEffects::kMaxBytes, PatchEffects::kMaxBytes};
+  m = {kMax32, kMax32, PatchEffects::kMaxAllBytes / PatchEffects::kMaxBytes, PatchEffects::kMaxBytes};
   m.bytes.fill(0xFF);
 }
-void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64, kMost32, true, kRate}; }
+void lengthen(PatchStatus& m) { m = {true, kMax32, kMax32, {}, kRate, kMax32, kMax64, kMax32, true, kRate}; }
 constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 void lengthen(MaterialRequest& m) {
-  m = {kMost32, {}, kChange};
+  m = {kMax32, {}, kChange};
   fill_text(m.object);
 }
 void lengthen(MaterialState& m) {
-  m = {kMost32, kMost32, {}, MaterialState::kMaxObjects, {}};
+  m = {kMax32, kMax32, {}, MaterialState::kMaxObjects, {}};
   fill_text(m.rejection);
   for (std::size_t i = 0; i < m.objects.size(); ++i) {
     m.objects[i] = {std::numeric_limits<std::int32_t>::max() - static_cast<std::int32_t>(m.objects.size() - i), kChange};
   }
 }
-void lengthen(ObjectPose& m) { m = {kMost32, std::numeric_limits<std::int32_t>::max(), true, kVector, kRotation}; }
+void lengthen(ObjectPose& m) { m = {kMax32, std::numeric_limits<std::int32_t>::max(), true, kVector, kRotation}; }
 void lengthen(MoveRequest& m) {
-  m = {kMost32, {}, std::numeric_limits<std::int32_t>::max(), kVector, kRotation, 1.0 / 3.0};
+  m = {kMax32, {}, std::numeric_limits<std::int32_t>::max(), kVector, kRotation, 1.0 / 3.0};
   fill_text(m.object);
 }
 void lengthen(MoveReply& m) {
-  m = {kMost32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, kMost32};
+  m = {kMax32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, kMax32};
   fill_text(m.rejection);
 }
 void lengthen(ObjectMove& m) {
-  m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMaxWireTimeNs, kMaxWireTimeNs, kVector, kRotation, kVector, kRotation};
+  m = {kMax32, kMax32, std::numeric_limits<std::int32_t>::max(), kMaxWireTimeNs, kMaxWireTimeNs, kVector, kRotation, kVector, kRotation};
 }
 // An undo is shorter than a carve, also with the two fields that it adds.
 void lengthen(Carves& m) {
-  m = {kMost32, kMost32, kMost32 - Carves::kMax, Carves::kMax, {}};
+  m = {kMax32, kMax32, kMax32 - Carves::kMax, Carves::kMax, {}};
   m.carves.fill({std::numeric_limits<std::int32_t>::max(), {0.1F, 0.2F, 0.3F}, {0.2F, 0.3F, 0.4F}, 0.1F, true});
 }
-void lengthen(CarveUndo& m) { m = {kMost32, kMost32}; }
+void lengthen(CarveUndo& m) { m = {kMax32, kMax32}; }
 ShapePart make_long_part() {
   ShapePart part{.total = ShapePart::kMaxVertices};
   part.first = (part.total / ShapePart::kVerticesPerPart - 1) * ShapePart::kVerticesPerPart;
@@ -154,29 +154,31 @@ ShapePart make_long_part() {
   return part;
 }
 void lengthen(ShapeRequest& m) {
-  m = {kMost32, kMost32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, make_long_part()};
+  m = {kMax32, kMax32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, make_long_part()};
   fill_text(m.object);
 }
 void lengthen(ShapeReply& m) {
-  m = {kMost32, kMost32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, kMost32};
+  m = {kMax32, kMax32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, kMax32};
   fill_text(m.rejection);
 }
-void lengthen(ObjectShape& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part()}; }
+void lengthen(ObjectShape& m) { m = {kMax32, kMax32, std::numeric_limits<std::int32_t>::max(), make_long_part()}; }
 void lengthen(ShapeStart& m) {
-  m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMaxVertices, kMaxWireTimeNs, kMaxWireTimeNs};
+  m = {kMax32, kMax32, kMax32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMaxVertices, kMaxWireTimeNs, kMaxWireTimeNs};
 }
-void lengthen(ShapeStatus& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part().first, 9984}; }
-void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }
+void lengthen(ShapeStatus& m) {
+  m = {kMax32, kMax32, std::numeric_limits<std::int32_t>::max(), make_long_part().first, 9984};  // 156 parts of 64 vertices
+}
+void lengthen(CarveStatus& m) { m = {kMax32, kMax32}; }
 void lengthen(Marker& m) {
-  m.request = kMost32;
+  m.request = kMax32;
   std::fill(m.text.begin(), m.text.end() - 1, 'x');
 }
-void lengthen(MarkerReply& m) { m = {kMost32, kMost64, MarkerStatus::no_room}; }
+void lengthen(MarkerReply& m) { m = {kMax32, kMax64, MarkerStatus::no_room}; }
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;
-  m.revision = kMost32;
-  m.part = kMost32 - 1;
-  m.parts = kMost32;
+  m.revision = kMax32;
+  m.part = kMax32 - 1;
+  m.parts = kMax32;
   m.size = static_cast<std::uint16_t>(m.text.size());
   m.text.fill('x');
 }
@@ -198,12 +200,12 @@ TEST(SealFormatTest, EveryMessageAtItsLongestFitsOneSealedDatagram) {
   Codec codec;
   for (const Message& message : longest_of_all(std::make_index_sequence<std::variant_size_v<Message>>())) {
     std::array<std::byte, kMaxDatagramBytes> bytes;
-    const Datagram datagram{{kMost64, kMost64, kMost64, kMinTime}, message};
+    const Datagram datagram{{kMax64, kMax64, kMax64, kMinTime}, message};
     const std::size_t size = codec.encode(datagram, bytes);
     ASSERT_GT(size, 0U) << "kind " << message.index();
     EXPECT_LE(size, seal::kMaxPayloadBytes) << "kind " << message.index();
-    Datagram back;
-    EXPECT_EQ(codec.decode(std::span(bytes).first(size), back), DecodeStatus::ok) << "kind " << message.index();
+    Datagram decoded;
+    EXPECT_EQ(codec.decode(std::span(bytes).first(size), decoded), DecodeStatus::ok) << "kind " << message.index();
   }
 }
 

@@ -138,8 +138,8 @@ TEST_F(SealedChannelTest, DoesNotOpenItsOwnDatagrams) {
 TEST_F(SealedChannelTest, DoesNotOpenAnotherSession) {
   SealedChannel other(keys_of(2), kConnection, Side::client);
   EXPECT_EQ(open(hub_, seal(other, payload_)), OpenStatus::forged);
-  SealedChannel elsewhere(keys_of(1), kConnection + 1, Side::client);
-  EXPECT_EQ(open(hub_, seal(elsewhere, payload_)), OpenStatus::unknown_session);
+  SealedChannel other_connection(keys_of(1), kConnection + 1, Side::client);
+  EXPECT_EQ(open(hub_, seal(other_connection, payload_)), OpenStatus::unknown_session);
 }
 
 TEST_F(SealedChannelTest, ReportsAnotherVersion) {

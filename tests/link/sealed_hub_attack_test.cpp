@@ -28,13 +28,13 @@ TEST_F(SealedHubTest, AReplayedHandshakeGetsNoReplyFromAnyAddressAndIsCounted) {
     for (const auto& arrived : recorded) {
       if (classify_sealed(arrived.bytes).kind != seal::Kind::request) continue;
       for (int times = 0; times < 100; ++times) {
-        hub_endpoint_.put_in(from, arrived.bytes);
+        hub_endpoint_.inject(from, arrived.bytes);
         EXPECT_TRUE(hub_receives().empty());
         ++replays;
       }
     }
   }
-  EXPECT_EQ(replays, 600U);
+  EXPECT_EQ(replays, 600U) << "two requests, each 100 times from three addresses";
   EXPECT_EQ(hub_endpoint_.sent(), sent) << "a replay got a reply";
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, replays);
 }
@@ -48,7 +48,7 @@ TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   start_hub();
   const std::size_t sent = hub_endpoint_.sent();
   for (int times = 0; times < 1000; ++times) {
-    for (const auto& arrived : recorded) hub_endpoint_.put_in(memory_address(66, 6), arrived.bytes);
+    for (const auto& arrived : recorded) hub_endpoint_.inject(memory_address(66, 6), arrived.bytes);
     EXPECT_TRUE(hub_receives().empty());
   }
   EXPECT_LE(hub_endpoint_.sent() - sent, 2U);
@@ -63,7 +63,7 @@ TEST_F(SealedHubTest, WhatNoNodeSendsIsMalformed) {
   std::uint64_t malformed = 0;
   for (const auto& arrived : from_hub) {
     if (classify_sealed(arrived.bytes).kind == seal::Kind::data) continue;
-    hub_endpoint_.put_in(node->endpoint.local_address(), arrived.bytes);
+    hub_endpoint_.inject(node->endpoint.local_address(), arrived.bytes);
     EXPECT_TRUE(hub_receives().empty());
     EXPECT_EQ(hub_->seal_counts().malformed, ++malformed);
   }
@@ -71,7 +71,7 @@ TEST_F(SealedHubTest, WhatNoNodeSendsIsMalformed) {
   Bytes request = hub_endpoint_.arrived().front().bytes;
   ASSERT_EQ(classify_sealed(request).kind, seal::Kind::request);
   request[seal::kRoleAt] = std::byte{0x77};
-  hub_endpoint_.put_in(node->endpoint.local_address(), request);
+  hub_endpoint_.inject(node->endpoint.local_address(), request);
   EXPECT_TRUE(hub_receives().empty());
   EXPECT_EQ(hub_->seal_counts().malformed, malformed + 1);
 }
@@ -92,25 +92,25 @@ TEST_F(SealedHubTest, AHandshakeThatIsSignedAndDoesNotFitEndsWithoutASession) {
     seal::store(seal::load<std::int64_t>(bytes + seal::kRequestTimestampAt) + 1, bytes + seal::kRequestTimestampAt);
     const seal::Tag tag = seal::compute_tag(key, {bytes, seal::kRequestTagAt});
     std::copy(tag.begin(), tag.end(), bytes + seal::kRequestTagAt);
-    hub_endpoint_.put_in(node->endpoint.local_address(), request);
+    hub_endpoint_.inject(node->endpoint.local_address(), request);
     EXPECT_TRUE(hub_receives().empty());
     ASSERT_EQ(hub_->seal_counts().wrong_key, times);
   }
   EXPECT_EQ(hub_endpoint_.sent(), sent);
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
-  say(*node, "still here");
+  node_sends(*node, "still here");
   EXPECT_EQ(hub_receives().count("still here"), 1U);
 }
 
 TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
   // The holder of a key can make any number of valid requests: one address, many ports and hosts.
   for (int i = 0; i < 1000; ++i) {
-    ClientHandshake greedy(RoleKey(key_of(1), KeyRole::tool), static_cast<std::uint64_t>(i), AgreementWorker::Where::caller);
-    greedy.begin();
-    greedy.start_request(1000 + i);
+    ClientHandshake sender(RoleKey(key_of(1), KeyRole::tool), static_cast<std::uint64_t>(i), AgreementWorker::Where::caller);
+    sender.begin();
+    sender.start_request(1000 + i);
     Bytes request(seal::kRequestBytes);
-    greedy.poll(request);
-    hub_endpoint_.put_in(memory_address(66, static_cast<std::uint16_t>(1000 + i)), request);
+    sender.poll(request);
+    hub_endpoint_.inject(memory_address(66, static_cast<std::uint16_t>(1000 + i)), request);
     EXPECT_TRUE(hub_receives().empty());
   }
   EXPECT_EQ(hub_->seal_counts().retries, static_cast<std::uint64_t>(SealedHub::kHandshakeRates.source_burst));
@@ -126,7 +126,7 @@ TEST_F(SealedHubTest, AFloodIsNamed) {
   join(*node);
   const auto recorded = hub_endpoint_.arrived().front().bytes;
   hub_->take_flood(clock_.now_ns());
-  for (int i = 0; i < 5000; ++i) hub_endpoint_.put_in(memory_address(66, 6), recorded);
+  for (int i = 0; i < 5000; ++i) hub_endpoint_.inject(memory_address(66, 6), recorded);
   while (hub_->seal_counts().replayed_handshakes < 5000) hub_receives();
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
@@ -138,7 +138,7 @@ TEST_F(SealedHubTest, AFloodIsNamed) {
 
 TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
   hub_->take_flood(clock_.now_ns());
-  hub_endpoint_.put_in_oversized(memory_address(66, 6), 740'000);
+  hub_endpoint_.inject_oversized(memory_address(66, 6), 740'000);
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
   ASSERT_TRUE(flood);
@@ -153,7 +153,7 @@ TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
 
 TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   hub_->take_flood(clock_.now_ns());
-  for (int i = 0; i < 500; ++i) hub_endpoint_.put_in(memory_address(66, 6), Bytes(40, std::byte{1}));
+  for (int i = 0; i < 500; ++i) hub_endpoint_.inject(memory_address(66, 6), Bytes(40, std::byte{1}));
   while (hub_->seal_counts().malformed < 500) hub_receives();
   hub_endpoint_.filter(199'500);
   clock_.advance_ns(kNanosecondsPerSecond);
@@ -164,7 +164,7 @@ TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   EXPECT_TRUE(flood->is_mostly_filtered);
 }
 
-// The reply's session number is sealed: the filter must be told of it, or it drops the node's first data.
+// The reply's session number is sealed: the filter must get it, or it drops the node's first data.
 TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
   const auto node = make_node(2);
   join(*node);
@@ -180,42 +180,42 @@ TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
 
 // A request of a sender that has only a key: it can claim any host.
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
-  ClientHandshake greedy(RoleKey(key_of(1), role), host, AgreementWorker::Where::caller);
-  greedy.begin();
-  greedy.start_request(time_ns);
+  ClientHandshake sender(RoleKey(key_of(1), role), host, AgreementWorker::Where::caller);
+  sender.begin();
+  sender.start_request(time_ns);
   Bytes request(seal::kRequestBytes);
-  greedy.poll(request);
+  sender.poll(request);
   return request;
 }
 
 // Addresses can be forged. Without the rates by role, the holder of a tool's key could keep the haptics node from its cookie for ever.
 TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
   std::unique_ptr<Node> haptics;  // joins when the flood has used up every burst
-  std::uint64_t made = 0;
+  std::uint64_t requests = 0;
   for (int ms = 0; ms < 200; ++ms) {
     clock_.advance_ns(kMs);
-    for (int i = 0; i < 5; ++i, ++made) {  // 5,000 a second, each from another host
-      hub_endpoint_.put_in(memory_address(static_cast<std::uint8_t>(20 + made % 200), 9), make_request(KeyRole::tool, made, 1));
+    for (int i = 0; i < 5; ++i, ++requests) {  // 5,000 a second, each from another host
+      hub_endpoint_.inject(memory_address(static_cast<std::uint8_t>(20 + requests % 200), 9), make_request(KeyRole::tool, requests, 1));
     }
     hub_receives();
     if (ms == 100) haptics = make_node(2, key_of(1), KeyRole::haptics);
     if (haptics == nullptr) continue;
-    say(*haptics, "hello");
+    node_sends(*haptics, "hello");
     hub_receives();
     node_receives(*haptics);
   }
   EXPECT_GT(hub_->seal_counts().too_many_handshakes, 500U);
-  EXPECT_TRUE(reply(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
+  EXPECT_TRUE(hub_sends(*haptics, "welcome")) << "the haptics node has not joined within 100 ms";
 }
 
 // Sessions in which nothing was opened yet have half of a role's slots at most: the next request takes the slot of the oldest one,
 // although slots are free.
-TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
+TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfTheSlotsOfTheirRole) {
   constexpr std::size_t kMax = SealedHub::kRoleSlots[0] / 2;  // half of the slots of haptics nodes
   std::vector<std::unique_ptr<Node>> nodes;
   for (std::size_t i = 0; i <= kMax; ++i) {
     nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::haptics));
-    say(*nodes.back(), "hello");
+    node_sends(*nodes.back(), "hello");
     hub_receives();                // its request gets a cookie
     node_receives(*nodes.back());  // requests with the cookie
     hub_receives();                // gets a reply
@@ -227,13 +227,13 @@ TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
   EXPECT_EQ(hub_->seal_counts().unknown_session, 1U) << "of the first node";
 }
 
-TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoPlaceOfAnother) {
-  std::vector<std::unique_ptr<Node>> crowd;
+TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoSlotOfAnother) {
+  std::vector<std::unique_ptr<Node>> tools;
   for (std::size_t i = 0; i < SealedHub::kSlots; ++i) {
-    crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::tool));
-    say(*crowd.back(), "mine");
-    meet(*crowd.back());
-    for (const auto& node : crowd) node->sealed.send(hub_at_, text("still here"));
+    tools.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::tool));
+    node_sends(*tools.back(), "mine");
+    run_handshake(*tools.back());
+    for (const auto& node : tools) node->sealed.send(hub_address_, to_bytes("still here"));
     hub_receives();
   }
   EXPECT_EQ(hub_->seal_counts().handshakes, SealedHub::kRoleSlots[2]);
@@ -252,7 +252,7 @@ TEST_F(SealedHubTest, EveryDatagramHandedOutHasTheRoleOfItsKey) {
   std::array<std::byte, kMaxDatagramBytes> into;
   for (const auto& [node, role] : {std::pair(haptics.get(), KeyRole::haptics), std::pair(tool.get(), KeyRole::tool)}) {
     join(*node);
-    say(*node, "who am I");
+    node_sends(*node, "who am I");
     EXPECT_EQ(hub_->receive(into, 0).role, role);
   }
 }
@@ -268,7 +268,7 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
   const auto start_request = [&](std::int64_t time_ns) {
     intruder.start_request(time_ns);
     intruder.poll(request);
-    hub_endpoint_.put_in(at, request);
+    hub_endpoint_.inject(at, request);
     hub_receives();
     node_receives(*haptics);  // takes the datagram off the wire
     return haptics->endpoint.arrived().back().bytes;
@@ -277,7 +277,7 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
   const std::uint64_t rejected = hub_->seal_counts().no_slot;
   start_request(2);
   EXPECT_EQ(hub_->seal_counts().no_slot, rejected + 1);
-  EXPECT_TRUE(reply(*haptics, "still yours"));
+  EXPECT_TRUE(hub_sends(*haptics, "still yours"));
   EXPECT_EQ(node_receives(*haptics), std::vector<std::string>{"still yours"});
 }
 
@@ -290,46 +290,46 @@ TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
     SCOPED_TRACE(jitter_ns);
     start_hub();
     network_.set_impairments({.seed = 5, .reorder = jitter_ns == 0 ? 0.0 : 0.2, .delay_ns = 2 * kMs, .jitter_ns = jitter_ns});
-    Node node(network_, clock_, memory_address(static_cast<std::uint8_t>(jitter_ns == 0 ? 20 : 21), 9), hub_at_,
+    Node node(network_, clock_, memory_address(static_cast<std::uint8_t>(jitter_ns == 0 ? 20 : 21), 9), hub_address_,
               RoleKey(key_of(1), KeyRole::haptics));
-    SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_at_,
+    SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_address_,
                         {.host = 1000 + static_cast<std::uint64_t>(jitter_ns), .rekey_every_ns = 300 * kMs});
     std::array<std::byte, kMaxDatagramBytes> into;
-    std::map<int, std::int64_t> said_ns;
-    std::map<int, int> replied;
-    std::int64_t latest_ns = 0;
+    std::map<int, std::int64_t> sent_ns;
+    std::map<int, int> reply_counts;
+    std::int64_t longest_round_trip_ns = 0;
     constexpr int kWarmUp = 50;
     constexpr int kTurns = 5000;
     for (int turn = 0; turn < kTurns + 50; ++turn) {
       clock_.advance_ns(kMs);
       if (turn < kTurns) {
-        said_ns[turn] = clock_.now_ns();
-        EXPECT_TRUE(sealed.send(hub_at_, text(std::to_string(turn))));
+        sent_ns[turn] = clock_.now_ns();
+        EXPECT_TRUE(sealed.send(hub_address_, to_bytes(std::to_string(turn))));
       }
-      for (const auto& [what, from] : hub_receives()) hub_->send(from, text(what));
+      for (const auto& [text, from] : hub_receives()) hub_->send(from, to_bytes(text));
       for (Received received = sealed.receive(into, 0); received.bytes != 0; received = sealed.receive(into, 0)) {
-        const int which = std::stoi(words(std::span(into).first(received.bytes)));
-        ++replied[which];
-        if (which >= kWarmUp) latest_ns = std::max(latest_ns, clock_.now_ns() - said_ns[which]);
+        const int turn_of_reply = std::stoi(to_text(std::span(into).first(received.bytes)));
+        ++reply_counts[turn_of_reply];
+        if (turn_of_reply >= kWarmUp) longest_round_trip_ns = std::max(longest_round_trip_ns, clock_.now_ns() - sent_ns[turn_of_reply]);
       }
     }
     EXPECT_GE(sealed.seal_counts().handshakes, 15U);
-    for (int turn = kWarmUp; turn < kTurns; ++turn) ASSERT_EQ(replied[turn], 1) << turn;
-    EXPECT_LE(latest_ns, 4 * kMs + 2 * jitter_ns + (jitter_ns == 0 ? 0 : 4 * kMs) + 2 * kMs);
+    for (int turn = kWarmUp; turn < kTurns; ++turn) ASSERT_EQ(reply_counts[turn], 1) << turn;
+    EXPECT_LE(longest_round_trip_ns, 4 * kMs + 2 * jitter_ns + (jitter_ns == 0 ? 0 : 4 * kMs) + 2 * kMs);
     EXPECT_EQ(sealed.seal_counts().rejected(), 0U);
     EXPECT_EQ(hub_->seal_counts().forged + hub_->seal_counts().unknown_session, 0U);
   }
 }
 
 TEST_F(SealedHubTest, ASessionIsReplacedAfterSoManyDatagramsToo) {
-  Node node(network_, clock_, memory_address(20, 9), hub_at_, RoleKey(key_of(1), KeyRole::haptics));
-  SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_at_, {.host = 9, .rekey_after = 100});
+  Node node(network_, clock_, memory_address(20, 9), hub_address_, RoleKey(key_of(1), KeyRole::haptics));
+  SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_address_, {.host = 9, .rekey_after = 100});
   std::array<std::byte, kMaxDatagramBytes> into;
   int arrived = 0;
   for (int turn = 0; turn < 1000; ++turn) {
     clock_.advance_ns(kMs);
-    sealed.send(hub_at_, text("x"));
-    for (const auto& [what, from] : hub_receives()) hub_->send(from, text(what));
+    sealed.send(hub_address_, to_bytes("x"));
+    for (const auto& [text, from] : hub_receives()) hub_->send(from, to_bytes(text));
     while (sealed.receive(into, 0).bytes != 0) ++arrived;
   }
   EXPECT_GE(sealed.seal_counts().handshakes, 8U);
@@ -340,23 +340,23 @@ TEST_F(SealedHubTest, TheOldSessionIsOverAfterTheOverlap) {
   const auto node = make_node(2);
   join(*node);
   // A very late datagram: the network holds it while the keys change.
-  say(*node, "slow");
+  node_sends(*node, "slow");
   std::array<std::byte, kMaxDatagramBytes> into;
   const Received slow = hub_endpoint_.receive(into, 0);
-  const Bytes held(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(slow.bytes));
-  say(*node, "slower");
+  const Bytes slow_bytes(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(slow.bytes));
+  node_sends(*node, "slower");
   const Received slower = hub_endpoint_.receive(into, 0);
-  const Bytes held_longer(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(slower.bytes));
+  const Bytes slower_bytes(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(slower.bytes));
   clock_.advance_ns(SealedClient::kRekeyEveryNs);
-  say(*node, "wake");
-  meet(*node);
-  say(*node, "new keys");
+  node_sends(*node, "wake");
+  run_handshake(*node);
+  node_sends(*node, "new keys");
   EXPECT_EQ(hub_receives().count("new keys"), 1U);
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
-  hub_endpoint_.put_in(slow.from, held);
+  hub_endpoint_.inject(slow.from, slow_bytes);
   EXPECT_EQ(hub_receives().count("slow"), 1U);
   clock_.advance_ns(SealedHub::kOverlapNs);
-  hub_endpoint_.put_in(slow.from, held_longer);
+  hub_endpoint_.inject(slow.from, slower_bytes);
   EXPECT_TRUE(hub_receives().empty());
 }
 
@@ -372,7 +372,7 @@ TEST(SealedThreadsTest, ANodeThatHasAgreedRequestsNothingMore) {
   SealedClient node(node_end, clock, RoleKey(key_of(1), KeyRole::haptics), at, {.worker = AgreementWorker::Where::own_thread});
   std::array<std::byte, kMaxDatagramBytes> into;
   const std::int64_t end_ns = clock.now_ns() + 20 * kNanosecondsPerSecond;
-  node.send(at, text("x"));
+  node.send(at, to_bytes("x"));
   while (node.seal_counts().handshakes == 0 && clock.now_ns() < end_ns) {
     hub.receive(into, 0);
     node.receive(into, clock.now_ns() + kMs / 4);
@@ -388,16 +388,16 @@ TEST_F(SealedHubTest, WhatIsSentAsASessionBeginsIsSentOnce) {
   int begun_by_send = 0;
   for (std::uint8_t host = 2; host < 22; ++host) {
     TappedEndpoint end(*network_.open(memory_address(host, 9)));
-    SealedClient node(end, clock_, RoleKey(key_of(1), KeyRole::vision), hub_at_,
+    SealedClient node(end, clock_, RoleKey(key_of(1), KeyRole::vision), hub_address_,
                       {.host = host, .worker = AgreementWorker::Where::own_thread});
     std::multimap<std::string, Address> arrived;
     std::array<std::byte, kMaxDatagramBytes> into;
-    std::size_t replied = hub_endpoint_.sent();
+    std::size_t hub_sent = hub_endpoint_.sent();
     for (int n = 0; node.seal_counts().handshakes == 0; ++n) {
-      EXPECT_TRUE(node.send(hub_at_, text(std::to_string(n))));
+      EXPECT_TRUE(node.send(hub_address_, to_bytes(std::to_string(n))));
       begun_by_send += node.seal_counts().handshakes == 1 ? 1 : 0;
       arrived.merge(hub_receives());
-      if (hub_endpoint_.sent() != std::exchange(replied, hub_endpoint_.sent())) (void)node.receive(into, 0);
+      if (hub_endpoint_.sent() != std::exchange(hub_sent, hub_endpoint_.sent())) (void)node.receive(into, 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the worker finishes here, so the next send takes its result
     }
     arrived.merge(hub_receives());
@@ -420,8 +420,8 @@ TEST(SealedThreadsTest, NodesJoinAndChangeKeysWithoutTheCallerWaiting) {
   std::uint64_t arrived = 0;
   const std::int64_t end_ns = clock.now_ns() + 20 * kNanosecondsPerSecond;
   while (node.seal_counts().handshakes < 10 && clock.now_ns() < end_ns) {
-    node.send(at, text("x"));
-    if (hub.receive(into, clock.now_ns() + kMs).bytes != 0) hub.send(memory_address(2, 9), text("y"));
+    node.send(at, to_bytes("x"));
+    if (hub.receive(into, clock.now_ns() + kMs).bytes != 0) hub.send(memory_address(2, 9), to_bytes("y"));
     if (node.receive(into, clock.now_ns() + kMs).bytes != 0) ++arrived;
   }
   EXPECT_GE(node.seal_counts().handshakes, 10U);

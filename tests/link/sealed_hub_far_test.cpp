@@ -53,7 +53,7 @@ TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondDoNotDisplaceEachOther) {
     run_for(all, 4'000);
     EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(count));
     EXPECT_EQ(hub_->seal_counts().too_many_handshakes, 0U);
-    for (const auto& node : nodes) EXPECT_TRUE(reply(*node, "here"));
+    for (const auto& node : nodes) EXPECT_TRUE(hub_sends(*node, "here"));
   }
 }
 
@@ -63,7 +63,7 @@ TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
     SCOPED_TRACE(trip_ms);
     start_hub();
     const auto node = make_node(2);
-    say(*node, "first");
+    node_sends(*node, "first");
     hub_receives();        // sends a cookie
     node_receives(*node);  // requests with the cookie
     clock_.advance_ns(trip_ms * kMs);
@@ -86,7 +86,7 @@ TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
 
 TEST_F(SealedHubTest, AnAddressGetsAnotherReplyOnlyWhenItsReplyMayBeLost) {
   const auto node = make_node(2);
-  say(*node, "first");
+  node_sends(*node, "first");
   hub_receives();        // sends a cookie
   node_receives(*node);  // requests with the cookie, and again every 50 ms
   std::vector<std::int64_t> replied_ms;
@@ -98,19 +98,19 @@ TEST_F(SealedHubTest, AnAddressGetsAnotherReplyOnlyWhenItsReplyMayBeLost) {
     while (node->endpoint.receive(lost, 0).bytes != 0) {
     }
     clock_.advance_ns(10 * kMs);
-    say(*node, "again");
+    node_sends(*node, "again");
   }
   ASSERT_GE(replied_ms.size(), 6U);
-  std::int64_t least_ms = SealedHub::kReplyEveryNs / kMs;
+  std::int64_t min_gap_ms = SealedHub::kReplyEveryNs / kMs;
   for (std::size_t i = 1; i < replied_ms.size(); ++i) {
     const std::int64_t gap_ms = replied_ms[i] - replied_ms[i - 1];
     // Replies of more than kReplyLivesNs ago no longer count.
     if (i <= 4) {
-      EXPECT_GE(gap_ms, least_ms);
+      EXPECT_GE(gap_ms, min_gap_ms);
     }
-    EXPECT_GE(gap_ms, std::min<std::int64_t>(least_ms, 400));
-    EXPECT_LE(gap_ms, least_ms + 60);
-    least_ms = std::min(2 * least_ms, SealedHub::kMaxReplyEveryNs / kMs);
+    EXPECT_GE(gap_ms, std::min<std::int64_t>(min_gap_ms, 400));
+    EXPECT_LE(gap_ms, min_gap_ms + 60);
+    min_gap_ms = std::min(2 * min_gap_ms, SealedHub::kMaxReplyEveryNs / kMs);
   }
   EXPECT_GT(hub_->seal_counts().repeats, 30U);
 }

@@ -27,13 +27,13 @@ inline LinkKey key_of(std::uint8_t number) {
   return LinkKey(bytes);
 }
 
-inline Bytes text(const std::string& words) {
-  Bytes bytes(words.size());
-  std::transform(words.begin(), words.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+inline Bytes to_bytes(const std::string& text) {
+  Bytes bytes(text.size());
+  std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
   return bytes;
 }
 
-inline std::string words(std::span<const std::byte> bytes) {
+inline std::string to_text(std::span<const std::byte> bytes) {
   std::string text;
   for (const std::byte byte : bytes) text += static_cast<char>(byte);
   return text;
@@ -53,10 +53,10 @@ class SealedHubTest : public testing::Test {
   SealedHubTest() : hub_endpoint_(*network_.open(memory_address(1, 4950))) { start_hub(); }
 
   void start_hub(const LinkKey& key = key_of(1)) { hub_.emplace(hub_endpoint_, clock_, key); }
-  const Address& at() { return hub_at_; }
+  const Address& at() { return hub_address_; }
 
   std::unique_ptr<Node> make_node(std::uint8_t host, const LinkKey& key = key_of(1), KeyRole role = KeyRole::vision) {
-    return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_at_, RoleKey(key, role));
+    return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_address_, RoleKey(key, role));
   }
 
   // All datagrams that the hub opens now: the text of each, with its sender.
@@ -64,7 +64,7 @@ class SealedHubTest : public testing::Test {
     std::multimap<std::string, Address> all;
     std::array<std::byte, kMaxDatagramBytes> into;
     for (Received received = hub_->receive(into, 0); received.bytes != 0; received = hub_->receive(into, 0)) {
-      all.emplace(words(std::span(into).first(received.bytes)), received.from);
+      all.emplace(to_text(std::span(into).first(received.bytes)), received.from);
     }
     return all;
   }
@@ -73,16 +73,16 @@ class SealedHubTest : public testing::Test {
     std::vector<std::string> all;
     std::array<std::byte, kMaxDatagramBytes> into;
     for (Received received = node.sealed.receive(into, 0); received.bytes != 0; received = node.sealed.receive(into, 0)) {
-      all.push_back(words(std::span(into).first(received.bytes)));
+      all.push_back(to_text(std::span(into).first(received.bytes)));
     }
     return all;
   }
 
-  void say(Node& node, const std::string& what) { EXPECT_TRUE(node.sealed.send(hub_at_, text(what))); }
-  bool reply(const Node& node, const std::string& what) { return hub_->send(node.endpoint.local_address(), text(what)); }
+  void node_sends(Node& node, const std::string& text) { EXPECT_TRUE(node.sealed.send(hub_address_, to_bytes(text))); }
+  bool hub_sends(const Node& node, const std::string& text) { return hub_->send(node.endpoint.local_address(), to_bytes(text)); }
 
-  // Runs until both have no more handshake messages to send.
-  std::multimap<std::string, Address> meet(Node& node) {
+  // Runs the handshake until both have no more of its messages to send. Returns what the hub has received meanwhile.
+  std::multimap<std::string, Address> run_handshake(Node& node) {
     std::multimap<std::string, Address> all;
     for (int turn = 0; turn < 4; ++turn) {
       all.merge(hub_receives());
@@ -93,9 +93,9 @@ class SealedHubTest : public testing::Test {
   }
 
   void join(Node& node) {
-    say(node, "first");
-    ASSERT_EQ(meet(node).count("first"), 1U);
-    ASSERT_TRUE(reply(node, "welcome"));
+    node_sends(node, "first");
+    ASSERT_EQ(run_handshake(node).count("first"), 1U);
+    ASSERT_TRUE(hub_sends(node, "welcome"));
     ASSERT_EQ(node_receives(node), std::vector<std::string>{"welcome"});
   }
 
@@ -104,16 +104,16 @@ class SealedHubTest : public testing::Test {
     for (int i = 0; i < ms; ++i) {
       clock_.advance_ns(kMs);
       for (Node* node : nodes) {
-        if (i % 100 == 0) say(*node, "hello");
+        if (i % 100 == 0) node_sends(*node, "hello");
       }
-      for (const auto& [what, from] : hub_receives()) hub_->send(from, text("re " + what));
+      for (const auto& [text, from] : hub_receives()) hub_->send(from, to_bytes("re " + text));
       for (Node* node : nodes) replies_ += static_cast<int>(node_receives(*node).size());
     }
   }
 
   SimulatedClock clock_{1000 * kNanosecondsPerSecond};
   MemoryNetwork network_{clock_};
-  Address hub_at_ = memory_address(1, 4950);
+  Address hub_address_ = memory_address(1, 4950);
   TappedEndpoint hub_endpoint_;
   std::optional<SealedHub> hub_;
   int replies_ = 0;

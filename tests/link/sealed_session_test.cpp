@@ -27,8 +27,8 @@ class SealedSessionTest : public testing::Test {
   struct Node {
     Node(SealedSessionTest& test, std::uint8_t host, NodeRole role, const LinkKey& key)
         : endpoint(*test.network_.open(memory_address(host, 0))),
-          sealed(*endpoint, test.clock_, RoleKey(key, key_role(role)), test.at_, {.host = host}),
-          client(sealed, test.clock_, role, test.at_) {}
+          sealed(*endpoint, test.clock_, RoleKey(key, key_role(role)), test.hub_address_, {.host = host}),
+          client(sealed, test.clock_, role, test.hub_address_) {}
 
     static KeyRole key_role(NodeRole role) { return role == NodeRole::haptics ? KeyRole::haptics : KeyRole::vision; }
 
@@ -44,10 +44,10 @@ class SealedSessionTest : public testing::Test {
 
   void start_hub() {
     peers_.reset();
-    sealed_.emplace(*endpoint_, clock_, key_of(1));
+    sealed_.emplace(*hub_endpoint_, clock_, key_of(1));
     peers_.emplace(*sealed_, clock_, ++session_, 1000.0);
   }
-  // The hub ends without a goodbye, and its session keys are lost.
+  // The hub ends without a Bye, and its session keys are lost.
   void crash_hub() {
     network_.set_impairments({.loss = 1.0});
     peers_.reset();
@@ -89,8 +89,8 @@ class SealedSessionTest : public testing::Test {
   Impairments impairments_;
   SimulatedClock clock_{1000 * kNanosecondsPerSecond};
   MemoryNetwork network_{clock_};
-  Address at_ = memory_address(1, 4950);
-  std::unique_ptr<Endpoint> endpoint_ = *network_.open(at_);
+  Address hub_address_ = memory_address(1, 4950);
+  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(hub_address_);
   std::optional<SealedHub> sealed_;
   std::optional<HubPeers> peers_;
   std::uint64_t session_ = 0;
@@ -126,7 +126,7 @@ TEST_F(SealedSessionTest, ANodeThatLeftIsServedAtOnceWhenItIsBack) {
   EXPECT_GT(second->states, 0);
 }
 
-TEST_F(SealedSessionTest, ACrashedNodesSuccessorHasItsPlaceWithin150Milliseconds) {
+TEST_F(SealedSessionTest, ACrashedNodesSuccessorHasItsSlotWithin150Milliseconds) {
   start_hub();
   auto first = make_node(2);
   run({first.get()}, 500);
@@ -168,7 +168,7 @@ TEST_F(SealedSessionTest, AHubGoneForLongIsJoinedSoonAfterItsReturn) {
   EXPECT_GT(node->states, 50);
 }
 
-TEST_F(SealedSessionTest, ASecondHapticsNodeIsNotifiedThatThePlaceIsTaken) {
+TEST_F(SealedSessionTest, ASecondHapticsNodeIsNotifiedThatTheSlotIsTaken) {
   start_hub();
   const auto first = make_node(2);
   const auto second = make_node(3);
@@ -186,7 +186,7 @@ TEST_F(SealedSessionTest, AnUnknownPeerLearnsNothingAndDisturbsNoOther) {
   EXPECT_EQ(unknown->sealed.seal_counts().opened, 0U);
   EXPECT_EQ(node->client.state(), JoinState::joined);
   EXPECT_NEAR(replies_, 2000, 10);
-  EXPECT_NEAR(static_cast<double>(sealed_->seal_counts().wrong_key), 40.0, 2.0);
+  EXPECT_NEAR(static_cast<double>(sealed_->seal_counts().wrong_key), 40.0, 2.0) << "a request every 50 ms";
   EXPECT_EQ(peers_->counts().received, sealed_->seal_counts().opened);
 }
 

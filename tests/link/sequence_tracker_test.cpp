@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSender = 42;
 
-TEST(SequenceTrackerTest, AnUnbrokenRowHasNoLoss) {
+TEST(SequenceTrackerTest, AnUnbrokenSequenceHasNoLoss) {
   SequenceTracker tracker;
   for (std::uint64_t n = 1; n <= 5000; ++n) {
     EXPECT_EQ(tracker.track(kSender, n), Arrival::newest);
@@ -46,7 +46,7 @@ TEST(SequenceTrackerTest, ANumberBeforeTheFirstFillsNoGap) {
   EXPECT_EQ(tracker.counts().lost, 1U);
 }
 
-TEST(SequenceTrackerTest, ARestartedSenderStartsAfreshAndItsOldWordsAreStale) {
+TEST(SequenceTrackerTest, ARestartedSenderStartsAfreshAndItsOldDatagramsAreStale) {
   SequenceTracker tracker;
   tracker.track(kSender, 100);
   EXPECT_EQ(tracker.track(kSender + 1, 1), Arrival::newest);
@@ -101,7 +101,7 @@ TEST(SequenceTrackerTest, ANumberTooOldToCheckCountsAsADuplicate) {
   EXPECT_EQ(tracker.track(kSender, 3), Arrival::reordered);
 }
 
-// The brute-force twin: a set of all numbers seen.
+// The brute-force twin: a set of all numbers received.
 TEST(SequenceTrackerTest, AgreesWithASetOnARandomLink) {
   constexpr std::uint64_t kSeed = 7;
   RecordProperty("seed", std::to_string(kSeed));
@@ -116,20 +116,20 @@ TEST(SequenceTrackerTest, AgreesWithASetOnARandomLink) {
   std::stable_sort(arrivals.begin(), arrivals.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
 
   SequenceTracker tracker;
-  std::set<std::uint64_t> seen;
+  std::set<std::uint64_t> received;
   SequenceCounts expected;
   const std::uint64_t first = arrivals.front().second;
   std::uint64_t newest = 0;
   for (const auto& [time, n] : arrivals) {
     ++expected.received;
-    const bool is_new = seen.insert(n).second;
+    const bool is_new = received.insert(n).second;
     const Arrival arrival = !is_new ? Arrival::duplicate : n > newest ? Arrival::newest : Arrival::reordered;
     expected.duplicate += arrival == Arrival::duplicate ? 1 : 0;
     expected.reordered += arrival == Arrival::reordered ? 1 : 0;
     newest = std::max(newest, n);
     ASSERT_EQ(tracker.track(kSender, n), arrival) << n;
   }
-  const auto after_first = static_cast<std::uint64_t>(std::distance(seen.lower_bound(first), seen.end()));
+  const auto after_first = static_cast<std::uint64_t>(std::distance(received.lower_bound(first), received.end()));
   EXPECT_EQ(tracker.counts().lost, newest - first + 1 - after_first);
   EXPECT_EQ(tracker.counts().duplicate, expected.duplicate);
   EXPECT_EQ(tracker.counts().reordered, expected.reordered);

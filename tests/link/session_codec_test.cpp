@@ -17,7 +17,7 @@ using Status = SessionCodec::Status;
 
 const std::array<std::byte, 3> kBytes = {std::byte{8}, std::byte{0}, std::byte{255}};
 
-SessionEntry make(Kind kind) {
+SessionEntry make_entry(Kind kind) {
   SessionEntry entry;
   entry.kind = kind;
   entry.time_ns = -5;
@@ -91,12 +91,12 @@ TEST(SessionCodec, GivesBackEveryKindOfEntry) {
   SessionCodec codec;
   for (const Kind kind : kKinds) {
     std::string bytes;
-    codec.append(make(kind), bytes);
+    codec.append(make_entry(kind), bytes);
     SessionEntry read;
     const auto result = codec.read(bytes, read);
     ASSERT_EQ(result.status, Status::ok);
     EXPECT_EQ(result.bytes, bytes.size());
-    expect_equal(make(kind), read);
+    expect_equal(make_entry(kind), read);
   }
 }
 
@@ -114,7 +114,7 @@ std::string with_length_and_check(const std::string& message) {
 TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
   SessionCodec codec;
   std::string bytes;
-  codec.append(make(Kind::received), bytes);
+  codec.append(make_entry(Kind::received), bytes);
   const std::string message = bytes.substr(1, bytes.size() - 6);
   ASSERT_EQ(with_length_and_check(message), bytes);
   SessionEntry read;
@@ -153,7 +153,7 @@ TEST(SessionCodec, AnEntryOfAnUnknownKindIsPassedOver) {
 TEST(SessionCodec, AMarkerThatNoNodeMaySendIsDamage) {
   SessionCodec codec;
   for (const std::string_view text : {"", "a\nb", "\xFF"}) {  // a reader gives out no text that an export cannot write
-    SessionEntry entry = make(Kind::marker);
+    SessionEntry entry = make_entry(Kind::marker);
     entry.marker.text = text;
     std::string bytes;
     codec.append(entry, bytes);
@@ -165,18 +165,18 @@ TEST(SessionCodec, AMarkerThatNoNodeMaySendIsDamage) {
 // Recordings of earlier versions have no sample of the device, and a local force is only there if io_node computed the force.
 TEST(SessionCodec, ACycleMayLackTheDevicesSampleAndALocalForce) {
   SessionCodec codec;
-  SessionEntry entry = make(Kind::cycle);
+  SessionEntry entry = make_entry(Kind::cycle);
   entry.cycle.device.reset();
   entry.cycle.local.reset();
   std::string bytes;
   codec.append(entry, bytes);
-  codec.append(make(Kind::cycle), bytes);
+  codec.append(make_entry(Kind::cycle), bytes);
   SessionEntry read;
   const auto first = codec.read(bytes, read);
   ASSERT_EQ(first.status, Status::ok);
   expect_equal(entry, read);
   ASSERT_EQ(codec.read(std::string_view(bytes).substr(first.bytes), read).status, Status::ok);
-  expect_equal(make(Kind::cycle), read);
+  expect_equal(make_entry(Kind::cycle), read);
 }
 
 // The file counts objects from 1, and its counter can be larger than any index.
@@ -184,7 +184,7 @@ TEST(SessionCodec, AnObjectNumberThatNoSceneCanHaveIsReadAsNoObject) {
   SessionCodec codec;
   constexpr std::int32_t kLargest = std::numeric_limits<std::int32_t>::max();
   for (const auto& [written, read_back] : {std::pair{-1, -1}, {0, 0}, {1, 1}, {kLargest - 1, kLargest - 1}, {kLargest, -1}}) {
-    SessionEntry entry = make(Kind::cycle);
+    SessionEntry entry = make_entry(Kind::cycle);
     entry.cycle.local->object = written;
     std::string bytes;
     codec.append(entry, bytes);
@@ -210,11 +210,11 @@ TEST(SessionCodec, GivesBackAHeader) {
   EXPECT_TRUE(read.has_end);
 }
 
-TEST(SessionCodec, EveryCutIsSeen) {
+TEST(SessionCodec, EveryCutIsDetected) {
   SessionCodec codec;
   for (const Kind kind : kKinds) {
     std::string bytes;
-    codec.append(make(kind), bytes);
+    codec.append(make_entry(kind), bytes);
     SessionEntry read;
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       EXPECT_EQ(codec.read(std::string_view(bytes).substr(0, size), read).status, Status::cut) << size;
@@ -222,11 +222,11 @@ TEST(SessionCodec, EveryCutIsSeen) {
   }
 }
 
-TEST(SessionCodec, EveryChangedBitIsSeen) {
+TEST(SessionCodec, EveryChangedBitIsDetected) {
   SessionCodec codec;
   for (const Kind kind : kKinds) {
     std::string bytes;
-    codec.append(make(kind), bytes);
+    codec.append(make_entry(kind), bytes);
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
       std::string changed = bytes;
       changed[bit / 8] = static_cast<char>(changed[bit / 8] ^ (1 << (bit % 8)));

@@ -41,7 +41,8 @@ std::string make_file(int entries, bool has_end = false) {
   return bytes;
 }
 
-int count(SessionReader& reader) {
+// Reads to the end. Expects the entries that make_file() writes, from the first on.
+int count_entries(SessionReader& reader) {
   SessionEntry entry;
   int n = 0;
   while (reader.next(entry)) EXPECT_EQ(entry.time_ns, n++);
@@ -57,11 +58,11 @@ TEST_F(SessionReaders, ReadEveryEntryOfAFileLongerThanTheBuffer) {
   auto reader = SessionReader::open(scratch.write("s", make_file(5000)));
   ASSERT_TRUE(reader) << reader.error().what;
   EXPECT_EQ(reader->header().settings.at(0).second, "1000");
-  EXPECT_EQ(count(*reader), 5000);
+  EXPECT_EQ(count_entries(*reader), 5000);
   EXPECT_EQ(reader->problem(), "");
 }
 
-TEST_F(SessionReaders, GoOnReadingWhereTheyAreSent) {
+TEST_F(SessionReaders, ContinueAtThePositionOfASeek) {
   auto reader = SessionReader::open(scratch.write("s", make_file(3000)));
   ASSERT_TRUE(reader) << reader.error().what;
   SessionEntry entry;
@@ -77,8 +78,8 @@ TEST_F(SessionReaders, GoOnReadingWhereTheyAreSent) {
   }
 }
 
-// A count from the beginning of the file plus what is read after it would be of no place in the file.
-TEST_F(SessionReaders, CountFromWhereTheyAreSent) {
+// A count that included the entries before the seek would fit no position in the file.
+TEST_F(SessionReaders, CountFromThePositionOfASeek) {
   const std::string whole = make_file(10);
   auto reader = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - 1)));
   ASSERT_TRUE(reader) << reader.error().what;
@@ -105,7 +106,7 @@ TEST_F(SessionReaders, GiveWhatIsBeforeACutAndSayWhereItIs) {
   const std::string whole = make_file(10);
   auto reader = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - 1)));
   ASSERT_TRUE(reader);
-  EXPECT_EQ(count(*reader), 9);
+  EXPECT_EQ(count_entries(*reader), 9);
   EXPECT_NE(reader->problem().find("cut short after 9 entries"), std::string::npos) << reader->problem();
 }
 
@@ -115,10 +116,10 @@ TEST_F(SessionReaders, SayThatARecordingHasNoEnd) {
   ASSERT_TRUE(reader);
   EXPECT_TRUE(reader->header().has_end);
   const std::uint64_t first = reader->position();
-  EXPECT_EQ(count(*reader), 3);
+  EXPECT_EQ(count_entries(*reader), 3);
   EXPECT_EQ(reader->problem(), "");
   reader->seek(first);
-  EXPECT_EQ(count(*reader), 3);
+  EXPECT_EQ(count_entries(*reader), 3);
   EXPECT_EQ(reader->problem(), "");
 
   SessionCodec codec;
@@ -126,11 +127,11 @@ TEST_F(SessionReaders, SayThatARecordingHasNoEnd) {
   codec.append(plain_entry(SessionEntry::Kind::end, 3), end);
   auto killed = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - end.size())));
   ASSERT_TRUE(killed);
-  EXPECT_EQ(count(*killed), 3);
+  EXPECT_EQ(count_entries(*killed), 3);
   EXPECT_NE(killed->problem().find("has no end after 3 entries"), std::string::npos) << killed->problem();
   killed->seek(first);
   EXPECT_EQ(killed->problem(), "");
-  EXPECT_EQ(count(*killed), 3);
+  EXPECT_EQ(count_entries(*killed), 3);
   EXPECT_NE(killed->problem(), "");
 
   // Two recordings in one file: the end is not the last entry.
@@ -138,7 +139,7 @@ TEST_F(SessionReaders, SayThatARecordingHasNoEnd) {
   codec.append(plain_entry(SessionEntry::Kind::dropped, 3), more);
   auto longer = SessionReader::open(scratch.write("s", whole + more));
   ASSERT_TRUE(longer);
-  EXPECT_EQ(count(*longer), 4);
+  EXPECT_EQ(count_entries(*longer), 4);
   EXPECT_NE(longer->problem(), "");
 }
 
@@ -160,7 +161,7 @@ TEST_F(SessionReaders, SayThatAFileCannotBeReadOn) {
     auto reader = SessionReader::open(file);
     ASSERT_TRUE(reader) << reader.error().what;
     break_disk_under(file);
-    const int entries = count(*reader);
+    const int entries = count_entries(*reader);
     EXPECT_LT(entries, 5000);
     EXPECT_NE(reader->problem().find("cannot be read after " + std::to_string(entries) + " entries"), std::string::npos)
         << reader->problem();
@@ -177,7 +178,7 @@ TEST_F(SessionReaders, GiveWhatIsBeforeADamagedEntry) {
   bytes[bytes.size() - 1000] ^= 1;
   auto reader = SessionReader::open(scratch.write("s", bytes));
   ASSERT_TRUE(reader);
-  EXPECT_EQ(count(*reader), 8);
+  EXPECT_EQ(count_entries(*reader), 8);
   EXPECT_NE(reader->problem().find("damaged after 8 entries"), std::string::npos) << reader->problem();
 }
 
@@ -201,15 +202,15 @@ TEST_F(SessionReaders, RejectOtherFilesInOneLine) {
   const std::string whole = make_file(1);
   const struct {
     std::string bytes;
-    std::string says;
+    std::string reason;
   } kCases[] = {{"", "not a recorded session"},
                 {"t_s,x_m\n", "not a recorded session"},
                 {"hapton.session/2\n....", "another schema"},
                 {whole.substr(0, kSessionMagic.size() + 2), "header"}};
-  for (const auto& [bytes, says] : kCases) {
+  for (const auto& [bytes, reason] : kCases) {
     const auto reader = SessionReader::open(scratch.write("s", bytes));
     ASSERT_FALSE(reader) << bytes;
-    EXPECT_NE(reader.error().what.find(says), std::string::npos) << reader.error().what;
+    EXPECT_NE(reader.error().what.find(reason), std::string::npos) << reader.error().what;
     EXPECT_EQ(reader.error().what.find('\n'), std::string::npos);
   }
   EXPECT_FALSE(SessionReader::open(scratch.path()));

@@ -113,12 +113,12 @@ class ApplySettingsTest : public testing::Test {
 
   void note(const Settings& settings) {
     settings_.push_back(settings);
-    if (takes_rate_ && settings.servo_rate_hz != 0.0 && settings_.size() > lost_rates_) hub_.set_servo_rate_hz(settings.servo_rate_hz);
-    if (setup_ && settings_.size() > lost_) setup_->method_request = settings.method_request;
+    if (takes_rate_ && settings.servo_rate_hz != 0.0 && settings_.size() > lost_settings_) hub_.set_servo_rate_hz(settings.servo_rate_hz);
+    if (setup_ && settings_.size() > lost_requests_) setup_->method_request = settings.method_request;
   }
   void note(const MaterialRequest& request) {
     requests_.push_back(request);
-    if (materials_ && requests_.size() > lost_) materials_->request = request.request;
+    if (materials_ && requests_.size() > lost_requests_) materials_->request = request.request;
   }
 
   Result<std::string> apply(const SettingsChange& change) {
@@ -138,8 +138,8 @@ class ApplySettingsTest : public testing::Test {
   bool takes_rate_ = true;
   std::optional<HapticsSetup> setup_;
   std::optional<MaterialState> materials_;
-  std::size_t lost_ = 0;        // how many of the first requests never reach the haptics node
-  std::size_t lost_rates_ = 0;  // how many of the first settings never reach the hub
+  std::size_t lost_requests_ = 0;  // how many of the first requests never reach the haptics node
+  std::size_t lost_settings_ = 0;  // how many of the first settings never reach the hub
   std::vector<Settings> settings_;
   std::vector<MaterialRequest> requests_;
   std::int64_t began_ns_ = 0;
@@ -175,11 +175,11 @@ TEST_F(ApplySettingsTest, AMaterialThatIsNotConfirmedOrRejectedIsOneLine) {
   EXPECT_THAT(without_reply.error().what, HasSubstr("does not confirm the material"));
   EXPECT_NEAR(waited_s(), 5.0, 0.1);
   materials_ = MaterialState{.request = 2};
-  lost_ = 1000;
+  lost_requests_ = 1000;
   const auto with_another = apply({.material = kSoft});
   ASSERT_FALSE(with_another) << *with_another;
   EXPECT_THAT(with_another.error().what, HasSubstr("another change was requested since"));
-  lost_ = 0;
+  lost_requests_ = 0;
   materials_->rejection = as_text("?");
   const auto rejected = apply({.object = "lid", .material = kSoft});
   ASSERT_FALSE(rejected);
@@ -189,7 +189,7 @@ TEST_F(ApplySettingsTest, AMaterialThatIsNotConfirmedOrRejectedIsOneLine) {
 TEST_F(ApplySettingsTest, ARequestThatIsLostIsRepeatedTwiceASecond) {
   setup_.emplace();
   materials_.emplace();
-  lost_ = 3;
+  lost_requests_ = 3;
   const auto material = apply({.material = kSoft});
   ASSERT_TRUE(material) << material.error().what;
   EXPECT_EQ(requests_.size(), 4U);
@@ -210,12 +210,12 @@ TEST_F(ApplySettingsTest, AMethodThatIsNotConfirmedOrRejectedIsOneLine) {
   ASSERT_FALSE(alone);
   EXPECT_THAT(alone.error().what, HasSubstr("no method is in use; start haptics_node"));
   setup_ = HapticsSetup{.method_request = 2};
-  lost_ = 1000;
+  lost_requests_ = 1000;
   const auto with_another = apply({.method = "smooth"});
   ASSERT_FALSE(with_another);
   EXPECT_THAT(with_another.error().what, HasSubstr("does not confirm method smooth"));
   EXPECT_NEAR(waited_s(), 60.0, 0.1);
-  lost_ = 0;
+  lost_requests_ = 0;
   setup_->rejection = as_text("-");
   const auto rejected = apply({.method = "smooth"});
   ASSERT_FALSE(rejected);
@@ -223,7 +223,7 @@ TEST_F(ApplySettingsTest, AMethodThatIsNotConfirmedOrRejectedIsOneLine) {
 }
 
 TEST_F(ApplySettingsTest, ARateThatIsLostIsRepeatedTwiceASecond) {
-  lost_rates_ = 2;
+  lost_settings_ = 2;
   const auto rate = apply({.rate_hz = 2000.0, .writes_report = true, .resets_faults = true});
   ASSERT_TRUE(rate) << rate.error().what;
   EXPECT_EQ(*rate, "hub the-hub: servo rate 2000 Hz");

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kHere = ShapePart::kVerticesPerPart;
+constexpr std::uint32_t kPartVertices = ShapePart::kVerticesPerPart;
 
 struct ShapeCodecTest : CodecTest {
   ShapeRequest good{.stream = 1, .shape = 2, .object = {"skin"}, .over_s = 0.03, .part = {.total = 150, .first = 128}};
@@ -28,8 +28,8 @@ TEST_F(ShapeCodecTest, APartComesAsItWasSent) {
   ASSERT_EQ(good.part.count(), 22U);
   ASSERT_EQ(round_trip(good), DecodeStatus::ok);
   expect_equal(std::get<ShapeRequest>(decoded_.message), good);
-  for (const std::uint32_t total : {1U, kHere - 1, kHere, kHere + 1, ShapePart::kMaxVertices}) {
-    for (std::uint32_t first = 0; first < total; first += kHere) {
+  for (const std::uint32_t total : {1U, kPartVertices - 1, kPartVertices, kPartVertices + 1, ShapePart::kMaxVertices}) {
+    for (std::uint32_t first = 0; first < total; first += kPartVertices) {
       EXPECT_EQ(with([&](ShapeRequest& m) { m.part = {.total = total, .first = first}; }), DecodeStatus::ok) << total << " " << first;
     }
   }
@@ -65,21 +65,21 @@ TEST_F(ShapeCodecTest, WhatNoPartMayHaveIsABadValue) {
 
 TEST_F(ShapeCodecTest, AStartIsAfterTheShapeBefore) {
   const ShapeStart start{.source = 1, .serial = 7, .before = 6, .object = 2, .total = 150, .start_ns = 5, .end_ns = 9};
-  const auto changed = [&](auto&& change) {
+  const auto with_start = [&](auto&& change) {
     ShapeStart other = start;
     change(other);
     return round_trip(other);
   };
   ASSERT_EQ(round_trip(start), DecodeStatus::ok);
   expect_equal(std::get<ShapeStart>(decoded_.message), start);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.before = 7; }), DecodeStatus::bad_value);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.serial = 0; }), DecodeStatus::bad_value) << "at rest, and yet a shape before";
-  EXPECT_EQ(changed([](ShapeStart& m) { m.serial = m.before = 0; }), DecodeStatus::ok);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.source = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.total = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.total = ShapePart::kMaxVertices + 1; }), DecodeStatus::bad_value);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.start_ns = -1; }), DecodeStatus::bad_value);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.end_ns = 4; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.before = 7; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.serial = 0; }), DecodeStatus::bad_value) << "at rest, and yet a shape before";
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.serial = m.before = 0; }), DecodeStatus::ok);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.source = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.total = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.total = ShapePart::kMaxVertices + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.start_ns = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with_start([](ShapeStart& m) { m.end_ns = 4; }), DecodeStatus::bad_value);
 }
 
 TEST_F(ShapeCodecTest, ARequestAndAReplyNameWhatTheyAreAbout) {

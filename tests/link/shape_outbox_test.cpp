@@ -56,7 +56,7 @@ TEST_F(ShapeOutboxTest, SendsAShapeInPartsAFewAtATime) {
   turn();
   EXPECT_EQ(parts_.size(), ShapeOutbox::kPartsAtOnce);
   for (int n = 0; n < 10; ++n) turn();
-  ASSERT_EQ(parts_.size(), 16U) << "each once";
+  ASSERT_EQ(parts_.size(), 16U) << "1000 vertices in parts of 64, each once";
   ShapeParts whole(1000);
   for (const ShapeRequest& part : parts_) {
     EXPECT_STREQ(part.object.data(), "skin");
@@ -119,15 +119,15 @@ TEST_F(ShapeOutboxTest, ARejectionIsTheError) {
   for (int n = 0; n < 5; ++n) turn();
   ASSERT_FALSE(parts_.empty());
   reply({.stream = parts_[0].stream, .shape = *number, .rejection = {"out of reach"}});
-  const auto took = outbox_.wait_for(*number, 0.0);
-  ASSERT_FALSE(took);
-  EXPECT_NE(took.error().what.find("out of reach"), std::string::npos);
+  const auto duration_s = outbox_.wait_for(*number, 0.0);
+  ASSERT_FALSE(duration_s);
+  EXPECT_NE(duration_s.error().what.find("out of reach"), std::string::npos);
 }
 
 TEST_F(ShapeOutboxTest, WithoutAReplyTheErrorSaysHowLongItWaited) {
-  const auto took = deform_object(client_, clock_, outbox_, "skin", Displacements(100), 0.0, 0.5);
-  ASSERT_FALSE(took);
-  EXPECT_NE(took.error().what.find("within 0.5 s"), std::string::npos) << took.error().what;
+  const auto duration_s = deform_object(client_, clock_, outbox_, "skin", Displacements(100), 0.0, 0.5);
+  ASSERT_FALSE(duration_s);
+  EXPECT_NE(duration_s.error().what.find("within 0.5 s"), std::string::npos) << duration_s.error().what;
   EXPECT_TRUE(outbox_.is_empty()) << "and it is not sent any more";
 }
 
@@ -137,16 +137,16 @@ TEST_F(ShapeOutboxTest, AReplyAtTheLastMomentCounts) {
   for (int n = 0; n < 5; ++n) turn();
   ASSERT_FALSE(parts_.empty());
   outbox_.take(ShapeReply{.stream = parts_[0].stream, .shape = *number, .over_s = 0.25});
-  const auto took = outbox_.give_up(*number, 0.5);
-  ASSERT_TRUE(took) << took.error().what;
-  EXPECT_EQ(*took, 0.25);
+  const auto duration_s = outbox_.give_up(*number, 0.5);
+  ASSERT_TRUE(duration_s) << duration_s.error().what;
+  EXPECT_EQ(*duration_s, 0.25);
 }
 
 TEST_F(ShapeOutboxTest, WhatNoShapeMayHaveIsOneLine) {
   const auto expect_rejected = [&](const std::string& object, const Displacements& shape, double over_s) {
-    const auto given = outbox_.give(object, shape, over_s);
-    ASSERT_FALSE(given) << object;
-    EXPECT_EQ(given.error().what.find('\n'), std::string::npos);
+    const auto number = outbox_.give(object, shape, over_s);
+    ASSERT_FALSE(number) << object;
+    EXPECT_EQ(number.error().what.find('\n'), std::string::npos);
   };
   const Displacements good(10);
   for (const std::string& object :

@@ -20,11 +20,11 @@ bool passes(Endpoint& from, Endpoint& to) {
   return received.bytes == datagram.size() && received.from == from.local_address();
 }
 
-void only_the_peer_passes(const char* at) {
+void expect_only_the_peer_passes(const char* at) {
   const auto node = std::move(*open_udp_endpoint(at));
   const auto peer = std::move(*open_udp_endpoint(at));
   const auto other = std::move(*open_udp_endpoint(at));
-  EXPECT_TRUE(passes(*other, *node)) << "not asked for yet";
+  EXPECT_TRUE(passes(*other, *node)) << "there is no filter yet";
   ASSERT_TRUE(node->accept_only(peer->local_address()));
   for (int n = 0; n < 10; ++n) {
     EXPECT_TRUE(passes(*peer, *node));
@@ -36,11 +36,11 @@ void only_the_peer_passes(const char* at) {
   EXPECT_FALSE(passes(*peer, *node));
 }
 
-TEST(SourceFilter, LetsOnePeerThrough) { only_the_peer_passes("127.0.0.1:0"); }
+TEST(SourceFilter, LetsOnePeerThrough) { expect_only_the_peer_passes("127.0.0.1:0"); }
 
 TEST(SourceFilter, LetsOnePeerThroughByIpv6) {
   if (!open_udp_endpoint("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
-  only_the_peer_passes("[::1]:0");
+  expect_only_the_peer_passes("[::1]:0");
 }
 
 TEST(SourceFilter, EveryBitOfTheAddressCounts) {

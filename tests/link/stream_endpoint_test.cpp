@@ -30,8 +30,8 @@ using ::testing::HasSubstr;
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-// An endpoint and its received events.
-struct Party final : StreamEndpoint::Listener {
+// An endpoint that keeps the events it was notified of.
+struct ListeningEndpoint final : StreamEndpoint::Listener {
   std::unique_ptr<StreamEndpoint> endpoint;
   std::map<StreamEndpoint::Id, std::string> arrived;
   std::map<StreamEndpoint::Id, Address> peers;
@@ -39,7 +39,7 @@ struct Party final : StreamEndpoint::Listener {
   std::vector<std::string> datagrams;
   Address last_from;
 
-  explicit Party(const std::string& at = "127.0.0.1:0") {
+  explicit ListeningEndpoint(const std::string& at = "127.0.0.1:0") {
     auto opened = StreamEndpoint::open(at, 3883);
     if (opened) endpoint = std::move(*opened);
   }
@@ -56,77 +56,77 @@ struct Party final : StreamEndpoint::Listener {
   void poll() { endpoint->wait(0, *this); }
 };
 
-bool until(const std::vector<Party*>& parties, const std::function<bool()>& holds) {
+bool poll_until(const std::vector<ListeningEndpoint*>& endpoints, const std::function<bool()>& holds) {
   SteadyClock clock;
   const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
   while (!holds()) {
     if (clock.now_ns() > end_ns) return false;
-    for (Party* party : parties) party->poll();
+    for (ListeningEndpoint* each : endpoints) each->poll();
     clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond / 4);
   }
   return true;
 }
 
 TEST(StreamEndpoint, TwoConnectExchangeBytesAndClose) {
-  Party server, client;
+  ListeningEndpoint server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   ASSERT_NE(id, 0U);
   // Data sent before the connection is established is sent when it is.
   ASSERT_TRUE(client.endpoint->send(id, bytes_of("hello ")));
-  ASSERT_TRUE(until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
   EXPECT_EQ(client.peers.at(id), server.endpoint->local_address());
   ASSERT_TRUE(client.endpoint->send(id, bytes_of("there")));
-  const auto there = server.peers.begin()->first;
-  ASSERT_TRUE(until({&server, &client}, [&] { return server.arrived[there] == "hello there"; }));
-  server.endpoint->close(there);
-  ASSERT_TRUE(until({&server, &client}, [&] { return server.closed.size() == 1 && client.closed.size() == 1; }));
+  const auto server_id = server.peers.begin()->first;
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return server.arrived[server_id] == "hello there"; }));
+  server.endpoint->close(server_id);
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return server.closed.size() == 1 && client.closed.size() == 1; }));
   EXPECT_FALSE(client.endpoint->send(id, bytes_of("gone")));
 }
 
 // errno belongs to the last call that failed, whichever code made that call.
 TEST(StreamEndpoint, AnErrorOfAnotherCallClosesNoConnection) {
-  Party server, client;
+  ListeningEndpoint server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
-  ASSERT_TRUE(until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
   errno = EPIPE;
   ASSERT_TRUE(client.endpoint->send(id, bytes_of("still here")));
-  ASSERT_TRUE(until({&server, &client}, [&] { return server.arrived[server.peers.begin()->first] == "still here"; }));
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return server.arrived[server.peers.begin()->first] == "still here"; }));
   EXPECT_TRUE(client.closed.empty());
 }
 
 TEST(StreamEndpoint, MuchArrivesWhole) {
-  Party server, client;
+  ListeningEndpoint server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   const std::string much(200'000, 'x');
   ASSERT_TRUE(client.endpoint->send(id, bytes_of(much)));
-  EXPECT_TRUE(until({&server, &client}, [&] { return !server.arrived.empty() && server.arrived.begin()->second == much; }));
+  EXPECT_TRUE(poll_until({&server, &client}, [&] { return !server.arrived.empty() && server.arrived.begin()->second == much; }));
 }
 
 TEST(StreamEndpoint, DatagramsComeAtTheSamePort) {
-  Party server, client;
+  ListeningEndpoint server, client;
   ASSERT_TRUE(client.endpoint->send_datagram(server.endpoint->local_address(), bytes_of("call me")));
-  ASSERT_TRUE(until({&server}, [&] { return !server.datagrams.empty(); }));
+  ASSERT_TRUE(poll_until({&server}, [&] { return !server.datagrams.empty(); }));
   EXPECT_EQ(server.datagrams.front(), "call me");
   EXPECT_EQ(server.last_from, client.endpoint->local_address());
 }
 
 TEST(StreamEndpoint, AConnectionWithoutAListenerIsClosed) {
-  Party client;
+  ListeningEndpoint client;
   Address nobody;
   {
-    const Party gone;
+    const ListeningEndpoint gone;
     nobody = gone.endpoint->local_address();
   }
   if (const auto id = client.endpoint->connect(nobody); id != 0) {
-    EXPECT_TRUE(until({&client}, [&] { return client.closed == std::vector<StreamEndpoint::Id>{id}; }));
+    EXPECT_TRUE(poll_until({&client}, [&] { return client.closed == std::vector<StreamEndpoint::Id>{id}; }));
     EXPECT_TRUE(client.peers.empty());
   }
 }
 
 TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
-  Party server, client;
+  ListeningEndpoint server, client;
   client.endpoint->connect(server.endpoint->local_address());
-  ASSERT_TRUE(until({&server, &client}, [&] { return !server.peers.empty(); }));
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return !server.peers.empty(); }));
   const auto id = server.peers.begin()->first;
   const std::string much(50'000, 'x');
   std::size_t sent = 0;
@@ -140,34 +140,34 @@ TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
 
 // Nothing is sent before the connection is established, so the count of waiting bytes is exact.
 TEST(StreamEndpoint, AsMuchAsIsAllowedWaitsAndNoByteMore) {
-  Party server, client;
+  ListeningEndpoint server, client;
   const auto full = client.endpoint->connect(server.endpoint->local_address());
   const auto above = client.endpoint->connect(server.endpoint->local_address());
   const std::string most(StreamEndpoint::kMaxWaitingBytes, 'x');
   EXPECT_TRUE(client.endpoint->send(full, bytes_of(most)));
   EXPECT_FALSE(client.endpoint->send(above, bytes_of(most + "x")));
   EXPECT_FALSE(client.endpoint->send(full, bytes_of("x")));
-  ASSERT_TRUE(until({&client}, [&] { return client.closed.size() == 2; }));
+  ASSERT_TRUE(poll_until({&client}, [&] { return client.closed.size() == 2; }));
 }
 
 TEST(StreamEndpoint, ConnectsNoMoreThanItHasSlots) {
-  Party server, client;
+  ListeningEndpoint server, client;
   for (std::size_t n = 0; n < StreamEndpoint::kMaxConnections; ++n) {
     ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
   }
   EXPECT_EQ(client.endpoint->connect(server.endpoint->local_address()), 0U);
 }
 
-TEST(StreamEndpoint, OneTooManyIsDropped) {
-  Party server;
-  std::vector<std::unique_ptr<Party>> clients;
-  std::vector<Party*> all = {&server};
+TEST(StreamEndpoint, ConnectionsBeyondTheLimitAreDropped) {
+  ListeningEndpoint server;
+  std::vector<std::unique_ptr<ListeningEndpoint>> clients;
+  std::vector<ListeningEndpoint*> all = {&server};
   for (std::size_t n = 0; n < StreamEndpoint::kMaxConnections + 3; ++n) {
-    clients.push_back(std::make_unique<Party>());
+    clients.push_back(std::make_unique<ListeningEndpoint>());
     clients.back()->endpoint->connect(server.endpoint->local_address());
     all.push_back(clients.back().get());
   }
-  ASSERT_TRUE(until(all, [&] {
+  ASSERT_TRUE(poll_until(all, [&] {
     std::size_t dropped = 0;
     for (const auto& client : clients) dropped += client->closed.size();
     return dropped == 3;
@@ -176,8 +176,8 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
 }
 
 TEST(StreamEndpoint, AConnectionThatIsGivenUpTakesNoSlotFromTheNext) {
-  const Party server;
-  Party client;
+  const ListeningEndpoint server;
+  ListeningEndpoint client;
   const Address& to = server.endpoint->local_address();
   const StreamEndpoint::Id first = client.endpoint->connect(to);
   for (std::size_t n = 1; n < StreamEndpoint::kMaxConnections; ++n) ASSERT_NE(client.endpoint->connect(to), 0U);
@@ -199,9 +199,9 @@ int find_socket_to(std::uint16_t port) {
 
 // A test cannot switch off a host. It checks the options by which the kernel notices that a host no longer replies.
 TEST(StreamEndpoint, AHostThatNoLongerRepliesIsNoticed) {
-  Party server, client;
+  ListeningEndpoint server, client;
   ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
-  ASSERT_TRUE(until({&server, &client}, [&] { return server.peers.size() == 1 && client.peers.size() == 1; }));
+  ASSERT_TRUE(poll_until({&server, &client}, [&] { return server.peers.size() == 1 && client.peers.size() == 1; }));
   for (const std::uint16_t port : {server.peers.begin()->second.port, server.endpoint->local_address().port}) {
     const int socket = find_socket_to(port);
     ASSERT_GE(socket, 0);
@@ -218,7 +218,7 @@ TEST(StreamEndpoint, AHostThatNoLongerRepliesIsNoticed) {
 }
 
 // Evicts its oldest connection to make room for a new one.
-struct GivesUpTheOldest final : StreamEndpoint::Listener {
+struct EvictsTheOldest final : StreamEndpoint::Listener {
   std::vector<StreamEndpoint::Id> open;
   std::size_t connected = 0;
 
@@ -248,7 +248,7 @@ TEST(StreamEndpoint, ConnectionsThatArriveTogetherEvictDifferentOldOnes) {
       ASSERT_EQ(::connect(callers.back(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     }
   };
-  GivesUpTheOldest listener;
+  EvictsTheOldest listener;
   SteadyClock clock;
   const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
   call(StreamEndpoint::kMaxConnections);
@@ -266,7 +266,7 @@ TEST(StreamEndpoint, ConnectionsThatArriveTogetherEvictDifferentOldOnes) {
 // If no descriptor is left, a caller cannot be let in. Such a caller used to end every wait at once, for ever.
 // Data at another descriptor must not end the waits either: standard output is a socket under some supervisors.
 TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
-  Party server;
+  ListeningEndpoint server;
   std::fflush(stdout);
   const int output = ::dup(STDOUT_FILENO);
   std::array<int, 2> ready = {};
@@ -295,20 +295,20 @@ TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   EXPECT_LT(waits, 30);
   EXPECT_GT(waits, 2) << "but it looks again before the end of a long wait";
   // It lets the caller in when a descriptor is free again.
-  EXPECT_TRUE(until({&server}, [&] { return server.peers.size() == 1; }));
+  EXPECT_TRUE(poll_until({&server}, [&] { return server.peers.size() == 1; }));
   ::close(caller);
 }
 
 TEST(StreamEndpoint, AWaitEndsWhenItIsWoken) {
-  Party party;
+  ListeningEndpoint waiting;
   SteadyClock clock;
-  std::thread other([&] { party.endpoint->wake(); });
-  party.endpoint->wait(clock.now_ns() + 3600 * kNanosecondsPerSecond, party);
+  std::thread other([&] { waiting.endpoint->wake(); });
+  waiting.endpoint->wait(clock.now_ns() + 3600 * kNanosecondsPerSecond, waiting);
   other.join();
 }
 
 TEST(StreamEndpoint, AnAddressThatCannotBeOpenedIsReported) {
-  const Party first;
+  const ListeningEndpoint first;
   const auto second = StreamEndpoint::open(to_string(first.endpoint->local_address()), 3883);
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().what, HasSubstr("another program holds this port"));
@@ -317,31 +317,31 @@ TEST(StreamEndpoint, AnAddressThatCannotBeOpenedIsReported) {
 }
 
 // A VRPN server sends its positions to the clients in datagrams.
-TEST(StreamEndpoint, OneOfIpv6SendsDatagramsToClientsOfIpv4) {
-  Party server("[::]:0");
+TEST(StreamEndpoint, AnIpv6EndpointSendsDatagramsToIpv4Clients) {
+  ListeningEndpoint server("[::]:0");
   if (!server.endpoint) GTEST_SKIP() << "this machine has no IPv6";
-  Party client;
+  ListeningEndpoint client;
   Address to = client.endpoint->local_address();
   to.port = server.endpoint->local_address().port;
   ASSERT_TRUE(client.endpoint->send_datagram(to, bytes_of("call me")));
-  ASSERT_TRUE(until({&server}, [&] { return !server.datagrams.empty(); }));
+  ASSERT_TRUE(poll_until({&server}, [&] { return !server.datagrams.empty(); }));
   EXPECT_EQ(server.last_from, client.endpoint->local_address());
   ASSERT_TRUE(server.endpoint->send_datagram(server.last_from, bytes_of("a position")));
-  ASSERT_TRUE(until({&client}, [&] { return !client.datagrams.empty(); }));
+  ASSERT_TRUE(poll_until({&client}, [&] { return !client.datagrams.empty(); }));
   EXPECT_EQ(client.datagrams.front(), "a position");
 }
 
-TEST(StreamEndpoint, OneOfIpv4SendsNothingToIpv6) {
-  Party party;
-  EXPECT_FALSE(party.endpoint->send_datagram(*parse_address("[::1]:4950"), bytes_of("x")));
+TEST(StreamEndpoint, AnIpv4EndpointSendsNothingToIpv6) {
+  ListeningEndpoint ipv4;
+  EXPECT_FALSE(ipv4.endpoint->send_datagram(*parse_address("[::1]:4950"), bytes_of("x")));
 }
 
 TEST(StreamEndpoint, SpeaksIpv6AsWell) {
-  Party server("[::1]:0");
+  ListeningEndpoint server("[::1]:0");
   if (!server.endpoint) GTEST_SKIP() << "this machine has no IPv6";
-  Party client("[::1]:0");
+  ListeningEndpoint client("[::1]:0");
   ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
-  EXPECT_TRUE(until({&server, &client}, [&] { return !server.peers.empty(); }));
+  EXPECT_TRUE(poll_until({&server, &client}, [&] { return !server.peers.empty(); }));
 }
 
 }  // namespace

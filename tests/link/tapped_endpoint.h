@@ -13,17 +13,18 @@ namespace hapton {
 // An endpoint with an attacker on the wire, who sees all incoming datagrams and injects any datagrams under any address.
 class TappedEndpoint final : public Endpoint {
  public:
-  struct Arrived {
+  struct ArrivedDatagram {
     Address from;
     std::vector<std::byte> bytes;
   };
 
   explicit TappedEndpoint(std::unique_ptr<Endpoint> endpoint) : endpoint_(std::move(endpoint)) {}
 
-  void put_in(const Address& from, std::vector<std::byte> bytes) { put_in_.push_back({from, std::move(bytes)}); }
-  const std::vector<Arrived>& arrived() const { return arrived_; }
+  void inject(const Address& from, std::vector<std::byte> bytes) { injected_.push_back({from, std::move(bytes)}); }
+  // All datagrams that were received, except the injected ones.
+  const std::vector<ArrivedDatagram>& arrived() const { return arrived_; }
   // Counts as if the socket had skipped this many oversized datagrams.
-  void put_in_oversized(const Address& from, std::uint64_t count) {
+  void inject_oversized(const Address& from, std::uint64_t count) {
     counts_.last_oversized = from;
     counts_.oversized += count;
   }
@@ -36,9 +37,9 @@ class TappedEndpoint final : public Endpoint {
   }
 
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
-    if (!put_in_.empty()) {
-      const Arrived next = put_in_.front();
-      put_in_.pop_front();
+    if (!injected_.empty()) {
+      const ArrivedDatagram next = injected_.front();
+      injected_.pop_front();
       std::copy(next.bytes.begin(), next.bytes.end(), into.begin());
       return {.bytes = next.bytes.size(), .from = next.from};
     }
@@ -59,8 +60,8 @@ class TappedEndpoint final : public Endpoint {
 
  private:
   std::unique_ptr<Endpoint> endpoint_;
-  std::deque<Arrived> put_in_;
-  std::vector<Arrived> arrived_;
+  std::deque<ArrivedDatagram> injected_;
+  std::vector<ArrivedDatagram> arrived_;
   std::size_t sent_ = 0;
   SocketCounts counts_;
   std::vector<std::pair<Address, std::uint32_t>> expected_;

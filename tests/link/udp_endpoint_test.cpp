@@ -175,7 +175,7 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
 }
 
-TEST_F(UdpEndpointTest, AFloodOfOverlongDatagramsCannotHoldAPoll) {
+TEST_F(UdpEndpointTest, AFloodOfOverlongDatagramsCannotBlockAPoll) {
   const auto a = open("127.0.0.1:0");
   const auto b = open("127.0.0.1:0");
   std::array<std::byte, 4> small = {};
@@ -208,15 +208,15 @@ TEST_F(UdpEndpointTest, ASignalDoesNotCutAWaitShort) {
 TEST_F(UdpEndpointTest, SaysInOneLineWhyItCannotListen) {
   const auto holder = open("127.0.0.1:0");
   const std::string taken = to_string(holder->local_address());
-  const auto expect_refused = [](const std::string& address, const char* reason) {
+  const auto expect_rejected = [](const std::string& address, const char* reason) {
     const Result<std::unique_ptr<Endpoint>> rejected = open_udp_endpoint(address);
     ASSERT_FALSE(rejected) << address;
     EXPECT_THAT(rejected.error().what, HasSubstr(reason));
     EXPECT_EQ(rejected.error().what.find('\n'), std::string::npos);
   };
-  expect_refused(taken, "another program holds this port");
-  expect_refused("192.0.2.1:4950", "this host has no such address");
-  expect_refused("nonsense:port", "port 'port'");
+  expect_rejected(taken, "another program holds this port");
+  expect_rejected("192.0.2.1:4950", "this host has no such address");
+  expect_rejected("nonsense:port", "port 'port'");
 }
 
 TEST_F(UdpEndpointTest, UsesNoHeapForADatagram) {

@@ -28,8 +28,8 @@ using boost::system::error_code;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr std::int64_t kPatienceNs = 30'000'000'000;
-constexpr std::int64_t kSoonNs = 50'000'000;
+constexpr std::int64_t kWebSocketTimeoutNs = 30'000'000'000;
+constexpr std::int64_t kShortTimeoutNs = 50'000'000;
 
 // Accepts one connection and serves it as the test says, in a thread of its own.
 class Service {
@@ -77,17 +77,17 @@ void echo(tcp::socket& socket) {
 
 TEST(WebSocketEndpoint, TextsGoThereAndBackAndItEndsInOrder) {
   Service service(&echo);
-  auto endpoint = WebSocketEndpoint::connect(service.address(), kPatienceNs);
+  auto endpoint = WebSocketEndpoint::connect(service.address(), kWebSocketTimeoutNs);
   ASSERT_TRUE(endpoint) << endpoint.error().what;
   for (const std::string& text : {std::string("hello"), std::string(100'000, 'x'), std::string()}) {
-    ASSERT_TRUE((*endpoint)->send(text, kPatienceNs)) << (*endpoint)->reason();
+    ASSERT_TRUE((*endpoint)->send(text, kWebSocketTimeoutNs)) << (*endpoint)->reason();
     std::string received = "of before";
-    ASSERT_TRUE((*endpoint)->receive(received, kPatienceNs)) << (*endpoint)->reason();
+    ASSERT_TRUE((*endpoint)->receive(received, kWebSocketTimeoutNs)) << (*endpoint)->reason();
     EXPECT_EQ(received, text);
   }
-  EXPECT_TRUE((*endpoint)->close(kPatienceNs));
+  EXPECT_TRUE((*endpoint)->close(kWebSocketTimeoutNs));
   EXPECT_EQ((*endpoint)->reason(), "closed by this side");
-  EXPECT_FALSE((*endpoint)->send("more", kPatienceNs));
+  EXPECT_FALSE((*endpoint)->send("more", kWebSocketTimeoutNs));
 }
 
 TEST(WebSocketEndpoint, AnotherProtocolIsRejectedInOneLine) {
@@ -96,7 +96,7 @@ TEST(WebSocketEndpoint, AnotherProtocolIsRejectedInOneLine) {
     asio::write(socket, asio::buffer(std::string("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n")), error);
     read_all(socket);
   });
-  const auto endpoint = WebSocketEndpoint::connect(service.address(), kPatienceNs);
+  const auto endpoint = WebSocketEndpoint::connect(service.address(), kWebSocketTimeoutNs);
   ASSERT_FALSE(endpoint);
   EXPECT_THAT(endpoint.error().what, StartsWith("127.0.0.1:"));
   EXPECT_GT(endpoint.error().what.size(), std::string("127.0.0.1:65535: ").size()) << "with the reason";
@@ -105,19 +105,19 @@ TEST(WebSocketEndpoint, AnotherProtocolIsRejectedInOneLine) {
 
 TEST(WebSocketEndpoint, WhoeverDoesNotReplyIsGivenUp) {
   Service service(&read_all);
-  const auto endpoint = WebSocketEndpoint::connect(service.address(), kSoonNs);
+  const auto endpoint = WebSocketEndpoint::connect(service.address(), kShortTimeoutNs);
   ASSERT_FALSE(endpoint);
   EXPECT_THAT(endpoint.error().what, HasSubstr("no reply in time"));
 }
 
-TEST(WebSocketEndpoint, WithoutAListenerThereIsNone) {
+TEST(WebSocketEndpoint, WithoutAListenerThereIsNoConnection) {
   Address nobody;
   {
     asio::io_context context;
     const tcp::acceptor acceptor(context, {asio::ip::address_v4::loopback(), 0});
     nobody = *parse_address("127.0.0.1:" + std::to_string(acceptor.local_endpoint().port()));
   }
-  EXPECT_FALSE(WebSocketEndpoint::connect(nobody, kPatienceNs));
+  EXPECT_FALSE(WebSocketEndpoint::connect(nobody, kWebSocketTimeoutNs));
 }
 
 // A message of more than a megabyte could fill the memory, so it ends the connection. So does a message that does not come in time.
@@ -130,12 +130,12 @@ TEST(WebSocketEndpoint, WhatIsTooLongOrTooLateEndsTheConnection) {
       if (is_long) stream.write(asio::buffer(std::string(WebSocketEndpoint::kMaxMessageBytes + 1, 'x')), error);
       read_all(socket);
     });
-    auto endpoint = WebSocketEndpoint::connect(service.address(), kPatienceNs);
+    auto endpoint = WebSocketEndpoint::connect(service.address(), kWebSocketTimeoutNs);
     ASSERT_TRUE(endpoint) << endpoint.error().what;
     std::string received;
-    EXPECT_FALSE((*endpoint)->receive(received, is_long ? kPatienceNs : kSoonNs));
+    EXPECT_FALSE((*endpoint)->receive(received, is_long ? kWebSocketTimeoutNs : kShortTimeoutNs));
     EXPECT_FALSE((*endpoint)->reason().empty());
-    EXPECT_FALSE((*endpoint)->receive(received, kPatienceNs)) << "it is over";
+    EXPECT_FALSE((*endpoint)->receive(received, kWebSocketTimeoutNs)) << "it is over";
   }
 }
 
