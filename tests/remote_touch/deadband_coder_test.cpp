@@ -19,7 +19,7 @@ TEST(PredictedSignal, HoldsTheLastValueOrFollowsALineForAWhile) {
   signal.update({3.0 * kX, 0.2 / kMs * kX}, 10 * kMs);
   EXPECT_NEAR((*signal.predict(15 * kMs) - 4.0 * kX).norm(), 0.0, 1e-12);
   const double longest_ms = 1e-6 * static_cast<double>(PredictedSignal::kLongestNs);
-  EXPECT_NEAR((*signal.predict(1000 * kMs) - (3.0 + 0.2 * longest_ms) * kX).norm(), 0.0, 1e-12) << "no farther";
+  EXPECT_NEAR((*signal.predict(1000 * kMs) - (3.0 + 0.2 * longest_ms) * kX).norm(), 0.0, 1e-12) << "the line ends at kLongestNs";
 }
 
 TEST(DeadbandCoder, NoticesAChangeOfWebersFraction) {
@@ -31,7 +31,7 @@ TEST(DeadbandCoder, NoticesAChangeOfWebersFraction) {
   EXPECT_TRUE(coder.note(2.0 * kX + 0.21 * Vec3::UnitY(), kMs)) << "of direction too";
   EXPECT_TRUE(coder.note(Vec3::Zero(), 2 * kMs));
   EXPECT_EQ(coder.send().value, Vec3::Zero());
-  EXPECT_FALSE(coder.note(0.049 * kX, kMs)) << "a value below the least counts as that";
+  EXPECT_FALSE(coder.note(0.049 * kX, kMs)) << "a value below 0.5 counts as 0.5: the deadband is 0.05";
   EXPECT_TRUE(coder.note(0.051 * kX, kMs));
 }
 
@@ -44,7 +44,7 @@ TEST(DeadbandCoder, WithFractionZeroEachValueIsSent) {
 
 // The slope is taken over the last ten values, or over all of them if there are fewer.
 TEST(DeadbandCoder, TheSlopeIsThatOfTheLastTenValues) {
-  for (const auto& [count, per_ms] : {std::pair{1, 0.0}, {2, 1.0}, {5, 4.0}, {9, 8.0}, {10, 9.0}, {11, 11.0}, {25, 39.0}}) {
+  for (const auto& [count, slope_per_ms] : {std::pair{1, 0.0}, {2, 1.0}, {5, 4.0}, {9, 8.0}, {10, 9.0}, {11, 11.0}, {25, 39.0}}) {
     DeadbandCoder linear(0.1, 0.1, Prediction::linear);
     DeadbandCoder hold(0.1, 0.1, Prediction::hold);
     for (int i = 0; i < count; ++i) {
@@ -53,7 +53,7 @@ TEST(DeadbandCoder, TheSlopeIsThatOfTheLastTenValues) {
     }
     const SignalUpdate update = linear.send();
     EXPECT_EQ(update.value.x(), static_cast<double>((count - 1) * (count - 1)));
-    EXPECT_NEAR(update.per_ns.x() * kMs, per_ms, 1e-9) << count;
+    EXPECT_NEAR(update.per_ns.x() * kMs, slope_per_ms, 1e-9) << count;
     EXPECT_EQ(hold.send().per_ns, Vec3(Vec3::Zero()));
   }
   DeadbandCoder at_once(0.1, 0.1, Prediction::linear);
@@ -75,7 +75,7 @@ TEST(DeadbandCoder, PredictionSavesUpdatesOfALine) {
     return updates;
   };
   EXPECT_GE(updates_of(Prediction::hold), 6);
-  EXPECT_EQ(updates_of(Prediction::linear), 2) << "of the first the slope is not known yet";
+  EXPECT_EQ(updates_of(Prediction::linear), 2) << "at the first update the slope is not known yet";
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ TEST(NetworkPath, WhatIsSentComesAfterItsDelayInOrder) {
   path.send(3, 100, 1 * kMs);
   EXPECT_FALSE(path.receive(5 * kMs - 1));
   EXPECT_EQ(path.receive(5 * kMs), 1);
-  EXPECT_EQ(path.receive(5 * kMs), 2) << "sent later, due at once: in the order of sending";
+  EXPECT_EQ(path.receive(5 * kMs), 2) << "sent later, due at the same time: in the order of sending";
   EXPECT_FALSE(path.receive(5 * kMs));
   EXPECT_EQ(path.receive(6 * kMs), 3);
   EXPECT_EQ(path.traffic().packets, 3U);
@@ -29,16 +29,16 @@ TEST(NetworkPath, WithoutDelayItComesAtOnce) {
 
 TEST(NetworkPath, WhatIsLostNeverComesAndIsCountedAsSent) {
   NetworkPath<int> path({.loss = 0.3}, 1);
-  int came = 0;
+  int received = 0;
   for (int i = 0; i < 10000; ++i) {
     path.send(i, 1, i);
-    came += path.receive(i) ? 1 : 0;
+    received += path.receive(i) ? 1 : 0;
   }
-  EXPECT_NEAR(came, 7000, 200);
+  EXPECT_NEAR(received, 7000, 200);
   EXPECT_EQ(path.traffic().packets, 10000U);
 }
 
-TEST(NetworkPath, JitterBeyondTheDistanceOfTwoReorders) {
+TEST(NetworkPath, JitterAboveTheTimeBetweenTwoPacketsReordersThem) {
   NetworkPath<int> path({.delay_ns = kMs, .jitter_ns = 20 * kMs}, 1);
   int newest = -1;
   int overtaken = 0;

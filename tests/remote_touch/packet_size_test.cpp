@@ -8,11 +8,11 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kIpAndUdp = 28;
+constexpr std::size_t kIpAndUdpBytes = 28;
 
 TEST(PacketSize, IsThatOfASealedDatagramInAnIpPacket) {
-  EXPECT_GT(packet_bytes_of_state(), kIpAndUdp + seal::kOverheadBytes + 7 * sizeof(double)) << "position and orientation";
-  EXPECT_GT(packet_bytes_of_force(), kIpAndUdp + seal::kOverheadBytes + 12 * sizeof(double)) << "force, torque, offset and turn";
+  EXPECT_GT(packet_bytes_of_state(), kIpAndUdpBytes + seal::kOverheadBytes + 7 * sizeof(double)) << "position and orientation";
+  EXPECT_GT(packet_bytes_of_force(), kIpAndUdpBytes + seal::kOverheadBytes + 12 * sizeof(double)) << "force, torque, offset and turn";
   EXPECT_LT(packet_bytes_of_state(), 260U);
   EXPECT_LT(packet_bytes_of_force(), 310U);
 }
@@ -23,7 +23,7 @@ TEST(PacketSize, ATileFitsADatagram) {
   tile.triangle_count = PatchTile::kMaxTriangles;
   tile.vertices.fill(0xff);
   EXPECT_GT(packet_bytes_of(tile), PatchTile::kMaxVertices * PatchTile::kVertexBytes);
-  EXPECT_LE(packet_bytes_of(tile), kMaxDatagramBytes + kIpAndUdp);
+  EXPECT_LE(packet_bytes_of(tile), kMaxDatagramBytes + kIpAndUdpBytes);
 }
 
 }  // namespace

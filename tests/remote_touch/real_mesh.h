@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// A mesh of the project, its longest side 100 mm, its middle at the origin.
+// A mesh of the project, scaled to a longest side of 100 mm, with its middle at the origin.
 inline std::shared_ptr<const TriangleMesh> real_mesh(const std::string& name) {
   auto file = load_touch_mesh(std::string(HAPTON_SOURCE_DIR) + "/meshes/" + name);
   if (!file) {

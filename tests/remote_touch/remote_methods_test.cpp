@@ -17,14 +17,14 @@ namespace {
 
 constexpr double kSheetNPerM = 1000.0;
 
-// The hand presses on a rolling or flat sheet, and moves in circles.
-Vec3 hand_at(int row, double bottom_m) {
+// The hand presses 2 mm into a wavy or flat sheet, and moves in circles.
+Vec3 hand_at(int row, double surface_z_m) {
   const double t_s = 1e-3 * row;
   const double press = std::clamp((t_s - 0.2) / 0.2, 0.0, 1.0);
-  return {0.02 * std::cos(4.0 * t_s), 0.02 * std::sin(4.0 * t_s), bottom_m + 0.01 * (1.0 - press) - 0.002 * press};
+  return {0.02 * std::cos(4.0 * t_s), 0.02 * std::sin(4.0 * t_s), surface_z_m + 0.01 * (1.0 - press) - 0.002 * press};
 }
 
-TriangleMesh rolling() {
+TriangleMesh wavy_sheet() {
   TriangleMesh mesh = made::sheet(0.05, 0.0, 60);
   for (Vec3& v : mesh.vertices) v.z() = 0.001 * std::sin(270.0 * v.x()) * std::sin(220.0 * v.y());
   return mesh;
@@ -52,20 +52,21 @@ Rows run(std::string_view name, const RemoteScene& scene, const RemoteNetwork& n
   return rows;
 }
 
-double worst_n(const Rows& rows, std::size_t late = 0) {
+double max_error_n(const Rows& rows, std::size_t late_rows = 0) {
   double worst = 0.0;
-  for (std::size_t i = late; i < rows.force_n.size(); ++i) worst = std::max(worst, (rows.force_n[i] - rows.zero_delay_n[i - late]).norm());
+  for (std::size_t i = late_rows; i < rows.force_n.size(); ++i)
+    worst = std::max(worst, (rows.force_n[i] - rows.zero_delay_n[i - late_rows]).norm());
   return worst;
 }
 
 double error_rms(const Rows& rows) {
-  double error = 0.0;
-  double whole = 0.0;
+  double error_squares = 0.0;
+  double force_squares = 0.0;
   for (std::size_t i = 0; i < rows.force_n.size(); ++i) {
-    error += (rows.force_n[i] - rows.zero_delay_n[i]).squaredNorm();
-    whole += rows.zero_delay_n[i].squaredNorm();
+    error_squares += (rows.force_n[i] - rows.zero_delay_n[i]).squaredNorm();
+    force_squares += rows.zero_delay_n[i].squaredNorm();
   }
-  return std::sqrt(error / whole);
+  return std::sqrt(error_squares / force_squares);
 }
 
 TEST(RemoteMethods, AreKnownByTheirNames) {
@@ -77,7 +78,7 @@ TEST(RemoteMethods, AreKnownByTheirNames) {
 }
 
 TEST(RemoteMethods, WithoutDelayAndLossAllGiveTheZeroDelayForce) {
-  const RemoteScene scene = scene_of(rolling());
+  const RemoteScene scene = scene_of(wavy_sheet());
   for (const RemoteMethod& method : remote_methods()) {
     SCOPED_TRACE(method.name);
     // The grid rounds the vertices of a patch, so the proxy crosses an edge a step earlier or later. A deadband hides a tenth of the force,
@@ -87,7 +88,7 @@ TEST(RemoteMethods, WithoutDelayAndLossAllGiveTheZeroDelayForce) {
                                ? 0.1 * 3.0 + 2.0 * 0.1 * kSheetNPerM * RemoteDeadband::kPositionM
                                : 1e-9;
     const Rows rows = run(method.name, scene, {});
-    EXPECT_LT(worst_n(rows), bound_n);
+    EXPECT_LT(max_error_n(rows), bound_n);
     if (method.scheme == RemoteMethod::Scheme::patch) {
       EXPECT_LT(error_rms(rows), 1e-3);
     }
@@ -96,21 +97,21 @@ TEST(RemoteMethods, WithoutDelayAndLossAllGiveTheZeroDelayForce) {
 }
 
 TEST(RemoteMethods, RemoteForceIsTheZeroDelayForceARoundTripLater) {
-  const RemoteScene scene = scene_of(rolling());
+  const RemoteScene scene = scene_of(wavy_sheet());
   const Rows rows = run("remote-held", scene, RemoteNetwork::of(0.04, 0.0, 0.0, 1));
-  EXPECT_LT(worst_n(rows, 40), 1e-9);
-  EXPECT_GT(worst_n(rows), 0.3);
+  EXPECT_LT(max_error_n(rows, 40), 1e-9);
+  EXPECT_GT(max_error_n(rows), 0.3);
 }
 
 TEST(RemoteMethods, ADeadbandOfFractionZeroIsRemoteForce) {
-  const RemoteScene scene = scene_of(rolling());
+  const RemoteScene scene = scene_of(wavy_sheet());
   for (const char* name : {"deadband", "deadband-linear"}) {
-    EXPECT_LT(worst_n(run(name, scene, RemoteNetwork::of(0.04, 0.0, 0.0, 1), {.deadband = 0.0}), 40), 1e-9) << name;
+    EXPECT_LT(max_error_n(run(name, scene, RemoteNetwork::of(0.04, 0.0, 0.0, 1), {.deadband = 0.0}), 40), 1e-9) << name;
   }
 }
 
 TEST(RemoteMethods, ADeadbandSendsFewerPacketsForAFractionOfTheForce) {
-  const RemoteScene scene = scene_of(rolling());
+  const RemoteScene scene = scene_of(wavy_sheet());
   const auto packets_of = [&](double fraction) {
     const auto touch = make_remote_touch(*find_remote_method("deadband"), scene, {}, {.deadband = fraction});
     for (int row = 0; row < 2000; ++row) (void)touch->step(hand_at(row, 0.0), (1000 + row) * kMs);
@@ -132,11 +133,11 @@ TEST(RemoteMethods, OnePlaneIsExactOnAFlatFaceAndOnlyThere) {
   double worst = 0.0;
   for (std::size_t i = 500; i < flat.force_n.size(); ++i) worst = std::max(worst, (flat.force_n[i] - flat.zero_delay_n[i]).norm());
   EXPECT_LT(worst, 1e-9);
-  EXPECT_GT(worst_n(run("plane", scene_of(rolling()), network)), 0.3);
+  EXPECT_GT(max_error_n(run("plane", scene_of(wavy_sheet()), network)), 0.3);
 }
 
 TEST(RemoteMethods, PatchesGiveTheZeroDelayForceAtAnyDelay) {
-  const RemoteScene scene = scene_of(rolling());
+  const RemoteScene scene = scene_of(wavy_sheet());
   EXPECT_LT(error_rms(run("patch", scene, RemoteNetwork::of(1.0, 0.3, 0.02, 1))), 1e-3);
 }
 
@@ -154,16 +155,16 @@ TEST(RemoteLaw, TheGovernorReleasesAForceOfAnOldSample) {
 }
 
 TEST(RemoteLaw, WaitsUntilTheSceneIsThereAndGivesUp) {
-  const RemoteScene scene = scene_of(rolling());
+  const RemoteScene scene = scene_of(wavy_sheet());
   const RemoteMethod& method = *find_remote_method("patch");
-  const auto waited = [&](double loss) {
+  const auto wait_with_loss = [&](double loss) {
     RemoteLaw law(method, make_remote_touch(method, scene, RemoteNetwork::of(0.1, loss, 0.0, 1), {}), {}, kMs);
     return law.wait(Vec3(0.0, 0.0, 0.01), 0.1, 10.0);
   };
-  ASSERT_TRUE(waited(0.0));
-  EXPECT_GT(*waited(0.0), 0.5);
-  EXPECT_LT(*waited(0.0), 5.0);
-  EXPECT_FALSE(waited(1.0)) << "nothing comes";
+  ASSERT_TRUE(wait_with_loss(0.0));
+  EXPECT_GT(*wait_with_loss(0.0), 0.5);
+  EXPECT_LT(*wait_with_loss(0.0), 5.0);
+  EXPECT_FALSE(wait_with_loss(1.0)) << "no packet arrives";
 }
 
 }  // namespace

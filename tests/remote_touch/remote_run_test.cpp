@@ -92,49 +92,49 @@ TEST_P(RealMesh, RemoteForceThatIsHeldGivesEnergyAndDoesNotRest) {
   EXPECT_TRUE(!loop->is_bounded || loop->limit_cycle_m > 1e-3);
   const auto passive = run_closed_loop(scene_, path(0.1, 0.1), device_, case_of("remote-passive", 0.1, 0.1), nullptr);
   ASSERT_TRUE(passive);
-  EXPECT_LT(passive->generated_j, 1e-6) << "the controller takes it back, but not the delay";
+  EXPECT_LT(passive->generated_j, 1e-6) << "the controller removes that energy, though not the delay";
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, RealMesh, testing::Values("nefertiti_70k.ply", "fish_22k.obj"));
 
 // Compares linear theory for a force that is late by the round trip with presses of the same device. The device has no friction, joints
-// and encoder steps, because the theory leaves them out.
+// or encoder steps, because the theory leaves them out.
 TEST(RestStiffness, OfRemoteForceAgreesWithTheoryAndOfPatchesIsThatWithoutDelay) {
   RemoteDevice device = device_of("premium-1.5");
   device.model.friction_n = device.model.encoder_step_m = device.model.max_force_n = 0.0;
   device.model.mode_count = 0;
   const AxisPlant plant = make_axis_plant(device.model, device.hand);
-  double undelayed = 0.0;
+  double undelayed_n_per_m = 0.0;
   for (const double round_trip_s : {0.0, 0.01, 0.1}) {
     SCOPED_TRACE(testing::Message() << round_trip_s << " s");
-    const double stable = find_stable_stiffness(SampledPlant(plant, 1e-3, round_trip_s), 0.0).value;
-    const auto held = find_rest_stiffness_of(device, case_of("remote-held", round_trip_s, 0.0), 2e4);
-    ASSERT_TRUE(held) << held.error().what;
-    EXPECT_LE(*held, 1.02 * stable);
-    EXPECT_GT(*held, 0.25 * stable) << "near the limit a press needs longer than a second to come to rest";
-    if (round_trip_s == 0.0) undelayed = *held;
-    EXPECT_EQ(stable > 1000.0, round_trip_s < 0.01) << "1,000 N/m is beyond it from 10 ms on";
+    const double stable_n_per_m = find_stable_stiffness(SampledPlant(plant, 1e-3, round_trip_s), 0.0).value;
+    const auto held_n_per_m = find_rest_stiffness_of(device, case_of("remote-held", round_trip_s, 0.0), 2e4);
+    ASSERT_TRUE(held_n_per_m) << held_n_per_m.error().what;
+    EXPECT_LE(*held_n_per_m, 1.02 * stable_n_per_m);
+    EXPECT_GT(*held_n_per_m, 0.25 * stable_n_per_m) << "near the limit a press needs longer than a second to come to rest";
+    if (round_trip_s == 0.0) undelayed_n_per_m = *held_n_per_m;
+    EXPECT_EQ(stable_n_per_m > 1000.0, round_trip_s < 0.01) << "1,000 N/m is beyond it from 10 ms on";
     const auto patch = find_rest_stiffness_of(device, case_of("patch", round_trip_s, 0.1), 2e4);
     ASSERT_TRUE(patch) << patch.error().what;
-    EXPECT_NEAR(*patch, undelayed, 0.05 * undelayed);
+    EXPECT_NEAR(*patch, undelayed_n_per_m, 0.05 * undelayed_n_per_m);
   }
 }
 
-TEST(RemoteRun, WhatNeverComesIsAnError) {
+TEST(RemoteRun, ASceneThatNeverArrivesIsAnError) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
   const auto path = make_slide_path(*scene->mesh, *scene->near, {});
   ASSERT_TRUE(path);
   const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0));
   ASSERT_FALSE(touch);
-  constexpr const char* kNotThere = "patch: the scene around the hand had not arrived after 120 s";
-  EXPECT_EQ(touch.error().what, kNotThere);
+  constexpr const char* kNotArrived = "patch: the scene around the hand had not arrived after 120 s";
+  EXPECT_EQ(touch.error().what, kNotArrived);
   const auto loop = run_closed_loop(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0), nullptr);
   ASSERT_FALSE(loop);
-  EXPECT_EQ(loop.error().what, kNotThere);
+  EXPECT_EQ(loop.error().what, kNotArrived);
   const auto rest = find_rest_stiffness_of(device_of("touch"), case_of("patch", 0.0, 1.0), 2e4);
   ASSERT_FALSE(rest);
-  EXPECT_EQ(rest.error().what, kNotThere);
+  EXPECT_EQ(rest.error().what, kNotArrived);
 }
 
 TEST(RemoteRun, AHandWithoutASpringFollowsNoPath) {
@@ -149,7 +149,7 @@ TEST(RemoteRun, AHandWithoutASpringFollowsNoPath) {
   EXPECT_EQ(loop.error().what, "a hand without a spring cannot follow a path");
 }
 
-// In each period a datagram goes each way; in addition, the nodes greet each other ten times a second.
+// In each period a datagram goes each way; in addition, the nodes greet each other ten times a second, with 110 bytes.
 TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
@@ -191,14 +191,14 @@ TEST(RemoteRun, ThePathErrorIsADistance) {
     EXPECT_TRUE(touch);
     return touch.value_or(ClosedLoopTouch{});
   };
-  std::vector<Vec3> places = run(nullptr).p_WD;
-  ASSERT_GT(places.size(), path->leaving);
+  std::vector<Vec3> positions = run(nullptr).p_WD;
+  ASSERT_GT(positions.size(), path->leaving);
   EXPECT_EQ(run(nullptr).path_error_m, 0.0);
-  EXPECT_EQ(run(&places).path_error_m, 0.0) << "the same run";
-  for (Vec3& p_W : places) p_W += Vec3(0.0, 0.0006, 0.0008);
-  EXPECT_NEAR(run(&places).path_error_m, 0.001, 1e-12);
-  places.resize(path->sliding);
-  EXPECT_EQ(run(&places).path_error_m, 0.0) << "nothing to compare";
+  EXPECT_EQ(run(&positions).path_error_m, 0.0) << "the same run";
+  for (Vec3& p_W : positions) p_W += Vec3(0.0, 0.0006, 0.0008);
+  EXPECT_NEAR(run(&positions).path_error_m, 0.001, 1e-12);
+  positions.resize(path->sliding);
+  EXPECT_EQ(run(&positions).path_error_m, 0.0) << "nothing to compare";
 }
 
 TEST(RemoteRun, TheSameSeedGivesTheSameRun) {

@@ -58,7 +58,7 @@ TEST(SampleLink, SendsNoMoreOftenThanItsPeriod) {
   EXPECT_EQ(link.traffic().up.packets, 4U);
 }
 
-TEST(SampleLink, OlderRepliesAndCopiesAreNone) {
+TEST(SampleLink, OlderRepliesAndCopiesAreDropped) {
   SampleLink link(sheet_method(), {.up = {.jitter_ns = 10 * kMs, .duplicate = 0.5}, .down = {.jitter_ns = 10 * kMs, .duplicate = 0.5}});
   std::int64_t last_ns = 0;
   int replies = 0;
@@ -90,7 +90,7 @@ TEST(RemotePlane, PushesOneWayAndEndsWithTheContact) {
 }
 
 // Replies with an offset of the proxy and a force that need not fit each other.
-class MadeReply final : public ForceMethod {
+class FixedOutput final : public ForceMethod {
  public:
   MethodOutput output;  // p_SP is relative to the device
 
@@ -104,8 +104,8 @@ class MadeReply final : public ForceMethod {
   std::string describe() const override { return ""; }
 };
 
-TEST(RemotePlane, IsThereOnlyWithContactAndAWayToTheSurface) {
-  const auto method = std::make_shared<MadeReply>();
+TEST(RemotePlane, ExistsOnlyWithContactAndAnOffsetToTheSurface) {
+  const auto method = std::make_shared<FixedOutput>();
   RemotePlane plane(method, {});
   const Vec3 p_WD(0.01, 0.02, 0.03);
   std::int64_t now_ns = 100 * kMs;
@@ -117,7 +117,8 @@ TEST(RemotePlane, IsThereOnlyWithContactAndAWayToTheSurface) {
   };
   EXPECT_LT((force(true, Vec3(0, 0, 0.002)) - Vec3(0, 0, 2)).norm(), 1e-9);
   EXPECT_LT((force(true, Vec3(0, 0, 0.002), Vec3(0.01, 0, -0.001)) - Vec3(0, 0, 3)).norm(), 1e-9) << "the same plane deeper";
-  EXPECT_LT((force(true, Vec3(0.004, 0, 0)) - Vec3(2, 0, 0)).norm(), 1e-9) << "its stiffness is that of the force's magnitude";
+  EXPECT_LT((force(true, Vec3(0.004, 0, 0)) - Vec3(2, 0, 0)).norm(), 1e-9)
+      << "its stiffness is the force's magnitude over the offset's length";
   EXPECT_EQ(force(false, Vec3(0, 0, 0.002)), Vec3(Vec3::Zero()));
   EXPECT_EQ(force(true, Vec3::Zero()), Vec3(Vec3::Zero()));
   EXPECT_EQ(force(true, Vec3::Zero(), Vec3(0, 0, -0.001)), Vec3(Vec3::Zero()));
@@ -132,36 +133,36 @@ std::uint64_t packets_up(const std::function<Vec3(double)>& hand) {
 
 TEST(RemoteDeadband, AHandWhoseVelocityIsKnownNeedsNoPackets) {
   EXPECT_EQ(packets_up([](double) { return at_depth(-0.01); }), 1U) << "at rest";
-  const auto steady = packets_up([](double t_s) { return Vec3(0.1 * t_s, 0, 0.01); });
-  EXPECT_LT(steady, 10U) << "until its speed is known";
-  EXPECT_GE(steady, 2U);
+  const auto steady_packets = packets_up([](double t_s) { return Vec3(0.1 * t_s, 0, 0.01); });
+  EXPECT_LT(steady_packets, 10U) << "until its speed is known";
+  EXPECT_GE(steady_packets, 2U);
   // This hand turns back every tenth of a second.
-  const auto turning = packets_up([](double t_s) { return Vec3(0.1 * std::fabs(std::fmod(t_s, 0.2) - 0.1), 0, 0.01); });
-  EXPECT_GT(turning, 3 * steady);
-  EXPECT_LT(turning, 400U);
+  const auto turning_packets = packets_up([](double t_s) { return Vec3(0.1 * std::fabs(std::fmod(t_s, 0.2) - 0.1), 0, 0.01); });
+  EXPECT_GT(turning_packets, 3 * steady_packets);
+  EXPECT_LT(turning_packets, 400U);
 }
 
 // A motion slower than any speed that counts is sent when the extrapolated position is off by a tenth of a millimetre.
-TEST(RemoteDeadband, ASlowHandIsSentWhereItIsOff) {
-  const double speed = 0.004;  // less than a tenth of kMinSpeed
-  const auto sent = packets_up([&](double t_s) { return Vec3(speed * t_s, 0, 0.01); });
-  EXPECT_GE(sent, 2U);
-  EXPECT_LE(sent, 1 + static_cast<std::uint64_t>(speed / (0.1 * RemoteDeadband::kPositionM)));
+TEST(RemoteDeadband, ASlowHandIsSentWhenItsExtrapolationIsOff) {
+  const double speed_m_per_s = 0.004;  // less than a tenth of kMinSpeed
+  const auto packets = packets_up([&](double t_s) { return Vec3(speed_m_per_s * t_s, 0, 0.01); });
+  EXPECT_GE(packets, 2U);
+  EXPECT_LE(packets, 1 + static_cast<std::uint64_t>(speed_m_per_s / (0.1 * RemoteDeadband::kPositionM)));
 }
 
-TEST(RemoteDeadband, ContactIsToldAtOnceWhenItBeginsAndEnds) {
+TEST(RemoteDeadband, ContactIsReportedAtOnceWhenItBeginsAndEnds) {
   RemoteDeadband touch(sheet_method(10.0), {}, {.fraction = 0.5});
   std::int64_t now_ns = 1000 * kMs;
   const auto packets_after = [&](double depth_m) {
     for (int n = 0; n < 100; ++n) (void)touch.step(at_depth(depth_m), now_ns += kMs);
     return touch.traffic().down.packets;
   };
-  const auto free = packets_after(-0.002);
-  // 20 mN: less than half of kMinForceN, as which every smaller force counts.
-  const auto touched = packets_after(0.002);
-  EXPECT_EQ(touched, free + 1);
-  EXPECT_EQ(packets_after(0.002), touched);
-  EXPECT_EQ(packets_after(-0.002), touched + 1);
+  const auto packets_before = packets_after(-0.002);
+  // 20 mN is less than half of kMinForceN. Every force below kMinForceN counts as kMinForceN.
+  const auto packets_in_contact = packets_after(0.002);
+  EXPECT_EQ(packets_in_contact, packets_before + 1);
+  EXPECT_EQ(packets_after(0.002), packets_in_contact);
+  EXPECT_EQ(packets_after(-0.002), packets_in_contact + 1);
 }
 
 TEST(MachineStalls, WithoutALengthThereAreNone) {
@@ -169,20 +170,20 @@ TEST(MachineStalls, WithoutALengthThereAreNone) {
   for (std::size_t row = 0; row < 100'000; ++row) ASSERT_EQ(stalls.missed_before(row), 0U);
 }
 
-TEST(MachineStalls, AreAsLongAndAsFarApartOnAverageAsTheySay) {
-  constexpr double kMeanRows = 50.0;
+TEST(MachineStalls, HaveTheirMeanLengthAndMeanGap) {
+  constexpr double kMeanRows = 50.0;  // 0.05 s in rows of 1 ms
   MachineStalls stalls(0.05, 1e-3, 7);
   double missed = 0.0;
   int count = 0;
   std::size_t row = 0;
   std::size_t longest = 0;
   for (; row < 2'000'000; ++row) {
-    const std::size_t now = stalls.missed_before(row);
-    if (now == 0) continue;
-    EXPECT_EQ(stalls.missed_before(row + now), 0U) << "the row that comes";
-    longest = std::max(longest, now);
-    missed += static_cast<double>(now);
-    row += now;
+    const std::size_t stall_rows = stalls.missed_before(row);
+    if (stall_rows == 0) continue;
+    EXPECT_EQ(stalls.missed_before(row + stall_rows), 0U) << "a row follows each stall";
+    longest = std::max(longest, stall_rows);
+    missed += static_cast<double>(stall_rows);
+    row += stall_rows;
     ++count;
   }
   EXPECT_NEAR(missed / count, kMeanRows, 0.05 * kMeanRows);

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSampleS = 1e-3;
+constexpr double kSamplePeriodS = 1e-3;
 
 RemoteScene scene_of_sphere() { return *make_remote_scene(made::shared(made::sphere(0.05, 40)), {}); }
 
@@ -18,7 +18,7 @@ TEST(SlidePath, ComesSlidesRestsAndLeaves) {
   const auto path = make_slide_path(*scene.mesh, *scene.near, plan);
   ASSERT_TRUE(path) << path.error().what;
   EXPECT_EQ(path->resting - path->sliding, 1000U);
-  EXPECT_EQ(path->leaving - path->resting, 800U);
+  EXPECT_EQ(path->leaving - path->resting, 800U) << "SlidePlan::rest_s";
   EXPECT_LT(path->rows.front().depth_m, 0.0) << "above the surface";
   EXPECT_LT(path->rows.back().depth_m, -plan.depth_m);
   double length_m = 0.0;
@@ -36,16 +36,18 @@ TEST(SlidePath, ComesSlidesRestsAndLeaves) {
 
 TEST(SlidePath, TheSameSeedGivesTheSamePath) {
   const RemoteScene scene = scene_of_sphere();
-  const auto place = [&](std::uint64_t seed) { return make_slide_path(*scene.mesh, *scene.near, {.seed = seed})->rows[2000].device_m(); };
-  EXPECT_EQ(place(5), place(5));
-  EXPECT_NE(place(5), place(6));
+  const auto position = [&](std::uint64_t seed) {
+    return make_slide_path(*scene.mesh, *scene.near, {.seed = seed})->rows[2000].device_m();
+  };
+  EXPECT_EQ(position(5), position(5));
+  EXPECT_NE(position(5), position(6));
 }
 
-TEST(SlidePath, AHandAimsSoThatTheDeviceIsAsDeepAsItShould) {
+TEST(SlidePath, AHandAimsDeeperSoThatTheDeviceReachesItsDepth) {
   const RemoteScene scene = scene_of_sphere();
   const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 1, .depth_m = 1e-3});
   ASSERT_TRUE(path);
-  const HandPath hand = path->make_hand_path(500.0, 1000.0, kSampleS);
+  const HandPath hand = path->make_hand_path(500.0, 1000.0, kSamplePeriodS);
   const SlideRow& row = path->rows[path->sliding];
   // At a depth of 1 mm the surface gives 1 N, which stretches the spring of the hand by 2 mm.
   EXPECT_NEAR((hand.position_m(static_cast<std::int64_t>(path->sliding) * 1'000'000) - (row.p_SQ - 3e-3 * row.outward_S)).norm(), 0.0,
@@ -59,7 +61,7 @@ TEST(SlidePath, AMeshWithoutAnAreaIsAnError) {
 }
 
 // Two sheets that face each other, 3 mm apart: above each place of one is the other.
-TEST(SlidePath, WithoutRoomAboveTheSurfaceThereIsNone) {
+TEST(SlidePath, WithoutRoomAboveTheSurfaceThereIsNoPath) {
   TriangleMesh mesh = made::sheet(0.02, 0.0, 2);
   const auto below = static_cast<std::uint32_t>(mesh.vertices.size());
   const TriangleMesh above = made::sheet(0.02, 0.003, 2);
@@ -76,13 +78,13 @@ TEST(SlidePath, TurnsBackAfterAStroke) {
   const RemoteScene scene = scene_of_sphere();
   const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 2, .speed_m_per_s = 0.3, .slide_s = 1.2, .stroke_m = 0.06});
   ASSERT_TRUE(path) << path.error().what;
-  constexpr std::size_t kStroke = 200;  // rows
+  constexpr std::size_t kStrokeRows = 200;  // 60 mm at 0.3 mm a row
   const std::size_t start = path->sliding - 1;
-  for (std::size_t i = 0; i <= kStroke; ++i) {
-    EXPECT_EQ(path->rows[start + i].p_SQ, path->rows[start + 2 * kStroke - i].p_SQ) << i;
-    EXPECT_EQ(path->rows[start + i].p_SQ, path->rows[start + 2 * kStroke + i].p_SQ) << i;
+  for (std::size_t i = 0; i <= kStrokeRows; ++i) {
+    EXPECT_EQ(path->rows[start + i].p_SQ, path->rows[start + 2 * kStrokeRows - i].p_SQ) << i;
+    EXPECT_EQ(path->rows[start + i].p_SQ, path->rows[start + 2 * kStrokeRows + i].p_SQ) << i;
   }
-  EXPECT_GT((path->rows[start].p_SQ - path->rows[start + kStroke].p_SQ).norm(), 0.03);
+  EXPECT_GT((path->rows[start].p_SQ - path->rows[start + kStrokeRows].p_SQ).norm(), 0.03);
 }
 
 }  // namespace
