@@ -25,7 +25,7 @@
 
 namespace hapton {
 
-// The scene on the grid of its tiles and in the local frame of its patches: touched as a whole, it then has exactly their surface.
+// Rounds the scene to the grid of its tiles, with the local unit of its patches: touched as a whole, it has exactly their surface.
 inline TouchScene on_patch_grid(TouchScene scene) {
   const PatchGrid grid = make_tiles(scene).grid;
   for (TouchObject& object : scene.objects) {
@@ -40,9 +40,11 @@ inline TouchScene on_patch_grid(TouchScene scene) {
 // All parts of a scene that moves, as messages in the order in which an ideal link delivers them.
 inline std::vector<Message> parts_of(const TiledScene& tiled, std::uint32_t epoch = 1) {
   std::vector<Message> parts;
+  // Everything is in reach, and no bandwidth limits it.
   PatchSource source(tiled, 0.0, 7, epoch, {.bits_per_s = 1e15, .least_reach_m = 1e3});
   PatchStore store;  // confirms parts, which are then not sent again
   std::int64_t last_ns = 1'000'000'000;
+  // Until no part has come for 50 ms.
   for (std::int64_t now_ns = last_ns; now_ns - last_ns < 50'000'000; now_ns += 1'000'000) {
     while (auto part = source.take(now_ns)) {
       (void)store.accept_part(*part);
@@ -73,30 +75,30 @@ class ChainStage {
  public:
   static constexpr double kStepS = 1e-3;
 
-  // few: as in PatchMaker. Pre: the scene is on the grid.
-  explicit ChainStage(const TouchScene& scene, std::size_t few = PatchMaker::kFewTriangles) {
+  // few_triangles: as in PatchMaker. Pre: the scene is on the grid.
+  explicit ChainStage(const TouchScene& scene, std::size_t few_triangles = PatchMaker::kFewTriangles) {
     whole_ = std::make_unique<TouchStep>(*make_method({}, scene), scene);
     const TiledScene tiled = make_tiles(scene);
     for (const Message& part : parts_of(tiled)) (void)store_.accept_part(part);
-    for (std::uint32_t body = 0; body < tiled.bodies.size(); ++body) makers_.emplace_back(few, body);
+    for (std::uint32_t body = 0; body < tiled.bodies.size(); ++body) makers_.emplace_back(few_triangles, body);
     (void)chain_.take(store_.make_bodies(0));
   }
 
-  struct Felt {
+  struct Outputs {
     std::optional<PatchOutput> patch;
     TouchOutput whole;
   };
 
-  // may_make: makes the patches that are due.
-  Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity(), bool may_make = true) {
+  // makes_patches: the patches that are due are made first.
+  Outputs step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity(), bool makes_patches = true) {
     time_s_ += kStepS;
     const TouchInput input{.p_WD = p_WD, .X_WS = X_WS, .dt_s = kStepS, .time_s = time_s_};
     if (is_first_) whole_->reset(input);
     // Patches need a hand, and before the first step there is none: the first patches are made where the hand will be.
-    TouchInput before = input;
-    before.dt_s = before_s_;
-    if (std::exchange(is_first_, false)) (void)chain_.step(before);
-    if (may_make) make_patches();
+    TouchInput lead_in = input;
+    lead_in.dt_s = lead_in_dt_s_;
+    if (std::exchange(is_first_, false)) (void)chain_.step(lead_in);
+    if (makes_patches) make_patches();
     return {chain_.step(input), whole_->step(input)};
   }
 
@@ -129,7 +131,7 @@ class ChainStage {
 
   double time_s() const { return time_s_; }
   // Call both before the first step. begin_together: the chain's scene time begins with that step, as the whole scene's does.
-  void begin_together() { before_s_ = 1e-12; }
+  void begin_together() { lead_in_dt_s_ = 1e-12; }
   void skip_to(double time_s) { time_s_ = time_s; }
   PatchChain& chain() { return chain_; }
   TouchStep& whole() { return *whole_; }
@@ -168,7 +170,7 @@ class ChainStage {
   MoveTable moves_;
   double time_s_ = 0.0;
   bool is_first_ = true;
-  double before_s_ = kStepS;
+  double lead_in_dt_s_ = kStepS;
 };
 
 }  // namespace hapton

@@ -69,48 +69,48 @@ TEST(DeformingPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
   for (const bool slides : {false, true}) {
     for (const double friction : {0.0, 0.5}) {
       ChainStage stage(cushion_on_floor(friction, slides));
-      double worst = 0.0;
+      double worst_share = 0.0;  // of an error in the force
       int on_cushion = 0;
       int on_floor = 0;
       for (int n = 0; n < 8000; ++n) {
-        const ChainStage::Felt felt = stage.step(cushion_hand(stage.time_s()));
+        const ChainStage::Outputs felt = stage.step(cushion_hand(stage.time_s()));
         ASSERT_TRUE(felt.patch.has_value()) << n;
         ASSERT_EQ(felt.patch->contact, felt.whole.contact) << n;
         ASSERT_EQ(felt.patch->object, felt.whole.object) << n;
         on_cushion += felt.whole.object == 1 ? 1 : 0;
         on_floor += felt.whole.object == 0 ? 1 : 0;
-        worst = std::max(worst, (felt.patch->force_n - felt.whole.force_n).norm() / std::max(felt.whole.force_n.norm(), 1e-3));
+        worst_share = std::max(worst_share, (felt.patch->force_n - felt.whole.force_n).norm() / std::max(felt.whole.force_n.norm(), 1e-3));
       }
-      EXPECT_LT(worst, friction == 0.0 ? 1e-9 : 0x1p-20) << friction << " " << slides;
+      EXPECT_LT(worst_share, friction == 0.0 ? 1e-9 : 0x1p-20) << friction << " " << slides;
       EXPECT_GT(on_cushion, 2000);
       EXPECT_GT(on_floor, 20);
     }
   }
 }
 
-// The largest difference to the force on the whole scene if the patches come age_s after step `begin`, with the hand pressed in before.
-double find_worst_after(double friction, int begin, double age_s) {
+// The largest difference to the force on the whole scene. The hand is pressed in, and delay_s after step `begin` the patches come.
+double find_worst_error_n(double friction, int begin, double delay_s) {
   const TouchScene scene = cushion_on_floor(friction);
   ChainStage stage(scene);
   const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
-  const Vec3 still(0.003, 0.002, 0.003);
+  const Vec3 resting_hand(0.003, 0.002, 0.003);
   TouchInput input{.p_WD = Vec3(0.003, 0.002, 0.01)};
   whole->reset(input);
   TouchOutput felt;
   for (int n = 0; n <= begin; ++n) {
     input.time_s = 1e-3 * n;
-    input.p_WD = Vec3(0.003, 0.002, 0.01) + std::min(1.0, n / 100.0) * Vec3(0, 0, still.z() - 0.01);
+    input.p_WD = Vec3(0.003, 0.002, 0.01) + std::min(1.0, n / 100.0) * Vec3(0, 0, resting_hand.z() - 0.01);
     felt = whole->step(input);
   }
   EXPECT_TRUE(felt.contact);
   const double begin_s = 1e-3 * begin;
   stage.skip_to(begin_s);
-  stage.chain().start_at(still + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, begin_s);
+  stage.chain().start_at(resting_hand + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, begin_s);
   double worst_n = 0.0;
   for (int n = 1; n <= 500; ++n) {
     const double time_s = begin_s + 1e-3 * n;
-    const bool has_parts = 1e-3 * n > age_s;
-    const ChainStage::Felt both = stage.step(still, Pose::Identity(), has_parts);
+    const bool has_parts = 1e-3 * n > delay_s;
+    const ChainStage::Outputs both = stage.step(resting_hand, Pose::Identity(), has_parts);
     input.time_s = time_s;
     felt = whole->step(input);
     if (!has_parts) continue;
@@ -125,9 +125,9 @@ double find_worst_after(double friction, int begin, double age_s) {
 TEST(DeformingPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
   for (const double friction : {0.0, 0.3}) {
     for (const int begin : {300, 450}) {
-      for (const double age_s : {0.0, 0.02, 0.15}) {
+      for (const double delay_s : {0.0, 0.02, 0.15}) {
         // The chain does not know what friction held before the parts came.
-        EXPECT_LT(find_worst_after(friction, begin, age_s), friction == 0.0 ? 1e-9 : 0.3) << friction << " " << begin << " " << age_s;
+        EXPECT_LT(find_worst_error_n(friction, begin, delay_s), friction == 0.0 ? 1e-9 : 0.3) << friction << " " << begin << " " << delay_s;
       }
     }
   }
@@ -217,59 +217,61 @@ TEST(DeformingPatch, HasTheShapesOfTheScene) {
   const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), 1.0, 1, 1);
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   const TouchObject& joined = piece.scene.objects.front();
-  const TouchObject& own = scene.objects[1];
-  EXPECT_EQ(joined.deformation->keys(), own.deformation->keys());
+  const TouchObject& scene_object = scene.objects[1];
+  EXPECT_EQ(joined.deformation->keys(), scene_object.deformation->keys());
   for (const double time_s : {0.0, 0.07, 0.1, 0.2, 0.33, 1.21}) {
     const auto shape = joined.deformation->vertices_at(joined.mesh->vertices, joined.deformation->weights_at(time_s));
-    const auto expected = own.deformation->vertices_at(own.mesh->vertices, own.deformation->weights_at(time_s));
+    const auto expected = scene_object.deformation->vertices_at(scene_object.mesh->vertices, scene_object.deformation->weights_at(time_s));
     for (std::size_t v = 0; v < joined.mesh->vertices.size(); ++v) {
-      const auto at = std::find(own.mesh->vertices.begin(), own.mesh->vertices.end(), joined.mesh->vertices[v]);
-      ASSERT_NE(at, own.mesh->vertices.end());
-      EXPECT_LT((shape[v] - expected[static_cast<std::size_t>(at - own.mesh->vertices.begin())]).norm(), 1e-15);
+      const auto at = std::find(scene_object.mesh->vertices.begin(), scene_object.mesh->vertices.end(), joined.mesh->vertices[v]);
+      ASSERT_NE(at, scene_object.mesh->vertices.end());
+      EXPECT_LT((shape[v] - expected[static_cast<std::size_t>(at - scene_object.mesh->vertices.begin())]).norm(), 1e-15);
     }
   }
 }
 
-TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
+TEST(DeformingPatch, ABallCannotFeelItAndVerticesThatPartAreNoticed) {
   EXPECT_TRUE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.0));
   EXPECT_FALSE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.001)) << "a ball cannot feel what deforms";
   EXPECT_FALSE(make_tiles(cushion_on_floor()).comes_apart);
 
   // Vertices at the same position that move alike count as one.
-  TouchScene doubled = cushion_on_floor();
-  TriangleMesh seam = *doubled.objects[1].mesh;
-  const MeshDeformation& own = *doubled.objects[1].deformation;
-  std::vector<MorphTarget> targets = own.targets();
-  const std::uint32_t moved = targets[0].vertices[0];
-  seam.vertices.push_back(seam.vertices[moved]);
+  TouchScene doubled_scene = cushion_on_floor();
+  TriangleMesh seam_mesh = *doubled_scene.objects[1].mesh;
+  const MeshDeformation& deformation = *doubled_scene.objects[1].deformation;
+  std::vector<MorphTarget> targets = deformation.targets();
+  const std::uint32_t moved_vertex = targets[0].vertices[0];
+  seam_mesh.vertices.push_back(seam_mesh.vertices[moved_vertex]);
   for (MorphTarget& target : targets) {
-    const auto at = std::find(target.vertices.begin(), target.vertices.end(), moved);
+    const auto at = std::find(target.vertices.begin(), target.vertices.end(), moved_vertex);
     if (at == target.vertices.end()) continue;
     target.displacements.push_back(target.displacements[static_cast<std::size_t>(at - target.vertices.begin())]);
-    target.vertices.push_back(static_cast<std::uint32_t>(seam.vertices.size() - 1));
+    target.vertices.push_back(static_cast<std::uint32_t>(seam_mesh.vertices.size() - 1));
   }
-  doubled.objects[1].deformation = std::make_shared<const MeshDeformation>(std::move(targets), own.keys(), own.loops());
-  doubled.objects[1].mesh = made::shared(std::move(seam));
-  EXPECT_FALSE(make_tiles(doubled).comes_apart);
+  doubled_scene.objects[1].deformation =
+      std::make_shared<const MeshDeformation>(std::move(targets), deformation.keys(), deformation.loops());
+  doubled_scene.objects[1].mesh = made::shared(std::move(seam_mesh));
+  EXPECT_FALSE(make_tiles(doubled_scene).comes_apart);
 
   // Two sheets that share an edge at rest only.
-  TouchScene parting;
-  TriangleMesh two = made::sheet(0.01, 0.0, 2);
-  const auto first = static_cast<std::uint32_t>(two.vertices.size());
-  for (std::size_t v = 0; v < first; ++v) two.vertices.push_back(two.vertices[v] + Vec3(0.02, 0, 0));
-  const std::size_t triangles = two.triangles.size();
+  TouchScene parting_scene;
+  TriangleMesh two_sheets = made::sheet(0.01, 0.0, 2);
+  const auto first = static_cast<std::uint32_t>(two_sheets.vertices.size());
+  for (std::size_t v = 0; v < first; ++v) two_sheets.vertices.push_back(two_sheets.vertices[v] + Vec3(0.02, 0, 0));
+  const std::size_t triangles = two_sheets.triangles.size();
   for (std::size_t t = 0; t < triangles; ++t) {
-    two.triangles.push_back({two.triangles[t][0] + first, two.triangles[t][1] + first, two.triangles[t][2] + first});
+    two_sheets.triangles.push_back(
+        {two_sheets.triangles[t][0] + first, two_sheets.triangles[t][1] + first, two_sheets.triangles[t][2] + first});
   }
   MorphTarget up;
-  for (std::uint32_t v = first; v < two.vertices.size(); ++v) {
+  for (std::uint32_t v = first; v < two_sheets.vertices.size(); ++v) {
     up.vertices.push_back(v);
     up.displacements.emplace_back(0, 0, 0.01);
   }
-  parting.objects.push_back({made::shared(std::move(two)), Material()});
-  parting.objects.back().deformation =
+  parting_scene.objects.push_back({made::shared(std::move(two_sheets)), Material()});
+  parting_scene.objects.back().deformation =
       std::make_shared<const MeshDeformation>(std::vector{up}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
-  EXPECT_TRUE(make_tiles(parting).comes_apart);
+  EXPECT_TRUE(make_tiles(parting_scene).comes_apart);
 }
 
 // A deformation that no scene can have is never felt.
@@ -287,11 +289,11 @@ TEST(DeformingPatch, ImpossibleDeformationsAreRejected) {
   EXPECT_FALSE(is_felt([](PatchDeformation& m) {
     for (std::size_t n = 0; n < m.key_count; ++n) m.keys[3 * n] *= 0.1;
   })) << "ten times as fast";
-  EXPECT_FALSE(is_felt([](PatchDeformation& m) { m.keys[1] = 0.1; })) << "no round";
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) { m.keys[1] = 0.1; })) << "the loop does not end where it begins";
   EXPECT_FALSE(is_felt([](PatchDeformation& m) {
     for (std::size_t n = 0; n < m.key_count; ++n) m.keys[3 * n + 1] += 3.0;
   })) << "beyond its bounds";
-  EXPECT_FALSE(is_felt([](PatchDeformation& m) { ++m.displaced_count; })) << "one is missing";
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) { ++m.displaced_count; })) << "one displacement is missing";
   EXPECT_FALSE(is_felt([](PatchDeformation& m) { m.tile_count = ~0U; }));
 }
 

@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 SceneEffectSet one_of_each() {
   const EffectVolume ball = EffectVolume::ball({1, 2, 3}, 0.5);
@@ -122,17 +122,17 @@ TEST(EffectCodec, KeepsGreyLevels) {
   for (std::size_t n = 0; n < texels.size(); ++n) EXPECT_FLOAT_EQ(after->surfaces[0].maps.height.image->texels()[n], texels[n]);
 }
 
-struct Wrong {
+struct WrongCase {
   const char* what;
-  void (*make)(SceneEffectSet&);
+  void (*change)(SceneEffectSet&);
 };
 
-TEST(EffectCodec, TakesNothingThatNoSceneMayHave) {
+TEST(EffectCodec, RejectsEffectsThatNoSceneMayHave) {
   using Set = SceneEffectSet;
-  const std::vector<Wrong> wrong = {
+  const std::vector<WrongCase> wrong_cases = {
       {"a force above all devices", [](Set& s) { s.space[0] = SpringEffect{.max_force_n = 100.5}; }},
       {"a force below zero", [](Set& s) { s.space[0] = SpringEffect{.max_force_n = -1.0}; }},
-      {"no number", [](Set& s) { s.space[0] = SpringEffect{.stiffness_n_per_m = kNoNumber}; }},
+      {"NaN", [](Set& s) { s.space[0] = SpringEffect{.stiffness_n_per_m = kNan}; }},
       {"a long force",
        [](Set& s) {
          s.space[1] = ConstantEffect{.force_n = {80, 80, 0}};
@@ -171,30 +171,31 @@ TEST(EffectCodec, TakesNothingThatNoSceneMayHave) {
       {"a loud texture", [](Set& s) { s.surfaces[8].texture.max_force_n = 101.0; }},
       {"a body that there is not", [](Set& s) { s.body_of[1] = 32; }},
   };
+  // The surfaces that the cases above change.
   ASSERT_TRUE(one_of_each().surfaces[9].maps.height.is_on());
   ASSERT_TRUE(one_of_each().surfaces[10].maps.stiffness.is_on());
   ASSERT_TRUE(one_of_each().surfaces[11].maps.friction.is_on());
   ASSERT_TRUE(one_of_each().surfaces[8].texture.is_on());
-  for (const Wrong& one : wrong) {
+  for (const WrongCase& one : wrong_cases) {
     SceneEffectSet effects = one_of_each();
-    one.make(effects);
+    one.change(effects);
     EXPECT_FALSE(decode_effects(encode_effects(effects))) << one.what;
   }
 }
 
 // For any bytes decode_effects() returns effects or an error.
-TEST(EffectCodec, EndsWithAnyBytes) {
+TEST(EffectCodec, DecodesAnyBytesToEffectsOrAnError) {
   const std::string good = encode_effects(one_of_each());
   std::mt19937_64 random(61);
-  int taken = 0;
+  int accepted = 0;
   for (int n = 0; n < 3000; ++n) {
     std::string bytes = good;
     const std::size_t changes = 1 + random() % 4;
     for (std::size_t c = 0; c < changes; ++c) bytes[random() % std::min<std::size_t>(bytes.size(), 4000)] = static_cast<char>(random());
     if (random() % 3 == 0) bytes.resize(random() % bytes.size());
-    taken += decode_effects(bytes) ? 1 : 0;
+    accepted += decode_effects(bytes) ? 1 : 0;
   }
-  EXPECT_GT(taken, 0);
+  EXPECT_GT(accepted, 0);
   EXPECT_FALSE(decode_effects("no effects"));
 }
 

@@ -20,18 +20,19 @@ namespace hapton {
 namespace {
 
 constexpr double kFloorStiffness = 800.0;
-constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNanCoordinate = std::numeric_limits<double>::quiet_NaN();
 
-enum class Under : std::uint8_t { stands, moves, programmed, deforms };
+// How the block moves.
+enum class BlockMotion : std::uint8_t { still, keyframed, commanded, deforming };
 
-// A block with these effects, on a floor without any. The steps on the floor show whether the effects end rightly at the block's edge.
-TouchScene block_on_floor(const NamedEffects& effects, Under under, double friction = 0.0) {
+// A block with these effects, on a floor without any. The steps on the floor show whether the effects end at the block's edge.
+TouchScene block_on_floor(const NamedEffects& effects, BlockMotion block_motion, double friction = 0.0) {
   const Material material{.stiffness_n_per_m = kFloorStiffness, .friction_static = friction, .friction_dynamic = 0.8 * friction};
   TouchScene scene;
   scene.objects.push_back({made::shared(made::sheet(0.06, -0.002, 12)), material});
   TouchObject block{made::shared(made::box({-0.02, -0.02, -0.01}, {0.02, 0.02, 0.0})), material};
   block.effects = effects.make(*block.mesh);
-  if (under == Under::moves) {
+  if (block_motion == BlockMotion::keyframed) {
     block.motion = std::make_shared<const KeyframeMotion>(
         Vec3::Zero(),
         std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()},
@@ -39,8 +40,8 @@ TouchScene block_on_floor(const NamedEffects& effects, Under under, double frict
                               {1.0, Vec3::Zero(), Quat::Identity()}},
         true);
   }
-  if (under == Under::programmed) block.command_pivot = Vec3::Zero();
-  if (under == Under::deforms) {
+  if (block_motion == BlockMotion::commanded) block.command_pivot = Vec3::Zero();
+  if (block_motion == BlockMotion::deforming) {
     MorphTarget lean;
     for (std::uint32_t v = 0; v < block.mesh->vertices.size(); ++v) {
       const Vec3& p = block.mesh->vertices[v];
@@ -61,56 +62,58 @@ Vec3 hand_on_block(double t_s, double reach_m = 0.024) {
 }
 
 struct Difference {
-  double worst_n = 0.0;
-  double most_n = 0.0;
-  int contacts = 0;
+  double worst_error_n = 0.0;
+  double largest_force_n = 0.0;
+  int block_contacts = 0;  // steps
 };
 
 Difference compare_block(const TouchScene& scene, int steps, double reach_m = 0.024, const Pose& X_WS = Pose::Identity()) {
   ChainStage stage(scene);
   stage.begin_together();
-  Difference found;
+  Difference difference;
   for (int n = 0; n < steps; ++n) {
-    const ChainStage::Felt felt = stage.step(X_WS * hand_on_block(stage.time_s(), reach_m), X_WS);
+    const ChainStage::Outputs felt = stage.step(X_WS * hand_on_block(stage.time_s(), reach_m), X_WS);
     EXPECT_TRUE(felt.patch.has_value()) << n;
-    if (!felt.patch) return found;
+    if (!felt.patch) return difference;
     EXPECT_EQ(felt.patch->contact, felt.whole.contact) << n;
-    found.worst_n = std::max(found.worst_n, (felt.patch->force_n - felt.whole.force_n).norm());
-    found.worst_n = std::max(found.worst_n, kFloorStiffness * (felt.patch->visual_offset_m - felt.whole.visual_offset_m).norm());
-    found.most_n = std::max(found.most_n, felt.whole.force_n.norm());
-    found.contacts += felt.whole.object == 1 ? 1 : 0;
+    difference.worst_error_n = std::max(difference.worst_error_n, (felt.patch->force_n - felt.whole.force_n).norm());
+    difference.worst_error_n =
+        std::max(difference.worst_error_n, kFloorStiffness * (felt.patch->visual_offset_m - felt.whole.visual_offset_m).norm());
+    difference.largest_force_n = std::max(difference.largest_force_n, felt.whole.force_n.norm());
+    difference.block_contacts += felt.whole.object == 1 ? 1 : 0;
   }
-  return found;
+  return difference;
 }
 
 // Messages round images and their triangles. All else is rounded only where bodies share the proxy (CommonProxy), and where two triangles
 // that deform meet.
-double tolerance_n(const NamedEffects& effects, const Difference& found) {
-  return (std::string(effects.name).ends_with("map") ? 1e-4 : 1e-6) * found.most_n;
+double tolerance_n(const NamedEffects& effects, const Difference& difference) {
+  return (std::string(effects.name).ends_with("map") ? 1e-4 : 1e-6) * difference.largest_force_n;
 }
 
-struct EffectPatch : testing::TestWithParam<Under> {};
+struct EffectPatch : testing::TestWithParam<BlockMotion> {};
 
 TEST_P(EffectPatch, FeelsEachSurfaceEffectAsTheHapticsNodeDoes) {
   for (const NamedEffects& effects : all_effects()) {
     for (const double friction : {0.0, 0.4}) {
       SCOPED_TRACE(std::string(effects.name) + " " + std::to_string(friction));
-      const Difference found = compare_block(block_on_floor(effects, GetParam(), friction), 3000, friction > 0.0 ? 0.015 : 0.024);
-      EXPECT_LT(found.worst_n, tolerance_n(effects, found));
-      EXPECT_GT(found.most_n, 0.5);
-      EXPECT_GT(found.contacts, 500);
+      const Difference difference = compare_block(block_on_floor(effects, GetParam(), friction), 3000, friction > 0.0 ? 0.015 : 0.024);
+      EXPECT_LT(difference.worst_error_n, tolerance_n(effects, difference));
+      EXPECT_GT(difference.largest_force_n, 0.5);
+      EXPECT_GT(difference.block_contacts, 500);
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(Blocks, EffectPatch, testing::Values(Under::stands, Under::moves, Under::programmed, Under::deforms));
+INSTANTIATE_TEST_SUITE_P(Blocks, EffectPatch,
+                         testing::Values(BlockMotion::still, BlockMotion::keyframed, BlockMotion::commanded, BlockMotion::deforming));
 
 TEST(EffectPatches, IsFeltAlikeInATurnedView) {
   Pose X_WS = Pose::Identity();
   X_WS.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   X_WS.translation() = Vec3(0.1, -0.2, 0.05);
   for (const NamedEffects& effects : all_effects()) {
-    const Difference found = compare_block(block_on_floor(effects, Under::moves), 1500, 0.024, X_WS);
-    EXPECT_LT(found.worst_n, tolerance_n(effects, found)) << effects.name;
+    const Difference difference = compare_block(block_on_floor(effects, BlockMotion::keyframed), 1500, 0.024, X_WS);
+    EXPECT_LT(difference.worst_error_n, tolerance_n(effects, difference)) << effects.name;
   }
 }
 
@@ -129,16 +132,16 @@ std::vector<SwitchedEffect> all_space_effects() {
 
 TEST(EffectPatches, FeelsEachEffectInFreeSpaceAsTheHapticsNodeDoes) {
   for (const SwitchedEffect& effect : all_space_effects()) {
-    TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
+    TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, BlockMotion::still);
     scene.effects = {effect};
-    const Difference found = compare_block(scene, 2000);
-    EXPECT_LT(found.worst_n, 1e-8 * found.most_n) << effect.effect.index();
-    EXPECT_GT(found.most_n, 0.5) << effect.effect.index();
+    const Difference difference = compare_block(scene, 2000);
+    EXPECT_LT(difference.worst_error_n, 1e-8 * difference.largest_force_n) << effect.effect.index();
+    EXPECT_GT(difference.largest_force_n, 0.5) << effect.effect.index();
   }
 }
 
 TEST(EffectPatches, ActsWhileAButtonIsDown) {
-  TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
+  TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, BlockMotion::still);
   scene.effects = {all_space_effects().back()};
   ChainStage stage(scene);
   const Vec3 p_WD(0, 0, 0.01);
@@ -184,15 +187,16 @@ TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   for (int n = 0; n <= 800; ++n) (void)press(0.002 - 1e-5 * n, false);
   for (int n = 0; n < 10; ++n) (void)press(-0.006, false);
   const double held_n = 800.0 * (0.006 - 0.004);
-  const PatchOutput held = press(-0.006, false);
-  EXPECT_NEAR(held.force_n.z(), held_n, 1e-9);
-  EXPECT_NEAR(held.visual_offset_m.z(), 0.002, 1e-12) << "drawn on the layer";
-  ASSERT_TRUE(held.held_offset_m.has_value());
-  EXPECT_EQ(held.held_offset_m->z(), 0.006);
+  const PatchOutput held_output = press(-0.006, false);
+  EXPECT_NEAR(held_output.force_n.z(), held_n, 1e-9);
+  EXPECT_NEAR(held_output.visual_offset_m.z(), 0.002, 1e-12) << "drawn on the layer";
+  ASSERT_TRUE(held_output.held_offset_m.has_value());
+  EXPECT_EQ(held_output.held_offset_m->z(), 0.006);
   EXPECT_NEAR(press(-0.006, true).force_n.z(), held_n, 1e-9);
   EXPECT_NEAR(press(-0.006, false).force_n.z(), held_n, 1e-9) << "another patch";
   (void)press(0.001, true);
-  EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9) << "another contact there, of nobody knows what";
+  EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9)
+      << "a new contact past the edge: it is unknown with which surface";
 }
 
 // A fast push into a damped surface: its force is ten times that of its spring, but the spring of friction is no stiffer.
@@ -238,7 +242,7 @@ TEST(EffectPatches, ForgetsContactAndTime) {
 
 // The scene comes again while the hand moves: a damper in free space continues with the speed of the hand.
 TEST(EffectPatches, BodiesThatReplaceOthersGoOnWithTheSpeedOfTheHand) {
-  TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
+  TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, BlockMotion::still);
   scene.effects = {ViscousEffect{.damping_ns_per_m = 5.0, .volume = EffectVolume::everywhere()}};
   ChainStage stage(scene);
   int n = 0;
@@ -263,7 +267,7 @@ TEST(EffectPatches, SurfacesWithTheSameTrianglesPrepareThemOnce) {
   const long before = mapped_block.maps.triangles.use_count();
   const FeltEffects felt(effects);
   EXPECT_EQ(mapped_block.maps.triangles.use_count() - before, 2 * static_cast<long>(kSurfaces) + 1)
-      << "of each surface and each finder, and of what is prepared";
+      << "an owner for each surface and each finder, and one for the prepared list";
 }
 
 // If the patches give no output, it is unknown what they would give: then effects add no force and no contact.
@@ -278,12 +282,12 @@ TEST(EffectPatches, AddsNothingToNoForce) {
   felt.add({.p_WD = {0, 0, 1}}, OneBody(), free);
   EXPECT_EQ(free->force_n, Vec3(1, 0, 0));
   free = PatchOutput();
-  felt.add({.p_WD = {0, 0, kNowhere}}, OneBody(), free);
+  felt.add({.p_WD = {0, 0, kNanCoordinate}}, OneBody(), free);
   EXPECT_EQ(free->force_n, Vec3::Zero());
 }
 
 TEST(EffectPatches, NothingIsFeltBeforeAllPartsHaveCome) {
-  TouchScene scene = block_on_floor(all_effects().back(), Under::moves);
+  TouchScene scene = block_on_floor(all_effects().back(), BlockMotion::keyframed);
   scene.effects = all_space_effects();
   const std::vector<Message> parts = parts_of(make_tiles(scene));
   const auto is_effects = [](const Message& part) { return std::holds_alternative<PatchEffects>(part); };
@@ -305,7 +309,7 @@ TEST(EffectPatches, NothingIsFeltBeforeAllPartsHaveCome) {
 
 // Bytes that are not effects are never confirmed.
 TEST(EffectPatches, WhatNoSceneMayHaveIsDropped) {
-  TouchScene scene = block_on_floor(all_effects().front(), Under::stands);
+  TouchScene scene = block_on_floor(all_effects().front(), BlockMotion::still);
   scene.effects = {SpringEffect{.max_force_n = 101.0}};
   PatchStore store;
   for (const Message& part : parts_of(make_tiles(scene))) (void)store.accept_part(part);
@@ -321,7 +325,7 @@ TEST(EffectPatches, WhatNoSceneMayHaveIsDropped) {
   EXPECT_EQ(other.status().newest_serial, 3U) << "what may still become whole is kept";
 }
 
-TEST(EffectPatches, ContainsTheWholeTextInParts) {
+TEST(EffectPatches, JoinsPartsInAnyOrderToTheSameBytes) {
   std::string bytes(3 * PatchEffects::kMaxBytes + 5, 'x');
   for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<char>(n * 7);
   ASSERT_EQ(count_effect_parts(bytes.size()), 4U);
@@ -336,12 +340,12 @@ TEST(EffectPatches, ContainsTheWholeTextInParts) {
   EXPECT_EQ(parts.join(), bytes);
   PatchEffects other = make_effect_part(bytes, 1);
   other.bytes[3] ^= 1;
-  EXPECT_FALSE(parts.take(other)) << "another one of that number";
+  EXPECT_FALSE(parts.take(other)) << "another part of that number";
 }
 
 TEST(EffectPatches, AStepUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  TouchScene scene = block_on_floor(all_effects().back(), Under::deforms);
+  TouchScene scene = block_on_floor(all_effects().back(), BlockMotion::deforming);
   scene.objects[0].effects = SurfaceEffects{.texture = {.models = made::texture(1000.0, 20, 18)}};
   scene.effects = all_space_effects();
   ChainStage stage(scene);

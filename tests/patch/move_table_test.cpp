@@ -51,16 +51,16 @@ TEST(MoveTable, AnotherProcessBeginsAnew) {
   EXPECT_EQ(table.moves().size(), 0U);
 }
 
-TEST(MoveTable, HasBoundedRoomAndRejectsWhatDoesNotTurn) {
+TEST(MoveTable, KeepsABoundedNumberOfMovesAndRejectsBadRotations) {
   MoveTable table;
   for (std::int32_t object = 0; object < 100; ++object) (void)table.take(numbered_move(static_cast<std::uint32_t>(object) + 1, object));
   EXPECT_EQ(table.moves().size(), PatchBody::kMaxBodies);
   int recent = 0;
   table.visit_recent([&](const ObjectMove&) { ++recent; });
   EXPECT_EQ(recent, 16);
-  ObjectMove bent = numbered_move(200, 0);
-  bent.to_q = Quat(1.0005, 0.0, 0.0, 0.0);
-  EXPECT_FALSE(table.take(bent));
+  ObjectMove not_a_rotation = numbered_move(200, 0);
+  not_a_rotation.to_q = Quat(1.0005, 0.0, 0.0, 0.0);
+  EXPECT_FALSE(table.take(not_a_rotation));
 }
 
 }  // namespace

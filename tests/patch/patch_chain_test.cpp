@@ -61,52 +61,53 @@ Vec3 chain_hand(double t_s) {
   return {x, 0.003 * std::cos(4.0 * t_s), 0.006 - 0.008 * press + 0.004 * over};
 }
 
-struct Compared {
-  double worst = 0.0;  // |patch - whole| / |whole|, of steps with a force
+struct Comparison {
+  double worst_share = 0.0;  // |patch - whole| / |whole|, of steps with a force
   double largest_n = 0.0;
-  int in_contact = 0;
-  int on_object[3] = {};
+  int contact_steps = 0;
+  int steps_on_object[3] = {};
 };
 
-void compare(const ChainStage::Felt& felt, Compared& compared) {
+void compare(const ChainStage::Outputs& felt, Comparison& comparison) {
   ASSERT_TRUE(felt.patch.has_value());
   ASSERT_EQ(felt.patch->contact, felt.whole.contact);
   if (!felt.whole.contact) return;
-  ++compared.in_contact;
+  ++comparison.contact_steps;
   ASSERT_EQ(felt.patch->object, felt.whole.object);
-  if (felt.whole.object >= 0) ++compared.on_object[felt.whole.object];
+  if (felt.whole.object >= 0) ++comparison.steps_on_object[felt.whole.object];
   const double whole_n = felt.whole.force_n.norm();
-  compared.largest_n = std::max(compared.largest_n, whole_n);
+  comparison.largest_n = std::max(comparison.largest_n, whole_n);
   const double error_n = (felt.patch->force_n - felt.whole.force_n).norm();
   // A force that is only rounding of a coordinate, times the stiffness, has no relative accuracy.
-  compared.worst = std::max(compared.worst, error_n / std::max(whole_n, 1e-3));
+  comparison.worst_share = std::max(comparison.worst_share, error_n / std::max(whole_n, 1e-3));
 }
 
 TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
   for (const double friction : {0.0, 0.5}) {
     ChainStage stage(machine(friction));
-    Compared compared;
-    Keyframe at{0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()};
+    Comparison comparison;
+    Keyframe start{0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()};
     for (int n = 1; n < 6000; ++n) {
       if (n % 700 == 400) {
         // The move is announced 0.1 s before it begins.
         const double begin_s = stage.time_s() + 0.1;
         const Vec3 to = Vec3(0.03, 0.0, 0.003) + Vec3(0.002, 0.001, n % 1400 == 400 ? 0.006 : 0.0);
-        at = stage.find_commanded(kPlatform)->keyframe_at(begin_s);
-        const ObjectMove move = platform_move(static_cast<std::uint32_t>(n), begin_s, begin_s + 0.3, at, to, n % 1400 == 400 ? 0.2 : 0.0);
+        start = stage.find_commanded(kPlatform)->keyframe_at(begin_s);
+        const ObjectMove move =
+            platform_move(static_cast<std::uint32_t>(n), begin_s, begin_s + 0.3, start, to, n % 1400 == 400 ? 0.2 : 0.0);
         ASSERT_TRUE(stage.decide(move));
         stage.announce(move);
       }
-      ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
+      ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), comparison)) << n;
     }
     // Parts agree to 2^-26 of the longest share of them (CommonProxy).
     // With friction a part that is close to that limit may be felt once more or once less than in the whole scene.
-    EXPECT_LT(compared.worst, friction == 0.0 ? 1e-9 : 0x1p-26) << friction;
-    EXPECT_GT(compared.in_contact, 3000);
-    EXPECT_GT(compared.on_object[0], 40);
-    EXPECT_GT(compared.on_object[1], 300);
-    EXPECT_GT(compared.on_object[2], 300);
-    EXPECT_GT(compared.largest_n, 3.0);
+    EXPECT_LT(comparison.worst_share, friction == 0.0 ? 1e-9 : 0x1p-26) << friction;
+    EXPECT_GT(comparison.contact_steps, 3000);
+    EXPECT_GT(comparison.steps_on_object[0], 40);
+    EXPECT_GT(comparison.steps_on_object[1], 300);
+    EXPECT_GT(comparison.steps_on_object[2], 300);
+    EXPECT_GT(comparison.largest_n, 3.0);
     EXPECT_EQ(stage.chain().late_moves(), 0U);
     EXPECT_EQ(stage.chain().counts().handed_over, 3U) << "one patch of each body, however often the probe goes from one to the next";
   }
@@ -115,13 +116,13 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
 // The same holds if a view transform turns the scene.
 TEST(PatchChain, IsFeltAlikeInATurnedView) {
   ChainStage stage(machine());
-  Compared compared;
+  Comparison comparison;
   Pose X_WS = Pose::Identity();
   X_WS.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   X_WS.translation() = Vec3(0.1, -0.2, 0.05);
-  for (int n = 1; n < 2000; ++n) ASSERT_NO_FATAL_FAILURE(compare(stage.step(X_WS * chain_hand(stage.time_s()), X_WS), compared)) << n;
-  EXPECT_LT(compared.worst, 1e-9);
-  EXPECT_GT(compared.in_contact, 1000);
+  for (int n = 1; n < 2000; ++n) ASSERT_NO_FATAL_FAILURE(compare(stage.step(X_WS * chain_hand(stage.time_s()), X_WS), comparison)) << n;
+  EXPECT_LT(comparison.worst_share, 1e-9);
+  EXPECT_GT(comparison.contact_steps, 1000);
 }
 
 // Patches of few triangles: each body passes from one patch to the next in its own frame, while it moves. The proxy starts again from its
@@ -131,11 +132,11 @@ TEST(PatchChain, PatchesThatFollowTheHandGiveTheSameForce) {
   scene.objects[0].mesh = made::shared(made::sheet(0.05, 0.0, 60));
   scene = on_patch_grid(scene);
   ChainStage stage(scene, 256);
-  Compared compared;
-  for (int n = 1; n < 2000; ++n) ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
+  Comparison comparison;
+  for (int n = 1; n < 2000; ++n) ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), comparison)) << n;
   EXPECT_GT(stage.chain().counts().handed_over, 5U);
-  EXPECT_LT(compared.worst, 1e-6);
-  EXPECT_GT(compared.in_contact, 800);
+  EXPECT_LT(comparison.worst_share, 1e-6);
+  EXPECT_GT(comparison.contact_steps, 800);
 }
 
 // No new patch comes, and the hand goes past the edge of the present one.
@@ -162,11 +163,11 @@ TEST(PatchChain, CountsWhatItsBodiesCount) {
 TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {
   ChainStage stage(machine());
   std::mt19937_64 random(5);
-  std::uniform_int_distribution<int> late(0, 500);
-  std::vector<std::pair<int, ObjectMove>> under_way;
+  std::uniform_int_distribution<int> delay_steps(0, 500);
+  std::vector<std::pair<int, ObjectMove>> moves_under_way;
   double worst_jump_n = 0.0;
   double largest_n = 0.0;
-  Vec3 last = Vec3::Zero();
+  Vec3 last_force_n = Vec3::Zero();
   const auto hand = [](double t_s) { return Vec3(0.03, 0.001, t_s < 0.3 ? 0.008 - 0.004 * t_s / 0.3 : 0.004); };
   for (int n = 1; n < 9000; ++n) {
     if (n % 400 == 350 && n < 7000) {
@@ -175,16 +176,16 @@ TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {
       const Vec3 to = Vec3(0.03, 0.0, 0.003 + 0.004 * static_cast<double>(n % 3) / 2.0);
       const ObjectMove move = platform_move(static_cast<std::uint32_t>(n), begin_s, begin_s + 0.1, at, to);
       ASSERT_TRUE(stage.decide(move));
-      under_way.emplace_back(n + late(random), move);
+      moves_under_way.emplace_back(n + delay_steps(random), move);
     }
-    for (const auto& [due, move] : under_way) {
-      if (due == n) stage.announce(move);
+    for (const auto& [due_step, move] : moves_under_way) {
+      if (due_step == n) stage.announce(move);
     }
     const auto felt = stage.step(hand(stage.time_s()));
     ASSERT_TRUE(felt.patch.has_value());
-    if (n > 400) worst_jump_n = std::max(worst_jump_n, (felt.patch->force_n - last).norm());
+    if (n > 400) worst_jump_n = std::max(worst_jump_n, (felt.patch->force_n - last_force_n).norm());
     largest_n = std::max(largest_n, felt.patch->force_n.norm());
-    last = felt.patch->force_n;
+    last_force_n = felt.patch->force_n;
     if (n > 8500) {
       EXPECT_NEAR((felt.patch->force_n - felt.whole.force_n).norm(), 0.0, 1e-9);
     }
@@ -223,8 +224,8 @@ TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
   const TouchScene scene = machine();
   PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
   const Keyframe rest{0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()};
-  const ObjectMove moved = platform_move(5, 0.0, 0.1, rest, Vec3(0.03, 0.0, 0.013));
-  source.note_move(moved, -1);
+  const ObjectMove early_move = platform_move(5, 0.0, 0.1, rest, Vec3(0.03, 0.0, 0.013));
+  source.note_move(early_move, -1);
   PatchStore store;
   bool has_move = false;
   for (std::int64_t now_ns = 1'000'000'000; now_ns < 1'100'000'000; now_ns += 1'000'000) {
@@ -248,16 +249,16 @@ TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
   }
   EXPECT_FALSE(chain.step(above).has_value());
   MoveTable moves;
-  (void)moves.take(moved);
+  (void)moves.take(early_move);
   chain.note_moves(moves);
   ASSERT_TRUE(chain.step(above).has_value());
-  TouchInput in = above;
+  TouchInput input = above;
   for (int n = 0; n < 100; ++n) {
-    in.p_WD.z() -= 5e-5;
-    in.time_s += 1e-3;
-    (void)chain.step(in);
+    input.p_WD.z() -= 5e-5;
+    input.time_s += 1e-3;
+    (void)chain.step(input);
   }
-  const auto felt = chain.step(in);
+  const auto felt = chain.step(input);
   ASSERT_TRUE(felt && felt->contact);
   EXPECT_EQ(felt->object, kPlatform);
   EXPECT_NEAR(felt->force_n.z(), kChainStiffness * (0.016 - 0.015), 0.05) << "10 mm above where it was";
@@ -267,12 +268,12 @@ TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
 TEST(PatchChain, TakesOverWhereTheProbeWas) {
   const TouchScene scene = machine();
   ChainStage remote(scene);
-  std::vector<TouchOutput> before;
+  std::vector<TouchOutput> whole_outputs;
   std::vector<Vec3> hands;
-  constexpr int kAge = 100;
+  constexpr int kAgeSteps = 100;
   for (int n = 0; n < 800; ++n) {
     hands.push_back(chain_hand(remote.time_s()));
-    before.push_back(remote.step(hands.back()).whole);
+    whole_outputs.push_back(remote.step(hands.back()).whole);
   }
   ChainStage stage(scene);
   PatchChain& chain = stage.chain();
@@ -281,9 +282,10 @@ TEST(PatchChain, TakesOverWhereTheProbeWas) {
     input.p_WD = hands[static_cast<std::size_t>(n)];
     input.time_s = 1e-3 * (n + 1);
     if (n == 700) {
-      const auto then = static_cast<std::size_t>(n - 1 - kAge);
-      ASSERT_TRUE(before[then].contact);
-      chain.start_at(hands[then] + before[then].visual_offset_m, before[then].visual_offset_m.normalized(), 1e-3 * kAge, 1e-3 * (n - kAge));
+      const auto old_step = static_cast<std::size_t>(n - 1 - kAgeSteps);
+      ASSERT_TRUE(whole_outputs[old_step].contact);
+      chain.start_at(hands[old_step] + whole_outputs[old_step].visual_offset_m, whole_outputs[old_step].visual_offset_m.normalized(),
+                     1e-3 * kAgeSteps, 1e-3 * (n - kAgeSteps));
       for (std::uint32_t body = 0; body < 3; ++body) {
         PatchMaker maker(PatchMaker::kFewTriangles, body);
         maker.note_hand(chain.hand_of(body, 1));
@@ -292,11 +294,11 @@ TEST(PatchChain, TakesOverWhereTheProbeWas) {
     }
     const auto felt = chain.step(input);
     // The proxy follows the positions of the hand since then, a few in each step.
-    if (n < 700 || n >= 700 + kAge / PatchTouch::kMaxFollowed) {
+    if (n < 700 || n >= 700 + kAgeSteps / PatchTouch::kMaxFollowed) {
       ASSERT_EQ(felt.has_value(), n >= 700) << n;
     }
     if (!felt) continue;
-    EXPECT_NEAR((felt->force_n - before[static_cast<std::size_t>(n)].force_n).norm(), 0.0, 1e-6) << n;
+    EXPECT_NEAR((felt->force_n - whole_outputs[static_cast<std::size_t>(n)].force_n).norm(), 0.0, 1e-6) << n;
   }
 }
 

@@ -28,20 +28,20 @@ struct PatchEdge : testing::Test {
     patch->is_path_incomplete = is_path_incomplete;
     return patch;
   }
-  std::optional<PatchOutput> go(double x, double depth_m, double dt_s = 1e-3) {
+  std::optional<PatchOutput> step_at(double x, double depth_m, double dt_s = 1e-3) {
     (void)touch.take_retired();
     return touch.step({.p_WD = {x, 0.0005, -depth_m}, .dt_s = dt_s});
   }
   // Goes down at the middle, then 12 mm sideways, 1 mm in each step.
   PatchOutput go_past_the_edge() {
-    for (int n = 0; n <= 5; ++n) last = *go(0.0, -0.002 + 0.001 * n);
-    EXPECT_FALSE(last.is_beyond);
-    EXPECT_EQ(last.object, 4) << "the scene's number";
-    for (int n = 1; n <= 12; ++n) last = *go(0.001 * n, kHeldDepth);
-    return last;
+    for (int n = 0; n <= 5; ++n) last_output = *step_at(0.0, -0.002 + 0.001 * n);
+    EXPECT_FALSE(last_output.is_beyond);
+    EXPECT_EQ(last_output.object, 4) << "the scene's number";
+    for (int n = 1; n <= 12; ++n) last_output = *step_at(0.001 * n, kHeldDepth);
+    return last_output;
   }
   PatchTouch touch;
-  PatchOutput last;
+  PatchOutput last_output;
 };
 
 TEST_F(PatchEdge, ThePlaneHoldsWhileTheHandGoesOnAtItsDepth) {
@@ -56,7 +56,8 @@ TEST_F(PatchEdge, ThePlaneHoldsWhileTheHandGoesOnAtItsDepth) {
   EXPECT_EQ(touch.counts().steps + touch.counts().beyond_steps, 18U);
 }
 
-// The plane has a spring and a damper. It never pulls, and gives at most twice the last force within the patch.
+// The plane has a spring, and a damper of 0.005 s times its stiffness. It never pulls, and gives at most twice the last force within the
+// patch.
 TEST_F(PatchEdge, ThePlaneIsADampedSpringWithinBounds) {
   (void)go_past_the_edge();
   const double x = 0.012;
@@ -71,13 +72,13 @@ TEST_F(PatchEdge, ThePlaneIsADampedSpringWithinBounds) {
                       {0.005, 1e-3, 0.0},                          // 4 m/s outwards: no pull
                       {0.005, 1e-3, 5.0}};
   for (const Row& row : rows) {
-    const auto felt = go(x, row.depth_m, row.dt_s);
+    const auto felt = step_at(x, row.depth_m, row.dt_s);
     ASSERT_TRUE(felt.has_value() && felt->is_beyond);
     EXPECT_NEAR(felt->force_n.z(), row.force_n, 0.02) << row.depth_m;
     EXPECT_TRUE(felt->contact);
     EXPECT_FALSE(felt->is_handed_over);
   }
-  const auto out = go(x, -0.001);
+  const auto out = step_at(x, -0.001);
   ASSERT_TRUE(out.has_value());
   EXPECT_TRUE(out->is_beyond);
   EXPECT_FALSE(out->contact);
@@ -91,13 +92,13 @@ TEST_F(PatchEdge, ThePlaneIsAsStiffAsTheSurfaceWhateverDampingDidLast) {
   for (const double before_m : {0.003, 0.001}) {
     touch = PatchTouch();
     (void)touch.offer(make_patch(Vec3::Zero(), 0.01, false, {.stiffness_n_per_m = kEdgeStiffness, .damping_ns_per_m = 5.0}));
-    for (int n = 0; n <= 5; ++n) (void)go(0.0, -0.002 + n * (before_m + 0.002) / 5);
-    last = *go(0.0, 0.002);
-    ASSERT_FALSE(last.is_beyond);
-    EXPECT_TRUE(last.contact);
-    EXPECT_NEAR(last.force_n.z(), before_m > 0.002 ? 0.0 : 7.0, 0.01);
+    for (int n = 0; n <= 5; ++n) (void)step_at(0.0, -0.002 + n * (before_m + 0.002) / 5);
+    last_output = *step_at(0.0, 0.002);
+    ASSERT_FALSE(last_output.is_beyond);
+    EXPECT_TRUE(last_output.contact);
+    EXPECT_NEAR(last_output.force_n.z(), before_m > 0.002 ? 0.0 : 7.0, 0.01);
     for (const auto& [depth_m, force_n] : {std::pair{0.002, 2.0}, {0.003, 3.0}, {0.009, 4.0}}) {
-      const auto felt = go(0.012, depth_m, 1.0);
+      const auto felt = step_at(0.012, depth_m, 1.0);
       ASSERT_TRUE(felt.has_value() && felt->is_beyond);
       EXPECT_NEAR(felt->force_n.z(), force_n, 0.05) << before_m << " " << depth_m;
     }
@@ -125,37 +126,37 @@ TEST_F(PatchEdge, ThePlaneIsAsStiffAsACornerBetweenTwoObjects) {
     };
     for (int n = 0; n <= 5; ++n) (void)hold(0.0, 0.0005, 0.002 - 0.001 * n);
     for (int n = 0; n <= 9; ++n) (void)hold(0.0, 0.0005 + 0.0005 * n, -0.003);
-    last = hold(0.0, 0.005, -0.003);  // at rest: no damping
-    ASSERT_FALSE(last.is_beyond);
-    ASSERT_NEAR((last.visual_offset_m - Vec3(0.0, -0.003, 0.003)).norm(), 0.0, 1e-5);
+    last_output = hold(0.0, 0.005, -0.003);  // at rest: no damping
+    ASSERT_FALSE(last_output.is_beyond);
+    ASSERT_NEAR((last_output.visual_offset_m - Vec3(0.0, -0.003, 0.003)).norm(), 0.0, 1e-5);
     (void)hold(0.025, 0.005, -0.003);
     const PatchOutput beyond = hold(0.025, 0.005, -0.003);
     EXPECT_TRUE(beyond.is_beyond);
-    EXPECT_NEAR(beyond.force_n.norm(), last.force_n.norm(), 0.01 * last.force_n.norm()) << floor_n_per_m;
+    EXPECT_NEAR(beyond.force_n.norm(), last_output.force_n.norm(), 0.01 * last_output.force_n.norm()) << floor_n_per_m;
   }
 }
 
-TEST_F(PatchEdge, APatchThatReachesTheHandIsCaughtUpWith) {
+TEST_F(PatchEdge, TheProxyCatchesUpOnceAPatchReachesTheHand) {
   (void)go_past_the_edge();
   (void)touch.offer(make_patch({0.012, 0, 0}, 0.04));
-  const auto felt = go(0.012, kHeldDepth);
+  const auto felt = step_at(0.012, kHeldDepth);
   ASSERT_TRUE(felt.has_value());
   EXPECT_FALSE(felt->is_beyond);
   EXPECT_TRUE(felt->is_handed_over);
   EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
   EXPECT_GT(touch.counts().followed, 0U);
-  EXPECT_FALSE(go(0.012, kHeldDepth)->is_handed_over);
+  EXPECT_FALSE(step_at(0.012, kHeldDepth)->is_handed_over);
 }
 
 // A patch that does not reach back to the last proxy within a patch takes over only if it says that the path is incomplete.
-TEST_F(PatchEdge, APatchBesideTheWayTakesOverFromAboveThePlane) {
+TEST_F(PatchEdge, APatchBesideThePathTakesOverFromAboveThePlane) {
   for (const bool is_path_incomplete : {false, true}) {
     touch = PatchTouch();
     (void)touch.offer(make_patch(Vec3::Zero(), 0.01));
     (void)go_past_the_edge();
-    for (int n = 13; n < 40; ++n) (void)go(0.001 * n, kHeldDepth);
+    for (int n = 13; n < 40; ++n) (void)step_at(0.001 * n, kHeldDepth);
     (void)touch.offer(make_patch({0.039, 0, 0}, 0.03, is_path_incomplete));
-    const auto felt = go(0.039, kHeldDepth);
+    const auto felt = step_at(0.039, kHeldDepth);
     ASSERT_TRUE(felt.has_value());
     EXPECT_EQ(felt->is_beyond, !is_path_incomplete);
     EXPECT_EQ(touch.counts().raised, is_path_incomplete ? 1U : 0U);
@@ -163,23 +164,23 @@ TEST_F(PatchEdge, APatchBesideTheWayTakesOverFromAboveThePlane) {
   }
 }
 
-TEST_F(PatchEdge, ASmallPatchBesideTheWayHasToGrowFirst) {
+TEST_F(PatchEdge, ASmallPatchBesideThePathHasToGrowFirst) {
   (void)go_past_the_edge();
-  for (int n = 13; n < 40; ++n) (void)go(0.001 * n, kHeldDepth);
+  for (int n = 13; n < 40; ++n) (void)step_at(0.001 * n, kHeldDepth);
   // Twice the last penetration must fit into the patch.
   (void)touch.offer(make_patch({0.039, 0, 0}, 0.0095, true));
-  EXPECT_TRUE(go(0.039, kHeldDepth)->is_beyond);
+  EXPECT_TRUE(step_at(0.039, kHeldDepth)->is_beyond);
   (void)touch.offer(make_patch({0.039, 0, 0}, 0.0099, true));
-  EXPECT_FALSE(go(0.039, kHeldDepth)->is_beyond);
+  EXPECT_FALSE(step_at(0.039, kHeldDepth)->is_beyond);
 }
 
 // On a short path the surface cannot have risen far.
-TEST_F(PatchEdge, AfterAShortWayLessRoomIsEnough) {
+TEST_F(PatchEdge, AfterAShortPathASmallerPatchIsEnough) {
   (void)go_past_the_edge();
   (void)touch.offer(make_patch({0.012, 0, 0}, 0.0075, true));
-  EXPECT_TRUE(go(0.012, kHeldDepth)->is_beyond);
+  EXPECT_TRUE(step_at(0.012, kHeldDepth)->is_beyond);
   (void)touch.offer(make_patch({0.012, 0, 0}, 0.009, true));
-  const auto felt = go(0.012, kHeldDepth);
+  const auto felt = step_at(0.012, kHeldDepth);
   ASSERT_TRUE(felt.has_value());
   EXPECT_FALSE(felt->is_beyond);
   EXPECT_EQ(touch.counts().raised, 1U);
@@ -187,62 +188,62 @@ TEST_F(PatchEdge, AfterAShortWayLessRoomIsEnough) {
 }
 
 TEST_F(PatchEdge, AFreeHandThatStaysAwayBeginsAnew) {
-  for (int n = 0; n < 20; ++n) (void)go(0.001 * n, -0.002);
+  for (int n = 0; n < 20; ++n) (void)step_at(0.001 * n, -0.002);
   EXPECT_TRUE(touch.is_placed());
-  for (int n = 0; n < 4; ++n) EXPECT_TRUE(go(0.02, -0.002, 1.0).has_value()) << "within five seconds";
+  for (int n = 0; n < 4; ++n) EXPECT_TRUE(step_at(0.02, -0.002, 1.0).has_value()) << "within five seconds";
   EXPECT_TRUE(touch.has_arrived());
-  EXPECT_FALSE(go(0.02, -0.002, 1.0).has_value());
+  EXPECT_FALSE(step_at(0.02, -0.002, 1.0).has_value());
   EXPECT_EQ(touch.counts().begun_anew, 1U);
   EXPECT_FALSE(touch.is_placed());
   EXPECT_FALSE(touch.has_arrived());
   (void)touch.offer(make_patch({0.02, 0, 0}, 0.01));
-  EXPECT_TRUE(go(0.02, -0.002).has_value());
+  EXPECT_TRUE(step_at(0.02, -0.002).has_value());
 }
 
 // In contact the hand never starts again.
 TEST_F(PatchEdge, AHandOnThePlaneIsHeldForAsLongAsItStays) {
   (void)go_past_the_edge();
   for (int n = 0; n < 20; ++n) {
-    const auto held = go(0.012, kHeldDepth, 1.0);
+    const auto held = step_at(0.012, kHeldDepth, 1.0);
     ASSERT_TRUE(held.has_value());
     EXPECT_NEAR(held->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
   }
   EXPECT_EQ(touch.counts().begun_anew, 0U);
 }
 
-TEST_F(PatchEdge, WhatIsNoPlaceChangesNothing) {
+TEST_F(PatchEdge, APositionThatIsNotFiniteOrTooFarChangesNothing) {
   (void)go_past_the_edge();
   EXPECT_FALSE(touch.step({.p_WD = {std::nan(""), 0, 0}, .dt_s = 1e-3}).has_value());
   EXPECT_FALSE(touch.step({.p_WD = {1e10, 0, 0}, .dt_s = 1e-3}).has_value()) << "its rounding is more than the lift";
-  EXPECT_NEAR(go(0.012, kHeldDepth)->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
+  EXPECT_NEAR(step_at(0.012, kHeldDepth)->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
 }
 
-// hand_at() tells where the hand is, and what a patch has to cover.
-TEST_F(PatchEdge, TheWayHoldsTheLastProxyAndThePlacesSince) {
+// hand_at() reports where the hand is, and what a patch has to cover.
+TEST_F(PatchEdge, ThePathHoldsTheLastProxyAndThePositionsSince) {
   const Vec3 hand(0.001, 0.002, 0.003);
   EXPECT_FALSE(touch.hand_at(hand, 7).is_beyond);
   EXPECT_EQ(touch.hand_at(hand, 7).p_SD, hand);
   EXPECT_EQ(touch.hand_at(hand, 7).time_ns, 7);
   (void)go_past_the_edge();
-  const PatchHandState at = touch.hand_at(hand, 8);
-  ASSERT_TRUE(at.is_beyond);
+  const PatchHandState state = touch.hand_at(hand, 8);
+  ASSERT_TRUE(state.is_beyond);
   const Vec3 far = Vec3(0.012, 0.0005, -kHeldDepth);
-  EXPECT_LE((far - at.path.p_SC).norm(), at.path.radius_m + 1e-9);
-  EXPECT_NEAR(at.path.p_SC.z(), -0.5 * kHeldDepth, 1e-4) << "half way between proxy and hand";
-  EXPECT_GT(at.path.p_SC.x(), 0.006);
-  EXPECT_LT(at.path.radius_m, 0.006);
+  EXPECT_LE((far - state.path.p_SC).norm(), state.path.radius_m + 1e-9);
+  EXPECT_NEAR(state.path.p_SC.z(), -0.5 * kHeldDepth, 1e-4) << "half way between proxy and hand";
+  EXPECT_GT(state.path.p_SC.x(), 0.006);
+  EXPECT_LT(state.path.radius_m, 0.006);
 }
 
 TEST_F(PatchEdge, AnotherGenerationIsAnotherScene) {
   (void)go_past_the_edge();
   touch.set_generation(1);
-  EXPECT_FALSE(go(0.012, kHeldDepth).has_value()) << "its patches are of no use";
+  EXPECT_FALSE(step_at(0.012, kHeldDepth).has_value()) << "its patches are of no use";
   (void)touch.offer(make_patch({0.012, 0, 0}, 0.04));
-  EXPECT_FALSE(go(0.012, kHeldDepth).has_value());
+  EXPECT_FALSE(step_at(0.012, kHeldDepth).has_value());
   auto next = make_patch({0.012, 0, 0}, 0.04);
   next->generation = 1;
   (void)touch.offer(std::move(next));
-  const auto felt = go(0.012, kHeldDepth);
+  const auto felt = step_at(0.012, kHeldDepth);
   ASSERT_TRUE(felt.has_value());
   EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
 }

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(PatchGrid, MovesAVertexByNoMoreThanItSays) {
+TEST(PatchGrid, MovesAVertexByNoMoreThanItsLargestRounding) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int trial = 0; trial < 2000; ++trial) {
@@ -34,7 +34,7 @@ TEST(PatchGrid, ItsBoxHoldsAllThatTilesCanHold) {
   }
 }
 
-TEST(PatchGrid, OfAPointIsThatPoint) {
+TEST(PatchGrid, AroundOnePointItKeepsThatPoint) {
   const Vec3 p(1.0, -2.0, 3.0);
   const PatchGrid grid = PatchGrid::around({p, p});
   EXPECT_EQ(grid.at(grid.round(p)), p);

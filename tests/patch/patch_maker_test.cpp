@@ -11,17 +11,17 @@ namespace hapton {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t kFew = 4000;
-constexpr std::size_t kAll = 2 * 120 * 120;
+constexpr std::size_t kFewTriangles = 4000;
+constexpr std::size_t kAllTriangles = 2 * 120 * 120;
 const Vec3 kMiddle(0.011, -0.007, 0.0);  // on no border of cells: there the triangles of all adjacent cells count
 constexpr double kSlowestSpeed = 0.05;   // m/s: a hand at rest counts as moving at this speed
 
 const TiledScene& fine_sheet() {
-  static const TiledScene made = make_tiles(scene_of(rolling_sheet(0.05, 120)));
+  static const TiledScene made = make_tiles(scene_of(wavy_sheet(0.05, 120)));
   return made;
 }
 
-// The store has a sheet of kAll triangles. The tests say how long a patch for the hand takes to make.
+// The store has a sheet of kAllTriangles triangles. The tests say how long a patch for the hand takes to make.
 struct PatchMakerTest : testing::Test {
   PatchMakerTest() {
     begin();
@@ -45,7 +45,7 @@ struct PatchMakerTest : testing::Test {
 
   const TiledScene& tiled = fine_sheet();
   PatchStore store;
-  PatchMaker maker{kFew};
+  PatchMaker maker{kFewTriangles};
   std::uint32_t serial = 0;
 };
 
@@ -71,12 +71,13 @@ TEST_F(PatchMakerTest, TheFirstIsSmallAndAroundTheHand) {
   EXPECT_EQ(patch->radius_m, maker.radius_m());
   EXPECT_EQ(patch->lift_m, 4.0 * tiled.grid.step_m);
   EXPECT_FALSE(patch->is_path_incomplete);
-  EXPECT_LE(maker.triangles(), kFew);
-  EXPECT_GT(maker.triangles(), kFew / 4);
+  EXPECT_LE(maker.triangles(), kFewTriangles);
+  EXPECT_GT(maker.triangles(), kFewTriangles / 4);
   make_slowly();
   EXPECT_EQ(make(), nullptr) << "the newest will do";
 }
 
+// The middle ends at 0.35 of the radius.
 TEST_F(PatchMakerTest, AnotherIsDueWhereTheHandLeavesTheMiddleOfTheNewest) {
   hold(Vec3::Zero());
   ASSERT_NE(make(), nullptr);
@@ -127,10 +128,10 @@ TEST_F(PatchMakerTest, PatchesOfAHandAtRestGrowUntilTheyAreAllThereIs) {
     ASSERT_LT(++made, 10);
   }
   EXPECT_GT(made, 1);
-  EXPECT_EQ(last, kAll);
+  EXPECT_EQ(last, kAllTriangles);
   EXPECT_EQ(maker.radius_m(), kInfinite);
   hold(Vec3(0.04, 0.04, 0), 2.0);
-  EXPECT_EQ(make(), nullptr) << "nobody leaves that";
+  EXPECT_EQ(make(), nullptr) << "no hand can leave that";
 }
 
 // A larger patch pays if twice as many triangles take at most half of the time in which the hand, at its speed, would leave the patch. The
@@ -139,15 +140,15 @@ TEST_F(PatchMakerTest, GrowsOnlyAsMuchAsCanBeMadeWhileTheHandIsWithin) {
   for (const double speed : {0.0, 0.2}) {
     for (const double share : {0.95, 1.05}) {
       SCOPED_TRACE(testing::Message() << speed << " m/s, " << share);
-      maker = PatchMaker(kFew);
+      maker = PatchMaker(kFewTriangles);
       hold(Vec3(-0.1 * speed, 0, 0), 1.0);
       hold(Vec3::Zero(), 1.1);
       ASSERT_NE(make(), nullptr);
       const double room_m = maker.radius_m() - 0.01 * speed;
       const double affordable_s = 0.5 * room_m / std::max(speed, kSlowestSpeed);
       const auto triangles = static_cast<double>(maker.triangles());
-      const double each_s = share * affordable_s / (2.0 * triangles);
-      maker.note_made((each_s - 0.7 * PatchMaker::kFirstMakeS) / 0.3 * triangles);
+      const double s_per_triangle = share * affordable_s / (2.0 * triangles);
+      maker.note_made((s_per_triangle - 0.7 * PatchMaker::kFirstMakeS) / 0.3 * triangles);
       EXPECT_EQ(make() != nullptr, share < 1.0);
     }
   }
@@ -156,24 +157,24 @@ TEST_F(PatchMakerTest, GrowsOnlyAsMuchAsCanBeMadeWhileTheHandIsWithin) {
 TEST_F(PatchMakerTest, ATimeThatCannotBeOrThatSaysLittleCountsForNothing) {
   for (const double seconds : {0.0, -1e6, std::nan("")}) {
     SCOPED_TRACE(testing::Message() << seconds << " s");
-    maker = PatchMaker(kFew);
+    maker = PatchMaker(kFewTriangles);
     hold(Vec3::Zero());
     ASSERT_NE(make(), nullptr);
     maker.note_made(seconds);
     EXPECT_NE(make(), nullptr) << "it grows as before";
   }
-  maker = PatchMaker(2 * kAll + 2);
+  maker = PatchMaker(2 * kAllTriangles + 2);
   maker.note_made(1e6);  // for no triangle at all
   hold(Vec3::Zero());
   ASSERT_NE(make(), nullptr);
-  EXPECT_EQ(maker.triangles(), kAll);
+  EXPECT_EQ(maker.triangles(), kAllTriangles);
   maker.note_made(1e6);  // for fewer than half of the triangles that are always made
   maker.forget();
   EXPECT_NE(make(), nullptr);
-  EXPECT_EQ(maker.triangles(), kAll);
+  EXPECT_EQ(maker.triangles(), kAllTriangles);
 }
 
-TEST_F(PatchMakerTest, PastTheEdgeOneReachesOverTheWayAndAWiderOneFollowsWhereThatWasNotEnough) {
+TEST_F(PatchMakerTest, PastTheEdgeAPatchCoversThePathAndAWiderOneFollowsIfThatWasNotEnough) {
   hold(Vec3::Zero());
   ASSERT_NE(make(), nullptr);
   make_slowly();
@@ -198,7 +199,7 @@ TEST_F(PatchMakerTest, PastTheEdgeOneReachesOverTheWayAndAWiderOneFollowsWhereTh
   EXPECT_GE(patch->radius_m, 4.0 * 1.5 * 0.005);
 }
 
-TEST_F(PatchMakerTest, AHandThatIsWithinAgainBeginsWithTheNarrowestWay) {
+TEST_F(PatchMakerTest, AHandThatIsWithinAgainBeginsWithTheNarrowestPatch) {
   const PathBall ball{kMiddle, 0.004};
   double narrow_m = 0.0;
   for (const bool was_within : {true, false}) {
@@ -229,12 +230,12 @@ struct PartlyKnown : PatchMakerTest {
     for (const TileCell& cell : tiled.cells) store.accept(to_message(cell, 1, ++serial));
     for (std::size_t n = 0; n < tiled.tiles.size(); ++n) {
       const Vec3 middle = tiled.grid.origin_m + tiled.grid.step_m * tiled.tile_bounds[n].centre();
-      (middle.x() > -0.02 ? known : unknown).push_back(n);
+      (middle.x() > -0.02 ? known_tiles : unknown_tiles).push_back(n);
     }
-    for (const std::size_t n : known) take(tiled.tiles[n]);
+    for (const std::size_t n : known_tiles) take(tiled.tiles[n]);
   }
-  std::vector<std::size_t> known;
-  std::vector<std::size_t> unknown;
+  std::vector<std::size_t> known_tiles;
+  std::vector<std::size_t> unknown_tiles;
 };
 
 TEST_F(PartlyKnown, APatchIsNoWiderThanWhatIsKnown) {
@@ -245,17 +246,17 @@ TEST_F(PartlyKnown, APatchIsNoWiderThanWhatIsKnown) {
   EXPECT_EQ(radius_m, store.known_radius(kMiddle));
   ASSERT_GT(radius_m, 0.01);
   EXPECT_EQ(make(), nullptr);
-  take(tiled.tiles[known.front()]);
+  take(tiled.tiles[known_tiles.front()]);
   EXPECT_EQ(make(), nullptr) << "what came adds nothing";
-  for (const std::size_t n : unknown) take(tiled.tiles[n]);
+  for (const std::size_t n : unknown_tiles) take(tiled.tiles[n]);
   ASSERT_NE(make(), nullptr) << "it has grown";
   EXPECT_EQ(maker.radius_m(), kInfinite);
 }
 
 TEST_F(PartlyKnown, WhereNothingIsKnownNothingIsMade) {
-  const Vec3 unknown_there(-0.045, 0.03, 0.0);
-  hold(unknown_there - kMiddle);
-  ASSERT_EQ(store.known_radius(unknown_there), 0.0);
+  const Vec3 unknown_position(-0.045, 0.03, 0.0);
+  hold(unknown_position - kMiddle);
+  ASSERT_EQ(store.known_radius(unknown_position), 0.0);
   EXPECT_EQ(make(), nullptr);
 }
 
@@ -299,7 +300,7 @@ TEST_F(PartlyKnown, APathWithMissingPartsIsReportedAsIncomplete) {
 // The known part of the scene around the hand has no triangle.
 TEST(PatchMaker, WhereNothingIsThereThePatchIsEmpty) {
   PatchStore store;
-  TiledScene tiled = make_tiles(scene_of(rolling_sheet(0.05, 120)));
+  TiledScene tiled = make_tiles(scene_of(wavy_sheet(0.05, 120)));
   std::uint32_t serial = 0;
   store.accept(PatchBegin{1, ++serial, tiled.grid.origin_m, tiled.grid.step_m, 0.0, 7});
   for (const TileCell& cell : tiled.cells) store.accept(to_message(cell, 1, ++serial));

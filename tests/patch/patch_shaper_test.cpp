@@ -20,15 +20,15 @@ struct PatchShaperTest : testing::Test {
     scene.objects.push_back({made::shared(made::sheet(0.02, 0.007, 6)), {.stiffness_n_per_m = 800.0}});
     scene.objects.back().stream_reach_m = 0.006;
     for (const Message& part : parts_of(make_tiles(on_patch_grid(scene)))) (void)store.accept_part(part);
-    total = static_cast<std::uint32_t>(scene.objects.back().mesh->vertices.size());
+    vertex_count = static_cast<std::uint32_t>(scene.objects.back().mesh->vertices.size());
     piece = store.make_piece(Vec3::Zero(), 1.0, 1, kSkin);
     parts = store.find_stream(kSkin);
   }
 
   // Announces a shape: within 10 ms the whole sheet rises to z_m above its rest.
   void announce(std::uint32_t serial, std::int64_t start_ms, float z_m) {
-    const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, z_m});
-    for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) {
+    const std::vector<ShapePart::Displacement> shape(vertex_count, {0.0F, 0.0F, z_m});
+    for (std::uint32_t first = 0; first < vertex_count; first += ShapePart::kVerticesPerPart) {
       (void)store.accept_shape(ObjectShape{.source = 5, .serial = serial, .object = 1, .part = make_shape_part(shape, first)},
                                Arrival::newest);
     }
@@ -36,7 +36,7 @@ struct PatchShaperTest : testing::Test {
                                         .serial = serial,
                                         .before = serial - 1,
                                         .object = 1,
-                                        .total = total,
+                                        .total = vertex_count,
                                         .start_ns = start_ms * kShaperNsPerMs,
                                         .end_ns = (start_ms + 10) * kShaperNsPerMs},
                              Arrival::newest);
@@ -49,7 +49,7 @@ struct PatchShaperTest : testing::Test {
   PatchStore store;
   PatchStore::Piece piece;
   const StreamedParts* parts = nullptr;
-  std::uint32_t total = 0;
+  std::uint32_t vertex_count = 0;
   PatchShaper shaper;
 };
 

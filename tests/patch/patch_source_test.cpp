@@ -16,7 +16,7 @@ constexpr std::int64_t kMs = 1'000'000;
 // A sheet 100 mm wide whose middle is at the origin, and the source that sends its parts.
 struct PatchSourceTest : testing::Test {
   void start(const PatchSource::Options& options, int squares = 40) {
-    source = std::make_unique<PatchSource>(make_tiles(scene_of(rolling_sheet(0.05, squares))), 0.001, 7, 5, options);
+    source = std::make_unique<PatchSource>(make_tiles(scene_of(wavy_sheet(0.05, squares))), 0.001, 7, 5, options);
   }
   // Takes all that is due from from_ns on, for for_ns.
   std::vector<Message> take(std::int64_t from_ns, std::int64_t for_ns = 0) {
@@ -57,13 +57,13 @@ struct PatchSourceTest : testing::Test {
     }
     return status;
   }
-  static constexpr PatchSource::Options kAll = {.bits_per_s = 1e12, .least_reach_m = 1.0};
+  static constexpr PatchSource::Options kUnlimited = {.bits_per_s = 1e12, .least_reach_m = 1.0};
 
   std::unique_ptr<PatchSource> source;
 };
 
 TEST_F(PatchSourceTest, TheBeginningComesFirstAndEachCellBeforeItsTiles) {
-  start(kAll);
+  start(kUnlimited);
   const auto parts = take(kStartNs, 2000 * kMs);
   ASSERT_GE(parts.size(), part_count());
   const auto* begin = std::get_if<PatchBegin>(&parts.front());
@@ -105,7 +105,7 @@ TEST(HandMotion, ItsVelocityIsAMeanOfATenthOfASecond) {
 }
 
 // Where the hand will be in 0.1 s plus a round trip, and half way there, counts too, but as farther away by half of how far ahead it is.
-TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
+TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsPathComesFirst) {
   const Vec3 hand(0.01, -0.01, 0.0);
   for (const Vec3& velocity : {Vec3(0, 0, 0), Vec3(0.2, 0, 0), Vec3(-0.1, 0.15, 0)}) {
     SCOPED_TRACE(testing::Message() << velocity.transpose());
@@ -114,9 +114,9 @@ TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
     source->accept(status_without(0, {}, 0.1));
     std::map<std::array<std::uint32_t, 4>, double> distances;
     for (const TileCell& cell : source->scene().cells) {
-      const Vec3 way = 0.2 * velocity;
-      const double near = std::min({distance_m(cell, hand), distance_m(cell, hand + 0.5 * way) + 0.25 * way.norm(),
-                                    distance_m(cell, hand + way) + 0.5 * way.norm()});
+      const Vec3 ahead = 0.2 * velocity;
+      const double near = std::min({distance_m(cell, hand), distance_m(cell, hand + 0.5 * ahead) + 0.25 * ahead.norm(),
+                                    distance_m(cell, hand + ahead) + 0.5 * ahead.norm()});
       distances[{cell.key.level, cell.key.index[0], cell.key.index[1], cell.key.index[2]}] = near;
     }
     double last_m = 0.0;
@@ -125,7 +125,7 @@ TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
       const auto* cell = std::get_if<PatchCell>(&part);
       if (cell == nullptr) continue;
       const double now_m = distances.at({cell->level, cell->index[0], cell->index[1], cell->index[2]});
-      EXPECT_GE(now_m, last_m * (1.0 - 1e-6)) << "a round trip is told as a float";
+      EXPECT_GE(now_m, last_m * (1.0 - 1e-6)) << "a round trip is sent as a float";
       last_m = now_m;
       ++cells;
     }
@@ -154,30 +154,31 @@ TEST_F(PatchSourceTest, WhatIsOutOfReachIsNotSent) {
   }
 }
 
-// The wait is 150 ms for the hub's status, plus 1.2 round trips, or half of a long one: there a lost part is missing for long.
+// The timeout is 150 ms for the hub's status, plus 1.2 round trips. Of a round trip above 0.3 s it is only half, and at most 5 s, because
+// a lost part would be missing for too long.
 TEST_F(PatchSourceTest, WhatNobodyConfirmsIsSentAgainAfterAWhile) {
   const std::pair<double, std::int64_t> cases[] = {{0.0, 150}, {0.1, 270}, {0.29, 498}, {0.31, 305}, {1.0, 650}, {60.0, 5150}};
-  for (const auto& [round_trip_s, patience_ms] : cases) {
+  for (const auto& [round_trip_s, timeout_ms] : cases) {
     SCOPED_TRACE(testing::Message() << round_trip_s << " s");
     start({.bits_per_s = 1e12, .least_reach_m = 1.0}, 4);
     source->accept(status_without(0, {}, round_trip_s));
     const auto first = take(kStartNs).size();
     ASSERT_EQ(first, part_count()) << "small enough to be sent at once";
-    EXPECT_EQ(take(kStartNs + (patience_ms - 1) * kMs).size(), 0U);
+    EXPECT_EQ(take(kStartNs + (timeout_ms - 1) * kMs).size(), 0U);
     EXPECT_EQ(source->counts().repeated, 0U);
-    EXPECT_EQ(take(kStartNs + (patience_ms + 1) * kMs, 20 * kMs).size(), first);
+    EXPECT_EQ(take(kStartNs + (timeout_ms + 1) * kMs, 20 * kMs).size(), first);
     EXPECT_EQ(source->counts().sent, 2 * first);
     EXPECT_EQ(source->counts().repeated, first);
   }
 }
 
 TEST_F(PatchSourceTest, WhatIsConfirmedIsNotSentAgain) {
-  start(kAll, 4);
+  start(kUnlimited, 4);
   const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
   source->accept(status_without(count, {2}));
   EXPECT_EQ(source->counts().held, count - 1);
   source->accept(status_without(count, {2}));
-  EXPECT_EQ(source->counts().held, count - 1) << "said twice";
+  EXPECT_EQ(source->counts().held, count - 1) << "the same status again";
   const auto again = take(kStartNs + 1000 * kMs);
   ASSERT_EQ(again.size(), 1U);
   EXPECT_EQ(serial_of(again[0]), count + 1);
@@ -186,7 +187,7 @@ TEST_F(PatchSourceTest, WhatIsConfirmedIsNotSentAgain) {
 
 // A part 64 serials before the newest one that arrived is lost; a reordered part would have arrived by then.
 TEST_F(PatchSourceTest, WhatIsLostIsSentAgainAtOnce) {
-  start(kAll, 80);
+  start(kUnlimited, 80);
   const auto count = static_cast<std::uint32_t>(take(kStartNs, 119 * kMs).size());
   ASSERT_EQ(count, part_count());
   ASSERT_GT(count, 150U);
@@ -198,27 +199,27 @@ TEST_F(PatchSourceTest, WhatIsLostIsSentAgainAtOnce) {
   EXPECT_EQ(take(kStartNs + 285 * kMs).size(), 2U) << "what may only be late, once its time is over";
 }
 
-TEST_F(PatchSourceTest, AStatusOfSomethingElseSaysNothing) {
-  start(kAll, 4);
+TEST_F(PatchSourceTest, AStatusOfAnotherEpochOrOfUnsentPartsIsIgnored) {
+  start(kUnlimited, 4);
   const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
   PatchStatus other = status_without(count, {});
   other.epoch = 4;
   source->accept(other);
   source->accept(status_without(count + 1, {}));
   EXPECT_EQ(source->counts().held, 0U);
-  PatchStatus begun_anew;
-  source->accept(begun_anew);
+  PatchStatus empty_status;
+  source->accept(empty_status);
   EXPECT_EQ(take(kStartNs + 100 * kMs).size(), 0U) << "the hub had nothing yet: what is on its way may still come";
   source->accept(status_without(count, {}));
   EXPECT_EQ(source->counts().held, count);
-  source->accept(begun_anew);
+  source->accept(empty_status);
   EXPECT_EQ(source->counts().held, 0U);
   EXPECT_EQ(take(kStartNs + 120 * kMs).size(), count) << "the hub has started again";
 }
 
 // The hub had all parts and has dropped them, and the status that said so was lost. The next one has only a part that was on its way then.
 TEST_F(PatchSourceTest, AHubThatHasBegunAgainGetsEverythingEvenIfItsStatusWasLost) {
-  start(kAll, 4);
+  start(kUnlimited, 4);
   const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
   source->accept(status_without(count, {2}));
   EXPECT_EQ(source->counts().held, count - 1);
@@ -233,14 +234,14 @@ TEST_F(PatchSourceTest, AHubThatHasBegunAgainGetsEverythingEvenIfItsStatusWasLos
 
 // A part was sent twice and came once. The missing second datagram says nothing about the part.
 TEST_F(PatchSourceTest, APartThatWasSentTwiceAndCameOnceIsHeld) {
-  start(kAll, 4);
+  start(kUnlimited, 4);
   const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
   ASSERT_EQ(take(kStartNs + 1000 * kMs, 20 * kMs).size(), count);
-  std::set<std::uint32_t> second;
-  for (std::uint32_t serial = count + 1; serial < 2 * count; ++serial) second.insert(serial);
-  source->accept(status_without(2 * count, second));
+  std::set<std::uint32_t> second_serials;
+  for (std::uint32_t serial = count + 1; serial < 2 * count; ++serial) second_serials.insert(serial);
+  source->accept(status_without(2 * count, second_serials));
   EXPECT_EQ(source->counts().held, count);
-  source->accept(status_without(2 * count, second));
+  source->accept(status_without(2 * count, second_serials));
   EXPECT_EQ(source->counts().held, count);
 }
 
@@ -264,8 +265,8 @@ TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {
 }
 
 // A part counts as large as its packet: its content plus 150 bytes.
-TEST_F(PatchSourceTest, CountsWhatAPartTakesOnTheWay) {
-  start(kAll, 40);
+TEST_F(PatchSourceTest, CountsTheBytesOfThePacketOfEachPart) {
+  start(kUnlimited, 40);
   std::uint64_t bytes = 0;
   for (const Message& part : take(kStartNs, 100 * kMs)) {
     bytes += 150;
@@ -276,14 +277,14 @@ TEST_F(PatchSourceTest, CountsWhatAPartTakesOnTheWay) {
 }
 
 TEST_F(PatchSourceTest, AnEmptySceneSendsOnlyItsBeginning) {
-  source = std::make_unique<PatchSource>(make_tiles(TouchScene()), 0.0, 7, 5, kAll);
+  source = std::make_unique<PatchSource>(make_tiles(TouchScene()), 0.0, 7, 5, kUnlimited);
   const auto parts = take(kStartNs, 100 * kMs);
   ASSERT_EQ(parts.size(), 1U);
   EXPECT_TRUE(std::holds_alternative<PatchBegin>(parts[0]));
 }
 
 TEST_F(PatchSourceTest, AMaterialIsSentWhenItIsAnotherThanTheHubHas) {
-  start(kAll);
+  start(kUnlimited);
   (void)take_confirmed();
   const Material of_tiles;
   Material softer = of_tiles;
@@ -298,7 +299,7 @@ TEST_F(PatchSourceTest, AMaterialIsSentWhenItIsAnotherThanTheHubHas) {
     return sent;
   };
   EXPECT_EQ(sent_after({of_tiles}), std::vector<double>());
-  EXPECT_EQ(sent_after({softer, softer}), std::vector{300.0}) << "of objects that are not in parts nothing is sent";
+  EXPECT_EQ(sent_after({softer, softer}), std::vector{300.0}) << "nothing is sent of an object that has no parts";
   EXPECT_EQ(sent_after({softer}), std::vector<double>()) << "it is on its way";
   EXPECT_EQ(sent_after({}), std::vector<double>());
   EXPECT_EQ(sent_after({of_tiles}), std::vector{of_tiles.stiffness_n_per_m});
@@ -306,7 +307,7 @@ TEST_F(PatchSourceTest, AMaterialIsSentWhenItIsAnotherThanTheHubHas) {
 
 // The hub still reports the earlier material as received.
 TEST_F(PatchSourceTest, AMaterialThatWasLostIsSentAgainThoughTheOneBeforeArrived) {
-  start(kAll);
+  start(kUnlimited);
   const auto count = static_cast<std::uint32_t>(take_confirmed().size());
   Material softer;
   softer.stiffness_n_per_m = 300.0;
@@ -325,7 +326,7 @@ TEST_F(PatchSourceTest, AMaterialThatWasLostIsSentAgainThoughTheOneBeforeArrived
 
 // With a long round trip a material is sent again before its first datagram can be confirmed.
 TEST_F(PatchSourceTest, AMaterialIsConfirmedByAnyOfTheTimesThatItWasSent) {
-  start(kAll);
+  start(kUnlimited);
   const auto count = static_cast<std::uint32_t>(take_confirmed().size());
   Material softer;
   softer.stiffness_n_per_m = 300.0;
@@ -338,7 +339,7 @@ TEST_F(PatchSourceTest, AMaterialIsConfirmedByAnyOfTheTimesThatItWasSent) {
 
 // A move is sent again 70 ms plus a round trip later, eight times at most, as the hub confirms only the last moves of all objects.
 TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
-  start(kAll, 4);
+  start(kUnlimited, 4);
   (void)take_confirmed();
   const auto count = static_cast<std::uint32_t>(source->counts().sent);
   const auto confirm = [&](std::uint32_t newest_move, std::uint64_t moves) {
@@ -386,17 +387,17 @@ TEST_F(PatchSourceTest, AMoveThatIsDueGoesBeforeSmallerParts) {
   ASSERT_EQ(source->counts().held, part_count());
   source->set_materials(std::vector<Material>(40, {.stiffness_n_per_m = 300.0}));
   const std::size_t burst = take(kStartNs + 3000 * kMs).size();
-  ASSERT_EQ(burst, 33U) << "of 150 bytes each";
+  ASSERT_EQ(burst, 33U) << "5,000 bytes, in parts of 150 bytes";
   source->note_move({.source = 9, .serial = 4, .object = 2}, -1);
   const auto next = take(kStartNs + 3000 * kMs, 50 * kMs);
-  ASSERT_EQ(next.size(), 2U) << "550 bytes";
+  ASSERT_EQ(next.size(), 2U) << "500 bytes in 50 ms, and the 50 that the burst left";
   EXPECT_TRUE(std::holds_alternative<ObjectMove>(next[0]));
   EXPECT_TRUE(std::holds_alternative<PatchMaterial>(next[1]));
   EXPECT_EQ(source->counts().moves_repeated, 0U) << "the caller has not sent it";
 }
 
 TEST_F(PatchSourceTest, SaysWhatItRepliesTo) {
-  start(kAll, 4);
+  start(kUnlimited, 4);
   source->reply_to(17, 23);
   const auto parts = take(kStartNs);
   ASSERT_FALSE(parts.empty());
@@ -411,7 +412,7 @@ TEST_F(PatchSourceTest, AnObjectThatProgramsDeformHasTheNewestShapeThatWasNoted)
     scene.objects.push_back({made::shared(made::sheet(0.01, 0.01 * n, 2)), {}});
     scene.objects.back().stream_reach_m = 0.001;
   }
-  source = std::make_unique<PatchSource>(make_tiles(scene), 0.0, 7, 5, kAll);
+  source = std::make_unique<PatchSource>(make_tiles(scene), 0.0, 7, 5, kUnlimited);
   source->note_shape(1, 6);
   source->note_shape(1, 4);  // overtaken by 6
   std::map<std::int32_t, std::set<std::uint32_t>> serials;

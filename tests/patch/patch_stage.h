@@ -16,13 +16,13 @@
 
 namespace hapton {
 
-// A rolling sheet of n x n squares, side 2 half, with heights up to about 2.5 mm.
-inline double rolling_height(double x, double y) {
+// A wavy sheet of n x n squares, of side 2 * half, with heights up to about 2.5 mm.
+inline double wavy_height(double x, double y) {
   return 0.0015 * std::sin(270.0 * x) * std::sin(220.0 * y) + 0.001 * std::sin(400.0 * (x + y));
 }
-inline TriangleMesh rolling_sheet(double half, int n) {
+inline TriangleMesh wavy_sheet(double half, int n) {
   TriangleMesh mesh = made::sheet(half, 0.0, n);
-  for (Vec3& v : mesh.vertices) v.z() = rolling_height(v.x(), v.y());
+  for (Vec3& v : mesh.vertices) v.z() = wavy_height(v.x(), v.y());
   return mesh;
 }
 
@@ -43,13 +43,13 @@ class PatchStage {
     whole_ = std::make_unique<TouchStep>(*make_method({}, scene));
   }
 
-  struct Felt {
+  struct Outputs {
     std::optional<PatchOutput> patch;
     TouchOutput whole;
   };
 
   // Makes one cycle with the device at p_WD.
-  Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity()) {
+  Outputs step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity()) {
     now_ns_ += 1'000'000;
     const TouchInput input{p_WD, X_WS, 1e-3};
     const Vec3 p_SD = X_WS.inverse() * p_WD;
@@ -58,10 +58,10 @@ class PatchStage {
     for (int n = 0; n < 16; ++n) {
       auto part = source_.take(now_ns_);
       if (!part) break;
-      if (!is_lost()) down_.push_back({arrival(), *part});
+      if (!is_lost()) down_parts_.push_back({arrival_ns(), *part});
     }
     make_patches(p_SD);
-    Felt felt{touch_.step(input), {}};
+    Outputs felt{touch_.step(input), {}};
     if (cycle_ == 1) whole_->reset(input);
     felt.whole = whole_->step(input);
     return felt;
@@ -78,12 +78,13 @@ class PatchStage {
 
  private:
   bool is_lost() { return std::uniform_real_distribution<double>(0, 1)(random_) < network_.loss; }
-  std::int64_t arrival() {
+  std::int64_t arrival_ns() {
     return now_ns_ +
            static_cast<std::int64_t>(1e9 * (network_.delay_s + network_.jitter_s * std::uniform_real_distribution<double>(0, 1)(random_)));
   }
 
-  struct Up {
+  // On its way to the source.
+  struct UpDatagram {
     std::int64_t due_ns;
     PatchStatus status;
     HandMotion hand;
@@ -93,21 +94,21 @@ class PatchStage {
     PatchStatus status = store_.status();
     status.is_wanted = true;
     status.round_trip_s = static_cast<float>(2.0 * network_.delay_s);
-    const Vec3 moved = p_SD - std::exchange(told_, p_SD);
-    if (!is_lost()) up_.push_back({arrival(), status, {p_SD, cycle_ > 1 ? Vec3(moved / 0.05) : Vec3(Vec3::Zero())}});
+    const Vec3 moved = p_SD - std::exchange(last_sent_p_SD_, p_SD);
+    if (!is_lost()) up_datagrams_.push_back({arrival_ns(), status, {p_SD, cycle_ > 1 ? Vec3(moved / 0.05) : Vec3(Vec3::Zero())}});
   }
 
   void take_arrivals() {
-    for (auto it = up_.begin(); it != up_.end();) {
+    for (auto it = up_datagrams_.begin(); it != up_datagrams_.end();) {
       if (it->due_ns > now_ns_) {
         ++it;
         continue;
       }
       source_.accept(it->status);
       source_.aim(it->hand);
-      it = up_.erase(it);
+      it = up_datagrams_.erase(it);
     }
-    for (auto it = down_.begin(); it != down_.end();) {
+    for (auto it = down_parts_.begin(); it != down_parts_.end();) {
       if (it->first > now_ns_) {
         ++it;
         continue;
@@ -115,19 +116,19 @@ class PatchStage {
       if (const auto* tile = std::get_if<PatchTile>(&it->second)) store_.accept(*tile);
       if (const auto* cell = std::get_if<PatchCell>(&it->second)) store_.accept(*cell);
       if (const auto* begin = std::get_if<PatchBegin>(&it->second)) store_.accept(*begin);
-      it = down_.erase(it);
+      it = down_parts_.erase(it);
     }
   }
 
   // A patch takes a while to make; meanwhile no other is begun.
   void make_patches(const Vec3& p_SD) {
     maker_.note_hand(touch_.hand_at(p_SD, now_ns_));
-    if (made_ == nullptr) {
-      made_ = maker_.make_if_due(store_, 0);
+    if (next_patch_ == nullptr) {
+      next_patch_ = maker_.make_if_due(store_, 0);
       ready_ns_ = now_ns_ + static_cast<std::int64_t>(1e9 * network_.make_s);
     }
     (void)touch_.take_retired();
-    if (made_ != nullptr && now_ns_ >= ready_ns_) (void)touch_.offer(std::move(made_));
+    if (next_patch_ != nullptr && now_ns_ >= ready_ns_) (void)touch_.offer(std::move(next_patch_));
   }
 
   Network network_;
@@ -137,13 +138,13 @@ class PatchStage {
   PatchMaker maker_;
   PatchTouch touch_;
   std::unique_ptr<TouchStep> whole_;
-  std::deque<Up> up_;
-  std::deque<std::pair<std::int64_t, Message>> down_;
-  std::unique_ptr<Patch> made_;
+  std::deque<UpDatagram> up_datagrams_;
+  std::deque<std::pair<std::int64_t, Message>> down_parts_;  // when each arrives
+  std::unique_ptr<Patch> next_patch_;
   std::int64_t ready_ns_ = 0;
   std::int64_t now_ns_ = 1'000'000'000;
   std::uint64_t cycle_ = 0;
-  Vec3 told_ = Vec3::Zero();
+  Vec3 last_sent_p_SD_ = Vec3::Zero();
 };
 
 }  // namespace hapton

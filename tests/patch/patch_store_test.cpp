@@ -12,18 +12,19 @@
 namespace hapton {
 namespace {
 
-PatchTile numbered(PatchTile tile, std::uint32_t epoch, std::uint32_t serial) {
+PatchTile numbered_tile(PatchTile tile, std::uint32_t epoch, std::uint32_t serial) {
   tile.epoch = epoch;
   tile.serial = serial;
   return tile;
 }
 
-struct Filled {
-  explicit Filled(const TouchScene& scene) : tiled(make_tiles(scene)) {
+// A scene, and a store that gets its cells and tiles one by one.
+struct SceneStore {
+  explicit SceneStore(const TouchScene& scene) : tiled(make_tiles(scene)) {
     store.accept(PatchBegin{1, ++serial, tiled.grid.origin_m, tiled.grid.step_m, 0.0, 7});
   }
-  void cell(std::size_t n) { store.accept(to_message(tiled.cells[n], 1, ++serial)); }
-  void tile(std::size_t n) { store.accept(numbered(tiled.tiles[n], 1, ++serial)); }
+  void accept_cell(std::size_t n) { store.accept(to_message(tiled.cells[n], 1, ++serial)); }
+  void accept_tile(std::size_t n) { store.accept(numbered_tile(tiled.tiles[n], 1, ++serial)); }
   TiledScene tiled;
   PatchStore store;
   std::uint32_t serial = 0;
@@ -31,52 +32,52 @@ struct Filled {
 
 // By brute force: within the known radius no triangle of the scene may be missing.
 TEST(PatchStore, WithinTheKnownRadiusNoTriangleIsMissing) {
-  const TouchScene scene = scene_of(rolling_sheet(0.05, 60));
-  Filled f(scene);
+  const TouchScene scene = scene_of(wavy_sheet(0.05, 60));
+  SceneStore scene_store(scene);
   std::mt19937_64 random(11);
-  std::uniform_real_distribution<double> at(-0.06, 0.06);
-  std::vector<char> has(f.tiled.tiles.size(), 0);
-  int known = 0;
+  std::uniform_real_distribution<double> coordinate(-0.06, 0.06);
+  std::vector<char> has_tile(scene_store.tiled.tiles.size(), 0);
+  int known_count = 0;
   for (int round = 0; round < 400; ++round) {
-    if (round % 2 == 0) f.cell(random() % f.tiled.cells.size());
+    if (round % 2 == 0) scene_store.accept_cell(random() % scene_store.tiled.cells.size());
     for (int n = 0; n < 2; ++n) {
-      const std::size_t tile = random() % f.tiled.tiles.size();
-      f.tile(tile);
-      has[tile] = 1;
+      const std::size_t tile = random() % scene_store.tiled.tiles.size();
+      scene_store.accept_tile(tile);
+      has_tile[tile] = 1;
     }
-    const Vec3 p(at(random), at(random), 0.2 * at(random));
-    const double radius = f.store.known_radius(p);
-    known += radius > 0.0 ? 1 : 0;
-    for (std::size_t tile = 0; tile < has.size(); ++tile) {
-      if (has[tile] != 0) continue;
-      for (std::size_t v = 0; v < f.tiled.tiles[tile].vertex_count; ++v) {
-        ASSERT_GE((f.tiled.grid.at(read_vertex(f.tiled.tiles[tile], v)) - p).norm(), radius);
+    const Vec3 p(coordinate(random), coordinate(random), 0.2 * coordinate(random));
+    const double radius = scene_store.store.known_radius(p);
+    known_count += radius > 0.0 ? 1 : 0;
+    for (std::size_t tile = 0; tile < has_tile.size(); ++tile) {
+      if (has_tile[tile] != 0) continue;
+      for (std::size_t v = 0; v < scene_store.tiled.tiles[tile].vertex_count; ++v) {
+        ASSERT_GE((scene_store.tiled.grid.at(read_vertex(scene_store.tiled.tiles[tile], v)) - p).norm(), radius);
       }
     }
   }
-  EXPECT_GT(known, 10);
+  EXPECT_GT(known_count, 10);
 }
 
 TEST(PatchStore, AWholeSceneIsKnownEverywhere) {
-  Filled f(scene_of(rolling_sheet(0.05, 30)));
-  EXPECT_EQ(f.store.known_radius(Vec3::Zero()), 0.0);
-  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
-  EXPECT_EQ(f.store.known_radius(Vec3::Zero()), 0.0) << "no cell says that nothing is missing";
-  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
-  EXPECT_EQ(f.store.known_radius(Vec3(1, 2, 3)), std::numeric_limits<double>::infinity());
-  const PatchStore::Piece piece = f.store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 10'000);
+  SceneStore scene_store(scene_of(wavy_sheet(0.05, 30)));
+  EXPECT_EQ(scene_store.store.known_radius(Vec3::Zero()), 0.0);
+  for (std::size_t n = 0; n < scene_store.tiled.tiles.size(); ++n) scene_store.accept_tile(n);
+  EXPECT_EQ(scene_store.store.known_radius(Vec3::Zero()), 0.0) << "no cell says that nothing is missing";
+  for (std::size_t n = 0; n < scene_store.tiled.cells.size(); ++n) scene_store.accept_cell(n);
+  EXPECT_EQ(scene_store.store.known_radius(Vec3(1, 2, 3)), std::numeric_limits<double>::infinity());
+  const PatchStore::Piece piece = scene_store.store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 10'000);
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   EXPECT_EQ(piece.scene.objects[0].mesh->triangles.size(), 1800U);
   EXPECT_EQ(piece.scene.objects[0].mesh->vertices.size(), 961U) << "a vertex that tiles share is one";
-  EXPECT_EQ(piece.scene.part_of.low, f.tiled.grid.box().low);
-  EXPECT_EQ(piece.scene.part_of.high, f.tiled.grid.box().high);
+  EXPECT_EQ(piece.scene.part_of.low, scene_store.tiled.grid.box().low);
+  EXPECT_EQ(piece.scene.part_of.high, scene_store.tiled.grid.box().high);
 }
 
-TEST(PatchStore, APieceHasNoMoreTrianglesThanWanted) {
-  Filled f(scene_of(rolling_sheet(0.05, 100)));
-  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
-  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
-  const PatchStore::Piece piece = f.store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 5000);
+TEST(PatchStore, APieceHasNoMoreTrianglesThanRequested) {
+  SceneStore scene_store(scene_of(wavy_sheet(0.05, 100)));
+  for (std::size_t n = 0; n < scene_store.tiled.tiles.size(); ++n) scene_store.accept_tile(n);
+  for (std::size_t n = 0; n < scene_store.tiled.cells.size(); ++n) scene_store.accept_cell(n);
+  const PatchStore::Piece piece = scene_store.store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 5000);
   EXPECT_LE(piece.triangles, 5000U);
   EXPECT_GT(piece.triangles, 1000U);
   EXPECT_GT(piece.radius_m, 0.005);
@@ -89,35 +90,35 @@ bool is_confirmed(const PatchStatus& status, std::uint32_t serial) {
 }
 
 TEST(PatchStore, ConfirmsWhatCameInAnyOrder) {
-  Filled f(scene_of(rolling_sheet(0.05, 10)));
+  SceneStore scene_store(scene_of(wavy_sheet(0.05, 10)));
   std::mt19937_64 random(3);
-  std::set<std::uint32_t> came = {1};
+  std::set<std::uint32_t> received = {1};
   for (int n = 0; n < 3000; ++n) {
     const auto serial = static_cast<std::uint32_t>(1 + n + random() % 40);
-    f.store.accept(numbered(f.tiled.tiles[0], 1, serial));
-    came.insert(serial);
-    const PatchStatus& status = f.store.status();
-    ASSERT_EQ(status.newest_serial, *came.rbegin());
+    scene_store.store.accept(numbered_tile(scene_store.tiled.tiles[0], 1, serial));
+    received.insert(serial);
+    const PatchStatus& status = scene_store.store.status();
+    ASSERT_EQ(status.newest_serial, *received.rbegin());
     for (std::uint32_t back = 0; back < 100 && back < status.newest_serial; ++back) {
-      ASSERT_EQ(is_confirmed(status, status.newest_serial - back), came.contains(status.newest_serial - back));
+      ASSERT_EQ(is_confirmed(status, status.newest_serial - back), received.contains(status.newest_serial - back));
     }
   }
 }
 
 TEST(PatchStore, ANewerEpochBeginsWithNothingAndAnOlderOneIsRejected) {
-  Filled f(scene_of(rolling_sheet(0.05, 10)));
-  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
-  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
-  f.store.accept(numbered(f.tiled.tiles[0], 2, 1));
-  EXPECT_FALSE(f.store.has_begun());
-  EXPECT_EQ(f.store.status().epoch, 2U);
-  EXPECT_EQ(f.store.status().newest_serial, 1U);
-  f.store.accept(numbered(f.tiled.tiles[0], 1, 500));
-  EXPECT_EQ(f.store.status().epoch, 2U);
-  EXPECT_GT(f.store.counts().rejected, 0U);
-  f.store.clear();
-  f.store.accept(PatchBegin{1, 1, Vec3::Zero(), 1.0, 0.0, 0});
-  EXPECT_TRUE(f.store.has_begun()) << "another sender may count from anywhere";
+  SceneStore scene_store(scene_of(wavy_sheet(0.05, 10)));
+  for (std::size_t n = 0; n < scene_store.tiled.tiles.size(); ++n) scene_store.accept_tile(n);
+  for (std::size_t n = 0; n < scene_store.tiled.cells.size(); ++n) scene_store.accept_cell(n);
+  scene_store.store.accept(numbered_tile(scene_store.tiled.tiles[0], 2, 1));
+  EXPECT_FALSE(scene_store.store.has_begun());
+  EXPECT_EQ(scene_store.store.status().epoch, 2U);
+  EXPECT_EQ(scene_store.store.status().newest_serial, 1U);
+  scene_store.store.accept(numbered_tile(scene_store.tiled.tiles[0], 1, 500));
+  EXPECT_EQ(scene_store.store.status().epoch, 2U);
+  EXPECT_GT(scene_store.store.counts().rejected, 0U);
+  scene_store.store.clear();
+  scene_store.store.accept(PatchBegin{1, 1, Vec3::Zero(), 1.0, 0.0, 0});
+  EXPECT_TRUE(scene_store.store.has_begun()) << "another sender may count from anywhere";
 }
 
 // Whatever an authenticated sender sends, memory stays bounded, and what is not complete is not known.
@@ -131,7 +132,7 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   tile.triangles = {0, 1, 2};
   for (std::uint32_t n = 0; n < PatchStore::kMaxTiles + 100; ++n) {
     tile.tile = n;
-    store.accept(numbered(tile, 1, 2 + n));
+    store.accept(numbered_tile(tile, 1, 2 + n));
   }
   EXPECT_EQ(store.counts().rejected, 100U);
   PatchCell cell{1, 1, kPatchDeepestLevel};
@@ -165,14 +166,14 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   EXPECT_LE(other.known_radius(Vec3::Zero()), 0.0);
 }
 
-// More triangles meet at one point than were asked for. The piece has all tiles there, as a piece without a radius would be of no use.
+// More triangles meet at one point than were requested. The piece has all tiles there, as a piece without a radius would be of no use.
 TEST(PatchStore, APieceHasWhatLiesAtItsCentreHoweverMuchThatIs) {
   TouchScene scene;
-  for (int n = 0; n < 40; ++n) scene.objects.push_back(scene_of(rolling_sheet(0.05, 20)).objects.front());
-  Filled f(scene);
-  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
-  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
-  const auto piece = f.store.make_piece(Vec3(0.01, 0.01, 0.0), 1.0, 10);
+  for (int n = 0; n < 40; ++n) scene.objects.push_back(scene_of(wavy_sheet(0.05, 20)).objects.front());
+  SceneStore scene_store(scene);
+  for (std::size_t n = 0; n < scene_store.tiled.cells.size(); ++n) scene_store.accept_cell(n);
+  for (std::size_t n = 0; n < scene_store.tiled.tiles.size(); ++n) scene_store.accept_tile(n);
+  const auto piece = scene_store.store.make_piece(Vec3(0.01, 0.01, 0.0), 1.0, 10);
   EXPECT_GT(piece.triangles, 40U);
   EXPECT_LT(piece.triangles, 40U * 800U);
   EXPECT_GT(piece.radius_m, 1e-4);
@@ -188,16 +189,18 @@ PatchBody possible_body(std::uint32_t serial) {
   return body;
 }
 
-struct Moving {
+// A store that knows a scene of two bodies, of which body 0 stands still and body 1 is still to come.
+struct MovingBodyStore {
   PatchStore store;
   std::uint32_t serial = 1;
 
-  Moving() {
+  MovingBodyStore() {
     store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2});
     store.accept(PatchBody{.epoch = 1, .serial = 2});
     serial = 2;
   }
-  bool takes(const std::function<void(PatchBody&)>& change) {
+  // Sends a possible body 1 with this change. Returns whether the store then knows all bodies.
+  bool has_bodies_after(const std::function<void(PatchBody&)>& change) {
     PatchBody body = possible_body(++serial);
     change(body);
     store.accept(body);
@@ -206,17 +209,17 @@ struct Moving {
 };
 
 TEST(PatchStore, KnowsABodyWhenAllOfItHasCome) {
-  Moving moving;
+  MovingBodyStore moving;
   EXPECT_FALSE(moving.store.has_bodies());
-  EXPECT_TRUE(moving.takes([](PatchBody&) {}));
+  EXPECT_TRUE(moving.has_bodies_after([](PatchBody&) {}));
   EXPECT_EQ(moving.store.make_bodies(4)->bodies[1].keyframes->duration_s(), 1.0);
-  Moving parts;
-  EXPECT_FALSE(parts.takes([](PatchBody& body) {
+  MovingBodyStore parts;
+  EXPECT_FALSE(parts.has_bodies_after([](PatchBody& body) {
     body.first_key = 1;
     body.key_count = 1;
     body.keys[0] = body.keys[1];
   }));
-  EXPECT_TRUE(parts.takes([](PatchBody& body) { body.key_count = 1; })) << "in any order";
+  EXPECT_TRUE(parts.has_bodies_after([](PatchBody& body) { body.key_count = 1; })) << "in any order";
 }
 
 // The codec checks each number by itself. Together the numbers may still be a motion that no scene can have.
@@ -233,20 +236,21 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
       [](PatchBody& body) { body.motion = PatchBody::Motion::still, body.all_keys = body.key_count = 0; },
       [](PatchBody& body) { body.keys[1].time_s = 0.39; }};
   for (std::size_t n = 0; n < changes.size(); ++n) {
-    Moving moving;
+    MovingBodyStore moving;
     const std::uint64_t parts = moving.store.counts().parts;
-    EXPECT_FALSE(moving.takes(changes[n])) << n;
+    EXPECT_FALSE(moving.has_bodies_after(changes[n])) << n;
     // None of them is confirmed, except the one whose box is too wide for its radius: the grid is needed to know that.
     if (n != 2) {
       EXPECT_EQ(moving.store.counts().parts, parts) << n;
     }
   }
-  Moving slower;
-  EXPECT_TRUE(slower.takes([](PatchBody& body) { body.keys[1].time_s = 2.0, body.keys[1].p_S.x() = 0.4; }));
-  Moving moving;
-  EXPECT_TRUE(moving.takes([](PatchBody&) {}));
+  MovingBodyStore slower;
+  EXPECT_TRUE(slower.has_bodies_after([](PatchBody& body) { body.keys[1].time_s = 2.0, body.keys[1].p_S.x() = 0.4; }));
+  MovingBodyStore moving;
+  EXPECT_TRUE(moving.has_bodies_after([](PatchBody&) {}));
   const std::uint64_t rejected = moving.store.counts().rejected;
-  EXPECT_TRUE(moving.takes([](PatchBody& body) { body.keys[1].p_S.x() = 0.3, body.pivot_m.x() = 1.0; })) << "another one of that number";
+  EXPECT_TRUE(moving.has_bodies_after([](PatchBody& body) { body.keys[1].p_S.x() = 0.3, body.pivot_m.x() = 1.0; }))
+      << "another body of that number";
   EXPECT_EQ(moving.store.counts().rejected, rejected + 1);
   EXPECT_EQ(moving.store.make_bodies(0)->bodies[1].keyframes->keyframes()[1].p_S.x(), 0.1);
 }
@@ -254,21 +258,21 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
 // A hostile haptics node may announce too many: the memory for all keyframes is taken when the first ones come.
 TEST(PatchStore, NoBodyHasMoreKeyframesThanABodyMay) {
   for (const auto motion : {PatchBody::Motion::still, PatchBody::Motion::keyframes, PatchBody::Motion::commanded}) {
-    Moving moving;
-    EXPECT_FALSE(moving.takes([&](PatchBody& body) {
+    MovingBodyStore moving;
+    EXPECT_FALSE(moving.has_bodies_after([&](PatchBody& body) {
       body.motion = motion;
       body.key_count = 0;
       body.all_keys = PatchBody::kMaxAllKeys + 1;
     }));
     EXPECT_EQ(moving.store.counts().rejected, 1U);
-    EXPECT_TRUE(moving.takes([](PatchBody&) {})) << "nothing of it counts";
+    EXPECT_TRUE(moving.has_bodies_after([](PatchBody&) {})) << "nothing of it counts";
   }
 }
 
 // Even before any cell of a body has come, it is known that the body has no triangle outside its box.
 TEST(PatchStore, AwayFromABodyNothingOfItIsMissing) {
-  Moving moving;
-  ASSERT_TRUE(moving.takes([](PatchBody&) {}));
+  MovingBodyStore moving;
+  ASSERT_TRUE(moving.has_bodies_after([](PatchBody&) {}));
   EXPECT_NEAR(moving.store.known_radius(Vec3(100e-6, 32e-6, 32e-6), 1), 36e-6, 1e-12);
   EXPECT_EQ(moving.store.known_radius(Vec3(32e-6, 32e-6, 32e-6), 1), 0.0);
   EXPECT_EQ(moving.store.known_radius(Vec3(1, 2, 3), 0), std::numeric_limits<double>::infinity()) << "it has no triangles";
@@ -378,9 +382,9 @@ TEST(PatchStore, NothingOfABodyIsMixedWithAnotherOneOfItsNumber) {
                                                                 [](PatchBody& body) { body.object = 1; },
                                                                 [](PatchBody& body) { body.first_key = 1; }};
   for (std::size_t n = 0; n < changes.size(); ++n) {
-    Moving moving;
-    ASSERT_TRUE(moving.takes([](PatchBody&) {}));
-    EXPECT_TRUE(moving.takes([&](PatchBody& body) {
+    MovingBodyStore moving;
+    ASSERT_TRUE(moving.has_bodies_after([](PatchBody&) {}));
+    EXPECT_TRUE(moving.has_bodies_after([&](PatchBody& body) {
       body.keys[0].time_s = 0.5;
       changes[n](body);
     }));
@@ -439,7 +443,7 @@ TEST(PatchStore, HasNoMoreDisplacementsAndMaterialsThanItMay) {
   EXPECT_EQ(store.counts().rejected, 1U);
   EXPECT_EQ(store.status().newest_serial, PatchStore::kMaxDisplaced);
   store.accept(PatchDisplacements{.epoch = 1, .serial = ++serial, .tile = 0, .vertex_count = 1});
-  EXPECT_EQ(store.counts().rejected, 1U) << "one that is there";
+  EXPECT_EQ(store.counts().rejected, 1U) << "a tile that is there takes no other place";
   for (std::uint32_t n = 0; n <= PatchStore::kMaxTiles; ++n) store.accept(PatchMaterial{.epoch = 1, .serial = ++serial, .object = n});
   EXPECT_EQ(store.counts().rejected, 2U);
   EXPECT_EQ(store.materials().size(), PatchStore::kMaxTiles);

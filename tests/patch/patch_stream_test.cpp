@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kHalf = 0.05;
+constexpr double kHalfSide = 0.05;
 constexpr double kStiffness = 1000.0;
 constexpr double kDepth = 0.003;
 
@@ -21,13 +21,13 @@ Vec3 hand_at(double t_s, double speed, double settle_s) {
   const double angle = std::max(t_s - settle_s - 0.5, 0.0) * speed / kRadius;
   const double x = kRadius * std::cos(angle);
   const double y = kRadius * std::sin(angle);
-  return {x, y, rolling_height(x, y) + 0.01 * (1.0 - press) - kDepth * press};
+  return {x, y, wavy_height(x, y) + 0.01 * (1.0 - press) - kDepth * press};
 }
 
 // The rounding of vertices to the grid, as a force. Where the surface is curved, the contact moves by a multiple of it (measured: up to 6).
-double force_bound_n() { return 20.0 * kStiffness * PatchGrid::kLargestRounding * 2.0 * kHalf; }
+double force_bound_n() { return 20.0 * kStiffness * PatchGrid::kLargestRounding * 2.0 * kHalfSide; }
 
-struct Result {
+struct SlideResult {
   double worst_n = 0.0;       // largest |patch - whole| within patches
   double worst_jump_n = 0.0;  // largest change of the patch's force in a step, less that of the whole scene's
   std::uint64_t within = 0;   // contact steps within patches
@@ -36,14 +36,14 @@ struct Result {
   std::uint64_t jumps = 0;    // steps at which the whole scene jumps to another local minimum, and the patch maybe a step earlier or later
 };
 
-Result slide(PatchStage& stage, double speed, double seconds, double settle_s) {
-  Result result;
-  struct Pair {
+SlideResult slide(PatchStage& stage, double speed, double seconds, double settle_s) {
+  SlideResult result;
+  struct StepForces {
     Vec3 patch;
     Vec3 whole;
     bool is_compared = false;
   };
-  std::vector<Pair> steps;
+  std::vector<StepForces> steps;
   for (int n = 1; n < static_cast<int>(1000.0 * seconds); ++n) {
     const auto [patch, whole] = stage.step(hand_at(1e-3 * n, speed, settle_s));
     if (!whole.contact) continue;
@@ -56,14 +56,14 @@ Result slide(PatchStage& stage, double speed, double seconds, double settle_s) {
   }
   for (std::size_t n = 1; n + 1 < steps.size(); ++n) {
     if (!steps[n].is_compared || !steps[n - 1].is_compared) continue;
-    const double own_n = std::max((steps[n].whole - steps[n - 1].whole).norm(), (steps[n + 1].whole - steps[n].whole).norm());
+    const double whole_jump_n = std::max((steps[n].whole - steps[n - 1].whole).norm(), (steps[n + 1].whole - steps[n].whole).norm());
     const double error_n = (steps[n].patch - steps[n].whole).norm();
-    if (error_n > force_bound_n() && error_n <= 2.0 * own_n && own_n > 0.05) {
+    if (error_n > force_bound_n() && error_n <= 2.0 * whole_jump_n && whole_jump_n > 0.05) {
       ++result.jumps;
       continue;
     }
     result.worst_n = std::max(result.worst_n, error_n);
-    const double jump_n = (steps[n].patch - steps[n - 1].patch).norm() - own_n;
+    const double jump_n = (steps[n].patch - steps[n - 1].patch).norm() - whole_jump_n;
     result.worst_jump_n = std::max(result.worst_jump_n, jump_n);
   }
   return result;
@@ -81,9 +81,10 @@ TEST_P(PatchTransfer, GivesTheForceOfTheWholeScene) {
   const Case c = GetParam();
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    PatchStage stage(scene_of(rolling_sheet(kHalf, 60)), {.delay_s = 0.5 * c.round_trip_s, .jitter_s = 0.02, .loss = c.loss, .seed = seed});
+    PatchStage stage(scene_of(wavy_sheet(kHalfSide, 60)),
+                     {.delay_s = 0.5 * c.round_trip_s, .jitter_s = 0.02, .loss = c.loss, .seed = seed});
     const double settle_s = 1.0 + 3.0 * c.round_trip_s;
-    const Result result = slide(stage, c.speed, settle_s + 4.0, settle_s);
+    const SlideResult result = slide(stage, c.speed, settle_s + 4.0, settle_s);
     EXPECT_GT(result.within, 3000U);
     EXPECT_EQ(result.without, 0U) << "contact of the whole scene that is not felt: a fall-through";
     EXPECT_EQ(result.beyond, 0U) << "parts are sent ahead of the hand";
@@ -99,8 +100,8 @@ INSTANTIATE_TEST_SUITE_P(Networks, PatchTransfer,
 
 // Too many triangles for one patch: patches follow the hand, and each takes over from the one before.
 TEST(PatchStreamTest, AFineMeshIsFeltByPatchesThatFollowTheHand) {
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), {.delay_s = 0.05, .loss = 0.05, .bits_per_s = 1e7});
-  const Result result = slide(stage, 0.1, 6.0, 2.0);
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 200)), {.delay_s = 0.05, .loss = 0.05, .bits_per_s = 1e7});
+  const SlideResult result = slide(stage, 0.1, 6.0, 2.0);
   EXPECT_GT(stage.touch().counts().handed_over, 5U);
   EXPECT_GT(result.within, 3000U);
   EXPECT_EQ(result.without, 0U);
@@ -113,7 +114,7 @@ TEST(PatchStreamTest, AFineMeshIsFeltByPatchesThatFollowTheHand) {
 // tiles are there, the hand feels the surface again.
 TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   PatchStage::Network network{.delay_s = 0.05};
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), network);
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 200)), network);
   constexpr double kSettleS = 1.5;
   int n = 1;
   for (; n < 2000; ++n) (void)stage.step(hand_at(1e-3 * n, 0.3, kSettleS));
@@ -136,27 +137,27 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   network.loss = 0.0;
   stage.set_network(network);
   const Vec3 rest = hand_at(1e-3 * n, 0.05, kSettleS);
-  PatchStage::Felt felt;
+  PatchStage::Outputs felt;
   for (int m = 0; m < 8000; ++m) felt = stage.step(rest);
   ASSERT_TRUE(felt.patch && felt.patch->contact && !felt.patch->is_beyond);
   // Which of the nearby local minima holds the proxy depends on its path: it has come from the plane.
   const Vec3 proxy = rest + felt.patch->visual_offset_m;
-  EXPECT_NEAR(proxy.z(), rolling_height(proxy.x(), proxy.y()), 5e-5) << "on the surface, but for the height of a facet";
+  EXPECT_NEAR(proxy.z(), wavy_height(proxy.x(), proxy.y()), 5e-5) << "on the surface, but for the height of a facet";
 }
 
 // The hand leaves the patch, goes through the surface and comes back while the next patch is made. A straight line is not its path.
 TEST(PatchStreamTest, AnExcursionPastThePatchIsNotCutShort) {
   PatchStage::Network network{.delay_s = 0.02, .bits_per_s = 1e7};
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), network);
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 200)), network);
   const Vec3 above(0.0, 0.0, 0.004);
   for (int n = 0; n < 3000; ++n) (void)stage.step(above);
   network.make_s = 0.3;
   stage.set_network(network);
-  PatchStage::Felt felt;
+  PatchStage::Outputs felt;
   for (int n = 0; n <= 200; ++n) {
     // Down through the sheet 40 mm aside.
-    const double way = 0.04 * std::min(n, 200 - n) / 100.0;
-    felt = stage.step(above + Vec3(way, 0.0, n > 100 ? -0.008 : 0.0));
+    const double sideways_m = 0.04 * std::min(n, 200 - n) / 100.0;
+    felt = stage.step(above + Vec3(sideways_m, 0.0, n > 100 ? -0.008 : 0.0));
   }
   const Vec3 below = above - Vec3(0.0, 0.0, 0.008);
   for (int n = 0; n < 1500; ++n) felt = stage.step(below);
@@ -167,14 +168,14 @@ TEST(PatchStreamTest, AnExcursionPastThePatchIsNotCutShort) {
 
 // A hand at rest is soon within a patch of the whole scene.
 TEST(PatchStreamTest, PatchesGrowUpToTheWholeScene) {
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), {.delay_s = 0.05, .bits_per_s = 1e7});
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 200)), {.delay_s = 0.05, .bits_per_s = 1e7});
   for (int n = 0; n < 6000; ++n) (void)stage.step(Vec3(0.0, 0.0, 0.01));
   EXPECT_EQ(stage.maker().triangles(), 2U * 200U * 200U);
   EXPECT_EQ(stage.maker().radius_m(), std::numeric_limits<double>::infinity());
 }
 
 TEST(PatchStreamTest, WhatTheHubHasIsNotSentAgain) {
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 40)), {.delay_s = 0.05, .loss = 0.1});
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 40)), {.delay_s = 0.05, .loss = 0.1});
   (void)slide(stage, 0.1, 6.0, 2.0);
   const auto sent = stage.source().counts().sent;
   EXPECT_EQ(stage.source().counts().held, 1 + stage.source().scene().cells.size() + stage.source().scene().tiles.size());
@@ -184,7 +185,7 @@ TEST(PatchStreamTest, WhatTheHubHasIsNotSentAgain) {
 
 TEST(PatchStreamTest, NoMoreIsSentThanTheBandwidthAllows) {
   constexpr double kBitsPerS = 2e5;
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 100)), {.delay_s = 0.1, .loss = 0.3, .bits_per_s = kBitsPerS});
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 100)), {.delay_s = 0.1, .loss = 0.3, .bits_per_s = kBitsPerS});
   for (int n = 0; n < 5000; ++n) (void)stage.step(hand_at(1e-3 * n, 0.1, 1.0));
   EXPECT_LE(static_cast<double>(stage.source().counts().bytes), kBitsPerS / 8.0 * 5.0 + 5000.0);
   EXPECT_GT(static_cast<double>(stage.source().counts().bytes), kBitsPerS / 8.0 * 4.0);
@@ -192,7 +193,7 @@ TEST(PatchStreamTest, NoMoreIsSentThanTheBandwidthAllows) {
 
 // The scene turns under a hand that rests on it.
 TEST(PatchStreamTest, ThePatchMovesWithTheScene) {
-  PatchStage stage(scene_of(rolling_sheet(kHalf, 60)), {.delay_s = 0.05});
+  PatchStage stage(scene_of(wavy_sheet(kHalfSide, 60)), {.delay_s = 0.05});
   for (int n = 0; n < 3000; ++n) (void)stage.step(hand_at(1e-3 * n, 0.0, 2.0));
   const Vec3 hand = hand_at(3.0, 0.0, 2.0);
   for (int n = 0; n < 500; ++n) {
@@ -207,7 +208,7 @@ TEST(PatchStreamTest, ThePatchMovesWithTheScene) {
 
 // The hub drops a node that was silent for too long, with all that the node has sent. Then the node is back.
 TEST(PatchTransfer, AHubThatHasForgottenGetsAllAgain) {
-  PatchSource source(make_tiles(scene_of(rolling_sheet(0.05, 20))), 0.0, 7, 1, {.bits_per_s = 1e9, .least_reach_m = 1.0});
+  PatchSource source(make_tiles(scene_of(wavy_sheet(0.05, 20))), 0.0, 7, 1, {.bits_per_s = 1e9, .least_reach_m = 1.0});
   PatchStore store;
   std::int64_t now_ns = 1'000'000'000;
   for (int life = 0; life < 2; ++life) {

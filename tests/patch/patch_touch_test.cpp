@@ -12,36 +12,37 @@
 namespace hapton {
 namespace {
 
-constexpr double kSheetHalf = 0.05;
-constexpr double kPatchRadius = 0.012;  // of a patch
-constexpr double kPressed = 0.003;
+constexpr double kSheetHalfSide = 0.05;
+constexpr double kPatchRadius = 0.012;
+constexpr double kPressDepth = 0.003;
 
 // A hand that moves in circles with a radius of 30 mm at 100 mm/s, after the first second 3 mm below the sheet.
 Vec3 circling_hand(int n) {
   const double angle = 0.01 / 3.0 * std::max(n - 1000, 0);
   const double x = 0.03 * std::cos(angle);
   const double y = 0.03 * std::sin(angle);
-  const double height = 0.01 * std::max(1.0 - n / 500.0, 0.0) - kPressed * std::clamp(n / 500.0 - 1.0, 0.0, 1.0);
-  return {x, y, rolling_height(x, y) + height};
+  const double height = 0.01 * std::max(1.0 - n / 500.0, 0.0) - kPressDepth * std::clamp(n / 500.0 - 1.0, 0.0, 1.0);
+  return {x, y, wavy_height(x, y) + height};
 }
 
 // Each patch has the whole sheet but says that it is small, so that only the hand-over can cause a difference.
 class LatePatches {
  public:
-  explicit LatePatches(int late) : late_(late), scene_(scene_of(rolling_sheet(kSheetHalf, 60))), whole_(*make_method({}, scene_)) {}
+  explicit LatePatches(int late_cycles)
+      : late_cycles_(late_cycles), scene_(scene_of(wavy_sheet(kSheetHalfSide, 60))), whole_(*make_method({}, scene_)) {}
 
-  struct Felt {
+  struct Outputs {
     std::optional<PatchOutput> patch;
     TouchOutput whole;
   };
-  Felt step(const Vec3& p_WD, double dt_s) {
+  Outputs step(const Vec3& p_WD, double dt_s) {
     if (++cycle_ == 1) whole_.reset({p_WD});
     (void)touch_.take_retired();
-    if (made_ == nullptr && (cycle_ == 1 || touch_.hand_at(p_WD, 0).is_beyond || cycle_ % 20 == 0)) {
-      made_ = make(p_WD);
-      due_ = cycle_ == 1 ? cycle_ : cycle_ + late_;
+    if (next_patch_ == nullptr && (cycle_ == 1 || touch_.hand_at(p_WD, 0).is_beyond || cycle_ % 20 == 0)) {
+      next_patch_ = make(p_WD);
+      due_cycle_ = cycle_ == 1 ? cycle_ : cycle_ + late_cycles_;
     }
-    if (made_ != nullptr && cycle_ >= due_) (void)touch_.offer(std::move(made_));
+    if (next_patch_ != nullptr && cycle_ >= due_cycle_) (void)touch_.offer(std::move(next_patch_));
     const TouchInput input{.p_WD = p_WD, .dt_s = dt_s};
     return {touch_.step(input), whole_.step(input)};
   }
@@ -59,13 +60,13 @@ class LatePatches {
     return patch;
   }
 
-  int late_;
+  int late_cycles_;
   TouchScene scene_;
   TouchStep whole_;
   PatchTouch touch_;
-  std::unique_ptr<Patch> made_;
+  std::unique_ptr<Patch> next_patch_;
   int cycle_ = 0;
-  int due_ = 0;
+  int due_cycle_ = 0;
 };
 
 // The machine stops again and again, and a patch takes 40 cycles to come, so the hand is often past the edge of its patch. Once the proxy
@@ -76,33 +77,33 @@ TEST(PatchTouch, AHandPastTheEdgeIsCaughtUpWithExactly) {
     LatePatches patches(40);
     std::mt19937_64 random(seed);
     std::exponential_distribution<double> stall_ms(1.0 / 50.0);
-    int within = 0;
-    double worst_n = 0.0;
-    double worst_whole_n = 0.0;
+    int within_steps = 0;
+    double worst_error_n = 0.0;
+    double largest_force_n = 0.0;
     for (int n = 1; n < 8000; ++n) {
       const int missed = n % 100 == 0 ? static_cast<int>(std::min(stall_ms(random), 300.0)) : 0;
       n += missed;
       const auto [patch, whole] = patches.step(circling_hand(n), 1e-3 * (1 + missed));
       if (!patch || patch->is_beyond) continue;
-      ++within;
-      worst_n = std::max(worst_n, (patch->force_n - whole.force_n).norm());
-      worst_whole_n = std::max(worst_whole_n, whole.force_n.norm());
+      ++within_steps;
+      worst_error_n = std::max(worst_error_n, (patch->force_n - whole.force_n).norm());
+      largest_force_n = std::max(largest_force_n, whole.force_n.norm());
     }
     const PatchTouch::Counts& counts = patches.touch().counts();
     EXPECT_GT(counts.beyond, 20U);
     EXPECT_GT(counts.followed, 200U);
     EXPECT_EQ(counts.raised, 0U);
     EXPECT_EQ(counts.begun_anew, 0U);
-    EXPECT_GT(within, 1000);
-    EXPECT_GT(worst_whole_n, 2.0);
-    EXPECT_LT(worst_n, 1e-5);
+    EXPECT_GT(within_steps, 1000);
+    EXPECT_GT(largest_force_n, 2.0);
+    EXPECT_LT(worst_error_n, 1e-5);
   }
 }
 
 // The path has more positions than there is room for: it gets coarser, but still ends where the hand is.
 TEST(PatchTouch, AHandThatWasPastTheEdgeForLongIsCaughtUpWith) {
   LatePatches patches(3000);
-  LatePatches::Felt felt;
+  LatePatches::Outputs felt;
   int n = 1;
   for (; n < 12000 && (n < 5000 || felt.patch->is_beyond); ++n) felt = patches.step(circling_hand(n), 1e-3);
   ASSERT_FALSE(felt.patch->is_beyond);
@@ -122,7 +123,7 @@ std::unique_ptr<Patch> patch_of(const TouchScene& scene, const Vec3& p_SC, doubl
 
 // A small patch reaches where the proxy was, but not the hand, which has moved on. Then there is no output, rather than a zero force.
 TEST(PatchTouch, GivesNothingBeforeAPatchHasReachedTheHand) {
-  const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
+  const TouchScene scene = scene_of(wavy_sheet(kSheetHalfSide, 60));
   PatchTouch touch;
   touch.start_at(circling_hand(0), Vec3::Zero());
   for (int n = 1; n < 2000; ++n) {
@@ -140,8 +141,8 @@ TEST(PatchTouch, GivesNothingBeforeAPatchHasReachedTheHand) {
 }
 
 // A scene so small that it vanishes in the rounding of positions gives no output, but the next scene is felt.
-TEST(PatchTouch, AScenePastAllRoundingDoesNotKeepTheNextOneOut) {
-  const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
+TEST(PatchTouch, ASceneBelowAllRoundingDoesNotBlockTheNextOne) {
+  const TouchScene scene = scene_of(wavy_sheet(kSheetHalfSide, 60));
   PatchTouch touch;
   auto tiny = patch_of(scene, Vec3::Zero(), 1.0);
   tiny->lift_m = 1e-300;
@@ -158,8 +159,8 @@ TEST(PatchTouch, AScenePastAllRoundingDoesNotKeepTheNextOneOut) {
 
 // start_at() says again and again where the proxy was a while ago. From there the proxy comes to where the whole scene has it.
 TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
-  constexpr int kAge = 300;
-  const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
+  constexpr int kAgeSteps = 300;
+  const TouchScene scene = scene_of(wavy_sheet(kSheetHalfSide, 60));
   TouchStep whole(*make_method({}, scene));
   PatchTouch touch;
   whole.reset({.p_WD = circling_hand(0)});
@@ -167,9 +168,9 @@ TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
   int felt_count = 0;
   for (int n = 0; n < 3000; ++n) {
     const Vec3 p_WD = circling_hand(n);
-    if (n > kAge && n % 200 == 0 && !touch.has_arrived()) {
-      const Vec3& offset = offsets[static_cast<std::size_t>(n - 1 - kAge)];
-      touch.start_at(circling_hand(n - 1 - kAge) + offset, offset.stableNormalized(), 1e-3 * kAge);
+    if (n > kAgeSteps && n % 200 == 0 && !touch.has_arrived()) {
+      const Vec3& offset = offsets[static_cast<std::size_t>(n - 1 - kAgeSteps)];
+      touch.start_at(circling_hand(n - 1 - kAgeSteps) + offset, offset.stableNormalized(), 1e-3 * kAgeSteps);
     }
     if (n == 2200) (void)touch.offer(patch_of(scene, Vec3::Zero(), 1.0));
     const TouchOutput expected = whole.step({.p_WD = p_WD});
@@ -184,7 +185,7 @@ TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
 
 // Damping resists the motion of the hand, not the way from the proxy to the hand, which the proxy of a new patch makes in one step.
 TEST(PatchTouch, AHandAtRestFeelsNoDampingWhereAnotherPatchTakesOver) {
-  const TouchScene scene = scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 5.0});
+  const TouchScene scene = scene_of(made::sheet(kSheetHalfSide, 0.0, 10), {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 5.0});
   PatchTouch touch;
   (void)touch.offer(patch_of(scene, Vec3::Zero(), 1.0));
   Vec3 hand(0.001, 0.0, 0.001);
@@ -207,7 +208,7 @@ TEST(PatchTouch, AnotherMaterialDoesNotChangeFromWhichSidesASurfaceIsFelt) {
   for (const bool two_sided : {false, true}) {
     SCOPED_TRACE(two_sided);
     const Material material{.stiffness_n_per_m = 1000.0, .two_sided = two_sided};
-    const TouchScene scene = scene_of(made::sheet(kSheetHalf, 0.0, 10), material);
+    const TouchScene scene = scene_of(made::sheet(kSheetHalfSide, 0.0, 10), material);
     PatchTouch touch;
     auto patch = patch_of(scene, Vec3::Zero(), 1.0);
     patch->objects = {0};
@@ -232,7 +233,7 @@ TEST(PatchTouch, AnotherMaterialDoesNotChangeFromWhichSidesASurfaceIsFelt) {
 TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
   PatchTouch touch;
   EXPECT_FALSE(touch.is_frictionless()) << "without a patch";
-  auto patch = patch_of(scene_of(made::sheet(kSheetHalf, 0.0, 10), Material()), Vec3::Zero(), 1.0);
+  auto patch = patch_of(scene_of(made::sheet(kSheetHalfSide, 0.0, 10), Material()), Vec3::Zero(), 1.0);
   patch->objects = {0};
   patch->materials = {Material()};
   (void)touch.offer(std::move(patch));
@@ -252,7 +253,7 @@ TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
 TEST(PatchTouch, ACorrectionPastTheEdgeOfThePatchIsHeldByThePlane) {
   constexpr double kSheetStiffness = 1000.0;
   PatchTouch touch;
-  (void)touch.offer(patch_of(scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = kSheetStiffness}), Vec3::Zero(), 0.01));
+  (void)touch.offer(patch_of(scene_of(made::sheet(kSheetHalfSide, 0.0, 10), {.stiffness_n_per_m = kSheetStiffness}), Vec3::Zero(), 0.01));
   for (const double z : {0.001, -0.001}) (void)touch.step({.p_WD = Vec3(0.001, 0.0, z)});
   const std::uint64_t steps = touch.counts().steps;
   for (const double z : {-0.0015, -0.001, 0.001}) {
@@ -273,13 +274,13 @@ TEST(PatchTouch, ACorrectionPastTheEdgeOfThePatchIsHeldByThePlane) {
 TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
   LatePatches patches(500);
   std::uint64_t before = 0;
-  std::uint64_t most = 0;
+  std::uint64_t most_steps = 0;
   for (int n = 1; n < 2000; ++n) {
     (void)patches.step(circling_hand(n), 1e-3);
-    most = std::max(most, patches.touch().counts().steps - before);
+    most_steps = std::max(most_steps, patches.touch().counts().steps - before);
     before = patches.touch().counts().steps;
   }
-  EXPECT_EQ(most, static_cast<std::uint64_t>(PatchTouch::kMaxFollowed));
+  EXPECT_EQ(most_steps, static_cast<std::uint64_t>(PatchTouch::kMaxFollowed));
 }
 
 }  // namespace

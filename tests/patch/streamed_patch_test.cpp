@@ -17,7 +17,7 @@ namespace hapton {
 namespace {
 
 constexpr double kStreamReachM = 0.006;
-constexpr std::int64_t kShapeNs = 33'000'000;  // 30 shapes a second
+constexpr std::int64_t kShapePeriodNs = 33'000'000;  // 30 shapes a second
 
 // A floor, and above it a sheet of 40 mm that a program deforms.
 TouchScene skin_on_floor(double friction = 0.0) {
@@ -39,7 +39,7 @@ ChainStage::Shape wave_of(const TouchScene& scene, int number) {
   return shape;
 }
 
-ShapeStart start_at(const TouchScene& scene, std::uint32_t serial, std::int64_t start_ns, std::int64_t over_ns = kShapeNs) {
+ShapeStart shape_start(const TouchScene& scene, std::uint32_t serial, std::int64_t start_ns, std::int64_t over_ns = kShapePeriodNs) {
   return {.source = 5,
           .serial = serial,
           .before = serial - 1,
@@ -52,47 +52,47 @@ ShapeStart start_at(const TouchScene& scene, std::uint32_t serial, std::int64_t 
 // The hand presses in, moves to and fro, and now and then off the edge of the sheet onto the floor.
 Vec3 skin_hand(double t_s) { return {0.03 * std::sin(2.1 * t_s), 0.009 * std::cos(1.3 * t_s), 0.0045 + 0.0055 * std::cos(5.0 * t_s)}; }
 
-struct SkinWorst {
-  double share = 0.0;  // as a share of the force
-  double newtons = 0.0;
-  int on_skin = 0;
-  int on_floor = 0;
-  int without = 0;
+struct SkinErrors {
+  double worst_share = 0.0;  // of the force
+  double worst_n = 0.0;
+  int skin_steps = 0;
+  int floor_steps = 0;
+  int steps_without_patch = 0;
 };
 
-void note(SkinWorst& worst, const ChainStage::Felt& felt) {
-  worst.on_skin += felt.whole.object == 1 ? 1 : 0;
-  worst.on_floor += felt.whole.object == 0 ? 1 : 0;
+void note(SkinErrors& errors, const ChainStage::Outputs& felt) {
+  errors.skin_steps += felt.whole.object == 1 ? 1 : 0;
+  errors.floor_steps += felt.whole.object == 0 ? 1 : 0;
   if (!felt.patch) {
-    ++worst.without;
+    ++errors.steps_without_patch;
     return;
   }
-  const double off_n = (felt.patch->force_n - felt.whole.force_n).norm();
-  worst.newtons = std::max(worst.newtons, off_n);
-  worst.share = std::max(worst.share, off_n / std::max(felt.whole.force_n.norm(), 1e-3));
+  const double error_n = (felt.patch->force_n - felt.whole.force_n).norm();
+  errors.worst_n = std::max(errors.worst_n, error_n);
+  errors.worst_share = std::max(errors.worst_share, error_n / std::max(felt.whole.force_n.norm(), 1e-3));
 }
 
 TEST(StreamedPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
   for (const double friction : {0.0, 0.5}) {
     const TouchScene scene = skin_on_floor(friction);
     ChainStage stage(scene);
-    SkinWorst worst;
+    SkinErrors errors;
     std::uint32_t serial = 0;
     for (int n = 0; n < 8000; ++n) {
       // Each shape is announced 0.1 s before it begins, so that three or four wait.
-      const std::int64_t next_ns = 120'000'000 + serial * kShapeNs;
+      const std::int64_t next_ns = 120'000'000 + serial * kShapePeriodNs;
       if (1e9 * stage.time_s() > static_cast<double>(next_ns) - 1e8 && n < 7000) {
-        const ShapeStart start = start_at(scene, ++serial, next_ns);
+        const ShapeStart start = shape_start(scene, ++serial, next_ns);
         const ChainStage::Shape shape = wave_of(scene, static_cast<int>(serial));
         ASSERT_TRUE(stage.deform(start, shape)) << serial;
         stage.announce(start, shape);
       }
-      note(worst, stage.step(skin_hand(stage.time_s())));
+      note(errors, stage.step(skin_hand(stage.time_s())));
     }
-    EXPECT_EQ(worst.without, 0);
-    EXPECT_LT(worst.share, friction == 0.0 ? 1e-9 : 0x1p-20) << friction;
-    EXPECT_GT(worst.on_skin, 1500);
-    EXPECT_GT(worst.on_floor, 20);
+    EXPECT_EQ(errors.steps_without_patch, 0);
+    EXPECT_LT(errors.worst_share, friction == 0.0 ? 1e-9 : 0x1p-20) << friction;
+    EXPECT_GT(errors.skin_steps, 1500);
+    EXPECT_GT(errors.floor_steps, 20);
     EXPECT_GT(serial, 200U);
     EXPECT_EQ(stage.chain().counts().late_shapes, 0U);
     EXPECT_EQ(stage.chain().counts().shapes, serial) << "all that were announced after its patch was made";
@@ -105,34 +105,34 @@ TEST(StreamedPatch, APatchBeginsInThePresentShape) {
     const TouchScene scene = skin_on_floor();
     ChainStage stage(scene);
     for (std::uint32_t serial = 1; serial <= 4; ++serial) {
-      const ShapeStart start = start_at(scene, serial, 30'000'000 + serial * kShapeNs);
+      const ShapeStart start = shape_start(scene, serial, 30'000'000 + serial * kShapePeriodNs);
       ASSERT_TRUE(stage.deform(start, wave_of(scene, static_cast<int>(serial))));
       stage.announce(start, wave_of(scene, static_cast<int>(serial)));
     }
-    SkinWorst worst;
+    SkinErrors errors;
     for (int n = 0; n < 800; ++n) {
       const Vec3 hand(0.003, 0.002, n < begin + 5 ? 0.02 : 0.02 - std::min(0.016, 2e-4 * (n - begin - 5)));
-      const ChainStage::Felt felt = stage.step(hand, Pose::Identity(), n >= begin);
-      if (n >= begin) note(worst, felt);
+      const ChainStage::Outputs felt = stage.step(hand, Pose::Identity(), n >= begin);
+      if (n >= begin) note(errors, felt);
     }
-    EXPECT_EQ(worst.without, 0) << begin;
-    EXPECT_LT(worst.share, 1e-9) << begin;
-    EXPECT_GT(worst.on_skin, 200) << begin;
+    EXPECT_EQ(errors.steps_without_patch, 0) << begin;
+    EXPECT_LT(errors.worst_share, 1e-9) << begin;
+    EXPECT_GT(errors.skin_steps, 200) << begin;
   }
 }
 
 // The parts of the sheet come while the hand presses on it and the surface moves.
 TEST(StreamedPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
-  for (const int late : {0, 20, 150}) {
+  for (const int late_steps : {0, 20, 150}) {
     const TouchScene scene = skin_on_floor();
     ChainStage stage(scene);
     const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
-    const Vec3 still(0.003, 0.002, 0.005);
+    const Vec3 resting_hand(0.003, 0.002, 0.005);
     // The whole scene a second time, with the shapes that the stage gets: this one has felt contact before.
     StreamedMethod& method = *whole->find_streamed(1);
     std::vector<Vec3> from(method.stager().rest().begin(), method.stager().rest().end());
     for (std::uint32_t serial = 1; serial <= 6; ++serial) {
-      const ShapeStart start = start_at(scene, serial, 30'000'000 + serial * kShapeNs, serial == 6 ? 900'000'000 : kShapeNs);
+      const ShapeStart start = shape_start(scene, serial, 30'000'000 + serial * kShapePeriodNs, serial == 6 ? 900'000'000 : kShapePeriodNs);
       const ChainStage::Shape shape = wave_of(scene, static_cast<int>(serial));
       std::vector<Vec3> to(method.stager().rest().begin(), method.stager().rest().end());
       for (std::size_t v = 0; v < to.size(); ++v) to[v] += Vec3(shape[v][0], shape[v][1], shape[v][2]);
@@ -151,17 +151,17 @@ TEST(StreamedPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
     }
     ASSERT_TRUE(felt.contact);
     stage.skip_to(0.26);
-    stage.chain().start_at(still + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, 0.26);
+    stage.chain().start_at(resting_hand + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, 0.26);
     double worst_n = 0.0;
     for (int n = 1; n <= 500; ++n) {
       input.time_s = 0.26 + 1e-3 * n;
       felt = whole->step(input);
-      const ChainStage::Felt both = stage.step(still, Pose::Identity(), n > late);
-      if (n <= late) continue;
+      const ChainStage::Outputs both = stage.step(resting_hand, Pose::Identity(), n > late_steps);
+      if (n <= late_steps) continue;
       ASSERT_TRUE(both.patch.has_value()) << n;
       worst_n = std::max(worst_n, (both.patch->force_n - felt.force_n).norm());
     }
-    EXPECT_LT(worst_n, 1e-9) << late;
+    EXPECT_LT(worst_n, 1e-9) << late_steps;
   }
 }
 
@@ -171,17 +171,17 @@ TEST(StreamedPatch, WhatComesLateOrNeverLeadsToTheSameShape) {
     std::mt19937_64 random(seed);
     const TouchScene scene = skin_on_floor();
     ChainStage stage(scene);
-    const Vec3 still(0.003, 0.002, 0.004);
+    const Vec3 resting_hand(0.003, 0.002, 0.004);
     std::vector<std::pair<int, std::uint32_t>> on_their_way;  // step of arrival, serial
     constexpr std::uint32_t kShapes = 40;
     double last_n = -1.0;
     double largest_change_n = 0.0;
     std::uint64_t lost = 0;
-    ChainStage::Felt felt;
+    ChainStage::Outputs felt;
     for (int n = 0; n < 2500; ++n) {
       const auto serial = static_cast<std::uint32_t>(n / 33 + 1);
       if (n % 33 == 0 && serial <= kShapes) {
-        const ShapeStart start = start_at(scene, serial, static_cast<std::int64_t>(1e9 * stage.time_s()) + 2'000'000);
+        const ShapeStart start = shape_start(scene, serial, static_cast<std::int64_t>(1e9 * stage.time_s()) + 2'000'000);
         ASSERT_TRUE(stage.deform(start, wave_of(scene, static_cast<int>(serial))));
         const bool is_lost = serial != kShapes && random() % 3 == 0;
         lost += is_lost ? 1 : 0;
@@ -189,11 +189,11 @@ TEST(StreamedPatch, WhatComesLateOrNeverLeadsToTheSameShape) {
       }
       for (const auto& [arrival, one] : on_their_way) {
         if (arrival == n)
-          stage.announce(start_at(scene, one, static_cast<std::int64_t>(33'000'000) * (one - 1) + 2'000'000),
+          stage.announce(shape_start(scene, one, static_cast<std::int64_t>(33'000'000) * (one - 1) + 2'000'000),
                          wave_of(scene, static_cast<int>(one)));
       }
       const double down = std::min(1.0, n / 200.0);
-      felt = stage.step(Vec3(0.003, 0.002, 0.02) + down * Vec3(0, 0, still.z() - 0.02));
+      felt = stage.step(Vec3(0.003, 0.002, 0.02) + down * Vec3(0, 0, resting_hand.z() - 0.02));
       ASSERT_TRUE(felt.patch.has_value()) << n;
       const double force_n = felt.patch->force_n.norm();
       if (n > 250) largest_change_n = std::max(largest_change_n, std::abs(force_n - last_n));
@@ -213,7 +213,7 @@ bool is_of_skin(const Message& part) {
   return std::holds_alternative<PatchStream>(part);
 }
 
-TEST(StreamedPatch, IsKnownWhenAllOfItIsThereAndItsShape) {
+TEST(StreamedPatch, IsKnownWhenAllPartsAndItsShapeHaveCome) {
   const TouchScene scene = skin_on_floor();
   std::vector<Message> parts = parts_of(make_tiles(scene));
   std::mt19937_64 random(60);
@@ -242,7 +242,7 @@ TEST(StreamedPatch, IsKnownWhenAllOfItIsThereAndItsShape) {
       (void)store.accept_shape(ObjectShape{.source = 5, .serial = serial, .object = 1, .part = make_shape_part(shape, first)},
                                Arrival::newest);
     }
-    EXPECT_TRUE(store.accept_shape(start_at(scene, serial, 0), Arrival::newest));
+    EXPECT_TRUE(store.accept_shape(shape_start(scene, serial, 0), Arrival::newest));
   };
   announce(6, true);
   EXPECT_FALSE(std::isinf(store.known_radius(above, 1))) << "an older one than it has";
@@ -275,14 +275,14 @@ TEST(StreamedPatch, HasTheShapesOfTheScene) {
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   const ChainStage::Shape shape = wave_of(scene, 3);
   const std::vector<Vec3>& rest = piece.scene.objects[0].mesh->vertices;
-  const std::vector<Vec3> at = store.find_stream(1)->vertices_at(rest, shape);
-  const std::vector<Vec3>& own = scene.objects[1].mesh->vertices;
-  ASSERT_EQ(at.size(), own.size());
-  for (std::size_t v = 0; v < at.size(); ++v) {
-    const auto same = std::find(own.begin(), own.end(), rest[v]);
-    ASSERT_NE(same, own.end());
-    const auto& by = shape[static_cast<std::size_t>(same - own.begin())];
-    EXPECT_EQ(at[v], rest[v] + scene.objects[1].stream_to_scene * Vec3(by[0], by[1], by[2]));
+  const std::vector<Vec3> vertices = store.find_stream(1)->vertices_at(rest, shape);
+  const std::vector<Vec3>& scene_vertices = scene.objects[1].mesh->vertices;
+  ASSERT_EQ(vertices.size(), scene_vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const auto same = std::find(scene_vertices.begin(), scene_vertices.end(), rest[v]);
+    ASSERT_NE(same, scene_vertices.end());
+    const auto& by = shape[static_cast<std::size_t>(same - scene_vertices.begin())];
+    EXPECT_EQ(vertices[v], rest[v] + scene.objects[1].stream_to_scene * Vec3(by[0], by[1], by[2]));
   }
 }
 
@@ -309,20 +309,20 @@ TEST(StreamedPatch, TheStepsUseNoHeap) {
   ChainStage stage(scene);
   for (int n = 0; n < 200; ++n) (void)stage.step(Vec3(0.003, 0.002, std::max(0.0045, 0.02 - 1e-4 * n)));
   for (std::uint32_t serial = 1; serial <= 6; ++serial) {
-    stage.announce(start_at(scene, serial, 150'000'000 + serial * kShapeNs), wave_of(scene, static_cast<int>(serial)));
+    stage.announce(shape_start(scene, serial, 150'000'000 + serial * kShapePeriodNs), wave_of(scene, static_cast<int>(serial)));
   }
   (void)stage.step(Vec3(0.003, 0.002, 0.0045));
-  std::uint64_t used = 0;
+  std::uint64_t allocations = 0;
   int in_contact = 0;
   for (int n = 0; n < 300; ++n) {
     const TouchInput input{.p_WD = Vec3(0.003 + 1e-5 * n, 0.002, 0.0045), .dt_s = 1e-3, .time_s = 0.202 + 1e-3 * n};
     const AllocationGuard guard;
     const auto output = stage.chain().step(input);
-    used += guard.count();
+    allocations += guard.count();
     ASSERT_TRUE(output) << n;
     in_contact += output->contact ? 1 : 0;
   }
-  EXPECT_EQ(used, 0U);
+  EXPECT_EQ(allocations, 0U);
   EXPECT_GT(in_contact, 100);
   EXPECT_EQ(stage.chain().counts().shapes, 6U);
 }
@@ -363,7 +363,7 @@ TEST(StreamedPatch, NoOtherBodyTakesTheShapesOfAnObject) {
   stream.vertices = {};
   store.accept(stream);
   EXPECT_EQ(store.counts().rejected, rejected + 1);
-  (void)store.accept_shape(start_at(scene, 1, 0), Arrival::newest);
+  (void)store.accept_shape(shape_start(scene, 1, 0), Arrival::newest);
   EXPECT_NE(store.shapes().newest_start(1), nullptr) << "of the body that there is";
 }
 

@@ -39,7 +39,7 @@ std::multiset<Corners> triangles_of(const TouchScene& scene, const PatchGrid& gr
 }
 
 TouchScene two_objects() {
-  TouchScene scene = scene_of(rolling_sheet(0.05, 40), {.stiffness_n_per_m = 700.0, .friction_static = 0.4, .friction_dynamic = 0.3});
+  TouchScene scene = scene_of(wavy_sheet(0.05, 40), {.stiffness_n_per_m = 700.0, .friction_static = 0.4, .friction_dynamic = 0.3});
   scene.objects.push_back({made::shared(made::soup(3, 500, 0.05, 0.02)), {.damping_ns_per_m = 2.0, .two_sided = false}});
   return scene;
 }
@@ -53,7 +53,7 @@ TEST(TilePartition, EveryTriangleIsInOneTile) {
 TEST(TilePartition, TilesFitAndKnowTheirObject) {
   const TouchScene scene = two_objects();
   const TiledScene tiled = make_tiles(scene);
-  std::size_t full = 0;
+  std::size_t full_tiles = 0;
   for (std::size_t n = 0; n < tiled.tiles.size(); ++n) {
     const PatchTile& tile = tiled.tiles[n];
     EXPECT_EQ(tile.tile, n);
@@ -66,14 +66,15 @@ TEST(TilePartition, TilesFitAndKnowTheirObject) {
     EXPECT_EQ(tile.friction_static, material.friction_static);
     EXPECT_EQ(tile.friction_dynamic, material.friction_dynamic);
     EXPECT_EQ(tile.two_sided, material.two_sided);
-    full += tile.object == 0 && tile.triangle_count == PatchTile::kMaxTriangles ? 1 : 0;
+    full_tiles += tile.object == 0 && tile.triangle_count == PatchTile::kMaxTriangles ? 1 : 0;
   }
-  EXPECT_GE(full, std::size_t{3200 / 64 - 2}) << "tiles of a mesh are full, but for a few";
+  // The sheet has 40 x 40 x 2 triangles.
+  EXPECT_GE(full_tiles, std::size_t{3200 / 64 - 2}) << "tiles of a mesh are full, but for a few";
 }
 
 // A patch relies on the cells: the list of a cell must have the tile of every triangle in it.
 TEST(TilePartition, ACellListsEveryTileThatReachesIntoIt) {
-  const TiledScene tiled = make_tiles(scene_of(rolling_sheet(0.05, 100)));
+  const TiledScene tiled = make_tiles(scene_of(wavy_sheet(0.05, 100)));
   ASSERT_GT(tiled.cells.size(), 10U);
   double listed = 0.0;
   for (const TileCell& cell : tiled.cells) {
@@ -87,7 +88,7 @@ TEST(TilePartition, ACellListsEveryTileThatReachesIntoIt) {
 }
 
 TEST(TilePartition, CellsAndEmptyChildrenCoverAllSpace) {
-  const TiledScene tiled = make_tiles(scene_of(rolling_sheet(0.05, 100)));
+  const TiledScene tiled = make_tiles(scene_of(wavy_sheet(0.05, 100)));
   double volume = 0.0;
   std::set<std::uint64_t> empty;
   for (const TileCell& cell : tiled.cells) {
@@ -105,7 +106,7 @@ TEST(TilePartition, CellsAndEmptyChildrenCoverAllSpace) {
   EXPECT_EQ(volume, std::ldexp(1.0, 3 * kPatchGridBits));
 }
 
-TEST(TilePartition, OfNothingIsNothing) {
+TEST(TilePartition, AnEmptySceneHasNoTilesAndNoCells) {
   const TiledScene tiled = make_tiles({});
   EXPECT_TRUE(tiled.tiles.empty());
   EXPECT_TRUE(tiled.cells.empty());
@@ -114,11 +115,11 @@ TEST(TilePartition, OfNothingIsNothing) {
 // Long slivers cross one another. In the middle the bounds of all tiles overlap, so no cell there has few tiles.
 TEST(TilePartition, TilesThatLieAcrossEachOtherDoNotFillTheMemory) {
   std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> place(-0.05, 0.05);
+  std::uniform_real_distribution<double> coordinate(-0.05, 0.05);
   TriangleMesh mesh;
   for (std::uint32_t n = 0; n < 6000; ++n) {
-    const Vec3 from(place(random), place(random), place(random));
-    const Vec3 to(place(random), place(random), place(random));
+    const Vec3 from(coordinate(random), coordinate(random), coordinate(random));
+    const Vec3 to(coordinate(random), coordinate(random), coordinate(random));
     for (const Vec3& v : {from, to, Vec3(to + Vec3(1e-5, 2e-5, 1e-5))}) mesh.vertices.push_back(v);
     mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
